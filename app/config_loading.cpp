@@ -146,7 +146,7 @@ Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
   if (!node) return Forward(node);
   auto options = OptionsFromConfig<JobOptions>(*node);
   if (!options) return Forward(options);
-  if (Status networks = ResolveNetworks(options->train); !networks) return Forward(networks);
+  if (Status networks = ResolveNetworks(*options); !networks) return Forward(networks);
   if (Status values = CheckValues(*options, *node); !values) return Forward(values);
   DropForeignWords(*node, *options);
   BoundTraining(options->train);
@@ -171,12 +171,12 @@ std::filesystem::path FindBody() {
   return {};
 }
 
-Status ResolveNetworks(TrainOptions& options) {
-  for (NetworkOptions& network : options.networks) {
+Status ResolveNetworks(JobOptions& job) {
+  for (NetworkOptions& network : job.train.networks) {
     ActorOptions& actor = network.actor;
     if (network.kind == NetworkKind::kActor && actor.vertex_weight > 0.0 && actor.body.empty()) actor.body = FindBody();
   }
-  return CheckNetworks(options);
+  return CheckNetworks(job.train, job.assemble.splits.empty() ? "" : job.assemble.splits.front().name);
 }
 
 Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments) {

@@ -24,6 +24,6 @@ Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::s
 std::filesystem::path FindBody();
 
 /// Looks for the body of losses on vertices that name none, and checks the networks. Errors of CheckNetworks.
-Status ResolveNetworks(TrainOptions& options);
+Status ResolveNetworks(JobOptions& job);
 
 }  // namespace mocurate

@@ -124,7 +124,7 @@ Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& s
   own.pipeline = options.pipeline;
   own.ingest.path = set.path;
   own.ingest.synthetic.enabled = false;
-  if (Status networks = ResolveNetworks(own.train); !networks) return Forward(networks);
+  if (Status networks = ResolveNetworks(own); !networks) return Forward(networks);
   ResolveDefaults(own);
   return own;
 }
@@ -205,7 +205,16 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
                                                 "data", "--data " + set.name + "=PATH"});
         continue;
       }
-      if (own.dry_run) continue;
+      if (own.dry_run) {
+        std::string networks;
+        for (const NetworkOptions& network : job.train.networks) {
+          if (network.enabled) networks += (networks.empty() ? "" : ", ") + network.name;
+        }
+        LogInfo(set.name + ": the set is not here; a run would write synthetic motions in the layout '" +
+                set.substitute + "' and train " + networks + ". --data " + set.name +
+                "=PATH names your copy, whose cost is measured");
+        continue;
+      }
       auto folder = Substitute(set, options.substitutes, settings.run_folder / "data", std::max(1, own.jobs));
       if (!folder) return Forward(folder);
       job.ingest.path = std::move(*folder);

@@ -244,7 +244,7 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
       ->allow_extra_args(false);
   generate->add_option(
       "--frames", arguments->frames,
-      "of each motion (default: as many as the network was trained on); FIRST:LAST:STEP: each of these");
+      "of each motion (default: as many as the network was trained on); FIRST:LAST[:STEP]: each of these");
   generate
       ->add_option("--interpolate", arguments->interpolate,
                    "for each motion that is asked for, so many on the way between two latents (kind actor)")
@@ -262,8 +262,9 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
   generate->add_option("--shapes", arguments->shapes, "bodies of each motion: the mean one, then drawn ones")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  generate->add_option("--body", arguments->body,
-                       "of the meshes: SMPL_NEUTRAL.pkl or body_cc0.h5 (default: the one below MOCURATE_WEIGHTS)");
+  generate->add_option(
+      "--body", arguments->body,
+      "of the meshes: SMPL_NEUTRAL.pkl or body_cc0.h5 (default: the one below MOCURATE_WEIGHTS or MOCURATE_DATA)");
   generate->add_option("-o,--output", arguments->output, "MotionSet (.h5), which eval, export and fit take")
       ->required();
   generate->add_flag("--force", arguments->force, "overwrite");

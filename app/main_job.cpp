@@ -302,6 +302,9 @@ class MainJob {
     result_.metrics["recognisers"] = std::move(*recognisers);
     result_.metrics["published"] = WithoutRecognisers(*published);
     result_.metrics["notes"] = NotesOf(options_.evaluate);
+    if (const std::string recogniser = RecogniserOf(options_); !recogniser.empty()) {
+      result_.metrics["notes"].push_back("Features by " + recogniser + ".");
+    }
     AddTraining({networks_, options_.train, result_.training, JournalOf(folder(), TrainDeclaration().name)},
                 options_.evaluate.settled, result_.metrics["rows"]);
     return WriteMetrics();

@@ -111,6 +111,9 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
     FeaturesOptions features;
     features.extractor = OwnExtractor(own);
     features.part = RealPart::kTest;
+    features.crop = CropDraw::kReleased;  // as it was trained; of no weight where whole clips are read
+    features.seed = options.evaluate.seed;
+    features.purpose = "recognisers";
     features.split = options.evaluate.split.empty() ? own.data.split : options.evaluate.split;
     const bool unfitted = own.trained_on == TrainingSetChoice::kUnfitted;
     const auto add = [&](const std::string& item, const ItemResult& motions, bool denoised) {

@@ -1,6 +1,7 @@
 #include "app/training_run.h"
 
 #include <algorithm>
+#include <set>
 
 #include "app/main_job.h"
 #include "app/scratch_folder.h"
@@ -68,8 +69,18 @@ class TrainingRun {
     settings.cache_folder = scratch.path() / "cache";
     auto runner = Runner::Make(settings);
     if (!runner) return Forward(runner);
-    std::vector<ItemSpec> specs;
+    std::vector<ItemSpec> specs, known;
     for (const TrainItem& item : items) {
+      if (item.after.empty() && item.from.empty() && !item.made) known.push_back(item.spec);
+    }
+    const auto foreseen = place_.runs.Run(TrainDeclaration(), std::move(known));
+    if (!foreseen) return Forward(foreseen);
+    std::set<std::string> cached;
+    for (const ItemResult& item : foreseen->items) {
+      if (item.from_cache) cached.insert(item.item);
+    }
+    for (const TrainItem& item : items) {
+      if (cached.count(item.spec.item) > 0) continue;
       const bool trained = options_.networks[item.network].learning.weights.empty();
       if (item.made) {
         LogInfo(item.spec.item + ": not measured, '" + item.made->generator_item + "' has made nothing yet");

@@ -198,6 +198,20 @@ Expected<std::vector<MotionRequest>> RequestsOf(const GenerateArguments& argumen
   if (!lengths) return Forward(lengths);
   const auto durations = DurationsOf(arguments.frames, static_cast<int>(options.data.frames));
   if (!durations) return Forward(durations);
+  constexpr int kMostFrames = 5000;         // rows of ACTOR's positional table
+  constexpr double kMostFramesInAll = 2e7;  // 100 GB of joints and rotations
+  if (options.kind == NetworkKind::kActor && durations->back() > kMostFrames) {
+    return Fail(ErrorCode::kUsage, "'" + arguments.frames + "': the network's positions end at 5000 frames", "--frames",
+                "ask for at most 5000");
+  }
+  double all = 0.0;
+  for (const int frames : *durations) {
+    all += static_cast<double>(frames) * static_cast<double>(labels->size()) * std::max(1, arguments.interpolate);
+  }
+  if (all > kMostFramesInAll) {
+    return Fail(ErrorCode::kUsage, "that is " + RoundedText(all, 3) + " frames in all", "--frames",
+                "ask for at most 2e7 at once");
+  }
   if (arguments.interpolate > 0 && options.kind != NetworkKind::kActor) {
     return Fail(ErrorCode::kUsage, "the network has no latent of a whole motion", "--interpolate",
                 "give a network of kind actor");
@@ -245,6 +259,10 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
                   "give a network of kind actor");
     }
     if (Status body = CheckMeshBody(bodies, *checkpoint->skeleton); !body) return body;
+    if (fs::exists(arguments.mesh, unknown) && !fs::is_directory(arguments.mesh, unknown)) {
+      return Fail(ErrorCode::kUsage, "a file is in the place of the folder", DisplayPath(arguments.mesh),
+                  "--mesh names a folder");
+    }
     if (fs::exists(arguments.mesh, unknown) && !fs::is_empty(arguments.mesh, unknown) && !arguments.force) {
       return Fail(ErrorCode::kUsage, "the folder is not empty", DisplayPath(arguments.mesh), "--force overwrites");
     }
@@ -273,7 +291,7 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
     RemakeOptions remake;
     remake.seed = static_cast<std::int64_t>(arguments.seed);
     item.options = OptionsToJson(remake);
-    item.inputs.push_back({"motions", "motions", arguments.denoise, ""});
+    item.inputs.push_back({"motions", DisplayPath(arguments.denoise), arguments.denoise, ""});
   }
   RunnerOptions settings;
   settings.run_folder = scratch.path();

@@ -117,7 +117,8 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Text("published", published, "set whose published numbers stand below the table, as the papers' tables name it");
   v.Text("paper", paper, "whose published numbers: Action2Motion, ACTOR, MultiAct");
   v.Text("table", table, "number of the paper's table; empty: all of them");
-  v.Text("recogniser", recogniser, "network that gives the features of the metrics; empty: the first gru_recogniser");
+  v.Text("recogniser", recogniser,
+         "network that gives the features of the metrics; empty: the first recogniser that is trained on the dataset");
   v.Bool("generators", generators, "score generators and real motions; false: the recognisers alone");
   v.Integer("seed", seed, {}, "of every draw of the evaluation");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");

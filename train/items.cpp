@@ -115,7 +115,9 @@ Status CheckMade(const NetworkOptions& network, const TrainOptions& options, con
   const auto found = std::find_if(options.networks.begin(), options.networks.end(),
                                   [&](const NetworkOptions& one) { return one.name == network.generator; });
   if (found == options.networks.end() || found->kind != NetworkKind::kActor || !found->enabled) {
-    return Fail(ErrorCode::kConfig, "there is no actor network '" + network.generator + "' that is trained",
+    return Fail(ErrorCode::kConfig,
+                network.generator.empty() ? std::string("nothing says which network makes the motions")
+                                          : "there is no actor network '" + network.generator + "' that is trained",
                 where + ".generator", "name one of train.networks of kind actor");
   }
   NetworkOptions as_generator = network;
@@ -268,7 +270,11 @@ Status CheckActor(const NetworkOptions& network, const std::string& where) {
   return {};
 }
 
-Status CheckNetworks(const TrainOptions& options) {
+Status CheckNetworks(const TrainOptions& given, const std::string& first_split) {
+  TrainOptions options = given;
+  for (NetworkOptions& network : options.networks) {
+    if (network.data.split.empty()) network.data.split = first_split;
+  }
   std::set<std::string> names;
   for (std::size_t i = 0; i < options.networks.size(); ++i) {
     const NetworkOptions& network = options.networks[i];

@@ -58,7 +58,8 @@ void BoundTraining(TrainOptions& options);
 
 /// Error kConfig for a seed that is not whole or stands twice, for names that stand twice or are no names of files, and
 /// for steps of `samples_at` that do not rise.
-Status CheckNetworks(const TrainOptions& options);
+/// `first_split`: of the set, which an empty `split` means.
+Status CheckNetworks(const TrainOptions& options, const std::string& first_split = {});
 
 /// Whether the sizes of an ACTOR fit each other; anything holds of other kinds. Error kConfig.
 Status CheckActor(const NetworkOptions& network, const std::string& where);

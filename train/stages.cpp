@@ -150,6 +150,11 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
     if (!options) return Forward(options);
     auto read = ReadDataset(noisy->path);
     if (!read) return Forward(read);
+    const auto placed = [&](const Error& error) {  // in the file, not in "motions"
+      Error own = error;
+      if (own.where == "motions") own.where = noisy->name;
+      return tl::unexpected<Error>(own);
+    };
     if (options->training_windows) {
       read = TrainingWindows(std::move(*read), (*generator)->options(), options->rule == RemakeRule::kDenoise);
       if (!read) return Forward(read);
@@ -158,6 +163,7 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
       ReportProgress(part, "motions");
       return !StopRequested();
     });
+    if (!set) return placed(set.error());
   } else {
     const auto requests = ReadRequests(asked->path);
     if (!requests) return Forward(requests);
