@@ -281,6 +281,30 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
       [&common, &verb, arguments] { verb = [&common, arguments] { return GenerateVerb(common, *arguments); }; });
 }
 
+void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<AuditArguments>();
+  CLI::App* audit = app.add_subcommand(
+      "audit", "Look for errors in a dataset: labels, leaks, duplicates, mirrored, swapped and frozen clips");
+  audit->add_option("path", arguments->path, "dataset (.h5)")->required();
+  audit->add_option(
+      "--probabilities", arguments->probabilities,
+      "classes of its clips by another classifier that did not learn from them, in the place of the plain "
+      "one: features/SET.h5 of `mocurate eval -o`");
+  audit->add_option("--fail-on", arguments->fail_on, "exit code 1 where a finding is of this severity or worse")
+      ->check(CLI::IsMember({"warning", "error"}));
+  audit->add_option("-o,--output", arguments->output, "folder for audit.json");
+  audit->add_option("--set", arguments->assignments, "override an option, e.g. --set labels.own_share=0.1")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  audit->add_flag("--force", arguments->force, "overwrite");
+  audit->footer(
+      "Nothing is changed. Codes: label_suspect, duplicate, leak, mirrored, frozen_frames, swapped_sides.\n\n"
+      "Examples:\n  mocurate audit runs/kard/dataset.h5\n  mocurate audit runs/kard/dataset.h5 --json\n"
+      "  mocurate audit runs/kard/dataset.h5 -o audits/kard --fail-on error");
+  audit->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return AuditVerb(common, *arguments); }; });
+}
+
 void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
@@ -422,6 +446,7 @@ int Run(int argc, char** argv) {
   AddExport(app, common, verb);
   AddGenerate(app, common, verb);
   AddEval(app, common, verb);
+  AddAudit(app, common, verb);
   AddInspect(app, common, verb);
   AddSynthesize(app, common, verb);
   AddConfig(app, common, verb);

@@ -83,6 +83,15 @@ struct EvalArguments {
   int jobs = 0;
 };
 
+struct AuditArguments {
+  std::filesystem::path path;           ///< dataset
+  std::filesystem::path probabilities;  ///< features of its clips by `mocurate eval`, or empty
+  std::filesystem::path output;         ///< folder for audit.json, or empty
+  std::string fail_on;                  ///< "warning", "error", or empty
+  std::vector<std::string> assignments;
+  bool force = false;  ///< overwrite
+};
+
 struct InspectArguments {
   std::filesystem::path path;
   std::filesystem::path source;  ///< name of a source declaration, or a config; or empty
@@ -129,6 +138,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments);
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments);
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments);
+Status AuditVerb(CommonArguments& common, const AuditArguments& arguments);
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
 Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments);
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);

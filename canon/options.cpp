@@ -79,14 +79,28 @@ void AssembleOptions::Declare(OptionVisitor& v) {
   v.List("splits", splits, "train, validation and test parts");
 }
 
+void LabelNoiseOptions::Declare(OptionVisitor& v) {
+  v.Bool("enabled", enabled, "look for clips that look like those of another class");
+  v.Integer("frames", frames, {2.0, 256.0}, "that each clip is resampled to");
+  v.Number("velocity_weight", velocity_weight, Unit::kNone, {0.0, 100.0}, "of differences in time beside places");
+  v.Number("width", width, Unit::kNone, {1e-3, 1e3}, "exponent of the kernel at the median squared distance of clips");
+  v.Number("ridge", ridge, Unit::kNone, {1e-6, 1e3}, "added to the kernel's diagonal");
+  v.Number("other_share", other_share, Unit::kNone, {0.0, 10.0},
+           "least score of another class, by what its own clips score in the mean");
+  v.Number("own_share", own_share, Unit::kNone, {-10.0, 10.0},
+           "largest score of the own class, by what its clips score in the mean");
+  v.Integer("most_clips", most_clips, {2.0, 20000.0}, "that a fold learns from; of more so many are drawn");
+}
+
 void AuditOptions::Declare(OptionVisitor& v) {
   v.Text("split", split, "split of the nearest-neighbour figure; empty takes the first");
   v.Integer("nearest_neighbour_frames", nearest_neighbour_frames, {2.0, 1000.0},
             "frames each clip is resampled to before distances are taken");
+  v.Group("labels", labels, "how label errors are looked for");
 }
 
 StageDeclaration CanonDeclaration() { return {"canon", 15, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration AssembleDeclaration() { return {"assemble", 12, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration AuditDeclaration() { return {"audit", 1, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AuditDeclaration() { return {"audit", 2, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

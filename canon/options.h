@@ -104,9 +104,25 @@ struct AssembleOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// How label errors are looked for (canon/audit/label_noise.h). Measured on KARD with 3 and 10 % of the labels
+/// exchanged, 20 draws each: docs/audited_sets.md.
+struct LabelNoiseOptions {
+  bool enabled = true;
+  std::int64_t frames = 32;        ///< that a clip is resampled to
+  double velocity_weight = 3.0;    ///< of differences beside places
+  double width = 1.0;              ///< exponent at the median squared distance of two clips
+  double ridge = 0.1;              ///< added to the kernel's diagonal of ones
+  double other_share = 0.7;        ///< of a class's usual score that another class's clip must reach
+  double own_share = 0.25;         ///< of its own class's usual score that it must stay below
+  std::int64_t most_clips = 4000;  ///< that a fold learns from
+
+  void Declare(OptionVisitor& v);
+};
+
 struct AuditOptions {
   std::string split;  ///< of the nearest-neighbour figure; empty: the first one
   std::int64_t nearest_neighbour_frames = 32;
+  LabelNoiseOptions labels;
 
   void Declare(OptionVisitor& v);
 };

@@ -253,6 +253,16 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
   EXPECT_EQ(table["rows"][1]["name"], "ACTOR");
   EXPECT_TRUE(table["rows"][1]["metrics"]["FID_train"]["value"].is_number());
   EXPECT_TRUE(table["rows"][1]["metrics"]["accuracy"]["value"].is_number());
+  const std::string set = (folder / "r/dataset.h5").string();
+  const Result audit = TrainingProgram(folder, {"audit", set, "--json", "-o", (folder / "audit").string()});
+  ASSERT_EQ(audit.exit_code, 0) << audit.err;
+  for (const char* key : {"findings", "summary"}) EXPECT_TRUE(audit.Json().contains(key)) << key;
+  EXPECT_EQ(audit.Json(), nlohmann::json::parse(ReadText(folder / "audit/audit.json")));
+  EXPECT_EQ(TrainingProgram(folder, {"audit", set, "-o", (folder / "audit").string()}).exit_code, 2) << "it is there";
+  EXPECT_EQ(TrainingProgram(folder, {"audit", (folder / "nowhere.h5").string()}).exit_code, 3);
+  EXPECT_EQ(TrainingProgram(folder, {"audit", set, "--set", "labels.widht=2"}).exit_code, 2);
+  const Result strict = TrainingProgram(folder, {"audit", set, "--fail-on", "warning", "-q"});
+  EXPECT_EQ(strict.exit_code, audit.Json()["findings"].empty() ? 0 : 1);
   const std::string actor = (folder / "r/checkpoints/ACTOR_1.h5").string();
   const std::string denoised = (folder / "denoised.h5").string(), between = (folder / "between.h5").string();
   const Result made =

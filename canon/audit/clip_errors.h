@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/finding.h"
+#include "core/store/store.h"
+
+namespace mocurate {
+
+/// What an audit found, and what it proposes: another label, or the clip that shows the same; or nothing.
+struct AuditFinding {
+  Finding finding;
+  std::string suggested;
+};
+
+/// Clips of which a motion says that they are wrong: "mirrored" (the anatomy of a left-handed frame,
+/// MeasureHandedness), "swapped_sides" (FindSwaps), "frozen_frames" (FindRepeats), the last two with their frames.
+std::vector<AuditFinding> FindClipErrors(const Dataset& dataset);
+
+/// Pairs of clips that show the same (FindDuplicates), also mirrored or in part: "leak" (error) where a split has them
+/// in two parts, else "duplicate". `suggested` is the other clip.
+std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset);
+
+}  // namespace mocurate

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <map>
+
+#include "canon/audit/clip_errors.h"
+#include "canon/audit/label_noise.h"
+#include "canon/audit/nearest_neighbour.h"
+#include "canon/options.h"
+#include "canon/stage_parts.h"
+#include "canon/stages.h"
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/store/feature_file.h"
+#include "core/store/store.h"
+
+namespace mocurate {
+namespace {
+
+/// Clips that look like those of another class, the most doubtful first. `input`: probabilities of another classifier,
+/// or null.
+Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const LabelNoiseOptions& options,
+                                                  const StageInput* input) {
+  std::vector<AuditFinding> findings;
+  if (!options.enabled) return findings;
+  LabelAudit audit;
+  if (input == nullptr) {
+    audit = AuditLabels(dataset, options);
+  } else {
+    const auto features = ReadFeatures(input->path);
+    if (!features) return Forward(features);
+    auto judged = AuditLabelsBy(*features, dataset, options);
+    if (!judged) return Fail(judged.error().code, judged.error().what, input->name, judged.error().hint);
+    audit = std::move(*judged);
+  }
+  for (std::size_t i = 0; i < audit.rows.size(); ++i) {
+    const JudgedLabel& judged = audit.judged[i];
+    if (!judged.suspect) continue;
+    const Clip& clip = dataset.clips[static_cast<std::size_t>(audit.rows[i])];
+    AuditFinding found;
+    found.finding.clip = clip.id();
+    found.finding.code = "label_suspect";
+    found.finding.frame_end = clip.motion->frame_count();
+    found.finding.value = judged.margin;
+    found.suggested = dataset.labels[static_cast<std::size_t>(judged.suggested)];
+    found.finding.message = "labelled '" + clip.label + "', moves like '" + found.suggested + "' (margin " +
+                            RoundedText(judged.margin, 2) + ")";
+    found.finding.action = "flagged";
+    findings.push_back(std::move(found));
+  }
+  std::stable_sort(findings.begin(), findings.end(),
+                   [](const AuditFinding& a, const AuditFinding& b) { return a.finding.value < b.finding.value; });
+  return findings;
+}
+
+nlohmann::json JsonOf(const AuditFinding& found) {
+  const Finding& finding = found.finding;
+  const char* severity = finding.severity == Severity::kError     ? "error"
+                         : finding.severity == Severity::kWarning ? "warning"
+                                                                  : "info";
+  return {{"clip", finding.clip},
+          {"code", finding.code},
+          {"severity", severity},
+          {"frame_begin", finding.frame_begin},
+          {"frame_end", finding.frame_end},
+          {"value", finding.value},
+          {"suggested", found.suggested.empty() ? nlohmann::json() : nlohmann::json(found.suggested)},
+          {"message", finding.message}};
+}
+
+}  // namespace
+
+Expected<StageOutcome> AuditStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<AuditOptions>(request.options, "audit");
+  if (!options) return Forward(options);
+  const StageInput* input = FindInput(request, "dataset");
+  if (input == nullptr) return Fail(ErrorCode::kInternal, "audit got no dataset", request.item);
+  const auto dataset = ReadDataset(input->path);
+  if (!dataset) return Forward(dataset);
+
+  std::map<std::string, int> per_label;
+  std::map<std::string, int> per_person;
+  std::int64_t frames = 0;
+  double seconds = 0.0;
+  for (const Clip& clip : dataset->clips) {
+    ++per_label[clip.label];
+    ++per_person[clip.identity.person];
+    if (!clip.motion) continue;
+    frames += clip.motion->frame_count();
+    seconds += clip.motion->duration();
+  }
+  nlohmann::json audit = {
+      {"clips", dataset->clips.size()}, {"frames", frames},         {"seconds", seconds},
+      {"per_label", per_label},         {"per_person", per_person}, {"splits", nlohmann::json::array()}};
+  for (const Split& split : dataset->splits) audit["splits"].push_back(SplitSummary(split));
+  const Split* chosen = options->split.empty() ? (dataset->splits.empty() ? nullptr : &dataset->splits.front())
+                                               : dataset->FindSplit(options->split);
+  if (!options->split.empty() && chosen == nullptr) {
+    return Fail(ErrorCode::kConfig, "the dataset has no split '" + options->split + "'", "audit.split");
+  }
+  if (chosen != nullptr) {
+    const NearestNeighbourResult result =
+        NearestNeighbour(*dataset, *chosen, static_cast<int>(options->nearest_neighbour_frames));
+    audit["nearest_neighbour"] = {
+        {"split", chosen->name}, {"accuracy", result.accuracy()}, {"correct", result.correct}, {"count", result.count}};
+  }
+  std::vector<AuditFinding> findings = FindRepeatedClips(*dataset);
+  for (AuditFinding& found : FindClipErrors(*dataset)) findings.push_back(std::move(found));
+  auto labels = LabelFindings(*dataset, options->labels, FindInput(request, "probabilities"));
+  if (!labels) return Forward(labels);
+  for (AuditFinding& found : *labels) findings.push_back(std::move(found));
+  std::map<std::string, int> per_code;
+  nlohmann::json list = nlohmann::json::array();
+  for (const AuditFinding& found : findings) {
+    ++per_code[found.finding.code];
+    list.push_back(JsonOf(found));
+  }
+  audit["findings"] = per_code;
+  StageOutcome outcome;
+  outcome.summary = audit;
+  const nlohmann::json file = {{"findings", std::move(list)}, {"summary", std::move(audit)}};
+  if (Status written = WriteFile(request.output, file.dump(1) + "\n"); !written) return Forward(written);
+  return outcome;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/pipeline/stage.h"
+#include "core/store/store.h"
+
+namespace mocurate {
+
+/// The input of a role; null when there is none.
+const StageInput* FindInput(const StageRequest& request, const std::string& role);
+
+void SortById(std::vector<Clip>& clips);
+
+/// {"name", "train", "validation", "test" (counts), "rule", "leak_check"}
+nlohmann::json SplitSummary(const Split& split);
+
+}  // namespace mocurate

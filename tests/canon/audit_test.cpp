@@ -1,0 +1,163 @@
+// What an audit finds in a set of which the errors are known: labels, repeated clips, frozen and exchanged limbs.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "canon/audit/clip_errors.h"
+#include "canon/audit/label_noise.h"
+#include "core/base/random.h"
+#include "core/quality/swaps.h"
+#include "tests/canon/moving_clips.h"
+
+namespace mocurate {
+namespace {
+
+/// Four persons who wave an arm of three joints slowly, quickly or not at all, five clips each, with a little noise.
+Dataset WavingSet() {
+  std::vector<Clip> clips;
+  for (int person = 0; person < 4; ++person) {
+    for (int label = 0; label < 3; ++label) {
+      for (int k = 0; k < 5; ++k) {
+        Clip clip = ClipMoving("p" + std::to_string(person), std::string(1, static_cast<char>('a' + label)),
+                               40 + 3 * k + person, 5, 30, 0.3);
+        Random random(3, "waving", clip.id());
+        Motion& motion = *clip.motion;
+        const double phase = random.Uniform(0.0, 0.4);
+        for (int f = 0; f < motion.frame_count(); ++f) {
+          const double t = static_cast<double>(f) / motion.frame_count();
+          const double lift = label == 2 ? 0.0 : 0.4 * std::sin(6.28 * ((label == 0 ? 1.0 : 3.0) * t + phase));
+          for (int j = motion.joint_count() - 3; j < motion.joint_count(); ++j) motion.joints.at(f, j).y() += lift;
+          for (int j = 0; j < motion.joint_count(); ++j) {
+            motion.joints.at(f, j) += 0.01 * Vector3d(random.Normal(), random.Normal(), random.Normal());
+          }
+        }
+        clips.push_back(std::move(clip));
+      }
+    }
+  }
+  Dataset dataset = SetOf(std::move(clips));
+  dataset.labels = {"a", "b", "c"};
+  return dataset;
+}
+
+std::size_t CountOf(const std::vector<AuditFinding>& findings, const std::string& code, const std::string& clip) {
+  return static_cast<std::size_t>(std::count_if(findings.begin(), findings.end(), [&](const AuditFinding& one) {
+    return one.finding.code == code && (clip.empty() || one.finding.clip == clip);
+  }));
+}
+
+TEST(AuditOfLabels, ExchangedLabelsAreFoundWithTheirClassAndOthersAreNot) {
+  Dataset dataset = WavingSet();
+  const LabelAudit sound = AuditLabels(dataset, LabelNoiseOptions());
+  ASSERT_EQ(sound.judged.size(), dataset.clips.size());
+  EXPECT_TRUE(
+      std::none_of(sound.judged.begin(), sound.judged.end(), [](const JudgedLabel& one) { return one.suspect; }));
+  std::map<std::size_t, std::string> truth;
+  for (const std::size_t row : {std::size_t{2}, std::size_t{31}, std::size_t{50}}) {
+    truth[row] = dataset.clips[row].label;
+    dataset.clips[row].label = truth[row] == "c" ? "a" : "c";
+  }
+  const LabelAudit audit = AuditLabels(dataset, LabelNoiseOptions());
+  for (std::size_t i = 0; i < audit.judged.size(); ++i) {
+    const auto planted = truth.find(static_cast<std::size_t>(audit.rows[i]));
+    EXPECT_EQ(audit.judged[i].suspect, planted != truth.end()) << dataset.clips[i].id();
+    if (planted == truth.end()) continue;
+    EXPECT_EQ(dataset.labels[static_cast<std::size_t>(audit.judged[i].suggested)], planted->second);
+    EXPECT_LT(audit.judged[i].margin, -0.3);
+  }
+}
+
+TEST(AuditOfLabels, FoldsKeepPersonsTogetherAndWhatCannotBeComparedIsNot) {
+  const Dataset dataset = WavingSet();
+  std::vector<int> rows;
+  for (int i = 0; i < static_cast<int>(dataset.clips.size()); ++i) rows.push_back(i);
+  std::map<std::string, std::set<int>> folds;
+  const std::vector<int> fold = FoldsByPerson(dataset, rows);
+  for (const int row : rows) {
+    folds[dataset.clips[static_cast<std::size_t>(row)].identity.person].insert(fold[static_cast<std::size_t>(row)]);
+  }
+  for (const auto& [person, own] : folds) EXPECT_EQ(own.size(), 1u) << person;
+  EXPECT_EQ(std::set<int>(fold.begin(), fold.end()).size(), 4u);
+  Dataset one_class = dataset;
+  for (Clip& clip : one_class.clips) clip.label = "a";
+  EXPECT_TRUE(AuditLabels(one_class, LabelNoiseOptions()).rows.empty());
+  Dataset alone = dataset;  // of one person the clips themselves are folded
+  for (Clip& clip : alone.clips) clip.identity.person = "p";
+  EXPECT_GT(std::set<int>(fold.begin(), fold.end()).size(), 1u);
+  EXPECT_EQ(AuditLabels(alone, LabelNoiseOptions()).rows.size(), alone.clips.size());
+  LabelNoiseOptions few;  // learning from drawn clips alone judges all
+  few.most_clips = 20;
+  EXPECT_EQ(AuditLabels(dataset, few).judged.size(), dataset.clips.size());
+}
+
+TEST(AuditOfLabels, ProbabilitiesOfAnotherClassifierCountByClip) {
+  const Dataset dataset = WavingSet();
+  FeatureSet features;
+  features.classes = {"c", "a", "b"};  // in an order of its own
+  for (std::size_t row = 0; row < dataset.clips.size(); ++row) {
+    const std::string says = row == 7 ? (dataset.clips[row].label == "a" ? "b" : "a") : dataset.clips[row].label;
+    for (const std::string& name : features.classes) features.logits.push_back(name == says ? 4.0f : 0.0f);
+    features.clip.push_back(dataset.clips[row].id());
+    features.label.push_back(0);
+  }
+  const auto audit = AuditLabelsBy(features, dataset, LabelNoiseOptions());
+  ASSERT_TRUE(audit) << audit.error().Message();
+  for (std::size_t i = 0; i < audit->judged.size(); ++i) EXPECT_EQ(audit->judged[i].suspect, i == 7);
+  for (std::string& clip : features.clip) clip = "other/" + clip;
+  EXPECT_EQ(AuditLabelsBy(features, dataset, LabelNoiseOptions()).error().code, ErrorCode::kInconsistent);
+}
+
+TEST(AuditOfClips, FrozenAndExchangedLimbsAreFoundWhereTheyAre) {
+  Dataset dataset = WavingSet();
+  EXPECT_TRUE(FindClipErrors(dataset).empty());
+  Motion& frozen = *dataset.clips[4].motion;
+  for (int f = 12; f < 20; ++f) {
+    for (int j = 0; j < frozen.joint_count(); ++j) frozen.joints.at(f, j) = Vector3d(frozen.joints.at(11, j));
+  }
+  Motion& swapped = *dataset.clips[40].motion;
+  std::vector<std::string> names;
+  for (const Joint& joint : swapped.skeleton->joints) names.push_back(joint.name);
+  for (int f = 15; f < 25; ++f) {
+    for (const auto& [left, right] : FindLimbPairs(names).legs) {
+      const Vector3d kept = swapped.joints.at(f, left);
+      swapped.joints.at(f, left) = Vector3d(swapped.joints.at(f, right));
+      swapped.joints.at(f, right) = kept;
+    }
+  }
+  const std::vector<AuditFinding> findings = FindClipErrors(dataset);
+  EXPECT_EQ(findings.size(), 2u);
+  EXPECT_EQ(CountOf(findings, "frozen_frames", dataset.clips[4].id()), 1u);
+  EXPECT_EQ(CountOf(findings, "swapped_sides", dataset.clips[40].id()), 1u);
+  for (const AuditFinding& one : findings) {
+    EXPECT_LE(std::abs(one.finding.frame_begin - (one.finding.code == "frozen_frames" ? 12 : 15)), 1);
+  }
+}
+
+TEST(AuditOfClips, AClipUnderAnotherPersonsNameLeaksAcrossTheSplit) {
+  Dataset dataset = WavingSet();
+  EXPECT_TRUE(FindRepeatedClips(dataset).empty());
+  Clip copy = dataset.clips[3];
+  copy.identity.person = "p9";
+  for (double& value : copy.motion->joints.xyz) value += 1e-4;
+  dataset.clips.push_back(copy);
+  Split split;
+  split.name = "persons";
+  for (int row = 0; row + 1 < static_cast<int>(dataset.clips.size()); ++row) split.train.push_back(row);
+  split.test = {static_cast<int>(dataset.clips.size()) - 1};
+  std::vector<AuditFinding> findings = FindRepeatedClips(dataset);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].finding.code, "duplicate");
+  dataset.splits = {split};
+  findings = FindRepeatedClips(dataset);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].finding.code, "leak");
+  EXPECT_EQ(findings[0].finding.severity, Severity::kError);
+  EXPECT_EQ(findings[0].suggested, copy.id());
+}
+
+}  // namespace
+}  // namespace mocurate
