@@ -26,7 +26,7 @@ Dataset WavingSet() {
                                40 + 3 * k + person, 5, 30, 0.3);
         Random random(3, "waving", clip.id());
         Motion& motion = *clip.motion;
-        const double phase = random.Uniform(0.0, 0.4);
+        const double phase = random.Uniform(0.0, 0.08);
         for (int f = 0; f < motion.frame_count(); ++f) {
           const double t = static_cast<double>(f) / motion.frame_count();
           const double lift = label == 2 ? 0.0 : 0.4 * std::sin(6.28 * ((label == 0 ? 1.0 : 3.0) * t + phase));
