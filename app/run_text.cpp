@@ -15,6 +15,14 @@ void PrintFigures(const JobResult& result) {
                 Counted(neighbour.value("count", 0), "test clip").c_str());
   }
   const nlohmann::json none = nlohmann::json::object();
+  const nlohmann::json found = result.audit.is_object() ? result.audit.value("findings", none) : none;
+  std::string codes;
+  for (const auto& [code, count] : found.items()) {
+    codes += (codes.empty() ? "" : ", ") + std::to_string(count.get<int>()) + " " + code;
+  }
+  if (!codes.empty()) {
+    std::printf("audit: %s (mocurate audit %s lists them)\n", codes.c_str(), DisplayPath(result.dataset).c_str());
+  }
   const nlohmann::json& recognisers =
       result.metrics.is_object() && result.metrics.contains("recognisers") ? result.metrics["recognisers"] : none;
   for (const auto& [name, recogniser] : recognisers.items()) {
