@@ -45,13 +45,13 @@ void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   v.Integer("save_every", save_every, {1.0, 1e8}, "steps between two saved states, for runs that are killed");
   v.Choice("device", device, {{"cpu", TrainDevice::kCpu}, {"cuda", TrainDevice::kCuda}},
            "where it is trained; cuda needs a libtorch with CUDA");
+  v.Path("start_from", start_from, "begin with the weights of this file and a fresh optimiser (files as of `weights`)");
   v.Path("weights", weights,
          "take the weights of this file (released .tar or .pth, .h5, .safetensors) and train nothing; options as they "
          "were trained");
   if (!GeneratesMotions(kind)) return;
   v.Text("start_from_network", start_from_network,
          "begin with the weights of this network, which stands above it, and a fresh optimiser");
-  v.Path("start_from", start_from, "begin with the weights of this file and a fresh optimiser (files as of `weights`)");
   v.Integer("iterations", iterations, {1.0, 1e8}, "training steps");
   v.Integer("until", until, {0.0, 1e8}, "stop after so many of the steps; 0: all");
   v.Numbers("samples_at", samples_at, Unit::kNone, {1.0, 1e8},

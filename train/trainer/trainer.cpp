@@ -73,7 +73,9 @@ class Training {
     while (!ended_) {
       if (control_.stop()) return Interrupted();
       if (Status stepped = Step(); !stepped) return Forward(stepped);
-      if (round_step_ == until_) EndRound();
+      if (round_step_ == until_) {
+        if (Status ended = EndRound(); !ended) return Forward(ended);
+      }
       if (!ended_ && state_.step % options_.learning.save_every == 0) {
         if (Status saved = Save(); !saved) return Forward(saved);
       }
@@ -162,6 +164,11 @@ class Training {
       return Resume(std::move(*stored), DisplayPath(file));
     }
     StartRound(0);
+    return TakeFirstWeights();
+  }
+
+  /// What a round begins with in the place of drawn weights.
+  Status TakeFirstWeights() {
     if (control_.start_from.empty()) return {};
     const Expected<ReleasedWeights> weights = ReadReleasedWeights(control_.start_from, state_.kind);
     if (!weights) return Forward(weights);
@@ -442,10 +449,14 @@ class Training {
     state_.best = ValuesOf(*network_);
   }
 
-  void EndRound() {
-    if (recognises_ && round_ == 0 && options_.recogniser.refit) return StartRound(1);
+  Status EndRound() {
+    if (recognises_ && round_ == 0 && options_.recogniser.refit) {
+      StartRound(1);
+      return TakeFirstWeights();
+    }
     if (recognises_ && round_ == 0) (void)SetValues(state_.best, options_.name, *network_);
     ended_ = true;
+    return {};
   }
 
   void Store() {
