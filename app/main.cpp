@@ -305,6 +305,29 @@ void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& v
       [&common, &verb, arguments] { verb = [&common, arguments] { return AuditVerb(common, *arguments); }; });
 }
 
+void AddDataset(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<DatasetArguments>();
+  CLI::App* dataset = app.add_subcommand("dataset", "Tell what a dataset holds, and how two of them differ");
+  dataset->require_subcommand(1);
+  CLI::App* card = dataset->add_subcommand("card", "A README for a dataset: counts, classes, splits, licences, hashes");
+  card->add_option("path", arguments->path, "dataset (.h5)")->required();
+  card->add_flag("--croissant", arguments->croissant, "as Croissant (JSON-LD) in the place of Markdown");
+  card->add_option("-o,--output", arguments->output, "file (default: stdout)");
+  card->add_flag("--force", arguments->force, "overwrite");
+  card->footer(
+      "Examples:\n  mocurate dataset card runs/kard/dataset.h5 -o README.md\n"
+      "  mocurate dataset card runs/kard/dataset.h5 --croissant -o croissant.json");
+  card->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return DatasetCardVerb(common, *arguments); }; });
+  CLI::App* diff = dataset->add_subcommand(
+      "diff", "Clips added, removed, relabelled, moved between parts, refitted and by how much");
+  diff->add_option("before", arguments->path, "dataset (.h5)")->required();
+  diff->add_option("after", arguments->other, "dataset (.h5)")->required();
+  diff->footer("Example:\n  mocurate dataset diff runs/old/dataset.h5 runs/new/dataset.h5 --json");
+  diff->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return DatasetDiffVerb(common, *arguments); }; });
+}
+
 void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
@@ -447,6 +470,7 @@ int Run(int argc, char** argv) {
   AddGenerate(app, common, verb);
   AddEval(app, common, verb);
   AddAudit(app, common, verb);
+  AddDataset(app, common, verb);
   AddInspect(app, common, verb);
   AddSynthesize(app, common, verb);
   AddConfig(app, common, verb);

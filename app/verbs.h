@@ -92,6 +92,14 @@ struct AuditArguments {
   bool force = false;  ///< overwrite
 };
 
+struct DatasetArguments {
+  std::filesystem::path path;
+  std::filesystem::path other;   ///< of a comparison: the newer one
+  std::filesystem::path output;  ///< file of the card; empty: stdout
+  bool croissant = false;        ///< JSON-LD in the place of Markdown
+  bool force = false;            ///< overwrite
+};
+
 struct InspectArguments {
   std::filesystem::path path;
   std::filesystem::path source;  ///< name of a source declaration, or a config; or empty
@@ -139,6 +147,8 @@ Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments);
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments);
 Status AuditVerb(CommonArguments& common, const AuditArguments& arguments);
+Status DatasetCardVerb(CommonArguments& common, const DatasetArguments& arguments);
+Status DatasetDiffVerb(CommonArguments& common, const DatasetArguments& arguments);
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
 Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments);
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);

@@ -29,6 +29,10 @@ class DatasetClips {
   const SkeletonPtr& skeleton() const;
   const std::vector<std::string>& labels() const;
   std::vector<Split> splits() const;
+  std::string recipe() const;
+  std::string created_by() const;
+  /// Code of each finding, in their order.
+  std::vector<std::string> finding_codes() const;
 
   /// What ReadDataset gives at this place, `row` below size(). The rules of the table are checked. Error kMalformed.
   Expected<Clip> Read(std::size_t row) const;

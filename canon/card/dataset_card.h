@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// What a dataset is, for those who take it: {"name", "file", "bytes", "sha256", "recipe", "created_by", "skeleton",
+/// "joints", "rotations", "clips", "frames", "seconds", "classes": [{name, clips, seconds}], "persons": {name: clips},
+/// "sources", "licences", "rates": {name: clips}, "splits": [{name, train, validation, test, rule, leak_check}],
+/// "findings": {code: count}}. Read clip by clip. Errors of ReadDataset.
+Expected<nlohmann::json> DescribeDataset(const std::filesystem::path& path);
+
+/// That as Markdown: a README for the dataset.
+std::string CardMarkdown(const nlohmann::json& description);
+
+/// That as Croissant 1.0 (JSON-LD, mlcommons.org/croissant): the file with its hash, and the classes as a record set.
+nlohmann::json CardCroissant(const nlohmann::json& description);
+
+}  // namespace mocurate
