@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/base/text.h"
-#include "core/quality/duplicates.h"
 #include "core/quality/handedness.h"
 #include "core/quality/repeats.h"
 #include "core/quality/swaps.h"
@@ -82,10 +81,12 @@ std::vector<AuditFinding> FindClipErrors(const Dataset& dataset) {
   return findings;
 }
 
+MotionSignature SignatureOfMotion(const Motion& motion) { return SignatureOf(PointsOfMotion(motion).points); }
+
 std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset) {
   std::vector<MotionSignature> signatures;
   for (const Clip& clip : dataset.clips) {
-    signatures.push_back(clip.motion ? SignatureOf(PointsOfMotion(*clip.motion).points) : MotionSignature());
+    signatures.push_back(clip.motion ? SignatureOfMotion(*clip.motion) : MotionSignature());
   }
   std::vector<AuditFinding> findings;
   for (const Duplicate& pair : FindDuplicates(signatures)) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/finding.h"
+#include "core/quality/duplicates.h"
 #include "core/store/store.h"
 
 namespace mocurate {
@@ -17,6 +18,9 @@ struct AuditFinding {
 /// Clips of which a motion says that they are wrong: "mirrored" (the anatomy of a left-handed frame,
 /// MeasureHandedness), "swapped_sides" (FindSwaps), "frozen_frames" (FindRepeats), the last two with their frames.
 std::vector<AuditFinding> FindClipErrors(const Dataset& dataset);
+
+/// What FindRepeatedClips compares of a motion.
+MotionSignature SignatureOfMotion(const Motion& motion);
 
 /// Pairs of clips that show the same (FindDuplicates), also mirrored or in part: "leak" (error) where a split has them
 /// in two parts, else "duplicate". `suggested` is the other clip.

@@ -1,0 +1,124 @@
+// Repeated clips that the audit finds: variants of drawn clips, planted in a dataset under another person's name.
+//
+//   bench_leaks DATASET.h5 [COUNT]
+//   bench_leaks DATASET.h5 scale CLIPS      each clip of the set many times, every joint 5 to 8 cm elsewhere: how long
+//
+// Prints the recall of each kind of variant, how many pairs are told that were not planted (they may be real), the
+// time.
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <set>
+
+#include "canon/audit/clip_errors.h"
+#include "core/base/random.h"
+#include "core/motion/operations.h"
+
+namespace {
+
+using namespace mocurate;
+
+/// Moved by 3 m and turned, as another camera's world has it.
+void Move(Motion& motion, double yaw) {
+  const Matrix3d turn = Eigen::AngleAxisd(yaw, Vector3d::UnitY()).toRotationMatrix();
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      motion.joints.at(f, j) = turn * Vector3d(motion.joints.at(f, j)) + Vector3d(3.0, 0.0, -1.0);
+    }
+  }
+}
+
+Clip Variant(const std::string& kind, Clip clip, Random& random) {
+  const int F = clip.motion->frame_count();
+  if (kind == "resampled") clip = Resample(clip, FrameRate{24, 1});
+  if (kind == "mirrored") clip = Mirror(clip);
+  if (kind == "cropped") clip = *Cut(clip, F / 5, F - F / 5);
+  Motion& motion = *clip.motion;
+  if (kind == "noisy") {
+    for (double& value : motion.joints.xyz) value += 0.002 * random.Normal();
+  }
+  Move(motion, random.Uniform(-3.0, 3.0));
+  clip.identity.person = "planted " + kind;
+  return clip;
+}
+
+double SecondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// Signatures of so many clips that differ from each other, and the search among them.
+void TimeScale(const Dataset& dataset, std::size_t clips) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<MotionSignature> signatures;
+  for (std::size_t i = 0; i < clips; ++i) {
+    Motion motion = *dataset.clips[i % dataset.clips.size()].motion;
+    Random random(1, "scale", std::to_string(i));
+    for (int j = 1; j < motion.joint_count(); ++j) {
+      const Vector3d way(random.Normal(), random.Normal(), random.Normal());
+      const Vector3d offset = way.normalized() * random.Uniform(0.05, 0.08);
+      for (int f = 0; f < motion.frame_count(); ++f) motion.joints.at(f, j) += offset;
+    }
+    signatures.push_back(SignatureOfMotion(motion));
+  }
+  const double made = SecondsSince(begin);
+  const auto search = std::chrono::steady_clock::now();
+  const std::size_t pairs = FindDuplicates(signatures).size();
+  std::printf("%zu clips: signatures %.1f s, search %.1f s, %zu pairs\n", clips, made, SecondsSince(search), pairs);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: bench_leaks DATASET.h5 [COUNT]\n");
+    return 2;
+  }
+  auto dataset = ReadDataset(argv[1]);
+  if (!dataset) {
+    std::fprintf(stderr, "%s\n", dataset.error().Message().c_str());
+    return 3;
+  }
+  if (argc > 3) {
+    TimeScale(*dataset, static_cast<std::size_t>(std::atoi(argv[3])));
+    return 0;
+  }
+  const auto own = dataset->clips.size();
+  const auto count = std::min<std::size_t>(argc > 2 ? static_cast<std::size_t>(std::atoi(argv[2])) : 100, own);
+  const char* kinds[] = {"copied", "mirrored", "resampled", "cropped", "noisy"};
+  std::map<std::string, std::string> planted;  // variant -> clip
+  for (const char* kind : kinds) {
+    Random random(1, "leaks", kind);
+    std::set<std::size_t> drawn;
+    while (drawn.size() < count) {
+      const auto row = static_cast<std::size_t>(random.Below(own));
+      if (!drawn.insert(row).second) continue;
+      Clip variant = Variant(kind, dataset->clips[row], random);
+      planted[variant.id()] = dataset->clips[row].id();
+      dataset->clips.push_back(std::move(variant));
+    }
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<AuditFinding> findings = FindRepeatedClips(*dataset);
+  const double seconds = SecondsSince(begin);
+  std::map<std::string, std::set<std::string>> found;  // variants by kind
+  std::size_t others = 0;
+  for (const AuditFinding& one : findings) {
+    const std::string &a = one.finding.clip, &b = one.suggested;
+    const auto variant = planted.count(a) > 0 ? planted.find(a) : planted.find(b);
+    const std::string& other = variant == planted.end() ? a : variant->first == a ? b : a;
+    if (variant != planted.end() && variant->second == other) {
+      const std::size_t at = variant->first.find("planted ") + 8;
+      found[variant->first.substr(at, variant->first.find('/', at) - at)].insert(variant->first);
+    } else if (planted.count(a) == 0 && planted.count(b) == 0) {
+      ++others;
+    }
+  }
+  std::printf("%s: %zu clips, %zu variants of each kind\n", argv[1], own, count);
+  for (const char* kind : kinds) {
+    std::printf("%-10s recall %.3f\n", kind, static_cast<double>(found[kind].size()) / static_cast<double>(count));
+  }
+  std::printf("pairs that were not planted: %zu; %.2f s\n", others, seconds);
+  return 0;
+}
