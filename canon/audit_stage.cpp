@@ -102,7 +102,9 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
     audit["nearest_neighbour"] = {
         {"split", chosen->name}, {"accuracy", result.accuracy()}, {"correct", result.correct}, {"count", result.count}};
   }
-  std::vector<AuditFinding> findings = FindRepeatedClips(*dataset);
+  DuplicateLimits limits;
+  limits.distance = options->repeated_distance_m;
+  std::vector<AuditFinding> findings = FindRepeatedClips(*dataset, limits);
   for (AuditFinding& found : FindClipErrors(*dataset)) findings.push_back(std::move(found));
   auto labels = LabelFindings(*dataset, options->labels, FindInput(request, "probabilities"));
   if (!labels) return Forward(labels);

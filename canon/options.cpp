@@ -97,6 +97,8 @@ void AuditOptions::Declare(OptionVisitor& v) {
   v.Integer("nearest_neighbour_frames", nearest_neighbour_frames, {2.0, 1000.0},
             "frames each clip is resampled to before distances are taken");
   v.Group("labels", labels, "how label errors are looked for");
+  v.Number("repeated_distance", repeated_distance_m, Unit::kMetre, {1e-6, 1.0},
+           "root mean square of two clips, below which they show the same");
 }
 
 StageDeclaration CanonDeclaration() { return {"canon", 15, "mocurate-annotate", ClipLimits()}; }

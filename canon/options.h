@@ -123,6 +123,7 @@ struct AuditOptions {
   std::string split;  ///< of the nearest-neighbour figure; empty: the first one
   std::int64_t nearest_neighbour_frames = 32;
   LabelNoiseOptions labels;
+  double repeated_distance_m = 0.005;  ///< root mean square of two clips, below which they show the same
 
   void Declare(OptionVisitor& v);
 };

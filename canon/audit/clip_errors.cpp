@@ -83,13 +83,13 @@ std::vector<AuditFinding> FindClipErrors(const Dataset& dataset) {
 
 MotionSignature SignatureOfMotion(const Motion& motion) { return SignatureOf(PointsOfMotion(motion).points); }
 
-std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset) {
+std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const DuplicateLimits& limits) {
   std::vector<MotionSignature> signatures;
   for (const Clip& clip : dataset.clips) {
     signatures.push_back(clip.motion ? SignatureOfMotion(*clip.motion) : MotionSignature());
   }
   std::vector<AuditFinding> findings;
-  for (const Duplicate& pair : FindDuplicates(signatures)) {
+  for (const Duplicate& pair : FindDuplicates(signatures, limits)) {
     const Clip &first = dataset.clips[pair.first], &second = dataset.clips[pair.second];
     const std::string split = SplitBetween(dataset, static_cast<int>(pair.first), static_cast<int>(pair.second));
     AuditFinding found;

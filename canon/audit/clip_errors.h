@@ -24,6 +24,6 @@ MotionSignature SignatureOfMotion(const Motion& motion);
 
 /// Pairs of clips that show the same (FindDuplicates), also mirrored or in part: "leak" (error) where a split has them
 /// in two parts, else "duplicate". `suggested` is the other clip.
-std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset);
+std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const DuplicateLimits& limits = {});
 
 }  // namespace mocurate
