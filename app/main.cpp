@@ -307,7 +307,7 @@ void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& v
 
 void AddDataset(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<DatasetArguments>();
-  CLI::App* dataset = app.add_subcommand("dataset", "Tell what a dataset holds, and how two of them differ");
+  CLI::App* dataset = app.add_subcommand("dataset", "Describe a dataset, or compare two");
   dataset->require_subcommand(1);
   CLI::App* card = dataset->add_subcommand("card", "A README for a dataset: counts, classes, splits, licences, hashes");
   card->add_option("path", arguments->path, "dataset (.h5)")->required();

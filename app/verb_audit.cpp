@@ -112,7 +112,7 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
   const long long count = Counting(audit.at("findings"), arguments.fail_on);
   if (count == 0) return {};
   return Fail(ErrorCode::kTooManyFailures, Counted(count, "finding") + " of severity " + arguments.fail_on + " or more",
-              DisplayPath(arguments.path), "without --fail-on they are told alone");
+              DisplayPath(arguments.path), "-o FOLDER writes them to audit.json; without --fail-on the exit code is 0");
 }
 
 }  // namespace mocurate

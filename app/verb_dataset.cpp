@@ -20,7 +20,13 @@ void PrintCount(const char* name, const nlohmann::json& list) { std::printf("%-1
 void PrintDiff(const nlohmann::json& diff) {
   constexpr std::size_t kMostShown = 20;
   std::printf("%-12s %d\n", "equal", diff.at("equal").get<int>());
-  for (const char* kind : {"added", "removed", "relabelled", "refitted", "moved"}) PrintCount(kind, diff.at(kind));
+  for (const char* kind : {"added", "removed", "relabelled", "refitted", "moved", "changed"}) {
+    PrintCount(kind, diff.at(kind));
+  }
+  for (const nlohmann::json& one : diff.at("dataset")) {
+    std::printf("dataset      %s: %s -> %s\n", one.at("field").get<std::string>().c_str(),
+                one.at("before").dump().c_str(), one.at("after").dump().c_str());
+  }
   for (const char* kind : {"splits_added", "splits_removed"}) {
     if (!diff.at(kind).empty()) PrintCount(kind, diff.at(kind));
   }
@@ -37,6 +43,10 @@ void PrintDiff(const nlohmann::json& diff) {
   for (const nlohmann::json& one : diff.at("moved")) {
     show("moved       " + one.at("clip").get<std::string>() + ": " + one.at("before").get<std::string>() + " -> " +
          one.at("after").get<std::string>() + " of split " + one.at("split").get<std::string>());
+  }
+  for (const nlohmann::json& one : diff.at("changed")) {
+    show("changed     " + one.at("clip").get<std::string>() + ": " + one.at("field").get<std::string>() + " " +
+         one.at("before").get<std::string>() + " -> " + one.at("after").get<std::string>());
   }
   for (const nlohmann::json& one : diff.at("refitted")) {
     std::string how = std::to_string(one.at("frames_before").get<int>()) + " -> " +

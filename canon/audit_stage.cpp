@@ -15,15 +15,17 @@
 namespace mocurate {
 namespace {
 
-/// Clips that look like those of another class, the most doubtful first. `input`: probabilities of another classifier,
+/// Clips that look like those of another class, the lowest margin first. `input`: probabilities of another classifier,
 /// or null.
 Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const LabelNoiseOptions& options,
-                                                  const StageInput* input) {
+                                                  const StageInput* input, nlohmann::json& summary) {
   std::vector<AuditFinding> findings;
   if (!options.enabled) return findings;
   LabelAudit audit;
   if (input == nullptr) {
-    audit = AuditLabels(dataset, options);
+    auto judged = AuditLabels(dataset, options);
+    if (!judged) return Forward(judged);
+    audit = std::move(*judged);
   } else {
     const auto features = ReadFeatures(input->path);
     if (!features) return Forward(features);
@@ -31,6 +33,9 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
     if (!judged) return Fail(judged.error().code, judged.error().what, input->name, judged.error().hint);
     audit = std::move(*judged);
   }
+  summary = {{"checked", audit.rows.size()},
+             {"not_checked", dataset.clips.size() - audit.rows.size()},
+             {"classes_of_one_person", audit.unchecked}};
   for (std::size_t i = 0; i < audit.rows.size(); ++i) {
     const JudgedLabel& judged = audit.judged[i];
     if (!judged.suspect) continue;
@@ -76,6 +81,10 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   const auto dataset = ReadDataset(input->path);
   if (!dataset) return Forward(dataset);
 
+  if (!(dataset->axes.canonical_from_source.isApprox(AxisConvention().canonical_from_source, 1e-9))) {
+    return Fail(ErrorCode::kUnsupported, "the dataset's axes are " + dataset->axes.Text() + ", not +x +y +z",
+                input->name, "read it as a source and write it again: mocurate run CONFIG --to assemble");
+  }
   std::map<std::string, int> per_label;
   std::map<std::string, int> per_person;
   std::int64_t frames = 0;
@@ -94,7 +103,10 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   const Split* chosen = options->split.empty() ? (dataset->splits.empty() ? nullptr : &dataset->splits.front())
                                                : dataset->FindSplit(options->split);
   if (!options->split.empty() && chosen == nullptr) {
-    return Fail(ErrorCode::kConfig, "the dataset has no split '" + options->split + "'", "audit.split");
+    std::string known;
+    for (const Split& split : dataset->splits) known += (known.empty() ? "it has: " : ", ") + split.name;
+    return Fail(ErrorCode::kConfig, "the dataset has no split '" + options->split + "'", "audit.split",
+                known.empty() ? "it has none" : known);
   }
   if (chosen != nullptr) {
     const NearestNeighbourResult result =
@@ -106,9 +118,12 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   limits.distance = options->repeated_distance_m;
   std::vector<AuditFinding> findings = FindRepeatedClips(*dataset, limits);
   for (AuditFinding& found : FindClipErrors(*dataset)) findings.push_back(std::move(found));
-  auto labels = LabelFindings(*dataset, options->labels, FindInput(request, "probabilities"));
+  auto labels = LabelFindings(*dataset, options->labels, FindInput(request, "probabilities"), audit["labels"]);
   if (!labels) return Forward(labels);
   for (AuditFinding& found : *labels) findings.push_back(std::move(found));
+  std::stable_sort(findings.begin(), findings.end(), [](const AuditFinding& a, const AuditFinding& b) {
+    return a.finding.severity == Severity::kError && b.finding.severity != Severity::kError;
+  });
   std::map<std::string, int> per_code;
   nlohmann::json list = nlohmann::json::array();
   for (const AuditFinding& found : findings) {
@@ -119,7 +134,10 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   StageOutcome outcome;
   outcome.summary = audit;
   const nlohmann::json file = {{"findings", std::move(list)}, {"summary", std::move(audit)}};
-  if (Status written = WriteFile(request.output, file.dump(1) + "\n"); !written) return Forward(written);
+  if (Status written =
+          WriteFile(request.output, file.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+      !written)
+    return Forward(written);
   return outcome;
 }
 

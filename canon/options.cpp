@@ -81,14 +81,15 @@ void AssembleOptions::Declare(OptionVisitor& v) {
 
 void LabelNoiseOptions::Declare(OptionVisitor& v) {
   v.Bool("enabled", enabled, "look for clips that look like those of another class");
-  v.Integer("frames", frames, {2.0, 256.0}, "that each clip is resampled to");
-  v.Number("velocity_weight", velocity_weight, Unit::kNone, {0.0, 100.0}, "of differences in time beside places");
+  v.Integer("frames", frames, {2.0, 256.0}, "frames that each clip is resampled to");
+  v.Number("velocity_weight", velocity_weight, Unit::kNone, {0.0, 100.0},
+           "weight of differences in time beside places");
   v.Number("width", width, Unit::kNone, {1e-3, 1e3}, "exponent of the kernel at the median squared distance of clips");
-  v.Number("ridge", ridge, Unit::kNone, {1e-6, 1e3}, "added to the kernel's diagonal");
+  v.Number("ridge", ridge, Unit::kNone, {1e-4, 1e3}, "added to the kernel's diagonal");
   v.Number("other_share", other_share, Unit::kNone, {0.0, 10.0},
-           "least score of another class, by what its own clips score in the mean");
+           "least score of the other class, as a share of that class's mean own score");
   v.Number("own_share", own_share, Unit::kNone, {-10.0, 10.0},
-           "largest score of the own class, by what its clips score in the mean");
+           "largest score of the own class, as a share of its mean own score");
   v.Integer("most_clips", most_clips, {2.0, 20000.0}, "that a fold learns from; of more so many are drawn");
 }
 

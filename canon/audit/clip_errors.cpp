@@ -45,20 +45,17 @@ bool ShownByFeetOrHands(const HandednessMeasure& measure) {
                      [](const HandednessCue& cue) { return cue.name != "knees" && cue.frames > 0 && cue.score > 0.0; });
 }
 
-/// Name of a split that has the two rows in different parts; empty: none has.
-std::string SplitBetween(const Dataset& dataset, int first, int second) {
+/// Part of every clip in each split: 0 train, 1 validation, 2 test, -1 none. Rows may stand in any order.
+std::vector<std::vector<int>> PartsOfSplits(const Dataset& dataset) {
+  std::vector<std::vector<int>> parts;
   for (const Split& split : dataset.splits) {
-    const auto part = [&](int row) {
-      const std::vector<int>* parts[] = {&split.train, &split.validation, &split.test};
-      for (int p = 0; p < 3; ++p) {
-        if (std::binary_search(parts[p]->begin(), parts[p]->end(), row)) return p;
-      }
-      return -1;
-    };
-    const int a = part(first), b = part(second);
-    if (a >= 0 && b >= 0 && a != b) return split.name;
+    std::vector<int>& own = parts.emplace_back(dataset.clips.size(), -1);
+    const std::vector<int>* rows[] = {&split.train, &split.validation, &split.test};
+    for (int part = 0; part < 3; ++part) {
+      for (const int row : *rows[part]) own.at(static_cast<std::size_t>(row)) = part;
+    }
   }
-  return {};
+  return parts;
 }
 
 }  // namespace
@@ -88,18 +85,28 @@ std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const Duplic
   for (const Clip& clip : dataset.clips) {
     signatures.push_back(clip.motion ? SignatureOfMotion(*clip.motion) : MotionSignature());
   }
+  const std::vector<std::vector<int>> parts = PartsOfSplits(dataset);
   std::vector<AuditFinding> findings;
   for (const Duplicate& pair : FindDuplicates(signatures, limits)) {
     const Clip &first = dataset.clips[pair.first], &second = dataset.clips[pair.second];
-    const std::string split = SplitBetween(dataset, static_cast<int>(pair.first), static_cast<int>(pair.second));
+    std::string splits;
+    for (std::size_t s = 0; s < parts.size(); ++s) {
+      const int a = parts[s][pair.first], b = parts[s][pair.second];
+      if (a >= 0 && b >= 0 && a != b) splits += (splits.empty() ? "'" : ", '") + dataset.splits[s].name + "'";
+    }
+    const bool overlap = pair.kind == Duplicate::Kind::kOverlap;
+    const std::string other = second.id() + (overlap ? ", frames " + std::to_string(pair.second_begin) + " to " +
+                                                           std::to_string(pair.second_end)
+                                                     : std::string());
+    const std::string what = pair.kind == Duplicate::Kind::kSame ? "shows the same as "
+                             : overlap                           ? "shares " + Counted(pair.shared, "frame") + " with "
+                                                                 : "shows the mirror image of ";
     AuditFinding found;
-    const char* kind = pair.kind == Duplicate::Kind::kSame       ? "shows the same as "
-                       : pair.kind == Duplicate::Kind::kMirrored ? "shows the mirror image of "
-                                                                 : "shares frames with ";
     found.finding =
-        FrameFinding(split.empty() ? "duplicate" : "leak", pair.frame_begin, pair.frame_end, "", pair.distance,
-                     kind + second.id() + (split.empty() ? "" : ", which is in another part of split '" + split + "'"));
-    if (!split.empty()) found.finding.severity = Severity::kError;
+        FrameFinding(splits.empty() ? "duplicate" : "leak", pair.frame_begin, pair.frame_end, "",
+                     overlap ? static_cast<double>(pair.shared) : pair.distance,
+                     what + other + (splits.empty() ? "" : "; the two are in different parts of split " + splits));
+    if (!splits.empty()) found.finding.severity = Severity::kError;
     found.finding.clip = first.id();
     found.suggested = second.id();
     findings.push_back(std::move(found));

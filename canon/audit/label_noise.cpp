@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <set>
 
 #include "canon/frames/facing.h"
 #include "core/base/random.h"
+#include "core/base/text.h"
 #include "core/motion/operations.h"
 
 namespace mocurate {
@@ -112,8 +113,9 @@ std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& r
   return folds;
 }
 
-Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
-                                const std::vector<int>& folds, int classes, const LabelNoiseOptions& options) {
+Expected<Eigen::MatrixXd> OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
+                                          const std::vector<int>& folds, int classes,
+                                          const LabelNoiseOptions& options) {
   const auto N = static_cast<int>(labels.size());
   const auto scale = static_cast<float>(-options.width / MedianDistance(descriptors));
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(N, classes);
@@ -135,7 +137,12 @@ Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::v
     for (std::size_t i = 0; i < train.size(); ++i) {
       targets(static_cast<Eigen::Index>(i), labels[static_cast<std::size_t>(train[i])]) = 1.0;
     }
-    const Eigen::MatrixXd weights = kernel.llt().solve(targets);
+    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> solver(kernel);
+    if (solver.info() != Eigen::Success) {
+      return Fail(ErrorCode::kConfig, "the kernel of the clips cannot be inverted", "audit.labels.ridge",
+                  "raise it: it is " + RoundedText(options.ridge, 3));
+    }
+    const Eigen::MatrixXd weights = solver.solve(targets);
     const Eigen::MatrixXf towards = (SquaredDistances(ColumnsOf(descriptors, judged), known) * scale).array().exp();
     const Eigen::MatrixXd answers = towards.cast<double>() * weights;
     for (std::size_t i = 0; i < judged.size(); ++i) scores.row(judged[i]) = answers.row(static_cast<Eigen::Index>(i));
@@ -144,7 +151,8 @@ Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::v
 }
 
 std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::vector<int>& labels,
-                                     const LabelNoiseOptions& options) {
+                                     const LabelNoiseOptions& options, const std::vector<bool>& judged_classes) {
+  constexpr double kLeastUsual = 0.05;  // a class that scores less of its own clips is not recognised at all
   const auto classes = static_cast<int>(scores.cols());
   std::vector<double> usual(static_cast<std::size_t>(classes), 0.0), count(usual);  // own score of clips of a class
   for (std::size_t i = 0; i < labels.size(); ++i) {
@@ -152,26 +160,31 @@ std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::v
     usual[label] += scores(static_cast<Eigen::Index>(i), labels[i]);
     count[label] += 1.0;
   }
-  for (std::size_t c = 0; c < usual.size(); ++c) usual[c] /= std::max(1.0, count[c]);
+  std::vector<bool> known(usual.size());
+  for (std::size_t c = 0; c < usual.size(); ++c) {
+    usual[c] /= std::max(1.0, count[c]);
+    known[c] = count[c] > 0.0 && usual[c] >= kLeastUsual && (judged_classes.empty() || judged_classes[c]);
+  }
   std::vector<JudgedLabel> judged;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto row = scores.row(static_cast<Eigen::Index>(i));
     JudgedLabel one;
     for (int c = 0; c < classes; ++c) {
-      const bool other = c != labels[i] && count[static_cast<std::size_t>(c)] > 0.0;
+      const bool other = c != labels[i] && known[static_cast<std::size_t>(c)];
       if (other && (one.suggested < 0 || row[c] > row[one.suggested])) one.suggested = c;
     }
     if (one.suggested >= 0) {
       one.margin = row[labels[i]] - row[one.suggested];
       one.suspect = row[one.suggested] >= options.other_share * usual[static_cast<std::size_t>(one.suggested)] &&
-                    row[labels[i]] < options.own_share * usual[static_cast<std::size_t>(labels[i])] && one.margin < 0.0;
+                    row[labels[i]] < options.own_share * usual[static_cast<std::size_t>(labels[i])] &&
+                    one.margin < 0.0 && known[static_cast<std::size_t>(labels[i])];
     }
     judged.push_back(one);
   }
   return judged;
 }
 
-LabelAudit AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options) {
+Expected<LabelAudit> AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options) {
   LabelAudit audit;
   std::vector<int> labels;
   std::vector<bool> there(dataset.labels.size(), false);
@@ -183,7 +196,7 @@ LabelAudit AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options)
     labels.push_back(label);
     there[static_cast<std::size_t>(label)] = true;
   }
-  if (std::count(there.begin(), there.end(), true) < 2 || labels.size() < 4) return {};
+  if (std::count(there.begin(), there.end(), true) < 2 || labels.size() < 4) return LabelAudit();
   Eigen::MatrixXf descriptors;
   for (std::size_t i = 0; i < audit.rows.size(); ++i) {
     const Clip& clip = dataset.clips[static_cast<std::size_t>(audit.rows[i])];
@@ -191,9 +204,19 @@ LabelAudit AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options)
     if (i == 0) descriptors.resize(one.size(), static_cast<Eigen::Index>(audit.rows.size()));
     descriptors.col(static_cast<Eigen::Index>(i)) = one;
   }
-  const Eigen::MatrixXd scores = OutOfFoldScores(descriptors, labels, FoldsByPerson(dataset, audit.rows),
-                                                 static_cast<int>(dataset.labels.size()), options);
-  audit.judged = JudgeLabels(scores, labels, options);
+  const std::vector<int> folds = FoldsByPerson(dataset, audit.rows);
+  const auto classes = static_cast<int>(dataset.labels.size());
+  const auto scores = OutOfFoldScores(descriptors, labels, folds, classes, options);
+  if (!scores) return Forward(scores);
+  // A class of one fold is never learned where it is judged.
+  std::vector<std::set<int>> folds_of(dataset.labels.size());
+  for (std::size_t i = 0; i < labels.size(); ++i) folds_of[static_cast<std::size_t>(labels[i])].insert(folds[i]);
+  std::vector<bool> judged(dataset.labels.size());
+  for (std::size_t c = 0; c < judged.size(); ++c) {
+    judged[c] = folds_of[c].size() > 1;
+    if (there[c] && !judged[c]) audit.unchecked.push_back(dataset.labels[c]);
+  }
+  audit.judged = JudgeLabels(*scores, labels, options, judged);
   return audit;
 }
 
@@ -227,8 +250,14 @@ Expected<LabelAudit> AuditLabelsBy(const FeatureSet& features, const Dataset& da
     audit.rows.push_back(static_cast<int>(row));
   }
   if (rows.empty()) {
-    return Fail(ErrorCode::kInconsistent, "the probabilities are of no clip of the dataset, or of none of its labels",
-                "probabilities", "give features of this dataset: mocurate eval --real DATASET -o FOLDER");
+    const std::string theirs = features.clip.empty() ? "none" : features.clip.front();
+    const std::string ours = dataset.clips.empty() ? "none" : dataset.clips.front().id();
+    return Fail(ErrorCode::kInconsistent,
+                "no clip has probabilities for its labels; of " + std::to_string(features.clip.size()) +
+                    " clips the first is '" + theirs + "', the dataset's first is '" + ours + "'",
+                "probabilities",
+                "give features/SET.h5 of this dataset: mocurate eval --protocol own --extractor CHECKPOINT --generated "
+                "DATASET -o FOLDER");
   }
   Eigen::MatrixXd scores(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(dataset.labels.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) scores.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();

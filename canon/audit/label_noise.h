@@ -10,41 +10,43 @@
 
 namespace mocurate {
 
-/// What a clip is to the plain classifier (D): joints from the root of each frame and the root's way, the heading of
+/// What a clip is to the plain classifier (D): joints from the root of each frame and the root's path, the heading of
 /// the first frame taken out, per size of the skeleton, resampled to `frames`; and their differences in time, which
 /// count `velocity_weight` times as much. Turned by the hips where the skeleton names them.
 Eigen::VectorXf LabelDescriptor(const Motion& motion, const LabelNoiseOptions& options);
 
-/// Folds of clips, no person in two: persons are gathered into at most ten; of fewer than three persons clips are drawn
+/// Folds of clips, no person in two: persons are spread over at most ten; of fewer than three persons clips are drawn
 /// into five. (N)
 std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows);
 
 /// Scores (N,C) of each clip by a classifier that never saw its fold: kernel ridge regression on one-hot classes, its
 /// kernel Gaussian in the descriptors (D,N), as wide as `width` says in medians of their distance. Of more than
-/// `most_clips` training clips so many are drawn. `labels` (N) classes 0 to C-1.
-Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
-                                const std::vector<int>& folds, int classes, const LabelNoiseOptions& options);
+/// `most_clips` training clips so many are drawn. `labels` (N) classes 0 to C-1. Error kConfig for a ridge too small.
+Expected<Eigen::MatrixXd> OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
+                                          const std::vector<int>& folds, int classes, const LabelNoiseOptions& options);
 
-/// Whether the label of a clip is doubted, and how much.
+/// Whether the label of a clip is suspect, and how much.
 struct JudgedLabel {
-  double margin = 0.0;  ///< score of its own class less that of the best other one: the lowest are the most doubtful
+  double margin = 0.0;  ///< score of its own class less that of the best other one: the lowest come first
   int suggested = -1;   ///< that other class
   bool suspect = false;
 };
 
 /// Confident learning (Northcutt et al. 2021) with margins: a label is suspect where the best other class scores at
 /// least `other_share` of what clips labelled so score of it in the mean, and its own less than `own_share` of what
-/// clips of its class do. `scores` (N,C) are out of fold, from this classifier or another.
+/// clips of its class do. `scores` (N,C) are out of fold, from this classifier or another. Classes that are not among
+/// `judged_classes` (empty: all are) or score less than 0.05 of their own clips are neither suspected nor suggested.
 std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::vector<int>& labels,
-                                     const LabelNoiseOptions& options);
+                                     const LabelNoiseOptions& options, const std::vector<bool>& judged_classes = {});
 
-/// Rows of labelled clips of a dataset with more than one class, and what is doubtful of them; all empty where there is
+/// Rows of labelled clips of a dataset with more than one class, and what is suspect of them; all empty where there is
 /// nothing to compare (fewer than two classes or four clips).
 struct LabelAudit {
-  std::vector<int> rows;            ///< of the dataset
-  std::vector<JudgedLabel> judged;  ///< of each
+  std::vector<int> rows;               ///< of the dataset
+  std::vector<JudgedLabel> judged;     ///< of each
+  std::vector<std::string> unchecked;  ///< classes that one person alone performs
 };
-LabelAudit AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options);
+Expected<LabelAudit> AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options);
 /// The same by the logits that another classifier gave the clips, their mean over passes. Error kInconsistent where the
 /// features are of no clip of the dataset, or know none of its labels.
 Expected<LabelAudit> AuditLabelsBy(const FeatureSet& features, const Dataset& dataset,

@@ -25,7 +25,7 @@ std::string Cell(const std::string& text) {
 std::string CountsText(const nlohmann::json& counts) {
   std::string text;
   for (const auto& [name, count] : counts.items()) {
-    text += (text.empty() ? "" : ", ") + (name.empty() ? std::string("none told") : name) + " " +
+    text += (text.empty() ? "" : ", ") + (name.empty() ? std::string("unknown") : name) + " " +
             std::to_string(count.get<long long>());
   }
   return text.empty() ? "none" : text;
@@ -45,8 +45,9 @@ Expected<nlohmann::json> DescribeDataset(const std::filesystem::path& path) {
                          {"sha256", *sha256},
                          {"recipe", clips->recipe()},
                          {"created_by", clips->created_by()},
-                         {"skeleton", clips->skeleton()->name},
-                         {"joints", clips->skeleton()->joint_count()},
+                         {"skeleton", clips->skeleton() ? clips->skeleton()->name : ""},
+                         {"joints", clips->skeleton() ? clips->skeleton()->joint_count() : 0},
+                         {"axes", clips->axes().Text()},
                          {"clips", clips->size()}};
   struct ClassCount {
     int clips = 0;
@@ -81,8 +82,14 @@ Expected<nlohmann::json> DescribeDataset(const std::filesystem::path& path) {
   card["rates"] = rates;
   card["classes"] = nlohmann::json::array();
   for (const std::string& label : clips->labels()) {
-    const ClassCount& own = classes[label];
+    const ClassCount own = classes[label];
     card["classes"].push_back({{"name", label}, {"clips", own.clips}, {"seconds", own.seconds}});
+    classes.erase(label);
+  }
+  for (const auto& [label, own] : classes) {  // of no class of the set
+    card["classes"].push_back({{"name", label.empty() ? "(no label)" : label + " (no class)"},
+                               {"clips", own.clips},
+                               {"seconds", own.seconds}});
   }
   card["splits"] = nlohmann::json::array();
   for (const Split& split : clips->splits()) {
@@ -135,7 +142,8 @@ std::string CardMarkdown(const nlohmann::json& card) {
               Cell(split.at("leak_check").get<std::string>()) + " |\n";
     }
   }
-  text += "\nUnits: metres, seconds, radians; y up, facing +z; quaternions (w, x, y, z).\n";
+  text += "\nUnits: metres, seconds, radians; axes " + card.at("axes").get<std::string>() +
+          " (+x +y +z: y up, facing +z); quaternions (w, x, y, z).\n";
   return text;
 }
 
@@ -163,8 +171,8 @@ nlohmann::json CardCroissant(const nlohmann::json& card) {
           {"conformsTo", "http://mlcommons.org/croissant/1.0"},
           {"name", card.at("name")},
           {"description", recipe.empty() ? "Human motion clips with labels and splits" : recipe},
-          {"license", licences.empty() ? nlohmann::json("not told") : licences},
-          {"creator", {{"@type", "sc:SoftwareApplication"}, {"name", card.at("created_by")}}},
+          {"license", licences},
+          {"sdVersion", card.at("created_by")},
           {"distribution",
            {{{"@type", "cr:FileObject"},
              {"@id", card.at("file")},

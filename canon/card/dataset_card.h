@@ -17,7 +17,8 @@ Expected<nlohmann::json> DescribeDataset(const std::filesystem::path& path);
 /// That as Markdown: a README for the dataset.
 std::string CardMarkdown(const nlohmann::json& description);
 
-/// That as Croissant 1.0 (JSON-LD, mlcommons.org/croissant): the file with its hash, and the classes as a record set.
+/// That in Croissant's words (JSON-LD, mlcommons.org/croissant): the file with its hash, the licences of its sources,
+/// and the classes as a record set. `url`, `datePublished` and `creator` are whoever's who publishes it to add.
 nlohmann::json CardCroissant(const nlohmann::json& description);
 
 }  // namespace mocurate

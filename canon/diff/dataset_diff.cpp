@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/pi.h"
+#include "core/base/text.h"
 #include "core/geometry/rotation.h"
 #include "core/store/dataset_clips.h"
 
@@ -30,6 +31,23 @@ std::map<std::string, std::map<std::string, std::string>> PartsOf(const DatasetC
     }
   }
   return parts;
+}
+
+nlohmann::json JointNames(const SkeletonPtr& skeleton) {
+  nlohmann::json names = nlohmann::json::array();
+  if (skeleton == nullptr) return names;
+  for (const Joint& joint : skeleton->joints) names.push_back(joint.name);
+  return names;
+}
+
+/// "0-1.5 wave, ..." of a clip's segments.
+std::string SegmentsText(const Clip& clip) {
+  std::string text;
+  for (const Segment& segment : clip.segments) {
+    text += (text.empty() ? "" : ", ") + FormatDouble(segment.begin_s) + "-" + FormatDouble(segment.end_s) + " " +
+            segment.label;
+  }
+  return text;
 }
 
 /// Null where both motions are alike to what a dataset stores.
@@ -74,7 +92,8 @@ Expected<nlohmann::json> DiffDatasets(const std::filesystem::path& before, const
   const auto b = DatasetClips::Open(after, DatasetClips::Check::kHashes);
   if (!b) return Forward(b);
   nlohmann::json diff = {{"equal", 0}};
-  for (const char* key : {"added", "removed", "relabelled", "refitted", "moved", "splits_added", "splits_removed"}) {
+  for (const char* key : {"dataset", "changed", "added", "removed", "relabelled", "refitted", "moved", "splits_added",
+                          "splits_removed"}) {
     diff[key] = nlohmann::json::array();
   }
   const auto rows_a = RowsById(*a), rows_b = RowsById(*b);
@@ -87,6 +106,16 @@ Expected<nlohmann::json> DiffDatasets(const std::filesystem::path& before, const
   }
   for (const auto& [id, row] : rows_b) {
     if (rows_a.count(id) == 0) diff["added"].push_back(id);
+  }
+  const bool same_joints = !a->skeleton() || !b->skeleton() || SameTree(*a->skeleton(), *b->skeleton());
+  const std::pair<const char*, std::pair<nlohmann::json, nlohmann::json>> of_set[] = {
+      {"skeleton", {JointNames(a->skeleton()), JointNames(b->skeleton())}},
+      {"axes", {a->axes().Text(), b->axes().Text()}},
+      {"labels", {a->labels(), b->labels()}},
+      {"recipe", {a->recipe(), b->recipe()}}};
+  for (const auto& [field, values] : of_set) {
+    if (values.first == values.second) continue;
+    diff["dataset"].push_back({{"field", field}, {"before", values.first}, {"after", values.second}});
   }
   int equal = 0;
   for (const auto& [id, row_a] : rows_a) {
@@ -116,7 +145,17 @@ Expected<nlohmann::json> DiffDatasets(const std::filesystem::path& before, const
     if (!clip_a) return Forward(clip_a);
     const auto clip_b = b->Read(found->second);
     if (!clip_b) return Forward(clip_b);
-    nlohmann::json motion = MotionDifference(clip_a->motion, clip_b->motion);
+    const std::pair<const char*, std::pair<std::string, std::string>> texts[] = {
+        {"rate", {clip_a->rate.Text(), clip_b->rate.Text()}},
+        {"fine_label", {clip_a->fine_label, clip_b->fine_label}},
+        {"licence", {clip_a->identity.licence, clip_b->identity.licence}},
+        {"segments", {SegmentsText(*clip_a), SegmentsText(*clip_b)}}};
+    for (const auto& [field, values] : texts) {
+      if (values.first == values.second) continue;
+      diff["changed"].push_back({{"clip", id}, {"field", field}, {"before", values.first}, {"after", values.second}});
+      differs = true;
+    }
+    nlohmann::json motion = same_joints ? MotionDifference(clip_a->motion, clip_b->motion) : nlohmann::json();
     if (!motion.is_null()) {
       motion["clip"] = id;
       diff["refitted"].push_back(std::move(motion));

@@ -1,6 +1,7 @@
 #include "core/store/dataset_clips.h"
 
 #include <algorithm>
+#include <set>
 
 #include "core/store/content_file.h"
 #include "core/store/fields.h"
@@ -56,6 +57,8 @@ struct DatasetClips::File {
 
   std::string Where(const std::string& field) const { return store::Where(reader.file(), field); }
   Expected<Content> OneClip(std::size_t row) const;
+  /// Every id once; every split whole, its rows clips of the file.
+  Status CheckIdsAndSplits() const;
 };
 
 Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Check check) {
@@ -104,6 +107,7 @@ Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Che
   if (check == Check::kHashes) {
     if (Status whole = store::CheckContentHash(file->reader, file->content, lines); !whole) return Forward(whole);
   }
+  if (Status splits = file->CheckIdsAndSplits(); !splits) return Forward(splits);
   const auto axes = AxisConvention::Parse(file->content.Text("/@axes"));
   if (!axes) return Fail(ErrorCode::kMalformed, axes.error().what, file->Where("/@axes"));
   file->axes = *axes;
@@ -152,6 +156,32 @@ std::vector<std::string> DatasetClips::finding_codes() const {
 }
 
 std::vector<Split> DatasetClips::splits() const { return store::UnpackSplits(file_->content); }
+
+Status DatasetClips::File::CheckIdsAndSplits() const {
+  const std::vector<std::string>& ids = content.Values<std::string>("/clips/id");
+  std::set<std::string> seen;
+  for (std::size_t row = 0; row < ids.size(); ++row) {
+    if (seen.insert(ids[row]).second) continue;
+    return Fail(ErrorCode::kMalformed, "two clips have the id '" + ids[row] + "'", Where("/clips/id"));
+  }
+  for (const std::string& split : content.splits) {
+    const std::string group = "/splits/" + split + "/";
+    for (const char* field : {"rule", "leak_check", "train", "validation", "test"}) {
+      if (content.Has(group + field)) continue;
+      return Fail(ErrorCode::kMalformed, "is missing", Where(group + field),
+                  "docs/store_format.md says what is needed");
+    }
+    for (const char* part : {"train", "validation", "test"}) {
+      for (const std::int32_t row : content.Values<std::int32_t>(group + part)) {
+        if (row >= 0 && static_cast<std::size_t>(row) < ids.size()) continue;
+        return Fail(ErrorCode::kMalformed,
+                    "names clip " + std::to_string(row) + " of " + std::to_string(ids.size()) + " clips",
+                    Where(group + part));
+      }
+    }
+  }
+  return {};
+}
 
 /// The file as if it held this clip alone, checked.
 Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {

@@ -1,14 +1,19 @@
 // What an audit finds in a set of which the errors are known: labels, repeated clips, frozen and exchanged limbs.
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "canon/audit/clip_errors.h"
 #include "canon/audit/label_noise.h"
+#include "canon/stages.h"
+#include "core/base/file.h"
 #include "core/base/random.h"
 #include "core/quality/swaps.h"
 #include "tests/canon/moving_clips.h"
@@ -52,7 +57,7 @@ std::size_t CountOf(const std::vector<AuditFinding>& findings, const std::string
 
 TEST(AuditOfLabels, ExchangedLabelsAreFoundWithTheirClassAndOthersAreNot) {
   Dataset dataset = WavingSet();
-  const LabelAudit sound = AuditLabels(dataset, LabelNoiseOptions());
+  const LabelAudit sound = *AuditLabels(dataset, LabelNoiseOptions());
   ASSERT_EQ(sound.judged.size(), dataset.clips.size());
   EXPECT_TRUE(
       std::none_of(sound.judged.begin(), sound.judged.end(), [](const JudgedLabel& one) { return one.suspect; }));
@@ -61,7 +66,7 @@ TEST(AuditOfLabels, ExchangedLabelsAreFoundWithTheirClassAndOthersAreNot) {
     truth[row] = dataset.clips[row].label;
     dataset.clips[row].label = truth[row] == "c" ? "a" : "c";
   }
-  const LabelAudit audit = AuditLabels(dataset, LabelNoiseOptions());
+  const LabelAudit audit = *AuditLabels(dataset, LabelNoiseOptions());
   for (std::size_t i = 0; i < audit.judged.size(); ++i) {
     const auto planted = truth.find(static_cast<std::size_t>(audit.rows[i]));
     EXPECT_EQ(audit.judged[i].suspect, planted != truth.end()) << dataset.clips[i].id();
@@ -84,14 +89,28 @@ TEST(AuditOfLabels, FoldsKeepPersonsTogetherAndWhatCannotBeComparedIsNot) {
   EXPECT_EQ(std::set<int>(fold.begin(), fold.end()).size(), 4u);
   Dataset one_class = dataset;
   for (Clip& clip : one_class.clips) clip.label = "a";
-  EXPECT_TRUE(AuditLabels(one_class, LabelNoiseOptions()).rows.empty());
+  EXPECT_TRUE(AuditLabels(one_class, LabelNoiseOptions())->rows.empty());
   Dataset alone = dataset;  // of one person the clips themselves are folded
   for (Clip& clip : alone.clips) clip.identity.person = "p";
-  EXPECT_GT(std::set<int>(fold.begin(), fold.end()).size(), 1u);
-  EXPECT_EQ(AuditLabels(alone, LabelNoiseOptions()).rows.size(), alone.clips.size());
+  const std::vector<int> of_clips = FoldsByPerson(alone, rows);
+  EXPECT_EQ(std::set<int>(of_clips.begin(), of_clips.end()).size(), 5u);
+  EXPECT_EQ(AuditLabels(alone, LabelNoiseOptions())->rows.size(), alone.clips.size());
   LabelNoiseOptions few;  // learning from drawn clips alone judges all
   few.most_clips = 20;
-  EXPECT_EQ(AuditLabels(dataset, few).judged.size(), dataset.clips.size());
+  const LabelAudit drawn = *AuditLabels(dataset, few), all = *AuditLabels(dataset, LabelNoiseOptions());
+  ASSERT_EQ(drawn.judged.size(), dataset.clips.size());
+  EXPECT_NE(drawn.judged[0].margin, all.judged[0].margin);
+  Dataset own_class = dataset;  // that one person alone performs: nobody else's clips say what it is
+  own_class.labels.push_back("d");
+  for (Clip& clip : own_class.clips) {
+    if (clip.identity.person == "p1" && clip.label == "c") clip.label = "d";
+  }
+  const LabelAudit unchecked = *AuditLabels(own_class, LabelNoiseOptions());
+  EXPECT_EQ(unchecked.unchecked, std::vector<std::string>{"d"});
+  for (std::size_t i = 0; i < unchecked.judged.size(); ++i) {
+    EXPECT_FALSE(unchecked.judged[i].suspect) << own_class.clips[i].id();
+    EXPECT_NE(unchecked.judged[i].suggested, 3);
+  }
 }
 
 TEST(AuditOfLabels, ProbabilitiesOfAnotherClassifierCountByClip) {
@@ -146,7 +165,7 @@ TEST(AuditOfClips, AClipUnderAnotherPersonsNameLeaksAcrossTheSplit) {
   dataset.clips.push_back(copy);
   Split split;
   split.name = "persons";
-  for (int row = 0; row + 1 < static_cast<int>(dataset.clips.size()); ++row) split.train.push_back(row);
+  for (int row = static_cast<int>(dataset.clips.size()) - 2; row >= 0; --row) split.train.push_back(row);  // any order
   split.test = {static_cast<int>(dataset.clips.size()) - 1};
   std::vector<AuditFinding> findings = FindRepeatedClips(dataset);
   ASSERT_EQ(findings.size(), 1u);
@@ -157,6 +176,50 @@ TEST(AuditOfClips, AClipUnderAnotherPersonsNameLeaksAcrossTheSplit) {
   EXPECT_EQ(findings[0].finding.code, "leak");
   EXPECT_EQ(findings[0].finding.severity, Severity::kError);
   EXPECT_EQ(findings[0].suggested, copy.id());
+}
+
+TEST(AuditStage, ErrorsStandFirstAndEveryFindingHasItsFields) {
+  Dataset dataset = WavingSet();
+  const std::string wrong = dataset.clips[2].id();
+  dataset.clips[2].label = "c";
+  Clip copy = dataset.clips[3];
+  copy.identity.person = "p9";
+  dataset.clips.push_back(copy);
+  Split split;
+  split.name = "persons";
+  split.rule = "by person";
+  split.leak_check = "ok";
+  for (int row = 0; row + 1 < static_cast<int>(dataset.clips.size()); ++row) split.train.push_back(row);
+  split.test = {static_cast<int>(dataset.clips.size()) - 1};
+  dataset.splits = {split};
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("audit_stage_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  ASSERT_TRUE(WriteDataset(dataset, folder / "set.h5"));
+  StageRequest request;
+  request.stage = request.item = "audit";
+  request.options = OptionsToJson(AuditOptions());
+  request.inputs = {{"dataset", "set.h5", folder / "set.h5", ""}};
+  request.output = folder / "audit.json";
+  const auto outcome = AuditStage(request);
+  ASSERT_TRUE(outcome) << outcome.error().Message();
+  const nlohmann::json audit = nlohmann::json::parse(*ReadFile(request.output));
+  ASSERT_GE(audit.at("findings").size(), 2u);
+  EXPECT_EQ(audit.at("findings")[0].at("code"), "leak");
+  EXPECT_EQ(audit.at("findings")[0].at("severity"), "error");
+  bool label = false;
+  for (const nlohmann::json& finding : audit.at("findings")) {
+    for (const char* key : {"clip", "code", "severity", "frame_begin", "frame_end", "value", "suggested", "message"}) {
+      EXPECT_TRUE(finding.contains(key)) << key;
+    }
+    label = label || (finding.at("code") == "label_suspect" && finding.at("clip") == wrong);
+  }
+  EXPECT_TRUE(label);
+  EXPECT_EQ(audit.at("summary").at("labels").at("checked"), dataset.clips.size());
+  dataset.axes = *AxisConvention::Parse("+x -z +y");
+  ASSERT_TRUE(WriteDataset(dataset, folder / "set.h5"));
+  EXPECT_EQ(AuditStage(request).error().code, ErrorCode::kUnsupported);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

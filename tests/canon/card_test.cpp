@@ -77,7 +77,8 @@ TEST_F(TwoSets, EachKindOfDifferenceIsToldOnceAndEqualSetsDifferInNothing) {
   const auto none = DiffDatasets(before, Written(dataset_, "same.h5"));
   ASSERT_TRUE(none) << none.error().Message();
   EXPECT_EQ(none->at("equal"), 4);
-  for (const char* kind : {"added", "removed", "relabelled", "refitted", "moved", "splits_added", "splits_removed"}) {
+  for (const char* kind : {"added", "removed", "relabelled", "refitted", "moved", "splits_added", "splits_removed",
+                           "changed", "dataset"}) {
     EXPECT_TRUE(none->at(kind).empty()) << kind;
   }
   Dataset changed = dataset_;
@@ -85,6 +86,7 @@ TEST_F(TwoSets, EachKindOfDifferenceIsToldOnceAndEqualSetsDifferInNothing) {
   changed.clips[0].label = "c";
   for (double& value : changed.clips[1].motion->joints.xyz) value += 0.003;
   changed.clips[3] = ClipMoving("p5", "b", 50, 5, 30, 1);
+  changed.clips[2].rate = changed.clips[2].motion->rate = FrameRate{60, 1};
   changed.splits[0].train = {0, 2};
   changed.splits[0].test = {1, 3};
   const auto diff = DiffDatasets(before, Written(changed, "b.h5"));
@@ -98,6 +100,8 @@ TEST_F(TwoSets, EachKindOfDifferenceIsToldOnceAndEqualSetsDifferInNothing) {
   EXPECT_NEAR(diff->at("refitted")[0].at("joint_mm").get<double>(), 3.0 * std::sqrt(3.0), 1e-3);
   EXPECT_TRUE(diff->at("refitted")[0].at("rotation_deg").is_null()) << "joints alone";
   EXPECT_EQ(diff->at("moved").size(), 2u);
+  ASSERT_EQ(diff->at("changed").size(), 1u);
+  EXPECT_EQ(diff->at("changed")[0].at("field"), "rate");
   EXPECT_EQ(diff->at("equal"), 0);
   changed.splits[0].name = "other";
   const auto splits = DiffDatasets(before, Written(changed, "c.h5"));
