@@ -74,15 +74,16 @@ Eigen::VectorXf LabelDescriptor(const Motion& motion, const LabelNoiseOptions& o
   const Expected<Heading> heading = HeadingOfFrame(positions, 0, FacingOptions().min_horizontal);
   const Matrix3d turn = (heading ? Eigen::AngleAxisd(-heading->yaw, Vector3d::UnitY()) : Eigen::AngleAxisd::Identity())
                             .toRotationMatrix();
-  Eigen::MatrixXf frames(3 * J, T);
+  const Eigen::Index width = Eigen::Index{3} * J;
+  Eigen::MatrixXf frames(width, T);
   for (int t = 0; t < T; ++t) {
     const Vector3d root = sampled.joints.at(t, 0);
     for (int j = 0; j < J; ++j) {
       const Vector3d from = j == 0 ? Vector3d(sampled.joints.at(0, 0)) : root;
-      frames.block<3, 1>(3 * j, t) = (turn * (sampled.joints.at(t, j) - from) / size).cast<float>();
+      frames.block<3, 1>(Eigen::Index{3} * j, t) = (turn * (sampled.joints.at(t, j) - from) / size).cast<float>();
     }
   }
-  const Eigen::Index places = frames.size(), steps = 3 * J * (T - 1);
+  const Eigen::Index places = frames.size(), steps = width * (T - 1);
   Eigen::VectorXf descriptor(places + steps);
   descriptor.head(places) =
       Eigen::Map<const Eigen::VectorXf>(frames.data(), places) / std::sqrt(static_cast<float>(places));

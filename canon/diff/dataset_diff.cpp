@@ -133,8 +133,8 @@ Expected<nlohmann::json> DiffDatasets(const std::filesystem::path& before, const
     for (const auto& [split, of_a] : parts_a) {
       const auto of_b = parts_b.find(split);
       if (of_b == parts_b.end()) continue;
-      const auto part = [&](const std::map<std::string, std::string>& parts) {
-        const auto one = parts.find(id);
+      const auto part = [&clip = id](const std::map<std::string, std::string>& parts) {
+        const auto one = parts.find(clip);
         return one == parts.end() ? std::string("none") : one->second;
       };
       if (part(of_a) == part(of_b->second)) continue;
