@@ -81,7 +81,7 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   const auto dataset = ReadDataset(input->path);
   if (!dataset) return Forward(dataset);
 
-  if (!(dataset->axes.canonical_from_source.isApprox(AxisConvention().canonical_from_source, 1e-9))) {
+  if (!(dataset->axes == AxisConvention())) {
     return Fail(ErrorCode::kUnsupported, "the dataset's axes are " + dataset->axes.Text() + ", not +x +y +z",
                 input->name, "read it as a source and write it again: mocurate run CONFIG --to assemble");
   }

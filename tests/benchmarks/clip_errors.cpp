@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   }
   const int draws = argc > 2 ? std::atoi(argv[2]) : 5;
   const char* codes[] = {"mirrored", "frozen_frames", "swapped_sides"};
-  std::map<std::string, double> planted, found, told;
+  std::map<std::string, double> planted, found, reported;
   for (int draw = 0; draw < draws; ++draw) {
     Dataset changed = *dataset;
     Random random(static_cast<std::uint64_t>(draw), "planted clip errors");
@@ -77,14 +77,15 @@ int main(int argc, char** argv) {
     for (const AuditFinding& one : FindClipErrors(changed)) by_code[one.finding.code].insert(one.finding.clip);
     for (const char* code : codes) {
       planted[code] += static_cast<double>(of_code[code].size());
-      told[code] += static_cast<double>(by_code[code].size());
+      reported[code] += static_cast<double>(by_code[code].size());
       for (const std::string& clip : by_code[code]) found[code] += of_code[code].count(clip) > 0 ? 1.0 : 0.0;
     }
   }
   std::printf("%s: %zu clips, %d draws\n", argv[1], dataset->clips.size(), draws);
   for (const char* code : codes) {
-    std::printf("%-14s planted %4.0f, told %4.0f, precision %.3f, recall %.3f\n", code, planted[code], told[code],
-                found[code] / std::max(1.0, told[code]), found[code] / std::max(1.0, planted[code]));
+    std::printf("%-14s planted %4.0f, reported %4.0f, precision %.3f, recall %.3f\n", code, planted[code],
+                reported[code], found[code] / std::max(1.0, reported[code]),
+                found[code] / std::max(1.0, planted[code]));
   }
   return 0;
 }

@@ -3,7 +3,7 @@
 //   bench_leaks DATASET.h5 [COUNT]
 //   bench_leaks DATASET.h5 scale CLIPS      each clip of the set many times, every joint 5 to 8 cm elsewhere: how long
 //
-// Prints the recall of each kind of variant, how many pairs are told that were not planted (they may be real), the
+// Prints the recall of each kind of variant, how many pairs are reported that were not planted (they may be real), the
 // time.
 
 #include <chrono>

@@ -100,7 +100,7 @@ TEST(AuditOfLabels, FoldsKeepPersonsTogetherAndWhatCannotBeComparedIsNot) {
   const LabelAudit drawn = *AuditLabels(dataset, few), all = *AuditLabels(dataset, LabelNoiseOptions());
   ASSERT_EQ(drawn.judged.size(), dataset.clips.size());
   EXPECT_NE(drawn.judged[0].margin, all.judged[0].margin);
-  Dataset own_class = dataset;  // that one person alone performs: nobody else's clips say what it is
+  Dataset own_class = dataset;  // of one person alone: no other fold has it
   own_class.labels.push_back("d");
   for (Clip& clip : own_class.clips) {
     if (clip.identity.person == "p1" && clip.label == "c") clip.label = "d";
