@@ -207,7 +207,7 @@ void StageRun::Finish(Seat& seat, StageOutcome outcome) {
   fs::remove_all(task.folder, ignored);
   // What a refused item wrote there is what its message names, e.g. the batch at which a training diverged.
   const bool shows = result.outcome.kind == OutcomeKind::kRefused && task.scratch.HoldsFiles();
-  if (!crashed && !shows) fs::remove_all(task.scratch.folder, ignored);
+  if (!crashed && !shows) state_.workspace->Discard(task.scratch);
   Record(task.index, task.key, std::move(result), seconds, peak_memory);
 }
 

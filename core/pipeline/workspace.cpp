@@ -14,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kLockName = ".lock";
+constexpr int kTries = 100;
 
 /// Removes the folders of runners that are gone. Call with the lock of `tmp` held.
 void Sweep(const fs::path& tmp) {
@@ -65,12 +66,14 @@ bool Workspace::Scratch::HoldsFiles() const {
 
 Expected<Workspace::Scratch> Workspace::ScratchOf(const std::string& key) {
   Scratch scratch{cache_ / "scratch" / key, std::nullopt};
-  while (true) {
-    if (Status made = MakeFolder(scratch.folder); !made) return Forward(made);
+  // Another runner may take the folder away between any two steps; only a failure that stays is one.
+  for (int tries_left = kTries;; --tries_left) {
+    const Status made = MakeFolder(scratch.folder);
+    if (!made && tries_left == 0) return Forward(made);
+    if (!made) continue;
     Expected<std::optional<FileLock>> lock = FileLock::TryTake(scratch.folder / kLockName);
-    std::error_code ignored;
-    if (!lock && !fs::exists(scratch.folder, ignored)) continue;  // its owner has just finished
-    if (!lock) return Forward(lock);
+    if (!lock && tries_left == 0) return Forward(lock);
+    if (!lock) continue;
     if (lock->has_value()) {
       scratch.lock = std::move(*lock);
       return scratch;
@@ -79,6 +82,14 @@ Expected<Workspace::Scratch> Workspace::ScratchOf(const std::string& key) {
     if (!other) return Forward(other);
     return Scratch{*other, std::nullopt};
   }
+}
+
+void Workspace::Discard(const Scratch& scratch) {
+  // Moved away whole before its files go: removed one by one, its lock could be taken anew while it vanishes.
+  const fs::path away = own_ / std::to_string(next_++);
+  std::error_code ignored;
+  fs::rename(scratch.folder, away, ignored);
+  fs::remove_all(away, ignored);
 }
 
 }  // namespace mocurate

@@ -31,6 +31,8 @@ class Workspace {
   };
   /// The scratch folder of a key. When another process works on the same key, a private folder instead.
   Expected<Scratch> ScratchOf(const std::string& key);
+  /// Removes it, while its lock is still held.
+  void Discard(const Scratch& scratch);
 
  private:
   Workspace(std::filesystem::path cache, std::filesystem::path own, FileLock lock)

@@ -1,5 +1,6 @@
 // The cases of the design, "Stages and the cache".
 
+#include "core/pipeline/workspace.h"
 #include "tests/pipeline/runs.h"
 
 namespace mocurate {
@@ -126,6 +127,23 @@ TEST_F(TwoStages, TwoProcessesMayRaceForTheSameItems) {
   EXPECT_EQ(cache.Stat().objects, 24u);
   EXPECT_TRUE(cache.Verify().empty());
   EXPECT_EQ(RunBoth()->executed_upper(), 0);
+}
+
+TEST_F(TwoStages, TwoProcessesMayTakeAndDiscardOneScratchFolder) {
+  const auto racer = [&] {
+    return Fork([&] {
+      auto workspace = Workspace::Make(options.cache_folder);
+      for (int round = 0; workspace && round < 2000; ++round) {
+        const auto scratch = workspace->ScratchOf("key");
+        if (!scratch || !WriteFile(scratch->folder / "state", "x")) return 1;
+        workspace->Discard(*scratch);
+      }
+      return workspace ? 0 : 2;
+    });
+  };
+  const pid_t one = racer(), two = racer();
+  EXPECT_EQ(Wait(one), 0);
+  EXPECT_EQ(Wait(two), 0);
 }
 
 TEST_F(TwoStages, ADryRunTellsWhatWouldRunAndTouchesNothing) {
