@@ -10,6 +10,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "app/commands.h"
 #include "app/protocols.h"
 #include "app/usage.h"
 #include "app/verbs.h"
@@ -281,53 +282,6 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
       [&common, &verb, arguments] { verb = [&common, arguments] { return GenerateVerb(common, *arguments); }; });
 }
 
-void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
-  auto arguments = std::make_shared<AuditArguments>();
-  CLI::App* audit = app.add_subcommand(
-      "audit", "Look for errors in a dataset: labels, leaks, duplicates, mirrored, swapped and frozen clips");
-  audit->add_option("path", arguments->path, "dataset (.h5)")->required();
-  audit->add_option(
-      "--probabilities", arguments->probabilities,
-      "classes of its clips by another classifier that did not learn from them, in the place of the plain "
-      "one: features/SET.h5 of `mocurate eval -o`");
-  audit->add_option("--fail-on", arguments->fail_on, "exit code 1 where a finding is of this severity or worse")
-      ->check(CLI::IsMember({"warning", "error"}));
-  audit->add_option("-o,--output", arguments->output, "folder for audit.json");
-  audit->add_option("--set", arguments->assignments, "override an option, e.g. --set labels.own_share=0.1")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
-  audit->add_flag("--force", arguments->force, "overwrite");
-  audit->footer(
-      "Nothing is changed. Codes: label_suspect, duplicate, leak, mirrored, frozen_frames, swapped_sides.\n\n"
-      "Examples:\n  mocurate audit runs/kard/dataset.h5\n  mocurate audit runs/kard/dataset.h5 --json\n"
-      "  mocurate audit runs/kard/dataset.h5 -o audits/kard --fail-on error");
-  audit->callback(
-      [&common, &verb, arguments] { verb = [&common, arguments] { return AuditVerb(common, *arguments); }; });
-}
-
-void AddDataset(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
-  auto arguments = std::make_shared<DatasetArguments>();
-  CLI::App* dataset = app.add_subcommand("dataset", "Describe a dataset, or compare two");
-  dataset->require_subcommand(1);
-  CLI::App* card = dataset->add_subcommand("card", "A README for a dataset: counts, classes, splits, licences, hashes");
-  card->add_option("path", arguments->path, "dataset (.h5)")->required();
-  card->add_flag("--croissant", arguments->croissant, "as Croissant (JSON-LD) in the place of Markdown");
-  card->add_option("-o,--output", arguments->output, "file (default: stdout)");
-  card->add_flag("--force", arguments->force, "overwrite");
-  card->footer(
-      "Examples:\n  mocurate dataset card runs/kard/dataset.h5 -o README.md\n"
-      "  mocurate dataset card runs/kard/dataset.h5 --croissant -o croissant.json");
-  card->callback(
-      [&common, &verb, arguments] { verb = [&common, arguments] { return DatasetCardVerb(common, *arguments); }; });
-  CLI::App* diff = dataset->add_subcommand(
-      "diff", "Clips added, removed, relabelled, moved between parts, refitted and by how much");
-  diff->add_option("before", arguments->path, "dataset (.h5)")->required();
-  diff->add_option("after", arguments->other, "dataset (.h5)")->required();
-  diff->footer("Example:\n  mocurate dataset diff runs/old/dataset.h5 runs/new/dataset.h5 --json");
-  diff->callback(
-      [&common, &verb, arguments] { verb = [&common, arguments] { return DatasetDiffVerb(common, *arguments); }; });
-}
-
 void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file or folder is: declared, measured, doubtful");
@@ -470,6 +424,7 @@ int Run(int argc, char** argv) {
   AddGenerate(app, common, verb);
   AddEval(app, common, verb);
   AddAudit(app, common, verb);
+  AddReview(app, common, verb);
   AddDataset(app, common, verb);
   AddInspect(app, common, verb);
   AddSynthesize(app, common, verb);

@@ -212,7 +212,9 @@ class MainJob {
   }
 
   Status CanonItems(const char* role, ItemResult ClipRecord::*from, ItemResult ClipRecord::*to, const char* branch) {
-    const nlohmann::json options = OptionsToJson(options_.canon);
+    CanonOptions of_clips = options_.canon;
+    of_clips.review.clear();
+    const nlohmann::json options = OptionsToJson(of_clips);
     std::vector<ItemSpec> items;
     std::vector<ClipRecord*> records;
     for (ClipRecord& clip : clips_) {
@@ -228,6 +230,11 @@ class MainJob {
     return {};
   }
 
+  void AddReview(const char* role, ItemSpec& item) const {
+    const std::filesystem::path& review = options_.canon.review;
+    if (!review.empty()) item.inputs.push_back({role, DisplayPath(review), review, ""});
+  }
+
   Expected<ItemResult> AssembleFrom(const char* name, ItemResult ClipRecord::*from, const char* branch) {
     ItemSpec item{name, OptionsToJson(options_.assemble), {}};
     for (const ClipRecord& clip : clips_) {
@@ -240,6 +247,7 @@ class MainJob {
                   "curation_log.jsonl in the run folder says why each was dropped");
     }
     if (duplicates_) item.inputs.push_back(*duplicates_);
+    AddReview(from == &ClipRecord::canonical ? kReviewRole : kReviewByIdRole, item);
     return runs_.One(AssembleDeclaration(), std::move(item), branch);
   }
 
@@ -263,8 +271,9 @@ class MainJob {
 
   Status Audit() {
     if (dataset_.artifact.empty()) return {};
-    const auto audit =
-        runs_.One(AuditDeclaration(), {"audit", OptionsToJson(options_.audit), {InputFrom("dataset", dataset_)}});
+    ItemSpec item{"audit", OptionsToJson(options_.audit), {InputFrom("dataset", dataset_)}};
+    AddReview(kReviewRole, item);
+    const auto audit = runs_.One(AuditDeclaration(), std::move(item));
     if (!audit) return Forward(audit);
     result_.audit = audit->outcome.summary;
     return {};

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/motion_files.h"
 #include "app/run_outputs.h"
@@ -8,9 +9,13 @@
 #include "app/stage_runs.h"
 #include "app/verbs.h"
 #include "canon/options.h"
+#include "canon/review/review.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/motion/fingerprint.h"
+#include "core/store/dataset_clips.h"
+#include "report/options.h"
 
 namespace mocurate {
 namespace {
@@ -32,6 +37,9 @@ void PrintAudit(const nlohmann::json& audit, const std::string& written) {
   for (const nlohmann::json& split : summary.at("splits")) {
     std::printf("split %s: %s\n", split.at("name").get<std::string>().c_str(),
                 split.at("leak_check").get<std::string>().c_str());
+  }
+  if (const int accepted = summary.value("accepted", 0); accepted > 0) {
+    std::printf("%s kept by the review\n", Counted(accepted, "finding").c_str());
   }
   if (findings.empty()) std::printf("nothing was found\n");
   for (const auto& [code, count] : summary.at("findings").items()) {
@@ -56,63 +64,224 @@ long long Counting(const nlohmann::json& findings, const std::string& severity) 
   });
 }
 
-Expected<AuditOptions> OptionsOfAudit(const AuditArguments& arguments) {
-  const Expected<ConfigNode> node = LoadConfig(ConfigSource{"", "audit", {}}, arguments.assignments);
-  if (!node) return Forward(node);
-  return OptionsFromConfig<AuditOptions>(*node);
+Status CheckIsDataset(const fs::path& path) {
+  std::error_code unknown;
+  if (!fs::exists(path, unknown)) {
+    return Fail(ErrorCode::kNotFound, "no such file", DisplayPath(path),
+                "give a dataset: RUN/dataset.h5, or what `mocurate fit` wrote");
+  }
+  if (IsMotionStore(path)) return {};
+  return Fail(ErrorCode::kInconsistent, "the file is no dataset of mocurate", DisplayPath(path),
+              "make one of it: `mocurate config init`, then `mocurate run CONFIG --to assemble`");
+}
+
+Status CheckIsFree(const fs::path& path, bool force) {
+  std::error_code unknown;
+  if (path.empty() || force || !fs::exists(path, unknown)) return {};
+  return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(path), "--force overwrites it");
+}
+
+/// Stages on one dataset, in a folder of their own.
+class DatasetStages {
+ public:
+  static Expected<std::unique_ptr<DatasetStages>> Make(const CommonArguments& common) {
+    auto made = std::unique_ptr<DatasetStages>(new DatasetStages());
+    if (made->scratch_.path().empty()) return Forward(ScratchFolder::Missing());
+    RunnerOptions settings;
+    settings.run_folder = made->scratch_.path();
+    settings.quiet = common.quiet;
+    settings.tell_failures = false;
+    auto runner = Runner::Make(settings);
+    if (!runner) return Forward(runner);
+    made->runner_ = std::move(*runner);
+    return made;
+  }
+
+  /// The audit, as the file audit.json. `decisions` and `probabilities` may be empty.
+  Expected<fs::path> Audit(const fs::path& dataset, const std::vector<std::string>& assignments,
+                           const fs::path& decisions, const fs::path& probabilities) {
+    const Expected<ConfigNode> node = LoadConfig(ConfigSource{"", "audit", {}}, assignments);
+    if (!node) return Forward(node);
+    const auto options = OptionsFromConfig<AuditOptions>(*node);
+    if (!options) return Forward(options);
+    ItemSpec item{"audit", OptionsToJson(*options), {{"dataset", DisplayPath(dataset), dataset, ""}}};
+    const std::pair<const char*, const fs::path*> more[] = {{"probabilities", &probabilities},
+                                                            {kReviewRole, &decisions}};
+    for (const auto& [role, path] : more) {
+      if (!path->empty()) item.inputs.push_back({role, DisplayPath(*path), *path, ""});
+    }
+    return One(AuditDeclaration(), std::move(item));
+  }
+
+  /// The page that shows what an audit found.
+  Expected<fs::path> Page(const fs::path& dataset, const fs::path& audit, const ReviewOptions& options,
+                          const std::vector<Decision>& decisions) {
+    nlohmann::json made = nlohmann::json::array();
+    for (const Decision& decision : decisions) {
+      nlohmann::json json = OptionsToJson(decision);
+      made.push_back(std::move(json));
+    }
+    const fs::path file = scratch_.path() / "decisions.json";
+    if (Status written = WriteFile(file, made.dump()); !written) return Forward(written);
+    return One(ReviewDeclaration(), {"review",
+                                     OptionsToJson(options),
+                                     {{"dataset", DisplayPath(dataset), dataset, ""},
+                                      {"audit", DisplayPath(audit), audit, ""},
+                                      {"decisions", "decisions", file, ""}}});
+  }
+
+ private:
+  DatasetStages() = default;
+
+  Expected<fs::path> One(const StageDeclaration& stage, ItemSpec item) {
+    const auto done = StageRuns(*runner_, reports_).One(stage, std::move(item));
+    if (!done) return Forward(done);
+    return done->artifact;
+  }
+
+  ScratchFolder scratch_;
+  std::unique_ptr<Runner> runner_;
+  std::vector<StageReport> reports_;
+};
+
+Expected<nlohmann::json> ReadAudit(const fs::path& path) {
+  const auto text = ReadFile(path);
+  if (!text) return Forward(text);
+  nlohmann::json audit = nlohmann::json::parse(*text, nullptr, false);
+  if (audit.is_object() && audit.contains("findings")) return audit;
+  return Fail(ErrorCode::kMalformed, "no audit: it holds no list of findings", DisplayPath(path),
+              "mocurate audit DATASET -o FOLDER writes one");
+}
+
+/// The dataset with what was found about its clips in /findings, in the place of what an earlier audit found.
+Status WriteWithFindings(const fs::path& from, const nlohmann::json& audit, const fs::path& to) {
+  auto dataset = ReadDataset(from);
+  if (!dataset) return Forward(dataset);
+  std::vector<Finding>& all = dataset->findings;
+  all.erase(std::remove_if(all.begin(), all.end(), [](const Finding& found) { return found.action == kAudited; }),
+            all.end());
+  for (const nlohmann::json& json : audit.at("findings")) {
+    Finding finding;
+    finding.clip = json.at("clip").get<std::string>();
+    finding.code = json.at("code").get<std::string>();
+    const std::string severity = json.at("severity").get<std::string>();
+    finding.severity = severity == "error" ? Severity::kError : severity == "info" ? Severity::kInfo : Severity::kWarning;
+    finding.frame_begin = json.at("frame_begin").get<int>();
+    finding.frame_end = json.at("frame_end").get<int>();
+    finding.value = json.at("value").get<double>();
+    finding.message = json.at("message").get<std::string>();
+    finding.action = kAudited;
+    all.push_back(std::move(finding));
+  }
+  return WriteDataset(*dataset, to);
+}
+
+/// Decisions to drop what repeats another clip without any difference.
+Status WriteFixes(const fs::path& dataset, const nlohmann::json& audit, const fs::path& to, std::size_t& count) {
+  std::set<std::string> dropped;
+  for (const nlohmann::json& finding : audit.at("findings")) {
+    if (finding.at("safe_to_drop").is_string()) dropped.insert(finding.at("safe_to_drop").get<std::string>());
+  }
+  const auto clips = DatasetClips::Open(dataset, DatasetClips::Check::kNone);
+  if (!clips) return Forward(clips);
+  Review review{DisplayPath(dataset), {}};
+  for (std::size_t row = 0; row < clips->size(); ++row) {
+    if (dropped.count(clips->Id(row)) == 0) continue;
+    const auto clip = clips->Read(row);
+    if (!clip) return Forward(clip);
+    Decision decision;
+    decision.clip = clip->id();
+    decision.content = MotionFingerprint(*clip->motion);
+    decision.finding = "duplicate";
+    decision.verdict = Verdict::kDrop;
+    decision.note = "repeats another clip of the same label to 0.01 mm";
+    review.decisions.push_back(std::move(decision));
+  }
+  count = review.decisions.size();
+  return WriteFile(to, ReviewText(review));
+}
+
+void PrintWritten(const CommonArguments& common, const std::string& what, const fs::path& path) {
+  if (!common.json && !common.quiet) std::printf("%s %s\n", what.c_str(), DisplayPath(path).c_str());
 }
 
 }  // namespace
 
 Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
-  const auto options = OptionsOfAudit(arguments);
-  if (!options) return Forward(options);
-  std::error_code unknown;
-  if (!fs::exists(arguments.path, unknown)) {
-    return Fail(ErrorCode::kNotFound, "no such file", DisplayPath(arguments.path),
-                "give a dataset: RUN/dataset.h5, or what `mocurate fit` wrote");
+  if (Status sound = CheckIsDataset(arguments.path); !sound) return sound;
+  const bool keeps = !arguments.output.empty();
+  const fs::path json_file = keeps ? arguments.output / "audit.json" : fs::path();
+  const fs::path page_file = keeps ? arguments.output / "audit.html" : fs::path();
+  for (const fs::path* file : {&json_file, &page_file, &arguments.with_findings, &arguments.fixes}) {
+    if (Status free = CheckIsFree(*file, arguments.force); !free) return free;
   }
-  if (!IsMotionStore(arguments.path)) {
-    return Fail(ErrorCode::kInconsistent, "the file is no dataset of mocurate", DisplayPath(arguments.path),
-                "make one of it: `mocurate config init`, then `mocurate run CONFIG --to assemble`");
-  }
-  const fs::path written = arguments.output.empty() ? fs::path() : arguments.output / "audit.json";
-  if (!written.empty() && fs::exists(written, unknown) && !arguments.force) {
-    return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(written), "--force overwrites it");
-  }
-  const ScratchFolder scratch;
-  if (scratch.path().empty()) return scratch.Missing();
-  RunnerOptions settings;
-  settings.run_folder = scratch.path();
-  settings.quiet = common.quiet;
-  settings.tell_failures = false;
-  auto runner = Runner::Make(settings);
-  if (!runner) return Forward(runner);
-  ItemSpec item{"audit", OptionsToJson(*options), {{"dataset", DisplayPath(arguments.path), arguments.path, ""}}};
-  if (!arguments.probabilities.empty()) {
-    item.inputs.push_back({"probabilities", DisplayPath(arguments.probabilities), arguments.probabilities, ""});
-  }
-  std::vector<StageReport> reports;
-  const auto done = StageRuns(**runner, reports).One(AuditDeclaration(), std::move(item));
-  if (!done) return Forward(done);
-  const auto text = ReadFile(done->artifact);
-  if (!text) return Forward(text);
-  const nlohmann::json audit = nlohmann::json::parse(*text, nullptr, false);
-  if (!written.empty()) {
-    if (Status made = MakeFolder(arguments.output); !made) return made;
-    if (Status copied = CopyWhole(done->artifact, written); !copied) return copied;
+  auto stages = DatasetStages::Make(common);
+  if (!stages) return Forward(stages);
+  const auto made =
+      (*stages)->Audit(arguments.path, arguments.assignments, arguments.review, arguments.probabilities);
+  if (!made) return Forward(made);
+  const auto audit = ReadAudit(*made);
+  if (!audit) return Forward(audit);
+  if (keeps) {
+    ReviewOptions options;
+    options.most = static_cast<std::int64_t>(kMostShown);
+    const auto page = (*stages)->Page(arguments.path, *made, options, {});
+    if (!page) return Forward(page);
+    if (Status folder = MakeFolder(arguments.output); !folder) return folder;
+    if (Status copied = CopyWhole(*made, json_file); !copied) return copied;
+    if (Status copied = CopyWhole(*page, page_file); !copied) return copied;
   }
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", audit.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::printf("%s\n", audit->dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   } else if (!common.quiet) {
-    PrintAudit(audit, written.empty() ? "" : DisplayPath(written));
+    PrintAudit(*audit, keeps ? DisplayPath(json_file) : "");
+  }
+  if (keeps) PrintWritten(common, "the worst are shown in", page_file);
+  if (!arguments.with_findings.empty()) {
+    if (Status written = WriteWithFindings(arguments.path, *audit, arguments.with_findings); !written) return written;
+    PrintWritten(common, "the dataset with its findings:", arguments.with_findings);
+  }
+  if (!arguments.fixes.empty()) {
+    std::size_t count = 0;
+    if (Status written = WriteFixes(arguments.path, *audit, arguments.fixes, count); !written) return written;
+    PrintWritten(common, Counted(static_cast<long long>(count), "safe decision") + " in", arguments.fixes);
   }
   if (arguments.fail_on.empty()) return {};
-  const long long count = Counting(audit.at("findings"), arguments.fail_on);
+  const long long count = Counting(audit->at("findings"), arguments.fail_on);
   if (count == 0) return {};
   return Fail(ErrorCode::kTooManyFailures, Counted(count, "finding") + " of severity " + arguments.fail_on + " or more",
               DisplayPath(arguments.path), "-o FOLDER writes them to audit.json; without --fail-on the exit code is 0");
+}
+
+Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments) {
+  if (Status sound = CheckIsDataset(arguments.path); !sound) return sound;
+  if (Status free = CheckIsFree(arguments.output, arguments.force); !free) return free;
+  Review earlier;
+  if (!arguments.decisions.empty()) {
+    auto read = ReadReview(arguments.decisions);
+    if (!read) return Forward(read);
+    earlier = std::move(*read);
+  }
+  auto stages = DatasetStages::Make(common);
+  if (!stages) return Forward(stages);
+  Expected<fs::path> audit = arguments.audit;
+  if (arguments.audit.empty()) {
+    audit = (*stages)->Audit(arguments.path, arguments.assignments, {}, arguments.probabilities);
+  }
+  if (!audit) return Forward(audit);
+  ReviewOptions options;
+  options.most = arguments.most;
+  const auto page = (*stages)->Page(arguments.path, *audit, options, earlier.decisions);
+  if (!page) return Forward(page);
+  if (Status copied = CopyWhole(*page, arguments.output); !copied) return copied;
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s\n", nlohmann::json{{"page", DisplayPath(arguments.output)}}.dump(1).c_str());
+  } else if (!common.quiet) {
+    std::printf("%s: open it in a browser, decide, save decisions.yaml\n", DisplayPath(arguments.output).c_str());
+  }
+  return {};
 }
 
 }  // namespace mocurate

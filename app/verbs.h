@@ -86,18 +86,33 @@ struct EvalArguments {
 struct AuditArguments {
   std::filesystem::path path;           ///< dataset
   std::filesystem::path probabilities;  ///< features of its clips by `mocurate eval`, or empty
-  std::filesystem::path output;         ///< folder for audit.json, or empty
+  std::filesystem::path output;         ///< folder for audit.json and a page, or empty
+  std::filesystem::path review;         ///< decisions whose kept findings are not told again, or empty
+  std::filesystem::path with_findings;  ///< file for the dataset with its findings, or empty
+  std::filesystem::path fixes;          ///< file for decisions that are safe, or empty
   std::string fail_on;                  ///< "warning", "error", or empty
   std::vector<std::string> assignments;
   bool force = false;  ///< overwrite
 };
 
+struct ReviewArguments {
+  std::filesystem::path path;           ///< dataset
+  std::filesystem::path output;         ///< page
+  std::filesystem::path audit;          ///< audit.json of it; empty: it is audited
+  std::filesystem::path decisions;      ///< made earlier, or empty
+  std::filesystem::path probabilities;  ///< as of AuditArguments
+  std::vector<std::string> assignments;
+  int most = 200;      ///< findings shown
+  bool force = false;  ///< overwrite
+};
+
 struct DatasetArguments {
   std::filesystem::path path;
-  std::filesystem::path other;   ///< of a comparison: the newer one
-  std::filesystem::path output;  ///< file of the card; empty: stdout
-  bool croissant = false;        ///< JSON-LD in the place of Markdown
-  bool force = false;            ///< overwrite
+  std::filesystem::path other;     ///< of a comparison: the newer one; of `apply`: the decisions
+  std::filesystem::path output;    ///< file of the card (empty: stdout) or of the new dataset
+  std::filesystem::path excluded;  ///< file for the clips that are dropped, or empty
+  bool croissant = false;          ///< JSON-LD in the place of Markdown
+  bool force = false;              ///< overwrite
 };
 
 struct InspectArguments {
@@ -147,8 +162,10 @@ Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments);
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments);
 Status AuditVerb(CommonArguments& common, const AuditArguments& arguments);
+Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments);
 Status DatasetCardVerb(CommonArguments& common, const DatasetArguments& arguments);
 Status DatasetDiffVerb(CommonArguments& common, const DatasetArguments& arguments);
+Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& arguments);
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
 Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments);
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);

@@ -4,6 +4,7 @@
 
 #include "canon/options.h"
 #include "canon/recipes/classes.h"
+#include "canon/review/review.h"
 #include "canon/splits/splits.h"
 #include "canon/stage_parts.h"
 #include "canon/stages.h"
@@ -106,11 +107,16 @@ nlohmann::json LeftOutOfSet(const std::map<std::string, std::string>& item_of, c
     nlohmann::json& item = items[item_of.at(findings[i].clip)];
     item["whole"] = true;
     item["findings"].push_back(i);
-    const bool label = findings[i].code == kLabelNotListed;
-    if (!label && findings[i].value > 0.0) item["threshold"] = kSameRestPose;
-    item["hint"] = label ? "add the label to assemble.classes"
-                         : "export it in the rest pose of the others, or fit one skeleton to the joints of all: "
-                           "fitting.method joint_tracks";
+    if (findings[i].code == kLabelNotListed) {
+      item["hint"] = "add the label to assemble.classes";
+    } else if (findings[i].code == kReviewDrop) {
+      item["hint"] = "take the decision out of canon.review";
+    } else {
+      if (findings[i].value > 0.0) item["threshold"] = kSameRestPose;
+      item["hint"] =
+          "export it in the rest pose of the others, or fit one skeleton to the joints of all: "
+          "fitting.method joint_tracks";
+    }
   }
   for (const Clip& clip : kept) {
     if (const auto item = items.find(item_of.at(clip.id())); item != items.end()) (*item)["whole"] = false;
@@ -146,6 +152,28 @@ Status ReadFindings(const StageInput& input, std::vector<Finding>& findings) {
   return {};
 }
 
+/// Carries a review out, if `by_id` whatever the motions are. `excluding` gets the findings about clips that it drops; the others are given back.
+Expected<std::vector<Finding>> TakeReview(const std::filesystem::path& file, bool by_id, Dataset& dataset,
+                                          std::map<std::string, std::string>& item_of,
+                                          std::vector<Finding>& excluding) {
+  auto review = ReadReview(file);
+  if (!review) return Forward(review);
+  for (Decision& decision : review->decisions) {
+    if (by_id) decision.content.clear();
+  }
+  auto applied = ApplyReview(*review, dataset);
+  if (!applied) return Forward(applied);
+  if (dataset.clips.empty()) {
+    return Fail(ErrorCode::kConfig, "every clip is dropped by the review", DisplayPath(file), "keep some");
+  }
+  for (const auto& [old_id, new_id] : applied->new_ids) item_of[new_id] = item_of[old_id];
+  std::vector<Finding> others;
+  for (Finding& finding : applied->findings) {
+    (finding.code == kReviewDrop ? excluding : others).push_back(std::move(finding));
+  }
+  return others;
+}
+
 }  // namespace
 
 Expected<StageOutcome> AssembleStage(const StageRequest& request) {
@@ -162,6 +190,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
       if (Status read = ReadFindings(input, noted); !read) return Forward(read);
       continue;
     }
+    if (input.role == kReviewRole || input.role == kReviewByIdRole) continue;
     auto part = ReadDataset(input.path);
     if (!part) return Forward(part);
     if (dataset.clips.empty()) dataset.joints_only = part->joints_only;
@@ -190,7 +219,15 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
     return Fail(ErrorCode::kInconsistent, "no clip is of a listed class; " + outcome.findings.back().message,
                 "assemble.classes", "list the labels that the source declares");
   }
+  std::vector<Finding> reviewed;
+  const StageInput* by_id = FindInput(request, kReviewByIdRole);
+  if (const StageInput* review = by_id != nullptr ? by_id : FindInput(request, kReviewRole)) {
+    auto findings = TakeReview(review->path, by_id != nullptr, dataset, item_of, outcome.findings);
+    if (!findings) return Forward(findings);
+    reviewed = std::move(*findings);
+  }
   const nlohmann::json left_out = LeftOutOfSet(item_of, dataset.clips, outcome.findings);
+  outcome.findings.insert(outcome.findings.end(), reviewed.begin(), reviewed.end());
   FindMixedRates(dataset, outcome.findings);
   for (Finding& finding : CompareWithExpected(*options, dataset)) outcome.findings.push_back(std::move(finding));
 

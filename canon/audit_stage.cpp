@@ -5,10 +5,12 @@
 #include "canon/audit/label_noise.h"
 #include "canon/audit/nearest_neighbour.h"
 #include "canon/options.h"
+#include "canon/review/review.h"
 #include "canon/stage_parts.h"
 #include "canon/stages.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/motion/fingerprint.h"
 #include "core/store/feature_file.h"
 #include "core/store/store.h"
 
@@ -56,6 +58,25 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
   return findings;
 }
 
+/// Takes the findings away that a review calls none; how many.
+Expected<std::size_t> DropAccepted(const StageInput& input, const Dataset& dataset,
+                                   std::vector<AuditFinding>& findings) {
+  const auto review = ReadReview(input.path);
+  if (!review) return Forward(review);
+  std::map<std::string, std::string> content;
+  for (const Clip& clip : dataset.clips) {
+    if (clip.motion) content[clip.id()] = MotionFingerprint(*clip.motion);
+  }
+  const std::size_t all = findings.size();
+  findings.erase(std::remove_if(findings.begin(), findings.end(),
+                                [&](const AuditFinding& found) {
+                                  const std::string& clip = found.finding.clip;
+                                  return IsAccepted(*review, clip, content[clip], found.finding.code);
+                                }),
+                 findings.end());
+  return all - findings.size();
+}
+
 nlohmann::json JsonOf(const AuditFinding& found) {
   const Finding& finding = found.finding;
   const char* severity = finding.severity == Severity::kError     ? "error"
@@ -68,6 +89,7 @@ nlohmann::json JsonOf(const AuditFinding& found) {
           {"frame_end", finding.frame_end},
           {"value", finding.value},
           {"suggested", found.suggested.empty() ? nlohmann::json() : nlohmann::json(found.suggested)},
+          {"safe_to_drop", found.safe_to_drop.empty() ? nlohmann::json() : nlohmann::json(found.safe_to_drop)},
           {"message", finding.message}};
 }
 
@@ -124,6 +146,11 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   std::stable_sort(findings.begin(), findings.end(), [](const AuditFinding& a, const AuditFinding& b) {
     return a.finding.severity == Severity::kError && b.finding.severity != Severity::kError;
   });
+  if (const StageInput* review = FindInput(request, kReviewRole)) {
+    const auto accepted = DropAccepted(*review, *dataset, findings);
+    if (!accepted) return Forward(accepted);
+    audit["accepted"] = *accepted;
+  }
   std::map<std::string, int> per_code;
   nlohmann::json list = nlohmann::json::array();
   for (const AuditFinding& found : findings) {

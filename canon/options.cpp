@@ -30,6 +30,7 @@ void CanonOptions::Declare(OptionVisitor& v) {
   v.Group("trim", trim, "frames of interest");
   v.Group("facing", facing, "place and heading");
   v.Text("rate", rate, "frames per second of the dataset, a number or a fraction; empty keeps each clip's own");
+  v.Path("review", review, "decisions about its clips, as `mocurate review` saves them");
 }
 
 void SplitOptions::Declare(OptionVisitor& v) {

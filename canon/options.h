@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -45,6 +46,9 @@ struct CanonOptions {
   TrimOptions trim;
   FacingOptions facing;
   std::string rate;  ///< "20", "30", "120000/1001"; empty keeps each clip's own
+  /// Decisions about clips of the dataset (canon/review/review.h), or empty. The stages `assemble` and `audit` take
+  /// the file as an input, the stage `canon` does not know it.
+  std::filesystem::path review;
 
   void Declare(OptionVisitor& v);
 };
@@ -127,6 +131,14 @@ struct AuditOptions {
 
   void Declare(OptionVisitor& v);
 };
+
+/// Roles of a file of decisions. By id: also about motions other than those that were looked at, such as the unfitted
+/// tracks of the same clips.
+inline constexpr const char* kReviewRole = "review";
+inline constexpr const char* kReviewByIdRole = "review_by_id";
+
+/// Finding::action of what an audit found.
+inline constexpr const char* kAudited = "told by an audit";
 
 StageDeclaration CanonDeclaration();
 StageDeclaration AssembleDeclaration();

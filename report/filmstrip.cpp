@@ -255,6 +255,17 @@ std::string FilmstripSvg(const DrawnClip& clip, int stills, StripLayers layers) 
   return svg + "</svg>\n";
 }
 
+std::string PlayerHtml(const std::string& name, const std::string& id, bool has_points) {
+  const std::string escaped = EscapeHtml(name);
+  return "<div class=\"player\" role=\"group\" aria-label=\"Player of " + escaped +
+         "\">\n<canvas tabindex=\"0\" role=\"img\" aria-label=\"" + escaped +
+         " in motion; drag or use the arrow keys to turn\"></canvas>\n<div class=\"controls\"><button "
+         "type=\"button\">Play</button>"
+         "<input type=\"range\" min=\"0\" value=\"0\" step=\"1\" aria-label=\"Frame of " +
+         escaped + "\"><output>0.00 s</output><label" + std::string(has_points ? "" : " hidden") + " for=\"seen-" + id +
+         "\"><input type=\"checkbox\" id=\"seen-" + id + "\" checked> evidence</label></div>\n</div>\n";
+}
+
 nlohmann::json PlayerData(const DrawnClip& clip, int most_numbers) {
   const Motion* motion = MotionOf(clip);
   const JointTracks* tracks = TracksOf(clip);

@@ -47,6 +47,9 @@ int FrameCountOf(const DrawnClip& clip);
 enum class StripLayers { kBoth, kEvidence, kFit };
 std::string FilmstripSvg(const DrawnClip& clip, int stills, StripLayers layers = StripLayers::kBoth);
 
+/// Canvas and controls of the player that draws the JSON of PlayerData at the same place in the page; `id` is its own.
+std::string PlayerHtml(const std::string& name, const std::string& id, bool has_points);
+
 /// What the player of the page draws: {"name", "hz", "step", "yaw", "pitch", "bones": [[a,b,side]...], "joints":
 /// [[mm...] per frame], "lines", "points"}; positions are whole millimetres relative to the first root; a missing point
 /// is null in place of its x, y, z. At most `most_numbers` numbers: longer clips are thinned, `step` says by how much.

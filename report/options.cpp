@@ -13,6 +13,11 @@ void ReportOptions::Declare(OptionVisitor& v) {
            "counts a joint as wrong (Mehta et al., 3DV 2017)");
 }
 
+void ReviewOptions::Declare(OptionVisitor& v) {
+  v.Integer("most", most, {1.0, 2000.0}, "findings shown, the worst first");
+  v.Integer("stills", stills, {1.0, 24.0}, "stills per filmstrip");
+}
+
 void ClipPageOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills per filmstrip");
   v.Integer("views", views, {0.0, 100.0}, "views over which the body is drawn, at most");
@@ -34,6 +39,8 @@ void PictureOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration ReportDeclaration() { return {"report", 17, "mocurate-annotate", WholeSetLimits()}; }
+
+StageDeclaration ReviewDeclaration() { return {"review", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration ClipPageDeclaration() { return {"clip_page", 5, "mocurate-annotate", ClipLimits()}; }
 

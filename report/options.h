@@ -20,6 +20,14 @@ struct ReportOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Of the page that asks a person about findings.
+struct ReviewOptions {
+  std::int64_t most = 200;  ///< findings shown, the worst first
+  std::int64_t stills = 8;  ///< per filmstrip
+
+  void Declare(OptionVisitor& v);
+};
+
 enum class PictureKind { kClip, kOverlay, kCloud };
 
 struct PictureOptions {
@@ -49,6 +57,7 @@ struct ClipVideoOptions {
 StageDeclaration ClipPageDeclaration();
 StageDeclaration ClipVideoDeclaration();
 StageDeclaration ReportDeclaration();
+StageDeclaration ReviewDeclaration();
 StageDeclaration PictureDeclaration();
 
 }  // namespace mocurate

@@ -31,7 +31,7 @@ inline constexpr const char* kPlayerScript = R"js(
     const time = root.querySelector('output');
     const frames = Math.max(clip.joints.length, clip.points.length);
     const {centre, radius, floor} = extent(clip);
-    const view = {yaw: clip.yaw, pitch: clip.pitch, frame: 0, playing: false, last: 0};
+    const view = {yaw: clip.yaw, pitch: clip.pitch, frame: clip.start || 0, playing: false, last: 0};
     slider.max = String(Math.max(0, frames - 1));
 
     const draw = () => {

@@ -83,22 +83,6 @@ std::string Overlays(const DrawnClip& clip) {
          Paragraph("White: outline of the body as it was fitted; colours: depth, near is bright.", "soft");
 }
 
-std::string Player(const DrawnClip& clip, std::size_t index) {
-  const std::string name = EscapeHtml(clip.item);
-  const std::string id = std::to_string(index);
-  const bool has_points = clip.evidence.evidence.tracks.has_value();
-  return "<div class=\"player\" role=\"group\" aria-label=\"Player of " + name +
-         "\">\n<canvas tabindex=\"0\" role=\"img\" aria-label=\"" + name +
-         " in motion; drag or use the arrow keys to turn\"></canvas>\n<div class=\"controls\"><button "
-         "type=\"button\">Play</button>"
-         "<input type=\"range\" min=\"0\" value=\"0\" step=\"1\" aria-label=\"Frame of " +
-         name +
-         "\"><output>0.00 s</output>"
-         "<label" +
-         std::string(has_points ? "" : " hidden") + " for=\"seen-" + id + "\"><input type=\"checkbox\" id=\"seen-" +
-         id + "\" checked> evidence</label></div>\n</div>\n";
-}
-
 std::string Figures(const DrawnClip& clip) {
   std::string text = EscapeHtml(clip.rank);
   if (const auto rms = NumberOf(clip.figures, "residual_rms_mm"))
@@ -209,7 +193,7 @@ std::string FilmstripsHtml(const ReportInput& input) {
   for (std::size_t i = 0; i < input.drawn.size(); ++i) {
     const DrawnClip& clip = input.drawn[i];
     html += "<h3>" + EscapeHtml(clip.item) + "</h3>\n" + Figures(clip) + "<div class=\"clip\"><div>\n" +
-            FilmstripSvg(clip, static_cast<int>(input.options.filmstrip_frames)) + "</div>\n" + Player(clip, i) +
+            FilmstripSvg(clip, static_cast<int>(input.options.filmstrip_frames)) + "</div>\n" + PlayerHtml(clip.item, std::to_string(i), clip.evidence.evidence.tracks.has_value()) +
             "</div>\n";
     if (overlays < kOverlayClips && !clip.evidence.evidence.depth_views.empty()) {
       html += Overlays(clip);

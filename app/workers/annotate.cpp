@@ -15,6 +15,7 @@
 #include "ingest/read_motions.h"
 #include "ingest/stages.h"
 #include "report/options.h"
+#include "report/review_page.h"
 #include "report/stages.h"
 
 int main(int argc, char** argv) {
@@ -36,5 +37,6 @@ int main(int argc, char** argv) {
                     {FitErrorDeclaration().name, FitErrorStage},
                     {ReportDeclaration().name, ReportStage},
                     {ClipPageDeclaration().name, ClipPageStage},
+                    {ReviewDeclaration().name, ReviewStage},
                     {PictureDeclaration().name, PictureStage}});
 }

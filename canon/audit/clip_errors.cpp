@@ -11,6 +11,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kIdentical_m = 1e-5;  ///< what the storing of a motion may move its joints by
+
 /// A motion's joints as the detectors read points; what it refers to lives as long as this.
 struct PointsOfMotion {
   std::vector<double> confidence, time_s;
@@ -33,7 +35,7 @@ void AddFindings(const std::vector<Finding>& found, const char* code, const Clip
                  std::vector<AuditFinding>& findings) {
   for (const Finding& finding : found) {
     if (finding.code != code || finding.severity == Severity::kInfo) continue;
-    findings.push_back({finding, ""});
+    findings.push_back({finding, "", ""});
     findings.back().finding.clip = clip.id();
   }
 }
@@ -109,6 +111,10 @@ std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const Duplic
     if (!splits.empty()) found.finding.severity = Severity::kError;
     found.finding.clip = first.id();
     found.suggested = second.id();
+    const bool alike = pair.kind == Duplicate::Kind::kSame && pair.distance <= kIdentical_m && splits.empty() &&
+                       first.label == second.label && first.fine_label == second.fine_label &&
+                       first.motion->frame_count() == second.motion->frame_count();
+    if (alike) found.safe_to_drop = second.id();
     findings.push_back(std::move(found));
   }
   return findings;

@@ -13,6 +13,8 @@ namespace mocurate {
 struct AuditFinding {
   Finding finding;
   std::string suggested;
+  /// A clip that can go without loss: it repeats another of the same label, frames and part of every split to 0.01 mm.
+  std::string safe_to_drop;
 };
 
 /// Clips of which a motion says that they are wrong: "mirrored" (the anatomy of a left-handed frame,
