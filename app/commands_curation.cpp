@@ -18,7 +18,8 @@ void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& v
       "one: features/SET.h5 of `mocurate eval -o`");
   audit->add_option("--fail-on", arguments->fail_on, "exit code 1 where a finding is of this severity or worse")
       ->check(CLI::IsMember({"warning", "error"}));
-  audit->add_option("-o,--output", arguments->output, "folder for audit.json and audit.html, a page of the worst twenty");
+  audit->add_option("-o,--output", arguments->output,
+                    "folder for audit.json and audit.html, a page of the worst twenty");
   audit->add_option("--review", arguments->review,
                     "decisions (decisions.yaml of `mocurate review`): findings that a person kept are not told again");
   audit->add_option("--with-findings", arguments->with_findings,
@@ -86,7 +87,8 @@ void AddDataset(CLI::App& app, CommonArguments& common, std::function<Status()>&
   diff->footer("Example:\n  mocurate dataset diff runs/old/dataset.h5 runs/new/dataset.h5 --json");
   diff->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return DatasetDiffVerb(common, *arguments); }; });
-  CLI::App* apply = dataset->add_subcommand("apply", "Carry decisions out: a new dataset without what a person dropped");
+  CLI::App* apply =
+      dataset->add_subcommand("apply", "Carry decisions out: a new dataset without what a person dropped");
   apply->add_option("dataset", arguments->path, "dataset (.h5)")->required();
   apply->add_option("decisions", arguments->other, "decisions.yaml of `mocurate review`")->required();
   apply->add_option("-o,--output", arguments->output, "new dataset (.h5)")->required();

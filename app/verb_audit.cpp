@@ -165,7 +165,9 @@ Status WriteWithFindings(const fs::path& from, const nlohmann::json& audit, cons
     finding.clip = json.at("clip").get<std::string>();
     finding.code = json.at("code").get<std::string>();
     const std::string severity = json.at("severity").get<std::string>();
-    finding.severity = severity == "error" ? Severity::kError : severity == "info" ? Severity::kInfo : Severity::kWarning;
+    finding.severity = severity == "error"  ? Severity::kError
+                       : severity == "info" ? Severity::kInfo
+                                            : Severity::kWarning;
     finding.frame_begin = json.at("frame_begin").get<int>();
     finding.frame_end = json.at("frame_end").get<int>();
     finding.value = json.at("value").get<double>();
@@ -217,8 +219,7 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
   }
   auto stages = DatasetStages::Make(common);
   if (!stages) return Forward(stages);
-  const auto made =
-      (*stages)->Audit(arguments.path, arguments.assignments, arguments.review, arguments.probabilities);
+  const auto made = (*stages)->Audit(arguments.path, arguments.assignments, arguments.review, arguments.probabilities);
   if (!made) return Forward(made);
   const auto audit = ReadAudit(*made);
   if (!audit) return Forward(audit);

@@ -112,7 +112,8 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
     if (std::filesystem::equivalent(*file, arguments.path, unknown)) {
       return Fail(ErrorCode::kUsage, "a dataset is not changed in its place", DisplayPath(*file), "write a new file");
     }
-    if (!arguments.force) return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(*file), "--force overwrites it");
+    if (!arguments.force)
+      return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(*file), "--force overwrites it");
   }
   const auto review = ReadReview(arguments.other);
   if (!review) return Forward(review);
@@ -131,7 +132,8 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
     if (Status written = WriteExcluded(*dataset, *applied, arguments.excluded); !written) return written;
   }
   if (Status written = WriteDataset(*dataset, arguments.output); !written) return written;
-  std::map<std::string, int> counts = {{"review_drop", 0}, {"review_relabel", 0}, {"review_cut", 0}, {"review_stale", 0}};
+  std::map<std::string, int> counts = {
+      {"review_drop", 0}, {"review_relabel", 0}, {"review_cut", 0}, {"review_stale", 0}};
   for (const Finding& finding : applied->findings) {
     ++counts[finding.code];
     if (finding.code == "review_stale") LogWarning(finding.clip + ": " + finding.message);

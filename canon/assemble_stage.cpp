@@ -152,7 +152,8 @@ Status ReadFindings(const StageInput& input, std::vector<Finding>& findings) {
   return {};
 }
 
-/// Carries a review out, if `by_id` whatever the motions are. `excluding` gets the findings about clips that it drops; the others are given back.
+/// Carries a review out, if `by_id` whatever the motions are. `excluding` gets the findings about clips that it drops;
+/// the others are given back.
 Expected<std::vector<Finding>> TakeReview(const std::filesystem::path& file, bool by_id, Dataset& dataset,
                                           std::map<std::string, std::string>& item_of,
                                           std::vector<Finding>& excluding) {

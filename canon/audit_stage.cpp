@@ -136,7 +136,7 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
     audit["nearest_neighbour"] = {
         {"split", chosen->name}, {"accuracy", result.accuracy()}, {"correct", result.correct}, {"count", result.count}};
   }
-  DuplicateLimits limits;
+  StretchLimits limits;
   limits.distance = options->repeated_distance_m;
   std::vector<AuditFinding> findings = FindRepeatedClips(*dataset, limits);
   for (AuditFinding& found : FindClipErrors(*dataset)) findings.push_back(std::move(found));

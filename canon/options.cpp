@@ -105,6 +105,6 @@ void AuditOptions::Declare(OptionVisitor& v) {
 
 StageDeclaration CanonDeclaration() { return {"canon", 15, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration AssembleDeclaration() { return {"assemble", 12, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration AuditDeclaration() { return {"audit", 2, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AuditDeclaration() { return {"audit", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -40,7 +40,8 @@ std::string LabelChoice(const std::vector<std::string>& labels, const std::strin
 std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& card, const ReviewPageInput& input) {
   const DrawnClip drawn = DrawnOf(clip);
   const int frames = FrameCountOf(drawn);
-  const std::string suggested = TextOf(card.finding, "code") == "label_suspect" ? TextOf(card.finding, "suggested") : "";
+  const std::string suggested =
+      TextOf(card.finding, "code") == "label_suspect" ? TextOf(card.finding, "suggested") : "";
   const auto number = [&](const char* name, int value) {
     return "<label>" + std::string(name) + " <input type=\"number\" class=\"" + name + "\" min=\"0\" max=\"" +
            std::to_string(frames) + "\" value=\"" + std::to_string(value) + "\"></label>";
@@ -50,8 +51,8 @@ std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& 
            "</kbd></button>";
   };
   return "<div class=\"decided\" data-clip=\"" + EscapeHtml(clip.id()) + "\" data-content=\"" +
-         (clip.motion ? MotionFingerprint(*clip.motion) : "") + "\" data-frames=\"" + std::to_string(frames) + "\">\n<h3>" +
-         EscapeHtml(clip.id()) + "</h3>\n" +
+         (clip.motion ? MotionFingerprint(*clip.motion) : "") + "\" data-frames=\"" + std::to_string(frames) +
+         "\">\n<h3>" + EscapeHtml(clip.id()) + "</h3>\n" +
          Paragraph("labelled " + EscapeHtml(clip.label) + ", " + Counted(frames, "frame") + " at " +
                        ShortText(clip.rate.hz()) + " Hz" +
                        (clip.identity.person.empty() ? "" : ", person " + EscapeHtml(clip.identity.person)),
@@ -59,17 +60,17 @@ std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& 
          "<div class=\"clip\"><div>" + FilmstripSvg(drawn, static_cast<int>(input.options.stills), StripLayers::kFit) +
          "</div>\n" + PlayerHtml(clip.id(), id, false) + "</div>\n<div class=\"verdicts\">" + button("keep", "k") +
          button("drop", "d") + button("relabel", "r") +
-         LabelChoice(input.labels, suggested.empty() ? clip.label : suggested) + button("cut", "c") + number("begin", 0) +
-         number("end", frames) + "<span class=\"said\" aria-live=\"polite\"></span></div>\n</div>\n";
+         LabelChoice(input.labels, suggested.empty() ? clip.label : suggested) + button("cut", "c") +
+         number("begin", 0) + number("end", frames) +
+         "<span class=\"said\" aria-live=\"polite\"></span></div>\n</div>\n";
 }
 
 std::string CardHtml(const ReviewCard& card, std::size_t index, const ReviewPageInput& input) {
   const std::string code = TextOf(card.finding, "code");
-  std::string html = "<section class=\"card\" tabindex=\"-1\" data-finding=\"" + EscapeHtml(code) +
-                     "\">\n<h2><span class=\"code " + EscapeHtml(TextOf(card.finding, "severity")) + "\">" +
-                     EscapeHtml(code) + "</span> " + std::to_string(index + 1) + " of " +
-                     std::to_string(input.cards.size()) + "</h2>\n" +
-                     Paragraph(EscapeHtml(TextOf(card.finding, "message")));
+  std::string html =
+      "<section class=\"card\" tabindex=\"-1\" data-finding=\"" + EscapeHtml(code) + "\">\n<h2><span class=\"code " +
+      EscapeHtml(TextOf(card.finding, "severity")) + "\">" + EscapeHtml(code) + "</span> " + std::to_string(index + 1) +
+      " of " + std::to_string(input.cards.size()) + "</h2>\n" + Paragraph(EscapeHtml(TextOf(card.finding, "message")));
   for (std::size_t i = 0; i < card.clips.size(); ++i) {
     html += ClipHtml(card.clips[i], std::to_string(index) + "-" + std::to_string(i), card, input);
   }
@@ -112,23 +113,28 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
          Paragraph(Counted(static_cast<long long>(input.cards.size()), "finding") +
                        (input.not_shown > 0 ? ", " + std::to_string(input.not_shown) + " more are not shown" : ""),
                    "lead") +
-         Paragraph("Keys: <kbd>j</kbd> and <kbd>p</kbd> next and previous clip; <kbd>k</kbd> keep, the finding is wrong; "
-                   "<kbd>d</kbd> drop; <kbd>r</kbd> relabel to the class that is chosen; <kbd>[</kbd> and <kbd>]</kbd> "
-                   "begin and end at the frame that the player shows, then <kbd>c</kbd> cut; <kbd>u</kbd> undo; "
-                   "<kbd>s</kbd> save.",
-                   "soft") +
+         Paragraph(
+             "Keys: <kbd>j</kbd> and <kbd>p</kbd> next and previous clip; <kbd>k</kbd> keep, the finding is wrong; "
+             "<kbd>d</kbd> drop; <kbd>r</kbd> relabel to the class that is chosen; <kbd>[</kbd> and <kbd>]</kbd> "
+             "begin and end at the frame that the player shows, then <kbd>c</kbd> cut; <kbd>u</kbd> undo; "
+             "<kbd>s</kbd> save.",
+             "soft") +
          "</header>\n<main id=\"main\">\n" + cards +
-         "<section id=\"decisions\"><h2>Decisions</h2>\n<p id=\"count\"></p>\n<p><button type=\"button\" id=\"save\">Save "
-         "decisions.yaml <kbd>s</kbd></button></p>\n<textarea id=\"yaml\" readonly rows=\"16\" aria-label=\"Decisions as "
+         "<section id=\"decisions\"><h2>Decisions</h2>\n<p id=\"count\"></p>\n<p><button type=\"button\" "
+         "id=\"save\">Save "
+         "decisions.yaml <kbd>s</kbd></button></p>\n<textarea id=\"yaml\" readonly rows=\"16\" aria-label=\"Decisions "
+         "as "
          "YAML\"></textarea>\n" +
-         Paragraph("<code>mocurate dataset apply DATASET decisions.yaml -o NEW.h5</code> carries them out on this file; "
-                   "<code>canon.review: decisions.yaml</code> in a config does so in every run. The browser keeps them "
-                   "until they are saved.",
-                   "soft") +
+         Paragraph(
+             "<code>mocurate dataset apply DATASET decisions.yaml -o NEW.h5</code> carries them out on this file; "
+             "<code>canon.review: decisions.yaml</code> in a config does so in every run. The browser keeps them "
+             "until they are saved.",
+             "soft") +
          "</section>\n</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + ".") +
          "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(player_data) +
-         "</script>\n<script type=\"application/json\" id=\"review-data\">" + JsonForScript(review) + "</script>\n<script>" +
-         kPlayerScript + "</script>\n<script>" + kReviewScript + "</script>\n</body>\n</html>\n";
+         "</script>\n<script type=\"application/json\" id=\"review-data\">" + JsonForScript(review) +
+         "</script>\n<script>" + kPlayerScript + "</script>\n<script>" + kReviewScript +
+         "</script>\n</body>\n</html>\n";
 }
 
 Expected<StageOutcome> ReviewStage(const StageRequest& request) {
@@ -180,9 +186,10 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request) {
     input.cards.push_back(std::move(card));
   }
   if (input.cards.empty() && unknown > 0) {
-    return Fail(ErrorCode::kInconsistent, "none of its " + Counted(static_cast<long long>(unknown), "finding") +
-                                              " is about a clip of the dataset",
-                request.item, "it is the audit of another dataset");
+    return Fail(
+        ErrorCode::kInconsistent,
+        "none of its " + Counted(static_cast<long long>(unknown), "finding") + " is about a clip of the dataset",
+        request.item, "it is the audit of another dataset");
   }
   const std::string page = MakeReviewPage(input);
   if (Status written = WriteFile(request.output, page); !written) return Forward(written);

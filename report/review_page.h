@@ -21,13 +21,13 @@ struct ReviewPageInput {
   std::string dataset;  ///< its file
   std::vector<std::string> labels;
   std::vector<ReviewCard> cards;
-  std::size_t not_shown = 0;   ///< findings beyond those
-  nlohmann::json decisions;    ///< made earlier: a list of objects as in the file that the page saves
+  std::size_t not_shown = 0;  ///< findings beyond those
+  nlohmann::json decisions;   ///< made earlier: a list of objects as in the file that the page saves
   ReviewOptions options;
 };
 
-/// One page without addresses outside it: a card per finding with filmstrips and players, keys to keep, drop, relabel or
-/// cut a clip, and the decisions as the YAML that canon.review reads (canon/review/review.h).
+/// One page without addresses outside it: a card per finding with filmstrips and players, keys to keep, drop, relabel
+/// or cut a clip, and the decisions as the YAML that canon.review reads (canon/review/review.h).
 std::string MakeReviewPage(const ReviewPageInput& input);
 
 /// Inputs: roles "dataset", "audit" (audit.json of it) and, if decisions were made before, "decisions" (a JSON list) ->

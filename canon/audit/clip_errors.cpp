@@ -1,6 +1,9 @@
 #include "canon/audit/clip_errors.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 
 #include "core/base/text.h"
 #include "core/quality/handedness.h"
@@ -11,6 +14,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kWhole = 0.9;         ///< share of both clips from which on they are said to show the same
+constexpr double kShortClips = 1.5;    ///< shortest stretches below which a clip is compared as a whole
 constexpr double kIdentical_m = 1e-5;  ///< what the storing of a motion may move its joints by
 
 /// A motion's joints as the detectors read points; what it refers to lives as long as this.
@@ -60,6 +65,56 @@ std::vector<std::vector<int>> PartsOfSplits(const Dataset& dataset) {
   return parts;
 }
 
+/// Two clips that show the same, in frames of each.
+struct Repeat {
+  std::size_t first = 0, second = 0;
+  bool mirrored = false;
+  bool whole = false;
+  double distance = 0.0;  ///< metres
+  int begin = 0, end = 0, second_begin = 0, second_end = 0;
+};
+
+std::array<int, 2> FramesOf(const Motion& motion, double begin_s, double end_s) {
+  const double hz = motion.rate.hz();
+  return {std::clamp(static_cast<int>(std::lround(begin_s * hz)), 0, motion.frame_count()),
+          std::clamp(static_cast<int>(std::lround(end_s * hz)) + 1, 0, motion.frame_count())};
+}
+
+/// Shared stretches, and pairs that share equal poses although they hardly move or are short.
+std::vector<Repeat> RepeatsOf(const Dataset& dataset, const StretchLimits& limits) {
+  const auto motion_at = [&](std::size_t i) { return dataset.clips[i].motion ? &*dataset.clips[i].motion : nullptr; };
+  std::map<std::pair<std::size_t, std::size_t>, Repeat> repeats;
+  for (const SharedStretch& stretch : FindSharedStretches(dataset.clips.size(), motion_at, limits)) {
+    const Motion &a = *motion_at(stretch.first), &b = *motion_at(stretch.second);
+    const auto frames = FramesOf(a, stretch.begin_s, stretch.end_s);
+    const auto others = FramesOf(b, stretch.second_begin_s, stretch.second_end_s);
+    const bool whole =
+        frames[1] - frames[0] >= kWhole * a.frame_count() && others[1] - others[0] >= kWhole * b.frame_count();
+    repeats[{stretch.first, stretch.second}] = {stretch.first, stretch.second,   stretch.mirrored,
+                                                whole,         stretch.distance, frames[0],
+                                                frames[1],     others[0],        others[1]};
+  }
+  std::vector<MotionSignature> signatures;
+  for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
+    const Motion* motion = motion_at(i);
+    signatures.push_back(motion != nullptr ? SignatureOfMotion(*motion) : MotionSignature());
+    if (motion == nullptr || motion->duration() <= kShortClips * limits.least_s) continue;
+    signatures.back().shape = {};  // longer clips are compared by their stretches
+    signatures.back().mirrored = {};
+  }
+  DuplicateLimits by_poses;
+  by_poses.distance = limits.distance;
+  for (const Duplicate& pair : FindDuplicates(signatures, by_poses)) {
+    const bool overlap = pair.kind == Duplicate::Kind::kOverlap;
+    repeats.emplace(std::make_pair(pair.first, pair.second),
+                    Repeat{pair.first, pair.second, pair.kind == Duplicate::Kind::kMirrored, !overlap, pair.distance,
+                           pair.frame_begin, pair.frame_end, pair.second_begin, pair.second_end});
+  }
+  std::vector<Repeat> sorted;
+  for (const auto& [indices, repeat] : repeats) sorted.push_back(repeat);
+  return sorted;
+}
+
 }  // namespace
 
 std::vector<AuditFinding> FindClipErrors(const Dataset& dataset) {
@@ -82,36 +137,28 @@ std::vector<AuditFinding> FindClipErrors(const Dataset& dataset) {
 
 MotionSignature SignatureOfMotion(const Motion& motion) { return SignatureOf(PointsOfMotion(motion).points); }
 
-std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const DuplicateLimits& limits) {
-  std::vector<MotionSignature> signatures;
-  for (const Clip& clip : dataset.clips) {
-    signatures.push_back(clip.motion ? SignatureOfMotion(*clip.motion) : MotionSignature());
-  }
+std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const StretchLimits& limits) {
   const std::vector<std::vector<int>> parts = PartsOfSplits(dataset);
   std::vector<AuditFinding> findings;
-  for (const Duplicate& pair : FindDuplicates(signatures, limits)) {
-    const Clip &first = dataset.clips[pair.first], &second = dataset.clips[pair.second];
+  for (const Repeat& repeat : RepeatsOf(dataset, limits)) {
+    const Clip &first = dataset.clips[repeat.first], &second = dataset.clips[repeat.second];
     std::string splits;
     for (std::size_t s = 0; s < parts.size(); ++s) {
-      const int a = parts[s][pair.first], b = parts[s][pair.second];
+      const int a = parts[s][repeat.first], b = parts[s][repeat.second];
       if (a >= 0 && b >= 0 && a != b) splits += (splits.empty() ? "'" : ", '") + dataset.splits[s].name + "'";
     }
-    const bool overlap = pair.kind == Duplicate::Kind::kOverlap;
-    const std::string other = second.id() + (overlap ? ", frames " + std::to_string(pair.second_begin) + " to " +
-                                                           std::to_string(pair.second_end)
-                                                     : std::string());
-    const std::string what = pair.kind == Duplicate::Kind::kSame ? "shows the same as "
-                             : overlap                           ? "shares " + Counted(pair.shared, "frame") + " with "
-                                                                 : "shows the mirror image of ";
+    const std::string what =
+        std::string(repeat.whole ? "shows the same as " : "shows in part the same as ") +
+        (repeat.mirrored ? "the mirror image of " : "") + second.id() +
+        (repeat.whole ? ""
+                      : ", frames " + std::to_string(repeat.second_begin) + " to " + std::to_string(repeat.second_end));
     AuditFinding found;
-    found.finding =
-        FrameFinding(splits.empty() ? "duplicate" : "leak", pair.frame_begin, pair.frame_end, "",
-                     overlap ? static_cast<double>(pair.shared) : pair.distance,
-                     what + other + (splits.empty() ? "" : "; the two are in different parts of split " + splits));
+    found.finding = FrameFinding(splits.empty() ? "duplicate" : "leak", repeat.begin, repeat.end, "", repeat.distance,
+                                 what + (splits.empty() ? "" : "; the two are in different parts of split " + splits));
     if (!splits.empty()) found.finding.severity = Severity::kError;
     found.finding.clip = first.id();
     found.suggested = second.id();
-    const bool alike = pair.kind == Duplicate::Kind::kSame && pair.distance <= kIdentical_m && splits.empty() &&
+    const bool alike = repeat.whole && !repeat.mirrored && repeat.distance <= kIdentical_m && splits.empty() &&
                        first.label == second.label && first.fine_label == second.fine_label &&
                        first.motion->frame_count() == second.motion->frame_count();
     if (alike) found.safe_to_drop = second.id();

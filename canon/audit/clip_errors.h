@@ -5,6 +5,7 @@
 
 #include "core/base/finding.h"
 #include "core/quality/duplicates.h"
+#include "core/quality/shared_stretches.h"
 #include "core/store/store.h"
 
 namespace mocurate {
@@ -24,8 +25,8 @@ std::vector<AuditFinding> FindClipErrors(const Dataset& dataset);
 /// What FindRepeatedClips compares of a motion.
 MotionSignature SignatureOfMotion(const Motion& motion);
 
-/// Pairs of clips that show the same (FindDuplicates), also mirrored or in part: "leak" (error) where a split has them
-/// in two parts, else "duplicate". `suggested` is the other clip.
-std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const DuplicateLimits& limits = {});
+/// Pairs of clips that show the same (FindSharedStretches, FindDuplicates), also mirrored or in part: "leak" (error)
+/// where a split has them in two parts, else "duplicate". `suggested` is the other clip.
+std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const StretchLimits& limits = {});
 
 }  // namespace mocurate

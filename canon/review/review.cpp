@@ -12,10 +12,8 @@
 namespace mocurate {
 namespace {
 
-constexpr std::pair<const char*, Verdict> kVerdicts[] = {{"keep", Verdict::kKeep},
-                                                         {"drop", Verdict::kDrop},
-                                                         {"relabel", Verdict::kRelabel},
-                                                         {"cut", Verdict::kCut}};
+constexpr std::pair<const char*, Verdict> kVerdicts[] = {
+    {"keep", Verdict::kKeep}, {"drop", Verdict::kDrop}, {"relabel", Verdict::kRelabel}, {"cut", Verdict::kCut}};
 
 std::string VerdictName(Verdict verdict) { return kVerdicts[static_cast<int>(verdict)].first; }
 
@@ -111,8 +109,10 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
                                      "'" + clip.label + "' became '" + decision.label + "' by a review", decision));
     clip.label = decision.label;
     const int fine = dataset.FineLabelIndex(clip.fine_label);
-    const bool fits = fine >= 0 && dataset.labels[static_cast<std::size_t>(
-                                       dataset.fine_labels[static_cast<std::size_t>(fine)].parent)] == clip.label;
+    const bool fits =
+        fine >= 0 &&
+        dataset.labels[static_cast<std::size_t>(dataset.fine_labels[static_cast<std::size_t>(fine)].parent)] ==
+            clip.label;
     if (!fits) clip.fine_label.clear();
   } else if (decision.verdict == Verdict::kCut) {
     const int frames = clip.motion->frame_count();
@@ -123,10 +123,10 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
                   decision.place, "boundaries can be moved inwards only; canon.trim moves them outwards");
     }
     if (decision.begin == 0 && decision.end == frames) return {};
-    Finding done = About(clip, "review_cut", "cut",
-                         "cut to frames " + std::to_string(decision.begin) + " to " + std::to_string(decision.end) +
-                             " by a review",
-                         decision);
+    Finding done = About(
+        clip, "review_cut", "cut",
+        "cut to frames " + std::to_string(decision.begin) + " to " + std::to_string(decision.end) + " by a review",
+        decision);
     auto cut = Cut(clip, static_cast<int>(decision.begin), static_cast<int>(decision.end));
     if (!cut) return Forward(cut);
     applied.new_ids[clip.id()] = cut->id();
@@ -143,7 +143,8 @@ Status PutBack(std::vector<Row> rows, Dataset& dataset, AppliedReview& applied) 
   for (std::size_t row = 0; row < rows.size(); ++row) {
     if (!rows[row].dropped) order.push_back(row);
   }
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rows[a].clip.id() < rows[b].clip.id(); });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return rows[a].clip.id() < rows[b].clip.id(); });
   std::vector<int> new_row(rows.size(), -1);
   for (std::size_t i = 0; i < order.size(); ++i) {
     new_row[order[i]] = static_cast<int>(i);
@@ -204,7 +205,8 @@ std::string ReviewText(const Review& review) {
   const auto quoted = [](const std::string& text) {
     return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   };
-  std::string text = "dataset: " + quoted(review.dataset) + "\ndecisions:" + (review.decisions.empty() ? " []" : "") + "\n";
+  std::string text =
+      "dataset: " + quoted(review.dataset) + "\ndecisions:" + (review.decisions.empty() ? " []" : "") + "\n";
   for (const Decision& decision : review.decisions) {
     text += "  - clip: " + quoted(decision.clip) + "\n    content: " + quoted(decision.content) +
             "\n    finding: " + quoted(decision.finding) + "\n    decision: " + VerdictName(decision.verdict) + "\n";

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <unordered_map>
+#include <tuple>
 
 #include "core/quality/swaps.h"
 
@@ -177,34 +177,35 @@ struct Shared {
 
 void ComparePoses(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, DuplicatePairs& pairs) {
   constexpr std::size_t kCommon = 50;  // a pose of so many clips is a rest pose and tells nothing
-  std::unordered_map<std::uint64_t, std::vector<std::pair<std::size_t, int>>> holders;
+  struct Held {
+    std::uint64_t pose;
+    std::uint32_t clip, frame;
+  };
+  std::vector<Held> held;
   for (std::size_t i = 0; i < clips.size(); ++i) {
     for (std::size_t f = 0; f < clips[i].poses.size(); ++f) {
       if (clips[i].poses[f] == 0) continue;
-      auto& list = holders[clips[i].poses[f]];
-      if (list.empty() || list.back().first != i) list.emplace_back(i, static_cast<int>(f));  // each pose once a clip
+      held.push_back({clips[i].poses[f], static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(f)});
     }
   }
+  const auto place = [](const Held& h) { return std::make_tuple(h.pose, h.clip, h.frame); };
+  std::sort(held.begin(), held.end(), [&](const Held& a, const Held& b) { return place(a) < place(b); });
+  const auto same = [](const Held& a, const Held& b) { return a.pose == b.pose && a.clip == b.clip; };
+  held.erase(std::unique(held.begin(), held.end(), same), held.end());  // each pose once a clip
   std::map<std::pair<std::size_t, std::size_t>, Shared> shared;
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    for (const std::uint64_t pose : clips[i].poses) {
-      const auto found = holders.find(pose);
-      if (pose == 0 || found == holders.end()) continue;
-      auto& list = found->second;
-      if (list.size() > 1 && list.size() <= kCommon && list.front().first == i) {
-        for (std::size_t a = 0; a < list.size(); ++a) {
-          for (std::size_t b = a + 1; b < list.size(); ++b) {
-            Shared& pair = shared[{list[a].first, list[b].first}];
-            const int f = list[a].second, g = list[b].second;
-            pair.begin = pair.count == 0 ? f : std::min(pair.begin, f);
-            pair.end = std::max(pair.end, f + 1);
-            pair.second_begin = pair.count == 0 ? g : std::min(pair.second_begin, g);
-            pair.second_end = std::max(pair.second_end, g + 1);
-            ++pair.count;
-          }
-        }
+  for (std::size_t begin = 0, end = 0; begin < held.size(); begin = end) {
+    while (end < held.size() && held[end].pose == held[begin].pose) ++end;
+    if (end - begin > kCommon) continue;
+    for (std::size_t a = begin; a < end; ++a) {
+      for (std::size_t b = a + 1; b < end; ++b) {
+        Shared& pair = shared[{held[a].clip, held[b].clip}];
+        const int f = static_cast<int>(held[a].frame), g = static_cast<int>(held[b].frame);
+        pair.begin = pair.count == 0 ? f : std::min(pair.begin, f);
+        pair.end = std::max(pair.end, f + 1);
+        pair.second_begin = pair.count == 0 ? g : std::min(pair.second_begin, g);
+        pair.second_end = std::max(pair.second_end, g + 1);
+        ++pair.count;
       }
-      if (list.front().first == i) holders.erase(found);
     }
   }
   for (const auto& [indices, frames] : shared) {

@@ -20,6 +20,9 @@ Eigen::MatrixXd SquaredDistances(const Features& a, Eigen::Index begin, Eigen::I
   return squared.cwiseMax(0.0);
 }
 
+/// Of a distance that is taken from squares, as a share of the features' size.
+constexpr double kRounding = 1e-6;
+
 }  // namespace
 
 Expected<NeighbourFigures> CompareNeighbours(const Features& motions, const Features& reference, int k) {
@@ -63,7 +66,9 @@ Expected<NeighbourFigures> CompareNeighbours(const Features& motions, const Feat
   figures.coverage =
       static_cast<double>(std::count(covered.begin(), covered.end(), true)) / static_cast<double>(reference.rows());
   const double among = own_nearest / static_cast<double>(reference.rows());
-  figures.nearest = among > 0.0 ? nearest / static_cast<double>(motions.rows()) / among : 0.0;
+  // Rows that repeat are as far apart as rounding says: there is nothing to measure by.
+  const double rounding = kRounding * std::sqrt(norm.mean());
+  figures.nearest = among > rounding ? nearest / static_cast<double>(motions.rows()) / among : 0.0;
   return figures;
 }
 

@@ -263,6 +263,21 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
   EXPECT_EQ(TrainingProgram(folder, {"audit", set, "--set", "labels.widht=2"}).exit_code, 2);
   const Result strict = TrainingProgram(folder, {"audit", set, "--fail-on", "warning", "-q"});
   EXPECT_EQ(strict.exit_code, audit.Json()["findings"].empty() ? 0 : 1);
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  EXPECT_EQ(
+      TrainingProgram(folder, {"audit", set, "--fix", in("safe.yaml"), "--with-findings", in("told.h5")}).exit_code, 0);
+  EXPECT_EQ(TrainingProgram(folder, {"review", set, "--decisions", in("safe.yaml"), "-o", in("page.html")}).exit_code,
+            0);
+  EXPECT_EQ(TrainingProgram(folder, {"review", set, "-o", in("page.html")}).exit_code, 2) << "it is there";
+  EXPECT_EQ(TrainingProgram(folder, {"review", set, "--audit", in("safe.yaml"), "-o", in("other.html")}).exit_code, 3);
+  const std::string first = ReadDataset(folder / "r/dataset.h5")->clips.front().id();
+  program::WriteText(folder / "drop.yaml", "decisions: [{clip: '" + first + "', decision: drop}]\n");
+  const Result applied = TrainingProgram(
+      folder, {"dataset", "apply", set, in("drop.yaml"), "-o", in("clean.h5"), "--excluded", in("gone.h5"), "--json"});
+  ASSERT_EQ(applied.exit_code, 0) << applied.err;
+  EXPECT_EQ(applied.Json()["dropped"], 1);
+  EXPECT_EQ(ReadDataset(folder / "gone.h5")->clips.front().id(), first);
+  EXPECT_EQ(TrainingProgram(folder, {"dataset", "apply", set, in("drop.yaml"), "-o", set, "--force"}).exit_code, 2);
   const std::string actor = (folder / "r/checkpoints/ACTOR_1.h5").string();
   const std::string denoised = (folder / "denoised.h5").string(), between = (folder / "between.h5").string();
   const Result made =

@@ -6,7 +6,11 @@
 // Prints the recall of each kind of variant, how many pairs are reported that were not planted (they may be real), the
 // time.
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -14,6 +18,7 @@
 
 #include "canon/audit/clip_errors.h"
 #include "core/base/random.h"
+#include "core/base/text.h"
 #include "core/motion/operations.h"
 
 namespace {
@@ -34,9 +39,11 @@ Clip Variant(const std::string& kind, Clip clip, Random& random) {
   const int F = clip.motion->frame_count();
   if (kind == "resampled") clip = Resample(clip, FrameRate{24, 1});
   if (kind == "mirrored") clip = Mirror(clip);
-  if (kind == "cropped") clip = *Cut(clip, F / 5, F - F / 5);
+  const bool crops = kind.rfind("cropped", 0) == 0;
+  if (crops) clip = *Cut(clip, F / 5, F - F / 5);
+  if (kind == "cropped resampled") clip = Resample(clip, FrameRate{24, 1});
   Motion& motion = *clip.motion;
-  if (kind == "noisy") {
+  if (kind == "noisy" || kind == "cropped noisy") {
     for (double& value : motion.joints.xyz) value += 0.002 * random.Normal();
   }
   Move(motion, random.Uniform(-3.0, 3.0));
@@ -48,24 +55,45 @@ double SecondsSince(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Signatures of so many clips that differ from each other, and the search among them.
+/// "0.1 0.5 1.2 mm": the median, the 95th percentile and the largest; of frames where poses alone tell.
+std::string Quantiles(std::vector<double> values) {
+  if (values.empty()) return "none";
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    return FormatDouble(
+        std::round(100.0 * values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))]) / 100.0);
+  };
+  return at(0.5) + " " + at(0.95) + " " + at(1.0) + " mm";
+}
+
+/// So many clips that differ from each other, one in memory at a time, and the search among them.
 void TimeScale(const Dataset& dataset, std::size_t clips) {
-  const auto begin = std::chrono::steady_clock::now();
-  std::vector<MotionSignature> signatures;
-  for (std::size_t i = 0; i < clips; ++i) {
-    Motion motion = *dataset.clips[i % dataset.clips.size()].motion;
+  Motion motion;
+  const auto motion_at = [&](std::size_t i) {
+    motion = *dataset.clips[i % dataset.clips.size()].motion;
     Random random(1, "scale", std::to_string(i));
     for (int j = 1; j < motion.joint_count(); ++j) {
       const Vector3d way(random.Normal(), random.Normal(), random.Normal());
       const Vector3d offset = way.normalized() * random.Uniform(0.05, 0.08);
       for (int f = 0; f < motion.frame_count(); ++f) motion.joints.at(f, j) += offset;
     }
-    signatures.push_back(SignatureOfMotion(motion));
-  }
-  const double made = SecondsSince(begin);
+    return &motion;
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  const std::size_t stretches = FindSharedStretches(clips, motion_at).size();
+  std::printf("%zu clips: %zu shared stretches, %.1f s\n", clips, stretches, SecondsSince(begin));
   const auto search = std::chrono::steady_clock::now();
+  std::vector<MotionSignature> signatures;
+  for (std::size_t i = 0; i < clips; ++i) {
+    signatures.push_back(SignatureOfMotion(*motion_at(i)));
+    signatures.back().shape = {};
+    signatures.back().mirrored = {};
+  }
   const std::size_t pairs = FindDuplicates(signatures).size();
-  std::printf("%zu clips: signatures %.1f s, search %.1f s, %zu pairs\n", clips, made, SecondsSince(search), pairs);
+  struct rusage use {};
+  getrusage(RUSAGE_SELF, &use);
+  std::printf("equal poses: %zu pairs, %.1f s; %.2f GB at most\n", pairs, SecondsSince(search),
+              static_cast<double>(use.ru_maxrss) * 1024.0 / 1e9);
 }
 
 }  // namespace
@@ -86,7 +114,7 @@ int main(int argc, char** argv) {
   }
   const auto own = dataset->clips.size();
   const auto count = std::min<std::size_t>(argc > 2 ? static_cast<std::size_t>(std::atoi(argv[2])) : 100, own);
-  const char* kinds[] = {"copied", "mirrored", "resampled", "cropped", "noisy"};
+  const char* kinds[] = {"copied", "mirrored", "resampled", "cropped", "noisy", "cropped noisy", "cropped resampled"};
   std::map<std::string, std::string> planted;  // variant -> clip
   for (const char* kind : kinds) {
     Random random(1, "leaks", kind);
@@ -103,22 +131,33 @@ int main(int argc, char** argv) {
   const std::vector<AuditFinding> findings = FindRepeatedClips(*dataset);
   const double seconds = SecondsSince(begin);
   std::map<std::string, std::set<std::string>> found;  // variants by kind
-  std::size_t others = 0;
+  std::map<std::string, std::vector<double>> apart;    // millimetres, by kind
   for (const AuditFinding& one : findings) {
     const std::string &a = one.finding.clip, &b = one.suggested;
     const auto variant = planted.count(a) > 0 ? planted.find(a) : planted.find(b);
     const std::string& other = variant == planted.end() ? a : variant->first == a ? b : a;
     if (variant != planted.end() && variant->second == other) {
       const std::size_t at = variant->first.find("planted ") + 8;
-      found[variant->first.substr(at, variant->first.find('/', at) - at)].insert(variant->first);
+      const std::string kind = variant->first.substr(at, variant->first.find('/', at) - at);
+      found[kind].insert(variant->first);
+      apart[kind].push_back(1000.0 * one.finding.value);
     } else if (planted.count(a) == 0 && planted.count(b) == 0) {
-      ++others;
+      apart[""].push_back(1000.0 * one.finding.value);
     }
   }
   std::printf("%s: %zu clips, %zu variants of each kind\n", argv[1], own, count);
-  for (const char* kind : kinds) {
-    std::printf("%-10s recall %.3f\n", kind, static_cast<double>(found[kind].size()) / static_cast<double>(count));
+  if (std::getenv("MISSED") != nullptr) {
+    for (const auto& [variant, clip] : planted) {
+      bool any = false;
+      for (const auto& [kind, ids] : found) any = any || ids.count(variant) > 0;
+      if (!any) std::printf("missed %s\n", variant.c_str());
+    }
   }
-  std::printf("pairs that were not planted: %zu; %.2f s\n", others, seconds);
+  for (const char* kind : kinds) {
+    std::printf("%-18s recall %.3f, %s\n", kind, static_cast<double>(found[kind].size()) / static_cast<double>(count),
+                Quantiles(apart[kind]).c_str());
+  }
+  std::printf("pairs that were not planted: %zu, %s; %.2f s\n", apart[""].size(), Quantiles(apart[""]).c_str(),
+              seconds);
   return 0;
 }

@@ -60,6 +60,7 @@ const std::map<std::string, std::string> kLibraryRooms = {
     {"canon", "canon"},
     {"canon_options", "canon"},
     {"canon_exports", "canon"},
+    {"canon_review", "canon"},
     {"train", "train"},
     {"train_options", "train"},
     {"recognisers", "train/recognisers"},

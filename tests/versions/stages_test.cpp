@@ -198,10 +198,16 @@ TEST_F(StageVersions, Assemble) {
   Judge(AssembleDeclaration(), "assemble", item, kComputed);
 }
 
-TEST_F(StageVersions, Audit) {
+TEST_F(StageVersions, AuditAndReview) {
   Write(WriteDataset(SmallDataset(), Path("dataset.h5")));
-  Judge(AuditDeclaration(), "audit",
-        {"audit", OptionsToJson(AuditOptions()), {Input("dataset", "dataset", "dataset.h5")}}, kComputed);
+  const ItemResult audit =
+      Judge(AuditDeclaration(), "audit",
+            {"audit", OptionsToJson(AuditOptions()), {Input("dataset", "dataset", "dataset.h5")}}, kComputed);
+  Judge(ReviewDeclaration(), "review",
+        {"review",
+         OptionsToJson(ReviewOptions()),
+         {Input("dataset", "dataset", "dataset.h5"), {"audit", "audit", audit.artifact, audit.sha256}}},
+        kRounded, {AuditDeclaration()});
 }
 
 NetworkOptions SmallRecogniser() {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "tests/report/builders.h"
+
+namespace mocurate::test {
+
+inline constexpr const char* kChromium = "/usr/bin/chromium";
+
+/// Where the recorded data are, a machine without a browser is a failure.
+inline bool HasBrowser() {
+  if (std::filesystem::exists(kChromium)) return true;
+  EXPECT_EQ(std::getenv("MOCURATE_DATA"), nullptr) << kChromium << " is missing: install chromium";
+  return false;
+}
+
+/// Opens index.html of the folder in a browser that may load nothing; its document and its log come back as files.
+inline int Browse(const Folder& place, const std::string& what) {
+  const std::string folder = place / "";
+  const std::string command =
+      "timeout 120 " + std::string(kChromium) +
+      " --headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
+      " --disable-component-update --disable-sync --enable-logging=stderr --user-data-dir='" +
+      folder + "profile' " + what + " --window-size=1200,2000 'file://" + folder + "index.html' > '" + folder +
+      "dom.html' 2> '" + folder + "log.txt'";
+  return std::system(command.c_str());
+}
+
+}  // namespace mocurate::test
