@@ -18,8 +18,9 @@ void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& v
       "one: features/SET.h5 of `mocurate eval -o`");
   audit->add_option("--fail-on", arguments->fail_on, "exit code 1 where a finding is of this severity or worse")
       ->check(CLI::IsMember({"warning", "error"}));
-  audit->add_option("-o,--output", arguments->output,
-                    "folder for audit.json and audit.html, a page of the worst twenty");
+  audit->add_option(
+      "-o,--output", arguments->output,
+      "folder for audit.json, clips.csv with the measures of all clips, and audit.html, a page of the worst twenty");
   audit->add_option("--review", arguments->review,
                     "decisions (decisions.yaml of `mocurate review`): findings that a person kept are not told again");
   audit->add_option("--with-findings", arguments->with_findings,
@@ -32,7 +33,8 @@ void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& v
       ->allow_extra_args(false);
   audit->add_flag("--force", arguments->force, "overwrite");
   audit->footer(
-      "Nothing is changed. Codes: label_suspect, duplicate, leak, mirrored, frozen_frames, swapped_sides.\n\n"
+      "Nothing is changed. Codes: label_suspect, duplicate, leak, mirrored, frozen_frames, swapped_sides,\n"
+      "class_not_trained, names_alike; for information: fits_no_class, outlier.\n\n"
       "Examples:\n  mocurate audit runs/kard/dataset.h5\n  mocurate audit runs/kard/dataset.h5 --json\n"
       "  mocurate audit runs/kard/dataset.h5 -o audits/kard --fail-on error\n"
       "  mocurate audit runs/kard/dataset.h5 --fix safe.yaml\n"

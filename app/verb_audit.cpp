@@ -178,6 +178,32 @@ Status WriteWithFindings(const fs::path& from, const nlohmann::json& audit, cons
   return WriteDataset(*dataset, to);
 }
 
+/// The measures of all clips: a line each, texts in quotes, an empty cell where a clip does not have one.
+Status WriteClipMeasures(const nlohmann::json& audit, const fs::path& path) {
+  const nlohmann::json& clips = audit.at("clips");
+  std::string csv;
+  const auto line = [&](const auto& cell_of) {
+    const char* mark = "";
+    for (const auto& [key, value] : clips.front().items()) {
+      csv += mark + cell_of(key);
+      mark = ",";
+    }
+    csv += "\n";
+  };
+  if (!clips.empty()) line([](const std::string& key) { return key; });
+  for (const nlohmann::json& clip : clips) {
+    line([&](const std::string& key) -> std::string {
+      const nlohmann::json& value = clip.at(key);
+      if (value.is_null()) return "";
+      if (!value.is_string()) return FormatDouble(value.get<double>());
+      std::string text = "\"";
+      for (const char c : value.get_ref<const std::string&>()) text += c == '"' ? "\"\"" : std::string(1, c);
+      return text + "\"";
+    });
+  }
+  return WriteFile(path, csv);
+}
+
 /// Decisions to drop what repeats another clip without any difference.
 Status WriteFixes(const fs::path& dataset, const nlohmann::json& audit, const fs::path& to, std::size_t& count) {
   std::set<std::string> dropped;
@@ -214,7 +240,8 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
   const bool keeps = !arguments.output.empty();
   const fs::path json_file = keeps ? arguments.output / "audit.json" : fs::path();
   const fs::path page_file = keeps ? arguments.output / "audit.html" : fs::path();
-  for (const fs::path* file : {&json_file, &page_file, &arguments.with_findings, &arguments.fixes}) {
+  const fs::path csv_file = keeps ? arguments.output / "clips.csv" : fs::path();
+  for (const fs::path* file : {&json_file, &page_file, &csv_file, &arguments.with_findings, &arguments.fixes}) {
     if (Status free = CheckIsFree(*file, arguments.force); !free) return free;
   }
   auto stages = DatasetStages::Make(common);
@@ -231,6 +258,7 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
     if (Status folder = MakeFolder(arguments.output); !folder) return folder;
     if (Status copied = CopyWhole(*made, json_file); !copied) return copied;
     if (Status copied = CopyWhole(*page, page_file); !copied) return copied;
+    if (Status written = WriteClipMeasures(*audit, csv_file); !written) return written;
   }
   if (common.json) {
     common.answered = true;

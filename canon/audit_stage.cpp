@@ -1,9 +1,12 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "canon/audit/clip_errors.h"
+#include "canon/audit/clip_measures.h"
 #include "canon/audit/label_noise.h"
 #include "canon/audit/nearest_neighbour.h"
+#include "canon/audit/set_errors.h"
 #include "canon/options.h"
 #include "canon/review/review.h"
 #include "canon/stage_parts.h"
@@ -40,16 +43,22 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
              {"classes_of_one_person", audit.unchecked}};
   for (std::size_t i = 0; i < audit.rows.size(); ++i) {
     const JudgedLabel& judged = audit.judged[i];
-    if (!judged.suspect) continue;
+    if (!judged.suspect && !judged.fits_none) continue;
     const Clip& clip = dataset.clips[static_cast<std::size_t>(audit.rows[i])];
     AuditFinding found;
     found.finding.clip = clip.id();
-    found.finding.code = "label_suspect";
+    found.finding.code = judged.suspect ? "label_suspect" : "fits_no_class";
+    found.finding.severity = judged.suspect ? Severity::kWarning : Severity::kInfo;
     found.finding.frame_end = clip.motion->frame_count();
     found.finding.value = judged.margin;
-    found.suggested = dataset.labels[static_cast<std::size_t>(judged.suggested)];
-    found.finding.message = "labelled '" + clip.label + "', moves like '" + found.suggested + "' (margin " +
-                            RoundedText(judged.margin, 2) + ")";
+    const std::string near = judged.suggested < 0 ? "" : dataset.labels[static_cast<std::size_t>(judged.suggested)];
+    if (judged.suspect) {
+      found.suggested = near;
+      found.finding.message =
+          "labelled '" + clip.label + "', moves like '" + near + "' (margin " + RoundedText(judged.margin, 2) + ")";
+    } else {
+      found.finding.message = "labelled '" + clip.label + "', moves like no class that others perform";
+    }
     found.finding.action = "flagged";
     findings.push_back(std::move(found));
   }
@@ -91,6 +100,21 @@ nlohmann::json JsonOf(const AuditFinding& found) {
           {"suggested", found.suggested.empty() ? nlohmann::json() : nlohmann::json(found.suggested)},
           {"safe_to_drop", found.safe_to_drop.empty() ? nlohmann::json() : nlohmann::json(found.safe_to_drop)},
           {"message", finding.message}};
+}
+
+/// A line per clip: id, label, person, and its measures; null where it does not have one.
+nlohmann::json ClipsJson(const Dataset& dataset, const std::vector<std::vector<double>>& measures) {
+  nlohmann::json clips = nlohmann::json::array();
+  for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
+    const Clip& clip = dataset.clips[i];
+    nlohmann::json line = {{"clip", clip.id()}, {"label", clip.label}, {"person", clip.identity.person}};
+    for (std::size_t k = 0; k < measures[i].size(); ++k) {
+      const double value = measures[i][k];
+      line[MeasuresOfClips()[k].name] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+    }
+    clips.push_back(std::move(line));
+  }
+  return clips;
 }
 
 }  // namespace
@@ -143,8 +167,11 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   auto labels = LabelFindings(*dataset, options->labels, FindInput(request, "probabilities"), audit["labels"]);
   if (!labels) return Forward(labels);
   for (AuditFinding& found : *labels) findings.push_back(std::move(found));
+  const std::vector<std::vector<double>> measures = MeasureClips(*dataset);
+  for (AuditFinding& found : FindOutliers(*dataset, measures, options->outliers)) findings.push_back(std::move(found));
+  for (AuditFinding& found : FindSetErrors(*dataset)) findings.push_back(std::move(found));
   std::stable_sort(findings.begin(), findings.end(), [](const AuditFinding& a, const AuditFinding& b) {
-    return a.finding.severity == Severity::kError && b.finding.severity != Severity::kError;
+    return a.finding.severity > b.finding.severity;
   });
   if (const StageInput* review = FindInput(request, kReviewRole)) {
     const auto accepted = DropAccepted(*review, *dataset, findings);
@@ -160,7 +187,9 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   audit["findings"] = per_code;
   StageOutcome outcome;
   outcome.summary = audit;
-  const nlohmann::json file = {{"findings", std::move(list)}, {"summary", std::move(audit)}};
+  audit["coverage"] = CoverageOf(*dataset);
+  const nlohmann::json file = {
+      {"findings", std::move(list)}, {"summary", std::move(audit)}, {"clips", ClipsJson(*dataset, measures)}};
   if (Status written =
           WriteFile(request.output, file.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
       !written)

@@ -91,7 +91,19 @@ void LabelNoiseOptions::Declare(OptionVisitor& v) {
            "least score of the other class, as a share of that class's mean own score");
   v.Number("own_share", own_share, Unit::kNone, {-10.0, 10.0},
            "largest score of the own class, as a share of its mean own score");
+  v.Number("none_share", none_share, Unit::kNone, {-10.0, 10.0},
+           "largest score of any class, as a share of its mean own score, of a clip that fits none");
+  v.Number("least_usual", least_usual, Unit::kNone, {0.0, 1.0}, "least mean own score of a class that is judged");
   v.Integer("most_clips", most_clips, {2.0, 20000.0}, "that a fold learns from; of more so many are drawn");
+  v.Integer("most_folds", most_folds, {2.0, 1000.0}, "folds that persons are spread over, at most");
+  v.Integer("drawn_folds", drawn_folds, {2.0, 1000.0}, "folds of clips, where there are fewer than three persons");
+}
+
+void OutlierOptions::Declare(OptionVisitor& v) {
+  v.Bool("enabled", enabled, "tell clips whose jerk, speed, length, ... is unlike that of their class");
+  v.Number("deviations", deviations, Unit::kNone, {1.0, 1e6},
+           "robust standard deviations from the median of the class");
+  v.Integer("least_clips", least_clips, {3.0, 1e6}, "smaller classes are compared with the whole set");
 }
 
 void AuditOptions::Declare(OptionVisitor& v) {
@@ -99,6 +111,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
   v.Integer("nearest_neighbour_frames", nearest_neighbour_frames, {2.0, 1000.0},
             "frames each clip is resampled to before distances are taken");
   v.Group("labels", labels, "how label errors are looked for");
+  v.Group("outliers", outliers, "which clips are told as unlike their class");
   v.Number("repeated_distance", repeated_distance_m, Unit::kMetre, {1e-6, 1.0},
            "root mean square of two clips, below which they show the same");
 }

@@ -118,7 +118,20 @@ struct LabelNoiseOptions {
   double ridge = 0.1;              ///< added to the kernel's diagonal of ones
   double other_share = 0.7;        ///< of a class's usual score that another class's clip must reach
   double own_share = 0.25;         ///< of its own class's usual score that it must stay below
+  double none_share = 0.15;        ///< of every class's usual score that a clip of no class stays below
+  double least_usual = 0.05;       ///< usual score below which a class is not recognised at all, and not judged
   std::int64_t most_clips = 4000;  ///< that a fold learns from
+  std::int64_t most_folds = 10;    ///< that persons are spread over
+  std::int64_t drawn_folds = 5;    ///< of clips, where there are fewer than three persons
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Which measures of a clip are told as outliers of its class (canon/audit/clip_measures.h).
+struct OutlierOptions {
+  bool enabled = true;
+  double deviations = 8.0;       ///< robust standard deviations from the median
+  std::int64_t least_clips = 8;  ///< of a class that is compared with itself
 
   void Declare(OptionVisitor& v);
 };
@@ -127,6 +140,7 @@ struct AuditOptions {
   std::string split;  ///< of the nearest-neighbour figure; empty: the first one
   std::int64_t nearest_neighbour_frames = 32;
   LabelNoiseOptions labels;
+  OutlierOptions outliers;
   double repeated_distance_m = 0.005;  ///< root mean square of two clips, below which they show the same
 
   void Declare(OptionVisitor& v);

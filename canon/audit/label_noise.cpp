@@ -14,9 +14,6 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMostFolds = 10;
-constexpr int kFoldsOfClips = 5;
-
 /// Sum of the bone lengths in the middle frame.
 double SizeOf(const Motion& motion) {
   const int frame = motion.frame_count() / 2;
@@ -93,14 +90,14 @@ Eigen::VectorXf LabelDescriptor(const Motion& motion, const LabelNoiseOptions& o
   return descriptor;
 }
 
-std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows) {
+std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows, const LabelNoiseOptions& options) {
   std::map<std::string, int> persons;
   for (const int row : rows) persons.emplace(dataset.clips[static_cast<std::size_t>(row)].identity.person, 0);
   std::vector<int> folds;
   if (persons.size() < 3) {
     for (const int row : rows) {
       Random random(0, "audit.fold", dataset.clips[static_cast<std::size_t>(row)].id());
-      folds.push_back(static_cast<int>(random.Below(kFoldsOfClips)));
+      folds.push_back(static_cast<int>(random.Below(static_cast<std::uint64_t>(options.drawn_folds))));
     }
     return folds;
   }
@@ -109,7 +106,8 @@ std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& r
     order.emplace_back(Random(0, "audit.fold", person).Next(), person);
   }
   std::sort(order.begin(), order.end());
-  for (std::size_t i = 0; i < order.size(); ++i) persons[order[i].second] = static_cast<int>(i) % kMostFolds;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    persons[order[i].second] = static_cast<int>(i % static_cast<std::size_t>(options.most_folds));
   for (const int row : rows) folds.push_back(persons[dataset.clips[static_cast<std::size_t>(row)].identity.person]);
   return folds;
 }
@@ -153,7 +151,6 @@ Expected<Eigen::MatrixXd> OutOfFoldScores(const Eigen::MatrixXf& descriptors, co
 
 std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::vector<int>& labels,
                                      const LabelNoiseOptions& options, const std::vector<bool>& judged_classes) {
-  constexpr double kLeastUsual = 0.05;  // a class that scores less of its own clips is not recognised at all
   const auto classes = static_cast<int>(scores.cols());
   std::vector<double> usual(static_cast<std::size_t>(classes), 0.0), count(usual);  // own score of clips of a class
   for (std::size_t i = 0; i < labels.size(); ++i) {
@@ -164,13 +161,16 @@ std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::v
   std::vector<bool> known(usual.size());
   for (std::size_t c = 0; c < usual.size(); ++c) {
     usual[c] /= std::max(1.0, count[c]);
-    known[c] = count[c] > 0.0 && usual[c] >= kLeastUsual && (judged_classes.empty() || judged_classes[c]);
+    known[c] = count[c] > 0.0 && usual[c] >= options.least_usual && (judged_classes.empty() || judged_classes[c]);
   }
   std::vector<JudgedLabel> judged;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto row = scores.row(static_cast<Eigen::Index>(i));
     JudgedLabel one;
+    one.fits_none = known[static_cast<std::size_t>(labels[i])];
     for (int c = 0; c < classes; ++c) {
+      const auto at = static_cast<std::size_t>(c);
+      if (known[at] && row[c] >= options.none_share * usual[at]) one.fits_none = false;
       const bool other = c != labels[i] && known[static_cast<std::size_t>(c)];
       if (other && (one.suggested < 0 || row[c] > row[one.suggested])) one.suggested = c;
     }
@@ -205,7 +205,7 @@ Expected<LabelAudit> AuditLabels(const Dataset& dataset, const LabelNoiseOptions
     if (i == 0) descriptors.resize(one.size(), static_cast<Eigen::Index>(audit.rows.size()));
     descriptors.col(static_cast<Eigen::Index>(i)) = one;
   }
-  const std::vector<int> folds = FoldsByPerson(dataset, audit.rows);
+  const std::vector<int> folds = FoldsByPerson(dataset, audit.rows, options);
   const auto classes = static_cast<int>(dataset.labels.size());
   const auto scores = OutOfFoldScores(descriptors, labels, folds, classes, options);
   if (!scores) return Forward(scores);

@@ -15,9 +15,10 @@ namespace mocurate {
 /// count `velocity_weight` times as much. Turned by the hips where the skeleton names them.
 Eigen::VectorXf LabelDescriptor(const Motion& motion, const LabelNoiseOptions& options);
 
-/// Folds of clips, no person in two: persons are spread over at most ten; of fewer than three persons clips are drawn
-/// into five. (N)
-std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows);
+/// Folds of clips, no person in two: persons are spread over at most `most_folds`; of fewer than three persons clips
+/// are drawn into `drawn_folds`. (N)
+std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows,
+                               const LabelNoiseOptions& options = {});
 
 /// Scores (N,C) of each clip by a classifier that never saw its fold: kernel ridge regression on one-hot classes, its
 /// kernel Gaussian in the descriptors (D,N), as wide as `width` says in medians of their distance. Of more than
@@ -30,12 +31,14 @@ struct JudgedLabel {
   double margin = 0.0;  ///< score of its own class less that of the best other one: the lowest come first
   int suggested = -1;   ///< that other class
   bool suspect = false;
+  bool fits_none = false;  ///< every class scores less than `none_share` of what its own clips do
 };
 
 /// Confident learning (Northcutt et al. 2021) with margins: a label is suspect where the best other class scores at
 /// least `other_share` of what clips labelled so score of it in the mean, and its own less than `own_share` of what
 /// clips of its class do. `scores` (N,C) are out of fold, from this classifier or another. Classes that are not among
-/// `judged_classes` (empty: all are) or score less than 0.05 of their own clips are neither suspected nor suggested.
+/// `judged_classes` (empty: all are) or score less than `least_usual` of their own clips are neither suspected nor
+/// suggested.
 std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::vector<int>& labels,
                                      const LabelNoiseOptions& options, const std::vector<bool>& judged_classes = {});
 

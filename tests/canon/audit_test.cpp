@@ -11,7 +11,9 @@
 #include <set>
 
 #include "canon/audit/clip_errors.h"
+#include "canon/audit/clip_measures.h"
 #include "canon/audit/label_noise.h"
+#include "canon/audit/set_errors.h"
 #include "canon/stages.h"
 #include "core/base/file.h"
 #include "core/base/random.h"
@@ -176,6 +178,44 @@ TEST(AuditOfClips, AClipUnderAnotherPersonsNameLeaksAcrossTheSplit) {
   EXPECT_EQ(findings[0].finding.code, "leak");
   EXPECT_EQ(findings[0].finding.severity, Severity::kError);
   EXPECT_EQ(findings[0].suggested, copy.id());
+}
+
+TEST(AuditOfClips, AClipThatMovesUnlikeItsClassIsTheFirstOutlier) {
+  Dataset dataset = WavingSet();
+  OutlierOptions options;
+  EXPECT_TRUE(FindOutliers(dataset, MeasureClips(dataset), options).empty());
+  Motion& shaken = *dataset.clips[7].motion;
+  Random random(2, "shaken", "");
+  for (double& value : shaken.joints.xyz) value += 0.1 * random.Normal();
+  dataset.clips[20].motion->state.assign(dataset.clips[20].motion->joints.xyz.size() / 3, JointState::kInferred);
+  const auto findings = FindOutliers(dataset, MeasureClips(dataset), options);
+  ASSERT_GE(findings.size(), 1u);
+  EXPECT_EQ(findings[0].finding.clip, dataset.clips[7].id());
+  EXPECT_EQ(findings[0].finding.severity, Severity::kInfo);
+  options.deviations = 1e4;
+  EXPECT_TRUE(FindOutliers(dataset, MeasureClips(dataset), options).empty());
+}
+
+TEST(AuditOfSets, ClassesThatAreTestedAndNotTrainedAndNamesThatDifferInCaseAreTold) {
+  Dataset dataset = WavingSet();
+  EXPECT_TRUE(FindSetErrors(dataset).empty());
+  Split split;
+  split.name = "s";
+  for (int row = 0; row < static_cast<int>(dataset.clips.size()); ++row) {
+    const bool c = dataset.clips[static_cast<std::size_t>(row)].label == "c";
+    (c ? split.test : split.train).push_back(row);
+  }
+  dataset.splits = {split};
+  dataset.clips[0].identity.person = "P0";
+  const auto findings = FindSetErrors(dataset);
+  ASSERT_EQ(findings.size(), 2u);
+  EXPECT_EQ(findings[0].finding.code, "class_not_trained");
+  EXPECT_EQ(findings[1].finding.code, "names_alike");
+  dataset.labels.push_back("d");
+  const nlohmann::json coverage = CoverageOf(dataset);
+  EXPECT_EQ(coverage["persons_of_class"]["a"], 5);
+  EXPECT_EQ(coverage["empty_classes"], nlohmann::json({"d"}));
+  EXPECT_EQ(coverage["imbalance"], 1.0);
 }
 
 TEST(AuditStage, ErrorsStandFirstAndEveryFindingHasItsFields) {

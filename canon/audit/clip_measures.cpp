@@ -1,0 +1,141 @@
+#include "canon/audit/clip_measures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "core/base/text.h"
+#include "core/quality/contacts.h"
+#include "core/quality/measures.h"
+#include "core/quality/median.h"
+#include "core/quality/median_deviation.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSpeedShare = 0.99;  ///< of the frames that are slower than the top speed
+
+/// m/s of the fastest joint, the 99th percentile over frames: a single jump is the matter of other checks.
+double TopSpeed(const Clip& clip) {
+  const Motion& motion = *clip.motion;
+  std::vector<double> speeds;
+  for (int f = 1; f < motion.frame_count(); ++f) {
+    double most = 0.0;
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      most = std::max(most, (motion.joints.at(f, j) - motion.joints.at(f - 1, j)).norm());
+    }
+    speeds.push_back(most * motion.rate.hz());
+  }
+  if (speeds.empty()) return kNone;
+  std::sort(speeds.begin(), speeds.end());
+  return speeds[static_cast<std::size_t>(kSpeedShare * static_cast<double>(speeds.size() - 1))];
+}
+
+double ObservedShare(const Clip& clip) {
+  const std::vector<JointState>& state = clip.motion->state;
+  if (state.empty()) return kNone;
+  const auto seen = std::count_if(state.begin(), state.end(), [](JointState s) {
+    return s == JointState::kObserved || s == JointState::kRepaired;
+  });
+  return static_cast<double>(seen) / static_cast<double>(state.size());
+}
+
+/// What is divided by is never less than this share of the median: classes of equal clips have no spread of their own.
+constexpr double kLeastSpread = 0.05;
+
+struct Usual {
+  double median = 0.0;
+  double spread = 0.0;
+};
+
+Usual UsualOf(const std::vector<double>& values) {
+  Usual usual{Median(values), 0.0};
+  std::vector<double> apart;
+  for (const double value : values) apart.push_back(std::abs(value - usual.median));
+  usual.spread = std::max(kLeastSpread, kMadToSigma * Median(apart));
+  return usual;
+}
+
+}  // namespace
+
+const std::vector<MeasureKind>& MeasuresOfClips() {
+  static const std::vector<MeasureKind> kinds = {
+      {"seconds", "s", 0, 0.1, [](const Clip& clip) { return clip.motion->duration(); }},
+      {"jerk", "m/s3", 1, 10.0, [](const Clip& clip) { return MeasureMotion(*clip.motion).jerk; }},
+      {"foot_skate", "m/s", 1, 0.02, [](const Clip& clip) { return MeasureMotion(*clip.motion).foot_skate; }},
+      {"floor_penetration", "m", 1, 0.01,
+       [](const Clip& clip) { return FloorPenetration(*clip.motion).value_or(kNone); }},
+      {"bone_spread", "mm", 1, 1.0, [](const Clip& clip) { return MeasureMotion(*clip.motion).bone_spread_mm; }},
+      {"limit_share", "", 1, 0.01, [](const Clip& clip) { return LimitViolations(*clip.motion).value_or(kNone); }},
+      {"top_speed", "m/s", 1, 0.2, TopSpeed},
+      {"observed_share", "", -1, 0.05, ObservedShare},
+      {"fit_rms", "m", 1, 0.005, [](const Clip& clip) { return clip.fit_rms > 0.0 ? clip.fit_rms : kNone; }}};
+  return kinds;
+}
+
+std::vector<std::vector<double>> MeasureClips(const Dataset& dataset) {
+  std::vector<std::vector<double>> measures;
+  for (const Clip& clip : dataset.clips) {
+    std::vector<double>& own = measures.emplace_back();
+    for (const MeasureKind& kind : MeasuresOfClips()) {
+      own.push_back(clip.motion && clip.motion->frame_count() > 0 ? kind.value(clip) : kNone);
+    }
+  }
+  return measures;
+}
+
+std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector<std::vector<double>>& measures,
+                                       const OutlierOptions& options) {
+  std::vector<AuditFinding> findings;
+  if (!options.enabled) return findings;
+  const auto least = static_cast<std::size_t>(options.least_clips);
+  std::vector<double> worst(dataset.clips.size(), options.deviations);
+  std::vector<AuditFinding> of_clip(dataset.clips.size());
+  for (std::size_t k = 0; k < MeasuresOfClips().size(); ++k) {
+    const MeasureKind& kind = MeasuresOfClips()[k];
+    const auto scaled = [&](double value) { return kind.side < 0 ? value : std::log(value + kind.grain); };
+    const auto has = [](double value) { return std::isfinite(value); };
+    std::map<std::string, std::vector<double>> of_class;
+    std::vector<double> all;
+    for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
+      if (!has(measures[i][k])) continue;
+      of_class[dataset.clips[i].label].push_back(scaled(measures[i][k]));
+      all.push_back(scaled(measures[i][k]));
+    }
+    if (all.size() < least) continue;
+    const Usual of_set = UsualOf(all);
+    std::map<std::string, Usual> usual;
+    for (const auto& [label, values] : of_class) usual[label] = values.size() < least ? of_set : UsualOf(values);
+    for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
+      const Clip& clip = dataset.clips[i];
+      if (!has(measures[i][k])) continue;
+      const Usual& own = usual.at(clip.label);
+      const double by = (scaled(measures[i][k]) - own.median) / own.spread;
+      const double away = kind.side == 0 ? std::abs(by) : kind.side * by;
+      if (away <= worst[i]) continue;
+      worst[i] = away;
+      const double median = kind.side < 0 ? own.median : std::exp(own.median) - kind.grain;
+      const std::string unit = *kind.unit == '\0' ? "" : std::string(" ") + kind.unit;
+      AuditFinding& found = of_clip[i];
+      found.finding.clip = clip.id();
+      found.finding.code = "outlier";
+      found.finding.severity = Severity::kInfo;
+      found.finding.frame_end = clip.motion->frame_count();
+      found.finding.value = away;
+      found.finding.message = std::string(kind.name) + " is " + RoundedText(measures[i][k], 3) + unit + ", of '" +
+                              clip.label + "' it is " + RoundedText(median, 3) + unit +
+                              " in the middle: " + RoundedText(away, 1) + " robust standard deviations";
+      found.finding.action = "flagged";
+    }
+  }
+  for (AuditFinding& found : of_clip) {
+    if (!found.finding.code.empty()) findings.push_back(std::move(found));
+  }
+  std::stable_sort(findings.begin(), findings.end(),
+                   [](const AuditFinding& a, const AuditFinding& b) { return a.finding.value > b.finding.value; });
+  return findings;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "canon/audit/clip_errors.h"
+#include "canon/options.h"
+
+namespace mocurate {
+
+/// One number about a clip, for all clips of a dataset alike.
+struct MeasureKind {
+  const char* name;
+  const char* unit;
+  /// Which side of its class is an outlier: +1 the high one, -1 the low one, 0 both.
+  int side;
+  double grain;                       ///< differences below it do not matter, in the measure's unit
+  double (*value)(const Clip& clip);  ///< NaN where a clip does not have it
+};
+
+/// In the order of their columns: seconds, jerk, foot_skate, floor_penetration, bone_spread, limit_share, top_speed,
+/// observed_share, fit_rms.
+const std::vector<MeasureKind>& MeasuresOfClips();
+
+/// (clips, measures); NaN where a clip does not have one.
+std::vector<std::vector<double>> MeasureClips(const Dataset& dataset);
+
+/// "outlier" (info): clips of which a measure lies further from the median of its class than `options.deviations`
+/// robust standard deviations, on a scale of logarithms above its grain where the measure has no upper bound; the worst
+/// measure of a clip, the furthest clips first. Classes of fewer than `options.least_clips` are compared with the whole
+/// set.
+std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector<std::vector<double>>& measures,
+                                       const OutlierOptions& options);
+
+}  // namespace mocurate
