@@ -49,13 +49,15 @@ void AddReview(CLI::App& app, CommonArguments& common, std::function<Status()>& 
       "review", "A page on which a person decides about what an audit found: keep, drop, relabel, cut");
   review->add_option("path", arguments->path, "dataset (.h5)")->required();
   review->add_option("-o,--output", arguments->output, "page (.html)")->required();
-  review->add_option("--audit", arguments->audit, "audit.json of the dataset (default: it is audited now)");
+  CLI::Option* audited =
+      review->add_option("--audit", arguments->audit, "audit.json of the dataset (default: it is audited now)");
   review->add_option("--decisions", arguments->decisions, "made earlier: the page begins with them");
-  review->add_option("--probabilities", arguments->probabilities, "as of `mocurate audit`");
+  review->add_option("--probabilities", arguments->probabilities, "as of `mocurate audit`")->excludes(audited);
   review->add_option("--most", arguments->most, "findings shown, the worst first")
       ->check(CLI::Range(1, 2000))
       ->capture_default_str();
   review->add_option("--set", arguments->assignments, "override an option of the audit")
+      ->excludes(audited)
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   review->add_flag("--force", arguments->force, "overwrite");

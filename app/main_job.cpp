@@ -14,6 +14,7 @@
 #include "app/run_outputs.h"
 #include "app/stage_runs.h"
 #include "app/training_run.h"
+#include "canon/review/review.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
@@ -50,6 +51,9 @@ class MainJob {
         {JobStage::kAudit, &MainJob::Audit},           {JobStage::kTrain, &MainJob::Train},
         {JobStage::kTable, &MainJob::ScoreNetworks},   {JobStage::kReport, &MainJob::Report}};
     CheckComparison();
+    if (!options_.canon.review.empty() && last_ >= JobStage::kAssemble) {
+      if (const auto review = ReadReview(options_.canon.review); !review) return Forward(review);
+    }
     if (Status cleared = Clear(Next(last_), JobStage::kReport); !cleared) return Forward(cleared);
     for (const auto& [stage, step] : steps) {
       if (stage > last_) break;

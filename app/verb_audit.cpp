@@ -4,6 +4,7 @@
 #include <set>
 
 #include "app/motion_files.h"
+#include "app/output_checks.h"
 #include "app/run_outputs.h"
 #include "app/scratch_folder.h"
 #include "app/stage_runs.h"
@@ -73,12 +74,6 @@ Status CheckIsDataset(const fs::path& path) {
   if (IsMotionStore(path)) return {};
   return Fail(ErrorCode::kInconsistent, "the file is no dataset of mocurate", DisplayPath(path),
               "make one of it: `mocurate config init`, then `mocurate run CONFIG --to assemble`");
-}
-
-Status CheckIsFree(const fs::path& path, bool force) {
-  std::error_code unknown;
-  if (path.empty() || force || !fs::exists(path, unknown)) return {};
-  return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(path), "--force overwrites it");
 }
 
 /// Stages on one dataset, in a folder of their own.
@@ -222,7 +217,7 @@ Status WriteFixes(const fs::path& dataset, const nlohmann::json& audit, const fs
     decision.content = MotionFingerprint(*clip->motion);
     decision.finding = "duplicate";
     decision.verdict = Verdict::kDrop;
-    decision.note = "repeats another clip of the same label to 0.01 mm";
+    decision.note = "repeats another clip to 0.01 mm";
     review.decisions.push_back(std::move(decision));
   }
   count = review.decisions.size();
@@ -241,8 +236,10 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
   const fs::path json_file = keeps ? arguments.output / "audit.json" : fs::path();
   const fs::path page_file = keeps ? arguments.output / "audit.html" : fs::path();
   const fs::path csv_file = keeps ? arguments.output / "clips.csv" : fs::path();
-  for (const fs::path* file : {&json_file, &page_file, &csv_file, &arguments.with_findings, &arguments.fixes}) {
-    if (Status free = CheckIsFree(*file, arguments.force); !free) return free;
+  if (Status free = CheckOutputs({json_file, page_file, csv_file, arguments.with_findings, arguments.fixes},
+                                 {arguments.path, arguments.review, arguments.probabilities}, arguments.force);
+      !free) {
+    return free;
   }
   auto stages = DatasetStages::Make(common);
   if (!stages) return Forward(stages);
@@ -285,7 +282,11 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
 
 Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments) {
   if (Status sound = CheckIsDataset(arguments.path); !sound) return sound;
-  if (Status free = CheckIsFree(arguments.output, arguments.force); !free) return free;
+  if (Status free =
+          CheckOutputs({arguments.output}, {arguments.path, arguments.audit, arguments.decisions}, arguments.force);
+      !free) {
+    return free;
+  }
   Review earlier;
   if (!arguments.decisions.empty()) {
     auto read = ReadReview(arguments.decisions);

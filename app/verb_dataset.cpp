@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/output_checks.h"
 #include "app/verbs.h"
 #include "canon/card/dataset_card.h"
 #include "canon/diff/dataset_diff.h"
@@ -65,7 +66,11 @@ void PrintDiff(const nlohmann::json& diff) {
 
 /// The clips that a review dropped, as a dataset of its own; nothing where there are none.
 Status WriteExcluded(const Dataset& whole, const AppliedReview& applied, const std::filesystem::path& path) {
-  if (applied.dropped.empty()) return {};
+  std::error_code ignored;
+  if (applied.dropped.empty()) {
+    std::filesystem::remove(path, ignored);  // an earlier one would be taken for this one
+    return {};
+  }
   Dataset excluded;
   excluded.skeleton = whole.skeleton;
   excluded.joints_only = whole.joints_only;
@@ -75,11 +80,7 @@ Status WriteExcluded(const Dataset& whole, const AppliedReview& applied, const s
   excluded.recipe = "dropped by a review";
   excluded.axes = whole.axes;
   excluded.clips = applied.dropped;
-  for (const Finding& finding : whole.findings) {
-    const bool about = std::any_of(excluded.clips.begin(), excluded.clips.end(),
-                                   [&](const Clip& clip) { return clip.id() == finding.clip; });
-    if (about) excluded.findings.push_back(finding);
-  }
+  excluded.findings = applied.of_dropped;
   return WriteDataset(excluded, path);
 }
 
@@ -106,14 +107,10 @@ Status DatasetCardVerb(CommonArguments& common, const DatasetArguments& argument
 }
 
 Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& arguments) {
-  std::error_code unknown;
-  for (const std::filesystem::path* file : {&arguments.output, &arguments.excluded}) {
-    if (file->empty() || !std::filesystem::exists(*file, unknown)) continue;
-    if (std::filesystem::equivalent(*file, arguments.path, unknown)) {
-      return Fail(ErrorCode::kUsage, "a dataset is not changed in its place", DisplayPath(*file), "write a new file");
-    }
-    if (!arguments.force)
-      return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(*file), "--force overwrites it");
+  if (Status free =
+          CheckOutputs({arguments.output, arguments.excluded}, {arguments.path, arguments.other}, arguments.force);
+      !free) {
+    return free;
   }
   const auto review = ReadReview(arguments.other);
   if (!review) return Forward(review);

@@ -79,8 +79,8 @@ Expected<std::size_t> DropAccepted(const StageInput& input, const Dataset& datas
   const std::size_t all = findings.size();
   findings.erase(std::remove_if(findings.begin(), findings.end(),
                                 [&](const AuditFinding& found) {
-                                  const std::string& clip = found.finding.clip;
-                                  return IsAccepted(*review, clip, content[clip], found.finding.code);
+                                  return IsAccepted(*review, content, found.finding.clip, found.suggested,
+                                                    found.finding.code);
                                 }),
                  findings.end());
   return all - findings.size();

@@ -113,7 +113,8 @@ void AuditOptions::Declare(OptionVisitor& v) {
   v.Group("labels", labels, "how label errors are looked for");
   v.Group("outliers", outliers, "which clips are told as unlike their class");
   v.Number("repeated_distance", repeated_distance_m, Unit::kMetre, {1e-6, 1.0},
-           "root mean square of two clips, below which they show the same");
+           "of the joint that differs most between two clips, by its distances from the others, below which they show "
+           "the same");
 }
 
 StageDeclaration CanonDeclaration() { return {"canon", 15, "mocurate-annotate", ClipLimits()}; }

@@ -141,7 +141,7 @@ struct AuditOptions {
   std::int64_t nearest_neighbour_frames = 32;
   LabelNoiseOptions labels;
   OutlierOptions outliers;
-  double repeated_distance_m = 0.005;  ///< root mean square of two clips, below which they show the same
+  double repeated_distance_m = 0.004;  ///< of two clips (StretchLimits::distance), below which they show the same
 
   void Declare(OptionVisitor& v);
 };

@@ -65,12 +65,21 @@ std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& 
          "<span class=\"said\" aria-live=\"polite\"></span></div>\n</div>\n";
 }
 
+/// The two ids of a pair as a JSON list; of one clip an empty one.
+std::string PairOf(const ReviewCard& card) {
+  nlohmann::json ids = nlohmann::json::array();
+  for (const Clip& clip : card.clips) ids.push_back(clip.id());
+  return (card.clips.size() > 1 ? ids : nlohmann::json::array())
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 std::string CardHtml(const ReviewCard& card, std::size_t index, const ReviewPageInput& input) {
   const std::string code = TextOf(card.finding, "code");
-  std::string html =
-      "<section class=\"card\" tabindex=\"-1\" data-finding=\"" + EscapeHtml(code) + "\">\n<h2><span class=\"code " +
-      EscapeHtml(TextOf(card.finding, "severity")) + "\">" + EscapeHtml(code) + "</span> " + std::to_string(index + 1) +
-      " of " + std::to_string(input.cards.size()) + "</h2>\n" + Paragraph(EscapeHtml(TextOf(card.finding, "message")));
+  std::string html = "<section class=\"card\" tabindex=\"-1\" data-finding=\"" + EscapeHtml(code) + "\" data-pair=\"" +
+                     EscapeHtml(PairOf(card)) + "\">\n<h2><span class=\"code " +
+                     EscapeHtml(TextOf(card.finding, "severity")) + "\">" + EscapeHtml(code) + "</span> " +
+                     std::to_string(index + 1) + " of " + std::to_string(input.cards.size()) + "</h2>\n" +
+                     Paragraph(EscapeHtml(TextOf(card.finding, "message")));
   for (std::size_t i = 0; i < card.clips.size(); ++i) {
     html += ClipHtml(card.clips[i], std::to_string(index) + "-" + std::to_string(i), card, input);
   }
@@ -102,6 +111,11 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
       if (begin && first) data["start"] = static_cast<int>(*begin) / data.at("step").get<int>();
       player_data.push_back(std::move(data));
     }
+  }
+  std::string about_set;
+  for (const std::string& message : input.about_set) about_set += "<li>" + EscapeHtml(message) + "</li>\n";
+  if (!about_set.empty()) {
+    cards = "<section><h2>About the set</h2>\n<ul>\n" + about_set + "</ul>\n</section>\n" + cards;
   }
   if (cards.empty()) cards = "<section>" + Paragraph("Nothing was found.") + "</section>\n";
   const nlohmann::json review = {{"dataset", input.dataset}, {"decisions", input.decisions}};
@@ -167,7 +181,12 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request) {
   for (std::size_t row = 0; row < clips->size(); ++row) row_of[clips->Id(row)] = row;
   std::size_t unknown = 0;
   for (const nlohmann::json& finding : Elements(Field(audit, "findings"))) {
-    if (row_of.count(TextOf(finding, "clip")) == 0) {
+    const std::string of_clip = TextOf(finding, "clip");
+    if (of_clip.empty()) {
+      input.about_set.push_back(TextOf(finding, "code") + ": " + TextOf(finding, "message"));
+      continue;
+    }
+    if (row_of.count(of_clip) == 0) {
       ++unknown;
       continue;
     }

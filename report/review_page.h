@@ -21,8 +21,9 @@ struct ReviewPageInput {
   std::string dataset;  ///< its file
   std::vector<std::string> labels;
   std::vector<ReviewCard> cards;
-  std::size_t not_shown = 0;  ///< findings beyond those
-  nlohmann::json decisions;   ///< made earlier: a list of objects as in the file that the page saves
+  std::vector<std::string> about_set;  ///< messages of findings about the set as a whole
+  std::size_t not_shown = 0;           ///< findings beyond those
+  nlohmann::json decisions;            ///< made earlier: a list of objects as in the file that the page saves
   ReviewOptions options;
 };
 

@@ -15,9 +15,9 @@ textarea { width: 100%; font: 13px ui-monospace, monospace; color: inherit; back
   border-radius: 8px; padding: 8px; }
 )css";
 
-/// Reads #review-data: {"dataset", "decisions": [...] made earlier}. One decision a clip and finding; the decisions
-/// stand as YAML in #yaml, and under the page's name in the browser's store until they are saved. Sets data-review on
-/// <html> to the number of clips that can be decided on.
+/// Reads #review-data: {"dataset", "decisions": [...] made earlier}. One decision a clip, finding and pair; the
+/// decisions stand as YAML in #yaml, and under the page's name in the browser's store until they are saved. Sets
+/// data-review on <html> to the number of clips that can be decided on.
 inline constexpr const char* kReviewScript = R"js(
 'use strict';
 (() => {
@@ -26,18 +26,20 @@ inline constexpr const char* kReviewScript = R"js(
   const sliders = clips.map(clip => clip.querySelector('input[type=range]'));
   const players = JSON.parse(document.getElementById('player-data').textContent);
   const findingOf = clip => clip.closest('.card').dataset.finding;
-  const keyOf = d => [d.clip, d.content, d.finding].join('\n');
-  const store = 'mocurate review ' + review.dataset + ' ' + clips.map(c => c.dataset.content).join('');
+  const otherOf = clip => JSON.parse(clip.closest('.card').dataset.pair).find(id => id !== clip.dataset.clip) || '';
+  const keyOf = d => [d.clip, d.finding, d.other || ''].join('\n');
+  const store = ['mocurate review', review.dataset, JSON.stringify(review.decisions),
+    clips.map(c => c.dataset.content).join('')].join('\n');
   const decisions = new Map();
   const past = [];
   let here = 0;
 
   const yaml = () => {
-    const text = value => JSON.stringify(value);
+    const text = value => JSON.stringify(value).replaceAll('${', '$${');
     let lines = 'dataset: ' + text(review.dataset) + '\ndecisions:' + (decisions.size === 0 ? ' []' : '') + '\n';
     for (const d of decisions.values()) {
       lines += '  - clip: ' + text(d.clip) + '\n    content: ' + text(d.content) + '\n    finding: ' + text(d.finding) +
-          '\n    decision: ' + d.decision + '\n';
+          (d.other ? '\n    other: ' + text(d.other) : '') + '\n    decision: ' + d.decision + '\n';
       if (d.decision === 'relabel') lines += '    label: ' + text(d.label) + '\n';
       if (d.decision === 'cut') lines += '    begin: ' + d.begin + '\n    end: ' + d.end + '\n';
       if (d.note) lines += '    note: ' + text(d.note) + '\n';
@@ -48,7 +50,7 @@ inline constexpr const char* kReviewScript = R"js(
       d.decision === 'cut' ? 'cut: ' + d.begin + ' to ' + d.end : d.decision;
   const show = () => {
     clips.forEach((clip, i) => {
-      const d = decisions.get(keyOf({clip: clip.dataset.clip, content: clip.dataset.content, finding: findingOf(clip)}));
+      const d = decisions.get(keyOf({clip: clip.dataset.clip, finding: findingOf(clip), other: otherOf(clip)}));
       clip.querySelector('.said').textContent = words(d);
       clip.classList.toggle('here', i === here);
     });
@@ -61,7 +63,7 @@ inline constexpr const char* kReviewScript = R"js(
   const take = list => { decisions.clear(); for (const d of list) decisions.set(keyOf(d), d); };
   const say = (clip, message) => { clip.querySelector('.said').textContent = message; };
   const decide = (clip, decision) => {
-    const d = {clip: clip.dataset.clip, content: clip.dataset.content, finding: findingOf(clip), decision};
+    const d = {clip: clip.dataset.clip, content: clip.dataset.content, finding: findingOf(clip), other: otherOf(clip), decision};
     if (decision === 'relabel') d.label = clip.querySelector('select').value;
     if (decision === 'cut') {
       d.begin = Number(clip.querySelector('.begin').value);
@@ -70,11 +72,14 @@ inline constexpr const char* kReviewScript = R"js(
       if (!(d.begin >= 0 && d.begin < d.end && d.end <= Number(clip.dataset.frames))) return say(clip, 'no such frames');
       if (whole) return say(clip, 'move a boundary first');
     }
-    const clash = [...decisions.values()].find(o => o.clip === d.clip && keyOf(o) !== keyOf(d) &&
-        (o.decision === 'drop') !== (decision === 'drop') && o.decision !== 'keep' && decision !== 'keep' ||
-        o.clip === d.clip && keyOf(o) !== keyOf(d) && o.decision === decision && words(o) !== words(d));
+    const others = [...decisions.values()].filter(
+        o => o.clip === d.clip && (!o.content || o.content === d.content) && keyOf(o) !== keyOf(d) && o.decision !== 'keep');
+    const clash = decision === 'keep' ? null : others.find(
+        o => (o.decision === 'drop') !== (decision === 'drop') || o.decision === decision && words(o) !== words(d));
     if (clash) return say(clip, 'decided otherwise under ' + clash.finding + ': ' + words(clash));
     remember();
+    // What was decided about another motion under this id no longer holds.
+    for (const [key, o] of [...decisions]) if (o.clip === d.clip && o.content && o.content !== d.content) decisions.delete(key);
     decisions.set(keyOf(d), d);
     show();
   };
@@ -95,6 +100,7 @@ inline constexpr const char* kReviewScript = R"js(
     link.download = 'decisions.yaml';
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    try { localStorage.removeItem(store); } catch (e) { /* a page without a store */ }
   };
   clips.forEach((clip, i) => {
     clip.addEventListener('pointerdown', () => { here = i; clips.forEach((c, k) => c.classList.toggle('here', k === i)); });
@@ -114,11 +120,9 @@ inline constexpr const char* kReviewScript = R"js(
     else return;
     e.preventDefault();
   });
-  take(review.decisions);
-  try {
-    const kept = JSON.parse(localStorage.getItem(store) || '[]');
-    for (const d of kept) decisions.set(keyOf(d), d);
-  } catch (e) { /* a page without a store */ }
+  let kept = null;
+  try { kept = JSON.parse(localStorage.getItem(store)); } catch (e) { /* a page without a store */ }
+  take(kept || review.decisions);
   show();
   document.documentElement.dataset.review = String(clips.length);
 })();

@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kWhole = 0.9;         ///< share of both clips from which on they are said to show the same
 constexpr double kShortClips = 1.5;    ///< shortest stretches below which a clip is compared as a whole
+constexpr int kFewJoints = 6;          ///< of a motion that is compared as a whole too
 constexpr double kIdentical_m = 1e-5;  ///< what the storing of a motion may move its joints by
 
 /// A motion's joints as the detectors read points; what it refers to lives as long as this.
@@ -74,6 +75,25 @@ struct Repeat {
   int begin = 0, end = 0, second_begin = 0, second_end = 0;
 };
 
+/// Whether one of two clips can go without loss: one person, the same labels, segments, joints and rotations.
+bool SayTheSame(const Clip& a, const Clip& b) {
+  const auto same_segment = [](const Segment& x, const Segment& y) {
+    return x.label == y.label && std::abs(x.begin_s - y.begin_s) < 1e-6 && std::abs(x.end_s - y.end_s) < 1e-6;
+  };
+  const Motion &x = *a.motion, &y = *b.motion;
+  const bool same_words =
+      a.label == b.label && a.fine_label == b.fine_label && a.identity.person == b.identity.person &&
+      std::equal(a.segments.begin(), a.segments.end(), b.segments.begin(), b.segments.end(), same_segment);
+  if (!same_words || x.joints.xyz.size() != y.joints.xyz.size() || x.rotation.size() != y.rotation.size()) return false;
+  for (std::size_t i = 0; i < x.joints.xyz.size(); ++i) {
+    if (std::abs(x.joints.xyz[i] - y.joints.xyz[i]) > kIdentical_m) return false;
+  }
+  for (std::size_t i = 0; i < x.rotation.size(); ++i) {
+    if (std::abs(x.rotation[i].dot(y.rotation[i])) < 1.0 - kIdentical_m) return false;
+  }
+  return true;
+}
+
 std::array<int, 2> FramesOf(const Motion& motion, double begin_s, double end_s) {
   const double hz = motion.rate.hz();
   return {std::clamp(static_cast<int>(std::lround(begin_s * hz)), 0, motion.frame_count()),
@@ -98,7 +118,8 @@ std::vector<Repeat> RepeatsOf(const Dataset& dataset, const StretchLimits& limit
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
     const Motion* motion = motion_at(i);
     signatures.push_back(motion != nullptr ? SignatureOfMotion(*motion) : MotionSignature());
-    if (motion == nullptr || motion->duration() <= kShortClips * limits.least_s) continue;
+    if (motion == nullptr || motion->duration() <= kShortClips * limits.least_s || motion->joint_count() < kFewJoints)
+      continue;
     signatures.back().shape = {};  // longer clips are compared by their stretches
     signatures.back().mirrored = {};
   }
@@ -158,9 +179,10 @@ std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const Stretc
     if (!splits.empty()) found.finding.severity = Severity::kError;
     found.finding.clip = first.id();
     found.suggested = second.id();
-    const bool alike = repeat.whole && !repeat.mirrored && repeat.distance <= kIdentical_m && splits.empty() &&
-                       first.label == second.label && first.fine_label == second.fine_label &&
-                       first.motion->frame_count() == second.motion->frame_count();
+    const bool one_part = std::all_of(parts.begin(), parts.end(), [&](const std::vector<int>& part) {
+      return part[repeat.first] == part[repeat.second];
+    });
+    const bool alike = one_part && repeat.whole && !repeat.mirrored && SayTheSame(first, second);
     if (alike) found.safe_to_drop = second.id();
     findings.push_back(std::move(found));
   }

@@ -42,19 +42,20 @@ double ObservedShare(const Clip& clip) {
   return static_cast<double>(seen) / static_cast<double>(state.size());
 }
 
-/// What is divided by is never less than this share of the median: classes of equal clips have no spread of their own.
-constexpr double kLeastSpread = 0.05;
+/// The spread is never taken for less: classes of equal clips have none of their own. Of logarithms, and of shares.
+constexpr double kLeastSpread = 0.15;
+constexpr double kLeastSpreadOfShares = 0.05;
 
 struct Usual {
   double median = 0.0;
   double spread = 0.0;
 };
 
-Usual UsualOf(const std::vector<double>& values) {
+Usual UsualOf(const std::vector<double>& values, double least_spread) {
   Usual usual{Median(values), 0.0};
   std::vector<double> apart;
   for (const double value : values) apart.push_back(std::abs(value - usual.median));
-  usual.spread = std::max(kLeastSpread, kMadToSigma * Median(apart));
+  usual.spread = std::max(least_spread, kMadToSigma * Median(apart));
   return usual;
 }
 
@@ -105,9 +106,11 @@ std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector
       all.push_back(scaled(measures[i][k]));
     }
     if (all.size() < least) continue;
-    const Usual of_set = UsualOf(all);
+    const double least_spread = kind.side < 0 ? kLeastSpreadOfShares : kLeastSpread;
+    const Usual of_set = UsualOf(all, least_spread);
     std::map<std::string, Usual> usual;
-    for (const auto& [label, values] : of_class) usual[label] = values.size() < least ? of_set : UsualOf(values);
+    for (const auto& [label, values] : of_class)
+      usual[label] = values.size() < least ? of_set : UsualOf(values, least_spread);
     for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
       const Clip& clip = dataset.clips[i];
       if (!has(measures[i][k])) continue;
@@ -116,7 +119,8 @@ std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector
       const double away = kind.side == 0 ? std::abs(by) : kind.side * by;
       if (away <= worst[i]) continue;
       worst[i] = away;
-      const double median = kind.side < 0 ? own.median : std::exp(own.median) - kind.grain;
+      const double median = kind.side < 0 ? own.median : std::max(0.0, std::exp(own.median) - kind.grain);
+      const bool by_class = of_class.at(clip.label).size() >= least;
       const std::string unit = *kind.unit == '\0' ? "" : std::string(" ") + kind.unit;
       AuditFinding& found = of_clip[i];
       found.finding.clip = clip.id();
@@ -124,9 +128,9 @@ std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector
       found.finding.severity = Severity::kInfo;
       found.finding.frame_end = clip.motion->frame_count();
       found.finding.value = away;
-      found.finding.message = std::string(kind.name) + " is " + RoundedText(measures[i][k], 3) + unit + ", of '" +
-                              clip.label + "' it is " + RoundedText(median, 3) + unit +
-                              " in the middle: " + RoundedText(away, 1) + " robust standard deviations";
+      found.finding.message = std::string(kind.name) + " is " + RoundedText(measures[i][k], 3) + unit + ", of " +
+                              (by_class ? "'" + clip.label + "'" : "all classes") + " it is " + RoundedText(median, 3) +
+                              unit + " in the middle: " + RoundedText(away, 1) + " robust standard deviations";
       found.finding.action = "flagged";
     }
   }

@@ -19,12 +19,12 @@ AuditFinding OfSet(const char* code, const std::string& message) {
   return found;
 }
 
-/// A name as a person reads it: without blanks, dashes and case.
+/// A name as a person reads it: without blanks and case.
 std::string Plain(const std::string& name) {
   std::string plain;
   for (const char c : name) {
     const auto byte = static_cast<unsigned char>(c);
-    if (std::isspace(byte) == 0 && c != '-' && c != '_') plain += static_cast<char>(std::tolower(byte));
+    if (std::isspace(byte) == 0) plain += static_cast<char>(std::tolower(byte));
   }
   return plain;
 }
@@ -52,7 +52,8 @@ std::vector<AuditFinding> FindSetErrors(const Dataset& dataset) {
     }
   }
   std::map<std::string, std::set<std::string>> persons;
-  for (const Clip& clip : dataset.clips) persons[Plain(clip.identity.person)].insert(clip.identity.person);
+  for (const Clip& clip : dataset.clips)
+    persons[clip.identity.source + '\n' + Plain(clip.identity.person)].insert(clip.identity.person);
   for (const auto& [plain, names] : persons) {
     if (names.size() < 2) continue;
     std::string all;

@@ -1,7 +1,9 @@
 #include "canon/review/review.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/base/config.h"
 #include "core/base/file.h"
@@ -19,8 +21,12 @@ std::string VerdictName(Verdict verdict) { return kVerdicts[static_cast<int>(ver
 
 /// What is wrong with one decision by itself; empty: nothing.
 std::string Incomplete(const Decision& decision) {
-  if (decision.clip.empty()) return "no clip is named";
+  if (decision.verdict == Verdict::kUndecided) return "no decision is said: keep, drop, relabel or cut";
+  const bool of_set = decision.verdict == Verdict::kKeep && !decision.finding.empty();
+  if (decision.clip.empty() && !of_set) return "no clip is named";
+  if (decision.verdict != Verdict::kRelabel && !decision.label.empty()) return "a label is for relabel";
   if (decision.verdict == Verdict::kRelabel && decision.label.empty()) return "relabel wants a label";
+  if (decision.verdict != Verdict::kCut && (decision.begin != 0 || decision.end != 0)) return "frames are for cut";
   if (decision.verdict == Verdict::kCut && decision.end <= decision.begin) {
     return "cut wants frames: end " + std::to_string(decision.end) + " is not beyond begin " +
            std::to_string(decision.begin);
@@ -37,7 +43,8 @@ std::string Contradiction(const Decision& a, const Decision& b) {
     return (a.verdict == one && b.verdict == other) || (a.verdict == other && b.verdict == one);
   };
   const bool keeps = a.verdict == Verdict::kKeep || b.verdict == Verdict::kKeep;
-  if (keeps && a.verdict != b.verdict && a.finding == b.finding) {
+  const bool one_pair = a.other.empty() || b.other.empty() || a.other == b.other;
+  if (keeps && a.verdict != b.verdict && a.finding == b.finding && one_pair) {
     return VerdictName(a.verdict) + " and " + VerdictName(b.verdict);
   }
   if (is(Verdict::kDrop, Verdict::kRelabel)) return "drop and relabel";
@@ -49,6 +56,7 @@ std::string Contradiction(const Decision& a, const Decision& b) {
 
 Status Check(const Review& review, const std::filesystem::path& path) {
   std::string problems;
+  bool contradicts = false;
   const auto add = [&problems](const std::string& problem) { problems += (problems.empty() ? "" : "\n") + problem; };
   std::map<std::string, std::vector<const Decision*>> of_clip;
   for (const Decision& decision : review.decisions) {
@@ -56,13 +64,16 @@ Status Check(const Review& review, const std::filesystem::path& path) {
     for (const Decision* earlier : of_clip[decision.clip]) {
       const std::string why = Contradiction(*earlier, decision);
       if (!why.empty()) {
+        contradicts = true;
         add(decision.place + ": clip '" + decision.clip + "' is decided otherwise at " + earlier->place + ": " + why);
       }
     }
     of_clip[decision.clip].push_back(&decision);
   }
   if (problems.empty()) return {};
-  return Fail(ErrorCode::kConfig, problems, DisplayPath(path), "leave one of two decisions that contradict each other");
+  return Fail(
+      ErrorCode::kConfig, problems, DisplayPath(path),
+      contradicts ? "leave one of two decisions that contradict each other" : "docs/review.md tells the fields");
 }
 
 Finding About(const Clip& clip, const char* code, const char* action, const std::string& message,
@@ -91,10 +102,14 @@ std::string ContentOf(const Clip& clip) { return clip.motion ? MotionFingerprint
 struct Row {
   Clip clip;
   bool dropped = false;
+  std::vector<std::pair<std::int64_t, std::int64_t>> cuts;  ///< that were carried out
 };
 
 Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, AppliedReview& applied) {
   Clip& clip = row.clip;
+  const std::pair<std::int64_t, std::int64_t> span(decision.begin, decision.end);
+  const bool said = std::find(row.cuts.begin(), row.cuts.end(), span) != row.cuts.end();
+  if (row.dropped || (decision.verdict == Verdict::kCut && said)) return {};
   if (decision.verdict == Verdict::kDrop) {
     applied.findings.push_back(About(clip, kReviewDrop, "dropped", "dropped by a review", decision));
     row.dropped = true;
@@ -129,7 +144,11 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
         decision);
     auto cut = Cut(clip, static_cast<int>(decision.begin), static_cast<int>(decision.end));
     if (!cut) return Forward(cut);
+    for (auto& [old_id, new_id] : applied.new_ids) {
+      if (new_id == clip.id()) new_id = cut->id();
+    }
     applied.new_ids[clip.id()] = cut->id();
+    row.cuts.push_back(span);
     clip = std::move(*cut);
     done.clip = clip.id();
     applied.findings.push_back(std::move(done));
@@ -170,12 +189,48 @@ Status PutBack(std::vector<Row> rows, Dataset& dataset, AppliedReview& applied) 
   return {};
 }
 
+/// First frame of a clip, of its id "source/person/recording#begin-end".
+int BeginOf(const std::string& id) {
+  const std::size_t mark = id.rfind('#');
+  return mark == std::string::npos ? 0 : std::atoi(id.c_str() + mark + 1);
+}
+
+/// Findings follow the clips that were cut; those of dropped clips leave with them.
+void MoveFindings(Dataset& dataset, AppliedReview& applied) {
+  std::set<std::string> dropped;
+  for (const Clip& clip : applied.dropped) dropped.insert(clip.id());
+  std::map<std::string, const ClipIdentity*> now;
+  for (const Clip& clip : dataset.clips) now[clip.id()] = &clip.identity;
+  std::vector<Finding> kept;
+  for (Finding& finding : dataset.findings) {
+    if (dropped.count(finding.clip) > 0) {
+      applied.of_dropped.push_back(std::move(finding));
+      continue;
+    }
+    const auto id = applied.new_ids.find(finding.clip);
+    if (id != applied.new_ids.end() && now.count(id->second) > 0) {
+      const ClipIdentity& identity = *now.at(id->second);
+      const int frames = identity.end_frame - identity.begin_frame;
+      const int moved = identity.begin_frame - BeginOf(finding.clip);
+      if (finding.frame_end > finding.frame_begin) {
+        finding.frame_begin = std::clamp(finding.frame_begin - moved, 0, frames);
+        finding.frame_end = std::clamp(finding.frame_end - moved, 0, frames);
+        if (finding.frame_end == finding.frame_begin) continue;  // it lay in what was cut away
+      }
+      finding.clip = id->second;
+    }
+    kept.push_back(std::move(finding));
+  }
+  dataset.findings = std::move(kept);
+}
+
 }  // namespace
 
 void Decision::Declare(OptionVisitor& v) {
   v.Text("clip", clip, "id of the clip");
   v.Text("content", content, "fingerprint of its motion; a decision about another motion is not carried out");
   v.Text("finding", finding, "code of the finding that it answers");
+  v.Text("other", other, "of a pair that shows the same, the other clip");
   v.Choice("decision", verdict, {std::begin(kVerdicts), std::end(kVerdicts)}, "what is to be done with the clip");
   v.Text("label", label, "relabel: its class");
   v.Integer("begin", begin, {0.0, 1e9}, "cut: first frame that stays");
@@ -195,7 +250,8 @@ Expected<Review> ReadReview(const std::filesystem::path& path) {
   if (!review) return Forward(review);
   const ConfigNode* list = node->Find("decisions");
   for (std::size_t i = 0; i < review->decisions.size(); ++i) {
-    review->decisions[i].place = list->sequence[i].origin.Text();
+    const Origin& origin = list->sequence[i].origin;
+    review->decisions[i].place = Origin{DisplayPath(path.filename()), origin.line, origin.column}.Text();
   }
   if (Status sound = Check(*review, path); !sound) return Forward(sound);
   return review;
@@ -203,13 +259,17 @@ Expected<Review> ReadReview(const std::filesystem::path& path) {
 
 std::string ReviewText(const Review& review) {
   const auto quoted = [](const std::string& text) {
-    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    std::string json = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    for (std::size_t at = json.find("${"); at != std::string::npos; at = json.find("${", at + 3)) json.insert(at, "$");
+    return json;  // a config takes ${NAME} for a reference
   };
   std::string text =
       "dataset: " + quoted(review.dataset) + "\ndecisions:" + (review.decisions.empty() ? " []" : "") + "\n";
   for (const Decision& decision : review.decisions) {
     text += "  - clip: " + quoted(decision.clip) + "\n    content: " + quoted(decision.content) +
-            "\n    finding: " + quoted(decision.finding) + "\n    decision: " + VerdictName(decision.verdict) + "\n";
+            "\n    finding: " + quoted(decision.finding) +
+            (decision.other.empty() ? "" : "\n    other: " + quoted(decision.other)) +
+            "\n    decision: " + VerdictName(decision.verdict) + "\n";
     if (decision.verdict == Verdict::kRelabel) text += "    label: " + quoted(decision.label) + "\n";
     if (decision.verdict == Verdict::kCut) {
       text += "    begin: " + std::to_string(decision.begin) + "\n    end: " + std::to_string(decision.end) + "\n";
@@ -226,10 +286,11 @@ Expected<AppliedReview> ApplyReview(const Review& review, Dataset& dataset) {
   std::vector<Row> rows;
   for (Clip& clip : dataset.clips) {
     row_of[clip.id()] = rows.size();
-    rows.push_back({std::move(clip), false});
+    rows.push_back({std::move(clip), false, {}});
   }
   dataset.clips.clear();
   for (const Decision& decision : review.decisions) {
+    if (decision.clip.empty()) continue;
     const auto row = row_of.find(decision.clip);
     if (row == row_of.end()) {
       applied.findings.push_back(Stale(decision, "the dataset has no such clip"));
@@ -247,16 +308,21 @@ Expected<AppliedReview> ApplyReview(const Review& review, Dataset& dataset) {
     if (row_of.emplace(clip.id(), row->second).second) content_of[clip.id()] = ContentOf(clip);
   }
   if (Status back = PutBack(std::move(rows), dataset, applied); !back) return Forward(back);
-  for (Finding& finding : dataset.findings) {
-    if (const auto id = applied.new_ids.find(finding.clip); id != applied.new_ids.end()) finding.clip = id->second;
-  }
+  MoveFindings(dataset, applied);
   return applied;
 }
 
-bool IsAccepted(const Review& review, const std::string& clip, const std::string& content, const std::string& code) {
+bool IsAccepted(const Review& review, const std::map<std::string, std::string>& contents, const std::string& clip,
+                const std::string& other, const std::string& code) {
+  const auto is = [&](const Decision& decision, const std::string& one, const std::string& two) {
+    const auto content = contents.find(one);
+    return decision.clip == one && (decision.other.empty() || decision.other == two) &&
+           (decision.content.empty() || (content != contents.end() && decision.content == content->second));
+  };
+  const bool pair = !other.empty() && contents.count(other) > 0;
   return std::any_of(review.decisions.begin(), review.decisions.end(), [&](const Decision& decision) {
-    return decision.verdict == Verdict::kKeep && decision.clip == clip && decision.finding == code &&
-           (decision.content.empty() || decision.content == content);
+    return decision.verdict == Verdict::kKeep && decision.finding == code &&
+           (is(decision, clip, other) || (pair && is(decision, other, clip)));
   });
 }
 

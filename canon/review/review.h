@@ -13,18 +13,21 @@ namespace mocurate {
 
 /// What a person decided about a clip.
 enum class Verdict {
+  kUndecided,
   kKeep,     ///< the finding is wrong, or does not matter
   kDrop,     ///< the clip leaves the dataset
   kRelabel,  ///< it is of another class
   kCut,      ///< only some frames stay
 };
 
-/// One decision. It fits a clip whose id and motion are still those that were looked at.
+/// One decision. It fits a clip whose id and motion are still those that were looked at. A finding about the set as a
+/// whole is kept with an empty clip.
 struct Decision {
   std::string clip;     ///< id
   std::string content;  ///< MotionFingerprint; empty: any motion
   std::string finding;  ///< code that it answers, or empty
-  Verdict verdict = Verdict::kKeep;
+  std::string other;    ///< of a pair that shows the same: the other clip; empty: any
+  Verdict verdict = Verdict::kUndecided;
   std::string label;       ///< kRelabel: the class
   std::int64_t begin = 0;  ///< kCut: first frame that stays
   std::int64_t end = 0;    ///< kCut: the frame after the last one
@@ -56,6 +59,7 @@ inline constexpr const char* kReviewDrop = "review_drop";
 /// What became of a dataset.
 struct AppliedReview {
   std::vector<Clip> dropped;
+  std::vector<Finding> of_dropped;             ///< what the dataset held about them
   std::map<std::string, std::string> new_ids;  ///< of clips that were cut: old id -> new one
   /// "review_drop", "review_relabel", "review_cut" (info) for each that was carried out, "review_stale" (warning) for
   /// each that fits no clip any more.
@@ -67,7 +71,9 @@ struct AppliedReview {
 /// Error kConfig for a class that the dataset has not, or a cut outside the clip, with the place in the file.
 Expected<AppliedReview> ApplyReview(const Review& review, Dataset& dataset);
 
-/// Whether somebody decided that a finding of this code about a clip is none.
-bool IsAccepted(const Review& review, const std::string& clip, const std::string& content, const std::string& code);
+/// Whether somebody decided that a finding of this code about a clip, and of a pair about the other clip, is none.
+/// `contents` are the fingerprints of the dataset's clips by id.
+bool IsAccepted(const Review& review, const std::map<std::string, std::string>& contents, const std::string& clip,
+                const std::string& other, const std::string& code);
 
 }  // namespace mocurate

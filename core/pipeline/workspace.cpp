@@ -88,8 +88,9 @@ void Workspace::Discard(const Scratch& scratch) {
   // Moved away whole before its files go: removed one by one, its lock could be taken anew while it vanishes.
   const fs::path away = own_ / std::to_string(next_++);
   std::error_code ignored;
-  fs::rename(scratch.folder, away, ignored);
-  fs::remove_all(away, ignored);
+  std::error_code problem;
+  fs::rename(scratch.folder, away, problem);
+  fs::remove_all(problem ? scratch.folder : away, ignored);
 }
 
 }  // namespace mocurate

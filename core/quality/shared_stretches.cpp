@@ -112,6 +112,7 @@ class StretchSearch {
       const Motion* motion = motion_at(i);
       if (motion != nullptr && motion->frame_count() > 1) skeleton_ = motion->skeleton;
     }
+    if (skeleton_ && DistancePairsOf(*skeleton_).count() < kKeyComponents) skeleton_ = nullptr;  // too few joints
     if (!skeleton_) return;
     pairs_ = DistancePairsOf(*skeleton_);
     of_joint_ = Eigen::MatrixXf::Zero(pairs_.count(), skeleton_->joint_count());
@@ -411,7 +412,8 @@ class StretchSearch {
     }
     const int count = last - first + 1;
     if (count < kOverlap * (to - from + 1)) return;
-    if (count < window_ || sum.maxCoeff() > limit * count || !Moves(a, first, last)) return;
+    const double allowed = limit * std::min(1.0, count * kStep_s / limits_.full_s);
+    if (count < window_ || sum.maxCoeff() > allowed * count || !Moves(a, first, last)) return;
     SharedStretch stretch{std::min(i, other),
                           std::max(i, other),
                           mirrored,

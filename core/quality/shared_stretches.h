@@ -11,7 +11,8 @@ namespace mocurate {
 /// What counts as the same. Joints are compared by their distances from all other joints, which do not depend on place,
 /// heading, axes or camera; in metres, root mean squares over a stretch, of the joint that differs or moves most.
 struct StretchLimits {
-  double distance = 0.005;  ///< at most
+  double distance = 0.004;  ///< at most
+  double full_s = 1.0;      ///< shorter stretches may differ by less, as the square root of their length
   double least_s = 0.6;     ///< length of a stretch
   double spread = 0.007;    ///< at least, about the mean: whoever stands still looks like herself
 };

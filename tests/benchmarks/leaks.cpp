@@ -1,6 +1,7 @@
 // Repeated clips that the audit finds: variants of drawn clips, planted in a dataset under another person's name.
 //
 //   bench_leaks DATASET.h5 [COUNT]
+//   bench_leaks DATASET.h5 write COUNT OUT.h5   writes that dataset, as joints only: for other programs to check
 //   bench_leaks DATASET.h5 scale CLIPS      each clip of the set many times, every joint 5 to 8 cm elsewhere: how long
 //
 // Prints the recall of each kind of variant, how many pairs are reported that were not planted (they may be real), the
@@ -19,6 +20,7 @@
 #include "canon/audit/clip_errors.h"
 #include "core/base/random.h"
 #include "core/base/text.h"
+#include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
 
 namespace {
@@ -49,6 +51,15 @@ Clip Variant(const std::string& kind, Clip clip, Random& random) {
   Move(motion, random.Uniform(-3.0, 3.0));
   clip.identity.person = "planted " + kind;
   return clip;
+}
+
+Dataset JointsOnly(Dataset dataset) {
+  dataset.joints_only = true;
+  dataset.splits.clear();
+  dataset.findings.clear();
+  for (Clip& clip : dataset.clips) clip.motion = MakeJointsOnly(dataset.skeleton, clip.rate, clip.motion->joints);
+  std::sort(dataset.clips.begin(), dataset.clips.end(), [](const Clip& a, const Clip& b) { return a.id() < b.id(); });
+  return dataset;
 }
 
 double SecondsSince(std::chrono::steady_clock::time_point begin) {
@@ -108,12 +119,14 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", dataset.error().Message().c_str());
     return 3;
   }
-  if (argc > 3) {
+  const std::string what = argc > 3 ? argv[2] : "";
+  if (what == "scale") {
     TimeScale(*dataset, static_cast<std::size_t>(std::atoi(argv[3])));
     return 0;
   }
   const auto own = dataset->clips.size();
-  const auto count = std::min<std::size_t>(argc > 2 ? static_cast<std::size_t>(std::atoi(argv[2])) : 100, own);
+  const char* said = what == "write" ? argv[3] : argc > 2 ? argv[2] : "100";
+  const auto count = std::min<std::size_t>(static_cast<std::size_t>(std::atoi(said)), own);
   const char* kinds[] = {"copied", "mirrored", "resampled", "cropped", "noisy", "cropped noisy", "cropped resampled"};
   std::map<std::string, std::string> planted;  // variant -> clip
   for (const char* kind : kinds) {
@@ -126,6 +139,11 @@ int main(int argc, char** argv) {
       planted[variant.id()] = dataset->clips[row].id();
       dataset->clips.push_back(std::move(variant));
     }
+  }
+  if (what == "write" && argc > 4) {
+    const Status written = WriteDataset(JointsOnly(std::move(*dataset)), argv[4]);
+    if (!written) std::fprintf(stderr, "%s\n", written.error().Message().c_str());
+    return written ? 0 : 74;
   }
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<AuditFinding> findings = FindRepeatedClips(*dataset);

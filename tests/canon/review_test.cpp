@@ -47,19 +47,22 @@ class Reviewed : public testing::Test {
     Finding finding;
     finding.clip = dataset_.clips[1].id();
     finding.code = "teleport";
-    dataset_.findings = {finding};
+    finding.frame_begin = 5;
+    finding.frame_end = 15;
+    dataset_.findings = {finding, finding};
+    dataset_.findings[1].clip = dataset_.clips[0].id();
   }
   void TearDown() override { fs::remove_all(folder_); }
 
   Decision About(int row, Verdict verdict) const {
     Decision decision;
+    decision.verdict = verdict;
     decision.clip = dataset_.clips[static_cast<std::size_t>(row)].id();
     decision.content = MotionFingerprint(*dataset_.clips[static_cast<std::size_t>(row)].motion);
     decision.finding = "label_suspect";
-    decision.verdict = verdict;
-    decision.label = "b";
-    decision.begin = 10;
-    decision.end = 30;
+    if (verdict == Verdict::kRelabel) decision.label = "b";
+    if (verdict == Verdict::kCut) decision.begin = 10;
+    if (verdict == Verdict::kCut) decision.end = 30;
     return decision;
   }
 
@@ -95,7 +98,10 @@ TEST_F(Reviewed, EveryVerdictIsCarriedOutAndSplitsAndFindingsFollow) {
   EXPECT_EQ(clip.motion->frame_count(), 20);
   EXPECT_EQ(clip.label, "b");
   EXPECT_NEAR(clip.segments.at(0).end_s, 20.0 / 30.0, 1e-9);
+  ASSERT_EQ(dataset_.findings.size(), 1u) << "the other was about the clip that was dropped";
   EXPECT_EQ(dataset_.findings[0].clip, clip.id());
+  EXPECT_EQ(dataset_.findings[0].frame_begin, 0);
+  EXPECT_EQ(dataset_.findings[0].frame_end, 5);
   EXPECT_THAT(dataset_.splits[0].train, ElementsAre(0));
   EXPECT_THAT(dataset_.splits[0].test, ElementsAre(1, 2));
   EXPECT_EQ(dataset_.clips[2].id(), kept);
@@ -141,8 +147,8 @@ TEST_F(Reviewed, AClassOrFrameThatIsNotThereIsAnErrorWithItsPlace) {
 TEST_F(Reviewed, DecisionsThatContradictEachOtherAreRefusedWithBothPlaces) {
   const auto with = [&](Verdict verdict, const std::string& label, int end, const std::string& finding) {
     Decision decision = About(0, verdict);
-    decision.label = label;
-    decision.end = end;
+    if (verdict == Verdict::kRelabel) decision.label = label;
+    if (verdict == Verdict::kCut) decision.end = end;
     decision.finding = finding;
     return decision;
   };
@@ -162,7 +168,15 @@ TEST_F(Reviewed, DecisionsThatContradictEachOtherAreRefusedWithBothPlaces) {
     EXPECT_THAT(review.error().Message(), AllOf(HasSubstr("decisions.yaml:3"), HasSubstr("decisions.yaml:")));
   }
   EXPECT_TRUE(Read({About(0, Verdict::kKeep), with(Verdict::kDrop, "", 0, "leak")})) << "of two findings";
-  EXPECT_TRUE(Read({About(0, Verdict::kDrop), About(0, Verdict::kDrop)})) << "said twice";
+  for (const Verdict verdict : {Verdict::kDrop, Verdict::kCut}) {  // said twice, under two findings
+    Decision again = About(0, verdict);
+    again.finding = "outlier";
+    Dataset copy = dataset_;
+    const auto twice = ApplyReview(*Read({About(0, verdict), again}), copy);
+    ASSERT_TRUE(twice) << twice.error().Message();
+    EXPECT_EQ(twice->findings.size(), 1u);
+  }
+  EXPECT_FALSE(Read({About(0, Verdict::kUndecided)}));
   Decision endless = About(0, Verdict::kCut);
   endless.end = endless.begin;
   EXPECT_FALSE(Read({endless}));
@@ -174,7 +188,7 @@ TEST_F(Reviewed, DecisionsThatContradictEachOtherAreRefusedWithBothPlaces) {
 TEST_F(Reviewed, AssemblingTakesDecisionsAndAnAuditIsSilentAboutWhatWasKept) {
   Dataset set = dataset_;
   set.clips.push_back(set.clips[3]);
-  set.clips.back().identity.person = "p5";
+  set.clips.back().identity.recording += "again";
   set.splits.clear();
   StageRequest request{"assemble", "dataset", OptionsToJson(AssembleOptions()), {}, folder_ / "dataset.h5", folder_};
   ASSERT_TRUE(WriteDataset(set, folder_ / "clips.h5"));
@@ -204,6 +218,8 @@ TEST_F(Reviewed, AssemblingTakesDecisionsAndAnAuditIsSilentAboutWhatWasKept) {
   EXPECT_EQ(findings[0].at("safe_to_drop"), set.clips.back().id());
   Decision keep = About(3, Verdict::kKeep);
   keep.finding = "duplicate";
+  keep.clip = set.clips.back().id();  // the other one of the pair
+  keep.other = dataset_.clips[3].id();
   ASSERT_TRUE(Read({keep}));
   audit.inputs.push_back({kReviewRole, "decisions.yaml", folder_ / "decisions.yaml", ""});
   const auto second = AuditStage(audit);

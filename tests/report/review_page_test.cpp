@@ -108,6 +108,7 @@ TEST(ReviewInABrowser, KeysDecideAndCanonReadsWhatIsSaved) {
   EXPECT_EQ(review->decisions[2].end, 41);
   EXPECT_EQ(review->decisions[3].verdict, Verdict::kDrop);
   EXPECT_EQ(review->decisions[3].clip, set.dataset.clips[2].id());
+  EXPECT_EQ(review->decisions[3].other, set.dataset.clips[1].id());
   const auto applied = ApplyReview(*review, set.dataset);
   ASSERT_TRUE(applied) << applied.error().Message();
   EXPECT_EQ(set.dataset.clips.size(), 2u);
@@ -122,6 +123,10 @@ TEST(ReviewPage, AuditsOfOtherDatasetsAreRefusedAndTheSameInputGivesTheSameBytes
   EXPECT_THAT(page, Not(HasSubstr("a <b>message")));
   ASSERT_TRUE(set.Make());
   EXPECT_EQ(*ReadFile(set.folder / "index.html"), page);
+  for (nlohmann::json& finding : set.audit["findings"]) finding["clip"] = "";
+  const auto of_set = set.Make();
+  ASSERT_TRUE(of_set) << "findings about the set are of no clip";
+  EXPECT_EQ(of_set->summary.at("shown"), 0);
   for (nlohmann::json& finding : set.audit["findings"]) finding["clip"] = "other/p/r#0-4";
   EXPECT_EQ(set.Make().error().code, ErrorCode::kInconsistent);
   set.audit = {1, 2};
