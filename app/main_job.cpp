@@ -83,8 +83,11 @@ class MainJob {
   }
 
   void AddSetFindings(const std::vector<Finding>& findings) {
-    for (const Finding& finding : findings)
-      Log(finding.severity == Severity::kError ? LogLevel::kError : LogLevel::kWarning, finding.message);
+    for (const Finding& finding : findings) {
+      const LogLevel levels[] = {LogLevel::kInfo, LogLevel::kWarning, LogLevel::kError};
+      Log(levels[static_cast<int>(finding.severity)],
+          (finding.clip.empty() ? "" : DisplayPath(finding.clip) + ": ") + finding.message);
+    }
     result_.set_findings.insert(result_.set_findings.end(), findings.begin(), findings.end());
   }
 

@@ -20,10 +20,17 @@
 namespace mocurate {
 namespace {
 
+/// The best class but its own of a clip, and the margin of its own over it.
+struct NearestClass {
+  double margin = 0.0;
+  std::string label;
+};
+
 /// Clips that look like those of another class, the lowest margin first. `input`: probabilities of another classifier,
 /// or null.
 Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const LabelNoiseOptions& options,
-                                                  const StageInput* input, nlohmann::json& summary) {
+                                                  const StageInput* input, nlohmann::json& summary,
+                                                  std::map<std::string, NearestClass>& nearest) {
   std::vector<AuditFinding> findings;
   if (!options.enabled) return findings;
   LabelAudit audit;
@@ -43,6 +50,10 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
              {"classes_of_one_person", audit.unchecked}};
   for (std::size_t i = 0; i < audit.rows.size(); ++i) {
     const JudgedLabel& judged = audit.judged[i];
+    if (judged.suggested >= 0) {
+      nearest[dataset.clips[static_cast<std::size_t>(audit.rows[i])].id()] = {
+          judged.margin, dataset.labels[static_cast<std::size_t>(judged.suggested)]};
+    }
     if (!judged.suspect && !judged.fits_none) continue;
     const Clip& clip = dataset.clips[static_cast<std::size_t>(audit.rows[i])];
     AuditFinding found;
@@ -102,12 +113,18 @@ nlohmann::json JsonOf(const AuditFinding& found) {
           {"message", finding.message}};
 }
 
-/// A line per clip: id, label, person, and its measures; null where it does not have one.
-nlohmann::json ClipsJson(const Dataset& dataset, const std::vector<std::vector<double>>& measures) {
+/// A line per clip: id, label, person, fingerprint, margin of its label, and its measures; null where it does not have
+/// one.
+nlohmann::json ClipsJson(const Dataset& dataset, const std::vector<std::vector<double>>& measures,
+                         const std::map<std::string, NearestClass>& nearest) {
   nlohmann::json clips = nlohmann::json::array();
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
     const Clip& clip = dataset.clips[i];
     nlohmann::json line = {{"clip", clip.id()}, {"label", clip.label}, {"person", clip.identity.person}};
+    line["content"] = clip.motion ? MotionFingerprint(*clip.motion) : "";
+    const auto near = nearest.find(clip.id());
+    line["label_margin"] = near == nearest.end() ? nlohmann::json() : nlohmann::json(near->second.margin);
+    line["nearest_class"] = near == nearest.end() ? nlohmann::json() : nlohmann::json(near->second.label);
     for (std::size_t k = 0; k < measures[i].size(); ++k) {
       const double value = measures[i][k];
       line[MeasuresOfClips()[k].name] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
@@ -164,7 +181,8 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   limits.distance = options->repeated_distance_m;
   std::vector<AuditFinding> findings = FindRepeatedClips(*dataset, limits);
   for (AuditFinding& found : FindClipErrors(*dataset)) findings.push_back(std::move(found));
-  auto labels = LabelFindings(*dataset, options->labels, FindInput(request, "probabilities"), audit["labels"]);
+  std::map<std::string, NearestClass> nearest;
+  auto labels = LabelFindings(*dataset, options->labels, FindInput(request, "probabilities"), audit["labels"], nearest);
   if (!labels) return Forward(labels);
   for (AuditFinding& found : *labels) findings.push_back(std::move(found));
   const std::vector<std::vector<double>> measures = MeasureClips(*dataset);
@@ -189,7 +207,7 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   outcome.summary = audit;
   audit["coverage"] = CoverageOf(*dataset);
   const nlohmann::json file = {
-      {"findings", std::move(list)}, {"summary", std::move(audit)}, {"clips", ClipsJson(*dataset, measures)}};
+      {"findings", std::move(list)}, {"summary", std::move(audit)}, {"clips", ClipsJson(*dataset, measures, nearest)}};
   if (Status written =
           WriteFile(request.output, file.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
       !written)

@@ -69,7 +69,7 @@ const std::vector<MeasureKind>& MeasuresOfClips() {
       {"floor_penetration", "m", 1, 0.01,
        [](const Clip& clip) { return FloorPenetration(*clip.motion).value_or(kNone); }},
       {"bone_spread", "mm", 1, 1.0, [](const Clip& clip) { return MeasureMotion(*clip.motion).bone_spread_mm; }},
-      {"limit_share", "", 1, 0.01, [](const Clip& clip) { return LimitViolations(*clip.motion).value_or(kNone); }},
+      {"limit_share", "", 1, 0.25, [](const Clip& clip) { return LimitViolations(*clip.motion).value_or(kNone); }},
       {"top_speed", "m/s", 1, 0.2, TopSpeed},
       {"observed_share", "", -1, 0.05, ObservedShare},
       {"fit_rms", "m", 1, 0.005, [](const Clip& clip) { return clip.fit_rms > 0.0 ? clip.fit_rms : kNone; }}};

@@ -1,10 +1,12 @@
 #include "canon/review/review.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "canon/frames/facing.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -14,16 +16,31 @@
 namespace mocurate {
 namespace {
 
-constexpr std::pair<const char*, Verdict> kVerdicts[] = {
-    {"keep", Verdict::kKeep}, {"drop", Verdict::kDrop}, {"relabel", Verdict::kRelabel}, {"cut", Verdict::kCut}};
+constexpr std::pair<const char*, Verdict> kVerdicts[] = {{"undecided", Verdict::kUndecided},
+                                                         {"keep", Verdict::kKeep},
+                                                         {"drop", Verdict::kDrop},
+                                                         {"relabel", Verdict::kRelabel},
+                                                         {"cut", Verdict::kCut}};
 
-std::string VerdictName(Verdict verdict) { return kVerdicts[static_cast<int>(verdict)].first; }
+std::string VerdictName(Verdict verdict) {
+  return std::find_if(std::begin(kVerdicts), std::end(kVerdicts),
+                      [&](const auto& one) { return one.second == verdict; })
+      ->first;
+}
 
 /// What is wrong with one decision by itself; empty: nothing.
 std::string Incomplete(const Decision& decision) {
   if (decision.verdict == Verdict::kUndecided) return "no decision is said: keep, drop, relabel or cut";
   const bool of_set = decision.verdict == Verdict::kKeep && !decision.finding.empty();
   if (decision.clip.empty() && !of_set) return "no clip is named";
+  if (decision.verdict == Verdict::kKeep && decision.finding.empty()) return "keep wants the code of a finding";
+  const bool fingerprint =
+      decision.content.size() == 16 && decision.content.find_first_not_of("0123456789abcdef") == std::string::npos;
+  if (!decision.content.empty() && !fingerprint) {
+    return "content '" + decision.content + "' is no fingerprint of 16 hexadecimal digits";
+  }
+  if (decision.verdict == Verdict::kCut && decision.end == 0)
+    return "cut wants an end: the frame after the last that stays";
   if (decision.verdict != Verdict::kRelabel && !decision.label.empty()) return "a label is for relabel";
   if (decision.verdict == Verdict::kRelabel && decision.label.empty()) return "relabel wants a label";
   if (decision.verdict != Verdict::kCut && (decision.begin != 0 || decision.end != 0)) return "frames are for cut";
@@ -105,6 +122,22 @@ struct Row {
   std::vector<std::pair<std::int64_t, std::int64_t>> cuts;  ///< that were carried out
 };
 
+/// A clip whose first or last frame stood at the origin and faced +z does so again after a cut.
+Status FaceAsBefore(const Clip& before, Clip& cut) {
+  constexpr double kStands = 1e-3;  // metres and radians
+  FacingOptions options;
+  for (const Anchor anchor : {Anchor::kFirst, Anchor::kLast}) {
+    const int frame = anchor == Anchor::kFirst ? 0 : before.motion->frame_count() - 1;
+    if (before.motion->joints.at(frame, 0).norm() > kStands) continue;
+    const auto heading = HeadingOfFrame(*before.motion, frame, options.min_horizontal);
+    if (!heading || std::abs(heading->yaw) > kStands) continue;
+    options.anchor = anchor;
+    const auto faced = FaceFront(options, cut);
+    return faced ? Status() : Forward(faced);
+  }
+  return {};
+}
+
 Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, AppliedReview& applied) {
   Clip& clip = row.clip;
   const std::pair<std::int64_t, std::int64_t> span(decision.begin, decision.end);
@@ -149,6 +182,7 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
     }
     applied.new_ids[clip.id()] = cut->id();
     row.cuts.push_back(span);
+    if (Status faced = FaceAsBefore(clip, *cut); !faced) return faced;
     clip = std::move(*cut);
     done.clip = clip.id();
     applied.findings.push_back(std::move(done));
@@ -306,6 +340,14 @@ Expected<AppliedReview> ApplyReview(const Review& review, Dataset& dataset) {
     }
     if (Status done = CarryOut(decision, dataset, rows[row->second], applied); !done) return Forward(done);
     if (row_of.emplace(clip.id(), row->second).second) content_of[clip.id()] = ContentOf(clip);
+  }
+  const auto stale = static_cast<std::size_t>(std::count_if(
+      applied.findings.begin(), applied.findings.end(), [](const Finding& one) { return one.code == "review_stale"; }));
+  if (stale > 0 && stale == review.decisions.size()) {
+    return Fail(ErrorCode::kInconsistent,
+                "none of the " + Counted(static_cast<long long>(stale), "decision") +
+                    " fits a clip; the first: " + applied.findings.front().message,
+                "review", "it is the review of another dataset, or of one whose motions have all changed");
   }
   if (Status back = PutBack(std::move(rows), dataset, applied); !back) return Forward(back);
   MoveFindings(dataset, applied);

@@ -67,8 +67,10 @@ struct AppliedReview {
 };
 
 /// Carries the decisions out, in their order: clips leave, change class or are cut; rows of splits follow, findings
-/// take new ids. A clip that was cut is known by its new id to the decisions that follow.
-/// Error kConfig for a class that the dataset has not, or a cut outside the clip, with the place in the file.
+/// take new ids. A clip that was cut is known by its new id to the decisions that follow; if it stood at the origin and
+/// faced +z it does so again.
+/// Error kConfig for a class that the dataset has not, or a cut outside the clip, with the place in the file;
+/// kInconsistent where no decision fits a clip.
 Expected<AppliedReview> ApplyReview(const Review& review, Dataset& dataset);
 
 /// Whether somebody decided that a finding of this code about a clip, and of a pair about the other clip, is none.

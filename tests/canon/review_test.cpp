@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "canon/frames/facing.h"
 #include "canon/review/review.h"
 #include "canon/stages.h"
 #include "core/base/file.h"
@@ -124,11 +125,21 @@ TEST_F(Reviewed, WhatNoLongerFitsIsToldAndNotCarriedOut) {
   Decision gone = About(0, Verdict::kDrop), changed = About(1, Verdict::kDrop);
   gone.clip = "test/p9/nowhere#0-10";
   changed.content = "0123456789abcdef";
-  const auto applied = ApplyReview(*Read({gone, changed}), dataset_);
+  const auto applied = ApplyReview(*Read({gone, changed, About(2, Verdict::kKeep)}), dataset_);
   ASSERT_TRUE(applied);
   EXPECT_THAT(CodesOf(*applied), ElementsAre("review_stale", "review_stale"));
-  EXPECT_THAT(applied->findings[0].message, HasSubstr("decisions.yaml:3"));
+  EXPECT_THAT(applied->findings[0].message, AllOf(HasSubstr("decisions.yaml:3"), HasSubstr("drop")));
   EXPECT_EQ(dataset_.clips.size(), 4u);
+  const auto none = ApplyReview(*Read({gone, changed}), dataset_);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kInconsistent);
+}
+
+TEST_F(Reviewed, AClipThatFacedFrontDoesSoAfterACut) {
+  for (Clip& clip : dataset_.clips) ASSERT_TRUE(FaceFront(FacingOptions(), clip));
+  const auto applied = ApplyReview(*Read({About(1, Verdict::kCut)}), dataset_);
+  ASSERT_TRUE(applied) << applied.error().Message();
+  EXPECT_LT(dataset_.clips[1].motion->joints.at(0, 0).norm(), 1e-6);
 }
 
 TEST_F(Reviewed, AClassOrFrameThatIsNotThereIsAnErrorWithItsPlace) {
