@@ -21,8 +21,9 @@ void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& v
   audit->add_option(
       "-o,--output", arguments->output,
       "folder for audit.json, clips.csv with the measures of all clips, and audit.html, a page of the worst twenty");
-  audit->add_option("--review", arguments->review,
-                    "decisions (decisions.yaml of `mocurate review`): findings that a person kept are not told again");
+  audit->add_option(
+      "--review", arguments->review,
+      "decisions (decisions.yaml of `mocurate review`): findings that a person kept are not reported again");
   audit->add_option("--with-findings", arguments->with_findings,
                     "file for the dataset with what was found in /findings; the dataset itself is not touched");
   audit->add_option("--fix", arguments->fixes,
@@ -99,7 +100,8 @@ void AddDataset(CLI::App& app, CommonArguments& common, std::function<Status()>&
   apply->add_option("--excluded", arguments->excluded, "file for the clips that are dropped, a dataset of its own");
   apply->add_flag("--force", arguments->force, "overwrite");
   apply->footer(
-      "Splits keep their parts. Decisions about clips that are gone or have changed are told and not carried out.\n\n"
+      "Splits keep their parts. Decisions about clips that are gone or have changed are reported and not carried "
+      "out.\n\n"
       "Example:\n  mocurate dataset apply runs/kard/dataset.h5 decisions.yaml -o clean.h5 --excluded dropped.h5");
   apply->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return DatasetApplyVerb(common, *arguments); }; });

@@ -87,7 +87,7 @@ struct AuditArguments {
   std::filesystem::path path;           ///< dataset
   std::filesystem::path probabilities;  ///< features of its clips by `mocurate eval`, or empty
   std::filesystem::path output;         ///< folder for audit.json and a page, or empty
-  std::filesystem::path review;         ///< decisions whose kept findings are not told again, or empty
+  std::filesystem::path review;         ///< decisions; findings that they keep are not reported again; or empty
   std::filesystem::path with_findings;  ///< file for the dataset with its findings, or empty
   std::filesystem::path fixes;          ///< file for decisions that are safe, or empty
   std::string fail_on;                  ///< "warning", "error", or empty

@@ -100,7 +100,7 @@ void LabelNoiseOptions::Declare(OptionVisitor& v) {
 }
 
 void OutlierOptions::Declare(OptionVisitor& v) {
-  v.Bool("enabled", enabled, "tell clips whose jerk, speed, length, ... is unlike that of their class");
+  v.Bool("enabled", enabled, "report clips whose jerk, speed, length, ... is unlike that of their class");
   v.Number("deviations", deviations, Unit::kNone, {1.0, 1e6},
            "robust standard deviations from the median of the class");
   v.Integer("least_clips", least_clips, {3.0, 1e6}, "smaller classes are compared with the whole set");
@@ -111,7 +111,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
   v.Integer("nearest_neighbour_frames", nearest_neighbour_frames, {2.0, 1000.0},
             "frames each clip is resampled to before distances are taken");
   v.Group("labels", labels, "how label errors are looked for");
-  v.Group("outliers", outliers, "which clips are told as unlike their class");
+  v.Group("outliers", outliers, "which clips are reported as unlike their class");
   v.Number("repeated_distance", repeated_distance_m, Unit::kMetre, {1e-6, 1.0},
            "of the joint that differs most between two clips, by its distances from the others, below which they show "
            "the same");

@@ -127,7 +127,7 @@ struct LabelNoiseOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// Which measures of a clip are told as outliers of its class (canon/audit/clip_measures.h).
+/// Which measures of a clip are reported as outliers of its class (canon/audit/clip_measures.h).
 struct OutlierOptions {
   bool enabled = true;
   double deviations = 8.0;       ///< robust standard deviations from the median
@@ -152,7 +152,7 @@ inline constexpr const char* kReviewRole = "review";
 inline constexpr const char* kReviewByIdRole = "review_by_id";
 
 /// Finding::action of what an audit found.
-inline constexpr const char* kAudited = "told by an audit";
+inline constexpr const char* kAudited = "reported by an audit";
 
 StageDeclaration CanonDeclaration();
 StageDeclaration AssembleDeclaration();
