@@ -24,6 +24,9 @@ void AddLabels(FuzzSeeds& seeds) {
   sequence.extra = true;
   seeds.push_back({"babel", EncodeBabel({sequence})});
   seeds.push_back({"bandai_label", R"({"content": 6, "style": 11})"});
+  seeds.push_back({"span_table", "clip,begin_s,end_s,label\nset/p1/r1,0.5,2.5,\"walk, slow\"\n"});
+  seeds.push_back({"span_table", "clip,begin_frame,end_frame,label,fine_label\nr1,10,20,a,a1\n"});
+  seeds.push_back({"span_table", "# names\nP01G01R01F0001T0064A0101.npy\n0111006901430102\n"});
   seeds.push_back({"bandai_label", "dataset-1_walk\ndataset-1_run\n"});
   seeds.push_back({"uestc_info", WriteUestcNames({{12, 4, 7, 2}, {3, 8, 118, 1}})});
   seeds.push_back({"uestc_info", WriteUestcFrameCounts({180, 0, 41})});
@@ -96,6 +99,10 @@ void AddConfigurations(FuzzSeeds& seeds) {
   seeds.push_back({"pattern", "a{action}_s{person}_e{repetition}_realworld.txt\na01_s07_e03_realworld.txt"});
   seeds.push_back({"pattern", "P{person:2}G{group:2}A{action:4}.npy\nP01G02A0304.npy"});
   seeds.push_back({"pattern", "{a}/{b}_{a}.x\nq/r_q.x"});
+  seeds.push_back(
+      {"where", "label in [walk, 'run'] and frames >= 10 and not (person != p1 or id =~ '^kard/p[0-9]{1,2}')"});
+  seeds.push_back({"where", "part('persons') == test or findings(skate) == 0 and segments(step) < 2"});
+  seeds.push_back({"where", "provenance(style) not in [old] or rate == 30000/1001 and seconds > 0.5"});
 }
 
 }  // namespace
