@@ -32,6 +32,10 @@ nlohmann::json LineOf(const ClipRecord& clip) {
       source != clip.evidence.outcome.summary.end()) {
     line["source_sha256"] = *source;
   }
+  for (const char* field : {"label", "label_text"}) {  // what a rule gave a label by, where one did
+    if (!clip.evidence.outcome.summary.contains("label_text")) break;
+    line[field] = clip.evidence.outcome.summary.value(field, std::string());
+  }
   if (!clip.evidence.sha256.empty()) line["evidence_sha256"] = clip.evidence.sha256;
   if (!clip.motion.sha256.empty()) line["motion_sha256"] = clip.motion.sha256;
   if (!clip.canonical.sha256.empty()) line["canonical_sha256"] = clip.canonical.sha256;

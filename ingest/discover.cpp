@@ -61,6 +61,25 @@ Status AddSkeletonFile(const std::vector<FolderFile>& files, const std::string& 
               "put it there, or mend ingest.source.skeleton_files");
 }
 
+/// Rows "motion<tab>text" of a table that has tabs, as CMU's index of its motions; lines without one are headings.
+/// Error kMalformed "name:line".
+Expected<std::map<std::string, std::string>> ReadTabbedLabels(std::string_view bytes, const std::string& name) {
+  std::map<std::string, std::string> table;
+  const std::vector<std::string_view> lines = SplitText(bytes, '\n');
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::vector<std::string_view> cells;
+    for (const std::string_view cell : SplitText(lines[i], '\t')) {
+      if (!Trim(cell).empty()) cells.push_back(Trim(cell));
+    }
+    if (cells.size() < 2) continue;
+    if (!table.emplace(cells[0], cells[1]).second) {
+      return Fail(ErrorCode::kMalformed, "the motion '" + std::string(cells[0]) + "' stands twice",
+                  name + ":" + std::to_string(i + 1), "a motion has one label");
+    }
+  }
+  return table;
+}
+
 /// ingest.source.label_table: motion -> label text. Error kMalformed "name:line".
 Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions& options) {
   std::map<std::string, std::string> table;
@@ -71,6 +90,7 @@ Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions&
     return Fail(bytes.error().code, "the table of labels cannot be read: " + bytes.error().what, name,
                 "put it there, or mend ingest.source.label_table");
   }
+  if (bytes->find('\t') != std::string::npos) return ReadTabbedLabels(*bytes, name);
   const std::vector<std::string_view> lines = SplitText(*bytes, '\n');
   for (std::size_t i = 1; i < lines.size(); ++i) {
     const std::vector<std::string_view> cells = SplitText(Trim(lines[i]), ',');
@@ -211,6 +231,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
 
   const Expected<KnownIssues> known_issues = KnownIssues::Load(source.known_issue_lists);
   if (!known_issues) return Forward(known_issues);
+  if (Status rules = CheckLabelRules(source); !rules) return Forward(rules);
   Expected<BabelIndex> babel = BabelIndex::Read(options.path, source.annotations);
   if (!babel) return Forward(babel);
 
@@ -284,6 +305,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
         continue;
       }
       item.options["told_label"] = *label;
+      if (*label != row->second) item.options["label_text"] = row->second;
     }
     if (Status added = gathered->AddInputs(file.name, named->fields, item); !added) {
       const bool missing = added.error().code == ErrorCode::kNotFound;
@@ -299,7 +321,11 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     }
     if (issue && source.known_issues == KnownIssueAction::kReport) item.options["known_issue"] = TextOf(*issue);
     if (const auto doubt = DoubtName(file.path)) item.options["name_doubt"] = *doubt;
-    if (const BabelSequence* sequence = babel->Find(file.name)) item.options["annotation"] = EncodeBabel({*sequence});
+    if (const IndexedSequence* annotated = babel->Find(file.name)) {
+      item.options["annotation"] = EncodeBabel({annotated->sequence});
+      const auto role = source.annotation_roles.find(annotated->file);
+      if (role != source.annotation_roles.end()) item.options["annotation_role"] = role->second;
+    }
     if (has_truth) discovery.truth.push_back(item);
     if (depth_files) depth_files->AddTo(named->fields, item);
     for (int body = 1; body <= named->bodies; ++body) {

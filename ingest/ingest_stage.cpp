@@ -125,6 +125,8 @@ struct ItemFacts {
   int most_frames = 0;
   std::string array;                 ///< npy: the clip in its file, sources/array_clips.h
   std::optional<std::string> label;  ///< where the file's name does not tell it
+  std::string label_text;            ///< what the table of labels says
+  std::string role;                  ///< of the file of annotations
   std::string known_issue;           ///< what a list says of the recording
   std::string name_doubt;            ///< what the name contradicts
 };
@@ -139,10 +141,12 @@ ItemFacts TakeFacts(nlohmann::json& options) {
   facts.most_frames = options.value("most_frames", 0);
   facts.array = options.value("array", std::string());
   if (options.contains("told_label")) facts.label = options.at("told_label").get<std::string>();
+  facts.label_text = options.value("label_text", std::string());
+  facts.role = options.value("annotation_role", std::string());
   facts.known_issue = options.value("known_issue", std::string());
   facts.name_doubt = options.value("name_doubt", std::string());
-  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "known_issue",
-                          "name_doubt", "array"}) {
+  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "label_text",
+                          "annotation_role", "known_issue", "name_doubt", "array"}) {
     options.erase(key);
   }
   return facts;
@@ -188,6 +192,8 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
       {"label", clip.label},       {"frames", FrameCount(clip)},        {"joints", JointCount(clip)},
       {"rate_hz", clip.rate.hz()}, {"missing_share", UnseenShare(clip)}};
   if (!style.empty()) summary["style"] = style;
+  if (!clip.identity.session.empty()) summary["session"] = clip.identity.session;
+  if (!clip.identity.view.empty()) summary["view"] = clip.identity.view;
   const std::size_t views = clip.evidence.depth_views.size() + clip.evidence.keypoint_views.size();
   if (views > 0) summary["views"] = views;
   return summary;
@@ -265,6 +271,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   Expected<NamedFile> named = ReadName(*source, name, facts.body);
   if (!named) return Forward(named);
   if (facts.label) named->label = *facts.label;
+  if (!facts.role.empty()) named->role = facts.role;
   named->identity.recording += RecordingSuffix(facts.array);
   if (gathered) named->fields["file"] = named->identity.recording;
   const bool whole = source->container.empty() && !gathered && source->format != SourceFormat::kNpy;
@@ -316,10 +323,12 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));
   }
   Complete(*source, *named, ingested->content.empty() ? read : ingested->content, *ingested);
+  if (!facts.label_text.empty()) ingested->clip.provenance["label_text"] = facts.label_text;
 
   StageOutcome outcome;
   outcome.findings = ingested->findings;
   outcome.summary = Summary(ingested->clip, named->style);
+  if (!facts.label_text.empty()) outcome.summary["label_text"] = facts.label_text;
   outcome.summary["source_sha256"] = ingested->clip.evidence_sha256;
   for (const auto& [code, shown] : ingested->shown) {
     outcome.summary["shown"][code] = {{"contradicts", shown.contradicts}, {"weight", shown.weight}};

@@ -2,6 +2,11 @@
 
 namespace mocurate {
 
+void LabelRule::Declare(OptionVisitor& v) {
+  v.Text("pattern", pattern, "regular expression that is looked for in the label's text, letter case aside");
+  v.Text("label", label, "of the clips whose text has it");
+}
+
 void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "short name of the source; first part of every clip id");
   v.Choice("format", format,
@@ -31,10 +36,10 @@ void SourceOptions::Declare(OptionVisitor& v) {
          "humanact12_pickle, uestc, motions: the one file that holds all clips (uestc without it: a file of VIBE's "
          "tracks per "
          "video); `files` is the pattern of their names");
-  v.Text(
-      "label_table", label_table,
-      "table below the folder, a header and 'motion,label' lines: label of the file whose name without ending is the "
-      "motion; `labels` may rename");
+  v.Text("label_table", label_table,
+         "table below the folder, a header and 'motion,label' lines, or 'motion', a tab and its text a line, others "
+         "passed "
+         "over: label of the file whose name without ending is the motion; `labels` and `label_rules` may rename");
   v.Choice("other_files", other_files,
            {{"ignore", OtherFiles::kIgnore}, {"finding", OtherFiles::kFinding}, {"error", OtherFiles::kError}},
            "what becomes of files whose name does not match");
@@ -76,6 +81,8 @@ void SourceOptions::Declare(OptionVisitor& v) {
            "the papers' codes: uestc by the camera, vibe_tracks still)");
   v.Texts("annotations", annotations,
           "amass: BABEL's .json files below the folder; where two speak of one motion, the first");
+  v.TextMap("annotation_roles", annotation_roles,
+            "amass: file of annotations -> train, validation or test: the role of its motions");
   v.Choice("missing", missing,
            {{"none", MissingValue::kNone}, {"zero", MissingValue::kZero}, {"nan", MissingValue::kNan}},
            "joint_table: what a joint that was not seen looks like");
@@ -120,6 +127,8 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("view", view, "camera or view, from the fields of the name");
   v.Text("style", style, "style of the performance, from the fields of the name");
   v.TextMap("labels", labels, "names of the labels");
+  v.List("label_rules", label_rules,
+         "labels by patterns, for texts that `labels` does not list, such as descriptions; the first that fits");
   v.TextMap("fine_labels", fine_labels, "names of the fine labels; one that is not listed keeps its text");
   v.Choice("other_labels", other_labels,
            {{"error", OtherLabels::kError}, {"leave_out", OtherLabels::kLeaveOut}, {"keep", OtherLabels::kKeep}},

@@ -42,6 +42,14 @@ enum class CameraPose { kMeasured, kWorldToCamera, kCentre, kCameraToWorld };
 enum class OtherFiles { kIgnore, kFinding, kError };
 /// How a joint table says that a joint was not seen.
 enum class MissingValue { kNone, kZero, kNan };
+/// A label for all texts that a pattern is found in, such as a description of what is performed.
+struct LabelRule {
+  std::string pattern;  ///< regular expression (ECMAScript), letter case aside
+  std::string label;
+
+  void Declare(OptionVisitor& v);
+};
+
 /// What becomes of a file whose label is not listed under `labels`.
 enum class OtherLabels { kError, kLeaveOut, kKeep };
 /// By what the people of a file are told from the others that the tracker followed.
@@ -119,6 +127,7 @@ struct SourceOptions {
   std::string track = "1";                    ///< vibe_tracks: key of the person in a file; empty: people.rule says
   RootTranslation root_translation = RootTranslation::kPublished;  ///< vibe_tracks, uestc
   std::vector<std::string> annotations;                            ///< amass: BABEL files below the folder
+  std::map<std::string, std::string> annotation_roles;             ///< amass: file of annotations -> role of its clips
   double least_confidence = 0.0;                                   ///< joint_table: of a joint that has a position
   DamagedRows damaged_rows = DamagedRows::kReport;
   MissingValue missing = MissingValue::kNone;
@@ -141,6 +150,7 @@ struct SourceOptions {
   std::string view;
   std::string style;
   std::map<std::string, std::string> labels;       ///< label text -> name
+  std::vector<LabelRule> label_rules;              ///< of texts that `labels` does not list; the first that fits
   std::map<std::string, std::string> fine_labels;  ///< fine label text -> name
   OtherLabels other_labels = OtherLabels::kError;
   std::map<std::string, std::string> roles;    ///< person -> role

@@ -85,14 +85,14 @@ Expected<BabelIndex> BabelIndex::Read(const std::filesystem::path& folder, const
     for (BabelSequence& sequence : *sequences) {
       if (!known.insert(sequence.key).second) continue;
       for (const std::string& file : AmassNames(sequence.feat_p)) index.by_name_.emplace(file, index.sequences_.size());
-      index.sequences_.push_back(std::move(sequence));
+      index.sequences_.push_back({std::move(sequence), name});
     }
   }
   index.used_.assign(index.sequences_.size(), false);
   return index;
 }
 
-const BabelSequence* BabelIndex::Find(const std::string& file) {
+const IndexedSequence* BabelIndex::Find(const std::string& file) {
   for (std::size_t at = 0;; ++at) {
     const auto found = by_name_.find(file.substr(at));
     if (found != by_name_.end()) {
@@ -107,7 +107,7 @@ const BabelSequence* BabelIndex::Find(const std::string& file) {
 std::vector<std::string> BabelIndex::Unused() const {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < sequences_.size(); ++i) {
-    if (!used_[i]) names.push_back(sequences_[i].feat_p);
+    if (!used_[i]) names.push_back(sequences_[i].sequence.feat_p);
   }
   return names;
 }

@@ -18,6 +18,12 @@ namespace mocurate {
 /// '_' for blanks. In this order.
 std::vector<std::string> AmassNames(const std::string& feat_p);
 
+/// A sequence, and the file of annotations that it stands in.
+struct IndexedSequence {
+  BabelSequence sequence;
+  std::string file;
+};
+
 /// The sequences of several annotation files by the AMASS file they speak of.
 class BabelIndex {
  public:
@@ -27,14 +33,14 @@ class BabelIndex {
 
   /// Of a file below the source's folder, whose name may have more folders in front; null: not annotated. What was
   /// found counts as used.
-  const BabelSequence* Find(const std::string& file);
+  const IndexedSequence* Find(const std::string& file);
 
   std::size_t size() const { return sequences_.size(); }
   /// `feat_p` of the sequences that were never found.
   std::vector<std::string> Unused() const;
 
  private:
-  std::vector<BabelSequence> sequences_;
+  std::vector<IndexedSequence> sequences_;
   std::vector<bool> used_;
   std::map<std::string, std::size_t> by_name_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 #include <set>
 
 #include "core/base/sha256.h"
@@ -19,6 +20,8 @@ std::string WithoutEnding(std::string name) {
   return name;
 }
 
+constexpr auto kLabelPattern = std::regex::ECMAScript | std::regex::icase;
+
 }  // namespace
 
 std::string IdPart(std::string text) {
@@ -27,16 +30,39 @@ std::string IdPart(std::string text) {
   return text;
 }
 
+Status CheckLabelRules(const SourceOptions& source) {
+  for (const LabelRule& rule : source.label_rules) {
+    if (rule.label.empty()) {
+      return Fail(ErrorCode::kConfig, "the rule '" + rule.pattern + "' has no label", "ingest.source.label_rules",
+                  "name the label of the texts that have the pattern");
+    }
+    try {
+      (void)std::regex(rule.pattern, kLabelPattern);
+    } catch (const std::regex_error& problem) {
+      return Fail(ErrorCode::kConfig, "'" + rule.pattern + "' is no regular expression: " + problem.what(),
+                  "ingest.source.label_rules",
+                  "escape ( ) [ ] { } . * + ? | with a backslash where they mean themselves");
+    }
+  }
+  return {};
+}
+
 Expected<std::string> LabelOf(const SourceOptions& source, const std::string& text, const std::string& name) {
-  if (source.labels.empty()) return text;
+  if (source.labels.empty() && source.label_rules.empty()) return text;
   const auto found = source.labels.find(text);
   if (found != source.labels.end()) return found->second;
+  if (Status rules = CheckLabelRules(source); !rules) return Forward(rules);
+  for (const LabelRule& rule : source.label_rules) {
+    if (std::regex_search(text, std::regex(rule.pattern, kLabelPattern))) return rule.label;
+  }
   if (source.other_labels == OtherLabels::kKeep) return text;
   std::vector<std::string> known;
   for (const auto& [key, label] : source.labels) known.push_back(key);
   const std::optional<std::string> near = Nearest(text, known);
-  return Fail(ErrorCode::kInconsistent, "the label '" + text + "' is not listed under ingest.source.labels", name,
-              near ? "did you mean '" + *near + "'?" : "add it, or repair the file name");
+  return Fail(ErrorCode::kInconsistent,
+              "the label '" + text + "' is not listed under ingest.source.labels" +
+                  (source.label_rules.empty() ? "" : ", and no rule of label_rules fits it"),
+              name, near ? "did you mean '" + *near + "'?" : "add it, or repair the file name");
 }
 
 std::string BytesOf(const std::vector<double>& values) {

@@ -38,6 +38,7 @@ struct NamedFile {
 Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name, int body = 1);
 
 /// The label that a text stands for. Error kInconsistent where `labels` lists others only; `name` for messages.
+Status CheckLabelRules(const SourceOptions& source);
 Expected<std::string> LabelOf(const SourceOptions& source, const std::string& text, const std::string& name);
 /// One thing of the declaration that a clip can speak of.
 struct ShownFact {
