@@ -36,6 +36,9 @@ Motion Later(const Motion& motion, double seconds);
 /// x right, y down, z forward from x right, y up, z back: half a turn about x, both ways the same.
 RigidTransform HalfTurnAboutX();
 
+/// sensor_from_world, canonical axes, of a sensor at the origin that looks along -z and `tilt` radians down.
+RigidTransform LooksDown(double tilt);
+
 /// (J*3) rotation vectors of a frame, root first.
 std::vector<double> RotationVectors(const Motion& motion, int frame);
 

@@ -5,6 +5,7 @@
 #include "core/formats/amass.h"
 #include "core/formats/babel.h"
 #include "ingest/synthetic/action_parts.h"
+#include "ingest/synthetic/babel_plan.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/sequence_plan.h"
 
@@ -18,12 +19,7 @@ constexpr std::int64_t kSequences = 5;
 constexpr std::size_t kPoseColumns = 156;  // SMPL-H: root, 21 of the body, two hands of 15
 constexpr std::size_t kBodyColumns = 66;
 
-/// What BABEL's annotators write for an action: processed label and categories.
-struct BabelWords {
-  const char* proc_label;
-  std::vector<std::string> categories;
-};
-
+/// HumanAct12's variants in BABEL's words.
 BabelWords WordsOfVariant(const HumanAct12Variant& variant) {
   const std::string label = variant.label;
   if (label == "warm_up") return {"warm up", {"exercise/training"}};
@@ -83,7 +79,8 @@ BabelLabel LabelOfSpan(const BabelWords& words, const ScriptSpan& span, Random& 
 
 /// Labels of all actions, of the ways between them and of standing; not sorted, and now and then overlapping, as those
 /// of the real set.
-BabelSequence AnnotationOf(const StudioOptions& options, const PlannedSequence& sequence, std::int64_t sid) {
+BabelSequence AnnotationOf(const StudioOptions& options, const AnnotatedSequence& annotated, std::int64_t sid) {
+  const PlannedSequence& sequence = annotated.sequence;
   Random random(static_cast<std::uint64_t>(options.seed), "studio.babel", sequence.Key());
   const Script& script = sequence.script;
   const std::vector<ScriptSpan> ways = Transitions(script, FrameRate{kAmassRateHz, 1});
@@ -96,7 +93,7 @@ BabelSequence AnnotationOf(const StudioOptions& options, const PlannedSequence& 
   }
   for (std::size_t k = 0; k < script.actions.size(); ++k) {
     annotation.labels.push_back(
-        LabelOfSpan(WordsOfVariant(*sequence.kinds[k]), {script.actions[k].begin, script.actions[k].end}, random));
+        LabelOfSpan(annotated.words[k], {script.actions[k].begin, script.actions[k].end}, random));
     if (k >= ways.size()) continue;
     annotation.labels.push_back(LabelOfSpan({"transition", {"transition"}}, ways[k], random));
     const int rest = script.actions[k + 1].begin;
@@ -116,8 +113,8 @@ BabelSequence AnnotationOf(const StudioOptions& options, const PlannedSequence& 
   whole.babel_lid = SegmentId(random);
   whole.anntr_id = annotation.anntr_id;
   whole.mul_act = true;
-  for (const HumanAct12Variant* kind : sequence.kinds) {
-    BabelLabel label = LabelOfSpan(WordsOfVariant(*kind), {0, 0}, random);
+  for (const BabelWords& words : annotated.words) {
+    BabelLabel label = LabelOfSpan(words, {0, 0}, random);
     label.start_t.reset();
     label.end_t.reset();
     whole.labels.push_back(std::move(label));
@@ -127,18 +124,27 @@ BabelSequence AnnotationOf(const StudioOptions& options, const PlannedSequence& 
   return babel;
 }
 
+AnnotatedSequence InBabelWords(PlannedSequence sequence) {
+  AnnotatedSequence annotated{std::move(sequence), {}};
+  for (const HumanAct12Variant* kind : annotated.sequence.kinds) annotated.words.push_back(WordsOfVariant(*kind));
+  return annotated;
+}
+
 }  // namespace
 
 Status WriteAmassLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  if (Status wanted = CheckVariants(options.actions); !wanted) return wanted;
-  std::vector<PlannedSequence> sequences;
-  for (int s = 1; s <= (options.subjects > 0 ? options.subjects : kSubjects); ++s) {
+  const bool babel = options.vocabulary == StudioVocabulary::kBabel;
+  if (Status wanted = babel ? CheckBabelWords(options.actions) : CheckVariants(options.actions); !wanted) return wanted;
+  const std::int64_t subjects = options.subjects > 0 ? options.subjects : kSubjects;
+  std::vector<AnnotatedSequence> sequences;
+  for (int s = 1; s <= subjects; ++s) {
     for (int n = 1; n <= (options.clips > 0 ? options.clips : kSequences); ++n) {
-      sequences.push_back(PlanSequence(options, s, n, 3, 6, kAmassRateHz));
+      sequences.push_back(babel ? PlanBabelSequence(options, s, n, kAmassRateHz)
+                                : InBabelWords(PlanSequence(options, s, n, 3, 6, kAmassRateHz)));
     }
   }
   Status done = folder.ForEach(sequences.size(), [&](std::size_t i) -> Status {
-    const PlannedSequence& sequence = sequences[i];
+    const PlannedSequence& sequence = sequences[i].sequence;
     const Actor& actor = actors[static_cast<std::size_t>(sequence.subject - 1)];
     const Motion motion = PerformScript(sequence.script, actor.subject, actor.skeleton, FrameRate{kAmassRateHz, 1});
     const std::string name = std::string(kDataset) + "/" + sequence.Person() + "/" + TakeOf(sequence) + "_poses.npz";
@@ -154,12 +160,12 @@ Status WriteAmassLayout(const StudioOptions& options, const std::vector<Actor>& 
     return {};
   });
   if (!done) return done;
-  // The last subject is the validation set.
+  // The last of five subjects are the validation set, at least one where there are two.
+  const std::int64_t last = subjects > 1 ? std::max<std::int64_t>(1, babel ? subjects / 5 : 1) : 0;
   std::vector<BabelSequence> train, val;
   for (std::size_t i = 0; i < sequences.size(); ++i) {
-    const bool last =
-        sequences.size() > 1 && sequences[i].subject == sequences.back().subject && sequences[i].subject > 1;
-    (last ? val : train).push_back(AnnotationOf(options, sequences[i], static_cast<std::int64_t>(i) + 1));
+    const bool validates = sequences[i].sequence.subject > subjects - last;
+    (validates ? val : train).push_back(AnnotationOf(options, sequences[i], static_cast<std::int64_t>(i) + 1));
   }
   if (Status written = folder.Write("amass/babel_v1.0_release/train.json", EncodeBabel(train)); !written)
     return written;

@@ -30,7 +30,8 @@ Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& a
   const double height = room.Uniform(0.7, 1.0);
   const double away = room.Uniform(2.4, 2.9);
   // The sensor's own place in canonical axes: the subject in front of it at -z.
-  const RigidTransform sensor_from_world{Quaterniond::Identity(), Vector3d(0.0, -height, -away)};
+  const RigidTransform sensor_from_world =
+      LooksDown(options.tilt) * RigidTransform{Quaterniond::Identity(), Vector3d(0.0, -height, -away)};
   return folder.ForEach(takes->size(), [&](std::size_t i) -> Status {
     const PlannedTake& take = (*takes)[i];
     const Actor& actor = actors[static_cast<std::size_t>(take.subject - 1)];

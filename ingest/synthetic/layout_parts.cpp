@@ -92,6 +92,10 @@ Motion Later(const Motion& motion, double seconds) {
   return MakeMotion(motion.skeleton, motion.rate, std::move(root), std::move(rotation), motion.bone_length);
 }
 
+RigidTransform LooksDown(double tilt) {
+  return {Quaterniond(Eigen::AngleAxisd(tilt, Vector3d::UnitX())), Vector3d::Zero()};
+}
+
 RigidTransform HalfTurnAboutX() { return {Quaterniond(0.0, 1.0, 0.0, 0.0), Vector3d::Zero()}; }
 
 std::vector<double> RotationVectors(const Motion& motion, int frame) {

@@ -36,7 +36,8 @@ Status WriteTracksLayout(const StudioOptions& options, const std::vector<Actor>&
   return folder.ForEach(takes->size(), [&](std::size_t i) -> Status {
     const PlannedTake& take = (*takes)[i];
     const Actor& actor = actors[static_cast<std::size_t>(take.subject - 1)];
-    const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kVariantRateHz, 1});
+    Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kVariantRateHz, 1});
+    if (options.tilt != 0.0) motion = Seen(motion, LooksDown(options.tilt));
     ClipIdentity identity;
     identity.source = "tracks";
     identity.person = "p" + Digits(take.subject, 2);

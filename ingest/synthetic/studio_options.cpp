@@ -91,7 +91,11 @@ void StudioOptions::Declare(OptionVisitor& v) {
   v.Integer("clips", clips, {0.0, 1000.0},
             "most clips of each action, of HumanAct12 of each of its 34 variants, by each subject; 0: as the set has");
   v.Texts("actions", actions, "labels or actions that are performed; empty: all of the set's");
+  v.Choice("vocabulary", vocabulary,
+           {{"humanact12", StudioVocabulary::kHumanAct12}, {"babel", StudioVocabulary::kBabel}},
+           "amass: what is performed: HumanAct12's variants, or short actions in BABEL's words");
   v.Path("body", body, "skinned body (body_cc0.h5) that depth is rendered of; empty: capsules");
+  v.Number("tilt", tilt, Unit::kRadian, {-0.8, 0.8}, "kard, tracks: how far the sensor looks down");
   v.Number("missing", missing_share, Unit::kNone, {0.0, 0.9}, "humanact12, phspd: share of frames without annotation");
   v.Number("ghost", ghost_share, Unit::kNone, {0.0, 1.0},
            "ntu: share of files in which the sensor followed a body that is nobody; uestc_vibe: of videos with a "

@@ -27,6 +27,9 @@ enum class StudioLayout {
   kCmu8
 };
 
+/// What is performed in long sequences, and in whose words: HumanAct12's variants, or short actions as BABEL has them.
+enum class StudioVocabulary { kHumanAct12, kBabel };
+
 /// Cameras around the subject.
 enum class RigKind { kOwn, kPhspd, kHuman36m, kRing };
 
@@ -79,9 +82,11 @@ struct StudioOptions {
   std::int64_t subjects = 2;         ///< 0: as many as the set has
   std::int64_t clips = 1;            ///< of each action by each subject; 0: as many as the set has
   std::vector<std::string> actions;  ///< labels or actions; empty: all of the set's
-  std::filesystem::path body;        ///< body_cc0.h5; empty: a body of capsules
-  double missing_share = 0.0225;     ///< HumanAct12, PHSPD: frames without annotation
-  double ghost_share = 0.0;          ///< ntu: files with a second body that is nobody; uestc_vibe: with a bystander
+  StudioVocabulary vocabulary = StudioVocabulary::kHumanAct12;  ///< amass
+  std::filesystem::path body;                                   ///< body_cc0.h5; empty: a body of capsules
+  double tilt = 0.0;                                            ///< radians that the sensor looks down; kard, tracks
+  double missing_share = 0.0225;                                ///< HumanAct12, PHSPD: frames without annotation
+  double ghost_share = 0.0;  ///< ntu: files with a second body that is nobody; uestc_vibe: with a bystander
   TrackerOptions tracker = KinectTracker();  ///< tracks, ntu, kard, uestc, uestc_vibe, ntu_vibe
   RigOptions rig;             ///< openpose, openpose_depth, rendered_seq; clocks and the moved camera also phspd, ntu
   DepthSensorOptions depth;   ///< phspd, ntu, rendered_seq, openpose_depth

@@ -19,6 +19,8 @@ const std::vector<Use>& Uses() {
   // An option before its group.
   static const std::vector<Use> uses = {
       {"missing", {L::kHumanAct12, L::kPhspd}},
+      {"vocabulary", {L::kAmass}},
+      {"tilt", {L::kKard, L::kTracks}},
       {"ghost", {L::kNtu, L::kUestcVibe}},
       {"tracker", {L::kNtu, L::kKard, L::kUestc, L::kUestcVibe, L::kNtuVibe, L::kTracks}},
       {"rig.clock_offset", clocks},
