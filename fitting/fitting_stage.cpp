@@ -135,7 +135,7 @@ Status CountFromNamed(const FittingOptions& options, Motion& motion) {
 }  // namespace
 
 Expected<StageOutcome> FittingStage(const StageRequest& request) {
-  const Expected<FittingOptions> options = OptionsFromJson<FittingOptions>(request.options, "fitting");
+  Expected<FittingOptions> options = OptionsFromJson<FittingOptions>(request.options, "fitting");
   if (!options) return Forward(options);
   const StageInput* evidence = nullptr;
   for (const StageInput& input : request.inputs) {
@@ -146,6 +146,10 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   Expected<Clip> clip = ReadEvidence(evidence->path, &dataset.findings);
   if (!clip) return Forward(clip);
   ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
+  const bool no_depth = clip->evidence.depth_views.empty() || clip->evidence.depth_views[0].files.empty();
+  if (no_depth && options->without_depth == WithoutDepth::kTracks && options->method == FitMethod::kJointsAndClouds) {
+    options->method = FitMethod::kJointTracks;
+  }
   if (Status left = CheckDepthIsLeft(*clip, dataset.findings, options->method); !left) return Forward(left);
   Expected<FitResult> fit = Fit(request, *clip, *options);
   if (!fit) {

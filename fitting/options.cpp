@@ -171,6 +171,8 @@ void KeypointFitOptions::Declare(OptionVisitor& v) {
 
 void FittingOptions::Declare(OptionVisitor& v) {
   DeclareMethod(v, method);
+  v.Choice("without_depth", without_depth, {{"refuse", WithoutDepth::kRefuse}, {"tracks", WithoutDepth::kTracks}},
+           "with method: joints_and_clouds, what becomes of a clip whose depth images are not at hand");
   v.Text("skeleton", skeleton, "skeleton of the fitted motion: a name or a YAML file");
   DeclareOtherJoints(v, other_joints);
   v.Group("repair", repair, "what is mended in joint tracks before the fit");

@@ -16,6 +16,9 @@ enum class FitMethod { kJointTracks, kPointClouds, kJointsAndClouds, kKeypoints,
 /// Whether all joints share one noise scale or each has its own.
 enum class NoiseScale { kPooled, kPerJoint };
 
+/// What becomes of a clip without depth where tracks and depth are to be fitted together.
+enum class WithoutDepth { kRefuse, kTracks };
+
 /// What becomes of tracked joints that the skeleton does not have.
 enum class OtherJoints { kRefuse, kLeaveOut };
 
@@ -183,6 +186,7 @@ struct KeypointFitOptions {
 struct FittingOptions {
   FitMethod method = FitMethod::kJointTracks;
   std::string skeleton;  ///< name in configs/skeletons/ or a YAML file
+  WithoutDepth without_depth = WithoutDepth::kRefuse;
   OtherJoints other_joints = OtherJoints::kRefuse;
   RepairOptions repair;
   JointTrackOptions joint_tracks;

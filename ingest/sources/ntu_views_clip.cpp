@@ -138,6 +138,11 @@ void SayEstimates(const PlacedViews& placed, const std::vector<Sensor>& sensors,
   }
 }
 
+/// What the clip rests on: "tracks of 3 cameras, depth of 2", "tracks of 1 camera".
+std::string EvidenceOf(long long tracks, long long depth) {
+  return "tracks of " + Counted(tracks, "camera") + (depth > 0 ? ", depth of " + std::to_string(depth) : "");
+}
+
 Status AddDepth(const SourceFile& file, const std::vector<Sensor>& sensors, const PlacedViews& placed,
                 const Matrix3d& canonical_from_sensor, const std::vector<char>& with_depth, const SharedFrames& span,
                 IngestedClip& ingested) {
@@ -259,6 +264,9 @@ Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
   SayEstimates(*placed, sensors, clip);
   Status depth = AddDepth(file, sensors, *placed, axes->canonical_from_source, with_depth, span, ingested);
   if (!depth) return Forward(depth);
+  const auto used =
+      std::count_if(placed->views.begin(), placed->views.end(), [](const PlacedView& v) { return v.used; });
+  clip.provenance["evidence"] = EvidenceOf(used, static_cast<long long>(clip.evidence.depth_views.size()));
   return ingested;
 }
 
