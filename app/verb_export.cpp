@@ -1,15 +1,13 @@
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "app/motion_files.h"
+#include "app/export_clips.h"
 #include "app/verbs.h"
-#include "canon/exports/motion_arrays.h"
+#include "canon/exports/layout.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/store/store.h"
 #include "train/checkpoint/checkpoint.h"
 
 namespace mocurate {
@@ -17,96 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool EndsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-/// Clips whose id is a name, or ends with it; all without names. Error of the first name that no clip has.
-Expected<std::vector<const Clip*>> Choose(const Dataset& dataset, const ExportArguments& arguments) {
-  std::set<std::string> found;
-  std::vector<const Clip*> chosen;
-  for (const Clip& clip : dataset.clips) {
-    bool wanted = arguments.clips.empty();
-    for (const std::string& name : arguments.clips) {
-      if (clip.id() != name && !EndsWith(clip.id(), name)) continue;
-      found.insert(name);
-      wanted = true;
-    }
-    if (wanted) chosen.push_back(&clip);
-  }
-  for (const std::string& name : arguments.clips) {
-    if (found.count(name) != 0) continue;
-    const std::string example = dataset.clips.empty() ? "" : ", e.g. --clip '" + dataset.clips.front().id() + "'";
-    return Fail(ErrorCode::kUsage, "no clip is called '" + name + "'", DisplayPath(arguments.path),
-                "`mocurate inspect` lists them" + example);
-  }
-  if (chosen.empty()) return Fail(ErrorCode::kInconsistent, "the file holds no clips", DisplayPath(arguments.path));
-  return chosen;
-}
-
-/// A clip's id as a path below a folder: parts of the id are folders; what a file system may refuse becomes '_'.
-fs::path PathOfId(const std::string& id) {
-  std::string safe;
-  for (const char c : id) {
-    const bool kept = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-                      std::string_view("._#-+/").find(c) != std::string_view::npos;
-    safe += kept ? c : '_';
-  }
-  fs::path path;
-  for (const fs::path& part : fs::path(safe).relative_path()) {
-    if (!part.empty()) path /= part == "." || part == ".." ? fs::path("_") : part;
-  }
-  return path += ".npz";
-}
-
-/// A file for each clip. Error kUsage for one that is there already.
-Expected<std::vector<fs::path>> PathsFor(const std::vector<const Clip*>& clips, const ExportArguments& arguments) {
-  std::vector<fs::path> paths;
-  std::set<fs::path> taken;
-  if (arguments.output.extension() == ".npz") {
-    if (clips.size() > 1) {
-      return Fail(ErrorCode::kUsage,
-                  Counted(static_cast<long long>(clips.size()), "clip") + " do not fit one .npz file",
-                  DisplayPath(arguments.output),
-                  "name a folder, or choose one with --clip, e.g. --clip '" + clips.front()->id() + "'");
-    }
-    paths.push_back(arguments.output);
-  } else {
-    for (const Clip* clip : clips) {
-      fs::path path = arguments.output / PathOfId(clip->id());
-      const fs::path stem = path.parent_path() / path.stem();
-      for (int copy = 2; !taken.insert(path).second; ++copy) {
-        path = stem;
-        path += "~" + std::to_string(copy) + ".npz";
-      }
-      paths.push_back(path);
-    }
-  }
-  for (const fs::path& path : paths) {
-    std::error_code unknown;
-    if (!arguments.force && fs::exists(path, unknown)) {
-      return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(path),
-                  "--force overwrites it, -o names another");
-    }
-  }
-  return paths;
-}
-
-/// A dataset of ours as it stands; other files by their declaration.
-Expected<ReadMotions> MotionsOf(const ExportArguments& arguments) {
-  if (arguments.source.empty() && IsMotionStore(arguments.path)) {
-    Expected<Dataset> dataset = ReadDataset(arguments.path);
-    if (!dataset) return Forward(dataset);
-    ReadMotions read;
-    read.set = std::move(*dataset);
-    return read;
-  }
-  Expected<DeclaredMotions> declared = DeclareMotions(arguments.path, arguments.source);
-  if (!declared) return Forward(declared);
-  Expected<ReadMotions> read = ReadAllMotions({declared->ingest, {}});
-  if (!read) return Forward(read);
-  for (RefusedClip& refused : declared->unreadable) read->refused.push_back(std::move(refused));
-  return read;
+void PrintDocument(const nlohmann::json& document) {
+  std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
 /// The weights of a checkpoint for other programs.
@@ -121,11 +31,9 @@ Status ExportNetwork(CommonArguments& common, const ExportArguments& arguments) 
   if (Status written = ExportSafetensors(*checkpoint, arguments.output); !written) return written;
   common.answered = common.json;
   if (common.json) {
-    std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)},
-                                        {"network", checkpoint->kind},
-                                        {"tensors", checkpoint->parameters.size()}})
-                            .dump(1)
-                            .c_str());
+    PrintDocument({{"path", DisplayPath(arguments.output)},
+                   {"network", checkpoint->kind},
+                   {"tensors", checkpoint->parameters.size()}});
   } else {
     std::printf("%s of %s in %s\n", Counted(static_cast<long long>(checkpoint->parameters.size()), "tensor").c_str(),
                 checkpoint->kind.c_str(), DisplayPath(arguments.output).c_str());
@@ -133,50 +41,195 @@ Status ExportNetwork(CommonArguments& common, const ExportArguments& arguments) 
   return {};
 }
 
+/// Where an export goes.
+struct ExportPlace {
+  fs::path folder;        ///< of the files
+  std::string file;       ///< the one file of -o FILE.ending; empty: a folder is named
+  bool one_clip = false;  ///< which holds one clip, and nothing beside it
+};
+
+Expected<ExportPlace> PlaceOf(const ExportArguments& arguments, const Layout& layout) {
+  const std::string ending = arguments.output.extension().string();
+  for (const Layout& other : Layouts()) {
+    if (ending.empty() || other.ending != ending || other.ending == layout.ending) continue;
+    return Fail(ErrorCode::kUsage, "'" + ending + "' is the ending of --layout " + std::string(other.name),
+                DisplayPath(arguments.output),
+                "--layout " + std::string(layout.name) + " writes a folder" +
+                    (layout.ending.empty() ? "" : ", or a file that ends in " + std::string(layout.ending)));
+  }
+  if (layout.ending.empty() || ending != layout.ending) return ExportPlace{arguments.output, "", false};
+  const fs::path parent = arguments.output.parent_path();
+  return ExportPlace{parent.empty() ? fs::path(".") : parent, arguments.output.filename().string(),
+                     !layout.Is(LayoutTrait::kAllInOneFile)};
+}
+
+/// What the command line asks of a layout that it has not.
+Status CheckLayoutArguments(const ExportArguments& arguments, const Layout& layout, const ExportPlace& place) {
+  if (!arguments.rotations.empty() && !layout.Is(LayoutTrait::kRepresentations)) {
+    return Fail(ErrorCode::kUsage, "layout " + std::string(layout.name) + " has one way to write a motion", "--as",
+                "leave --as out; it is for --layout npz");
+  }
+  if (!arguments.split.empty() && place.one_clip) {
+    return Fail(ErrorCode::kUsage, "a file of one clip carries no split", "--split",
+                "leave --split out, or name a folder with -o");
+  }
+  return {};
+}
+
+/// Nothing is overwritten, and no folder that holds other things is added to, without --force.
+Status CheckExportPlace(const ExportArguments& arguments, const ExportPlace& place) {
+  std::error_code unknown;
+  const fs::path& output = arguments.output;
+  if (arguments.force || !fs::exists(output, unknown)) return {};
+  if (!place.file.empty() || !fs::is_directory(output, unknown)) {
+    return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(output),
+                "--force overwrites it, -o names another");
+  }
+  if (fs::is_empty(output, unknown)) return {};
+  return Fail(ErrorCode::kUsage, "the folder is there already, and not empty", DisplayPath(output),
+              "name another folder with -o; --force overwrites files of the same names and keeps the others");
+}
+
+Status CheckRotations(const ClipsToExport& clips, const Layout& layout, const ExportArguments& arguments) {
+  const bool wanted = layout.Is(LayoutTrait::kNeedsRotations) ||
+                      (layout.Is(LayoutTrait::kRepresentations) && clips.set.rotations != RotationArrays::kNone);
+  if (!wanted || !clips.set.joints_only) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "the motions have joints alone, layout " + std::string(layout.name) + " needs rotations",
+              DisplayPath(arguments.path),
+              "`mocurate fit` finds rotations; --layout npz --as joints, csv and humanact12 take joints");
+}
+
+/// What became of the clips.
+struct Exported {
+  nlohmann::json files = nlohmann::json::array();  ///< {clip, path}
+  std::set<fs::path> written;
+  std::vector<RefusedClip> refused;
+  std::vector<std::string> notes;
+};
+
+Status WriteFiles(const std::vector<ExportedFile>& files, const fs::path& folder, Exported& exported) {
+  for (const ExportedFile& file : files) {
+    const fs::path path = folder / fs::path(file.path);
+    if (Status made = MakeFolder(path.parent_path()); !made) return made;
+    if (Status written = WriteFile(path, file.bytes); !written) return written;
+    exported.written.insert(path.lexically_normal());
+  }
+  return {};
+}
+
+/// Clip by clip. Errors of writing; a clip that cannot be read or taken is refused and costs no other.
+Status ExportClips(const ClipsToExport& clips, const Layout& layout, const ExportPlace& place, Exported& exported) {
+  const std::unique_ptr<LayoutWriter> writer = layout.make(clips.set);
+  NotCarried lost(layout);
+  for (std::size_t position = 0; position < clips.set.ids.size(); ++position) {
+    const std::string& id = clips.set.ids[position];
+    const Expected<Clip> clip = clips.read(position);
+    Expected<std::vector<ExportedFile>> files = clip ? writer->Add(position, *clip) : Forward(clip);
+    if (!files) {
+      exported.refused.push_back({id, files.error()});
+      continue;
+    }
+    if (place.one_clip) files->front().path = place.file;
+    if (Status written = WriteFiles(*files, place.folder, exported); !written) return written;
+    lost.Count(*clip);
+    exported.files.push_back({{"clip", id}, {"path", files->empty() ? "" : files->front().path}});
+  }
+  if (exported.files.empty()) return tl::unexpected<Error>(exported.refused.front().error);
+  const std::string note = lost.Note();
+  if (!note.empty()) exported.notes.push_back(note);
+  std::vector<ExportedFile> beside;
+  if (!place.one_clip) {
+    Expected<std::vector<ExportedFile>> tables = writer->Finish(exported.notes);
+    if (!tables) return Forward(tables);
+    beside = std::move(*tables);
+  }
+  for (nlohmann::json& file : exported.files) {
+    std::string path = file["path"].get<std::string>();
+    if (path.empty()) path = beside.front().path;
+    file["path"] = DisplayPath(place.folder / path);
+  }
+  return WriteFiles(beside, place.folder, exported);
+}
+
+/// Files of the folder that this export did not write.
+std::size_t OtherFilesIn(const fs::path& folder, const std::set<fs::path>& written) {
+  std::size_t others = 0;
+  std::error_code problem;
+  for (fs::recursive_directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
+    std::error_code unknown;
+    if (at->is_directory(unknown)) continue;
+    others += written.count(at->path().lexically_normal()) == 0 ? 1 : 0;
+  }
+  return others;
+}
+
+void PrintExported(const CommonArguments& common, const ExportArguments& arguments, const std::string& representation,
+                   const Exported& exported) {
+  if (common.json) {
+    nlohmann::json refused = nlohmann::json::object();
+    for (const RefusedClip& clip : exported.refused) refused[clip.item] = clip.error.Message();
+    nlohmann::json answer = {
+        {"layout", arguments.layout}, {"files", exported.files}, {"refused", refused}, {"notes", exported.notes}};
+    if (!representation.empty()) answer["representation"] = representation;
+    PrintDocument(answer);
+    return;
+  }
+  std::printf("%s as %s in %s\n", Counted(static_cast<long long>(exported.files.size()), "clip").c_str(),
+              representation.empty() ? arguments.layout.c_str() : representation.c_str(),
+              DisplayPath(arguments.output).c_str());
+  for (const RefusedClip& clip : exported.refused) {
+    std::printf("refused: %s: %s\n", clip.item.c_str(), clip.error.Message().c_str());
+  }
+  for (const std::string& note : exported.notes) std::printf("note: %s\n", note.c_str());
+}
+
 }  // namespace
 
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
   if (arguments.output.extension() == ".safetensors") return ExportNetwork(common, arguments);
-  const Expected<ReadMotions> read = MotionsOf(arguments);
-  if (!read) return Forward(read);
-  const Expected<std::vector<const Clip*>> clips = Choose(read->set, arguments);
+  const Layout& layout = *FindLayout(arguments.layout);
+  const Expected<ExportPlace> place = PlaceOf(arguments, layout);
+  if (!place) return Forward(place);
+  if (Status fits = CheckLayoutArguments(arguments, layout, *place); !fits) return fits;
+  if (Status free = CheckExportPlace(arguments, *place); !free) return free;
+  Expected<ClipsToExport> clips = OpenClipsToExport(arguments);
   if (!clips) return Forward(clips);
-  const Expected<std::vector<fs::path>> paths = PathsFor(*clips, arguments);
-  if (!paths) return Forward(paths);
-  const auto* rotations =
-      std::find_if(kRotationArraysNames.begin(), kRotationArraysNames.end(),
-                   [&](const RotationArraysName& name) { return name.name == arguments.rotations; });
-  nlohmann::json files = nlohmann::json::array();
-  for (std::size_t i = 0; i < clips->size(); ++i) {
-    const Expected<Npz> arrays = ArraysOfMotion(*(*clips)[i], rotations->value);
-    if (!arrays) return Forward(arrays);
-    const Expected<std::string> bytes = EncodeNpz(*arrays, DisplayPath((*paths)[i]));
-    if (!bytes) return Forward(bytes);
-    if (Status made = MakeFolder((*paths)[i].parent_path().empty() ? fs::path(".") : (*paths)[i].parent_path());
-        !made) {
-      return made;
-    }
-    if (Status written = WriteFile((*paths)[i], *bytes); !written) return written;
-    files.push_back({{"clip", (*clips)[i]->id()}, {"path", DisplayPath((*paths)[i])}});
+  if (place->one_clip && clips->set.ids.size() > 1) {
+    return Fail(ErrorCode::kUsage,
+                Counted(static_cast<long long>(clips->set.ids.size()), "clip") + " do not fit one " +
+                    std::string(layout.ending) + " file",
+                DisplayPath(arguments.output),
+                "name a folder, or choose one with --clip, e.g. --clip '" + clips->set.ids.front() + "'");
+  }
+  std::error_code unknown;
+  clips->set.folder = fs::absolute(place->folder, unknown).lexically_normal();
+  clips->set.file = place->one_clip ? "" : place->file;
+  std::string representation;
+  if (layout.Is(LayoutTrait::kRepresentations)) {
+    representation = arguments.rotations.empty() ? kRotationArraysNames.front().name : arguments.rotations;
+    clips->set.rotations =
+        std::find_if(kRotationArraysNames.begin(), kRotationArraysNames.end(), [&](const RotationArraysName& name) {
+          return name.name == representation;
+        })->value;
+  }
+  if (Status rotations = CheckRotations(*clips, layout, arguments); !rotations) return rotations;
+  Exported exported;
+  exported.refused = std::move(clips->refused);
+  if (Status written = ExportClips(*clips, layout, *place, exported); !written) return written;
+  const std::size_t others = place->file.empty() ? OtherFilesIn(place->folder, exported.written) : 0;
+  if (others > 0) {
+    exported.notes.push_back(Counted(static_cast<long long>(others), "other file") +
+                             " stay in the folder: source.yaml reads those that are named as clips are");
   }
   common.answered = common.json;
-  if (common.json) {
-    nlohmann::json refused = nlohmann::json::object();
-    for (const RefusedClip& clip : read->refused) refused[clip.item] = clip.error.Message();
-    std::printf("%s\n",
-                nlohmann::json({{"representation", arguments.rotations}, {"files", files}, {"refused", refused}})
-                    .dump(1)
-                    .c_str());
-  } else {
-    std::printf("%s as %s in %s\n", Counted(static_cast<long long>(clips->size()), "clip").c_str(),
-                arguments.rotations.c_str(), DisplayPath(arguments.output).c_str());
-  }
-  if (read->refused.empty()) return {};
-  const auto& [name, error] = read->refused.front();
-  return Fail(
-      ErrorCode::kTooManyFailures,
-      Counted(static_cast<long long>(read->refused.size()), "clip") + " could not be read; " + name + ": " + error.what,
-      error.where, error.hint);
+  PrintExported(common, arguments, representation, exported);
+  if (exported.refused.empty()) return {};
+  const auto& [name, error] = exported.refused.front();
+  return Fail(ErrorCode::kTooManyFailures,
+              Counted(static_cast<long long>(exported.refused.size()), "clip") + " could not be exported; " + name +
+                  ": " + error.what,
+              error.where, error.hint);
 }
 
 }  // namespace mocurate

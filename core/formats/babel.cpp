@@ -1,6 +1,7 @@
 #include "core/formats/babel.h"
 
 #include <cmath>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -42,6 +43,8 @@ struct BabelPlace {
     text.emplace();
     return Text(*text);
   }
+  /// Empty where there is none.
+  Status TextIfAny(std::string& text) const { return value->is_null() ? Status{} : Text(text); }
   Status Number(double& number) const {
     if (!value->is_number()) return Bad("a number is expected");
     number = value->get<double>();
@@ -59,7 +62,7 @@ Expected<BabelLabel> Label(const BabelPlace& place, bool timed) {
   BabelLabel label;
   if (Status s = place.Find("raw_label").Text(label.raw_label); !s) return Forward(s);
   if (Status s = place.Find("proc_label").Text(label.proc_label); !s) return Forward(s);
-  if (Status s = place.Find("seg_id").Text(label.seg_id); !s) return Forward(s);
+  if (Status s = place.Find("seg_id").TextIfAny(label.seg_id); !s) return Forward(s);
   if (timed) {
     if (Status s = place.Find("start_t").Number(label.start_t); !s) return Forward(s);
     if (Status s = place.Find("end_t").Number(label.end_t); !s) return Forward(s);
@@ -79,8 +82,8 @@ Expected<BabelLabel> Label(const BabelPlace& place, bool timed) {
 Expected<BabelAnnotation> Annotation(const BabelPlace& place, bool timed) {
   if (!place.value->is_object()) return place.Bad("an annotation is expected");
   BabelAnnotation annotation;
-  if (Status s = place.Find("babel_lid").Text(annotation.babel_lid); !s) return Forward(s);
-  if (Status s = place.Find("anntr_id").Text(annotation.anntr_id); !s) return Forward(s);
+  if (Status s = place.Find("babel_lid").TextIfAny(annotation.babel_lid); !s) return Forward(s);
+  if (Status s = place.Find("anntr_id").TextIfAny(annotation.anntr_id); !s) return Forward(s);
   const BabelPlace several = place.Find("mul_act");
   if (several.value->is_boolean()) {
     annotation.mul_act = several.value->get<bool>();
@@ -126,7 +129,7 @@ Expected<BabelSequence> Sequence(const BabelPlace& place, const std::string& key
   if (std::to_string(sequence.babel_sid) != key) {
     return sid.Bad(std::to_string(sequence.babel_sid) + " stands under the key '" + key + "'");
   }
-  if (Status s = place.Find("url").Text(sequence.url); !s) return Forward(s);
+  if (Status s = place.Find("url").TextIfAny(sequence.url); !s) return Forward(s);
   if (Status s = place.Find("feat_p").Text(sequence.feat_p); !s) return Forward(s);
   if (Status s = place.Find("dur").Number(sequence.dur); !s) return Forward(s);
   if (sequence.dur <= 0.0) return place.Find("dur").Bad(FormatDouble(sequence.dur) + " s is no duration");
@@ -138,6 +141,14 @@ Expected<BabelSequence> Sequence(const BabelPlace& place, const std::string& key
   if (Status s = Annotations(place, "seq_ann", "seq_anns", false, sequence.seq_anns); !s) return Forward(s);
   if (Status s = Annotations(place, "frame_ann", "frame_anns", true, sequence.frame_anns); !s) return Forward(s);
   return sequence;
+}
+
+/// An object without the identifiers that are empty.
+ordered_json WithoutEmptyTexts(ordered_json object, std::initializer_list<const char*> keys) {
+  for (const char* key : keys) {
+    if (object.at(key).get_ref<const std::string&>().empty()) object.erase(key);
+  }
+  return object;
 }
 
 template <class T>
@@ -156,12 +167,13 @@ ordered_json ToJson(const BabelAnnotation& annotation, bool timed) {
       entry["start_t"] = OrNull(label.start_t);
       entry["end_t"] = OrNull(label.end_t);
     }
-    labels.push_back(std::move(entry));
+    labels.push_back(WithoutEmptyTexts(std::move(entry), {"seg_id"}));
   }
-  return {{"babel_lid", annotation.babel_lid},
-          {"anntr_id", annotation.anntr_id},
-          {"mul_act", OrNull(annotation.mul_act)},
-          {"labels", std::move(labels)}};
+  return WithoutEmptyTexts({{"babel_lid", annotation.babel_lid},
+                            {"anntr_id", annotation.anntr_id},
+                            {"mul_act", OrNull(annotation.mul_act)},
+                            {"labels", std::move(labels)}},
+                           {"babel_lid", "anntr_id"});
 }
 
 ordered_json ToJson(const std::vector<BabelAnnotation>& annotations, bool timed, bool extra) {
@@ -225,7 +237,7 @@ std::string EncodeBabel(const std::vector<BabelSequence>& sequences) {
         {"babel_sid", sequence.babel_sid}, {"url", sequence.url}, {"feat_p", sequence.feat_p}, {"dur", sequence.dur}};
     entry[sequence.extra ? "seq_anns" : "seq_ann"] = ToJson(sequence.seq_anns, false, sequence.extra);
     entry[sequence.extra ? "frame_anns" : "frame_ann"] = ToJson(sequence.frame_anns, true, sequence.extra);
-    root[sequence.key] = std::move(entry);
+    root[sequence.key] = WithoutEmptyTexts(std::move(entry), {"url"});
   }
   return root.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }

@@ -16,14 +16,14 @@ struct BabelLabel {
   std::optional<std::string> raw_label;
   std::optional<std::string> proc_label;
   std::optional<std::vector<std::string>> act_cat;  ///< null in the test set; may be empty
-  std::string seg_id;
+  std::string seg_id;                               ///< empty where the file has none
   std::optional<double> start_t;
   std::optional<double> end_t;
 };
 
 /// What one annotator said of a sequence.
 struct BabelAnnotation {
-  std::string babel_lid;
+  std::string babel_lid;  ///< empty where the file has none, as is anntr_id
   std::string anntr_id;
   std::optional<bool> mul_act;
   std::vector<BabelLabel> labels;
@@ -32,7 +32,7 @@ struct BabelAnnotation {
 struct BabelSequence {
   std::string key;  ///< in the top object: babel_sid as text
   std::int64_t babel_sid = 0;
-  std::string url;
+  std::string url;                          ///< of the video; empty where the file has none
   std::string feat_p;                       ///< path of the AMASS file, with the dataset in front; may hold blanks
   double dur = 0.0;                         ///< seconds, rounded to 0.01
   bool extra = false;                       ///< from an extra_*.json: `seq_anns`, `frame_anns`
@@ -47,8 +47,9 @@ struct BabelProblem {
   std::string what;
 };
 
-/// train.json, val.json, test.json and the extra files, in the file's order. Unknown keys are ignored. Errors
-/// kMalformed name the path of the field. Times that cannot be are no error, see FindBabelProblems.
+/// train.json, val.json, test.json and the extra files, in the file's order. Unknown keys are ignored; url, babel_lid,
+/// anntr_id and seg_id, which other programs than BABEL's cannot know, may be missing or null. Errors kMalformed name
+/// the path of the field. Times that cannot be are no error, see FindBabelProblems.
 Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const std::string& name);
 std::vector<BabelProblem> FindBabelProblems(const BabelSequence& sequence);
 
@@ -57,7 +58,7 @@ std::vector<BabelProblem> FindBabelProblems(const BabelSequence& sequence);
 bool IsFrequentBabelCategory(std::string_view category);
 std::vector<std::string> FrequentBabelCategories();
 
-/// Text in the layout of the dense or the extra files.
+/// Text in the layout of the dense or the extra files. Identifiers that are empty are left out.
 std::string EncodeBabel(const std::vector<BabelSequence>& sequences);
 
 }  // namespace mocurate

@@ -9,7 +9,6 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kSmplJoints = 24;
-constexpr int kActionClasses = 12;
 
 Expected<std::vector<double>> TakeArray(const PickleRef& item, const std::vector<std::size_t>& wanted,
                                         const std::string& name, std::size_t& frames) {
@@ -40,6 +39,9 @@ Expected<HumanAct12Archive> HumanAct12Archive::Open(std::string_view bytes, cons
   const Expected<PickleRef> poses = List(top, "poses");
   if (!poses) return Forward(poses);
   archive.size_ = poses->size();
+  if (const auto labels = top.Find("labels"); labels && labels->kind() == PickleKind::kList) {
+    archive.classes_ = static_cast<int>(labels->size());
+  }
   for (const char* key : {"joints3D", "y"}) {
     const Expected<PickleRef> list = List(top, key);
     if (!list) return Forward(list);
@@ -53,8 +55,9 @@ Expected<int> HumanAct12Archive::Label(std::size_t clip) const {
   const PickleRef item = pickle_.top().Find("y")->Item(clip);
   const Expected<std::int64_t> label = item.Integer();
   if (!label) return Forward(label);
-  if (*label < 0 || *label >= kActionClasses)
-    return item.Bad("class " + std::to_string(*label) + " is none of 0 to 11");
+  if (*label < 0 || *label >= classes_) {
+    return item.Bad("class " + std::to_string(*label) + " is none of 0 to " + std::to_string(classes_ - 1));
+  }
   return static_cast<int>(*label);
 }
 

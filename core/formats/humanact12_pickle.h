@@ -15,11 +15,11 @@ struct HumanAct12Clip {
   std::size_t frames = 0;
   std::vector<double> poses;   ///< frames x 72: SMPL axis-angle, radians, in the axes of the joints
   std::vector<double> joints;  ///< frames x 24 x 3, metres, camera axes (y down)
-  int label = 0;               ///< 0 to 11
+  int label = 0;               ///< 0 to 11, or one of the classes that the file lists under `labels`
 };
 
-/// `humanact12poses.pkl`: lists `poses`, `joints3D`, `y` with one entry per clip; `oldposes` is not data. Errors
-/// kMalformed name list and clip.
+/// `humanact12poses.pkl`: lists `poses`, `joints3D`, `y` with one entry per clip; `oldposes` is not data. A list
+/// `labels`, which the published file lacks, names the classes. Errors kMalformed name list and clip.
 Expected<std::vector<HumanAct12Clip>> ParseHumanAct12Pickle(std::string_view bytes, const std::string& name);
 
 /// The same, a clip at a time.
@@ -34,6 +34,7 @@ class HumanAct12Archive {
  private:
   Pickle pickle_;
   std::size_t size_ = 0;
+  int classes_ = 12;
 };
 
 /// Protocol 2. Error kInconsistent: sizes that do not fit.

@@ -8,7 +8,7 @@
 
 namespace mocurate {
 
-/// What `mocurate export` says of the joints of a motion (docs/export.md): metres, right-handed, y up, facing +z.
+/// What `mocurate export` says of the joints of a motion (docs/exports.md): metres, right-handed, y up, facing +z.
 struct ExportedMotion {
   const NpyArray* joints = nullptr;  ///< (F,J,3), of the archive
   std::vector<std::string> names;    ///< (J)

@@ -1,4 +1,4 @@
-// `mocurate export`: motions of a store as arrays of numpy.
+// `mocurate export`: motions of a store in the layouts of other programs.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +9,7 @@
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
 #include "tests/app/program.h"
+#include "tests/support/swinging_clips.h"
 
 namespace mocurate {
 namespace {
@@ -92,6 +93,109 @@ TEST_F(ExportVerbs, NamesWhatItDoesNotKnow) {
   EXPECT_EQ(Export({"-o", output, "--as", "euler"}).exit_code, 2);
   const Result none = RunProgram(folder_, {"export", (folder_ / "none.h5").string(), "-o", output});
   EXPECT_EQ(none.exit_code, 3);
+}
+
+/// Four clips of two persons with rotations, labels and splits.
+class ExportLayouts : public ::testing::Test {
+ protected:
+  void SetUp() override { Store(dataset_); }
+
+  void Store(const Dataset& dataset) {
+    const Status written = WriteDataset(dataset, folder_ / "set.h5");
+    ASSERT_TRUE(written.has_value()) << written.error().Message();
+  }
+
+  Result Export(const std::string& layout, const std::string& output, std::vector<std::string> more = {}) {
+    more.insert(more.begin(),
+                {"export", (folder_ / "set.h5").string(), "-o", (folder_ / output).string(), "--layout", layout});
+    return RunProgram(folder_, more);
+  }
+
+  Dataset dataset_ = SwingingSet("smpl24");
+  Folder folder_;
+};
+
+TEST_F(ExportLayouts, ComeBackAsADataset) {
+  ASSERT_EQ(Export("bvh", "bvh").exit_code, 0);
+  const Result run = RunProgram(
+      folder_, {"run", (folder_ / "bvh/source.yaml").string(), "-o", (folder_ / "run").string(), "--to", "assemble"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto back = ReadDataset(folder_ / "run/dataset.h5");
+  ASSERT_TRUE(back) << back.error().Message();
+  EXPECT_EQ(back->labels, dataset_.labels);
+  EXPECT_EQ(back->skeleton->name, "smpl24");
+  ASSERT_EQ(back->clips.size(), 4u);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Motion &own = *dataset_.clips[i].motion, &read = *back->clips[i].motion;
+    EXPECT_EQ(back->clips[i].label, dataset_.clips[i].label);
+    ASSERT_EQ(read.frame_count(), own.frame_count());
+    for (int f = 0; f < own.frame_count(); ++f) {
+      for (int j = 0; j < 24; ++j) worst = std::max(worst, (read.joints.at(f, j) - own.joints.at(f, j)).norm());
+    }
+  }
+  EXPECT_LT(worst, 1e-5);  // metres; the store keeps single precision
+  const Split* persons = back->FindSplit("persons");
+  ASSERT_NE(persons, nullptr);
+  EXPECT_EQ(persons->train, (std::vector<int>{0, 1}));
+  EXPECT_EQ(persons->test, (std::vector<int>{2, 3}));
+  // And as files of any other program.
+  const Result again = RunProgram(folder_, {"export", (folder_ / "bvh").string(), "--source",
+                                            (folder_ / "bvh/source.yaml").string(), "-o", (folder_ / "npz").string()});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+}
+
+TEST_F(ExportLayouts, RefuseWhatTheyHaveNot) {
+  EXPECT_EQ(Export("fbx", "x").exit_code, 2);
+  EXPECT_EQ(Export("bvh", "x", {"--as", "quaternion"}).exit_code, 2);
+  EXPECT_EQ(Export("csv", "x", {"--split", "none"}).exit_code, 2);
+  EXPECT_EQ(Export("csv", "x.bvh").exit_code, 2) << "the ending of another layout";
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
+  for (Clip& clip : dataset_.clips) clip.motion = MakeJointsOnly(dataset_.skeleton, clip.rate, clip.motion->joints);
+  dataset_.joints_only = true;
+  Store(dataset_);
+  for (const char* layout : {"bvh", "actor", "amass_babel", "npz"}) EXPECT_EQ(Export(layout, "x").exit_code, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
+  EXPECT_EQ(Export("csv", "tables").exit_code, 0);
+}
+
+TEST_F(ExportLayouts, AClipThatCannotBeTakenCostsNoOther) {
+  dataset_.clips[1].rate = dataset_.clips[1].motion->rate = FrameRate{60, 1};
+  Store(dataset_);
+  const Result result = Export("csv", "tables", {"--json"});
+  EXPECT_EQ(result.exit_code, 1);
+  const nlohmann::json answer = result.Json();
+  EXPECT_EQ(answer["files"].size(), 3u);
+  ASSERT_EQ(answer["refused"].size(), 1u);
+  EXPECT_TRUE(answer["refused"].contains(dataset_.clips[1].id()));
+  for (const nlohmann::json& file : answer["files"]) {
+    EXPECT_TRUE(std::filesystem::exists(file["path"].get<std::string>()));
+  }
+}
+
+TEST_F(ExportLayouts, OverwriteAndMixNothingUnasked) {
+  program::WriteText(folder_ / "out/notes.txt", "mine");
+  EXPECT_EQ(Export("csv", "out").exit_code, 2);
+  const Result forced = Export("csv", "out", {"--force", "--json"});
+  EXPECT_EQ(forced.exit_code, 0) << forced.err;
+  EXPECT_EQ(ReadText(folder_ / "out/notes.txt"), "mine");
+  const std::size_t notes = forced.Json()["notes"].size();
+  EXPECT_EQ(Export("csv", "alone", {"--json"}).Json()["notes"].size() + 1, notes) << "what stays there is said";
+}
+
+TEST_F(ExportLayouts, OneFileWhereOneIsNamed) {
+  const std::string clip = dataset_.clips[0].id();
+  EXPECT_EQ(Export("bvh", "walk.bvh").exit_code, 2) << "four clips";
+  EXPECT_EQ(Export("bvh", "walk.bvh", {"--clip", clip}).exit_code, 0);
+  EXPECT_THAT(ReadText(folder_ / "walk.bvh"), HasSubstr("ROOT pelvis"));
+  EXPECT_EQ(Export("bvh", "walk.bvh", {"--clip", clip}).exit_code, 2);
+  EXPECT_EQ(Export("actor", "lists/humanact12poses.pkl").exit_code, 0) << "all clips";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "lists/humanact12poses.pkl"));
+  const Result back = RunProgram(
+      folder_, {"export", (folder_ / "lists").string(), "--source",
+                (folder_ / "lists/humanact12poses.source.yaml").string(), "-o", (folder_ / "back").string(), "--json"});
+  ASSERT_EQ(back.exit_code, 0) << back.err;
+  EXPECT_EQ(back.Json()["files"].size(), 4u);
 }
 
 TEST(ExportVerb, TakesAnyMotionFileAndNamesTheOnesThatCannotBeRead) {

@@ -71,6 +71,25 @@ TEST(Babel, WrittenAndReadAgainIsTheSame) {
   }
 }
 
+TEST(Babel, IdentifiersThatBabelAloneGivesMayBeMissing) {
+  ordered_json without = ordered_json::parse(kDense);
+  ordered_json& sequence = without["7692"];
+  sequence.erase("url");
+  for (const char* annotation : {"seq_ann", "frame_ann"}) {
+    sequence[annotation].erase("babel_lid");
+    sequence[annotation]["anntr_id"] = nullptr;
+    for (ordered_json& label : sequence[annotation]["labels"]) label.erase("seg_id");
+  }
+  const auto babel = ParseBabel(without.dump(), "train.json");
+  ASSERT_TRUE(babel) << babel.error().Message();
+  EXPECT_EQ((*babel)[0].frame_anns[0].labels[1].proc_label, "walk");
+  EXPECT_EQ((*babel)[0].frame_anns[0].babel_lid, "");
+  const ordered_json again = ordered_json::parse(EncodeBabel(*babel));
+  EXPECT_FALSE(again["7692"].contains("url"));
+  EXPECT_FALSE(again["7692"]["frame_ann"]["labels"][0].contains("seg_id"));
+  EXPECT_EQ(again["12"]["url"], "u");
+}
+
 TEST(Babel, TimesThatCannotBeAreListedAndRefuseNothing) {
   const auto babel = ParseBabel(kDense, "train.json");
   const std::vector<BabelProblem> problems = FindBabelProblems((*babel)[0]);

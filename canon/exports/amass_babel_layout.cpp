@@ -1,0 +1,246 @@
+// The layout amass_babel: SET/PERSON/TAKE_poses.npz as AMASS has SMPL-H (156 numbers a frame, metres, z up) and
+// babel_v1.0_release/{train,val,test}.json as BABEL has them. `trans` is the pelvis itself: SMPL-H's rest pelvis, a
+// constant of the body model, is not added. Fingers are straight, `betas` 0.
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "canon/exports/clip_names.h"
+#include "canon/exports/smpl_arrays.h"
+#include "canon/exports/written_set.h"
+#include "core/base/text.h"
+#include "core/formats/amass.h"
+#include "core/formats/babel.h"
+
+namespace mocurate {
+namespace {
+
+constexpr const char* kZUp = "+x -z +y";
+constexpr const char* kBabelFolder = "babel_v1.0_release/";
+constexpr const char* kLabelTable = "labels.csv";
+/// Part of a split -> file; what is in no part stands in the last one. All but that are written in any case.
+constexpr std::pair<const char*, const char*> kBabelParts[] = {
+    {"train", "train.json"}, {"validation", "val.json"}, {"test", "test.json"}, {"other", "other.json"}};
+constexpr std::size_t kSmplHColumns = 156;  // root, 21 of the body, two hands of 15
+constexpr std::size_t kSmplHBody = 22;
+constexpr std::size_t kShapeNumbers = 16;
+
+constexpr const char* kPoses = "_poses";  // at the end of every file's name
+
+bool EndsInPoses(const std::string& name) {
+  const std::string end = kPoses;
+  return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+}
+
+/// BABEL's categories as Segment::category lists them: "walk, turn".
+std::vector<std::string> Categories(const std::string& text, const std::string& label) {
+  std::vector<std::string> categories;
+  for (const std::string_view category : SplitText(text, ',')) {
+    if (!Trim(category).empty()) categories.emplace_back(Trim(category));
+  }
+  if (categories.empty()) categories.push_back(label);
+  return categories;
+}
+
+BabelLabel LabelOfWhole(const std::string& label, const std::string& fine) {
+  BabelLabel whole;
+  whole.raw_label = fine.empty() ? label : fine;
+  whole.proc_label = label;
+  whole.act_cat = {label};
+  return whole;
+}
+
+BabelLabel LabelOfSegment(const Segment& segment) {
+  BabelLabel label;
+  label.raw_label = label.proc_label = segment.label;
+  label.act_cat = Categories(segment.category, segment.label);
+  label.start_t = std::max(0.0, segment.begin_s);
+  label.end_t = segment.end_s;
+  return label;
+}
+
+BabelAnnotation AnnotationOfLabels(std::vector<BabelLabel> labels) {
+  BabelAnnotation annotation;
+  std::set<std::string> actions;
+  for (const BabelLabel& label : labels) actions.insert(*label.proc_label);
+  annotation.mul_act = actions.size() > 1;
+  annotation.labels = std::move(labels);
+  return annotation;
+}
+
+/// Segments are frame labels; the clip's label is the sequence's, else each action of its segments is.
+BabelSequence SequenceOf(const Clip& clip, const std::string& feat_p) {
+  BabelSequence sequence;
+  sequence.feat_p = feat_p;
+  sequence.dur = std::max(0.01, std::round(100.0 * clip.motion->duration()) / 100.0);
+  std::vector<BabelLabel> whole, frames;
+  if (!clip.label.empty()) whole.push_back(LabelOfWhole(clip.label, clip.fine_label));
+  std::set<std::string> actions;
+  for (const Segment& segment : clip.segments) {
+    if (segment.label.empty() || !(segment.begin_s < segment.end_s)) continue;
+    frames.push_back(LabelOfSegment(segment));
+    if (clip.label.empty() && actions.insert(segment.label).second) {
+      whole.push_back(LabelOfWhole(segment.label, ""));
+      whole.back().act_cat = frames.back().act_cat;
+    }
+  }
+  if (!whole.empty()) sequence.seq_anns.push_back(AnnotationOfLabels(std::move(whole)));
+  if (!frames.empty()) sequence.frame_anns.push_back(AnnotationOfLabels(std::move(frames)));
+  return sequence;
+}
+
+/// A text that a cell of labels.csv holds as it is: ingest cuts lines at commas and takes blanks away.
+bool FitsCell(const std::string& text) {
+  return !text.empty() && Trim(text) == text && text.find_first_of(",\r\n") == std::string::npos;
+}
+
+class AmassBabelWriter : public LayoutWriter {
+ public:
+  explicit AmassBabelWriter(const ExportSet& set) : set_(set), names_(set.ids, RecordingNames::kOfSet) {
+    for (std::size_t i = 0; i < set.ids.size(); ++i) named_poses_ = named_poses_ && EndsInPoses(names_.Recording(i));
+    if (!set.splits.empty()) parts_ = PartOfEachClip(set.splits.front(), set.ids.size());
+  }
+
+  Expected<std::vector<ExportedFile>> Add(std::size_t position, const Clip& clip) override {
+    Expected<std::vector<int>> order = SmplOrder(clip);
+    if (!order) return Forward(order);
+    const MotionInAxes motion(clip, *AxisConvention::Parse(kZUp));
+    farthest_ = std::max(farthest_, FarthestReadBack(motion.motion, *order, BonesReadBack::kSmpl24));
+    order->resize(kSmplHBody);
+    Amass amass;
+    amass.rate_hz = motion.motion.rate.hz();
+    amass.gender = "neutral";
+    amass.frames = static_cast<std::size_t>(motion.motion.frame_count());
+    amass.pose_columns = kSmplHColumns;
+    amass.poses.assign(amass.frames * kSmplHColumns, 0.0);
+    const std::vector<double> body = motion.RotationVectors(*order);
+    for (std::size_t f = 0; f < amass.frames; ++f) {
+      std::copy_n(body.begin() + static_cast<std::ptrdiff_t>(f * 3 * kSmplHBody), 3 * kSmplHBody,
+                  amass.poses.begin() + static_cast<std::ptrdiff_t>(f * kSmplHColumns));
+    }
+    amass.translation_m = motion.RootTranslation();
+    amass.betas.assign(kShapeNumbers, 0.0);
+    const std::string take = names_.Recording(position) + (named_poses_ ? "" : kPoses);
+    const std::string file = names_.source() + "/" + names_.Person(position) + "/" + take + ".npz";
+    Expected<std::string> bytes = EncodeAmass(amass, clip.id());
+    if (!bytes) return Forward(bytes);
+    const std::string part = parts_.empty() ? "train" : parts_[position];
+    const bool annotated = !clip.label.empty() || !clip.segments.empty();
+    parts_come_back_ = parts_come_back_ && annotated && !part.empty();
+    if (annotated) {
+      BabelSequence sequence = SequenceOf(clip, names_.source() + "/" + file);
+      const auto sid = clip.provenance.find("babel_sid");
+      const std::optional<long long> known = sid == clip.provenance.end() ? std::nullopt : ParseInteger(sid->second);
+      if (known && *known > 0 && sids_.insert(*known).second) sequence.babel_sid = *known;
+      sequences_[part.empty() ? "other" : part].push_back(std::move(sequence));
+    }
+    takes_.push_back(take);
+    clips_.push_back(WrittenClipOf(position, clip, file));
+    clips_.back().person = names_.Person(position);
+    return std::vector<ExportedFile>{{file, *std::move(bytes)}};
+  }
+
+  Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) override {
+    std::vector<ExportedFile> files = {ClipTable(set_, clips_)};
+    if (clips_.empty()) return files;
+    NoteLosses(notes);
+    FileDeclaration declaration;
+    declaration.layout = "amass_babel";
+    declaration.source = names_.source();
+    std::vector<std::string> annotations;
+    std::map<std::string, std::string> roles;
+    for (const auto& [part, name] : kBabelParts) {
+      std::vector<BabelSequence>& sequences = sequences_[part];
+      if (sequences.empty() && std::string(part) == "other") continue;
+      annotations.push_back(kBabelFolder + std::string(name));
+      roles[annotations.back()] = part;
+      files.push_back({annotations.back(), EncodeBabel(Numbered(sequences))});
+    }
+    std::map<std::string, std::string> codes;
+    files.push_back(LabelTable(codes));
+    declaration.options = {{"format", "amass"},
+                           {"files", YamlText("{dataset}/{person}/{take}_poses.npz")},
+                           {"other_files", "ignore"},
+                           {"axes", YamlText(kZUp)},
+                           {"annotations", YamlList(annotations)},
+                           {"person", YamlText("{person}")},
+                           {"recording", YamlText(std::string("{take}") + (named_poses_ ? kPoses : ""))},
+                           {"label", "\"\""},
+                           {"label_table", kLabelTable}};
+    if (parts_come_back_ && !parts_.empty()) {
+      declaration.options.emplace_back("annotation_roles", YamlMap(roles));
+      declaration.role_split = set_.splits.front().name;
+    }
+    if (!codes.empty()) declaration.options.emplace_back("labels", YamlMap(codes));
+    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, "source.yaml", notes)) {
+      files.push_back(std::move(file));
+    }
+    return files;
+  }
+
+ private:
+  void NoteLosses(std::vector<std::string>& notes) const {
+    notes.push_back("read again, on the bones of smpl24, joints lie up to " + RoundedText(1000.0 * farthest_, 2) +
+                    " mm off; the joints left_hand and right_hand have no rotation in SMPL-H");
+    if (parts_.empty()) notes.push_back("the set has no split: all labels stand in train.json");
+    if (set_.splits.size() > 1) {
+      notes.push_back("the labels are divided by split '" + set_.splits.front().name + "', the first of " +
+                      std::to_string(set_.splits.size()) + "; --split takes another");
+    }
+    if (sequences_.count("other") > 0) notes.push_back("labels of clips that the split has in no part: other.json");
+  }
+
+  /// Sequences without a number of BABEL's get those that are left.
+  const std::vector<BabelSequence>& Numbered(std::vector<BabelSequence>& sequences) {
+    for (BabelSequence& sequence : sequences) {
+      while (sequence.babel_sid == 0) {
+        if (sids_.insert(++last_sid_).second) sequence.babel_sid = last_sid_;
+      }
+      sequence.key = std::to_string(sequence.babel_sid);
+    }
+    return sequences;
+  }
+
+  /// "motion,label" for each take: BABEL's labels come back as segments, not as the clip's label. `codes` gets what
+  /// stands for each label where one does not fit a cell.
+  ExportedFile LabelTable(std::map<std::string, std::string>& codes) const {
+    FileNames names;
+    bool plain = true;
+    for (const WrittenClip& clip : clips_) {
+      names.Of(clip.label);
+      plain = plain && FitsCell(clip.label);
+    }
+    std::string text = "motion,label\n";
+    for (std::size_t i = 0; i < clips_.size(); ++i) {
+      std::string cell = clips_[i].label;
+      if (!plain) {
+        cell = names.Of(cell);
+        codes[cell] = clips_[i].label;
+      }
+      text += takes_[i] + "," + cell + "\n";
+    }
+    return {kLabelTable, std::move(text)};
+  }
+
+  const ExportSet set_;
+  const ClipNames names_;
+  std::vector<std::string> parts_;  ///< of the split; empty: there is none
+  std::vector<WrittenClip> clips_;
+  std::vector<std::string> takes_;                               ///< of clips_
+  std::map<std::string, std::vector<BabelSequence>> sequences_;  ///< by part
+  std::set<std::int64_t> sids_;
+  std::int64_t last_sid_ = 0;
+  bool named_poses_ = true;      ///< the recordings are called as AMASS's files: nothing is added to their names
+  bool parts_come_back_ = true;  ///< every clip is in a part, and stands in that part's file
+  double farthest_ = 0.0;        ///< metres
+};
+
+}  // namespace
+
+std::unique_ptr<LayoutWriter> MakeAmassBabelLayout(const ExportSet& set) {
+  return std::make_unique<AmassBabelWriter>(set);
+}
+
+}  // namespace mocurate

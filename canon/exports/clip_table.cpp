@@ -1,0 +1,87 @@
+#include <algorithm>
+#include <utility>
+
+#include "canon/exports/clip_names.h"
+#include "canon/exports/written_set.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+/// A cell of RFC 4180.
+std::string CsvCell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string CsvLine(const std::vector<std::string>& cells) {
+  std::string line;
+  for (const std::string& cell : cells) line += (line.empty() ? "" : ",") + CsvCell(cell);
+  return line + "\n";
+}
+
+}  // namespace
+
+WrittenClip WrittenClipOf(std::size_t position, const Clip& clip, std::string file) {
+  WrittenClip written;
+  written.position = position;
+  written.file = std::move(file);
+  written.person = clip.identity.person;
+  written.recording = clip.identity.recording;
+  written.label = clip.label;
+  written.fine_label = clip.fine_label;
+  written.licence = clip.identity.licence;
+  written.role = clip.role;
+  written.frames = clip.motion->frame_count();
+  written.rate = clip.motion->rate;
+  return written;
+}
+
+std::vector<std::string> PartOfEachClip(const Split& split, std::size_t clips) {
+  std::vector<std::string> parts(clips);
+  for (const int row : split.train) parts.at(static_cast<std::size_t>(row)) = "train";
+  for (const int row : split.validation) parts.at(static_cast<std::size_t>(row)) = "validation";
+  for (const int row : split.test) parts.at(static_cast<std::size_t>(row)) = "test";
+  return parts;
+}
+
+ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& clips) {
+  std::vector<std::string> header = {"file",  "clip",       "person", "recording", "label",
+                                     "class", "fine_label", "frames", "rate_hz"};
+  std::vector<std::vector<std::string>> parts;
+  for (const Split& split : set.splits) {
+    header.push_back("split_" + split.name);
+    parts.push_back(PartOfEachClip(split, set.ids.size()));
+  }
+  std::string text = CsvLine(header);
+  for (const WrittenClip& clip : clips) {
+    const auto label = std::find(set.labels.begin(), set.labels.end(), clip.label);
+    const ClipIdParts id = PartsOfClipId(set.ids[clip.position]);
+    std::vector<std::string> cells = {clip.file,
+                                      set.ids[clip.position],
+                                      id.person,
+                                      id.recording,
+                                      clip.label,
+                                      label == set.labels.end() ? "" : std::to_string(label - set.labels.begin()),
+                                      clip.fine_label,
+                                      std::to_string(clip.frames),
+                                      FormatDouble(clip.rate.hz())};
+    for (const std::vector<std::string>& of_split : parts) cells.push_back(of_split[clip.position]);
+    text += CsvLine(cells);
+  }
+  return {kClipTable, std::move(text)};
+}
+
+Status OneRate::Check(const Clip& clip) {
+  const FrameRate& rate = clip.motion->rate;
+  if (!rate_) rate_ = rate;
+  if (rate == *rate_) return {};
+  return Fail(ErrorCode::kUnsupported,
+              FormatDouble(rate.hz()) + " frames per second, the clips before it have " + FormatDouble(rate_->hz()) +
+                  ": the files of this layout do not hold a rate",
+              clip.id(), "set canon.rate to bring all clips to one rate, or export those of each rate with --clip");
+}
+
+}  // namespace mocurate

@@ -1,0 +1,83 @@
+#include "canon/exports/labelled_folder.h"
+
+#include <algorithm>
+
+#include "canon/exports/clip_names.h"
+#include "canon/exports/written_set.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+class LabelledFolderWriter : public LayoutWriter {
+ public:
+  LabelledFolderWriter(const ExportSet& set, const LabelledFolder& folder)
+      : set_(set), folder_(folder), names_(set.ids, RecordingNames::kOfPerson) {}
+
+  Expected<std::vector<ExportedFile>> Add(std::size_t position, const Clip& clip) override {
+    if (!folder_.holds_rate) {
+      if (Status same = rate_.Check(clip); !same) return Forward(same);
+    }
+    Expected<std::string> bytes = folder_.encode(clip, set_);
+    if (!bytes) return Forward(bytes);
+    std::string path = labels_.Of(clip.label) + "/";
+    if (!clip.fine_label.empty()) path += fine_labels_.Of(clip.fine_label) + "/";
+    path += names_.Person(position) + "/" + names_.Recording(position) + folder_.ending;
+    clips_.push_back(WrittenClipOf(position, clip, path));
+    clips_.back().person = names_.Person(position);
+    return std::vector<ExportedFile>{{std::move(path), *std::move(bytes)}};
+  }
+
+  Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) override {
+    if (names_.renamed() > 0) {
+      notes.push_back(Counted(static_cast<long long>(names_.renamed()), "recording") +
+                      " come back under the names of the files; clips.csv has the clips' ids");
+    }
+    std::vector<ExportedFile> files = {ClipTable(set_, clips_)};
+    if (clips_.empty()) return files;
+    const FrameRate& first = clips_.front().rate;
+    const bool one_rate =
+        std::all_of(clips_.begin(), clips_.end(), [&](const WrittenClip& c) { return c.rate == first; });
+    if (folder_.says_rate && !one_rate) {
+      notes.push_back("the clips have different rates: there is no source.yaml, which could declare one alone");
+      return files;
+    }
+    FileDeclaration declaration{folder_.layout, names_.source(), {}, "", folder_.holds_tree, folder_.joint_table};
+    declaration.options = folder_.declare(set_, first);
+    const bool fine = !fine_labels_.Texts().empty();
+    const auto say = [&](const char* option, const std::string& value) {
+      declaration.options.emplace_back(option, value);
+    };
+    say("files",
+        YamlText(std::string("{label}/") + (fine ? "{fine?/}" : "") + "{person}/{recording}" + folder_.ending));
+    say("other_files", "ignore");
+    say("axes", YamlText("+x +y +z"));
+    say("person", YamlText("{person}"));
+    say("recording", YamlText("{recording}"));
+    say("label", YamlText("{label}"));
+    if (!labels_.Plain()) say("labels", YamlMap(labels_.Texts()));
+    if (fine) say("fine_label", YamlText("{fine}"));
+    if (!fine_labels_.Plain()) say("fine_labels", YamlMap(fine_labels_.Texts()));
+    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, "source.yaml", notes)) {
+      files.push_back(std::move(file));
+    }
+    return files;
+  }
+
+ private:
+  const ExportSet set_;
+  const LabelledFolder folder_;
+  const ClipNames names_;
+  OneRate rate_;
+  FileNames labels_;
+  FileNames fine_labels_;
+  std::vector<WrittenClip> clips_;
+};
+
+}  // namespace
+
+std::unique_ptr<LayoutWriter> MakeLabelledFolder(const ExportSet& set, const LabelledFolder& folder) {
+  return std::make_unique<LabelledFolderWriter>(set, folder);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/axes.h"
+#include "core/motion/clip.h"
+
+namespace mocurate {
+
+/// Joints of SMPL's body, in the order of smpl24.
+inline constexpr int kSmplBodyJoints = 24;
+
+/// A clip's motion in the axes of a layout. F frames, J joints of the skeleton.
+struct MotionInAxes {
+  Motion motion;  ///< joints of its rotations, where it has any
+  Matrix3d file_from_world;
+
+  MotionInAxes(const Clip& clip, const AxisConvention& axes);
+  /// (F*J*3) metres, of the joints in this order; empty: the skeleton's.
+  std::vector<double> Joints(const std::vector<int>& order = {}) const;
+  /// (F*3) metres.
+  std::vector<double> RootTranslation() const;
+  /// (F*3*N) rotation vectors, radians, of the first N joints in this order; the root's is turned to the file's axes.
+  std::vector<double> RotationVectors(const std::vector<int>& order) const;
+};
+
+/// Whose bone lengths a motion is laid out with when it is read on smpl24.
+enum class BonesReadBack { kPersons, kSmpl24 };
+
+/// Metres that a joint lies off at most when rotations and root are laid out again on the rest directions of smpl24.
+double FarthestReadBack(const Motion& motion, const std::vector<int>& order, BonesReadBack bones);
+
+/// For each of SMPL's 24 joints, in their order, the joint of the skeleton. Error kUnsupported names the joint that the
+/// skeleton lacks, or the clip's missing rotations; `clip` for messages.
+Expected<std::vector<int>> SmplOrder(const Clip& clip);
+
+}  // namespace mocurate

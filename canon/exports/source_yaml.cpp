@@ -1,0 +1,174 @@
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "canon/exports/clip_names.h"
+#include "canon/exports/written_set.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr const char* kSkeletonFile = "skeleton.yaml";
+
+/// Whether the name means a built-in skeleton of the same joints.
+bool IsBuiltIn(const Skeleton& skeleton) {
+  if (skeleton.name.empty() || skeleton.name.find_first_of("/.") != std::string::npos) return false;
+  const auto known = LoadSkeleton(skeleton.name);
+  return known && SameTree(**known, skeleton);
+}
+
+std::string YamlNumbers(const Vector3d& v) {
+  return "[" + FormatDouble(v.x()) + ", " + FormatDouble(v.y()) + ", " + FormatDouble(v.z()) + "]";
+}
+
+/// As configs/skeletons: names, tree, rest pose, mirror partners, synonyms, limits.
+std::string SkeletonText(const Skeleton& skeleton) {
+  std::string text = "name: " + YamlText(skeleton.name) + "\njoints:\n";
+  for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
+    const Joint& joint = skeleton.joints[j];
+    text += "  - {name: " + YamlText(joint.name);
+    if (joint.parent >= 0) text += ", parent: " + YamlText(skeleton.joints[joint.parent].name);
+    text += ", rest_offset: " + YamlNumbers(joint.rest_offset);
+    if (joint.mirror >= 0 && joint.mirror != static_cast<int>(j)) {
+      text += ", mirror: " + YamlText(skeleton.joints[joint.mirror].name);
+    }
+    text += ", radius: " + FormatDouble(joint.radius);
+    if (joint.landmark) text += ", landmark: true";
+    if (joint.limits) {
+      text += ", limits_min: " + YamlNumbers(joint.limits->min) + ", limits_max: " + YamlNumbers(joint.limits->max);
+    }
+    if (!joint.synonyms.empty()) text += ", synonyms: " + YamlList(joint.synonyms);
+    text += "}\n";
+  }
+  return text;
+}
+
+/// Persons of each part, where no person is in two and every clip is in one.
+std::optional<std::map<std::string, std::set<std::string>>> PersonsOfParts(const std::vector<std::string>& parts,
+                                                                           const std::vector<WrittenClip>& clips) {
+  std::map<std::string, std::set<std::string>> persons;
+  std::map<std::string, std::string> part_of;
+  for (const WrittenClip& clip : clips) {
+    const std::string& part = parts[clip.position];
+    if (part.empty() || part_of.emplace(clip.person, part).first->second != part) return std::nullopt;
+    persons[part].insert(clip.person);
+  }
+  return persons;
+}
+
+std::string SplitsText(const ExportSet& set, const std::vector<WrittenClip>& clips, const std::string& role_split,
+                       std::vector<std::string>& notes) {
+  std::string text;
+  for (const Split& split : set.splits) {
+    if (split.name == role_split) {
+      text += "    - {name: " + YamlText(split.name) + ", by: role}\n";
+      continue;
+    }
+    const auto persons = PersonsOfParts(PartOfEachClip(split, set.ids.size()), clips);
+    if (!persons) {
+      notes.push_back("split '" + split.name + "' is not by person, which is all that source.yaml can declare");
+      continue;
+    }
+    text += "    - {name: " + YamlText(split.name) + ", by: person, absent: refuse";
+    for (const char* part : {"test", "validation"}) {
+      const auto of_part = persons->find(part);
+      if (of_part == persons->end()) continue;
+      text += std::string(", ") + part + ": " + YamlList({of_part->second.begin(), of_part->second.end()});
+    }
+    text += "}\n";
+  }
+  return text.empty() ? "" : "  splits:\n" + text;
+}
+
+/// Classes in their order; with clips that have no label, the order alone: a list of classes would leave them out.
+std::string ClassesText(const ExportSet& set, const std::vector<WrittenClip>& clips) {
+  if (set.labels.empty()) return "";
+  const bool labelled = std::all_of(clips.begin(), clips.end(), [&](const WrittenClip& clip) {
+    return std::find(set.labels.begin(), set.labels.end(), clip.label) != set.labels.end();
+  });
+  if (!labelled) return "  label_order: " + YamlList(set.labels) + "\n";
+  std::string text = "  classes:\n";
+  for (const std::string& label : set.labels) text += "    - {name: " + YamlText(label) + "}\n";
+  return text;
+}
+
+/// The value that all clips have; empty where they differ.
+template <class Value>
+std::string InCommon(const std::vector<WrittenClip>& clips, Value value) {
+  for (const WrittenClip& clip : clips) {
+    if (value(clip) != value(clips.front())) return "";
+  }
+  return clips.empty() ? "" : value(clips.front());
+}
+
+/// person -> role of those whose clips all have it.
+std::map<std::string, std::string> RolesOf(const std::vector<WrittenClip>& clips) {
+  std::map<std::string, std::set<std::string>> roles;
+  for (const WrittenClip& clip : clips) roles[clip.person].insert(clip.role);
+  std::map<std::string, std::string> common;
+  for (const auto& [person, of_person] : roles) {
+    if (of_person.size() == 1 && !of_person.begin()->empty()) common[person] = *of_person.begin();
+  }
+  return common;
+}
+
+}  // namespace
+
+std::string YamlText(std::string_view text) {
+  std::string quoted = nlohmann::json(std::string(text)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  for (std::size_t at = quoted.find("${"); at != std::string::npos; at = quoted.find("${", at + 3)) {
+    quoted.insert(at, "$");
+  }
+  return quoted;
+}
+
+std::string YamlList(const std::vector<std::string>& texts) {
+  std::string list;
+  for (const std::string& text : texts) list += (list.empty() ? "" : ", ") + YamlText(text);
+  return "[" + list + "]";
+}
+
+std::string YamlMap(const std::map<std::string, std::string>& texts) {
+  std::string map;
+  for (const auto& [key, text] : texts) map += (map.empty() ? "" : ", ") + YamlText(key) + ": " + YamlText(text);
+  return "{" + map + "}";
+}
+
+std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vector<WrittenClip>& clips,
+                                           const FileDeclaration& declaration, const std::string& name,
+                                           std::vector<std::string>& notes) {
+  std::vector<ExportedFile> files;
+  const bool built_in = IsBuiltIn(*set.skeleton);
+  std::string skeleton = built_in ? set.skeleton->name : "";
+  if (!built_in && !declaration.has_tree) {
+    skeleton = (set.folder / kSkeletonFile).string();
+    files.push_back({kSkeletonFile, SkeletonText(*set.skeleton)});
+    notes.push_back("skeleton '" + set.skeleton->name +
+                    "' is none that is built in: source.yaml names skeleton.yaml by its place, change that when the "
+                    "folder moves");
+  }
+  std::string text = "# Written by `mocurate export --layout " + declaration.layout +
+                     "`: how mocurate reads these files again,\n#   mocurate export . --source source.yaml -o arrays\n";
+  text += declaration.joint_table ? "# `mocurate run source.yaml --to assemble` fits rotations to the joints.\n"
+                                  : "#   mocurate run source.yaml --to assemble\n";
+  text += "name: " + YamlText(declaration.source + "_" + declaration.layout) + "\n";
+  text += "skeleton: " + YamlText(skeleton) + "\n";
+  text += "ingest:\n  path: .\n  source:\n    name: " + YamlText(declaration.source) + "\n";
+  for (const auto& [option, value] : declaration.options) text += "    " + option + ": " + value + "\n";
+  text += "    skeleton: " + YamlText(skeleton) + "\n";
+  const std::string licence = InCommon(clips, [](const WrittenClip& clip) { return clip.licence; });
+  if (!licence.empty()) text += "    licence: " + YamlText(licence) + "\n";
+  if (const auto roles = RolesOf(clips); !roles.empty() && declaration.role_split.empty())
+    text += "    roles: " + YamlMap(roles) + "\n";
+  if (!set.check_actions.empty()) text += "    checks:\n      actions: " + YamlMap(set.check_actions) + "\n";
+  if (!declaration.joint_table) text += "fitting:\n  method: none\n";
+  text += "canon:\n  facing: {rule: none}\n";
+  text += "assemble:\n  recipe: " + YamlText("read from an export, layout " + declaration.layout) + "\n" +
+          ClassesText(set, clips) + SplitsText(set, clips, declaration.role_split, notes);
+  files.push_back({name, std::move(text)});
+  return files;
+}
+
+}  // namespace mocurate

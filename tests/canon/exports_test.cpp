@@ -1,0 +1,440 @@
+// What every layout of `mocurate export` writes comes back through ingest by its own declaration.
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "canon/exports/clip_names.h"
+#include "canon/exports/layout.h"
+#include "core/base/config.h"
+#include "core/base/file.h"
+#include "core/formats/npy.h"
+#include "core/motion/kinematics.h"
+#include "ingest/read_motions.h"
+#include "tests/support/swinging_clips.h"
+
+#ifdef MOCURATE_ASSIMP
+#include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#endif
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+/// A folder of one test, removed at its end.
+class ExportFolder {
+ public:
+  ExportFolder() {
+    std::string name = (fs::temp_directory_path() / "mocurate_exports_XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~ExportFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ExportFolder(const ExportFolder&) = delete;
+  ExportFolder& operator=(const ExportFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+struct Written {
+  std::map<std::string, std::size_t> clip_of;  ///< file without its ending, '/' as '.' -> position
+  std::vector<std::string> refused;            ///< ids
+  std::vector<std::string> notes;
+  std::vector<std::string> files;
+};
+
+Written WriteExport(const std::string& layout, const Dataset& dataset, const fs::path& folder) {
+  ExportSet set;
+  set.skeleton = dataset.skeleton;
+  set.joints_only = dataset.joints_only;
+  for (const Clip& clip : dataset.clips) set.ids.push_back(clip.id());
+  set.labels = dataset.labels;
+  set.splits = dataset.splits;
+  set.folder = folder;
+  for (const auto& [code, meaning] : CheckCodes()) set.check_actions[code] = "ignore";
+  Written written;
+  const auto write = [&](const std::vector<ExportedFile>& files) {
+    for (const ExportedFile& file : files) {
+      fs::create_directories((folder / file.path).parent_path());
+      std::ofstream(folder / file.path, std::ios::binary) << file.bytes;
+      written.files.push_back(file.path);
+    }
+  };
+  const std::unique_ptr<LayoutWriter> writer = FindLayout(layout)->make(set);
+  for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
+    const auto files = writer->Add(i, dataset.clips[i]);
+    if (!files) {
+      written.refused.push_back(dataset.clips[i].id());
+      continue;
+    }
+    write(*files);
+    if (files->empty()) {  // ACTOR's lists: place and class, both from 1
+      const int label = dataset.LabelIndex(dataset.clips[i].label) + 1;
+      char name[32];
+      std::snprintf(name, sizeof(name), "c%04zu_y%02d", written.clip_of.size() + 1, label);
+      written.clip_of[name] = i;
+      continue;
+    }
+    std::string name = fs::path(files->front().path).replace_extension().generic_string();
+    std::replace(name.begin(), name.end(), '/', '.');
+    written.clip_of[name] = i;
+  }
+  const auto tables = writer->Finish(written.notes);
+  EXPECT_TRUE(tables) << tables.error().Message();
+  if (tables) write(*tables);
+  return written;
+}
+
+IngestOptions DeclaredBy(const fs::path& file) {
+  const auto node = LoadConfig(file);
+  EXPECT_TRUE(node) << node.error().Message();
+  const auto options = node ? OptionsFromConfig<IngestOptions>(*node->Find("ingest")) : Expected<IngestOptions>();
+  EXPECT_TRUE(options) << options.error().Message();
+  return options ? *options : IngestOptions();
+}
+
+/// By position in the dataset that was written.
+std::map<std::size_t, Clip> ReadBack(const Written& written, const fs::path& folder) {
+  std::map<std::size_t, Clip> clips;
+  const auto read = ReadAllMotions({DeclaredBy(folder / "source.yaml"), {}});
+  EXPECT_TRUE(read) << read.error().Message();
+  if (!read) return clips;
+  for (const RefusedClip& refused : read->refused) ADD_FAILURE() << refused.item << ": " << refused.error.Message();
+  for (const Clip& clip : read->set.clips) {
+    const auto own = written.clip_of.find(clip.provenance.at("file"));
+    EXPECT_NE(own, written.clip_of.end()) << clip.provenance.at("file");
+    if (own != written.clip_of.end()) clips[own->second] = clip;
+  }
+  return clips;
+}
+
+double FarthestJoint(const Motion& a, const Motion& b) {
+  if (a.frame_count() != b.frame_count() || a.joint_count() != b.joint_count()) return INFINITY;
+  double farthest = 0.0;
+  for (int f = 0; f < a.frame_count(); ++f) {
+    for (int j = 0; j < a.joint_count(); ++j) {
+      farthest = std::max(farthest, (a.joints.at(f, j) - b.joints.at(f, j)).norm());
+    }
+  }
+  return farthest;
+}
+
+double FarthestRotation(const Motion& a, const Motion& b, int joints) {
+  double farthest = 0.0;
+  for (int f = 0; f < a.frame_count(); ++f) {
+    for (int j = 0; j < joints; ++j) {
+      farthest = std::max(farthest, a.rotation_at(f, j).angularDistance(b.rotation_at(f, j)));
+    }
+  }
+  return farthest;
+}
+
+struct RoundTrip {
+  const char* layout;
+  double joints_m;  ///< how far a joint may come back elsewhere
+  bool rotations;   ///< come back
+  bool names;       ///< persons come back; recordings where their names are names for files
+  bool fine_labels;
+};
+
+class EveryLayout : public testing::TestWithParam<RoundTrip> {};
+
+INSTANTIATE_TEST_SUITE_P(Exports, EveryLayout,
+                         testing::Values(RoundTrip{"npz", 0.0, false, true, true},
+                                         RoundTrip{"humanact12", 1e-12, false, false, true},
+                                         RoundTrip{"actor", 1e-9, true, false, false},
+                                         RoundTrip{"amass_babel", 0.1, true, true, false},  // bones of smpl24
+                                         RoundTrip{"csv", 1e-6, false, true, true},
+                                         RoundTrip{"bvh", 1e-7, true, true, true}),
+                         [](const auto& round_trip) { return std::string(round_trip.param.layout); });
+
+TEST_P(EveryLayout, ComesBackByItsOwnDeclaration) {
+  const RoundTrip& expected = GetParam();
+  const Dataset dataset = SwingingSet("smpl24");
+  const ExportFolder folder;
+  const Written written = WriteExport(expected.layout, dataset, folder.path());
+  EXPECT_THAT(written.refused, IsEmpty());
+  const std::map<std::size_t, Clip> back = ReadBack(written, folder.path());
+  ASSERT_EQ(back.size(), dataset.clips.size());
+  for (const auto& [position, clip] : back) {
+    SCOPED_TRACE(dataset.clips[position].id());
+    const Clip& original = dataset.clips[position];
+    EXPECT_LE(FarthestJoint(*clip.motion, *original.motion), expected.joints_m);
+    EXPECT_EQ(clip.motion->rate, original.motion->rate);
+    EXPECT_EQ(clip.label, original.label);
+    EXPECT_EQ(clip.identity.source, "studio");
+    EXPECT_EQ(clip.identity.licence, "CC0");
+    EXPECT_EQ(clip.fine_label, expected.fine_labels ? original.fine_label : "");
+    EXPECT_EQ(clip.identity.person == original.identity.person, expected.names);
+    EXPECT_EQ(clip.motion->joints_only(), !expected.rotations);
+    if (!expected.rotations) continue;
+    const int joints = std::string(expected.layout) == "amass_babel" ? 22 : 24;  // SMPL-H has fingers for hands
+    EXPECT_LT(FarthestRotation(*clip.motion, *original.motion, joints), 1e-7);
+    EXPECT_LT((clip.motion->root_translation[5] - original.motion->root_translation[5]).norm(), 1e-7);
+  }
+  if (!expected.names) return;
+  EXPECT_EQ(back.at(0).identity.recording, "take 1");
+  EXPECT_EQ(back.at(1).identity.recording, "take_ 2");
+  EXPECT_EQ(back.at(2).identity.recording, "long.0-20");
+  EXPECT_EQ(back.at(3).identity.recording, "long.40-71");
+}
+
+/// The classes in their order, and the splits that a declaration can say.
+TEST_P(EveryLayout, DeclaresClassesAndSplits) {
+  const ExportFolder folder;
+  WriteExport(GetParam().layout, SwingingSet("smpl24"), folder.path());
+  const auto node = LoadConfig(folder.path() / "source.yaml");
+  ASSERT_TRUE(node) << node.error().Message();
+  const ConfigNode* assemble = node->Find("assemble");
+  std::vector<std::string> classes, splits;
+  for (const ConfigNode& one : assemble->Find("classes")->sequence) classes.push_back(one.Find("name")->scalar);
+  EXPECT_THAT(classes, ElementsAre("walk", "exercise/training, hard", "never"));
+  if (const ConfigNode* declared = assemble->Find("splits")) {
+    for (const ConfigNode& one : declared->sequence) {
+      splits.push_back(one.Find("name")->scalar + " by " + one.Find("by")->scalar);
+    }
+  }
+  const std::string layout = GetParam().layout;
+  if (layout == "actor") {
+    EXPECT_THAT(splits, IsEmpty()) << "its clips come back without persons";
+  } else if (layout == "amass_babel") {
+    EXPECT_THAT(splits, ElementsAre("mixed by role", "persons by person"));
+  } else {
+    EXPECT_THAT(splits, ElementsAre("persons by person"));
+  }
+}
+
+TEST_P(EveryLayout, GivesTheSameBytesAgain) {
+  const ExportFolder once, twice;
+  const Dataset dataset = SwingingSet("smpl24");
+  const Written first = WriteExport(GetParam().layout, dataset, once.path());
+  WriteExport(GetParam().layout, dataset, twice.path());
+  for (const std::string& file : first.files) {
+    EXPECT_EQ(ReadFile(once.path() / file).value(), ReadFile(twice.path() / file).value()) << file;
+  }
+}
+
+TEST_P(EveryLayout, RefusesAClipThatItCannotTakeAndNoOther) {
+  const std::string layout = GetParam().layout;
+  Dataset dataset = SwingingSet("smpl24");
+  Clip& odd = dataset.clips[1];
+  const bool holds_rate = layout == "npz" || layout == "bvh" || layout == "amass_babel";
+  odd.rate = odd.motion->rate = FrameRate{60, 1};
+  const ExportFolder folder;
+  const Written written = WriteExport(layout, dataset, folder.path());
+  if (holds_rate) {
+    EXPECT_THAT(written.refused, IsEmpty());
+  } else {
+    EXPECT_THAT(written.refused, ElementsAre(odd.id()));
+  }
+  EXPECT_EQ(written.clip_of.size(), holds_rate ? 4u : 3u);
+  if (layout == "npz") {
+    EXPECT_FALSE(fs::exists(folder.path() / "source.yaml")) << "one declaration has one rate";
+    return;
+  }
+  const std::map<std::size_t, Clip> back = ReadBack(written, folder.path());
+  EXPECT_EQ(back.size(), written.clip_of.size());
+  if (!holds_rate) return;
+  ASSERT_EQ(back.count(1), 1u);
+  EXPECT_EQ(back.at(1).motion->rate, (FrameRate{60, 1}));
+}
+
+TEST(ExportedSegments, AreBabelsFrameLabels) {
+  const Dataset dataset = SwingingSet("smpl24");
+  const ExportFolder folder;
+  const Written written = WriteExport("amass_babel", dataset, folder.path());
+  const std::map<std::size_t, Clip> back = ReadBack(written, folder.path());
+  ASSERT_EQ(back.count(2), 1u);
+  const std::vector<Segment>& segments = back.at(2).segments;
+  ASSERT_THAT(segments, SizeIs(2));
+  EXPECT_EQ(segments[0].label, "step");
+  EXPECT_EQ(segments[0].category, "walk, step");
+  EXPECT_DOUBLE_EQ(segments[1].begin_s, 0.25);
+  EXPECT_DOUBLE_EQ(segments[1].end_s, 0.6);
+  EXPECT_EQ(segments[1].category, "turn") << "BABEL's programs read categories: the label is one";
+  // By the first split: train, val and test.
+  const fs::path babel = folder.path() / "babel_v1.0_release";
+  std::map<std::string, std::string> files;
+  for (const char* part : {"train", "val", "test"}) {
+    const auto sequences = nlohmann::json::parse(ReadFile(babel / (std::string(part) + ".json")).value());
+    for (const auto& [sid, sequence] : sequences.items()) {
+      EXPECT_FALSE(sequence["seq_ann"].contains("babel_lid")) << "nobody can know it";
+      files[sequence["feat_p"].get<std::string>()] = part;
+    }
+  }
+  EXPECT_EQ(files, (std::map<std::string, std::string>{{"studio/studio/anna/take 1_poses.npz", "train"},
+                                                       {"studio/studio/anna/take_ 2_poses.npz", "val"},
+                                                       {"studio/studio/bob/long.0-20_poses.npz", "train"},
+                                                       {"studio/studio/bob/long.40-71_poses.npz", "test"}}));
+}
+
+TEST(ExportedHumanAct12, KeepsNamesOfTheSetAndMakesOthers) {
+  Dataset dataset;
+  dataset.skeleton = *LoadSkeleton("humanact12");
+  dataset.labels = {"warm_up", "walk"};
+  dataset.clips = {Swinging(dataset.skeleton, StudioTake("P02", "P02G01R03F0010T0039A0102", 0, 30), "warm_up", 0.0),
+                   Swinging(dataset.skeleton, StudioTake("P02", "P02G02R01F0010T0039A0103", 0, 30), "walk", 1.0),
+                   Swinging(dataset.skeleton, StudioTake("anna", "walk", 5, 25), "walk", 2.0),
+                   Swinging(dataset.skeleton, StudioTake("bob", "walk", 5, 25), "walk", 3.0)};
+  dataset.clips[0].fine_label = "warm_up_pectoral";
+  const ExportFolder folder;
+  const Written written = WriteExport("humanact12", dataset, folder.path());
+  std::map<std::size_t, std::string> names;
+  for (const auto& [name, position] : written.clip_of) names[position] = name;
+  EXPECT_EQ(names[0], "P02G01R03F0010T0039A0102") << "the set's own name";
+  EXPECT_EQ(names[1], "P02G01R01F0000T0029A0200") << "its name says another class";
+  EXPECT_EQ(names[2], "P01G01R01F0005T0024A0200");
+  EXPECT_EQ(names[3], "P03G01R01F0005T0024A0200");
+  const auto array = ParseNpy(ReadFile(folder.path() / (names[0] + ".npy")).value(), "clip");
+  ASSERT_TRUE(array) << array.error().Message();
+  EXPECT_EQ(array->dtype, "<f8");
+  const Vector3d head = dataset.clips[0].motion->joints.at(0, 15);
+  const double* written_head = array->values.data() + 3 * 15;
+  EXPECT_NEAR(written_head[0], head.x(), 1e-12);
+  EXPECT_NEAR(written_head[1], -head.y(), 1e-12) << "y points down";
+  EXPECT_NEAR(written_head[2], -head.z(), 1e-12) << "who faces +z faces the camera";
+}
+
+TEST(ExportedActor, RefusesWhatItsListsCannotHold) {
+  Dataset dataset = SwingingSet("smpl24");
+  dataset.clips[0].label = "";
+  const ExportFolder folder;
+  EXPECT_THAT(WriteExport("actor", dataset, folder.path()).refused, ElementsAre(dataset.clips[0].id()));
+  const Dataset others = SwingingSet("openni15");
+  const ExportFolder none;
+  EXPECT_THAT(WriteExport("actor", others, none.path()).refused, SizeIs(4));
+}
+
+TEST(ExportedActor, HoldsMoreClassesThanThePublishedFile) {
+  Dataset dataset = SwingingSet("smpl24");
+  dataset.labels.clear();
+  for (int c = 0; c < 15; ++c) dataset.labels.push_back("class " + std::to_string(c));
+  for (std::size_t i = 0; i < dataset.clips.size(); ++i) dataset.clips[i].label = dataset.labels[14 - i];
+  const ExportFolder folder;
+  const std::map<std::size_t, Clip> back = ReadBack(WriteExport("actor", dataset, folder.path()), folder.path());
+  ASSERT_EQ(back.size(), dataset.clips.size());
+  EXPECT_EQ(back.at(0).label, "class 14");
+}
+
+/// Joint tracks of a tree that is none of the built-in ones.
+TEST(ExportedJoints, OfAForeignTreeComeBackWithIt) {
+  auto tree = std::make_shared<Skeleton>();
+  tree->name = "insect";
+  const char* const names[] = {"body", "head", "left feeler", "right feeler"};
+  for (int j = 0; j < 4; ++j) {
+    Joint joint;
+    joint.name = names[j];
+    joint.parent = j - 1 < 2 ? j - 1 : 1;
+    joint.mirror = j == 2 ? 3 : j == 3 ? 2 : j;
+    if (j > 0) joint.rest_offset = {j == 2 ? 0.2 : j == 3 ? -0.2 : 0.0, 0.4, 0.0};
+    tree->joints.push_back(joint);
+  }
+  ASSERT_TRUE(tree->Check());
+  Dataset dataset;
+  dataset.skeleton = tree;
+  dataset.joints_only = true;
+  dataset.labels = {"fly"};
+  for (const char* recording : {"a", "b"}) {
+    Clip clip = Swinging(tree, StudioTake("fly1", recording, 0, 20), recording[0] == 'a' ? "fly" : "", 1.0);
+    clip.motion = MakeJointsOnly(tree, clip.rate, clip.motion->joints);
+    dataset.clips.push_back(std::move(clip));
+  }
+  for (const char* layout : {"humanact12", "csv"}) {
+    SCOPED_TRACE(layout);
+    const ExportFolder folder;
+    const Written written = WriteExport(layout, dataset, folder.path());
+    const std::map<std::size_t, Clip> back = ReadBack(written, folder.path());
+    ASSERT_EQ(back.size(), 2u);
+    EXPECT_LT(FarthestJoint(*back.at(1).motion, *dataset.clips[1].motion), 1e-6);
+    EXPECT_TRUE(SameTree(*back.at(0).motion->skeleton, *tree));
+    EXPECT_EQ(back.at(0).label, "fly");
+    EXPECT_EQ(back.at(1).label, "");
+  }
+}
+
+TEST(ExportNames, AreNamesForFilesAndNeverOneForTwo) {
+  EXPECT_EQ(NameForFile("walk fast"), "walk fast");
+  EXPECT_EQ(NameForFile("a/b:c{d}"), "a_b_c_d_");
+  EXPECT_EQ(NameForFile(".hidden"), "_hidden");
+  EXPECT_EQ(NameForFile(""), "_");
+  EXPECT_EQ(NameForFile("gr\xC3\xBC\xC3\x9F"), "gr\xC3\xBC\xC3\x9F");
+  EXPECT_EQ(NameForFile("\xFFx"), "_x");
+  FileNames names;
+  EXPECT_EQ(names.Of("a/b"), "a_b");
+  EXPECT_EQ(names.Of("a:b"), "a_b~2");
+  EXPECT_EQ(names.Of("A_B"), "A_B~3") << "one file system does not tell capitals apart";
+  EXPECT_EQ(names.Of("a/b"), "a_b");
+  const std::vector<std::string> ids = {"s/p1/walk#0-9", "s/p2/walk#0-9", "s/p2/run#0-9"};
+  EXPECT_EQ(ClipNames(ids, RecordingNames::kOfPerson).Recording(0), "walk");
+  EXPECT_EQ(ClipNames(ids, RecordingNames::kOfSet).Recording(0), "p1_walk");
+  EXPECT_EQ(ClipNames(ids, RecordingNames::kOfSet).Recording(2), "run");
+}
+
+#ifdef MOCURATE_ASSIMP
+
+void CollectPlaces(const aiNode& node, const std::map<std::string, const aiNodeAnim*>& channels, unsigned frame,
+                   const aiMatrix4x4& parent, std::map<std::string, Vector3d>& places) {
+  aiMatrix4x4 local = node.mTransformation;
+  if (const auto found = channels.find(node.mName.C_Str()); found != channels.end()) {
+    const aiNodeAnim& channel = *found->second;
+    const aiVectorKey& position = channel.mPositionKeys[channel.mNumPositionKeys > 1 ? frame : 0];
+    local = aiMatrix4x4(aiVector3D(1, 1, 1), channel.mRotationKeys[frame].mValue, position.mValue);
+  }
+  const aiMatrix4x4 global = parent * local;
+  places[node.mName.C_Str()] = {global.a4, global.b4, global.c4};
+  for (unsigned i = 0; i < node.mNumChildren; ++i) CollectPlaces(*node.mChildren[i], channels, frame, global, places);
+}
+
+TEST(ExportedBvh, IsReadByAssimpInCentimetres) {
+  const Dataset dataset = SwingingSet("smpl24");
+  const ExportFolder folder;
+  const Written written = WriteExport("bvh", dataset, folder.path());
+  const std::string text = ReadFile(folder.path() / written.files[0]).value();
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFileFromMemory(text.data(), text.size(), 0, "bvh");
+  ASSERT_NE(scene, nullptr) << importer.GetErrorString();
+  ASSERT_EQ(scene->mNumAnimations, 1u);
+  const aiAnimation& animation = *scene->mAnimations[0];
+  EXPECT_NEAR(animation.mTicksPerSecond, 29.97, 1e-2);
+  std::map<std::string, const aiNodeAnim*> channels;
+  for (unsigned c = 0; c < animation.mNumChannels; ++c) {
+    channels[animation.mChannels[c]->mNodeName.C_Str()] = animation.mChannels[c];
+  }
+  const Motion& motion = *dataset.clips[0].motion;
+  for (const int frame : {0, 17, motion.frame_count() - 1}) {
+    std::map<std::string, Vector3d> places;
+    CollectPlaces(*scene->mRootNode, channels, static_cast<unsigned>(frame), aiMatrix4x4(), places);
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      const std::string& name = motion.skeleton->joints[j].name;
+      ASSERT_EQ(places.count(name), 1u) << name;
+      EXPECT_LT((0.01 * places[name] - motion.joints.at(frame, j)).norm(), 1e-5) << name;
+    }
+  }
+}
+
+#else
+
+TEST(ExportedBvh, IsReadByAssimpInCentimetres) { GTEST_SKIP() << "built without libassimp-dev"; }
+
+#endif
+
+}  // namespace
+}  // namespace mocurate
