@@ -3,11 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "app/motion_files.h"
+#include "app/dataset_stages.h"
 #include "app/output_checks.h"
 #include "app/run_outputs.h"
-#include "app/scratch_folder.h"
-#include "app/stage_runs.h"
 #include "app/verbs.h"
 #include "canon/options.h"
 #include "canon/review/review.h"
@@ -65,79 +63,41 @@ long long Counting(const nlohmann::json& findings, const std::string& severity) 
   });
 }
 
-Status CheckIsDataset(const fs::path& path) {
-  std::error_code unknown;
-  if (!fs::exists(path, unknown)) {
-    return Fail(ErrorCode::kNotFound, "no such file", DisplayPath(path),
-                "give a dataset: RUN/dataset.h5, or what `mocurate fit` wrote");
+/// The audit, as the file audit.json. `decisions` and `probabilities` may be empty.
+Expected<fs::path> AuditOf(DatasetStages& stages, const fs::path& dataset, const std::vector<std::string>& assignments,
+                           const fs::path& decisions, const fs::path& probabilities) {
+  const Expected<ConfigNode> node = LoadConfig(ConfigSource{"", "audit", {}}, assignments);
+  if (!node) return Forward(node);
+  const auto options = OptionsFromConfig<AuditOptions>(*node);
+  if (!options) return Forward(options);
+  ItemSpec item{"audit", OptionsToJson(*options), {{"dataset", DisplayPath(dataset), dataset, ""}}};
+  const std::pair<const char*, const fs::path*> more[] = {{"probabilities", &probabilities}, {kReviewRole, &decisions}};
+  for (const auto& [role, path] : more) {
+    if (!path->empty()) item.inputs.push_back({role, DisplayPath(*path), *path, ""});
   }
-  if (IsMotionStore(path)) return {};
-  return Fail(ErrorCode::kInconsistent, "the file is no dataset of mocurate", DisplayPath(path),
-              "make one of it: `mocurate config init`, then `mocurate run CONFIG --to assemble`");
+  const auto made = stages.One(AuditDeclaration(), std::move(item));
+  if (!made) return Forward(made);
+  return made->artifact;
 }
 
-/// Stages on one dataset, in a folder of their own.
-class DatasetStages {
- public:
-  static Expected<std::unique_ptr<DatasetStages>> Make(const CommonArguments& common) {
-    auto made = std::unique_ptr<DatasetStages>(new DatasetStages());
-    if (made->scratch_.path().empty()) return Forward(ScratchFolder::Missing());
-    RunnerOptions settings;
-    settings.run_folder = made->scratch_.path();
-    settings.quiet = common.quiet;
-    settings.tell_failures = false;
-    auto runner = Runner::Make(settings);
-    if (!runner) return Forward(runner);
-    made->runner_ = std::move(*runner);
-    return made;
+/// The page that shows what an audit found.
+Expected<fs::path> ReviewPage(DatasetStages& stages, const fs::path& dataset, const fs::path& audit,
+                              const ReviewOptions& options, const std::vector<Decision>& decisions) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Decision& decision : decisions) {
+    nlohmann::json json = OptionsToJson(decision);
+    list.push_back(std::move(json));
   }
-
-  /// The audit, as the file audit.json. `decisions` and `probabilities` may be empty.
-  Expected<fs::path> Audit(const fs::path& dataset, const std::vector<std::string>& assignments,
-                           const fs::path& decisions, const fs::path& probabilities) {
-    const Expected<ConfigNode> node = LoadConfig(ConfigSource{"", "audit", {}}, assignments);
-    if (!node) return Forward(node);
-    const auto options = OptionsFromConfig<AuditOptions>(*node);
-    if (!options) return Forward(options);
-    ItemSpec item{"audit", OptionsToJson(*options), {{"dataset", DisplayPath(dataset), dataset, ""}}};
-    const std::pair<const char*, const fs::path*> more[] = {{"probabilities", &probabilities},
-                                                            {kReviewRole, &decisions}};
-    for (const auto& [role, path] : more) {
-      if (!path->empty()) item.inputs.push_back({role, DisplayPath(*path), *path, ""});
-    }
-    return One(AuditDeclaration(), std::move(item));
-  }
-
-  /// The page that shows what an audit found.
-  Expected<fs::path> Page(const fs::path& dataset, const fs::path& audit, const ReviewOptions& options,
-                          const std::vector<Decision>& decisions) {
-    nlohmann::json made = nlohmann::json::array();
-    for (const Decision& decision : decisions) {
-      nlohmann::json json = OptionsToJson(decision);
-      made.push_back(std::move(json));
-    }
-    const fs::path file = scratch_.path() / "decisions.json";
-    if (Status written = WriteFile(file, made.dump()); !written) return Forward(written);
-    return One(ReviewDeclaration(), {"review",
-                                     OptionsToJson(options),
-                                     {{"dataset", DisplayPath(dataset), dataset, ""},
-                                      {"audit", DisplayPath(audit), audit, ""},
-                                      {"decisions", "decisions", file, ""}}});
-  }
-
- private:
-  DatasetStages() = default;
-
-  Expected<fs::path> One(const StageDeclaration& stage, ItemSpec item) {
-    const auto done = StageRuns(*runner_, reports_).One(stage, std::move(item));
-    if (!done) return Forward(done);
-    return done->artifact;
-  }
-
-  ScratchFolder scratch_;
-  std::unique_ptr<Runner> runner_;
-  std::vector<StageReport> reports_;
-};
+  const fs::path file = stages.folder() / "decisions.json";
+  if (Status written = WriteFile(file, list.dump()); !written) return Forward(written);
+  const auto made = stages.One(ReviewDeclaration(), {"review",
+                                                     OptionsToJson(options),
+                                                     {{"dataset", DisplayPath(dataset), dataset, ""},
+                                                      {"audit", DisplayPath(audit), audit, ""},
+                                                      {"decisions", "decisions", file, ""}}});
+  if (!made) return Forward(made);
+  return made->artifact;
+}
 
 Expected<nlohmann::json> ReadAudit(const fs::path& path) {
   const auto text = ReadFile(path);
@@ -243,14 +203,14 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
   }
   auto stages = DatasetStages::Make(common);
   if (!stages) return Forward(stages);
-  const auto made = (*stages)->Audit(arguments.path, arguments.assignments, arguments.review, arguments.probabilities);
+  const auto made = AuditOf(**stages, arguments.path, arguments.assignments, arguments.review, arguments.probabilities);
   if (!made) return Forward(made);
   const auto audit = ReadAudit(*made);
   if (!audit) return Forward(audit);
   if (keeps) {
     ReviewOptions options;
     options.most = static_cast<std::int64_t>(kMostShown);
-    const auto page = (*stages)->Page(arguments.path, *made, options, {});
+    const auto page = ReviewPage(**stages, arguments.path, *made, options, {});
     if (!page) return Forward(page);
     if (Status folder = MakeFolder(arguments.output); !folder) return folder;
     if (Status copied = CopyWhole(*made, json_file); !copied) return copied;
@@ -297,12 +257,12 @@ Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments) {
   if (!stages) return Forward(stages);
   Expected<fs::path> audit = arguments.audit;
   if (arguments.audit.empty()) {
-    audit = (*stages)->Audit(arguments.path, arguments.assignments, {}, arguments.probabilities);
+    audit = AuditOf(**stages, arguments.path, arguments.assignments, {}, arguments.probabilities);
   }
   if (!audit) return Forward(audit);
   ReviewOptions options;
   options.most = arguments.most;
-  const auto page = (*stages)->Page(arguments.path, *audit, options, earlier.decisions);
+  const auto page = ReviewPage(**stages, arguments.path, *audit, options, earlier.decisions);
   if (!page) return Forward(page);
   if (Status copied = CopyWhole(*page, arguments.output); !copied) return copied;
   if (common.json) {

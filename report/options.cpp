@@ -18,6 +18,14 @@ void ReviewOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills per filmstrip");
 }
 
+void AnnotateOptions::Declare(OptionVisitor& v) {
+  v.Texts("labels", labels, "to choose from; none: the dataset's classes");
+  v.Texts("clips", clips, "ids of clips or their ends; none: all without a label");
+  v.Bool("all", all, "clips that have a label too");
+  v.Number("rate", rate_hz, Unit::kHertz, {0.1, 1000.0}, "poses that players show in a second, at most");
+  v.Number("poses_size", poses_bytes, Unit::kByte, {1000.0, 1.0e9}, "poses of all clips together; more are thinned");
+}
+
 void ClipPageOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills per filmstrip");
   v.Integer("views", views, {0.0, 100.0}, "views over which the body is drawn, at most");
@@ -38,11 +46,13 @@ void PictureOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 18, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 19, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ReviewDeclaration() { return {"review", 1, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReviewDeclaration() { return {"review", 2, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ClipPageDeclaration() { return {"clip_page", 6, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration AnnotateDeclaration() { return {"annotate", 1, "mocurate-annotate", WholeSetLimits()}; }
+
+StageDeclaration ClipPageDeclaration() { return {"clip_page", 7, "mocurate-annotate", ClipLimits()}; }
 
 StageDeclaration ClipVideoDeclaration() { return {"clip_video", 3, "mocurate-video", ClipLimits()}; }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/base/options.h"
 #include "core/pipeline/stage.h"
@@ -24,6 +25,17 @@ struct ReportOptions {
 struct ReviewOptions {
   std::int64_t most = 200;  ///< findings shown, the worst first
   std::int64_t stills = 8;  ///< per filmstrip
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Of the page on which a person marks spans of recordings.
+struct AnnotateOptions {
+  std::vector<std::string> labels;  ///< to choose from; empty: the dataset's classes
+  std::vector<std::string> clips;   ///< ids or their ends; empty: all without a label
+  bool all = false;                 ///< clips that have a label too
+  double rate_hz = 15.0;            ///< poses that players show in a second, at most
+  double poses_bytes = 36.0e6;      ///< of all clips together: more are thinned
 
   void Declare(OptionVisitor& v);
 };
@@ -58,6 +70,7 @@ StageDeclaration ClipPageDeclaration();
 StageDeclaration ClipVideoDeclaration();
 StageDeclaration ReportDeclaration();
 StageDeclaration ReviewDeclaration();
+StageDeclaration AnnotateDeclaration();
 StageDeclaration PictureDeclaration();
 
 }  // namespace mocurate

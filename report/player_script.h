@@ -3,11 +3,14 @@
 namespace mocurate {
 
 /// The players of the page: play and pause, a slider for the frame, turning by drag or arrow keys. Reads the JSON in
-/// #player-data; sets data-ready on <html> to the number of players when all stand.
+/// #player-data, where the page has it; sets data-ready on <html> to the number of players when all stand.
+/// mocuratePlayer(root, clip) makes one and answers {frame(), show(frame), toggle(), pause(), draw()}. Beside what
+/// PlayerData gives, `clip` may hold: thinned, the frames from one row of joints to the next (poses between are
+/// interpolated), and count, the frames of all; zero_s, the time of the first; follow, the root stays in the middle;
+/// speed, 1 as recorded; away, not to be drawn; moved(frame), called after every draw.
 inline constexpr const char* kPlayerScript = R"js(
 'use strict';
-(() => {
-  const clips = JSON.parse(document.getElementById('player-data').textContent);
+const mocuratePlayer = (() => {
   const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const redraws = [];
 
@@ -15,8 +18,9 @@ inline constexpr const char* kPlayerScript = R"js(
     let low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     for (const rows of [clip.joints, clip.points]) for (const row of rows) row.forEach((v, i) => {
       if (v === null) return;
-      low[i % 3] = Math.min(low[i % 3], v);
-      high[i % 3] = Math.max(high[i % 3], v);
+      const from = clip.follow && i % 3 !== 1 ? v - row[i % 3] : v;
+      low[i % 3] = Math.min(low[i % 3], from);
+      high[i % 3] = Math.max(high[i % 3], from);
     });
     if (!isFinite(low[0])) return {centre: [0, 0, 0], radius: 1000, floor: 0};
     const centre = low.map((v, i) => (v + high[i]) / 2);
@@ -29,12 +33,19 @@ inline constexpr const char* kPlayerScript = R"js(
     const slider = root.querySelector('input[type=range]');
     const seen = root.querySelector('input[type=checkbox]');
     const time = root.querySelector('output');
-    const frames = Math.max(clip.joints.length, clip.points.length);
-    const {centre, radius, floor} = extent(clip);
+    const frames = clip.count || Math.max(clip.joints.length, clip.points.length);
+    const pose = frame => {
+      if (!clip.thinned) return clip.joints[Math.round(frame)];
+      const place = Math.min(frame / clip.thinned, clip.joints.length - 1), part = place % 1;
+      const before = clip.joints[Math.floor(place)], after = clip.joints[Math.ceil(place)];
+      return part > 0 ? before.map((v, i) => v + part * (after[i] - v)) : before;
+    };
+    const whole = extent(clip), radius = whole.radius, floor = whole.floor;
     const view = {yaw: clip.yaw, pitch: clip.pitch, frame: clip.start || 0, playing: false, last: 0};
     slider.max = String(Math.max(0, frames - 1));
 
     const draw = () => {
+      if (clip.away) return;
       const ratio = window.devicePixelRatio || 1;
       const width = canvas.clientWidth || 280, height = canvas.clientHeight || 240;
       canvas.width = Math.round(width * ratio);
@@ -42,6 +53,8 @@ inline constexpr const char* kPlayerScript = R"js(
       const pen = canvas.getContext('2d');
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
       pen.clearRect(0, 0, width, height);
+      const frame = Math.round(view.frame), joints = pose(view.frame);
+      const centre = clip.follow && joints ? whole.centre.map((v, i) => i === 1 ? v : v + joints[i]) : whole.centre;
       const scale = 0.47 * Math.min(width, height) / radius;
       const cy = Math.cos(view.yaw), sy = Math.sin(view.yaw), cp = Math.cos(view.pitch), sp = Math.sin(view.pitch);
       const place = (px, py, pz) => {
@@ -61,18 +74,17 @@ inline constexpr const char* kPlayerScript = R"js(
       pen.strokeStyle = style('--grid');
       pen.lineWidth = 1;
       const reach = Math.ceil(radius / 500) * 500;
+      const [x, , z] = clip.follow ? centre.map(v => Math.round(v / 500) * 500) : centre;
       for (let g = -reach; g <= reach; g += 500) {
-        stroke(place(centre[0] + g, floor, centre[2] - reach), place(centre[0] + g, floor, centre[2] + reach));
-        stroke(place(centre[0] - reach, floor, centre[2] + g), place(centre[0] + reach, floor, centre[2] + g));
+        stroke(place(x + g, floor, z - reach), place(x + g, floor, z + reach));
+        stroke(place(x - reach, floor, z + g), place(x + reach, floor, z + g));
       }
-      const frame = Math.round(view.frame);
       const points = clip.points[frame];
       if (points && seen.checked) {
         pen.strokeStyle = style('--before');
         pen.lineWidth = 1.5;
         for (const [a, b] of clip.lines) stroke(at(points, a), at(points, b));
       }
-      const joints = clip.joints[frame];
       if (joints) {
         pen.lineWidth = 3;
         for (const [a, b, side] of clip.bones) {
@@ -94,23 +106,26 @@ inline constexpr const char* kPlayerScript = R"js(
         }
       }
       slider.value = String(frame);
-      time.textContent = (frame * clip.step / clip.hz).toFixed(2) + ' s';
+      time.textContent = ((clip.zero_s || 0) + frame * clip.step / clip.hz).toFixed(2) + ' s';
+      if (clip.moved) clip.moved(view.frame);
     };
 
     const tick = now => {
       if (!view.playing) return;
-      view.frame += (now - view.last) / 1000 * clip.hz / clip.step;
+      view.frame += (now - view.last) / 1000 * clip.hz / clip.step * (clip.speed || 1);
       view.last = now;
       if (view.frame > frames - 1) view.frame = 0;
       draw();
       requestAnimationFrame(tick);
     };
-    button.addEventListener('click', () => {
-      view.playing = !view.playing;
-      button.textContent = view.playing ? 'Pause' : 'Play';
+    const play = playing => {
+      if (view.playing === playing) return;
+      view.playing = playing;
+      button.textContent = playing ? 'Pause' : 'Play';
       view.last = performance.now();
-      if (view.playing) requestAnimationFrame(tick);
-    });
+      if (playing) requestAnimationFrame(tick);
+    };
+    button.addEventListener('click', () => play(!view.playing));
     slider.addEventListener('input', () => { view.frame = Number(slider.value); draw(); });
     seen.addEventListener('change', draw);
     let from = null;
@@ -135,13 +150,20 @@ inline constexpr const char* kPlayerScript = R"js(
     });
     redraws.push(draw);
     draw();
+    return {frame: () => view.frame, show: frame => { view.frame = frame; draw(); }, toggle: () => play(!view.playing),
+      pause: () => play(false), draw};
   };
 
-  const roots = document.querySelectorAll('.player');
-  roots.forEach((root, i) => build(root, clips[i]));
   const again = () => redraws.forEach(draw => draw());
   window.addEventListener('resize', again);
   window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
+  return build;
+})();
+(() => {
+  const data = document.getElementById('player-data');
+  if (!data) return;
+  const clips = JSON.parse(data.textContent), roots = document.querySelectorAll('.player');
+  roots.forEach((root, i) => mocuratePlayer(root, clips[i]));
   document.documentElement.dataset.ready = String(roots.length);
 })();
 )js";

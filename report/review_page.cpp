@@ -11,6 +11,7 @@
 #include "report/filmstrip.h"
 #include "report/html.h"
 #include "report/page_style.h"
+#include "report/page_tools_script.h"
 #include "report/player_script.h"
 #include "report/review_script.h"
 #include "report/run_facts.h"
@@ -147,8 +148,8 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
          "</section>\n</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + ".") +
          "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(player_data) +
          "</script>\n<script type=\"application/json\" id=\"review-data\">" + JsonForScript(review) +
-         "</script>\n<script>" + kPlayerScript + "</script>\n<script>" + kReviewScript +
-         "</script>\n</body>\n</html>\n";
+         "</script>\n<script>" + kPlayerScript + "</script>\n<script>" + kPageToolsScript + "</script>\n<script>" +
+         kReviewScript + "</script>\n</body>\n</html>\n";
 }
 
 Expected<StageOutcome> ReviewStage(const StageRequest& request) {

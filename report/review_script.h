@@ -15,9 +15,9 @@ textarea { width: 100%; font: 13px ui-monospace, monospace; color: inherit; back
   border-radius: 8px; padding: 8px; }
 )css";
 
-/// Reads #review-data: {"dataset", "decisions": [...] made earlier}. One decision a clip, finding and pair; the
-/// decisions stand as YAML in #yaml, and under the page's name in the browser's store until they are saved. Sets
-/// data-review on <html> to the number of clips that can be decided on.
+/// Needs kPageToolsScript and kPlayerScript. Reads #review-data: {"dataset", "decisions": [...] made earlier}. One
+/// decision a clip, finding and pair; the decisions stand as YAML in #yaml, and under the page's name in the browser's
+/// store until they are saved. Sets data-review on <html> to the number of clips that can be decided on.
 inline constexpr const char* kReviewScript = R"js(
 'use strict';
 (() => {
@@ -57,7 +57,7 @@ inline constexpr const char* kReviewScript = R"js(
     document.getElementById('yaml').value = yaml();
     document.getElementById('yaml').textContent = yaml();
     document.getElementById('count').textContent = decisions.size === 1 ? '1 decision' : decisions.size + ' decisions';
-    try { localStorage.setItem(store, JSON.stringify([...decisions.values()])); } catch (e) { /* a page without a store */ }
+    pageTools.keep(store, [...decisions.values()]);
   };
   const remember = () => past.push(JSON.stringify([...decisions.values()]));
   const take = list => { decisions.clear(); for (const d of list) decisions.set(keyOf(d), d); };
@@ -95,12 +95,8 @@ inline constexpr const char* kReviewScript = R"js(
     clips[here].querySelector(which).value = String(which === '.end' ? Math.min(frame + 1, Number(clips[here].dataset.frames)) : frame);
   };
   const save = () => {
-    const link = document.createElement('a');
-    link.href = URL.createObjectURL(new Blob([yaml()], {type: 'text/yaml'}));
-    link.download = 'decisions.yaml';
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-    try { localStorage.removeItem(store); } catch (e) { /* a page without a store */ }
+    pageTools.save(yaml(), 'text/yaml', 'decisions.yaml');
+    pageTools.forget(store);
   };
   clips.forEach((clip, i) => {
     clip.addEventListener('pointerdown', () => { here = i; clips.forEach((c, k) => c.classList.toggle('here', k === i)); });
@@ -111,7 +107,7 @@ inline constexpr const char* kReviewScript = R"js(
   });
   document.getElementById('save').addEventListener('click', save);
   document.addEventListener('keydown', e => {
-    if (e.ctrlKey || e.metaKey || e.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(e.target.tagName) && e.target.type !== 'range') return;
+    if (pageTools.hasCommand(e) || pageTools.isTyping(e)) return;
     const keys = {j: () => go(here + 1), p: () => go(here - 1), '[': () => boundary('.begin'), ']': () => boundary('.end'),
       u: () => { if (past.length > 0) { take(JSON.parse(past.pop())); show(); } }, s: save};
     const verdict = {k: 'keep', d: 'drop', r: 'relabel', c: 'cut'}[e.key];
@@ -120,9 +116,7 @@ inline constexpr const char* kReviewScript = R"js(
     else return;
     e.preventDefault();
   });
-  let kept = null;
-  try { kept = JSON.parse(localStorage.getItem(store)); } catch (e) { /* a page without a store */ }
-  take(kept || review.decisions);
+  take(pageTools.read(store) || review.decisions);
   show();
   document.documentElement.dataset.review = String(clips.length);
 })();

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/motion/clip.h"
+#include "core/pipeline/stage.h"
+#include "report/filmstrip.h"
+#include "report/options.h"
+#include "report/packed_frames.h"
+
+namespace mocurate {
+
+/// A labelled span of a recording, in seconds from the recording's first frame.
+struct AnnotatedSpan {
+  double begin_s = 0.0;
+  double end_s = 0.0;
+  std::string label;       ///< or empty
+  std::string fine_label;  ///< or empty
+  bool proposed = false;   ///< by a program: to be confirmed
+};
+
+/// One clip that a person marks spans in.
+struct AnnotateCard {
+  std::string clip;       ///< id
+  std::string recording;  ///< id without the span: what spans.csv names
+  std::string person;
+  std::string label;  ///< of the whole clip, or empty
+  int frames = 0;
+  double hz = 0.0;
+  double begin_s = 0.0;  ///< of its first frame in the recording
+  double recorded_hz = 0.0;
+  Viewpoint view;
+  PackedFrames poses;
+  PackedSpeeds speeds;
+  std::vector<AnnotatedSpan> spans;
+  bool done = false;  ///< has spans of an earlier session
+  std::string key;    ///< of the browser's store: sixteen digits of its id, motion and spans
+};
+
+struct AnnotatePageInput {
+  std::string dataset;  ///< its file
+  std::vector<std::string> labels;
+  SkeletonPtr skeleton;
+  std::vector<AnnotateCard> cards;
+  nlohmann::json rest = nlohmann::json::array();  ///< spans of an earlier session that no card shows; are saved again
+};
+
+/// One page without addresses outside it: a card per clip with a player and a timeline on which spans are marked, given
+/// labels, and saved as the spans.csv that canon.trim reads (docs/review.md).
+std::string MakeAnnotatePage(const AnnotatePageInput& input);
+
+/// Frames per second of the recording that a clip is of: identities count its frames. The clip's own rate where it has
+/// as many frames, else the usual rate of cameras and motion capture nearest to what the counts say.
+double RecordedRate(const Clip& clip);
+/// When the first frame of a clip is, in seconds from the first frame of its recording.
+double BeginInRecording(const Clip& clip);
+
+/// Inputs: roles "dataset" and, if there is an earlier session, "spans" (a JSON list of {"clip", "begin", "end",
+/// "in_frames", "label", "fine_label"}: id, id without its frames, or name of the recording; in seconds or frames of
+/// it) -> the page. Spans of the session take the place of the segments of the recordings that it names. Clips are
+/// read one at a time; while all poses take more than options.poses_bytes, every second one is left out. Errors: kUsage
+/// for a clip that is not there, kInconsistent when no clip is to be shown, or when no span is of a recording of the
+/// dataset.
+Expected<StageOutcome> AnnotateStage(const StageRequest& request);
+
+}  // namespace mocurate

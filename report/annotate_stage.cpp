@@ -1,0 +1,296 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/base/file.h"
+#include "core/base/sha256.h"
+#include "core/base/text.h"
+#include "core/motion/fingerprint.h"
+#include "core/store/dataset_clips.h"
+#include "report/annotate_page.h"
+#include "report/run_facts.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kMostSpeeds = 6000;  ///< of one clip's curve
+constexpr const char* kProposed = "proposed";
+constexpr const char* kFirstFrame = "first_frame";  ///< provenance: of the clip's frame 0 in a longer recording
+
+/// Rates of cameras and motion capture, Hz.
+constexpr std::array<double, 15> kUsualRates = {5.0,  10.0, 12.5, 15.0, 20.0,  24.0,  25.0, 30.0,
+                                                48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0};
+
+std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
+
+bool EndsIn(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// A span of an earlier session.
+struct SessionSpan {
+  std::string clip;  ///< as the session names it
+  double begin = 0.0;
+  double end = 0.0;
+  bool in_frames = false;
+  std::string label;
+  std::string fine_label;
+};
+
+/// By id or name of the recording, as the session has it.
+using SessionSpans = std::map<std::string, std::vector<SessionSpan>>;
+
+Expected<SessionSpans> ReadSession(const StageInput& input) {
+  const auto text = ReadFile(input.path);
+  if (!text) return Forward(text);
+  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
+  if (!json.is_array()) return Fail(ErrorCode::kMalformed, "no list of spans", input.name);
+  SessionSpans spans;
+  for (const nlohmann::json& span : json) {
+    const auto begin = NumberOf(span, "begin"), end = NumberOf(span, "end");
+    if (!begin || !end) return Fail(ErrorCode::kMalformed, "a span has no begin or end", input.name);
+    const std::string clip = TextOf(span, "clip");
+    spans[RecordingOf(clip)].push_back(
+        {clip, *begin, *end, Field(span, "in_frames") == true, TextOf(span, "label"), TextOf(span, "fine_label")});
+  }
+  return spans;
+}
+
+/// Rows of the clips to show: those that were chosen, else those without a label, or all. Error kUsage of a name that
+/// no clip has.
+Expected<std::vector<std::size_t>> ChooseRows(const DatasetClips& clips, const AnnotateOptions& options,
+                                              const std::string& dataset) {
+  std::vector<std::size_t> rows;
+  std::set<std::string> found;
+  for (std::size_t row = 0; row < clips.size(); ++row) {
+    const std::string &id = clips.Id(row), recording = RecordingOf(id);
+    bool wanted = options.clips.empty() && (options.all || clips.Label(row).empty());
+    for (const std::string& name : options.clips) {
+      if (!EndsIn(id, name) && !EndsIn(recording, name)) continue;
+      found.insert(name);
+      wanted = true;
+    }
+    if (wanted) rows.push_back(row);
+  }
+  for (const std::string& name : options.clips) {
+    if (found.count(name) != 0) continue;
+    return Fail(ErrorCode::kUsage, "no clip is called '" + name + "'", dataset,
+                clips.size() == 0 ? "the dataset has no clips" : "e.g. --clip '" + clips.Id(0) + "'");
+  }
+  if (rows.empty()) {
+    return Fail(ErrorCode::kInconsistent,
+                clips.size() == 0 ? "the dataset has no clips" : "every clip has a label already", dataset,
+                clips.size() == 0 ? "curation_log.jsonl of its run says why each is missing"
+                                  : "--all shows them too, --clip chooses some");
+  }
+  return rows;
+}
+
+AnnotateCard CardOf(const Clip& clip, double most_rate) {
+  const Motion& motion = *clip.motion;
+  AnnotateCard card;
+  card.clip = clip.id();
+  card.recording = RecordingOf(card.clip);
+  card.person = clip.identity.person;
+  card.label = clip.label;
+  card.frames = motion.frame_count();
+  card.hz = motion.rate.hz();
+  card.begin_s = BeginInRecording(clip);
+  card.recorded_hz = RecordedRate(clip);
+  card.view = FrontView(motion);
+  card.view.yaw = std::round(1e3 * card.view.yaw) / 1e3;
+  card.poses = PackFrames(motion, std::max(1, static_cast<int>(std::ceil(card.hz / most_rate - 1e-9))));
+  card.speeds = PackSpeeds(FastestJointSpeeds(motion), kMostSpeeds);
+  card.speeds.fastest = std::round(1e3 * card.speeds.fastest) / 1e3;
+  for (const Segment& segment : clip.segments) {
+    AnnotatedSpan span{card.begin_s + segment.begin_s, card.begin_s + segment.end_s, segment.label, "",
+                       segment.origin == kProposed};
+    if (!segment.category.empty()) {
+      span.label = segment.category;
+      span.fine_label = segment.label;
+    }
+    card.spans.push_back(std::move(span));
+  }
+  return card;
+}
+
+double Overlap(const AnnotateCard& card, double begin_s, double end_s) {
+  return std::min(end_s, card.begin_s + card.frames / card.hz) - std::max(begin_s, card.begin_s);
+}
+
+/// The card that shows most of a span; null when none shows any.
+AnnotateCard* CardOfSpan(const std::vector<AnnotateCard*>& cards, double begin_s, double end_s) {
+  AnnotateCard* best = nullptr;
+  for (AnnotateCard* card : cards) {
+    const double overlap = Overlap(*card, begin_s, end_s);
+    if (overlap > 0.0 && (best == nullptr || overlap > Overlap(*best, begin_s, end_s))) best = card;
+  }
+  return best;
+}
+
+/// What became of the spans of an earlier session.
+struct PlacedSession {
+  std::size_t known = 0;     ///< recordings that the dataset has
+  std::size_t left_out = 0;  ///< spans in frames of recordings that no card shows: their rate is not known
+};
+
+/// Gives each span of the session to the card of its recording that shows most of it; the others are kept aside.
+PlacedSession PlaceSession(const SessionSpans& session, const std::set<std::string>& recordings,
+                           AnnotatePageInput& input) {
+  PlacedSession placed;
+  for (const auto& [name, spans] : session) {
+    const auto is_named = [&name = name](const std::string& recording) {
+      return recording == name || EndsIn(recording, "/" + name);
+    };
+    if (std::any_of(recordings.begin(), recordings.end(), is_named)) ++placed.known;
+    std::vector<AnnotateCard*> cards;
+    for (AnnotateCard& card : input.cards) {
+      if (is_named(card.recording)) cards.push_back(&card);
+    }
+    for (AnnotateCard* card : cards) {
+      card->spans.clear();
+      card->done = true;
+    }
+    for (const SessionSpan& span : spans) {
+      if (span.in_frames && cards.empty()) {
+        ++placed.left_out;
+        continue;
+      }
+      const double unit_s = span.in_frames ? 1.0 / cards.front()->recorded_hz : 1.0;
+      const double begin_s = unit_s * span.begin, end_s = unit_s * span.end;
+      if (AnnotateCard* card = CardOfSpan(cards, begin_s, end_s)) {
+        card->spans.push_back({begin_s, end_s, span.label, span.fine_label, false});
+        continue;
+      }
+      input.rest.push_back({{"clip", span.clip}, {"begin_s", begin_s}, {"end_s", end_s}, {"label", span.label}});
+      if (!span.fine_label.empty()) input.rest.back()["fine_label"] = span.fine_label;
+    }
+  }
+  return placed;
+}
+
+/// In the order of time, in milliseconds; the key follows.
+void FinishCard(const std::string& fingerprint, AnnotateCard& card) {
+  std::sort(card.spans.begin(), card.spans.end(), [](const AnnotatedSpan& a, const AnnotatedSpan& b) {
+    return std::tie(a.begin_s, a.end_s, a.label) < std::tie(b.begin_s, b.end_s, b.label);
+  });
+  Sha256 hash;
+  hash.Add(card.clip + "\n" + fingerprint);
+  for (AnnotatedSpan& span : card.spans) {
+    span.begin_s = std::round(1e3 * span.begin_s) / 1e3;
+    span.end_s = std::round(1e3 * span.end_s) / 1e3;
+    hash.Add("\n" + FormatDouble(span.begin_s) + " " + FormatDouble(span.end_s) + (span.proposed ? " ? " : " ") +
+             span.label + "\n" + span.fine_label);
+  }
+  card.key = hash.Hex().substr(0, 16);
+}
+
+/// The labels that are given and those of spans, in their order.
+void AddLabelsOfSpans(AnnotatePageInput& input) {
+  std::set<std::string> known(input.labels.begin(), input.labels.end());
+  for (const AnnotateCard& card : input.cards) {
+    for (const AnnotatedSpan& span : card.spans) {
+      if (!span.label.empty() && known.insert(span.label).second) input.labels.push_back(span.label);
+    }
+  }
+}
+
+}  // namespace
+
+double RecordedRate(const Clip& clip) {
+  const int recorded = clip.identity.end_frame - clip.identity.begin_frame, frames = clip.motion->frame_count();
+  const double rate = clip.motion->rate.hz();
+  if (recorded <= 0 || frames == 0 || recorded == frames) return rate;
+  const double share = static_cast<double>(recorded) / frames, hz = rate * share;
+  double nearest = kUsualRates.front();
+  for (const double usual : kUsualRates) {
+    if (std::abs(usual - hz) < std::abs(nearest - hz)) nearest = usual;
+  }
+  // Either count may be one off, as frames were rounded.
+  const double unsure = 2.0 * rate * std::max(1.0, share) / frames;
+  return std::abs(nearest - hz) <= unsure ? nearest : hz;
+}
+
+double BeginInRecording(const Clip& clip) {
+  const auto noted = clip.provenance.find(kFirstFrame);
+  const auto before = noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0);
+  return static_cast<double>(clip.identity.begin_frame + before) / RecordedRate(clip);
+}
+
+Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<AnnotateOptions>(request.options, "annotate");
+  if (!options) return Forward(options);
+  AnnotatePageInput input;
+  std::optional<DatasetClips> clips;
+  SessionSpans session;
+  for (const StageInput& given : request.inputs) {
+    if (given.role == "dataset") {
+      auto opened = DatasetClips::Open(given.path, DatasetClips::Check::kHashes);
+      if (!opened) return Forward(opened);
+      clips.emplace(std::move(*opened));
+      input.dataset = given.name;
+    } else if (given.role == "spans") {
+      auto read = ReadSession(given);
+      if (!read) return Forward(read);
+      session = std::move(*read);
+    }
+  }
+  if (!clips) return Fail(ErrorCode::kInternal, "the stage got no dataset", request.item);
+  input.labels = options->labels.empty() ? clips->labels() : options->labels;
+  input.skeleton = clips->skeleton();
+  const auto rows = ChooseRows(*clips, *options, input.dataset);
+  if (!rows) return Forward(rows);
+  std::vector<std::string> fingerprints;
+  std::size_t bytes = 0;
+  int halved = 0;
+  for (const std::size_t row : *rows) {
+    const auto clip = clips->Read(row);
+    if (!clip) return Forward(clip);
+    AnnotateCard card = CardOf(*clip, options->rate_hz);
+    const int joints = clip->motion->joint_count();
+    for (int i = 0; i < halved; ++i) card.poses.Halve(joints);
+    bytes += card.poses.rows.size();
+    fingerprints.push_back(MotionFingerprint(*clip->motion));
+    input.cards.push_back(std::move(card));
+    while (static_cast<double>(bytes) > options->poses_bytes && halved < 16) {
+      ++halved;
+      bytes = 0;
+      for (AnnotateCard& made : input.cards) {
+        made.poses.Halve(joints);
+        bytes += made.poses.rows.size();
+      }
+    }
+  }
+  std::set<std::string> recordings;
+  for (std::size_t row = 0; row < clips->size(); ++row) recordings.insert(RecordingOf(clips->Id(row)));
+  const PlacedSession placed = PlaceSession(session, recordings, input);
+  if (!session.empty() && placed.known == 0) {
+    return Fail(ErrorCode::kInconsistent,
+                "none of its " + Counted(static_cast<long long>(session.size()), "recording") + " is in the dataset",
+                request.item, "they are spans of another dataset: '" + session.begin()->first + "'");
+  }
+  std::size_t spans = 0;
+  double least = options->rate_hz;
+  for (std::size_t i = 0; i < input.cards.size(); ++i) {
+    FinishCard(fingerprints[i], input.cards[i]);
+    spans += input.cards[i].spans.size();
+    least = std::min(least, input.cards[i].hz / input.cards[i].poses.step);
+  }
+  AddLabelsOfSpans(input);
+  const std::string page = MakeAnnotatePage(input);
+  if (Status written = WriteFile(request.output, page); !written) return Forward(written);
+  StageOutcome outcome;
+  outcome.summary = {{"bytes", page.size()},
+                     {"clips", input.cards.size()},
+                     {"spans", spans},
+                     {"not_shown", input.rest.size()},
+                     {"poses_per_second", least},
+                     {"labels", input.labels.size()},
+                     {"unknown", session.size() - placed.known},
+                     {"left_out", placed.left_out}};
+  return outcome;
+}
+
+}  // namespace mocurate
