@@ -31,6 +31,11 @@ std::string Array::ShapeText() const {
 
 std::string Array::Sha256() const {
   mocurate::Sha256 hasher;
+  AddTo(hasher);
+  return hasher.Hex();
+}
+
+void Array::AddTo(mocurate::Sha256& hasher) const {
   std::visit(
       [&hasher](const auto& held) {
         using Value = typename std::decay_t<decltype(held)>::value_type;
@@ -41,7 +46,6 @@ std::string Array::Sha256() const {
         }
       },
       values);
-  return hasher.Hex();
 }
 
 bool operator==(const Array& a, const Array& b) { return a.shape == b.shape && a.values == b.values; }

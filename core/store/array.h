@@ -9,6 +9,10 @@
 #include <variant>
 #include <vector>
 
+namespace mocurate {
+class Sha256;
+}
+
 namespace mocurate::store {
 
 /// Types a field may have in the file; the order is that of Array::values.
@@ -38,6 +42,7 @@ struct Array {
   std::string ShapeText() const;
   /// SHA-256 of the values: little-endian numbers; of texts, each followed by a zero byte.
   std::string Sha256() const;
+  void AddTo(mocurate::Sha256& hasher) const;
 };
 
 bool operator==(const Array& a, const Array& b);
@@ -54,6 +59,7 @@ Array EmptyArray(FieldType type, std::vector<std::uint64_t> shape);
 struct Content {
   std::map<std::string, Array> fields;
   std::set<std::string> splits;  ///< names that stand for * in the paths of the table
+  std::set<std::string> later;   ///< fields whose type and shape alone are here: their rows come later
 
   const Array* Find(const std::string& path) const;
   bool Has(const std::string& path) const { return Find(path) != nullptr; }

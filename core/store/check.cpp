@@ -43,7 +43,7 @@ std::string ShapeInSymbols(const Field& field) {
   return text + ")";
 }
 
-std::optional<std::string> ShapeProblem(const Field& field, const Array& array, Extents& extents) {
+std::optional<std::string> ShapeProblem(const Field& field, const Array& array, bool has_values, Extents& extents) {
   const std::string expected = "has shape " + array.ShapeText() + "; the format asks for " + ShapeInSymbols(field);
   if (array.shape.size() != field.shape.size()) return expected;
   for (std::size_t i = 0; i < field.shape.size(); ++i) {
@@ -59,7 +59,7 @@ std::optional<std::string> ShapeProblem(const Field& field, const Array& array, 
              entry->second.second;
     }
   }
-  if (array.count() != array.size()) {
+  if (has_values && array.count() != array.size()) {
     return "holds " + std::to_string(array.size()) + " values; shape " + array.ShapeText() + " needs " +
            std::to_string(array.count());
   }
@@ -73,6 +73,18 @@ std::optional<std::string> ZeroByte(const Array& array) {
     if (texts[i].find('\0') != std::string::npos) return "text " + std::to_string(i) + " has a zero byte inside";
   }
   return std::nullopt;
+}
+
+Status CheckRules(const std::vector<Field>& fields, const Schema& schema, const Content& content, ErrorCode code,
+                  const std::function<std::string(const std::string&)>& where) {
+  for (const Field& field : fields) {
+    const Array* array = content.Find(field.path);
+    if (array == nullptr || !field.rule.check || content.later.count(field.path) > 0) continue;
+    if (auto problem = field.rule.check(RuleContext{*array, content, field.path, schema.prefix})) {
+      return Fail(code, *problem, where(field.path), "rule: " + field.rule.words);
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -109,18 +121,21 @@ Status CheckContent(const Schema& schema, const Content& content, ErrorCode code
       problem =
           "is of type " + std::string(Name(array->type())) + "; the format asks for " + std::string(Name(field.type));
     }
-    if (!problem && array != nullptr) problem = ShapeProblem(field, *array, extents);
+    if (!problem && array != nullptr)
+      problem = ShapeProblem(field, *array, content.later.count(field.path) == 0, extents);
     if (!problem && array != nullptr) problem = ZeroByte(*array);
     if (problem) return Fail(code, *problem, where(field.path), "docs/store_format.md: " + field.meaning);
   }
-  for (const Field& field : fields) {
-    const Array* array = content.Find(field.path);
-    if (array == nullptr || !field.rule.check) continue;
-    if (auto problem = field.rule.check(RuleContext{*array, content, field.path, schema.prefix})) {
-      return Fail(code, *problem, where(field.path), "rule: " + field.rule.words);
-    }
+  return CheckRules(fields, schema, content, code, where);
+}
+
+Status CheckRulesBelow(const std::string& group, const Schema& schema, const Content& content, ErrorCode code,
+                       const std::function<std::string(const std::string&)>& where) {
+  std::vector<Field> fields;
+  for (const Field& field : schema.fields) {
+    if (field.path.rfind(group, 0) == 0) fields.push_back(field);
   }
-  return {};
+  return CheckRules(fields, schema, content, code, where);
 }
 
 }  // namespace mocurate::store

@@ -1,5 +1,7 @@
 #include "core/store/content_file.h"
 
+#include <algorithm>
+
 #include "core/base/file.h"
 
 namespace mocurate::store {
@@ -17,6 +19,27 @@ Status CheckSplitNames(const Content& content, const std::filesystem::path& path
                 "use a name without '/'");
   }
   return {};
+}
+
+constexpr std::uint64_t kOnDisk = 4u << 20;  // bytes of a file that is not made in memory
+
+/// Bytes that the fields take in a file, nearly.
+std::uint64_t BytesOf(const Content& content) {
+  std::uint64_t bytes = 0;
+  for (const auto& [path, array] : content.fields) {
+    bytes += std::visit(
+        [&](const auto& held) -> std::uint64_t {
+          using Value = typename std::decay_t<decltype(held)>::value_type;
+          if constexpr (!std::is_same_v<Value, std::string>) return array.count() * sizeof(Value);
+          std::uint64_t longest = 0;
+          if constexpr (std::is_same_v<Value, std::string>) {
+            for (const std::string& text : held) longest = std::max<std::uint64_t>(longest, text.size());
+          }
+          return array.count() * longest;
+        },
+        array.values);
+  }
+  return bytes;
 }
 
 }  // namespace
@@ -47,36 +70,82 @@ Status CheckSchemaName(const Schema& schema, const Hdf5Reader& reader) {
               Where(reader.file(), "/@schema"), "give the file of the right kind");
 }
 
-Status WriteContent(const Schema& schema, Content content, const std::filesystem::path& path) {
+Expected<ContentWriter> ContentWriter::Create(const Schema& schema, Content content,
+                                              const std::filesystem::path& path) {
   content.PutText("/@schema", schema.name);
   content.PutText("/@units", "m s rad");
   content.PutText("/@content_sha256", std::string(64, '0'));
-  if (Status checked = CheckSplitNames(content, path); !checked) return checked;
+  if (Status checked = CheckSplitNames(content, path); !checked) return Forward(checked);
   const auto where = [&path](const std::string& field) { return Where(path, field); };
-  if (Status checked = CheckContent(schema, content, ErrorCode::kInconsistent, where); !checked) return checked;
-
-  Lines lines;
-  Lines hashes;
-  for (const auto& [field, array] : content.fields) {
-    hashes[field] = array.Sha256();
-    lines[field] = FieldLine(array, hashes[field]);
+  if (Status checked = CheckContent(schema, content, ErrorCode::kInconsistent, where); !checked) {
+    return Forward(checked);
   }
-  content.PutText("/@content_sha256", ContentSha256(lines));
-  auto writer = Hdf5Writer::Create();
+  std::optional<PendingFile> file;
+  if (BytesOf(content) >= kOnDisk && PendingFile::Possible(path)) {
+    auto pending = PendingFile::Create(path);
+    if (!pending) return Forward(pending);
+    file.emplace(std::move(*pending));
+  }
+  auto writer = file ? Hdf5Writer::Create(file->descriptor(), path) : Hdf5Writer::Create();
   if (!writer) return Forward(writer);
+  ContentWriter made(path, std::move(file), std::move(*writer));
+  if (Status written = made.WriteFields(schema, std::move(content)); !written) return Forward(written);
+  return made;
+}
+
+Status ContentWriter::WriteFields(const Schema& schema, Content content) {
   for (const Field& field : ConcreteFields(schema, content)) {
     const auto found = content.fields.find(field.path);
     if (found == content.fields.end()) continue;
-    if (Status written = writer->Write(field.path, found->second); !written) return written;
-    if (field.path.rfind("/@", 0) != 0) {
-      if (Status put = writer->AttributeOf(field.path, "sha256", hashes[field.path]); !put) return put;
+    const bool later = content.later.count(field.path) > 0;
+    const Array& array = found->second;
+    const std::string sha256 = later ? std::string(64, '0') : array.Sha256();
+    if (Status written = later ? writer_.Make(field.path, array.type(), array.shape) : writer_.Write(field.path, array);
+        !written) {
+      return written;
     }
-    content.fields.erase(found);  // its bytes are in the image now
+    if (field.path.rfind("/@", 0) != 0) {
+      if (Status put = writer_.AttributeOf(field.path, "sha256", sha256); !put) return put;
+    }
+    if (later) growing_[field.path].shape = array;
+    if (!later) lines_[field.path] = FieldLine(array, sha256);
+    content.fields.erase(found);  // its bytes are in the file now
   }
-  if (!content.fields.empty()) {
-    return Fail(ErrorCode::kInternal, "is not in the table of fields", Where(path, content.fields.begin()->first));
+  if (content.fields.empty()) return {};
+  return Fail(ErrorCode::kInternal, "is not in the table of fields", Where(path_, content.fields.begin()->first));
+}
+
+Status ContentWriter::Append(const std::string& field, const Array& rows) {
+  Growing& growing = growing_.at(field);
+  if (rows.type() != growing.shape.type() || rows.rows() > growing.shape.rows() - growing.rows) {
+    return Fail(ErrorCode::kInternal, "gets more rows than were announced, or of another type", Where(path_, field));
   }
-  return writer->Finish([&path](std::string_view bytes) { return WriteFile(path, bytes); });
+  rows.AddTo(growing.hasher);
+  if (Status written = writer_.WriteRows(field, growing.rows, rows); !written) return written;
+  growing.rows += rows.rows();
+  return {};
+}
+
+Status ContentWriter::Finish() {
+  for (auto& [field, growing] : growing_) {
+    if (growing.rows < growing.shape.rows()) {
+      return Fail(ErrorCode::kInconsistent,
+                  "has " + std::to_string(growing.rows) + " of " + std::to_string(growing.shape.rows()) + " rows",
+                  Where(path_, field));
+    }
+    const std::string sha256 = growing.hasher.Hex();
+    if (Status put = writer_.AttributeOf(field, "sha256", sha256); !put) return put;
+    lines_[field] = FieldLine(growing.shape, sha256);
+  }
+  if (Status put = writer_.AttributeOf("/", "content_sha256", ContentSha256(lines_)); !put) return put;
+  if (!file_) return writer_.Finish([this](std::string_view bytes) { return WriteFile(path_, bytes); });
+  if (Status finished = writer_.Finish(); !finished) return finished;
+  return file_->Publish();
+}
+
+Status WriteContent(const Schema& schema, Content content, const std::filesystem::path& path) {
+  auto writer = ContentWriter::Create(schema, std::move(content), path);
+  return writer ? writer->Finish() : Forward(writer);
 }
 
 Expected<Content> ReadContent(const Schema& schema, const std::filesystem::path& path) {

@@ -1,15 +1,49 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <optional>
 
+#include "core/base/sha256.h"
 #include "core/motion/skeleton.h"
 #include "core/store/hdf5_file.h"
+#include "core/store/pending_file.h"
 #include "core/store/table.h"
 
 namespace mocurate::store {
 
-/// Sets /@schema, /@units and /@content_sha256, checks `content` against the table (error kInconsistent) and writes the
-/// file whole or not at all (error kCannotWrite).
+/// Writes a file of fields whose rows may come later; it appears whole or not at all. A large file is written on disk
+/// bit by bit, a small one in memory: its bytes are the same.
+class ContentWriter {
+ public:
+  /// Sets /@schema, /@units and /@content_sha256, checks `content` against the table (error kInconsistent) and writes
+  /// all but the rows of Content::later. Error kCannotWrite.
+  static Expected<ContentWriter> Create(const Schema& schema, Content content, const std::filesystem::path& path);
+  /// The next rows of a field of Content::later, whose rules have been checked. Error kCannotWrite; kInternal: more
+  /// than were announced.
+  Status Append(const std::string& field, const Array& rows);
+  /// Error kCannotWrite; kInconsistent: rows are missing.
+  Status Finish();
+
+ private:
+  /// A field whose rows come.
+  struct Growing {
+    Array shape;  ///< without values
+    std::uint64_t rows = 0;
+    Sha256 hasher;
+  };
+  ContentWriter(std::filesystem::path path, std::optional<PendingFile> file, Hdf5Writer writer)
+      : path_(std::move(path)), file_(std::move(file)), writer_(std::move(writer)) {}
+  Status WriteFields(const Schema& schema, Content content);
+
+  std::filesystem::path path_;
+  std::optional<PendingFile> file_;  ///< empty: in memory
+  Hdf5Writer writer_;
+  std::map<std::string, Growing> growing_;
+  std::map<std::string, std::string> lines_;
+};
+
+/// A ContentWriter's work, where nothing comes later.
 Status WriteContent(const Schema& schema, Content content, const std::filesystem::path& path);
 
 /// Reads every field of the table that is there, checks all of them and the hashes. Error kNotFound, kUnreadable,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/sha256.h"
 #include "core/store/content_file.h"
 #include "core/store/fields.h"
 
@@ -50,13 +51,16 @@ int MaskBit(const std::string& path) {
 
 struct DatasetClips::File {
   Hdf5Reader reader;
-  Content content;                                    ///< all but the frames
-  std::map<std::string, std::uint64_t> frame_fields;  ///< path -> rows
+  Content content;                                                 ///< all but the frames
+  std::map<std::string, std::vector<std::uint64_t>> frame_fields;  ///< path -> shape
   SkeletonPtr skeleton;
   AxisConvention axes;
 
   std::string Where(const std::string& field) const { return store::Where(reader.file(), field); }
   Expected<Content> OneClip(std::size_t row) const;
+  Expected<Array> FramesOf(std::size_t row, const Field& field) const;
+  /// Whether `path` is a field of /frames that the clip has.
+  bool HasField(std::size_t row, const std::string& path) const;
   /// Every id once; every split whole, its rows clips of the file.
   Status CheckIdsAndSplits() const;
 };
@@ -74,7 +78,7 @@ Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Che
     if (Below(field.path, "/frames/")) {
       const auto shape = file->reader.ShapeOfRows(field.path, field.type);
       if (!shape) return Forward(shape);
-      file->frame_fields[field.path] = shape->front();
+      file->frame_fields[field.path] = *shape;
       if (check == Check::kNone) continue;
       Expected<std::string> hash = file->reader.HashOfRows(field.path, field.type, kBlockBytes);
       if (!hash) return Forward(hash);
@@ -157,6 +161,66 @@ std::vector<std::string> DatasetClips::finding_codes() const {
 
 std::vector<Split> DatasetClips::splits() const { return store::UnpackSplits(file_->content); }
 
+std::uint8_t DatasetClips::OptionalFields(std::size_t row) const {
+  return file_->content.Values<std::uint8_t>("/clips/field_mask").at(row);
+}
+
+std::string DatasetClips::content_sha256() const { return file_->content.Text("/@content_sha256"); }
+
+Expected<Dataset> DatasetClips::Outline() const {
+  Content content = file_->content;
+  for (const Field& field : store::DatasetSchema().fields) {
+    const auto shape = file_->frame_fields.find(field.path);
+    if (shape == file_->frame_fields.end()) continue;
+    content.fields[field.path] = store::EmptyArray(field.type, shape->second);
+    content.later.insert(field.path);
+  }
+  const auto where = [this](const std::string& field) { return file_->Where(field); };
+  if (Status sound = store::CheckContent(store::DatasetSchema(), content, ErrorCode::kMalformed, where); !sound) {
+    return Forward(sound);
+  }
+  auto skeleton = std::make_shared<const Skeleton>(store::UnpackSkeleton(content, ""));
+  if (Status sound = store::CheckSkeleton(*skeleton, ErrorCode::kMalformed, file_->reader.file(), ""); !sound) {
+    return Forward(sound);
+  }
+  Dataset dataset;
+  dataset.skeleton = skeleton;
+  dataset.clips = store::UnpackClips(content);
+  for (std::size_t row = 0; row < dataset.clips.size(); ++row) {
+    dataset.clips[row].motion = store::UnpackOutline(content, "", skeleton, row);
+  }
+  store::UnpackDatasetParts(content, dataset);
+  return dataset;
+}
+
+Expected<std::string> DatasetClips::MotionSha256(std::size_t row) const {
+  Sha256 hasher;
+  const auto add = [&hasher](const std::string& name, const Array& array) {
+    hasher.Add(name + array.ShapeText());
+    array.AddTo(hasher);
+  };
+  const Content& content = file_->content;
+  hasher.Add(content.Values<std::string>("/clips/rate").at(row));
+  if (content.Has("/clips/bone_length")) {
+    add("bone_length", RowsOf(content.fields.at("/clips/bone_length"), {row}));
+    const SkeletonPtr own = store::WithRestOffsets(content, "", row, file_->skeleton);
+    for (const Joint& joint : own->joints) hasher.Add(joint.rest_offset.data(), 3 * sizeof(double));
+  }
+  for (const Field& field : store::DatasetSchema().fields) {
+    if (!file_->HasField(row, field.path)) continue;
+    const auto frames = file_->FramesOf(row, field);
+    if (!frames) return Forward(frames);
+    add(field.path, *frames);
+  }
+  return hasher.Hex();
+}
+
+bool DatasetClips::File::HasField(std::size_t row, const std::string& path) const {
+  const int bit = MaskBit(path);
+  const std::uint8_t mask = content.Values<std::uint8_t>("/clips/field_mask")[row];
+  return frame_fields.count(path) > 0 && (bit < 0 || (mask & (1u << bit)) != 0);
+}
+
 Status DatasetClips::File::CheckIdsAndSplits() const {
   const std::vector<std::string>& ids = content.Values<std::string>("/clips/id");
   std::set<std::string> seen;
@@ -183,11 +247,23 @@ Status DatasetClips::File::CheckIdsAndSplits() const {
   return {};
 }
 
-/// The file as if it held this clip alone, checked.
-Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
+/// Rows of a field of /frames that are the clip's.
+Expected<Array> DatasetClips::File::FramesOf(std::size_t row, const Field& field) const {
   const std::int64_t offset = content.Values<std::int64_t>("/clips/offset")[row];
   const std::int64_t count = content.Values<std::int64_t>("/clips/count")[row];
-  const std::uint8_t mask = content.Values<std::uint8_t>("/clips/field_mask")[row];
+  const std::uint64_t rows = frame_fields.at(field.path).front();
+  if (offset < 0 || count < 1 || static_cast<std::uint64_t>(offset) > rows ||
+      static_cast<std::uint64_t>(count) > rows - static_cast<std::uint64_t>(offset)) {
+    return Fail(ErrorCode::kMalformed,
+                "row " + std::to_string(row) + " takes " + std::to_string(count) + " frames from " +
+                    std::to_string(offset) + " of " + std::to_string(rows),
+                Where("/clips/offset"));
+  }
+  return reader.ReadRows(field.path, field.type, static_cast<std::uint64_t>(offset), static_cast<std::uint64_t>(count));
+}
+
+/// The file as if it held this clip alone, checked.
+Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
   const std::uint64_t clips = content.fields.at("/clips/id").rows();
   const Array* of_clips = content.Find("/segments/clip");
   const std::uint64_t segment_count = of_clips == nullptr ? 0 : of_clips->rows();
@@ -215,18 +291,8 @@ Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
   one.Put("/clips/offset", {1}, std::vector<std::int64_t>{0});
   one.PutText("/@rate", content.Values<std::string>("/clips/rate")[row]);
   for (const Field& field : store::DatasetSchema().fields) {
-    const auto rows = frame_fields.find(field.path);
-    const int bit = MaskBit(field.path);
-    if (rows == frame_fields.end() || (bit >= 0 && (mask & (1u << bit)) == 0)) continue;
-    if (offset < 0 || count < 1 || static_cast<std::uint64_t>(offset) > rows->second ||
-        static_cast<std::uint64_t>(count) > rows->second - static_cast<std::uint64_t>(offset)) {
-      return Fail(ErrorCode::kMalformed,
-                  "row " + std::to_string(row) + " takes " + std::to_string(count) + " frames from " +
-                      std::to_string(offset) + " of " + std::to_string(rows->second),
-                  Where("/clips/offset"));
-    }
-    auto array =
-        reader.ReadRows(field.path, field.type, static_cast<std::uint64_t>(offset), static_cast<std::uint64_t>(count));
+    if (!HasField(row, field.path)) continue;
+    auto array = FramesOf(row, field);
     if (!array) return Forward(array);
     one.fields[field.path] = std::move(*array);
   }

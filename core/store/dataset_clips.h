@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -33,6 +34,18 @@ class DatasetClips {
   std::string created_by() const;
   /// Code of each finding, in their order.
   std::vector<std::string> finding_codes() const;
+
+  /// Which optional fields of /frames a clip has: bits of /clips/field_mask.
+  std::uint8_t OptionalFields(std::size_t row) const;
+  std::string content_sha256() const;
+
+  /// All but the frames: what ReadDataset gives, with motions that have skeleton, rate, counts of frames and joints,
+  /// and bone lengths, but no arrays of frames. The rules of the table are checked, but for those of frames. Error
+  /// kMalformed.
+  Expected<Dataset> Outline() const;
+  /// SHA-256 of a clip's motion as it is stored: rate, frames with their optional fields, bone lengths, rest offsets.
+  /// Equal motions have equal ones in every file. Error kMalformed.
+  Expected<std::string> MotionSha256(std::size_t row) const;
 
   /// What ReadDataset gives at this place, `row` below size(). The rules of the table are checked. Error kMalformed.
   Expected<Clip> Read(std::size_t row) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@
 /// Unpack* need checked content. `prefix` is "" or "/truth".
 namespace mocurate::store {
 
-/// Bit i of /clips/field_mask stands for entry i.
+/// Bit i of /clips/field_mask stands for entry i (OptionalFieldsOf).
 inline constexpr std::array<const char*, 5> kOptionalFrameFields = {"state", "position_cov", "rotation_sigma",
                                                                     "rotation_observed", "contact"};
 
@@ -26,16 +27,34 @@ bool SameButRestOffsets(const Skeleton& a, const Skeleton& b);
 SkeletonPtr WithRestOffsets(const Content& content, const std::string& prefix, std::size_t row,
                             const SkeletonPtr& skeleton);
 
+/// What is known of a motion before its frames come.
 struct MotionRow {
   std::string id;
-  const Motion* motion;
+  const Motion* motion;          ///< skeleton, rate, counts of frames and joints, bone lengths
+  std::uint8_t optional_fields;  ///< bits of kOptionalFrameFields that it has
 };
-/// Writes /frames and the spans in /clips. Error kInconsistent naming the clip.
-Status PackMotions(const std::vector<MotionRow>& rows, const Skeleton& skeleton, bool joints_only,
-                   const std::string& prefix, Content& content);
+/// Writes the spans in /clips, and of /frames types and shapes (Content::later). Error kInconsistent naming the clip.
+Status PackOutlines(const std::vector<MotionRow>& rows, const Skeleton& skeleton, bool joints_only,
+                    const std::string& prefix, Content& content);
+/// Whether a motion has as many values as its frames ask for, and rotations where they are wanted. Error kInconsistent.
+Status CheckFrames(const std::string& id, const Motion& motion, bool joints_only);
+/// Writes /frames of one motion, with the optional fields that some motion of the file has (`present`).
+void PackFrames(const Motion& motion, unsigned present, bool joints_only, const std::string& prefix, Content& content);
+/// A motion without frames: what PackOutlines wrote of it.
+Motion UnpackOutline(const Content& content, const std::string& prefix, const SkeletonPtr& skeleton, std::size_t row);
 std::vector<Motion> UnpackMotions(const Content& content, const std::string& prefix, const SkeletonPtr& skeleton);
 
+/// Labels and fine labels, and the classes of the clips.
+void PackLabels(const Dataset& dataset, Content& content);
+/// Error kInconsistent: two of one name.
+Status PackSplits(const std::vector<Split>& splits, Content& content);
 std::vector<Split> UnpackSplits(const Content& content);
+void PackFindings(const std::vector<Finding>& findings, Content& content);
+std::vector<Finding> UnpackFindings(const Content& content);
+/// What a dataset has beside skeleton and clips.
+void UnpackDatasetParts(const Content& content, Dataset& dataset);
+/// Whether clip and motion agree on the rate. Error kInconsistent naming the clip.
+Status CheckRates(const Clip& clip, const std::filesystem::path& path);
 
 /// Identity, labels, segments, provenance; not motion and evidence.
 void PackClips(const std::vector<const Clip*>& clips, Content& content);

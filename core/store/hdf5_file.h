@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/store/array.h"
+#include "core/store/hdf5_descriptor.h"
 
 namespace mocurate::store {
 
@@ -78,23 +81,41 @@ class Hdf5Reader {
   Hdf5Id id_;
 };
 
-/// Builds an HDF5 file in memory: no input or output can fail inside HDF5. Same calls, same bytes: no times, fixed
-/// library bounds, contiguous, uncompressed. Bounds start at 1.8, whose metadata carry checksums.
+/// Builds an HDF5 file, in memory or in a file that is open: no input or output can fail inside HDF5. Same calls, same
+/// bytes: no times, fixed library bounds, contiguous, uncompressed. Bounds start at 1.8, whose metadata carry
+/// checksums.
 class Hdf5Writer {
  public:
   static Expected<Hdf5Writer> Create();
+  /// Into `descriptor`, an empty file that is open for reading and writing and stays so until Finish. `file` names it
+  /// in messages.
+  static Expected<Hdf5Writer> Create(int descriptor, const std::filesystem::path& file);
   /// A dataset "/a/b" (its groups are made) or a text attribute "/@name". Texts are of fixed length, UTF-8,
   /// zero-padded.
   Status Write(const std::string& path, const Array& array);
+  /// A dataset of numbers whose rows are written later, in any order.
+  Status Make(const std::string& path, FieldType type, const std::vector<std::uint64_t>& shape);
+  Status WriteRows(const std::string& path, std::uint64_t first, const Array& rows);
+  /// A text attribute of a dataset, or of the root "/". One that is there gets another text of the same length.
   Status AttributeOf(const std::string& path, const std::string& name, const std::string& text);
-  /// Hands the finished bytes to `sink`.
+  /// Hands the finished bytes of a file in memory to `sink`.
   Status Finish(const std::function<Status(std::string_view bytes)>& sink);
+  /// Ends the file that is open; it is neither synced nor closed. Error kCannotWrite, for all that was written before.
+  Status Finish();
 
  private:
+  static Expected<Hdf5Writer> Made(Hdf5Writer writer, const std::string& name);
   Status MakeGroups(const std::string& path);
+  Expected<Hdf5Id> MakeDataset(const std::string& path, hid_t type, const std::vector<std::uint64_t>& shape);
   Status PutAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path);
-  Hdf5Id id_;
+  /// What failed in the file that is open.
+  Status Written() const;
+
+  std::filesystem::path path_;
+  std::unique_ptr<DescriptorFile> file_;  ///< null: in memory. Outlives id_
   Hdf5Id access_;
+  Hdf5Id id_;
+  std::map<std::string, Hdf5Id> made_;  ///< datasets of Make
 };
 
 }  // namespace mocurate::store

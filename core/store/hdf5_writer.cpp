@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <atomic>
-#include <cstring>
+#include <utility>
 
 #include "core/store/hdf5_file.h"
+#include "core/store/pending_file.h"
 
 namespace mocurate::store {
 namespace {
@@ -71,11 +72,24 @@ Expected<Hdf5Writer> Hdf5Writer::Create() {
   Hdf5Writer writer;
   writer.access_ = Hdf5Id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_core(writer.access_.get(), kGrowth, false);
+  return Made(std::move(writer), "mocurate-image-" + std::to_string(images.fetch_add(1)));
+}
+
+Expected<Hdf5Writer> Hdf5Writer::Create(int descriptor, const std::filesystem::path& file) {
+  SilenceHdf5();
+  Hdf5Writer writer;
+  writer.path_ = file;
+  writer.file_ = std::make_unique<DescriptorFile>();
+  writer.file_->descriptor = descriptor;
+  writer.access_ = Hdf5Id(DescriptorAccess(*writer.file_), H5Pclose);
+  return Made(std::move(writer), file.string());
+}
+
+Expected<Hdf5Writer> Hdf5Writer::Made(Hdf5Writer writer, const std::string& name) {
   H5Pset_libver_bounds(writer.access_.get(), H5F_LIBVER_V18, H5F_LIBVER_V110);
   H5Pset_fclose_degree(writer.access_.get(), H5F_CLOSE_STRONG);
   const Hdf5Id creation = Untimed(H5P_FILE_CREATE);
   H5Pset_link_phase_change(creation.get(), 64, 48);
-  const std::string name = "mocurate-image-" + std::to_string(images.fetch_add(1));
   writer.id_ = Hdf5Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation.get(), writer.access_.get()), H5Fclose);
   if (!writer.id_.ok()) return Broken("/", "no file can be made");
   return writer;
@@ -103,24 +117,21 @@ Status Hdf5Writer::PutAttribute(hid_t object, const std::string& name, const std
   }
   const Block block = Pad({text});
   const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Hdf5Id attribute(H5Acreate2(object, name.c_str(), block.text_type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
-                         H5Aclose);
+  const bool known = H5Aexists(object, name.c_str()) > 0;
+  const Hdf5Id attribute(
+      known ? H5Aopen(object, name.c_str(), H5P_DEFAULT)
+            : H5Acreate2(object, name.c_str(), block.text_type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
   if (!attribute.ok() || H5Awrite(attribute.get(), block.text_type.get(), block.padded.data()) < 0) {
     return Broken(path, "the attribute cannot be written");
   }
   return {};
 }
 
-Status Hdf5Writer::Write(const std::string& path, const Array& array) {
+Expected<Hdf5Id> Hdf5Writer::MakeDataset(const std::string& path, hid_t type, const std::vector<std::uint64_t>& shape) {
   SilenceHdf5();
-  if (path.rfind("/@", 0) == 0) return PutAttribute(id_.get(), path.substr(2), array.as<std::string>().at(0), path);
-  if (Status made = MakeGroups(path); !made) return made;
-  Block block;
-  if (array.type() == FieldType::kText) block = Pad(array.as<std::string>());
-  const void* data = std::visit([](const auto& held) { return static_cast<const void*>(held.data()); }, array.values);
-  if (block.text_type.ok()) data = block.padded.data();
-  const hid_t type = block.text_type.ok() ? block.text_type.get() : FileType(array.type());
-  const std::vector<hsize_t> extents(array.shape.begin(), array.shape.end());
+  if (Status made = MakeGroups(path); !made) return Forward(made);
+  const std::vector<hsize_t> extents(shape.begin(), shape.end());
   const Hdf5Id space(extents.empty() ? H5Screate(H5S_SCALAR)
                                      : H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr),
                      H5Sclose);
@@ -128,13 +139,50 @@ Status Hdf5Writer::Write(const std::string& path, const Array& array) {
   H5Pset_layout(properties.get(), H5D_CONTIGUOUS);
   H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY);
   H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER);
-  const Hdf5Id dataset(
-      H5Dcreate2(id_.get(), path.c_str(), type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
+  Hdf5Id dataset(H5Dcreate2(id_.get(), path.c_str(), type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+                 H5Dclose);
   if (!dataset.ok()) return Broken(path, "the dataset cannot be made");
-  if (array.size() > 0 && H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
+  return dataset;
+}
+
+Status Hdf5Writer::Write(const std::string& path, const Array& array) {
+  SilenceHdf5();
+  if (path.rfind("/@", 0) == 0) return PutAttribute(id_.get(), path.substr(2), array.as<std::string>().at(0), path);
+  Block block;
+  if (array.type() == FieldType::kText) block = Pad(array.as<std::string>());
+  const void* data = std::visit([](const auto& held) { return static_cast<const void*>(held.data()); }, array.values);
+  if (block.text_type.ok()) data = block.padded.data();
+  const hid_t type = block.text_type.ok() ? block.text_type.get() : FileType(array.type());
+  const auto dataset = MakeDataset(path, type, array.shape);
+  if (!dataset) return Forward(dataset);
+  if (array.size() > 0 && H5Dwrite(dataset->get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
     return Broken(path, "the values cannot be written");
   }
-  return {};
+  return Written();
+}
+
+Status Hdf5Writer::Make(const std::string& path, FieldType type, const std::vector<std::uint64_t>& shape) {
+  auto dataset = MakeDataset(path, FileType(type), shape);
+  if (!dataset) return Forward(dataset);
+  made_[path] = std::move(*dataset);
+  return Written();
+}
+
+Status Hdf5Writer::WriteRows(const std::string& path, std::uint64_t first, const Array& rows) {
+  SilenceHdf5();
+  if (rows.size() == 0) return {};
+  const Hdf5Id& dataset = made_.at(path);
+  const std::vector<hsize_t> extents(rows.shape.begin(), rows.shape.end());
+  std::vector<hsize_t> start(extents.size(), 0);
+  start[0] = first;
+  const Hdf5Id memory(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), H5Sclose);
+  const Hdf5Id space(H5Dget_space(dataset.get()), H5Sclose);
+  const void* data = std::visit([](const auto& held) { return static_cast<const void*>(held.data()); }, rows.values);
+  if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, extents.data(), nullptr) < 0 ||
+      H5Dwrite(dataset.get(), FileType(rows.type()), memory.get(), space.get(), H5P_DEFAULT, data) < 0) {
+    return Broken(path, "the values cannot be written");
+  }
+  return Written();
 }
 
 Status Hdf5Writer::AttributeOf(const std::string& path, const std::string& name, const std::string& text) {
@@ -143,8 +191,14 @@ Status Hdf5Writer::AttributeOf(const std::string& path, const std::string& name,
   return PutAttribute(object.get(), name, text, path);
 }
 
+Status Hdf5Writer::Written() const {
+  if (file_ == nullptr || file_->error == 0) return {};
+  return CannotWriteFile(path_, file_->error);
+}
+
 Status Hdf5Writer::Finish(const std::function<Status(std::string_view)>& sink) {
   SilenceHdf5();
+  made_.clear();
   if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0) return Broken("/", "the file cannot be finished");
   const ssize_t size = H5Fget_file_image(id_.get(), nullptr, 0);
   void* memory = nullptr;  // the driver hands out the address of its pointer
@@ -152,6 +206,14 @@ Status Hdf5Writer::Finish(const std::function<Status(std::string_view)>& sink) {
     return Broken("/", "the file cannot be finished");
   }
   return sink(std::string_view(*static_cast<const char**>(memory), static_cast<std::size_t>(size)));
+}
+
+Status Hdf5Writer::Finish() {
+  SilenceHdf5();
+  made_.clear();
+  if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0) return Broken("/", "the file cannot be finished");
+  file_->finished = true;  // what HDF5 writes when it closes is not part of a file in memory either
+  return Written();
 }
 
 }  // namespace mocurate::store

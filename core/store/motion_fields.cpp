@@ -1,15 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/store/content_file.h"
+#include "core/store/dataset_writer.h"
 #include "core/store/fields.h"
 
 namespace mocurate::store {
 namespace {
-
-struct Sizes {
-  std::size_t frames = 0;
-  std::size_t joints = 0;
-};
 
 template <class T>
 Status CheckSize(const std::vector<T>& values, std::size_t expected, const std::string& field, const std::string& id,
@@ -21,18 +18,45 @@ Status CheckSize(const std::vector<T>& values, std::size_t expected, const std::
               id);
 }
 
-Status CheckMotion(const MotionRow& row, const Skeleton& skeleton, bool joints_only) {
+/// The optional fields in the order of their bits.
+template <class Work>
+void ForEachOptional(const Work& work) {
+  work(0, &Motion::state, std::uint8_t(), [](std::size_t joints) { return std::vector<std::uint64_t>{joints}; });
+  work(1, &Motion::position_cov, float(), [](std::size_t joints) { return std::vector<std::uint64_t>{joints, 6}; });
+  work(2, &Motion::rotation_sigma, float(), [](std::size_t joints) { return std::vector<std::uint64_t>{joints, 3}; });
+  work(3, &Motion::rotation_observed, float(), [](std::size_t joints) {
+    return std::vector<std::uint64_t>{joints, 3};
+  });
+  work(4, &Motion::contact, std::uint8_t(), [](std::size_t) { return std::vector<std::uint64_t>{2}; });
+}
+
+std::string FramesPath(const std::string& prefix, unsigned bit) {
+  return prefix + "/frames/" + kOptionalFrameFields[bit];
+}
+
+/// Type and shape of a field of /frames of so many rows.
+template <class Stored>
+void PutLater(const std::string& path, std::uint64_t rows, std::vector<std::uint64_t> per_row, Content& content) {
+  per_row.insert(per_row.begin(), rows);
+  content.fields[path] = MakeArray(std::move(per_row), std::vector<Stored>());
+  content.later.insert(path);
+}
+
+Status CheckKinematics(const std::string& id, const Motion& motion, bool joints_only) {
+  if (motion.joints_only() == joints_only || motion.joints.empty()) return {};
+  return Fail(ErrorCode::kInconsistent,
+              joints_only ? "the motion has rotations in a file of joints only" : "the motion has no rotations", id,
+              "a file holds either rotations for all clips or joints only");
+}
+
+Status CheckOutline(const MotionRow& row, const Skeleton& skeleton, bool joints_only) {
   const Motion& motion = *row.motion;
+  if (Status fits = CheckKinematics(row.id, motion, joints_only); !fits) return fits;
   const bool same = motion.skeleton != nullptr && (joints_only ? SameSkeleton(*motion.skeleton, skeleton)
                                                                : SameButRestOffsets(*motion.skeleton, skeleton));
   if (!same) {
     return Fail(ErrorCode::kInconsistent, "the motion's skeleton is not the file's '" + skeleton.name + "'", row.id,
                 "one file holds one skeleton; map the joints first");
-  }
-  if (motion.joints_only() != joints_only) {
-    return Fail(ErrorCode::kInconsistent,
-                joints_only ? "the motion has rotations in a file of joints only" : "the motion has no rotations",
-                row.id, "a file holds either rotations for all clips or joints only");
   }
   const std::size_t J = skeleton.joints.size();
   if (motion.frame_count() < 0 || motion.joint_count() != skeleton.joint_count()) {
@@ -40,70 +64,7 @@ Status CheckMotion(const MotionRow& row, const Skeleton& skeleton, bool joints_o
                 "the motion has " + std::to_string(motion.joint_count()) + " joints, its skeleton " + std::to_string(J),
                 row.id);
   }
-  const auto F = static_cast<std::size_t>(motion.frame_count());
-  const std::size_t tree = joints_only ? 0 : 1;
-  for (const Status& status : {CheckSize(motion.joints.xyz, F * J * 3, "joints", row.id),
-                               CheckSize(motion.root_translation, tree * F, "root_translation", row.id),
-                               CheckSize(motion.rotation, tree * F * J, "rotation", row.id),
-                               CheckSize(motion.bone_length, tree * J, "bone_length", row.id, joints_only),
-                               CheckSize(motion.state, F * J, "state", row.id, true),
-                               CheckSize(motion.position_cov, F * J * 6, "position_cov", row.id, true),
-                               CheckSize(motion.rotation_sigma, F * J * 3, "rotation_sigma", row.id, true),
-                               CheckSize(motion.rotation_observed, F * J * 3, "rotation_observed", row.id, true),
-                               CheckSize(motion.contact, F * 2, "contact", row.id, true)}) {
-    if (!status) return status;
-  }
-  return {};
-}
-
-/// One optional field of all clips side by side; nothing when no clip has it. Sets `bit` of the masks of those that do.
-template <class Stored, class Held>
-void PackOptional(const std::vector<MotionRow>& rows, const std::vector<Held> Motion::*member, std::size_t per_frame,
-                  unsigned bit, std::vector<std::uint64_t> shape, const std::string& prefix,
-                  std::vector<std::uint8_t>& masks, Content& content) {
-  std::vector<Stored> values;
-  bool any = false;
-  for (const MotionRow& row : rows) any = any || !(row.motion->*member).empty();
-  if (!any) return;
-  values.reserve(shape[0] * per_frame);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto& held = rows[i].motion->*member;
-    for (const Held value : held) values.push_back(static_cast<Stored>(value));
-    if (!held.empty()) masks[i] = static_cast<std::uint8_t>(masks[i] | (1u << bit));
-    if (held.empty())
-      values.resize(values.size() + per_frame * static_cast<std::size_t>(rows[i].motion->frame_count()));
-  }
-  content.Put(prefix + "/frames/" + kOptionalFrameFields[bit], std::move(shape), std::move(values));
-}
-
-template <class Stored, class Held>
-void UnpackOptional(const Content& content, const std::string& prefix, unsigned bit, std::size_t per_frame,
-                    std::size_t offset, std::vector<Held>& held, const Motion& motion) {
-  const auto& values = content.Values<Stored>(prefix + "/frames/" + kOptionalFrameFields[bit]);
-  const std::size_t count = per_frame * static_cast<std::size_t>(motion.frame_count());
-  held.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) held.push_back(static_cast<Held>(values[per_frame * offset + i]));
-}
-
-void PackTree(const std::vector<MotionRow>& rows, Sizes sizes, const std::string& prefix, Content& content) {
-  std::vector<float> root;
-  std::vector<float> rotation;
-  std::vector<double> bones;
-  root.reserve(sizes.frames * 3);
-  rotation.reserve(sizes.frames * sizes.joints * 4);
-  for (const MotionRow& row : rows) {
-    for (const Vector3d& p : row.motion->root_translation) {
-      for (int k = 0; k < 3; ++k) root.push_back(static_cast<float>(p[k]));
-    }
-    for (const Quaterniond& q : row.motion->rotation) {
-      const auto stored = StoredQuaternion(q);
-      rotation.insert(rotation.end(), stored.begin(), stored.end());
-    }
-    bones.insert(bones.end(), row.motion->bone_length.begin(), row.motion->bone_length.end());
-  }
-  content.Put(prefix + "/frames/root_translation", {sizes.frames, 3}, std::move(root));
-  content.Put(prefix + "/frames/rotation", {sizes.frames, sizes.joints, 4}, std::move(rotation));
-  content.Put(prefix + "/clips/bone_length", {rows.size(), sizes.joints}, std::move(bones));
+  return CheckSize(motion.bone_length, joints_only ? 0 : J, "bone_length", row.id, joints_only);
 }
 
 /// Where the people's rest offsets are not all the file's.
@@ -122,34 +83,69 @@ void PackRestOffsets(const std::vector<MotionRow>& rows, const Skeleton& skeleto
   content.Put(prefix + "/clips/rest_offset", {rows.size(), skeleton.joints.size(), 3}, std::move(offsets));
 }
 
-void UnpackTree(const Content& content, const std::string& prefix, std::size_t row, std::size_t offset,
-                Motion& motion) {
+void PackTree(const Motion& motion, const std::string& prefix, Content& content) {
+  const auto F = static_cast<std::size_t>(motion.frame_count());
+  const auto J = static_cast<std::size_t>(motion.joint_count());
+  std::vector<float> root, rotation;
+  root.reserve(F * 3);
+  rotation.reserve(F * J * 4);
+  for (const Vector3d& p : motion.root_translation) {
+    for (int k = 0; k < 3; ++k) root.push_back(static_cast<float>(p[k]));
+  }
+  for (const Quaterniond& q : motion.rotation) {
+    const auto stored = StoredQuaternion(q);
+    rotation.insert(rotation.end(), stored.begin(), stored.end());
+  }
+  content.Put(prefix + "/frames/root_translation", {F, 3}, std::move(root));
+  content.Put(prefix + "/frames/rotation", {F, J, 4}, std::move(rotation));
+}
+
+template <class Stored, class Held>
+void UnpackOptional(const Content& content, const std::string& prefix, unsigned bit, std::size_t per_frame,
+                    std::size_t offset, std::vector<Held>& held, const Motion& motion) {
+  const auto& values = content.Values<Stored>(prefix + "/frames/" + kOptionalFrameFields[bit]);
+  const std::size_t count = per_frame * static_cast<std::size_t>(motion.frame_count());
+  held.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) held.push_back(static_cast<Held>(values[per_frame * offset + i]));
+}
+
+void UnpackTree(const Content& content, const std::string& prefix, std::size_t offset, Motion& motion) {
   const auto F = static_cast<std::size_t>(motion.frame_count());
   const auto J = static_cast<std::size_t>(motion.joint_count());
   const float* root = content.Values<float>(prefix + "/frames/root_translation").data() + 3 * offset;
   const float* rotation = content.Values<float>(prefix + "/frames/rotation").data() + 4 * offset * J;
-  const double* bones = content.Values<double>(prefix + "/clips/bone_length").data() + row * J;
   motion.root_translation.reserve(F);
   for (std::size_t f = 0; f < F; ++f)
     motion.root_translation.emplace_back(root[3 * f], root[3 * f + 1], root[3 * f + 2]);
   motion.rotation.reserve(F * J);
   for (std::size_t i = 0; i < F * J; ++i) motion.rotation.push_back(ReadQuaternion(rotation + 4 * i));
-  motion.bone_length.assign(bones, bones + J);
 }
 
-Motion UnpackMotion(const Content& content, const std::string& prefix, const SkeletonPtr& skeleton, std::size_t row) {
-  const auto offset = static_cast<std::size_t>(content.Values<std::int64_t>(prefix + "/clips/offset")[row]);
-  const auto count = static_cast<std::size_t>(content.Values<std::int64_t>(prefix + "/clips/count")[row]);
+}  // namespace
+
+Motion UnpackOutline(const Content& content, const std::string& prefix, const SkeletonPtr& skeleton, std::size_t row) {
   const auto J = static_cast<std::size_t>(skeleton->joint_count());
   Motion motion;
   motion.skeleton = WithRestOffsets(content, prefix, row, skeleton);
   if (motion.skeleton != skeleton) motion.counted_from = skeleton;
   motion.rate = *FrameRate::Parse(content.Values<std::string>(prefix + "/clips/rate")[row]);
-  motion.joints.frames = static_cast<int>(count);
+  motion.joints.frames = static_cast<int>(content.Values<std::int64_t>(prefix + "/clips/count")[row]);
   motion.joints.joints = static_cast<int>(J);
+  if (content.Text("/@kinematics") == "tree") {
+    const double* bones = content.Values<double>(prefix + "/clips/bone_length").data() + row * J;
+    motion.bone_length.assign(bones, bones + J);
+  }
+  return motion;
+}
+
+Motion UnpackMotion(const Content& content, const std::string& prefix, const SkeletonPtr& skeleton, std::size_t row) {
+  const auto offset = static_cast<std::size_t>(content.Values<std::int64_t>(prefix + "/clips/offset")[row]);
+  const auto J = static_cast<std::size_t>(skeleton->joint_count());
+  Motion motion = UnpackOutline(content, prefix, skeleton, row);
+  const std::size_t count = static_cast<std::size_t>(motion.frame_count());
   const float* joints = content.Values<float>(prefix + "/frames/joints").data() + 3 * offset * J;
   motion.joints.xyz.assign(joints, joints + 3 * count * J);
-  if (content.Text("/@kinematics") == "tree") UnpackTree(content, prefix, row, offset, motion);
+  if (content.Text("/@kinematics") == "tree") UnpackTree(content, prefix, offset, motion);
   const unsigned mask = content.Values<std::uint8_t>(prefix + "/clips/field_mask")[row];
   if ((mask & 1u) != 0) UnpackOptional<std::uint8_t>(content, prefix, 0, J, offset, motion.state, motion);
   if ((mask & 2u) != 0) UnpackOptional<float>(content, prefix, 1, J * 6, offset, motion.position_cov, motion);
@@ -158,8 +154,6 @@ Motion UnpackMotion(const Content& content, const std::string& prefix, const Ske
   if ((mask & 16u) != 0) UnpackOptional<std::uint8_t>(content, prefix, 4, 2, offset, motion.contact, motion);
   return motion;
 }
-
-}  // namespace
 
 Quaterniond ReadQuaternion(const float* stored) {
   // The largest number is made again from the other three, which stay exact: unit, and stored again as it was.
@@ -197,38 +191,84 @@ std::array<float, 4> StoredQuaternion(const Quaterniond& rotation) {
   return seen[kSteps - 1];
 }
 
-Status PackMotions(const std::vector<MotionRow>& rows, const Skeleton& skeleton, bool joints_only,
-                   const std::string& prefix, Content& content) {
-  Sizes sizes{0, skeleton.joints.size()};
-  std::vector<std::int64_t> offsets;
-  std::vector<std::int64_t> counts;
+Status CheckRates(const Clip& clip, const std::filesystem::path& path) {
+  if (clip.motion->rate == clip.rate) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "the clip's rate is " + clip.rate.Text() + ", its motion's " + clip.motion->rate.Text(),
+              Where(path, clip.id()));
+}
+
+Status PackOutlines(const std::vector<MotionRow>& rows, const Skeleton& skeleton, bool joints_only,
+                    const std::string& prefix, Content& content) {
+  const std::uint64_t C = rows.size(), J = skeleton.joints.size();
+  std::uint64_t F = 0;
+  unsigned present = 0;
+  std::vector<std::int64_t> offsets, counts;
+  std::vector<std::uint8_t> masks;
+  std::vector<double> bones;
   for (const MotionRow& row : rows) {
-    if (Status checked = CheckMotion(row, skeleton, joints_only); !checked) return checked;
-    offsets.push_back(static_cast<std::int64_t>(sizes.frames));
+    if (Status checked = CheckOutline(row, skeleton, joints_only); !checked) return checked;
+    offsets.push_back(static_cast<std::int64_t>(F));
     counts.push_back(row.motion->frame_count());
-    sizes.frames += static_cast<std::size_t>(row.motion->frame_count());
+    masks.push_back(row.optional_fields);
+    present |= row.optional_fields;
+    F += static_cast<std::uint64_t>(row.motion->frame_count());
+    bones.insert(bones.end(), row.motion->bone_length.begin(), row.motion->bone_length.end());
   }
-  const std::uint64_t C = rows.size();
-  const std::uint64_t F = sizes.frames;
-  const std::uint64_t J = sizes.joints;
-  std::vector<float> joints;
-  joints.reserve(F * J * 3);
-  for (const MotionRow& row : rows) {
-    for (const double value : row.motion->joints.xyz) joints.push_back(static_cast<float>(value));
+  PutLater<float>(prefix + "/frames/joints", F, {J, 3}, content);
+  if (!joints_only) {
+    PutLater<float>(prefix + "/frames/root_translation", F, {3}, content);
+    PutLater<float>(prefix + "/frames/rotation", F, {J, 4}, content);
+    content.Put(prefix + "/clips/bone_length", {C, J}, std::move(bones));
+    PackRestOffsets(rows, skeleton, prefix, content);
   }
-  content.Put(prefix + "/frames/joints", {F, J, 3}, std::move(joints));
-  if (!joints_only) PackTree(rows, sizes, prefix, content);
-  if (!joints_only) PackRestOffsets(rows, skeleton, prefix, content);
-  std::vector<std::uint8_t> masks(C, 0);
-  PackOptional<std::uint8_t>(rows, &Motion::state, J, 0, {F, J}, prefix, masks, content);
-  PackOptional<float>(rows, &Motion::position_cov, J * 6, 1, {F, J, 6}, prefix, masks, content);
-  PackOptional<float>(rows, &Motion::rotation_sigma, J * 3, 2, {F, J, 3}, prefix, masks, content);
-  PackOptional<float>(rows, &Motion::rotation_observed, J * 3, 3, {F, J, 3}, prefix, masks, content);
-  PackOptional<std::uint8_t>(rows, &Motion::contact, 2, 4, {F, 2}, prefix, masks, content);
+  ForEachOptional([&](unsigned bit, auto, auto stored, auto per_frame) {
+    if ((present & (1u << bit)) == 0) return;
+    PutLater<decltype(stored)>(FramesPath(prefix, bit), F, per_frame(J), content);
+  });
   content.Put(prefix + "/clips/offset", {C}, std::move(offsets));
   content.Put(prefix + "/clips/count", {C}, std::move(counts));
   content.Put(prefix + "/clips/field_mask", {C}, std::move(masks));
   return {};
+}
+
+Status CheckFrames(const std::string& id, const Motion& motion, bool joints_only) {
+  if (Status fits = CheckKinematics(id, motion, joints_only); !fits) return fits;
+  const auto F = static_cast<std::size_t>(motion.frame_count());
+  const auto J = static_cast<std::size_t>(motion.joint_count());
+  const std::size_t tree = joints_only ? 0 : 1;
+  for (const Status& status : {CheckSize(motion.joints.xyz, F * J * 3, "joints", id),
+                               CheckSize(motion.root_translation, tree * F, "root_translation", id),
+                               CheckSize(motion.rotation, tree * F * J, "rotation", id)}) {
+    if (!status) return status;
+  }
+  Status sized;
+  ForEachOptional([&](unsigned bit, auto member, auto, auto per_frame) {
+    std::size_t expected = F;
+    for (const std::uint64_t extent : per_frame(J)) expected *= extent;
+    if (sized) sized = CheckSize(motion.*member, expected, kOptionalFrameFields[bit], id, true);
+  });
+  return sized;
+}
+
+void PackFrames(const Motion& motion, unsigned present, bool joints_only, const std::string& prefix, Content& content) {
+  const auto F = static_cast<std::size_t>(motion.frame_count());
+  const auto J = static_cast<std::size_t>(motion.joint_count());
+  content.Put(prefix + "/frames/joints", {F, J, 3},
+              std::vector<float>(motion.joints.xyz.begin(), motion.joints.xyz.end()));
+  if (!joints_only) PackTree(motion, prefix, content);
+  ForEachOptional([&](unsigned bit, auto member, auto stored, auto per_frame) {
+    if ((present & (1u << bit)) == 0) return;
+    std::vector<std::uint64_t> shape = per_frame(J);
+    shape.insert(shape.begin(), F);
+    std::size_t count = 1;
+    for (const std::uint64_t extent : shape) count *= extent;
+    std::vector<decltype(stored)> values;
+    values.reserve(count);
+    for (const auto value : motion.*member) values.push_back(static_cast<decltype(stored)>(value));
+    values.resize(count);  // zeros where the motion has none
+    content.Put(FramesPath(prefix, bit), std::move(shape), std::move(values));
+  });
 }
 
 std::vector<Motion> UnpackMotions(const Content& content, const std::string& prefix, const SkeletonPtr& skeleton) {
@@ -240,3 +280,14 @@ std::vector<Motion> UnpackMotions(const Content& content, const std::string& pre
 }
 
 }  // namespace mocurate::store
+
+namespace mocurate {
+
+std::uint8_t OptionalFieldsOf(const Motion& motion) {
+  unsigned mask = 0;
+  store::ForEachOptional(
+      [&](unsigned bit, auto member, auto, auto) { mask |= (motion.*member).empty() ? 0u : 1u << bit; });
+  return static_cast<std::uint8_t>(mask);
+}
+
+}  // namespace mocurate

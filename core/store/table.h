@@ -67,9 +67,13 @@ std::vector<std::pair<std::string, std::string>> Symbols();
 /// The table with * replaced by every split of `content`.
 std::vector<Field> ConcreteFields(const Schema& schema, const Content& content);
 
-/// Checks presence, type, shape and rule of every field. `where` makes the place of a field from its path; `code` is
-/// the code of the error.
+/// Checks presence, type, shape and rule of every field; of those in Content::later no rule. `where` makes the place of
+/// a field from its path; `code` is the code of the error.
 Status CheckContent(const Schema& schema, const Content& content, ErrorCode code,
                     const std::function<std::string(const std::string& path)>& where);
+
+/// Checks the rules of the fields below `group` alone ("/frames/"), of a content that holds what they look at.
+Status CheckRulesBelow(const std::string& group, const Schema& schema, const Content& content, ErrorCode code,
+                       const std::function<std::string(const std::string& path)>& where);
 
 }  // namespace mocurate::store

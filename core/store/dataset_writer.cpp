@@ -1,0 +1,110 @@
+#include "core/store/dataset_writer.h"
+
+#include <utility>
+
+#include "core/base/file.h"
+#include "core/store/content_file.h"
+#include "core/store/fields.h"
+#include "core/store/motion_writer.h"
+
+namespace mocurate {
+namespace {
+
+Expected<std::vector<store::MotionRow>> RowsOfClips(const std::vector<const Clip*>& clips,
+                                                    const std::vector<std::uint8_t>& optional_fields,
+                                                    const std::filesystem::path& path) {
+  std::vector<store::MotionRow> rows;
+  for (const Clip* clip : clips) {
+    if (!clip->motion) {
+      return Fail(ErrorCode::kInconsistent, "the clip has no motion", store::Where(path, clip->id()));
+    }
+    if (Status rates = store::CheckRates(*clip, path); !rates) return Forward(rates);
+    rows.push_back({clip->id(), &*clip->motion, optional_fields[rows.size()]});
+  }
+  return rows;
+}
+
+/// All that a dataset's file holds beside frames and spans.
+Expected<store::Content> PackOutline(const Dataset& dataset, const std::vector<const Clip*>& clips,
+                                     const std::filesystem::path& path) {
+  store::Content content;
+  content.PutText("/@kinematics", dataset.joints_only ? "joints" : "tree");
+  content.PutText("/@axes", dataset.axes.Text());
+  content.PutText("/@created_by", dataset.created_by);
+  content.PutText("/recipe", dataset.recipe);
+  store::PackSkeleton(*dataset.skeleton, "", content);
+  store::PackClips(clips, content);
+  content.PutText("/@rate", store::CommonRate(content.Values<std::string>("/clips/rate")));
+  store::PackLabels(dataset, content);
+  store::PackFindings(dataset.findings, content);
+  if (Status packed = store::PackSplits(dataset.splits, content); !packed) {
+    packed.error().where = store::Where(path, packed.error().where);
+    return Forward(packed);
+  }
+  return content;
+}
+
+}  // namespace
+
+struct DatasetWriter::State {
+  store::MotionWriter writer;
+  std::vector<std::string> ids;
+  std::size_t next = 0;
+};
+
+DatasetWriter::DatasetWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+DatasetWriter::DatasetWriter(DatasetWriter&&) noexcept = default;
+DatasetWriter& DatasetWriter::operator=(DatasetWriter&&) noexcept = default;
+DatasetWriter::~DatasetWriter() = default;
+
+Expected<DatasetWriter> DatasetWriter::Create(const Dataset& outline, const std::vector<std::uint8_t>& optional_fields,
+                                              const std::filesystem::path& path) {
+  if (outline.skeleton == nullptr) {
+    return Fail(ErrorCode::kInconsistent, "the dataset has no skeleton", DisplayPath(path));
+  }
+  std::vector<const Clip*> clips;
+  std::vector<std::string> ids;
+  for (const Clip& clip : outline.clips) {
+    clips.push_back(&clip);
+    ids.push_back(clip.id());
+  }
+  auto content = PackOutline(outline, clips, path);
+  if (!content) return Forward(content);
+  const auto rows = RowsOfClips(clips, optional_fields, path);
+  if (!rows) return Forward(rows);
+  const Skeleton& skeleton = *outline.skeleton;
+  if (Status checked = store::CheckSkeleton(skeleton, ErrorCode::kInconsistent, path, ""); !checked) {
+    return Forward(checked);
+  }
+  auto writer = store::MotionWriter::Create(store::DatasetSchema(), std::move(*content), *rows, skeleton,
+                                            outline.joints_only, path);
+  if (!writer) return Forward(writer);
+  return DatasetWriter(std::make_unique<State>(State{std::move(*writer), std::move(ids)}));
+}
+
+Status DatasetWriter::Append(const Clip& clip) {
+  const std::string id = clip.id();
+  const std::string expected = state_->next < state_->ids.size() ? "'" + state_->ids[state_->next] + "'" : "none";
+  if (expected != "'" + id + "'" || !clip.motion) {
+    return Fail(ErrorCode::kInconsistent, clip.motion ? "the next clip is " + expected : "the clip has no motion", id);
+  }
+  ++state_->next;
+  return state_->writer.Append(*clip.motion);
+}
+
+Status DatasetWriter::Finish() { return state_->writer.Finish(); }
+
+Status WriteDataset(const Dataset& dataset, const std::filesystem::path& path) {
+  std::vector<std::uint8_t> optional_fields;
+  for (const Clip& clip : dataset.clips) {
+    optional_fields.push_back(clip.motion ? OptionalFieldsOf(*clip.motion) : std::uint8_t{0});
+  }
+  auto writer = DatasetWriter::Create(dataset, optional_fields, path);
+  if (!writer) return Forward(writer);
+  for (const Clip& clip : dataset.clips) {
+    if (Status written = writer->Append(clip); !written) return written;
+  }
+  return writer->Finish();
+}
+
+}  // namespace mocurate

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "core/store/store.h"
+
+namespace mocurate {
+
+/// Writes a dataset clip by clip. In memory are what the file holds beside /frames, and the frames of one clip. The
+/// file has the bytes that WriteDataset gives it, and appears whole or not at all.
+///
+///     auto writer = DatasetWriter::Create(outline, optional_fields, path);
+///     for (...) writer->Append(clip);                          // in the order of outline.clips
+///     writer->Finish();
+class DatasetWriter {
+ public:
+  /// `outline` is the dataset without frames: of each clip's motion the skeleton, the rate, the counts of frames and
+  /// joints and the bone lengths are looked at (DatasetClips::Outline; arrays of frames may be there).
+  /// `optional_fields` are those that each clip's motion will have (OptionalFieldsOf). Error kInconsistent where this
+  /// breaks a rule of the table, naming the clip or the field; kCannotWrite.
+  static Expected<DatasetWriter> Create(const Dataset& outline, const std::vector<std::uint8_t>& optional_fields,
+                                        const std::filesystem::path& path);
+  DatasetWriter(DatasetWriter&&) noexcept;
+  DatasetWriter& operator=(DatasetWriter&&) noexcept;
+  ~DatasetWriter();
+
+  /// The frames of the next clip; all else stands in the outline. Error kInconsistent naming the clip: it is another
+  /// than the next, its motion is not what was announced, or breaks a rule; kCannotWrite.
+  Status Append(const Clip& clip);
+  /// Error kInconsistent: clips are missing; kCannotWrite.
+  Status Finish();
+
+ private:
+  struct State;
+  explicit DatasetWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Which optional fields a motion has: bits of /clips/field_mask.
+std::uint8_t OptionalFieldsOf(const Motion& motion);
+
+}  // namespace mocurate
