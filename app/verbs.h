@@ -43,9 +43,11 @@ struct FitArguments {
 
 struct ExportArguments {
   std::filesystem::path path;      ///< a file or folder of motions
-  std::filesystem::path output;    ///< FILE.npz of one clip, or a folder
+  std::filesystem::path output;    ///< a folder, or a file of the layout's ending
   std::string source;              ///< source declaration; empty: what the files say of themselves
-  std::string rotations;           ///< a name of kRotationArraysNames
+  std::string layout = "npz";      ///< a name of Layouts()
+  std::string rotations;           ///< a name of kRotationArraysNames; empty: the layout's own
+  std::string split;               ///< the one to write; empty: all, or the first where a layout carries one
   std::vector<std::string> clips;  ///< which of them; empty: all
   bool force = false;              ///< overwrite
 };
@@ -102,17 +104,26 @@ struct ReviewArguments {
   std::filesystem::path decisions;      ///< made earlier, or empty
   std::filesystem::path probabilities;  ///< as of AuditArguments
   std::vector<std::string> assignments;
-  int most = 200;      ///< findings shown
-  bool force = false;  ///< overwrite
+  int most = 200;                     ///< findings shown
+  bool annotate = false;              ///< a page for marking spans instead, of which the next five are
+  std::optional<std::string> labels;  ///< "walk,run"; absent: those of the recipe, else the dataset's classes
+  std::string recipe;                 ///< name or file whose classes are the labels, or empty
+  std::filesystem::path spans;        ///< of an earlier session, or empty
+  std::vector<std::string> clips;     ///< which of them; empty: all without a label
+  bool all = false;                   ///< clips that have a label too
+  bool force = false;                 ///< overwrite
 };
 
 struct DatasetArguments {
-  std::filesystem::path path;
-  std::filesystem::path other;     ///< of a comparison: the newer one; of `apply`: the decisions
-  std::filesystem::path output;    ///< file of the card (empty: stdout) or of the new dataset
-  std::filesystem::path excluded;  ///< file for the clips that are dropped, or empty
-  bool croissant = false;          ///< JSON-LD in the place of Markdown
-  bool force = false;              ///< overwrite
+  std::filesystem::path path;                ///< dataset; of a comparison: the older one
+  std::filesystem::path other;               ///< the newer one; of `apply`: the decisions; of `relabel`: the map
+  std::vector<std::filesystem::path> paths;  ///< of `merge`: the datasets
+  std::filesystem::path output;              ///< file of the card (empty: stdout) or of the new dataset
+  std::filesystem::path excluded;            ///< file for the clips that are dropped, or empty
+  std::string where;                         ///< of `subset`: which clips (canon/values/where.h)
+  bool drop_empty_labels = false;            ///< of `subset`: classes without a clip leave
+  bool croissant = false;                    ///< JSON-LD in the place of Markdown
+  bool force = false;                        ///< overwrite
 };
 
 struct InspectArguments {
@@ -163,9 +174,13 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments);
 Status AuditVerb(CommonArguments& common, const AuditArguments& arguments);
 Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments);
+Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments);
 Status DatasetCardVerb(CommonArguments& common, const DatasetArguments& arguments);
 Status DatasetDiffVerb(CommonArguments& common, const DatasetArguments& arguments);
 Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& arguments);
+Status DatasetMergeVerb(CommonArguments& common, const DatasetArguments& arguments);
+Status DatasetSubsetVerb(CommonArguments& common, const DatasetArguments& arguments);
+Status DatasetRelabelVerb(CommonArguments& common, const DatasetArguments& arguments);
 Status InspectVerb(CommonArguments& common, const InspectArguments& arguments);
 Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments);
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments);

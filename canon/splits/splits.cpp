@@ -5,6 +5,7 @@
 #include <set>
 
 #include "canon/splits/groups.h"
+#include "canon/splits/leaks.h"
 #include "core/base/random.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
@@ -13,17 +14,6 @@ namespace mocurate {
 namespace {
 
 enum class Part { kTrain, kValidation, kTest };
-
-/// What was performed at once: cameras and spans of it are of one group. With `sessions_together`, a person's session.
-std::string PerformanceOf(const SplitOptions& options, const Clip& clip) {
-  const ClipIdentity& identity = clip.identity;
-  if (options.sessions_together && !identity.session.empty()) {
-    return identity.source + "/" + identity.person + "/session " + identity.session;
-  }
-  const auto performance = clip.provenance.find("performance");
-  if (performance != clip.provenance.end()) return identity.source + "/" + performance->second;
-  return identity.source + "/" + identity.person + "/" + identity.recording;
-}
 
 /// The property of a clip that two parts must not share.
 std::string GroupOf(const SplitOptions& options, const Clip& clip) {
@@ -36,7 +26,7 @@ std::string GroupOf(const SplitOptions& options, const Clip& clip) {
     }
     case SplitBy::kFraction:
     case SplitBy::kRole:
-      return PerformanceOf(options, clip);
+      return PerformanceOf(clip, options.sessions_together);
   }
   return {};
 }
@@ -70,40 +60,50 @@ std::string RuleText(const SplitOptions& options, bool drawn) {
 /// Of what the clip was made from, else of its joints: the same file under two persons' names is fitted with the bones
 /// of each, and differs afterwards.
 std::string ContentHash(const Clip& clip) {
-  if (!clip.evidence_sha256.empty()) {
-    return clip.evidence_sha256 + "#" + std::to_string(clip.identity.begin_frame) + "-" +
-           std::to_string(clip.identity.end_frame);
-  }
+  std::string content = SourceContentOf(clip);
+  if (!content.empty()) return content;
   const JointPositions& joints = clip.motion->joints;
   return Sha256().Add(joints.xyz.data(), joints.xyz.size() * sizeof(double)).Hex();
 }
 
 /// What stands in two parts: groups (persons, styles, recordings) and clips of equal content.
-std::string LeakCheck(const SplitOptions& options, const Dataset& dataset, const std::vector<Part>& parts) {
-  std::map<std::string, std::set<Part>> groups;
-  std::map<std::string, std::set<Part>> contents;
+std::string LeakCheck(const SplitOptions& options, const Dataset& dataset, const std::vector<Part>& parts,
+                      const std::vector<std::string>& hashes) {
+  std::vector<int> part_of_clip;
+  std::vector<std::string> groups, contents;
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
-    const Clip& clip = dataset.clips[i];
-    groups[GroupOf(options, clip)].insert(parts[i]);
-    contents[ContentHash(clip)].insert(parts[i]);
+    part_of_clip.push_back(static_cast<int>(parts[i]));
+    groups.push_back(GroupOf(options, dataset.clips[i]));
+    const bool hashed = !hashes.empty() && !hashes[i].empty();
+    contents.push_back(hashed ? hashes[i] : ContentHash(dataset.clips[i]));
   }
-  std::string leaks;
-  for (const auto& [group, in] : groups) {
-    if (in.size() > 1) leaks += (leaks.empty() ? "" : ", ") + group;
-  }
-  std::size_t repeated = 0;
-  for (const auto& [hash, in] : contents) repeated += in.size() > 1 ? 1 : 0;
   const std::string what = options.by == SplitBy::kRole ? "performance" : NameOf(options.by);
-  if (leaks.empty() && repeated == 0) return "ok: no " + what + " and no equal clip in two parts";
-  std::string text = "leaks:";
-  if (!leaks.empty()) text += " in two parts: " + leaks + ";";
-  if (repeated > 0) text += " " + Counted(static_cast<long long>(repeated), "clip") + " of equal content in two parts";
-  return text;
+  return LeakText(what, FindLeaks(part_of_clip, groups, contents));
+}
+
+/// Leaves at most so many clips of each label in a part: those whose ids hash lowest. Gives how many were taken out.
+long long TakeAtMost(std::int64_t most, std::int64_t seed, const Dataset& dataset, std::vector<int>& part) {
+  std::map<std::string, std::vector<std::pair<double, int>>> by_label;
+  for (const int row : part) {
+    const Clip& clip = dataset.clips[static_cast<std::size_t>(row)];
+    by_label[clip.label].emplace_back(Random(static_cast<std::uint64_t>(seed), "split.quota", clip.id()).Uniform(),
+                                      row);
+  }
+  const std::size_t before = part.size();
+  part.clear();
+  for (auto& [label, rows] : by_label) {
+    std::sort(rows.begin(), rows.end());
+    const auto taken = std::min<std::size_t>(rows.size(), static_cast<std::size_t>(most));
+    for (std::size_t i = 0; i < taken; ++i) part.push_back(rows[i].second);
+  }
+  std::sort(part.begin(), part.end());
+  return static_cast<long long>(before - part.size());
 }
 
 }  // namespace
 
-Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, std::vector<Finding>& findings) {
+Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, std::vector<Finding>& findings,
+                          const std::vector<std::string>& contents) {
   SplitOptions met = options;
   bool drawn = false;
   if (NamesGroups(options.by)) {
@@ -130,11 +130,19 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
     }
     (part == Part::kTrain ? split.train : part == Part::kTest ? split.test : split.validation).push_back(row);
   }
+  if (options.most_per_label > 0) {
+    long long beyond = 0;
+    for (std::vector<int>* rows : {&split.train, &split.validation, &split.test}) {
+      beyond += TakeAtMost(options.most_per_label, options.seed, dataset, *rows);
+    }
+    split.rule += "; at most " + Counted(options.most_per_label, "clip") + " of a label in each part, " +
+                  std::to_string(beyond) + " left aside";
+  }
   if (too_short > 0) {
     split.rule += "; " + Counted(too_short, "training clip") + " shorter than " +
                   Counted(options.min_train_frames, "frame") + " left aside";
   }
-  split.leak_check = LeakCheck(met, dataset, parts);
+  split.leak_check = LeakCheck(met, dataset, parts, contents);
   return split;
 }
 

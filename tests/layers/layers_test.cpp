@@ -61,6 +61,7 @@ const std::map<std::string, std::string> kLibraryRooms = {
     {"canon_options", "canon"},
     {"canon_exports", "canon"},
     {"canon_review", "canon"},
+    {"canon_values", "canon"},
     {"train", "train"},
     {"train_options", "train"},
     {"recognisers", "train/recognisers"},

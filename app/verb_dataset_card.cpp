@@ -1,0 +1,30 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/dataset_answers.h"
+#include "canon/card/dataset_card.h"
+#include "core/base/file.h"
+
+namespace mocurate {
+
+Status DatasetCardVerb(CommonArguments& common, const DatasetArguments& arguments) {
+  const auto card = DescribeDataset(arguments.path);
+  if (!card) return Forward(card);
+  const std::string text = arguments.croissant ? JsonText(CardCroissant(*card)) : CardMarkdown(*card);
+  std::error_code unknown;
+  if (!arguments.output.empty()) {
+    if (std::filesystem::exists(arguments.output, unknown) && !arguments.force) {
+      return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(arguments.output), "--force overwrites it");
+    }
+    if (Status written = WriteFile(arguments.output, text); !written) return written;
+  }
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s", JsonText(*card).c_str());
+  } else if (arguments.output.empty()) {
+    std::printf("%s", text.c_str());
+  }
+  return {};
+}
+
+}  // namespace mocurate

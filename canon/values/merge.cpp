@@ -1,0 +1,226 @@
+#include "canon/values/merge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "canon/values/merge_splits.h"
+#include "canon/values/skeletons.h"
+#include "core/base/pi.h"
+#include "core/base/text.h"
+#include "core/base/version.h"
+
+namespace mocurate {
+namespace {
+
+/// Clips of one id in the order of the parts.
+using ClipsById = std::map<std::string, std::vector<std::pair<std::size_t, std::size_t>>>;
+
+Status CheckKindsOfMotion(const std::vector<MergePart>& parts) {
+  const Dataset& first = parts[0].dataset;
+  for (const MergePart& part : parts) {
+    if (part.dataset.joints_only != first.joints_only) {
+      const MergePart& joints = first.joints_only ? parts[0] : part;
+      const MergePart& rotations = first.joints_only ? part : parts[0];
+      return Fail(ErrorCode::kInconsistent, "holds joints only, " + rotations.name + " holds rotations", joints.name,
+                  "fit rotations to its joints: mocurate fit");
+    }
+    if (!(part.dataset.axes == first.axes)) {
+      return Fail(ErrorCode::kInconsistent,
+                  "has the axes " + part.dataset.axes.Text() + ", " + parts[0].name + " has " + first.axes.Text(),
+                  part.name, "bring both to canonical axes: mocurate fit writes such a dataset");
+    }
+  }
+  return {};
+}
+
+/// In what two clips of one id differ; empty: in nothing that matters.
+Expected<std::string> DifferenceOf(const MergePart& part_a, std::size_t row_a, const MergePart& part_b,
+                                   std::size_t row_b) {
+  const Clip& a = part_a.dataset.clips[row_a];
+  const Clip& b = part_b.dataset.clips[row_b];
+  if (a.label != b.label) return "label '" + a.label + "' and '" + b.label + "'";
+  if (a.fine_label != b.fine_label) return "fine label '" + a.fine_label + "' and '" + b.fine_label + "'";
+  if (a.identity.licence != b.identity.licence) {
+    return "licence '" + a.identity.licence + "' and '" + b.identity.licence + "'";
+  }
+  if (!(a.rate == b.rate)) return "rate " + a.rate.Text() + " and " + b.rate.Text() + " Hz";
+  const int frames_a = a.motion->frame_count(), frames_b = b.motion->frame_count();
+  if (frames_a != frames_b) return std::to_string(frames_a) + " and " + std::to_string(frames_b) + " frames";
+  const bool segments = std::equal(a.segments.begin(), a.segments.end(), b.segments.begin(), b.segments.end(),
+                                   [](const Segment& x, const Segment& y) {
+                                     return x.begin_s == y.begin_s && x.end_s == y.end_s && x.label == y.label &&
+                                            x.category == y.category;
+                                   });
+  if (!segments) return std::string("segments");
+  const auto hash_a = part_a.motion_hash(row_a);
+  if (!hash_a) return Forward(hash_a);
+  const auto hash_b = part_b.motion_hash(row_b);
+  if (!hash_b) return Forward(hash_b);
+  return *hash_a == *hash_b ? std::string() : std::string("motion");
+}
+
+/// Clips of one id that differ: the first of them, and how many ids there are.
+struct Conflict {
+  std::string id, difference, first, other;  ///< names of the files
+  std::size_t count = 0;
+};
+
+tl::unexpected<Error> FailBy(const Conflict& conflict) {
+  const auto more = static_cast<long long>(conflict.count) - 1;
+  return Fail(ErrorCode::kInconsistent,
+              "clip '" + conflict.id + "' is not that of " + conflict.first + ": " + conflict.difference +
+                  (more > 0 ? "; " + Counted(more, "other clip") + (more > 1 ? " differ too" : " differs too") : ""),
+              conflict.other,
+              more > 0 ? "two sources need two names (ingest.source.name), or leave the clips of one out: mocurate "
+                         "dataset subset"
+                       : "leave it out of one: mocurate dataset subset --where \"id != '" + conflict.id + "'\"");
+}
+
+Finding RepeatedClip(const std::string& id, std::size_t count, const std::string& first, const std::string& others) {
+  Finding finding;
+  finding.clip = id;
+  finding.code = "repeated_clip";
+  finding.severity = Severity::kInfo;
+  finding.value = static_cast<double>(count);
+  finding.message = "the same in " + first + " and " + others;
+  finding.action = "kept once";
+  return finding;
+}
+
+/// One clip of each id, and what became of those that stand in several parts.
+Status UniteClips(const std::vector<MergePart>& parts, MergedDataset& merged, MergedRows& new_rows) {
+  ClipsById by_id;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    new_rows.emplace_back(parts[p].dataset.clips.size(), -1);
+    for (std::size_t row = 0; row < parts[p].dataset.clips.size(); ++row) {
+      by_id[parts[p].dataset.clips[row].id()].emplace_back(p, row);
+    }
+  }
+  Conflict conflict;
+  for (const auto& [id, places] : by_id) {
+    const auto [first, first_row] = places.front();
+    std::string others;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const auto [p, row] = places[i];
+      new_rows[p][row] = static_cast<int>(merged.origins.size());
+      if (i == 0) continue;
+      const auto difference = DifferenceOf(parts[first], first_row, parts[p], row);
+      if (!difference) return Forward(difference);
+      if (!difference->empty() && conflict.count++ == 0) {
+        conflict = {id, *difference, parts[first].name, parts[p].name, 1};
+      }
+      others += (others.empty() ? "" : ", ") + parts[p].name;
+    }
+    if (places.size() > 1) {
+      merged.findings.push_back(RepeatedClip(id, places.size(), parts[first].name, others));
+    }
+    merged.origins.emplace_back(first, first_row);
+    merged.dataset.clips.push_back(parts[first].dataset.clips[first_row]);
+  }
+  return conflict.count > 0 ? Status(FailBy(conflict)) : Status();
+}
+
+/// A clip that cannot stand with the others is an error here: all of its file cannot.
+Status UniteTrees(const std::vector<MergePart>& parts, MergedDataset& merged) {
+  const std::size_t count = merged.dataset.clips.size();
+  std::vector<std::string> ids;
+  for (const Clip& clip : merged.dataset.clips) ids.push_back(clip.id());
+  std::vector<Finding> findings;
+  UniteSkeletons(merged.dataset, findings);
+  if (merged.dataset.clips.size() == count) return {};
+  const Finding& finding = findings.front();
+  const auto at = std::find(ids.begin(), ids.end(), finding.clip) - ids.begin();
+  const std::string& file = parts[merged.origins[static_cast<std::size_t>(at)].first].name;
+  const bool pose = finding.value > 0.0;
+  const auto degrees = [](double radians) { return RoundedText(radians * 180.0 / kPi, 3) + " degrees"; };
+  return Fail(ErrorCode::kInconsistent,
+              pose ? "its rotations are counted from another rest pose: a bone points " + degrees(finding.value) +
+                         " elsewhere, " + degrees(kSameRestPose) + " are allowed"
+                   : "its joints are not those of skeleton '" + merged.dataset.skeleton->name + "'",
+              file + ": " + finding.clip,
+              pose ? "fit one skeleton to the joints of all: mocurate fit"
+                   : "bring it to that skeleton first: mocurate fit --skeleton " + merged.dataset.skeleton->name);
+}
+
+Status UniteLabels(const std::vector<MergePart>& parts, Dataset& dataset) {
+  for (const MergePart& part : parts) {
+    for (const std::string& label : part.dataset.labels) {
+      if (dataset.LabelIndex(label) < 0) dataset.labels.push_back(label);
+    }
+    for (const FineLabel& fine : part.dataset.fine_labels) {
+      const std::string& parent = part.dataset.labels[static_cast<std::size_t>(fine.parent)];
+      const int known = dataset.FineLabelIndex(fine.name);
+      if (known < 0) {
+        dataset.fine_labels.push_back({fine.name, dataset.LabelIndex(parent)});
+        continue;
+      }
+      const FineLabel& there = dataset.fine_labels[static_cast<std::size_t>(known)];
+      const std::string& other = dataset.labels[static_cast<std::size_t>(there.parent)];
+      if (other == parent) continue;
+      return Fail(
+          ErrorCode::kInconsistent,
+          "fine label '" + fine.name + "' is of class '" + parent + "', in the datasets before it of '" + other + "'",
+          part.name, "rename one of the classes: mocurate dataset relabel");
+    }
+  }
+  return {};
+}
+
+/// Findings of all parts; what two say alike of one clip is there once.
+std::vector<Finding> UniteFindings(const std::vector<MergePart>& parts) {
+  std::vector<Finding> all;
+  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> known;  // clip, code -> places in all
+  for (const MergePart& part : parts) {
+    const std::size_t before = all.size();
+    for (const Finding& finding : part.dataset.findings) {
+      std::vector<std::size_t>& alike = known[{finding.clip, finding.code}];
+      const bool there =
+          std::any_of(alike.begin(), alike.end(), [&](std::size_t at) { return at < before && all[at] == finding; });
+      if (there) continue;
+      alike.push_back(all.size());
+      all.push_back(finding);
+    }
+  }
+  return all;
+}
+
+std::string RecipeOf(const std::vector<MergePart>& parts) {
+  std::string recipe = "merged from " + Counted(static_cast<long long>(parts.size()), "dataset") + ":\n";
+  for (const MergePart& part : parts) {
+    recipe += "- " + part.name + ": " + Counted(static_cast<long long>(part.dataset.clips.size()), "clip") +
+              (part.content_sha256.empty() ? "" : ", content_sha256 " + part.content_sha256) + "\n";
+  }
+  for (const MergePart& part : parts) {
+    if (part.dataset.recipe.empty()) continue;
+    recipe += "recipe of " + part.name + ":\n" + part.dataset.recipe + (part.dataset.recipe.back() == '\n' ? "" : "\n");
+  }
+  return recipe;
+}
+
+}  // namespace
+
+Expected<MergedDataset> MergeDatasets(const std::vector<MergePart>& parts) {
+  if (parts.empty()) return Fail(ErrorCode::kUsage, "no dataset to merge is named");
+  if (Status alike = CheckKindsOfMotion(parts); !alike) return Forward(alike);
+  MergedDataset merged;
+  merged.dataset.joints_only = parts[0].dataset.joints_only;
+  merged.dataset.axes = parts[0].dataset.axes;
+  MergedRows new_rows;
+  if (Status united = UniteClips(parts, merged, new_rows); !united) return Forward(united);
+  if (merged.dataset.clips.empty())
+    return Fail(ErrorCode::kInconsistent, "none of the datasets has a clip", parts[0].name);
+  if (Status united = UniteTrees(parts, merged); !united) return Forward(united);
+  if (Status united = UniteLabels(parts, merged.dataset); !united) return Forward(united);
+  FindMixedRates(merged.dataset, merged.findings);
+  auto splits = MergeSplits(parts, new_rows, merged, merged.findings);
+  if (!splits) return Forward(splits);
+  merged.dataset.splits = std::move(*splits);
+  merged.dataset.findings = UniteFindings(parts);
+  merged.dataset.findings.insert(merged.dataset.findings.end(), merged.findings.begin(), merged.findings.end());
+  merged.dataset.recipe = RecipeOf(parts);
+  merged.dataset.created_by = CreatedBy();
+  return merged;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,189 @@
+#include "canon/values/merge_splits.h"
+
+#include <algorithm>
+#include <set>
+
+#include "canon/splits/leaks.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+constexpr const char* kPartNames[] = {"train", "validation", "test"};
+
+const std::vector<int>& RowsOfPart(const Split& split, int part) {
+  return part == 0 ? split.train : part == 1 ? split.validation : split.test;
+}
+
+/// Part of each of `clips` rows; -1 for none.
+std::vector<int> PartsOfRows(const Split& split, std::size_t clips) {
+  std::vector<int> parts(clips, -1);
+  for (int part = 0; part < 3; ++part) {
+    for (const int row : RowsOfPart(split, part)) parts[static_cast<std::size_t>(row)] = part;
+  }
+  return parts;
+}
+
+/// What a split may keep apart. People of two sources that have one name are two.
+enum class GroupKind { kPerson, kStyle, kPerformance };
+constexpr std::pair<GroupKind, const char*> kGroupKinds[] = {
+    {GroupKind::kPerson, "person"}, {GroupKind::kStyle, "style"}, {GroupKind::kPerformance, "performance"}};
+
+std::vector<std::string> GroupsOf(GroupKind kind, const std::vector<Clip>& clips) {
+  std::vector<std::string> groups;
+  for (const Clip& clip : clips) {
+    if (kind == GroupKind::kPerson) groups.push_back(clip.identity.source + "/" + clip.identity.person);
+    if (kind == GroupKind::kPerformance) groups.push_back(PerformanceOf(clip, false));
+    if (kind == GroupKind::kStyle) {
+      const auto style = clip.provenance.find("style");
+      groups.push_back(style == clip.provenance.end() ? "" : style->second);
+    }
+  }
+  return groups;
+}
+
+/// Groups of this kind that are in two parts; clips without one are in none.
+std::vector<std::string> InTwoParts(GroupKind kind, std::vector<int> parts, const std::vector<Clip>& clips) {
+  const std::vector<std::string> groups = GroupsOf(kind, clips);
+  for (std::size_t row = 0; row < parts.size(); ++row) {
+    if (groups[row].empty()) parts[row] = -1;
+  }
+  return FindLeaks(parts, groups, groups).groups;
+}
+
+Finding AboutSplit(const char* code, Severity severity, double value, const std::string& message,
+                   const std::string& action) {
+  Finding finding;
+  finding.code = code;
+  finding.severity = severity;
+  finding.value = value;
+  finding.message = message;
+  finding.action = action;
+  return finding;
+}
+
+/// A part, and its own split.
+using SplitOfPart = std::pair<std::size_t, const Split*>;
+
+std::string RuleOf(const std::vector<MergePart>& parts, const std::vector<SplitOfPart>& splits) {
+  std::set<std::string> rules;
+  std::string all;
+  for (const auto& [p, split] : splits) {
+    rules.insert(split->rule);
+    all += (all.empty() ? "" : "; ") + parts[p].name + ": " + split->rule;
+  }
+  return rules.size() == 1 ? *rules.begin() : all;
+}
+
+/// What the clips are made from, or their motions where that is not known.
+Expected<std::vector<std::string>> ContentsOf(const std::vector<MergePart>& parts, const MergedDataset& merged) {
+  std::vector<std::string> contents;
+  for (std::size_t row = 0; row < merged.origins.size(); ++row) {
+    const auto [p, row_there] = merged.origins[row];
+    std::string content = SourceContentOf(merged.dataset.clips[row]);
+    if (content.empty()) {
+      auto hash = parts[p].motion_hash(row_there);
+      if (!hash) return Forward(hash);
+      content = std::move(*hash);
+    }
+    contents.push_back(std::move(content));
+  }
+  return contents;
+}
+
+/// Checks the united split again, for all that each of the splits keeps apart by itself; what one of them reports of
+/// itself stays.
+std::string CheckUnited(const std::vector<MergePart>& parts, const std::vector<SplitOfPart>& splits,
+                        const std::vector<int>& part_of_row, const std::vector<Clip>& clips,
+                        const std::vector<std::string>& contents) {
+  const std::vector<std::string> none(contents.size());
+  Leaks leaks;
+  leaks.repeated = FindLeaks(part_of_row, none, contents).repeated;
+  std::string apart;
+  for (const auto& [kind, name] : kGroupKinds) {
+    const bool kept_apart = std::all_of(splits.begin(), splits.end(), [&, k = kind](const SplitOfPart& one) {
+      const std::vector<Clip>& own = parts[one.first].dataset.clips;
+      return InTwoParts(k, PartsOfRows(*one.second, own.size()), own).empty();
+    });
+    const std::vector<std::string> groups = GroupsOf(kind, clips);
+    const bool known = std::any_of(groups.begin(), groups.end(), [](const std::string& g) { return !g.empty(); });
+    if (!kept_apart || !known) continue;
+    apart += (apart.empty() ? "" : ", ") + std::string(name);
+    for (std::string& group : InTwoParts(kind, part_of_row, clips)) leaks.groups.push_back(std::move(group));
+  }
+  std::string text = LeakText(apart, leaks);
+  for (const auto& [p, split] : splits) {
+    if (split->leak_check.rfind("ok", 0) == 0) continue;
+    text = (text.rfind("ok", 0) == 0 ? "leaks:" : text + ";") + " in " + parts[p].name + ": " + split->leak_check;
+  }
+  return text;
+}
+
+/// How many clips of the parts that lack a split have no part in it.
+void ReportAbsent(const std::vector<MergePart>& parts, const std::vector<SplitOfPart>& splits, const std::string& name,
+                  std::vector<Finding>& findings) {
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const bool has = std::any_of(splits.begin(), splits.end(), [&](const SplitOfPart& one) { return one.first == p; });
+    const std::size_t clips = parts[p].dataset.clips.size();
+    if (has || clips == 0) continue;
+    findings.push_back(AboutSplit("split_incomplete", Severity::kWarning, static_cast<double>(clips),
+                                  "split '" + name + "' is none of " + parts[p].name + ", whose " +
+                                      Counted(static_cast<long long>(clips), "clip") + " are in no part of it",
+                                  "flagged"));
+  }
+}
+
+}  // namespace
+
+Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, const MergedRows& new_rows,
+                                         const MergedDataset& merged, std::vector<Finding>& findings) {
+  std::map<std::string, std::vector<SplitOfPart>> by_name;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    for (const Split& split : parts[p].dataset.splits) by_name[split.name].emplace_back(p, &split);
+  }
+  std::vector<Split> united;
+  if (by_name.empty()) return united;
+  const std::vector<Clip>& clips = merged.dataset.clips;
+  const auto contents = ContentsOf(parts, merged);
+  if (!contents) return Forward(contents);
+  for (const auto& [name, splits] : by_name) {
+    ReportAbsent(parts, splits, name, findings);
+    std::vector<int> part_of_row(clips.size(), -1);
+    std::vector<std::size_t> decided_by(clips.size());
+    for (const auto& [p, split] : splits) {
+      const std::vector<int> own = PartsOfRows(*split, new_rows[p].size());
+      for (std::size_t row = 0; row < own.size(); ++row) {
+        if (own[row] < 0) continue;
+        const auto at = static_cast<std::size_t>(new_rows[p][row]);
+        if (part_of_row[at] < 0) {
+          part_of_row[at] = own[row];
+          decided_by[at] = p;
+        } else if (part_of_row[at] != own[row]) {
+          Finding finding =
+              AboutSplit("split_part_differs", Severity::kWarning, 2.0,
+                         "split '" + name + "': " + kPartNames[part_of_row[at]] + " in " + parts[decided_by[at]].name +
+                             ", " + kPartNames[own[row]] + " in " + parts[p].name,
+                         std::string("kept in ") + kPartNames[part_of_row[at]]);
+          finding.clip = clips[at].id();
+          findings.push_back(std::move(finding));
+        }
+      }
+    }
+    Split split;
+    split.name = name;
+    split.rule = RuleOf(parts, splits);
+    for (std::size_t row = 0; row < clips.size(); ++row) {
+      std::vector<int>* const of_part[] = {&split.train, &split.validation, &split.test};
+      if (part_of_row[row] >= 0) of_part[part_of_row[row]]->push_back(static_cast<int>(row));
+    }
+    split.leak_check = CheckUnited(parts, splits, part_of_row, clips, *contents);
+    if (split.leak_check.rfind("ok", 0) != 0) {
+      findings.push_back(
+          AboutSplit("split_leak", Severity::kError, 0.0, "split '" + name + "': " + split.leak_check, "flagged"));
+    }
+    united.push_back(std::move(split));
+  }
+  return united;
+}
+
+}  // namespace mocurate

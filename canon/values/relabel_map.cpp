@@ -1,0 +1,149 @@
+#include <algorithm>
+
+#include "canon/values/relabel.h"
+#include "core/base/config.h"
+#include "core/base/file.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Cells of a line of CSV; cells in quotes may hold commas, and quotes as two.
+std::vector<std::string> CellsOf(std::string_view line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool two = quoted && line[i] == '"' && i + 1 < line.size() && line[i + 1] == '"';
+    if (two) {
+      cells.back() += line[i++];
+    } else if (line[i] == '"') {
+      quoted = !quoted;
+    } else if (line[i] == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += line[i];
+    }
+  }
+  for (std::string& cell : cells) cell = std::string(Trim(cell));
+  return cells;
+}
+
+Status ReadTable(const fs::path& path, std::map<std::string, std::string>& table) {
+  const auto text = ReadFile(path);
+  if (!text) return Forward(text);
+  const std::string name = DisplayPath(path);
+  std::size_t clip = 0, label = 0, columns = 0, number = 0;
+  for (std::string_view line : SplitText(*text, '\n')) {
+    ++number;
+    if (Trim(line).empty()) continue;
+    const std::vector<std::string> cells = CellsOf(line);
+    const std::string place = name + ":" + std::to_string(number);
+    if (columns == 0) {
+      columns = cells.size();
+      clip = static_cast<std::size_t>(std::find(cells.begin(), cells.end(), "clip") - cells.begin());
+      label = static_cast<std::size_t>(std::find(cells.begin(), cells.end(), "label") - cells.begin());
+      if (clip < columns && label < columns) continue;
+      return Fail(ErrorCode::kConfig, std::string("has no column '") + (clip < columns ? "label" : "clip") + "'", place,
+                  "the first line names the columns: clip,label");
+    }
+    if (cells.size() != columns) {
+      return Fail(
+          ErrorCode::kConfig,
+          Counted(static_cast<long long>(cells.size()), "column") + ", the first line has " + std::to_string(columns),
+          place, "put a text with commas into double quotes");
+    }
+    if (cells[label].empty()) {
+      return Fail(ErrorCode::kConfig, "clip '" + cells[clip] + "' has no label", place,
+                  "give it one, or take the line out");
+    }
+    const auto [known, added] = table.emplace(cells[clip], cells[label]);
+    if (added || known->second == cells[label]) continue;
+    return Fail(
+        ErrorCode::kConfig,
+        "clip '" + cells[clip] + "' has the label '" + known->second + "' further up, here '" + cells[label] + "'",
+        place, "keep one of the lines");
+  }
+  return {};
+}
+
+constexpr const char* kMapFields[] = {"labels", "classes", "drop", "rules", "clips"};
+
+bool IsPlain(const ConfigNode& node) {
+  return std::all_of(node.mapping.begin(), node.mapping.end(), [](const auto& entry) {
+    return entry.second.kind == ConfigNode::Kind::kScalar &&
+           std::find(std::begin(kMapFields), std::end(kMapFields), entry.first) == std::end(kMapFields);
+  });
+}
+
+/// Labels that are named twice where once is meant, and none where one is.
+Status CheckMap(const RelabelMap& map, const fs::path& path) {
+  for (std::size_t i = 0; i < map.classes.size(); ++i) {
+    if (std::find(map.classes.begin(), map.classes.begin() + static_cast<std::ptrdiff_t>(i), map.classes[i]) ==
+        map.classes.begin() + static_cast<std::ptrdiff_t>(i)) {
+      continue;
+    }
+    return Fail(ErrorCode::kConfig, "classes lists '" + map.classes[i] + "' twice", DisplayPath(path));
+  }
+  for (const std::string& dropped : map.drop) {
+    const auto renamed = map.labels.find(dropped);
+    if (renamed == map.labels.end()) continue;
+    return Fail(ErrorCode::kConfig, "'" + dropped + "' is dropped and becomes '" + renamed->second + "'",
+                DisplayPath(path), "leave one of both out");
+  }
+  for (const auto& [old_label, new_label] : map.labels) {
+    if (!new_label.empty()) continue;
+    return Fail(ErrorCode::kConfig, "'" + old_label + "' becomes nothing", DisplayPath(path),
+                "drop: ['" + old_label + "'] takes its clips out");
+  }
+  for (const RelabelRule& rule : map.rules) {
+    if (!rule.label.empty()) continue;
+    return Fail(ErrorCode::kConfig, "the rule has no label", rule.place, "{where: CONDITION, label: NAME}");
+  }
+  return {};
+}
+
+}  // namespace
+
+void RelabelRule::Declare(OptionVisitor& v) {
+  v.Text("where", where, "condition about a clip (docs/datasets.md)");
+  v.Text("label", label, "of the clips that it holds for");
+}
+
+void RelabelMap::Declare(OptionVisitor& v) {
+  v.TextMap("labels", labels, "new label by old label");
+  v.Texts("classes", classes, "labels in the order of their class indices");
+  v.Texts("drop", drop, "old labels whose clips leave");
+  v.List("rules", rules, "labels by conditions; the first that holds counts");
+  v.Path("clips", clips, "CSV with the columns clip and label");
+}
+
+Expected<RelabelMap> ReadRelabelMap(const fs::path& path) {
+  const auto node = LoadConfig(path);
+  if (!node) return Forward(node);
+  RelabelMap map;
+  if (IsPlain(*node)) {
+    for (const auto& [old_label, new_label] : node->mapping) map.labels[old_label] = new_label.scalar;
+  } else {
+    auto options = OptionsFromConfig<RelabelMap>(*node);
+    if (!options) return Forward(options);
+    map = std::move(*options);
+    const ConfigNode* rules = node->Find("rules");
+    for (std::size_t i = 0; i < map.rules.size(); ++i) {
+      const Origin& origin = rules->sequence[i].origin;
+      map.rules[i].place = Origin{DisplayPath(path.filename()), origin.line, origin.column}.Text();
+    }
+  }
+  map.name = DisplayPath(path.filename());
+  if (!map.clips.empty()) {
+    if (Status table = ReadTable(map.clips, map.table); !table) return Forward(table);
+  }
+  if (Status sound = CheckMap(map, path); !sound) return Forward(sound);
+  if (map.labels.empty() && map.classes.empty() && map.drop.empty() && map.rules.empty() && map.table.empty()) {
+    return Fail(ErrorCode::kConfig, "names no label", DisplayPath(path), "old: new, or see docs/datasets.md");
+  }
+  return map;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "core/store/store.h"
+
+namespace mocurate {
+
+/// Keeps some clips of a dataset: rows of splits follow, and findings about clips that leave go with them. Labels stay,
+/// also those without a clip. Gives the rows that stay, in the numbers that they had.
+std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& dataset);
+
+/// Takes labels and fine labels without a clip out, the others close up.
+void DropEmptyLabels(Dataset& dataset);
+
+}  // namespace mocurate

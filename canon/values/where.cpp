@@ -1,0 +1,190 @@
+#include "canon/values/where.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+#include <string_view>
+
+#include "canon/values/where_nodes.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+using Node = Condition::Node;
+
+/// A field of all clips.
+struct FieldColumn {
+  std::vector<std::string> texts;
+  std::vector<double> numbers;
+};
+
+std::string TextOf(std::string_view field, const Clip& clip, const std::string& argument) {
+  const ClipIdentity& identity = clip.identity;
+  if (field == "id") return clip.id();
+  if (field == "label") return clip.label;
+  if (field == "fine_label") return clip.fine_label;
+  if (field == "person") return identity.person;
+  if (field == "recording") return identity.recording;
+  if (field == "session") return identity.session;
+  if (field == "view") return identity.view;
+  if (field == "source") return identity.source;
+  if (field == "role") return clip.role;
+  if (field == "licence") return identity.licence;
+  const auto value = clip.provenance.find(argument);
+  return value == clip.provenance.end() ? std::string() : value->second;
+}
+
+double NumberOf(std::string_view field, const Clip& clip, const std::string& argument) {
+  if (field == "frames") return clip.motion ? clip.motion->frame_count() : 0;
+  if (field == "seconds") return clip.motion ? clip.motion->duration() : 0.0;
+  if (field == "rate") return clip.rate.hz();
+  if (field == "fit_rms") return clip.fit_rms;
+  return static_cast<double>(std::count_if(clip.segments.begin(), clip.segments.end(),
+                                           [&](const Segment& segment) { return segment.label == argument; }));
+}
+
+Expected<std::vector<std::string>> PartsOfClips(const Dataset& dataset, const std::string& name,
+                                                const std::string& place) {
+  const Split* split = dataset.FindSplit(name);
+  if (split == nullptr) {
+    std::vector<std::string> names;
+    std::string all;
+    for (const Split& one : dataset.splits) {
+      names.push_back(one.name);
+      all += (all.empty() ? "" : ", ") + one.name;
+    }
+    const auto near = Nearest(name, names);
+    return Fail(ErrorCode::kUsage, "the dataset has no split '" + name + "'", place,
+                near          ? "did you mean '" + *near + "'?"
+                : all.empty() ? "it has no splits"
+                              : "its splits: " + all);
+  }
+  std::vector<std::string> parts(dataset.clips.size());
+  const std::pair<const char*, const std::vector<int>*> rows[] = {
+      {"train", &split->train}, {"validation", &split->validation}, {"test", &split->test}};
+  for (const auto& [part, of_part] : rows) {
+    for (const int row : *of_part) parts.at(static_cast<std::size_t>(row)) = part;
+  }
+  return parts;
+}
+
+Expected<FieldColumn> ColumnOfField(const Node& test, const Dataset& dataset, const std::string& place) {
+  FieldColumn column;
+  const std::string_view field = test.field->name;
+  if (field == "part") {
+    auto parts = PartsOfClips(dataset, test.argument, place);
+    if (!parts) return Forward(parts);
+    column.texts = std::move(*parts);
+  } else if (field == "findings") {
+    std::map<std::string, double> counts;
+    for (const Finding& finding : dataset.findings) counts[finding.clip] += finding.code == test.argument ? 1.0 : 0.0;
+    for (const Clip& clip : dataset.clips) {
+      const auto count = counts.find(clip.id());
+      column.numbers.push_back(count == counts.end() ? 0.0 : count->second);
+    }
+  } else {
+    for (const Clip& clip : dataset.clips) {
+      if (test.field->is_text) column.texts.push_back(TextOf(field, clip, test.argument));
+      if (!test.field->is_text) column.numbers.push_back(NumberOf(field, clip, test.argument));
+    }
+  }
+  return column;
+}
+
+template <class Value>
+bool HoldsFor(const Node& test, const Value& value, const std::vector<Value>& values) {
+  switch (test.test) {
+    case Node::Test::kLess:
+      return value < values[0];
+    case Node::Test::kLessEqual:
+      return value <= values[0];
+    case Node::Test::kGreater:
+      return value > values[0];
+    case Node::Test::kGreaterEqual:
+      return value >= values[0];
+    default:
+      break;
+  }
+  const bool found = std::find(values.begin(), values.end(), value) != values.end();
+  return found == (test.test == Node::Test::kEqual || test.test == Node::Test::kIn);
+}
+
+Expected<std::vector<bool>> HoldsOfTest(const Node& test, const Dataset& dataset, const std::string& place) {
+  const auto column = ColumnOfField(test, dataset, place);
+  if (!column) return Forward(column);
+  std::vector<bool> holds(dataset.clips.size());
+  for (std::size_t row = 0; row < holds.size(); ++row) {
+    if (test.pattern) {
+      holds[row] = ::regexec(test.pattern.get(), column->texts[row].c_str(), 0, nullptr, 0) == 0;
+    } else {
+      holds[row] = test.field->is_text ? HoldsFor(test, column->texts[row], test.texts)
+                                       : HoldsFor(test, column->numbers[row], test.numbers);
+    }
+  }
+  return holds;
+}
+
+Expected<std::vector<bool>> HoldsOf(const Node& node, const Dataset& dataset,
+                                    const std::function<std::string(const Node&)>& place) {
+  if (node.kind == Node::Kind::kTest) return HoldsOfTest(node, dataset, place(node));
+  std::vector<bool> all;
+  for (const Node& part : node.parts) {
+    auto holds = HoldsOf(part, dataset, place);
+    if (!holds) return holds;
+    if (all.empty()) all = *holds;
+    for (std::size_t row = 0; row < all.size(); ++row) {
+      all[row] = node.kind == Node::Kind::kOr ? all[row] || (*holds)[row] : all[row] && (*holds)[row];
+    }
+  }
+  if (node.kind == Node::Kind::kNot) all.flip();
+  return all;
+}
+
+/// Calls `take` with every test, from left to right.
+void ForEachTest(const Node& node, const std::function<void(const Node&)>& take) {
+  if (node.kind == Node::Kind::kTest) take(node);
+  for (const Node& part : node.parts) ForEachTest(part, take);
+}
+
+}  // namespace
+
+Expected<std::vector<bool>> Condition::Holds(const Dataset& dataset) const {
+  return HoldsOf(*root_, dataset,
+                 [&](const Node& test) { return place_ + ":" + std::to_string(ColumnOf(text_, test.begin)); });
+}
+
+Expected<std::vector<std::pair<std::string, std::size_t>>> Condition::CountTests(const Dataset& dataset) const {
+  std::vector<std::pair<std::string, std::size_t>> counts;
+  Status failed;
+  ForEachTest(*root_, [&](const Node& test) {
+    const auto holds = HoldsOfTest(test, dataset, place_ + ":" + std::to_string(ColumnOf(text_, test.begin)));
+    if (!holds) {
+      failed = Forward(holds);
+      return;
+    }
+    const auto count = static_cast<std::size_t>(std::count(holds->begin(), holds->end(), true));
+    counts.emplace_back(text_.substr(test.begin, test.end - test.begin), count);
+  });
+  if (!failed) return Forward(failed);
+  return counts;
+}
+
+std::vector<Condition::UnknownValue> Condition::FindUnknownValues(const Dataset& dataset) const {
+  std::vector<UnknownValue> unknown;
+  if (dataset.clips.empty()) return unknown;
+  ForEachTest(*root_, [&](const Node& test) {
+    if (test.texts.empty() || test.field->argument != nullptr) return;
+    const auto column = ColumnOfField(test, dataset, place_);
+    if (!column) return;
+    const std::set<std::string> present(column->texts.begin(), column->texts.end());
+    const std::vector<std::string> known(present.begin(), present.end());
+    for (const std::string& value : test.texts) {
+      if (present.count(value) == 0) unknown.push_back({test.field->name, value, Nearest(value, known)});
+    }
+  });
+  return unknown;
+}
+
+}  // namespace mocurate
