@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/text.h"
+
 namespace mocurate {
 
 const StageInput* FindInput(const StageRequest& request, const std::string& role) {
@@ -9,6 +11,25 @@ const StageInput* FindInput(const StageRequest& request, const std::string& role
     if (input.role == role) return &input;
   }
   return nullptr;
+}
+
+Expected<Clip> ReadMotionClip(const StageInput& input, std::vector<Finding>* findings) {
+  auto dataset = ReadDataset(input.path);
+  if (dataset) {
+    if (dataset->clips.size() != 1) {
+      return Fail(ErrorCode::kInconsistent,
+                  Counted(static_cast<long long>(dataset->clips.size()), "clip") + ", one expected", input.name);
+    }
+    if (findings != nullptr) *findings = dataset->findings;
+    return dataset->clips.front();
+  }
+  auto given = ReadEvidence(input.path, findings);
+  if (!given) return Forward(dataset);
+  if (!given->motion) {
+    return Fail(ErrorCode::kInconsistent, "the clip has no motion, only evidence", input.name,
+                "set fitting.method to something other than none");
+  }
+  return given;
 }
 
 void SortById(std::vector<Clip>& clips) {

@@ -11,6 +11,10 @@ namespace mocurate {
 /// The input of a role; null when there is none.
 const StageInput* FindInput(const StageRequest& request, const std::string& role);
 
+/// The one clip of a Dataset or an evidence artifact, with its motion. `findings`, if not null, gets those of the file.
+/// Error kInconsistent where it has none.
+Expected<Clip> ReadMotionClip(const StageInput& input, std::vector<Finding>* findings);
+
 void SortById(std::vector<Clip>& clips);
 
 /// {"name", "train", "validation", "test" (counts), "rule", "leak_check"}

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/pipeline/stage.h"
+#include "core/store/dataset_clips.h"
+
+namespace mocurate {
+
+/// Dataset files whose clips become one set. In memory are the clips without frames; frames are read when they are
+/// written, those of one clip at a time.
+class ClipFiles {
+ public:
+  /// Appends the clips of a file, without frames, and its findings to `set`. Errors of DatasetClips; kInconsistent
+  /// where one file holds joints only and another rotations.
+  Status Add(const StageInput& input, Dataset& set);
+
+  /// Name of the input that each clip came with, by its id.
+  const std::map<std::string, std::string>& items() const { return items_; }
+
+  /// Hash of the motion of each clip of the set that does not know what it was made from; of the others empty.
+  Expected<std::vector<std::string>> Contents(const Dataset& set) const;
+
+  /// The clip with its frames; skeleton, labels and all else as it is given.
+  Expected<Clip> WithFrames(const Clip& clip);
+
+  /// Writes the set; clips that have their frames in memory are written as they are. Errors of DatasetWriter.
+  Status Write(const Dataset& set, const std::filesystem::path& path);
+
+ private:
+  struct Place {
+    std::size_t file = 0;
+    std::size_t row = 0;
+    std::uint8_t optional_fields = 0;
+  };
+
+  Expected<const DatasetClips*> Opened(std::size_t file);
+
+  std::vector<std::filesystem::path> files_;
+  std::map<std::string, Place> places_;  ///< by clip id
+  std::map<std::string, std::string> items_;
+  std::optional<std::pair<std::size_t, DatasetClips>> opened_;  ///< the file that was read last, checked whole
+};
+
+/// Whether a clip of a set has its frames in memory.
+bool HasFrames(const Clip& clip);
+
+}  // namespace mocurate
