@@ -4,6 +4,11 @@
 
 namespace mocurate {
 
+/// Motions of one sensor (inputs role "motion", as CanonStage takes them) -> JSON: the floor under them (FloorPlane),
+/// or null where it cannot be told, with a finding "floor_unknown". Finding "sensor_tilted" where the tilt is more than
+/// three of its standard deviations, value: degrees.
+Expected<StageOutcome> LevelStage(const StageRequest& request);
+
 /// One clip -> Dataset file with zero or more canonical clips. Input role "motion" (a one-clip Dataset from fitting, or
 /// an evidence file whose clip has a given motion) or role "tracks" (an evidence file; its tracks become a joints-only
 /// motion on options.skeleton: the baseline without fitting). A clip of which canon.trim leaves nothing:

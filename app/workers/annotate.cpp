@@ -14,6 +14,7 @@
 #include "ingest/options.h"
 #include "ingest/read_motions.h"
 #include "ingest/stages.h"
+#include "report/annotate_page.h"
 #include "report/options.h"
 #include "report/review_page.h"
 #include "report/stages.h"
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
                     {DuplicatesDeclaration().name, DuplicatesStage},
                     {ProportionsDeclaration().name, ProportionsStage},
                     {FittingDeclaration().name, FittingStage},
+                    {LevelDeclaration().name, LevelStage},
                     {CanonDeclaration().name, CanonStage},
                     {AssembleDeclaration().name, AssembleStage},
                     {AuditDeclaration().name, AuditStage},
@@ -38,5 +40,6 @@ int main(int argc, char** argv) {
                     {ReportDeclaration().name, ReportStage},
                     {ClipPageDeclaration().name, ClipPageStage},
                     {ReviewDeclaration().name, ReviewStage},
+                    {AnnotateDeclaration().name, AnnotateStage},
                     {PictureDeclaration().name, PictureStage}});
 }

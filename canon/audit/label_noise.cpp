@@ -68,7 +68,7 @@ Eigen::VectorXf LabelDescriptor(const Motion& motion, const LabelNoiseOptions& o
   const int T = static_cast<int>(options.frames), J = motion.joint_count();
   const Motion sampled = ResampleToCount(positions, T);
   const double size = std::max(1e-6, SizeOf(motion));
-  const Expected<Heading> heading = HeadingOfFrame(positions, 0, FacingOptions().min_horizontal);
+  const Expected<Heading> heading = HeadingOfFrame(positions, 0, FacingOptions());
   const Matrix3d turn = (heading ? Eigen::AngleAxisd(-heading->yaw, Vector3d::UnitY()) : Eigen::AngleAxisd::Identity())
                             .toRotationMatrix();
   const Eigen::Index width = Eigen::Index{3} * J;

@@ -1,19 +1,18 @@
 #include "canon/frames/facing.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
+#include "core/base/pi.h"
+#include "core/base/text.h"
 #include "core/motion/limbs.h"
 #include "core/motion/operations.h"
 
 namespace mocurate {
 namespace {
-
-struct BodyAxes {
-  Vector3d left = Vector3d::UnitX();
-  Vector3d forward = Vector3d::UnitZ();
-};
 
 /// Left and right hip, or shoulder where there are none. Of a tree that a file brings along, whose joints have other
 /// names, the first joints of its legs or arms.
@@ -39,51 +38,149 @@ std::optional<Vector3d> RestLeft(const Skeleton& skeleton) {
   return Vector3d(axis.normalized());
 }
 
-Expected<BodyAxes> AxesFromJoints(const Motion& motion, int frame) {
+/// Columns left, up, forward: left as it is, up and forward made orthogonal to it.
+Matrix3d AxesOf(const Vector3d& left, const Vector3d& up) {
+  Vector3d forward = left.cross(up);
+  forward = forward.norm() > 1e-9 ? Vector3d(forward.normalized()) : Vector3d(left.unitOrthogonal());
+  Matrix3d axes;
+  axes << left, forward.cross(left), forward;
+  return axes;
+}
+
+Expected<Matrix3d> AxesFromJoints(const Motion& motion, int frame) {
   const Skeleton& skeleton = *motion.skeleton;
   const auto pair = HipsOf(skeleton);
   if (!pair) {
     return Fail(ErrorCode::kInconsistent, "skeleton '" + skeleton.name + "' names neither hips nor shoulders",
-                "canon.facing", "name the mirrored hip joints left_hip and right_hip, or set facing.rule: none");
+                "canon.facing", "name the mirrored hip joints left_hip and right_hip, or set facing.rule: origin");
   }
   const Vector3d left_joint = motion.joints.at(frame, (*pair)[0]);
   const Vector3d right_joint = motion.joints.at(frame, (*pair)[1]);
-  BodyAxes axes;
-  axes.left = (left_joint - right_joint).normalized();
+  Vector3d left = left_joint - right_joint;
+  left = left.norm() > 1e-9 ? Vector3d(left.normalized()) : Vector3d(Vector3d::UnitX());
   Vector3d up = Vector3d::UnitY();
   if (const auto neck = skeleton.FindJoint("neck")) {
     const Vector3d trunk = Vector3d(motion.joints.at(frame, *neck)) - 0.5 * (left_joint + right_joint);
     if (trunk.norm() > 1e-6) up = trunk.normalized();
   }
-  const Vector3d forward = axes.left.cross(up);
-  axes.forward = forward.norm() > 1e-9 ? Vector3d(forward.normalized()) : Vector3d::UnitZ();
-  return axes;
+  return AxesOf(left, up);
+}
+
+/// World rotation of the clip by the one entry of `given` that names it.
+Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& clip) {
+  const auto names = [](const std::vector<std::string>& list, const std::string& name) {
+    return list.empty() || std::find(list.begin(), list.end(), name) != list.end();
+  };
+  const GivenRotationOptions* found = nullptr;
+  for (const GivenRotationOptions& entry : options.given) {
+    if (!names(entry.persons, clip.identity.person) || !names(entry.views, clip.identity.view)) continue;
+    if (found != nullptr) {
+      return Fail(ErrorCode::kConfig, "two rotations are given for person '" + clip.identity.person + "'",
+                  "canon.facing.given", "name each person and view once");
+    }
+    found = &entry;
+  }
+  if (found == nullptr) {
+    return Fail(ErrorCode::kConfig,
+                "no rotation is given for person '" + clip.identity.person + "', view '" + clip.identity.view + "'",
+                "canon.facing.given", "add an entry that names them, or one without persons and views for all");
+  }
+  const std::vector<double>& r = found->rotation;
+  if (r.size() != 9) {
+    return Fail(ErrorCode::kConfig,
+                Counted(static_cast<long long>(r.size()), "number") + ", a rotation matrix has 9, row by row",
+                "canon.facing.given", "e.g. rotation: [1, 0, 0,  0, 1, 0,  0, 0, 1]");
+  }
+  const Matrix3d matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.data());
+  const Matrix3d rotation = NearestRotation(matrix);
+  const double apart = (matrix - rotation).cwiseAbs().maxCoeff();
+  if (apart > 1e-3) {
+    return Fail(ErrorCode::kConfig,
+                "the matrix is no rotation: the nearest one differs by " + RoundedText(apart) + ", 0.001 is allowed",
+                "canon.facing.given", "give an orthogonal matrix of determinant +1");
+  }
+  return Quaterniond(rotation);
 }
 
 }  // namespace
 
-Heading HeadingOfAxes(const Vector3d& left, const Vector3d& forward, double min_horizontal) {
+const char* Name(YawSource source) {
+  switch (source) {
+    case YawSource::kHipAxis:
+      return "hip_axis";
+    case YawSource::kForwardAxis:
+      return "forward_axis";
+    case YawSource::kTwist:
+      return "twist";
+  }
+  return "";
+}
+
+Expected<Matrix3d> BodyAxes(const Motion& motion, int frame) {
+  const auto rest_left = motion.joints_only() ? std::nullopt : RestLeft(*motion.skeleton);
+  if (!rest_left) return AxesFromJoints(motion, frame);
+  return Matrix3d(motion.rotation_at(frame, 0) * AxesOf(*rest_left, Vector3d::UnitY()));
+}
+
+Heading HeadingOfAxes(const Matrix3d& axes, FacingRule rule, double min_horizontal) {
+  const Vector3d left = axes.col(0), forward = axes.col(2);
   Heading heading;
-  heading.horizontal = std::hypot(left.x(), left.z());
-  if (heading.horizontal >= min_horizontal) {
-    heading.yaw = std::atan2(-left.z(), left.x());
+  if (rule == FacingRule::kTwist) {
+    const Quaterniond q(axes);
+    heading.source = YawSource::kTwist;
+    heading.horizontal = std::hypot(q.w(), q.y());
+    heading.yaw = std::remainder(2.0 * std::atan2(q.y(), q.w()), 2.0 * kPi);
     return heading;
   }
+  heading.horizontal = std::hypot(left.x(), left.z());
+  heading.yaw = std::atan2(-left.z(), left.x());
+  if (rule == FacingRule::kEuler || heading.horizontal >= min_horizontal) return heading;
   heading.source = YawSource::kForwardAxis;
   heading.horizontal = std::hypot(forward.x(), forward.z());
   heading.yaw = std::atan2(forward.x(), forward.z());
   return heading;
 }
 
-Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, double min_horizontal) {
-  const auto rest_left = motion.joints_only() ? std::nullopt : RestLeft(*motion.skeleton);
-  if (rest_left) {
-    const Quaterniond& root = motion.rotation_at(frame, 0);
-    return HeadingOfAxes(root * *rest_left, root * rest_left->cross(Vector3d::UnitY()), min_horizontal);
-  }
-  const auto axes = AxesFromJoints(motion, frame);
+bool ReadsHeading(FacingRule rule) {
+  return rule == FacingRule::kHips || rule == FacingRule::kEuler || rule == FacingRule::kTwist;
+}
+
+Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, const FacingOptions& options) {
+  const auto axes = BodyAxes(motion, frame);
   if (!axes) return Forward(axes);
-  return HeadingOfAxes(axes->left, axes->forward, min_horizontal);
+  return HeadingOfAxes(*axes, options.rule, options.min_horizontal);
+}
+
+Expected<int> AnchorFrame(const FacingOptions& options, const Clip& clip) {
+  const int frames = clip.motion->frame_count();
+  switch (options.anchor) {
+    case Anchor::kFirst:
+      return 0;
+    case Anchor::kMiddle:
+      return frames / 2;
+    case Anchor::kLast:
+      return frames - 1;
+    case Anchor::kFirstSegment: {
+      if (clip.segments.empty()) {
+        return Fail(ErrorCode::kConfig, "the clip has no segment whose end could be the anchor", clip.id(),
+                    "canon.facing.anchor: first_segment is for clips of several segments (trim.rule: triples)");
+      }
+      const auto first =
+          std::min_element(clip.segments.begin(), clip.segments.end(), [](const Segment& a, const Segment& b) {
+            return std::tie(a.begin_s, a.end_s) < std::tie(b.begin_s, b.end_s);
+          });
+      return std::clamp(static_cast<int>(std::lround(first->end_s * clip.motion->rate.hz())) - 1, 0, frames - 1);
+    }
+    case Anchor::kFrame:
+      if (options.anchor_frame >= frames) {
+        return Fail(ErrorCode::kConfig,
+                    "the clip has " + Counted(frames, "frame") + ", facing.anchor_frame is " +
+                        std::to_string(options.anchor_frame),
+                    clip.id(), "name an earlier frame, or set facing.anchor: last");
+      }
+      return static_cast<int>(options.anchor_frame);
+  }
+  return 0;
 }
 
 Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
@@ -91,19 +188,47 @@ Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
     return Fail(ErrorCode::kInconsistent, "clip has no motion to canonicalise", clip.id(),
                 "run the stage fitting first");
   }
-  const Motion& motion = *clip.motion;
-  const int anchor = options.anchor == Anchor::kFirst ? 0 : motion.frame_count() - 1;
   Heading heading;
-  if (options.rule == FacingRule::kHips) {
-    const auto found = HeadingOfFrame(motion, anchor, options.min_horizontal);
-    if (!found) return Forward(found);
-    heading = *found;
-  }
+  if (options.rule == FacingRule::kNone) return heading;
+  const Motion& motion = *clip.motion;
+  const Expected<int> anchor = AnchorFrame(options, clip);
+  if (!anchor) return Forward(anchor);
   RigidTransform canonical_from_clip;
-  canonical_from_clip.rotation = Quaterniond(Eigen::AngleAxisd(-heading.yaw, Vector3d::UnitY()));
-  canonical_from_clip.translation = -(canonical_from_clip.rotation * Vector3d(motion.joints.at(anchor, 0)));
+  switch (options.rule) {
+    case FacingRule::kNone:
+    case FacingRule::kOrigin:
+      break;
+    case FacingRule::kHips:
+    case FacingRule::kEuler:
+    case FacingRule::kTwist: {
+      const auto found = HeadingOfFrame(motion, *anchor, options);
+      if (!found) return Forward(found);
+      heading = *found;
+      canonical_from_clip.rotation = Quaterniond(Eigen::AngleAxisd(-heading.yaw, Vector3d::UnitY()));
+      break;
+    }
+    case FacingRule::kZero: {
+      const auto axes = BodyAxes(motion, *anchor);
+      if (!axes) return Forward(axes);
+      const bool turns = !motion.joints_only() && RestLeft(*motion.skeleton).has_value();
+      canonical_from_clip.rotation =
+          turns ? motion.rotation_at(*anchor, 0).conjugate() : Quaterniond(axes->transpose());
+      break;
+    }
+    case FacingRule::kGiven: {
+      const auto given = GivenRotation(options, clip);
+      if (!given) return Forward(given);
+      canonical_from_clip.rotation = *given;
+      break;
+    }
+  }
+  Vector3d origin = motion.joints.at(*anchor, 0);
+  if (options.height == HeightOrigin::kFloor) origin = Vector3d(origin.x(), 0.0, origin.z());
+  canonical_from_clip.translation = -(canonical_from_clip.rotation * origin);
   Transform(canonical_from_clip, clip);
   return heading;
 }
+
+void UndoCanonical(Clip& clip) { Transform(Inverse(clip.canonical_from_source), clip); }
 
 }  // namespace mocurate

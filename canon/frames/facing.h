@@ -5,26 +5,46 @@
 
 namespace mocurate {
 
-/// What the heading was read from; kept with the clip, since the two rules differ away from upright.
-enum class YawSource { kHipAxis, kForwardAxis };
+/// Directions of a person in the world, unit and orthogonal: columns left (+x of the canonical frame), up, forward.
+/// With rotations they turn with the root (of SMPL: its matrix); joints only: right to left hip (else shoulder), hips
+/// to neck. Error kInconsistent if the skeleton names neither hips nor shoulders.
+Expected<Matrix3d> BodyAxes(const Motion& motion, int frame);
+
+/// What a heading was read from; kept with the clip, since definitions differ away from upright.
+enum class YawSource { kHipAxis, kForwardAxis, kTwist };
+const char* Name(YawSource source);
 
 struct Heading {
   double yaw = 0.0;  ///< radians about +y, from canonical facing (+z) to the person's
   YawSource source = YawSource::kHipAxis;
-  double horizontal = 1.0;  ///< length of the horizontal part of the axis used, 1 for upright
+  double horizontal = 1.0;  ///< of what yaw is read from, 1 for upright; at 0 yaw is not defined
 };
 
-/// Heading of a left axis (unit, world): yaw = atan2(-left.z, left.x); when its horizontal part is shorter than
-/// `min_horizontal`, that of the forward axis: atan2(forward.x, forward.z). [multiact.md B.3, B.4]
-Heading HeadingOfAxes(const Vector3d& left, const Vector3d& forward, double min_horizontal);
+/// Yaw of body axes (columns left, up, forward), `rule` one of the three that read a heading:
+///   kHips   atan2(-left.z, left.x); where its horizontal part is shorter than `min_horizontal`,
+///           atan2(forward.x, forward.z) [multiact.md B.4]
+///   kEuler  atan2(-left.z, left.x) always, as the released code has it: jumps where the hip axis passes the vertical
+///           [multiact.md B.1, y-up form B.3]
+///   kTwist  the turn about +y in R = Ry(yaw) S, S about a horizontal axis: 2 atan2(q.y, q.w). Continuous in every pose
+///           but upside down
+Heading HeadingOfAxes(const Matrix3d& axes, FacingRule rule, double min_horizontal);
 
-/// Heading of one frame. With rotations the axes turn with the root (for SMPL: columns 0 and 2 of its matrix); joints
-/// only: right to left hip (else shoulder), and that crossed with hips-to-neck. Error kInconsistent if the skeleton
-/// names neither hips nor shoulders.
-Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, double min_horizontal);
+/// Whether a rule reads a heading.
+bool ReadsHeading(FacingRule rule);
 
-/// Moves the clip so that the anchor frame's root is at the origin and faces +z: x -> Ry(-yaw) (x - x_anchor). Acts on
-/// all fields; canonical_from_source keeps what undoing needs.
+/// HeadingOfAxes of one frame. Error of BodyAxes.
+Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, const FacingOptions& options);
+
+/// The anchor's frame. Error kConfig for a frame that the clip lacks, or the end of a first segment where it has none.
+Expected<int> AnchorFrame(const FacingOptions& options, const Clip& clip);
+
+/// Moves the clip into its canonical frame: x -> Q (x - x_anchor), Q by options.rule, so that the anchor's root is at
+/// the origin (with kFloor: above it, at its height over y = 0). kNone moves nothing. Acts on all fields;
+/// canonical_from_source keeps what undoing needs. Errors of BodyAxes and AnchorFrame; kConfig where kGiven has no
+/// rotation for the clip, or two.
 Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip);
+
+/// The clip as it lay in the world of its source.
+void UndoCanonical(Clip& clip);
 
 }  // namespace mocurate

@@ -129,7 +129,7 @@ Status FaceAsBefore(const Clip& before, Clip& cut) {
   for (const Anchor anchor : {Anchor::kFirst, Anchor::kLast}) {
     const int frame = anchor == Anchor::kFirst ? 0 : before.motion->frame_count() - 1;
     if (before.motion->joints.at(frame, 0).norm() > kStands) continue;
-    const auto heading = HeadingOfFrame(*before.motion, frame, options.min_horizontal);
+    const auto heading = HeadingOfFrame(*before.motion, frame, options);
     if (!heading || std::abs(heading->yaw) > kStands) continue;
     options.anchor = anchor;
     const auto faced = FaceFront(options, cut);

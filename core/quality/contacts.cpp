@@ -26,8 +26,9 @@ double SpeedAt(const Motion& motion, int frame, int joint) {
          (after - before);
 }
 
-/// The joint of each leg that is lowest in the rest of the limb: its tip, else its ankle.
-std::vector<int> LowestOfLegs(const Skeleton& skeleton) {
+}  // namespace
+
+std::vector<int> FootJoints(const Skeleton& skeleton) {
   std::vector<int> feet;
   for (const Limb& leg : LimbsOf(skeleton).leg) {
     if (leg.tip >= 0) {
@@ -38,8 +39,6 @@ std::vector<int> LowestOfLegs(const Skeleton& skeleton) {
   }
   return feet;
 }
-
-}  // namespace
 
 std::vector<FrameRun> RunsWhere(const std::vector<bool>& flags, bool value) {
   std::vector<FrameRun> runs;
@@ -74,7 +73,7 @@ std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactLi
 }
 
 std::optional<double> FloorPenetration(const Motion& motion, const ContactLimits& limits) {
-  const std::vector<int> feet = LowestOfLegs(*motion.skeleton);
+  const std::vector<int> feet = FootJoints(*motion.skeleton);
   if (feet.empty() || motion.frame_count() == 0) return std::nullopt;
   std::vector<double> standing_heights;
   for (const int foot : feet) {

@@ -23,6 +23,10 @@ struct FrameRun {
 /// The runs in which `flags` are `value`, in order.
 std::vector<FrameRun> RunsWhere(const std::vector<bool>& flags, bool value);
 
+/// The joint of each leg that is lowest in the rest of the limb: its tip, else its ankle. Empty for a skeleton without
+/// legs.
+std::vector<int> FootJoints(const Skeleton& skeleton);
+
 /// Frames in which a joint stands on the floor: no higher than `height` above the lowest 5 % of its own places, and
 /// slower than `speed` between its neighbours in time. (F)
 std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactLimits& limits);

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "canon/frames/facing.h"
+#include "core/base/pi.h"
 #include "core/base/random.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
@@ -138,20 +139,6 @@ TEST(FaceFront, TwiceIsOnce) {
   EXPECT_LT(Largest(once.motion->joints, twice.motion->joints), 1e-9);
 }
 
-TEST(FaceFront, IsUndoneByTheStoredTransform) {
-  const Clip original = TurningClip(4, 0.2);
-  Clip clip = original;
-  ASSERT_TRUE(FaceFront({}, clip));
-  const RigidTransform source_from_canonical = Inverse(clip.canonical_from_source);
-  for (int f = 0; f < clip.motion->frame_count(); ++f) {
-    for (int j = 0; j < clip.motion->joint_count(); ++j) {
-      EXPECT_LT(
-          (source_from_canonical * Vector3d(clip.motion->joints.at(f, j)) - original.motion->joints.at(f, j)).norm(),
-          1e-9);
-    }
-  }
-}
-
 TEST(FaceFront, KeepsDistancesAndTilt) {
   const Clip original = TurningClip(5, 0.4);
   Clip clip = original;
@@ -174,43 +161,169 @@ TEST(FaceFront, JointsOnlyAgreesWithRotationsForAnUprightPerson) {
 }
 
 TEST(Heading, OfAPersonLyingOnTheSideComesFromTheForwardAxis) {
-  const Heading heading = HeadingOfAxes(Vector3d(0.01, 1, 0), Vector3d(0.6, 0, 0.8), 0.2);
+  const Vector3d left = Vector3d(0.01, 1, 0).normalized(), forward(0.6, 0, 0.8);
+  Matrix3d axes;
+  axes << left, forward.cross(left), forward;
+  const Heading heading = HeadingOfAxes(axes, FacingRule::kHips, 0.2);
   EXPECT_EQ(heading.source, YawSource::kForwardAxis);
   EXPECT_NEAR(heading.yaw, std::atan2(0.6, 0.8), 1e-12);
 }
 
+TEST(Heading, ByTheTwistIsContinuousWhereTheHipAxisPassesTheVertical) {
+  // A person who turns over sideways, from standing to lying and on towards the head: 0 to 160 degrees.
+  FacingOptions twist;
+  twist.rule = FacingRule::kTwist;
+  double most_by_twist = 0.0, most_by_euler = 0.0;
+  Heading last_twist, last_euler;
+  for (int degrees = 0; degrees <= 160; ++degrees) {
+    const double roll = degrees * kPi / 180.0;
+    const Matrix3d axes =
+        ExpMatrix(Vector3d(0, 0.7, 0)) * ExpMatrix(Vector3d(0, 0, roll)) * ExpMatrix(Vector3d(0.05, 0, 0));
+    const Heading by_twist = HeadingOfAxes(axes, FacingRule::kTwist, 0.2);
+    const Heading by_euler = HeadingOfAxes(axes, FacingRule::kEuler, 0.2);
+    if (degrees > 0) {
+      most_by_twist = std::max(most_by_twist, std::abs(std::remainder(by_twist.yaw - last_twist.yaw, 2 * kPi)));
+      most_by_euler = std::max(most_by_euler, std::abs(std::remainder(by_euler.yaw - last_euler.yaw, 2 * kPi)));
+    }
+    last_twist = by_twist;
+    last_euler = by_euler;
+  }
+  EXPECT_LT(most_by_twist, 0.02);
+  EXPECT_GT(most_by_euler, 1.0);
+}
+
+TEST(Heading, TurnsWithThePersonByEveryRule) {
+  Random random(7, "headings");
+  for (int trial = 0; trial < 200; ++trial) {
+    const Matrix3d axes = ExpMatrix(Vector3d(random.Uniform(-3, 3), random.Uniform(-3, 3), random.Uniform(-3, 3)));
+    const double turn = random.Uniform(-3, 3);
+    for (const FacingRule rule : {FacingRule::kHips, FacingRule::kEuler, FacingRule::kTwist}) {
+      const Heading before = HeadingOfAxes(axes, rule, 0.2);
+      if (before.horizontal < 1e-3) continue;
+      const Heading after = HeadingOfAxes(ExpMatrix(Vector3d(0, turn, 0)) * axes, rule, 0.2);
+      EXPECT_NEAR(std::remainder(after.yaw - before.yaw - turn, 2 * kPi), 0.0, 1e-9);
+    }
+  }
+}
+
+FacingOptions WithRule(FacingRule rule, Anchor anchor = Anchor::kFirst) {
+  FacingOptions options;
+  options.rule = rule;
+  options.anchor = anchor;
+  if (rule == FacingRule::kGiven) options.given = {{{"p1"}, {}, {0, 0, 1, 0, 1, 0, -1, 0, 0}}};
+  return options;
+}
+
+TEST(FaceFront, EveryRuleAtEveryAnchorIsUndoneByTheStoredTransform) {
+  const Clip original = TurningClip(4, 0.9);
+  for (const FacingRule rule : {FacingRule::kNone, FacingRule::kOrigin, FacingRule::kHips, FacingRule::kEuler,
+                                FacingRule::kTwist, FacingRule::kZero, FacingRule::kGiven}) {
+    for (const Anchor anchor :
+         {Anchor::kFirst, Anchor::kMiddle, Anchor::kLast, Anchor::kFirstSegment, Anchor::kFrame}) {
+      FacingOptions options = WithRule(rule, anchor);
+      options.anchor_frame = 5;
+      options.height = anchor == Anchor::kMiddle ? HeightOrigin::kFloor : HeightOrigin::kRoot;
+      Clip clip = original;
+      clip.segments = {{0.1, 0.3, "b", "", ""}, {0.0, 0.1, "a", "", ""}};
+      ASSERT_TRUE(FaceFront(options, clip));
+      const Clip moved = clip;
+      UndoCanonical(clip);
+      EXPECT_LT(Largest(original.motion->joints, clip.motion->joints), 1e-9);
+      EXPECT_LT(clip.canonical_from_source.translation.norm(), 1e-9);
+      if (rule == FacingRule::kNone) {
+        EXPECT_EQ(Largest(original.motion->joints, moved.motion->joints), 0.0);
+      }
+      if (rule == FacingRule::kNone || anchor == Anchor::kMiddle) continue;
+      const int frame = anchor == Anchor::kFirst ? 0 : anchor == Anchor::kLast ? 11 : anchor == Anchor::kFrame ? 5 : 2;
+      EXPECT_LT(moved.motion->joints.at(frame, 0).norm(), 1e-9);
+      if (rule == FacingRule::kZero) {
+        EXPECT_LT(AngleBetween(moved.motion->rotation_at(frame, 0), Quaterniond::Identity()), 1e-6);
+      }
+    }
+  }
+}
+
+TEST(FaceFront, OfAFrameASegmentOrAPersonThatIsNotThereIsRefused) {
+  Clip clip = TurningClip(4, 0.2);
+  FacingOptions late = WithRule(FacingRule::kHips, Anchor::kFrame);
+  late.anchor_frame = 12;
+  EXPECT_EQ(FaceFront(late, clip).error().code, ErrorCode::kConfig);
+  EXPECT_EQ(FaceFront(WithRule(FacingRule::kHips, Anchor::kFirstSegment), clip).error().code, ErrorCode::kConfig);
+  FacingOptions others = WithRule(FacingRule::kGiven);
+  others.given[0].persons = {"p2"};
+  EXPECT_EQ(FaceFront(others, clip).error().code, ErrorCode::kConfig);
+  FacingOptions bent = WithRule(FacingRule::kGiven);
+  bent.given[0].rotation[0] = 0.5;
+  EXPECT_EQ(FaceFront(bent, clip).error().code, ErrorCode::kConfig);
+}
+
 /// The released code works z-up; C = y-up from z-up on the world side turns its numbers into ours (multiact.md B.3).
-TEST(Heading, EqualsTheReleasedAlignmentAfterTheChangeOfAxes) {
-  if (golden::Folder() == nullptr) GTEST_SKIP() << "MOCURATE_GOLDENS is unset";
-  const golden::File file(golden::PathOf("canonicalization.h5"));
+Matrix3d YFromZ() {
   Matrix3d y_from_z;
   y_from_z << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  return y_from_z;
+}
+
+/// One clip of canonicalization.h5 in our axes, as a root without limbs.
+Clip GoldenClip(const golden::Array<double>& orient, const golden::Array<double>& place, const Matrix3d& world) {
+  const SkeletonPtr skeleton = Smpl();
+  const auto joints = static_cast<std::size_t>(skeleton->joint_count());
+  std::vector<Vector3d> root;
+  std::vector<Quaterniond> rotation;
+  for (std::size_t f = 0; f < orient.rows(); ++f) {
+    const double* r = orient.row(f);
+    const double* x = place.row(f);
+    root.push_back(world * Vector3d(x[0], x[1], x[2]));
+    rotation.insert(rotation.end(), joints, Quaterniond::Identity());
+    rotation[f * joints] = Quaterniond(world * ExpMatrix(Vector3d(r[0], r[1], r[2])));
+  }
+  Clip clip;
+  clip.motion = MakeMotion(skeleton, FrameRate{30, 1}, root, rotation, skeleton->RestBoneLengths());
+  return clip;
+}
+
+TEST(FaceFront, EqualsTheReleasedAlignmentAndTheDefinitionOfZero) {
+  if (golden::Folder() == nullptr) GTEST_SKIP() << "MOCURATE_GOLDENS is unset";
+  const golden::File file(golden::PathOf("canonicalization.h5"));
   int compared = 0;
-  for (const char* kind : {"random", "upright", "near_zero_pi"}) {
+  for (const char* kind : {"random", "upright", "near_zero_pi", "gimbal"}) {
     const auto orient = file.Doubles(std::string(kind) + "/params_orient");
     const auto place = file.Doubles(std::string(kind) + "/transl");
     for (const std::string& group : file.Children(kind)) {
       if (group.rfind("anchor", 0) != 0) continue;
-      const int anchor = std::stoi(group.substr(6));
       const std::string at = std::string(kind) + "/" + group + "/";
-      const auto expected_orient = file.Doubles(at + "orient");
-      const auto expected_place = file.Doubles(at + "transl");
-      const auto rotation_of = [](const golden::Array<double>& a, int f) {
-        return ExpMatrix(Vector3d(a.row(f)[0], a.row(f)[1], a.row(f)[2]));
-      };
-      const Matrix3d root = y_from_z * rotation_of(orient, anchor);
-      const Heading heading = HeadingOfAxes(root.col(0), root.col(2), 1e-3);
-      if (heading.source != YawSource::kHipAxis) continue;
-      const Matrix3d turn = ExpMatrix(Vector3d(0, -heading.yaw, 0));
-      const auto place_of = [](const golden::Array<double>& a, int f) {
-        return Vector3d(a.row(f)[0], a.row(f)[1], a.row(f)[2]);
-      };
-      for (int f = 0; f < static_cast<int>(orient.rows()); ++f) {
-        const Matrix3d ours = turn * y_from_z * rotation_of(orient, f);
-        const Matrix3d theirs = y_from_z * rotation_of(expected_orient, f);
-        EXPECT_LT((ours - theirs).cwiseAbs().maxCoeff(), 5e-4) << at << f;
-        const Vector3d our_place = turn * (y_from_z * (place_of(place, f) - place_of(place, anchor)));
-        EXPECT_LT((our_place - y_from_z * place_of(expected_place, f)).norm(), 2e-4) << at << f;
+      FacingOptions options = WithRule(FacingRule::kEuler, Anchor::kFrame);
+      options.anchor_frame = std::stoi(group.substr(6));
+      Clip faced = GoldenClip(orient, place, YFromZ());
+      ASSERT_TRUE(FaceFront(options, faced));
+      // The turn in double is exact; the stored numbers are float32, at the gimbal's anchors off by what they state.
+      const auto turn = file.Doubles(at + "f64_check_transform");
+      Matrix3d theirs;
+      for (int k = 0; k < 9; ++k) theirs(k / 3, k % 3) = turn.values[static_cast<std::size_t>(k)];
+      const Matrix3d ours = YFromZ().transpose() * faced.canonical_from_source.rotation.toRotationMatrix() * YFromZ();
+      EXPECT_LT((ours - theirs).cwiseAbs().maxCoeff(), 3e-5) << at;
+      const auto rotated = file.Doubles(at + "orient");
+      const auto placed = file.Doubles(at + "transl");
+      const double off = file.Doubles(at + "f64_max_dev_rot").values[0] + 3e-5;
+      const double away = file.Doubles(at + "f64_max_dev_transl").values[0] + 3e-5;
+      const Clip expected = GoldenClip(rotated, placed, YFromZ());
+      options.rule = FacingRule::kZero;
+      Clip zero = GoldenClip(orient, place, Matrix3d::Identity());
+      ASSERT_TRUE(FaceFront(options, zero));
+      const auto zero_turn = file.Doubles(at + "zero_canon_orient_matrix");
+      const auto zero_place = file.Doubles(at + "zero_canon_transl");
+      for (int f = 0; f < faced.motion->frame_count(); ++f) {
+        EXPECT_LT(AngleBetween(faced.motion->rotation_at(f, 0), expected.motion->rotation_at(f, 0)), 2 * off)
+            << at << f;
+        EXPECT_LT((faced.motion->root_translation[f] - expected.motion->root_translation[f]).norm(), 2 * away)
+            << at << f;
+        const Matrix3d z = zero.motion->rotation_at(f, 0).toRotationMatrix();
+        for (int k = 0; k < 9; ++k)
+          EXPECT_NEAR(z(k / 3, k % 3), zero_turn.values[static_cast<std::size_t>(9 * f + k)], 1e-6);
+        for (int k = 0; k < 3; ++k) {
+          EXPECT_NEAR(zero.motion->root_translation[f][k], zero_place.values[static_cast<std::size_t>(3 * f + k)],
+                      1e-6);
+        }
         ++compared;
       }
     }
@@ -219,11 +332,8 @@ TEST(Heading, EqualsTheReleasedAlignmentAfterTheChangeOfAxes) {
 }
 
 TEST(Heading, OfTheWrittenExampleIsTheWrittenNumber) {
-  Matrix3d y_from_z;
-  y_from_z << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-  const Matrix3d root = y_from_z * ExpMatrix(Vector3d(1.157214, 1.291215, 1.900880));
-  const Heading heading = HeadingOfAxes(root.col(0), root.col(2), 0.2);
-  EXPECT_NEAR(heading.yaw * 180.0 / 3.14159265358979, 120.0, 1e-3);
+  const Matrix3d root = YFromZ() * ExpMatrix(Vector3d(1.157214, 1.291215, 1.900880));
+  EXPECT_NEAR(HeadingOfAxes(root, FacingRule::kHips, 0.2).yaw * 180.0 / kPi, 120.0, 1e-3);
 }
 
 }  // namespace

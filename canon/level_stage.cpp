@@ -1,0 +1,61 @@
+#include <algorithm>
+
+#include "canon/frames/level.h"
+#include "canon/options.h"
+#include "canon/stage_parts.h"
+#include "canon/stages.h"
+#include "core/base/file.h"
+#include "core/base/pi.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+Finding UnknownFloor(const std::string& group) {
+  Finding finding;
+  finding.code = "floor_unknown";
+  finding.message = "the floor under the clips of " + group +
+                    " cannot be told: no foot ever stands, or the skeleton has no legs; they were not levelled";
+  finding.action = "flagged";
+  return finding;
+}
+
+Finding TiltedSensor(const std::string& group, const FloorPlane& floor) {
+  Finding finding;
+  finding.code = "sensor_tilted";
+  finding.severity = Severity::kInfo;
+  finding.value = floor.tilt() * 180.0 / kPi;
+  finding.message = "the sensor of " + group + " is tilted by " + RoundedText(finding.value, 3) + " +- " +
+                    RoundedText(floor.tilt_sigma * 180.0 / kPi, 2) + " degrees: feet stood " +
+                    std::to_string(floor.contacts) + " times in " + Counted(floor.clips, "clip");
+  finding.action = "levelled";
+  return finding;
+}
+
+}  // namespace
+
+Expected<StageOutcome> LevelStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<LevelOptions>(request.options, "canon.level");
+  if (!options) return Forward(options);
+  std::vector<Motion> motions;
+  for (const StageInput& input : request.inputs) {
+    if (input.role != "motion") continue;
+    auto clip = ReadMotionClip(input, nullptr);
+    if (!clip) return Forward(clip);
+    motions.push_back(*std::move(clip->motion));
+  }
+  StageOutcome outcome;
+  const std::optional<FloorPlane> floor = EstimateFloor(*options, motions);
+  if (!floor) {
+    outcome.kind = OutcomeKind::kDoubtful;
+    outcome.findings.push_back(UnknownFloor(request.item));
+  } else if (floor->tilt() > 3.0 * floor->tilt_sigma) {
+    outcome.findings.push_back(TiltedSensor(request.item, *floor));
+  }
+  const nlohmann::json result = floor ? nlohmann::json(*floor) : nlohmann::json();
+  outcome.summary["floor"] = result;
+  if (Status written = WriteFile(request.output, result.dump(1) + "\n"); !written) return Forward(written);
+  return outcome;
+}
+
+}  // namespace mocurate
