@@ -11,7 +11,6 @@
 #include "core/base/version.h"
 #include "core/store/store.h"
 #include "ingest/discover.h"
-#include "ingest/files_check.h"
 #include "ingest/format_facts.h"
 #include "ingest/sense/fault_codes.h"
 
@@ -223,19 +222,6 @@ nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, cons
   }
   metrics["nearest_neighbour"] = result.audit.value("nearest_neighbour", nlohmann::json());
   return metrics;
-}
-
-std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std::vector<ItemResult>& items) {
-  std::set<std::string> known;
-  for (const ItemResult& item : items) {
-    for (const auto& label : item.outcome.summary.value("labels", std::vector<std::string>())) known.insert(label);
-  }
-  std::vector<Finding> findings;
-  if (known.empty()) return findings;
-  for (const std::string& label : options.trim.drop_labels) {
-    if (known.count(label) == 0) findings.push_back(UnmatchedName("canon.trim.drop_labels", "label", label, known));
-  }
-  return findings;
 }
 
 StageInput InputFrom(const char* role, const ItemResult& item) { return {role, item.item, item.artifact, item.sha256}; }

@@ -80,9 +80,6 @@ void LogLeftOut(const std::vector<ItemResult>& files);
 std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std::vector<ItemResult>& ingested,
                                   std::vector<ItemResult> left_out);
 
-/// Labels of canon.trim.drop_labels that no segment has, after the stage canon.
-std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std::vector<ItemResult>& items);
-
 /// The metrics with what training, audit and networks that are not there add to them.
 nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, const JobResult& result);
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "app/canon_items.h"
 #include "app/curation_log.h"
 #include "app/job_checks.h"
 #include "app/job_items.h"
@@ -14,6 +15,7 @@
 #include "app/run_outputs.h"
 #include "app/stage_runs.h"
 #include "app/training_run.h"
+#include "canon/recipes/spans_file.h"
 #include "canon/review/review.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
@@ -53,6 +55,9 @@ class MainJob {
     CheckComparison();
     if (!options_.canon.review.empty() && last_ >= JobStage::kAssemble) {
       if (const auto review = ReadReview(options_.canon.review); !review) return Forward(review);
+    }
+    if (!options_.canon.trim.spans.empty() && last_ >= JobStage::kCanon) {
+      if (const auto spans = ReadSpans(options_.canon.trim.spans); !spans) return Forward(spans);
     }
     if (Status cleared = Clear(Next(last_), JobStage::kReport); !cleared) return Forward(cleared);
     for (const auto& [stage, step] : steps) {
@@ -211,7 +216,20 @@ class MainJob {
     DropComparison("the source tracks no " + missing + " of skeleton '" + options_.canon.skeleton + "'");
   }
 
+  /// Floors are those of the motions, also for the unfitted tracks.
+  Status FindFloors() {
+    if (options_.canon.level.rule == FloorRule::kNone) return {};
+    const auto report = runs_.Run(LevelDeclaration(), LevelItems(clips_, options_.canon.level));
+    if (!report) return Forward(report);
+    for (const ItemResult& item : report->items) {
+      floors_[item.item] = item;
+      AddSetFindings(item.outcome.findings);
+    }
+    return {};
+  }
+
   Status Canonicalise() {
+    if (Status found = FindFloors(); !found) return found;
     const bool both = unfitted_;
     Status done = CanonItems("motion", &ClipRecord::motion, &ClipRecord::canonical, both ? kFittedBranch : "");
     if (!done || !both) return done;
@@ -221,19 +239,35 @@ class MainJob {
   Status CanonItems(const char* role, ItemResult ClipRecord::*from, ItemResult ClipRecord::*to, const char* branch) {
     CanonOptions of_clips = options_.canon;
     of_clips.review.clear();
+    of_clips.trim.spans.clear();
+    of_clips.trim.by_example.examples.clear();
     const nlohmann::json options = OptionsToJson(of_clips);
     std::vector<ItemSpec> items;
     std::vector<ClipRecord*> records;
     for (ClipRecord& clip : clips_) {
       if ((clip.*from).artifact.empty()) continue;
       items.push_back({clip.item, options, {InputFrom(role, clip.*from)}});
+      const auto floor = floors_.find(FloorGroup(clip, options_.canon.level.of));
+      if (floor != floors_.end() && !floor->second.artifact.empty()) {
+        items.back().inputs.push_back(InputFrom(kFloorRole, floor->second));
+      }
       records.push_back(&clip);
     }
     AddInput(SkeletonInput(options_.canon.skeleton), items);
+    if (!options_.canon.trim.spans.empty()) AddInput(SpansInput(options_.canon.trim.spans), items);
+    if (options_.canon.trim.rule == TrimRule::kByExample) {
+      const auto examples = ExampleInputs(options_.canon.trim.by_example.examples, clips_, from);
+      if (!examples) return Forward(examples);
+      for (const StageInput& example : *examples) AddInput(example, items);
+    }
     auto report = runs_.Run(CanonDeclaration(), std::move(items), branch);
     if (!report) return Forward(report);
     for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->*to = report->items[i];
-    if (to == &ClipRecord::canonical) AddSetFindings(UnmatchedDropLabels(options_.canon, report->items));
+    if (to != &ClipRecord::canonical) return {};
+    AddSetFindings(UnmatchedDropLabels(options_.canon, report->items));
+    auto unmatched = UnmatchedSpans(options_.canon, report->items);
+    if (!unmatched) return Forward(unmatched);
+    AddSetFindings(*unmatched);
     return {};
   }
 
@@ -372,7 +406,8 @@ class MainJob {
   std::vector<ClipRecord> clips_;
   std::optional<std::set<std::string>> captured_;  ///< files of the synthetic capture: others are not ours
   std::map<std::string, ItemResult> persons_;
-  std::optional<StageInput> duplicates_;  ///< findings about clips that show the same
+  std::map<std::string, ItemResult> floors_;  ///< by FloorGroup
+  std::optional<StageInput> duplicates_;      ///< findings about clips that show the same
   std::vector<StageInput> truth_;
   std::vector<TrainedNetwork> networks_;
   std::vector<DenoisedSet> denoised_;  ///< the dataset encoded and decoded by networks

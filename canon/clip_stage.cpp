@@ -1,10 +1,18 @@
+#include <cmath>
+#include <map>
 #include <set>
 
+#include "canon/example_motions.h"
 #include "canon/frames/facing.h"
+#include "canon/frames/level.h"
 #include "canon/options.h"
+#include "canon/recipes/action_triples.h"
+#include "canon/recipes/spans_file.h"
 #include "canon/stage_parts.h"
 #include "canon/stages.h"
+#include "canon/trim/by_example.h"
 #include "canon/trim/trim.h"
+#include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/motion/operations.h"
@@ -16,24 +24,7 @@ namespace {
 
 /// The clip with a motion that canonicalising starts from.
 Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& options, std::vector<Finding>& findings) {
-  if (const StageInput* fitted = FindInput(request, "motion")) {
-    auto dataset = ReadDataset(fitted->path);
-    if (dataset) {
-      if (dataset->clips.size() != 1) {
-        return Fail(ErrorCode::kInconsistent,
-                    Counted(static_cast<long long>(dataset->clips.size()), "clip") + ", one expected", fitted->name);
-      }
-      findings = dataset->findings;
-      return dataset->clips.front();
-    }
-    auto given = ReadEvidence(fitted->path, &findings);
-    if (!given) return Forward(dataset);
-    if (!given->motion) {
-      return Fail(ErrorCode::kInconsistent, "the clip has no motion, only evidence", fitted->name,
-                  "set fitting.method to something other than none");
-    }
-    return given;
-  }
+  if (const StageInput* fitted = FindInput(request, "motion")) return ReadMotionClip(*fitted, &findings);
   const StageInput* tracked = FindInput(request, "tracks");
   if (tracked == nullptr) return Fail(ErrorCode::kInternal, "canon got neither 'motion' nor 'tracks'", request.item);
   auto clip = ReadEvidence(tracked->path, &findings);
@@ -49,36 +40,121 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
   return clip;
 }
 
-Finding DoubtfulHeading(const Clip& clip, const Heading& heading) {
+Status LevelByFloor(const StageInput& input, Clip& clip) {
+  const auto text = ReadFile(input.path);
+  if (!text) return Forward(text);
+  try {
+    const auto floor = nlohmann::json::parse(*text);
+    if (!floor.is_null()) LevelClip(floor.get<FloorPlane>(), clip);
+  } catch (const nlohmann::json::exception& problem) {
+    return Fail(ErrorCode::kMalformed, std::string("no floor: ") + problem.what(), input.name);
+  }
+  return {};
+}
+
+/// Two samples over the same frames: a clip is known by its frames.
+Finding SameFrames(const Clip& clip, const ActionTriple& triple) {
   Finding finding;
   finding.clip = clip.id();
-  finding.code = "heading_from_forward_axis";
-  finding.value = heading.horizontal;
-  finding.message = "the hip axis is nearly vertical in the anchor frame; yaw was read from the forward axis";
-  finding.action = "kept";
+  finding.code = "same_frames";
+  finding.frame_begin = triple.first_frame;
+  finding.frame_end = triple.end_frame();
+  finding.message =
+      "'" + triple.previous + "' to '" + triple.current + "' is over the same frames as another sample, which was kept";
+  finding.action = "dropped";
   return finding;
 }
 
-Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, Clip clip, std::vector<Finding>& findings) {
+Finding NothingLikeIt(const Clip& clip) {
+  Finding finding;
+  finding.clip = clip.id();
+  finding.code = "no_example_found";
+  finding.frame_end = clip.motion->frame_count();
+  finding.message = "no span is like the marked ones; trim.by_example.min_confidence decides";
+  finding.action = "dropped";
+  return finding;
+}
+
+/// Why a heading is suspect: what it was read from is nearly vertical in the anchor frame. Nothing for one that is not.
+std::optional<Finding> SuspectHeading(const FacingOptions& options, const Clip& clip, const Heading& heading) {
+  Finding finding;
+  finding.clip = clip.id();
+  finding.value = heading.horizontal;
+  finding.action = "kept";
+  if (heading.source == YawSource::kForwardAxis) {
+    finding.code = "heading_from_forward_axis";
+    finding.message = "the hip axis is nearly vertical in the anchor frame; yaw was read from the forward axis";
+    return finding;
+  }
+  if (heading.horizontal >= options.min_horizontal) return std::nullopt;
+  finding.code = "heading_ill_conditioned";
+  finding.message = std::string(heading.source == YawSource::kTwist ? "the person is nearly upside down"
+                                                                    : "the hip axis is nearly vertical") +
+                    " in the anchor frame: yaw changes fast there; facing.anchor names another frame";
+  return finding;
+}
+
+using Examples = std::map<std::string, std::vector<Motion>>;
+
+/// The clips of a recording, where they lie in it.
+Expected<std::vector<Clip>> CutClips(const TrimOptions& options, const Examples& examples, const Clip& clip,
+                                     std::vector<Finding>& findings) {
+  std::vector<Clip> cuts;
+  if (options.rule == TrimRule::kTriples) {
+    std::set<std::pair<int, int>> taken;
+    for (const ActionTriple& triple :
+         FindTriples(options.triples, clip.segments, clip.motion->rate, clip.motion->frame_count(), findings)) {
+      if (!taken.emplace(triple.first_frame, triple.end_frame()).second) {
+        findings.push_back(SameFrames(clip, triple));
+        continue;
+      }
+      auto sample = TakeTriple(options.triples, triple, clip);
+      if (!sample) return Forward(sample);
+      cuts.push_back(*std::move(sample));
+    }
+    return cuts;
+  }
+  std::vector<KeptSpan> spans;
+  if (options.rule == TrimRule::kByExample) {
+    auto found = SpansByExample(options.by_example, examples, *clip.motion);
+    if (!found) return Forward(found);
+    if (found->empty()) findings.push_back(NothingLikeIt(clip));
+    spans = *std::move(found);
+  } else {
+    spans = FindSpans(options, clip, findings);
+  }
+  for (const KeptSpan& span : spans) {
+    auto cut = Cut(clip, span.begin, span.end);
+    if (!cut) return Forward(cut);
+    cut->label = span.label;
+    cut->fine_label = span.fine_label;
+    if (EstimatesCuts(options.rule)) {
+      cut->provenance["cut_confidence"] = RoundedText(std::round(100.0 * span.confidence) / 100.0);
+    }
+    cuts.push_back(*std::move(cut));
+  }
+  return cuts;
+}
+
+Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, const Examples& examples, Clip clip,
+                                         std::vector<Finding>& findings) {
   clip.evidence = Evidence();
   if (!options.rate.empty()) {
     const auto rate = FrameRate::Parse(options.rate);
     if (!rate) return Forward(rate);
     clip = Resample(clip, *rate);
   }
-  std::vector<Clip> kept;
-  for (const KeptSpan& span : FindSpans(options.trim, clip, findings)) {
-    auto cut = Cut(clip, span.begin, span.end);
-    if (!cut) return Forward(cut);
-    cut->label = span.label;
-    const auto heading = FaceFront(options.facing, *cut);
+  auto cuts = CutClips(options.trim, examples, clip, findings);
+  if (!cuts) return Forward(cuts);
+  for (Clip& cut : *cuts) {
+    const auto heading = FaceFront(options.facing, cut);
     if (!heading) return Forward(heading);
-    if (heading->source == YawSource::kForwardAxis) findings.push_back(DoubtfulHeading(*cut, *heading));
-    cut->provenance["heading"] = heading->source == YawSource::kHipAxis ? "hip_axis" : "forward_axis";
-    kept.push_back(std::move(*cut));
+    if (!ReadsHeading(options.facing.rule)) continue;
+    if (auto suspect = SuspectHeading(options.facing, cut, *heading)) findings.push_back(*std::move(suspect));
+    cut.provenance["heading"] = Name(heading->source);
   }
-  SortById(kept);
-  return kept;
+  SortById(*cuts);
+  return cuts;
 }
 
 }  // namespace
@@ -93,10 +169,21 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   dataset.joints_only = clip->motion->joints_only();
   dataset.created_by = CreatedBy();
   StageOutcome outcome;
+  if (const StageInput* listed = FindInput(request, kSpansRole)) {
+    const auto spans = ReadSpans(listed->path);
+    if (!spans) return Forward(spans);
+    outcome.summary["spans"] = ApplySpans(*spans, *clip, outcome.findings);
+  }
+  if (const StageInput* floor = FindInput(request, kFloorRole)) {
+    if (Status levelled = LevelByFloor(*floor, *clip); !levelled) return Forward(levelled);
+  }
   std::set<std::string> labels;
   for (const Segment& segment : clip->segments) labels.insert(segment.label);
   if (options->trim.rule == TrimRule::kAnnotated) outcome.summary["labels"] = labels;
-  auto kept = Canonicalise(*options, std::move(*clip), outcome.findings);
+  const auto examples =
+      options->trim.rule == TrimRule::kByExample ? ReadExamples(*options, request.inputs) : Expected<Examples>();
+  if (!examples) return Forward(examples);
+  auto kept = Canonicalise(*options, *examples, std::move(*clip), outcome.findings);
   if (!kept) return Forward(kept);
   if (kept->empty()) {
     // FindSpans says of every span that it leaves out which rule did so.

@@ -16,27 +16,133 @@ enum class TrimRule {
   kNone,          ///< whole clip
   kAnnotated,     ///< one clip per annotated segment
   kMotionEnergy,  ///< still frames at both ends are cut
+  kTriples,       ///< samples of two actions and the transition between them
+  kChangePoints,  ///< cut where what is done changes
+  kCycles,        ///< one clip per repetition of an exercise
+  kByExample,     ///< spans that are like marked ones
+};
+
+/// MultiAct's samples [previous action, transition, action] (canon/recipes/action_triples.h). Numbers of frames are
+/// those of a sample; the defaults are the released code's (multiact.md A.3).
+struct TripleOptions {
+  double rate_hz = 20.0;  ///< of samples: every so-many-th recorded frame, rounded down
+  std::string transition = "transition";
+  double transition_share = 0.1;  ///< of a neighbour that a transition takes, twice that where none is labelled
+  std::int64_t most_taken = 5;    ///< frames of a neighbour that a transition takes at most, twice that as above
+  std::int64_t extra_frames = 3;  ///< that the action runs past its label
+  std::int64_t least_frames = 20;
+  std::int64_t most_frames = 120;
+  std::int64_t least_part = 3;  ///< frames of each part
+  std::int64_t context = 4;     ///< last frames of the previous action that the network is given: it has one more
+
+  void Declare(OptionVisitor& v);
+};
+
+/// What of a segment becomes the label of its clip. With kCategory the segment's label is the fine label.
+enum class ClassFrom { kLabel, kCategory };
+
+/// Where a recording is cut into what is done one after the other (canon/trim/change_points.h). Penalties are seconds
+/// of a segment that is like nothing around it.
+struct ChangePointOptions {
+  double rest_penalty_s = 0.3;      ///< of a boundary at rest
+  double moving_penalty_s = 1.0;    ///< of a boundary in the middle of a movement
+  double restless_penalty_s = 0.5;  ///< of a boundary in a recording without rests
+  double least_segment_s = 0.3;
+  double least_rest_s = 0.5;    ///< shorter rests are one boundary in their middle
+  double longest_s = 60.0;      ///< over which a segment is compared with itself
+  double min_confidence = 0.0;  ///< less confident boundaries are none
+  bool keep_rests = false;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// How an exercise is cut into repetitions (canon/trim/cycles.h).
+struct CycleOptions {
+  double shortest_s = 0.4;  ///< of a repetition
+  double longest_s = 8.0;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// How marked spans of an action find others (canon/trim/by_example.h).
+struct ByExampleOptions {
+  std::filesystem::path examples;  ///< table clip,begin_s,end_s,label
+  double join_gap_s = 0.5;         ///< between two found spans that are one
+  double min_confidence = 0.5;     ///< measured: precision 0.9
+
+  void Declare(OptionVisitor& v);
 };
 
 struct TrimOptions {
   TrimRule rule = TrimRule::kNone;
   double still_speed = 0.15;    ///< m/s of the fastest joint, below which a frame is still
+  double moving_speed = 0.15;   ///< m/s that a movement must reach to be one; less than still_speed: the same as it
   double speed_window_s = 0.4;  ///< a speed is the slope of a joint's path over this time
   double margin_s = 0.2;        ///< kept before the first and after the last moving frame
   double min_length_s = 0.25;   ///< shorter clips are dropped
   std::vector<std::string> drop_labels;
+  /// Spans of clips (canon/recipes/spans_file.h), in place of their annotated segments; empty: none. The stage `canon`
+  /// takes the file as an input.
+  std::filesystem::path spans;
+  ClassFrom class_from = ClassFrom::kLabel;
+  TripleOptions triples;             ///< with TrimRule::kTriples
+  ChangePointOptions change_points;  ///< with TrimRule::kChangePoints
+  CycleOptions cycles;               ///< with TrimRule::kCycles
+  ByExampleOptions by_example;       ///< with TrimRule::kByExample
 
   void Declare(OptionVisitor& v);
 };
 
-enum class FacingRule { kNone, kHips };
-enum class Anchor { kFirst, kLast };
+/// What the world of a clip is turned by (canon/frames/facing.h).
+enum class FacingRule {
+  kNone,    ///< nothing is moved: the world stays as the source, or a levelled floor, has it
+  kOrigin,  ///< heading as recorded, the anchor's root to the origin
+  kHips,    ///< facing +z by the hip axis; where that is nearly vertical, by the forward axis
+  kEuler,   ///< facing +z by the yaw of ZYX Euler angles, as MultiAct's code has it
+  kTwist,   ///< facing +z by the turn about the vertical: continuous in every pose but upside down
+  kZero,    ///< the anchor's root rotation becomes the identity (MultiAct's ablation)
+  kGiven,   ///< a rotation for each person or view, as ACTOR turns PHSPD into one camera's axes
+};
+enum class Anchor { kFirst, kMiddle, kLast, kFirstSegment, kFrame };
+enum class HeightOrigin { kRoot, kFloor };
+
+/// A world rotation of the clips of some persons or views; empty lists name all.
+struct GivenRotationOptions {
+  std::vector<std::string> persons;
+  std::vector<std::string> views;
+  std::vector<double> rotation;  ///< canonical_from_source, 9 numbers row by row
+
+  void Declare(OptionVisitor& v);
+};
 
 /// Canonicalisation of place and heading (multiact.md B, y-up form B.3).
 struct FacingOptions {
   FacingRule rule = FacingRule::kHips;
   Anchor anchor = Anchor::kFirst;
+  std::int64_t anchor_frame = 0;  ///< with Anchor::kFrame
+  HeightOrigin height = HeightOrigin::kRoot;
   double min_horizontal = 0.2;  ///< shortest horizontal part of the hip axis that yaw is read from
+  std::vector<GivenRotationOptions> given;
+
+  void Declare(OptionVisitor& v);
+};
+
+enum class FloorRule {
+  kNone,
+  kHeight,  ///< the floor under the feet comes to y = 0
+  kTilt,    ///< and a tilted sensor is levelled
+};
+/// What stands before one floor and one sensor.
+enum class LevelOf { kSet, kSession, kView, kPerson, kClip };
+
+/// The floor under the clips of a sensor (canon/frames/level.h).
+struct LevelOptions {
+  FloorRule rule = FloorRule::kNone;
+  LevelOf of = LevelOf::kSet;
+  double height_sigma = 0.03;     ///< metres, of a standing foot's height: a tracker's noise and people's ankles
+  double body_sigma = 0.07;       ///< radians, of a standing person's axis around the vertical and the common lean
+  double lean_sigma = 0.05;       ///< radians, prior of the common lean
+  std::int64_t most_clips = 300;  ///< that the floor is estimated from, drawn by hash of their ids
 
   void Declare(OptionVisitor& v);
 };
@@ -44,6 +150,7 @@ struct FacingOptions {
 struct CanonOptions {
   std::string skeleton;  ///< of the joints-only baseline (input role "tracks")
   TrimOptions trim;
+  LevelOptions level;
   FacingOptions facing;
   std::string rate;  ///< "20", "30", "120000/1001"; empty keeps each clip's own
   /// Decisions about clips of the dataset (canon/review/review.h), or empty. The stages `assemble` and `audit` take
@@ -74,6 +181,7 @@ struct SplitOptions {
   double test_share = 0.2;
   double validation_share = 0.1;
   std::int64_t seed = 1;
+  std::int64_t most_per_label = 0;    ///< clips of a label in a part, drawn by hash and `seed`; 0: all
   std::int64_t min_train_frames = 0;  ///< shorter clips do not train (ACTOR's UESTC: 45)
 
   void Declare(OptionVisitor& v);
@@ -146,6 +254,16 @@ struct AuditOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Role of a table of spans.
+inline constexpr const char* kSpansRole = "spans";
+
+/// Roles of the table of marked spans, and of the clips that it names.
+inline constexpr const char* kExamplesRole = "examples";
+inline constexpr const char* kExampleRole = "example";
+
+/// Role of the floor under a clip, what the stage `level` gives.
+inline constexpr const char* kFloorRole = "floor";
+
 /// Roles of a file of decisions. By id: also about motions other than those that were looked at, such as the unfitted
 /// tracks of the same clips.
 inline constexpr const char* kReviewRole = "review";
@@ -154,6 +272,7 @@ inline constexpr const char* kReviewByIdRole = "review_by_id";
 /// Finding::action of what an audit found.
 inline constexpr const char* kAudited = "reported by an audit";
 
+StageDeclaration LevelDeclaration();
 StageDeclaration CanonDeclaration();
 StageDeclaration AssembleDeclaration();
 StageDeclaration AuditDeclaration();

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/job_items.h"
+
+namespace mocurate {
+
+/// Labels of canon.trim.drop_labels that no segment has, after the stage canon.
+std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std::vector<ItemResult>& items);
+
+/// Spans of canon.trim.spans that no clip took, after the stage canon. Error of ReadSpans.
+Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const std::vector<ItemResult>& items);
+
+/// A table of spans as an input of stage canon: a file, or one of configs/spans by its name.
+StageInput SpansInput(const std::filesystem::path& file_or_name);
+
+/// The table of marked spans and the clips that it names, as inputs of stage canon. Error kConfig where it names a clip
+/// that is not there, or none; those of ReadSpans.
+Expected<std::vector<StageInput>> ExampleInputs(const std::filesystem::path& table,
+                                                const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*from);
+
+/// What a clip's floor is shared with: the group's name, an item of the stage `level`.
+std::string FloorGroup(const ClipRecord& clip, LevelOf of);
+
+/// One item per floor, with the motions of at most options.most_clips of its clips, drawn by hash of their names.
+std::vector<ItemSpec> LevelItems(const std::vector<ClipRecord>& clips, const LevelOptions& options);
+
+}  // namespace mocurate

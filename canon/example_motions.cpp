@@ -1,0 +1,48 @@
+#include "canon/example_motions.h"
+
+#include "canon/recipes/spans_file.h"
+#include "canon/stage_parts.h"
+#include "canon/trim/trim.h"
+#include "core/base/file.h"
+#include "core/motion/operations.h"
+
+namespace mocurate {
+
+Expected<std::map<std::string, std::vector<Motion>>> ReadExamples(const CanonOptions& options,
+                                                                  const std::vector<StageInput>& inputs) {
+  std::vector<ListedSpan> spans;
+  for (const StageInput& input : inputs) {
+    if (input.role != kExamplesRole) continue;
+    auto read = ReadSpans(input.path);
+    if (!read) return Forward(read);
+    spans = *std::move(read);
+  }
+  std::map<std::string, std::vector<Motion>> examples;
+  for (const StageInput& input : inputs) {
+    if (input.role != kExampleRole) continue;
+    auto clip = ReadMotionClip(input, nullptr);
+    if (!clip) return Forward(clip);
+    clip->evidence = Evidence();
+    std::vector<Finding> outside;
+    ApplySpans(spans, *clip, outside);
+    for (const Finding& finding : outside) {
+      if (finding.severity != Severity::kError) continue;
+      return Fail(ErrorCode::kConfig, finding.message, finding.clip, "mend canon.trim.by_example.examples");
+    }
+    if (!options.rate.empty()) {
+      const auto rate = FrameRate::Parse(options.rate);
+      if (!rate) return Forward(rate);
+      *clip = Resample(*clip, *rate);
+    }
+    TrimOptions marked;
+    marked.rule = TrimRule::kAnnotated;
+    for (const KeptSpan& span : FindSpans(marked, *clip, outside)) {
+      const auto cut = Cut(*clip, span.begin, span.end);
+      if (!cut) return Forward(cut);
+      examples[span.label].push_back(*cut->motion);
+    }
+  }
+  return examples;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,88 @@
+#include "canon/recipes/spans_file.h"
+
+#include <algorithm>
+
+#include "core/base/file.h"
+#include "core/base/resources.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+std::string RecordingId(const Clip& clip) {
+  return clip.identity.source + "/" + clip.identity.person + "/" + clip.identity.recording;
+}
+
+Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Severity severity, const char* action) {
+  Finding finding;
+  finding.clip = clip.id();
+  finding.code = "span_outside";
+  finding.severity = severity;
+  finding.value = seconds;
+  finding.message = "line " + std::to_string(span.line) + ": '" + span.label + "' from " + RoundedText(span.begin, 6) +
+                    " to " + RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " ends " +
+                    RoundedText(seconds) + " s after the clip";
+  finding.action = action;
+  return finding;
+}
+
+}  // namespace
+
+std::optional<std::string_view> BuiltInSpans(const std::filesystem::path& file_or_name) {
+  std::error_code unknown;
+  // A name in a config was made a path beside the config.
+  if (file_or_name.has_extension() || std::filesystem::exists(file_or_name, unknown)) return std::nullopt;
+  return FindResource("spans/" + file_or_name.filename().string() + ".csv");
+}
+
+Expected<std::vector<ListedSpan>> ReadSpans(const std::filesystem::path& file_or_name) {
+  const std::string name = DisplayPath(file_or_name);
+  if (const auto resource = BuiltInSpans(file_or_name)) return ParseSpanTable(*resource, name);
+  const Expected<std::string> bytes = ReadFile(file_or_name);
+  if (!bytes) return Forward(bytes);
+  return ParseSpanTable(*bytes, name);
+}
+
+bool NamesClip(const ListedSpan& span, const Clip& clip) {
+  return span.clip == clip.identity.recording || span.clip == RecordingId(clip) || span.clip == clip.id();
+}
+
+std::vector<int> ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, std::vector<Finding>& findings) {
+  std::vector<int> lines;
+  std::vector<Segment> segments;
+  // Where the clip's first frame lies in the recording.
+  const auto noted = clip.provenance.find("first_frame");
+  const long long first =
+      clip.identity.begin_frame + (noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0));
+  const double duration_s = clip.motion->duration();
+  for (const ListedSpan& span : spans) {
+    if (!NamesClip(span, clip)) continue;
+    lines.push_back(span.line);
+    const auto seconds = [&](double place) {
+      const double offset = static_cast<double>(first);
+      return span.in_frames ? (place - offset) / clip.rate.hz() : place - offset / clip.rate.hz();
+    };
+    Segment segment{std::max(0.0, seconds(span.begin)), seconds(span.end), span.label, "", "listed"};
+    if (!span.fine_label.empty()) {
+      segment.label = span.fine_label;
+      segment.category = span.label;
+    }
+    const double frame_s = clip.rate.FrameTime(1);
+    const double beyond = segment.end_s - duration_s;
+    if (segment.begin_s >= duration_s - 0.5 * frame_s || segment.end_s <= 0.5 * frame_s) {
+      findings.push_back(SpanOutside(clip, span, beyond, Severity::kError, "dropped"));
+      continue;
+    }
+    if (beyond > 0.5 * frame_s)
+      findings.push_back(SpanOutside(clip, span, beyond, Severity::kWarning, "cut at its end"));
+    segment.end_s = std::min(segment.end_s, duration_s);
+    segments.push_back(std::move(segment));
+  }
+  if (lines.empty()) return lines;
+  std::stable_sort(segments.begin(), segments.end(),
+                   [](const Segment& a, const Segment& b) { return a.begin_s < b.begin_s; });
+  clip.segments = std::move(segments);
+  return lines;
+}
+
+}  // namespace mocurate
