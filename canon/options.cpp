@@ -28,7 +28,7 @@ void ChangePointOptions::Declare(OptionVisitor& v) {
   v.Number("least_segment", least_segment_s, Unit::kSecond, {0.04, 60.0}, "shortest segment");
   v.Number("least_rest", least_rest_s, Unit::kSecond, {0.0, 60.0}, "shorter rests are one boundary in their middle");
   v.Number("longest", longest_s, Unit::kSecond, {1.0, 600.0},
-           "longest time over which a segment is compared with itself; time and memory grow with it");
+           "longest time over which a segment is compared with itself; computing time grows with it");
   v.Number("min_confidence", min_confidence, Unit::kNone, {0.0, 1.0}, "less confident boundaries are none");
   v.Bool("keep_rests", keep_rests, "rests between actions are clips too");
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "canon/trim/change_points.h"
+#include "canon/trim/cycles.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -45,7 +47,9 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
           "segment '" + segment.label + "' is over the same frames as segment '" + same->label + "', which was kept"));
       continue;
     }
-    spans.push_back({begin, end, segment.label});
+    const bool by_category = options.class_from == ClassFrom::kCategory && !segment.category.empty();
+    spans.push_back(
+        {begin, end, by_category ? segment.category : segment.label, by_category ? segment.label : std::string()});
   }
   if (clip.segments.empty()) {
     findings.push_back(Dropped(clip, "no_annotation", 0, motion.frame_count(), 0.0,
@@ -54,22 +58,32 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
   return spans;
 }
 
+/// What a movement must reach, in words.
+std::string SpeedLimit(const TrimOptions& options) {
+  const bool still = options.moving_speed <= options.still_speed;
+  return std::string(still ? "trim.still_speed" : "trim.moving_speed") + " is " +
+         RoundedText(std::max(options.still_speed, options.moving_speed)) + " m/s";
+}
+
 std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
   const Motion& motion = *clip.motion;
   const std::vector<double> speeds = FrameSpeeds(motion, options.speed_window_s);
+  const double moving_speed = std::max(options.still_speed, options.moving_speed);
   int first = 0;
   int last = static_cast<int>(speeds.size()) - 1;
-  while (first <= last && speeds[first] < options.still_speed) ++first;
-  while (last >= first && speeds[last] < options.still_speed) --last;
+  while (first <= last && speeds[first] < moving_speed) ++first;
+  while (last >= first && speeds[last] < moving_speed) --last;
   if (first > last) {
     const double fastest = speeds.empty() ? 0.0 : *std::max_element(speeds.begin(), speeds.end());
     findings.push_back(Dropped(clip, "never_moves", 0, motion.frame_count(), fastest,
-                               "fastest frame " + RoundedText(fastest) + " m/s, trim.still_speed is " +
-                                   RoundedText(options.still_speed) + " m/s"));
+                               "fastest frame " + RoundedText(fastest) + " m/s, " + SpeedLimit(options)));
     return {};
   }
+  while (first > 0 && speeds[first - 1] >= options.still_speed) --first;
+  while (last + 1 < static_cast<int>(speeds.size()) && speeds[last + 1] >= options.still_speed) ++last;
   const int margin = static_cast<int>(std::lround(options.margin_s * motion.rate.hz()));
-  const KeptSpan span{std::max(0, first - margin), std::min(motion.frame_count(), last + 1 + margin), clip.label};
+  const KeptSpan span{std::max(0, first - margin), std::min(motion.frame_count(), last + 1 + margin), clip.label,
+                      clip.fine_label};
   if (span.end - span.begin < motion.frame_count()) {
     Finding finding = Dropped(clip, "still_frames", span.begin, span.end,
                               static_cast<double>(motion.frame_count() - (span.end - span.begin)),
@@ -81,7 +95,43 @@ std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, s
   return {span};
 }
 
+std::vector<KeptSpan> ChangeSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
+  std::vector<KeptSpan> spans;
+  const std::vector<ProposedSegment> segments = ProposeSegments(options.change_points, *clip.motion);
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const ProposedSegment& segment = segments[i];
+    if (segment.rest && !options.change_points.keep_rests) {
+      const double length_s = clip.motion->rate.FrameTime(segment.end - segment.begin);
+      Finding finding = Dropped(clip, "rest", segment.begin, segment.end, length_s,
+                                "rest of " + RoundedText(length_s) + " s; trim.change_points.keep_rests is false");
+      finding.severity = Severity::kInfo;
+      findings.push_back(std::move(finding));
+      continue;
+    }
+    const double end_confidence = i + 1 < segments.size() ? segments[i + 1].confidence : 1.0;
+    spans.push_back(
+        {segment.begin, segment.end, clip.label, clip.fine_label, std::min(segment.confidence, end_confidence)});
+  }
+  return spans;
+}
+
+std::vector<KeptSpan> CycleSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
+  std::vector<KeptSpan> spans;
+  for (const Repetition& repetition : FindCycles(options.cycles, *clip.motion)) {
+    spans.push_back({repetition.begin, repetition.end, clip.label, clip.fine_label, repetition.confidence});
+  }
+  if (spans.empty()) {
+    findings.push_back(Dropped(clip, "no_repetition", 0, clip.motion->frame_count(), 0.0,
+                               "the person never moves; trim.rule is 'cycles'"));
+  }
+  return spans;
+}
+
 }  // namespace
+
+bool EstimatesCuts(TrimRule rule) {
+  return rule == TrimRule::kChangePoints || rule == TrimRule::kCycles || rule == TrimRule::kByExample;
+}
 
 std::vector<double> FrameSpeeds(const Motion& motion, double window_s) {
   const int frames = motion.frame_count();
@@ -111,13 +161,22 @@ std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, st
   std::vector<KeptSpan> spans;
   switch (options.rule) {
     case TrimRule::kNone:
-      spans = {{0, clip.motion->frame_count(), clip.label}};
+      spans = {{0, clip.motion->frame_count(), clip.label, clip.fine_label}};
       break;
     case TrimRule::kAnnotated:
       spans = AnnotatedSpans(options, clip, findings);
       break;
     case TrimRule::kMotionEnergy:
       spans = MovingSpan(options, clip, findings);
+      break;
+    case TrimRule::kChangePoints:
+      spans = ChangeSpans(options, clip, findings);
+      break;
+    case TrimRule::kCycles:
+      spans = CycleSpans(options, clip, findings);
+      break;
+    case TrimRule::kTriples:    // samples of two spans each: canon/recipes/action_triples.h
+    case TrimRule::kByExample:  // needs examples of other clips: SpansByExample of canon/trim/by_example.h
       break;
   }
   std::vector<KeptSpan> kept;
@@ -138,7 +197,7 @@ std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, st
 
 std::optional<double> LimitOfTrim(const TrimOptions& options, const std::string& rule) {
   if (rule == "too_short") return options.min_length_s;
-  if (rule == "never_moves") return options.still_speed;
+  if (rule == "never_moves") return std::max(options.still_speed, options.moving_speed);
   return std::nullopt;
 }
 

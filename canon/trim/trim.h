@@ -15,7 +15,12 @@ struct KeptSpan {
   int begin = 0;
   int end = 0;
   std::string label;
+  std::string fine_label;
+  double confidence = 1.0;  ///< in [0, 1] of the less confident end, where a rule estimates them (EstimatesCuts)
 };
+
+/// Whether a rule estimates where cuts are: change_points, cycles, by_example.
+bool EstimatesCuts(TrimRule rule);
 
 /// Speed of the fastest joint in each frame, m/s, (F): the slope of a line fitted to the joint over the `window_s`
 /// seconds around the frame, at least its two neighbours (shifted inwards at the ends, so that no frame is measured

@@ -82,6 +82,43 @@ TEST(Trim, AnArmThatRisesSlowlyWhileAllElseRestsIsNotCut) {
   EXPECT_TRUE(findings.empty());
 }
 
+/// Joints on a line at these speeds, m/s, 30 Hz.
+Clip ClipAtSpeeds(const std::vector<double>& speeds) {
+  Clip clip = ClipMoving("p", "a", static_cast<int>(speeds.size()), 0, 1, 0.0);
+  double place = 0.0;
+  for (int f = 0; f < clip.motion->frame_count(); ++f) {
+    place += speeds[static_cast<std::size_t>(f)] / 30.0;
+    for (int j = 0; j < clip.motion->joint_count(); ++j) clip.motion->joints.at(f, j).z() += place;
+  }
+  return clip;
+}
+
+TEST(Trim, AMovementBeginsWhereItLeavesStillnessAndCountsOnlyIfItGetsFast) {
+  // Still, a slow sway of a second, still, a movement that starts slowly, still.
+  std::vector<double> speeds(240, 0.0);
+  std::fill(speeds.begin() + 30, speeds.begin() + 60, 0.3);
+  for (int f = 120; f < 180; ++f) speeds[static_cast<std::size_t>(f)] = f < 150 ? 0.3 : 1.0;
+  const Clip clip = ClipAtSpeeds(speeds);
+  TrimOptions options;
+  options.rule = TrimRule::kMotionEnergy;
+  options.margin_s = 0.0;
+  std::vector<Finding> findings;
+  const auto alike = FindSpans(options, clip, findings);
+  ASSERT_EQ(alike.size(), 1u);
+  EXPECT_NEAR(alike[0].begin, 30, 4);
+  options.moving_speed = 0.5;
+  const auto fast = FindSpans(options, clip, findings);
+  ASSERT_EQ(fast.size(), 1u);
+  EXPECT_NEAR(fast[0].begin, 120, 4);
+  EXPECT_NEAR(fast[0].end, 180, 6);
+  options.moving_speed = 2.0;
+  findings.clear();
+  EXPECT_TRUE(FindSpans(options, clip, findings).empty());
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "never_moves");
+  EXPECT_EQ(LimitOfTrim(options, "never_moves"), 2.0);
+}
+
 TEST(Trim, SpeedsDoNotDependOnTheFrameRate) {
   Clip slow = ClipMoving("p", "a", 60, 0, 60, 3.0);
   Clip fast = ClipMoving("p", "a", 240, 0, 240, 3.0);

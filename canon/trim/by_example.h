@@ -1,0 +1,42 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "canon/options.h"
+#include "canon/trim/trim.h"
+#include "core/base/error.h"
+#include "core/motion/motion.h"
+
+namespace mocurate {
+
+/// A span of a recording that is like the examples, frames [begin, end).
+struct FoundSpan {
+  int begin = 0;
+  int end = 0;
+  double distance = 0.0;    ///< to the nearest example, over the median of all parts of the recording
+  double confidence = 0.0;  ///< that the span shows the action, in [0, 1]
+};
+
+/// Other occurrences of an action of which a few examples are marked.
+///
+/// Each example is aligned with every part of the recording by subsequence dynamic time warping (Mueller 2007), in
+/// which a part may be up to twice as fast or slow, on the body's poses and velocities (place, heading and stature
+/// taken out). A span's distance is that of the alignment over the median of all parts of the recording, so that the
+/// recording should show other things too. Spans do not overlap: of two the nearer one stays; those below
+/// `min_confidence` are none; spans less than `join_gap_s` apart are one, for an action may take more repetitions than
+/// an example.
+///
+/// In order of time. Error kUsage without an example of at least two frames; kInconsistent where the trees of joints
+/// differ.
+Expected<std::vector<FoundSpan>> FindByExample(const ByExampleOptions& options, const std::vector<Motion>& examples,
+                                               const Motion& recording);
+
+/// FindByExample for several labels: where spans of two labels overlap the more confident one stays. In order of time,
+/// with the labels. Errors of FindByExample.
+Expected<std::vector<KeptSpan>> SpansByExample(const ByExampleOptions& options,
+                                               const std::map<std::string, std::vector<Motion>>& examples,
+                                               const Motion& recording);
+
+}  // namespace mocurate

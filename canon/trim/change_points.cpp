@@ -1,0 +1,215 @@
+#include "canon/trim/change_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "canon/trim/body_description.h"
+#include "canon/trim/rest_posture.h"
+#include "core/quality/median.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kChangeRateHz = 25.0;
+constexpr double kChangeSmoothingS = 0.1;
+constexpr double kKernelWidth = 0.2;     // of the description, whose unit is a metre of every joint
+constexpr double kPoseSmoothingS = 0.3;  // of poses and speeds: an action is known by more than a moment
+constexpr double kSpeedSmoothingS = 0.15;
+constexpr double kSpeedUnit = 0.05;   // m/s, below which speeds are all the same
+constexpr double kSpeedWeight = 0.3;  // metres that a factor of e in speed counts as
+constexpr double kRestWeight = 0.2;   // metres that being at rest counts as
+constexpr double kRestSmoothingS = 0.08;
+constexpr double kMostUnrest = 2.0;
+constexpr double kFarFromRest = 6.0;  // unrest from which on a boundary costs the full penalty
+constexpr double kRestUnrest = 1.2;   // median of a segment that is a rest
+constexpr double kEvidenceS = 10.0;   // of each side of a boundary that its confidence is taken from
+
+/// What change points are found in. Rows are samples.
+struct ChangeDescription {
+  SampleMatrix features;  ///< distances between rows are those of the kernel, in units of its width
+  Unrest unrest;
+};
+
+ChangeDescription DescribeChanges(const Motion& motion) {
+  const BodyDescription body = DescribeBody(motion, kChangeRateHz, kChangeSmoothingS);
+  ChangeDescription description;
+  description.unrest = MeasureUnrest(body);
+  const Eigen::Index samples = body.samples(), joints = body.joints();
+  const double share = 1.0 / std::sqrt(static_cast<double>(std::max<Eigen::Index>(1, joints)));
+  const SampleMatrix speeds = SmoothRows(body.speed, kSpeedSmoothingS * kChangeRateHz);
+  const SampleMatrix effort = (speeds.array() / kSpeedUnit).log1p().matrix();
+  description.features.resize(samples, 4 * joints + 1);
+  description.features.leftCols(3 * joints) = share * SmoothRows(body.pose, kPoseSmoothingS * kChangeRateHz);
+  description.features.middleCols(3 * joints, joints) =
+      kSpeedWeight * share * SmoothRows(effort, kPoseSmoothingS * kChangeRateHz);
+  const SampleMatrix unrest = description.unrest.value.cwiseMin(kMostUnrest);
+  description.features.rightCols(1) = kRestWeight / kMostUnrest * SmoothRows(unrest, kRestSmoothingS * kChangeRateHz);
+  description.features /= kKernelWidth;
+  return description;
+}
+
+double SampleKernel(const SampleMatrix& features, Eigen::Index a, Eigen::Index b) {
+  return std::exp(-0.5 * (features.row(a) - features.row(b)).squaredNorm());
+}
+
+/// Seconds by which the scatter of samples [a, c) falls when they are split at b.
+double GainOfSplit(const SampleMatrix& features, int a, int b, int c) {
+  const int most = static_cast<int>(kEvidenceS * kChangeRateHz);
+  a = std::max(a, b - most);
+  c = std::min(c, b + most);
+  if (a >= b || b >= c) return 0.0;
+  double left = 0.0, right = 0.0, across = 0.0;
+  for (int i = a; i < c; ++i) {
+    for (int j = i; j < c; ++j) {
+      const double both = (i == j ? 1.0 : 2.0) * SampleKernel(features, i, j);
+      (j < b ? left : i >= b ? right : across) += both;
+    }
+  }
+  const double all = left + right + across;
+  return (left / (b - a) + right / (c - b) - all / (c - a)) / kChangeRateHz;
+}
+
+/// Cost in seconds of a boundary before each sample.
+Eigen::VectorXd BoundaryPenalties(const ChangePointOptions& options, const Unrest& unrest) {
+  const Eigen::Index samples = unrest.value.size();
+  if (!unrest.rests) return Eigen::VectorXd::Constant(samples, options.restless_penalty_s);
+  Eigen::VectorXd penalties(samples);
+  for (Eigen::Index s = 0; s < samples; ++s) {
+    const Eigen::Index begin = std::max<Eigen::Index>(0, s - 1);
+    const double least = unrest.value.segment(begin, std::min(samples, s + 2) - begin).minCoeff();
+    const double far = std::clamp((least - 1.0) / (kFarFromRest - 1.0), 0.0, 1.0);
+    penalties(s) = options.rest_penalty_s + far * (options.moving_penalty_s - options.rest_penalty_s);
+  }
+  return penalties;
+}
+
+/// First samples of the segments after the first.
+std::vector<int> BestCuts(const ChangePointOptions& options, const SampleMatrix& features,
+                          const Eigen::VectorXd& penalties) {
+  const int samples = static_cast<int>(features.rows());
+  const int least = std::max(1, static_cast<int>(options.least_segment_s * kChangeRateHz));
+  const int longest = std::max(2 * least, static_cast<int>(options.longest_s * kChangeRateHz));
+  std::vector<double> best(static_cast<std::size_t>(samples) + 1, std::numeric_limits<double>::infinity());
+  std::vector<int> from(static_cast<std::size_t>(samples) + 1, 0);
+  std::vector<double> similar(static_cast<std::size_t>(samples), 0.0);  // sum of the kernel over [s, end) x [s, end)
+  best[0] = 0.0;
+  for (int end = 1; end <= samples; ++end) {
+    const int first = std::max(0, end - longest);
+    double with_last = 0.0;
+    for (int s = end - 1; s >= first; --s) {
+      with_last += (s == end - 1 ? 0.5 : 1.0) * SampleKernel(features, s, end - 1);
+      double& sum = similar[static_cast<std::size_t>(s)];
+      sum += 2.0 * with_last;
+      const int length = end - s;
+      if (length < least && end < samples) continue;
+      const double scatter = (length - sum / length) / kChangeRateHz;
+      const double cost = best[static_cast<std::size_t>(s)] + scatter + (s > 0 ? penalties(s) : 0.0);
+      if (cost < best[static_cast<std::size_t>(end)]) {
+        best[static_cast<std::size_t>(end)] = cost;
+        from[static_cast<std::size_t>(end)] = s;
+      }
+    }
+  }
+  std::vector<int> cuts;
+  for (int s = from[static_cast<std::size_t>(samples)]; s > 0; s = from[static_cast<std::size_t>(s)]) cuts.push_back(s);
+  std::reverse(cuts.begin(), cuts.end());
+  return cuts;
+}
+
+/// Samples [begin, end).
+struct CutPiece {
+  int begin = 0;
+  int end = 0;
+  bool rest = false;
+  double at = 0.0;        ///< sample of the boundary at its begin, between two samples
+  double evidence = 0.0;  ///< gain of that boundary over its penalty
+};
+
+bool IsRest(const Eigen::VectorXd& unrest, int begin, int end) {
+  return Median({unrest.data() + begin, unrest.data() + end}) < kRestUnrest;
+}
+
+/// Pieces between cuts; neighbouring rests are one, and a cut that only keeps pieces from being longer than
+/// options.longest_s is none.
+std::vector<CutPiece> PiecesBetween(const ChangePointOptions& options, const std::vector<int>& cuts,
+                                    const ChangeDescription& description, const Eigen::VectorXd& penalties) {
+  const int samples = static_cast<int>(description.features.rows());
+  const int longest = static_cast<int>(options.longest_s * kChangeRateHz) - 1;
+  std::vector<CutPiece> pieces;
+  for (std::size_t i = 0; i <= cuts.size(); ++i) {
+    CutPiece piece;
+    piece.begin = i == 0 ? 0 : cuts[i - 1];
+    piece.end = i == cuts.size() ? samples : cuts[i];
+    piece.rest = IsRest(description.unrest.value, piece.begin, piece.end);
+    piece.at = piece.begin - 0.5;
+    if (i > 0) {
+      CutPiece& before = pieces.back();
+      const double gain = GainOfSplit(description.features, before.begin, piece.begin, piece.end);
+      piece.evidence = gain / penalties(piece.begin);
+      const bool forced = std::max(piece.end - piece.begin, before.end - before.begin) >= longest;
+      if ((before.rest && piece.rest) || (forced && piece.evidence < 1.0)) {
+        before.end = piece.end;
+        continue;
+      }
+    }
+    pieces.push_back(piece);
+  }
+  return pieces;
+}
+
+/// A short rest within the recording becomes one boundary in its middle.
+std::vector<CutPiece> WithoutShortRests(const ChangePointOptions& options, const std::vector<CutPiece>& pieces) {
+  std::vector<CutPiece> kept;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const CutPiece& piece = pieces[i];
+    const bool within = i > 0 && i + 1 < pieces.size();
+    if (!piece.rest || !within || (piece.end - piece.begin) / kChangeRateHz >= options.least_rest_s) {
+      kept.push_back(piece);
+      continue;
+    }
+    CutPiece next = pieces[++i];
+    next.at = 0.5 * (piece.begin + piece.end) - 0.5;
+    next.evidence = std::min(piece.evidence, next.evidence);
+    kept.push_back(next);
+  }
+  return kept;
+}
+
+/// Share of true boundaries among those with such a gain over their penalty: a logistic regression on its logarithm,
+/// fitted to the studio's long sequences and to joined clips of KARD and Bandai 1 (docs/trimming.md).
+double BoundaryConfidence(double evidence) {
+  const double odds = 0.5 * evidence * evidence;
+  return odds / (1.0 + odds);
+}
+
+}  // namespace
+
+std::vector<ProposedSegment> ProposeSegments(const ChangePointOptions& options, const Motion& motion) {
+  const int frames = motion.frame_count();
+  if (frames == 0) return {};
+  const ChangeDescription description = DescribeChanges(motion);
+  const Eigen::VectorXd penalties = BoundaryPenalties(options, description.unrest);
+  const std::vector<int> cuts = BestCuts(options, description.features, penalties);
+  const std::vector<CutPiece> pieces = WithoutShortRests(options, PiecesBetween(options, cuts, description, penalties));
+  std::vector<ProposedSegment> segments;
+  for (const CutPiece& piece : pieces) {
+    ProposedSegment segment;
+    segment.rest = piece.rest;
+    if (!segments.empty() && BoundaryConfidence(piece.evidence) < options.min_confidence) {
+      segments.back().rest = segments.back().rest && piece.rest;
+      continue;
+    }
+    if (!segments.empty()) {
+      segment.begin = std::clamp(static_cast<int>(std::lround(piece.at / kChangeRateHz * motion.rate.hz())),
+                                 segments.back().begin + 1, frames - 1);
+      segment.confidence = BoundaryConfidence(piece.evidence);
+      segments.back().end = segment.begin;
+    }
+    segments.push_back(segment);
+  }
+  segments.back().end = frames;
+  return segments;
+}
+
+}  // namespace mocurate
