@@ -208,6 +208,10 @@ TEST_F(StageVersions, AuditAndReview) {
          OptionsToJson(ReviewOptions()),
          {Input("dataset", "dataset", "dataset.h5"), {"audit", "audit", audit.artifact, audit.sha256}}},
         kRounded, {AuditDeclaration()});
+  AnnotateOptions annotate;
+  annotate.all = true;
+  Judge(AnnotateDeclaration(), "annotate",
+        {"annotate", OptionsToJson(annotate), {Input("dataset", "dataset", "dataset.h5")}}, kRounded);
 }
 
 NetworkOptions SmallRecogniser() {
