@@ -162,6 +162,15 @@ CanonOptions Trimmed() {
   return options;
 }
 
+TEST_F(StageVersions, Level) {
+  const Motion motion = Exercise(60, 1.0);
+  const Clip clip = TrackedClip("p1", "r1", "wave", motion);
+  Write(WriteDataset(FittedClip(clip, motion), Path("fit.h5")));
+  LevelOptions options;
+  options.rule = FloorRule::kTilt;
+  Judge(LevelDeclaration(), "level", {"set", OptionsToJson(options), {Input("motion", clip.id(), "fit.h5")}}, kSolved);
+}
+
 TEST_F(StageVersions, CanonOfAFittedMotion) {
   const Motion motion = Exercise(60, 1.0);
   const Clip clip = TrackedClip("p1", "r1", "wave", motion);
