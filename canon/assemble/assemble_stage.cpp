@@ -130,6 +130,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   const nlohmann::json left_out = LeftOutOfSet(item_of, dataset.clips, outcome.findings);
   outcome.findings.insert(outcome.findings.end(), reviewed.begin(), reviewed.end());
   FindMixedRates(dataset, outcome.findings);
+  for (Finding& finding : FindEmptyClasses(*options, dataset)) outcome.findings.push_back(std::move(finding));
   for (Finding& finding : CompareWithExpected(*options, dataset)) outcome.findings.push_back(std::move(finding));
 
   outcome.summary = {

@@ -120,6 +120,26 @@ void ApplyClasses(const AssembleOptions& options, Dataset& dataset, std::vector<
   CollectFineLabels(dataset);
 }
 
+std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Dataset& dataset) {
+  std::set<std::string> present;
+  for (const Clip& clip : dataset.clips) present.insert(clip.label);
+  std::string names;
+  std::size_t empty = 0;
+  for (const ClassOptions& listed : options.classes) {
+    if (present.count(listed.name) != 0) continue;
+    names += (empty++ > 0 ? ", " : "") + listed.name;
+  }
+  if (empty == 0) return {};
+  Finding finding;
+  finding.code = "class_without_clips";
+  finding.value = static_cast<double>(empty);
+  finding.message = std::to_string(empty) + " of the " + std::to_string(options.classes.size()) +
+                    " classes of assemble.classes without a clip: " + names +
+                    "; their indices stay, so that networks and recognisers of the recipe fit";
+  finding.action = "flagged";
+  return {finding};
+}
+
 std::vector<Finding> CompareWithExpected(const AssembleOptions& options, const Dataset& dataset) {
   std::vector<Finding> findings;
   std::set<std::string> persons;

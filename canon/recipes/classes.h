@@ -25,6 +25,9 @@ Status CheckClasses(const AssembleOptions& options);
 /// OrderedLabels, and fine labels in the order of their classes, by name.
 void ApplyClasses(const AssembleOptions& options, Dataset& dataset, std::vector<Finding>& findings);
 
+/// "class_without_clips" where listed classes have none.
+std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Dataset& dataset);
+
 /// Where the set has another number of clips, frames or persons, or of clips of a class, than `options.expected` and
 /// `options.classes` say.
 std::vector<Finding> CompareWithExpected(const AssembleOptions& options, const Dataset& dataset);

@@ -47,6 +47,15 @@ TEST(Classes, HaveTheRecipesOrderAndAbsentOnesKeepTheirPlace) {
   EXPECT_EQ(dataset.fine_labels[2].parent, 2);
 }
 
+TEST(Classes, WithoutAClipAreReportedTogether) {
+  const Dataset dataset = SetOfClips({Labelled("1a", "walk", "")});
+  const auto findings = FindEmptyClasses(Recipe(), dataset);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "class_without_clips");
+  EXPECT_EQ(findings[0].value, 2.0);
+  EXPECT_TRUE(FindEmptyClasses(AssembleOptions(), dataset).empty());
+}
+
 TEST(Classes, TakeTheLabelsTheyListAndExcludeOthersWithAFinding) {
   Dataset dataset =
       SetOfClips({Labelled("1a", "stretch", ""), Labelled("1b", "sleep", ""), Labelled("2a", "walk", "")});
