@@ -1,5 +1,9 @@
 #include "app/canon_items.h"
 
+#include <algorithm>
+#include <map>
+#include <set>
+
 #include "canon/recipes/spans_file.h"
 #include "core/base/file.h"
 #include "core/base/sha256.h"
@@ -23,15 +27,17 @@ std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std:
 
 Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const std::vector<ItemResult>& items) {
   std::vector<Finding> findings;
-  if (options.trim.spans.empty()) return findings;
-  const auto spans = ReadSpans(options.trim.spans);
+  const auto spans = ListedSpans(options.trim);
   if (!spans) return Forward(spans);
   std::set<int> taken;
   for (const ItemResult& item : items) {
     for (const int line : item.outcome.summary.value("spans", std::vector<int>())) taken.insert(line);
   }
   std::vector<std::string> names;
-  for (const ItemResult& item : items) names.push_back(item.item);
+  for (const ItemResult& item : items) {
+    names.push_back(item.item);
+    names.push_back(item.item.substr(item.item.rfind('/') + 1));
+  }
   const ListedSpan* first = nullptr;
   long long unmatched = 0;
   for (const ListedSpan& span : *spans) {
@@ -44,40 +50,103 @@ Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const
   Finding finding;
   finding.code = "span_without_clip";
   finding.value = static_cast<double>(unmatched);
-  finding.message = Counted(unmatched, "span") + " of " + DisplayPath(options.trim.spans) +
-                    " name no clip, the first on line " + std::to_string(first->line) + ": '" + first->clip + "'" +
+  finding.message = first->place + ": no clip is called '" + first->clip + "'" +
+                    (unmatched > 1 ? ", and " + Counted(unmatched - 1, "other span") + " of the table name none" : "") +
                     (near ? "; did you mean '" + *near + "'?" : "; clips are called source/person/recording");
   finding.action = "flagged";
   findings.push_back(finding);
   return findings;
 }
 
-StageInput SpansInput(const std::filesystem::path& file_or_name) {
-  const auto built_in = BuiltInSpans(file_or_name);
-  return {kSpansRole, DisplayPath(file_or_name), file_or_name,
-          built_in ? Sha256Hex(std::string(*built_in)) : std::string()};
+std::optional<StageInput> SpansInput(const TrimOptions& options) {
+  if (!options.spans.empty()) return StageInput{kSpansRole, DisplayPath(options.spans), options.spans, ""};
+  const auto table = BuiltInSpans(options.spans_of);
+  if (!table) return std::nullopt;
+  return StageInput{kSpansRole, options.spans_of, "", Sha256Hex(std::string(*table))};
+}
+
+std::string CanonText(const CanonOptions& options) {
+  const nlohmann::json all = OptionsToJson(options);
+  const nlohmann::json& trim = all.at("trim");
+  const nlohmann::json& level = all.at("level");
+  const nlohmann::json& facing = all.at("facing");
+  const auto text = [](const nlohmann::json& group, const char* option) {
+    return group.at(option).is_string() ? group.at(option).get<std::string>() : group.at(option).dump();
+  };
+  std::string line = "canon: rate " + (options.rate.empty() ? "as recorded" : options.rate) + ", trim " +
+                     text(trim, "rule") + ", level " + text(level, "rule");
+  if (options.level.rule != FloorRule::kNone) line += " of " + text(level, "of");
+  line += ", facing " + text(facing, "rule");
+  if (options.facing.rule == FacingRule::kNone) return line;
+  line += ", anchor " + text(facing, "anchor");
+  if (options.facing.anchor == Anchor::kFrame) line += " " + std::to_string(options.facing.anchor_frame);
+  return line + ", height " + text(facing, "height");
+}
+
+Status CheckCanon(const CanonOptions& options) {
+  const TrimOptions& trim = options.trim;
+  const auto readable = [](const Expected<std::vector<ListedSpan>>& spans, const char* option) -> Status {
+    if (spans) return {};
+    return Fail(
+        ErrorCode::kConfig, spans.error().what, spans.error().where,
+        spans.error().hint.empty() ? std::string(option) + " is a table clip,begin_s,end_s,label" : spans.error().hint);
+  };
+  if (!trim.spans.empty() || !trim.spans_of.empty()) {
+    if (Status read = readable(ListedSpans(trim), "canon.trim.spans"); !read) return read;
+    if (trim.rule != TrimRule::kAnnotated && trim.rule != TrimRule::kTriples) {
+      return Fail(ErrorCode::kConfig, "listed spans are read by the rules annotated and triples alone",
+                  "canon.trim.spans", "set canon.trim.rule: annotated");
+    }
+  }
+  if (trim.rule == TrimRule::kByExample) {
+    if (trim.by_example.examples.empty()) {
+      return Fail(ErrorCode::kConfig, "no spans are marked", "canon.trim.by_example.examples",
+                  "name a table clip,begin_s,end_s,label; `mocurate review --annotate` writes one");
+    }
+    if (Status read = readable(ReadSpans(trim.by_example.examples), "canon.trim.by_example.examples"); !read)
+      return read;
+  }
+  if (trim.as_segments && trim.rule == TrimRule::kTriples) {
+    return Fail(ErrorCode::kConfig, "samples of two actions are no segments of a recording", "canon.trim.as_segments",
+                "leave it out, or set canon.trim.rule: annotated");
+  }
+  const FacingOptions& facing = options.facing;
+  if (facing.anchor_frame != 0 && facing.anchor != Anchor::kFrame) {
+    return Fail(ErrorCode::kConfig, "the number of a frame is read with anchor: frame alone",
+                "canon.facing.anchor_frame", "set canon.facing.anchor: frame");
+  }
+  if (facing.rule == FacingRule::kGiven && facing.given.empty()) {
+    return Fail(ErrorCode::kConfig, "no rotation is given", "canon.facing.given",
+                "add {rotation: [9 numbers]}, for all or by persons and views");
+  }
+  return {};
 }
 
 Expected<std::vector<StageInput>> ExampleInputs(const std::filesystem::path& table,
                                                 const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*from) {
-  const char* option = "canon.trim.by_example.examples";
-  if (table.empty()) {
-    return Fail(ErrorCode::kConfig, "no spans are marked", option,
-                "name a table clip,begin_s,end_s,label; mocurate review --annotate writes one");
-  }
   const auto spans = ReadSpans(table);
   if (!spans) return Forward(spans);
-  std::set<std::string> wanted;
-  for (const ListedSpan& span : *spans) wanted.insert(span.clip);
+  std::map<std::string, const ListedSpan*> wanted;
+  for (const ListedSpan& span : *spans) wanted.emplace(span.clip, &span);
   std::vector<StageInput> inputs = {{kExamplesRole, DisplayPath(table), table, ""}};
   std::vector<std::string> names;
   for (const ClipRecord& clip : clips) {
     const nlohmann::json& summary = clip.evidence.outcome.summary;
-    names.push_back(clip.item);
     const std::string known[] = {clip.item, summary.value("recording", std::string()),
                                  summary.value("clip", std::string())};
+    const double duration_s = summary.value("frames", 0) / std::max(1e-9, summary.value("rate_hz", 1.0));
     bool named = false;
-    for (const std::string& name : known) named = wanted.erase(name) > 0 || named;
+    for (const std::string& name : known) {
+      names.push_back(name);
+      named = wanted.erase(name) > 0 || named;
+      for (const ListedSpan& span : *spans) {
+        if (span.clip != name || span.in_frames || span.begin < duration_s) continue;
+        return Fail(ErrorCode::kConfig,
+                    "the span begins at " + RoundedText(span.begin, 6) + " s, the recording lasts " +
+                        RoundedText(duration_s, 6) + " s",
+                    span.place, "mark spans inside the recording");
+      }
+    }
     if (named && !(clip.*from).artifact.empty()) inputs.push_back(InputFrom(kExampleRole, clip.*from));
   }
   if (!wanted.empty() || inputs.size() == 1) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,14 @@ std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std:
 /// Spans of canon.trim.spans that no clip took, after the stage canon. Error of ReadSpans.
 Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const std::vector<ItemResult>& items);
 
-/// A table of spans as an input of stage canon: a file, or one of configs/spans by its name.
-StageInput SpansInput(const std::filesystem::path& file_or_name);
+/// The table of spans as an input of stage canon, where the options name one.
+std::optional<StageInput> SpansInput(const TrimOptions& options);
+
+/// What the options of canon name and is not there, and options that others leave unread. Error kConfig.
+Status CheckCanon(const CanonOptions& options);
+
+/// What canon does to clips, in a line, beside a recipe's words: they cannot know what a run sets.
+std::string CanonText(const CanonOptions& options);
 
 /// The table of marked spans and the clips that it names, as inputs of stage canon. Error kConfig where it names a clip
 /// that is not there, or none; those of ReadSpans.

@@ -99,7 +99,10 @@ Expected<ClipsToExport> OpenDataset(const ExportArguments& arguments) {
   if (Status known = Choose(ids, clips->splits(), arguments, rows, open.set); !known) return Forward(known);
   open.set.skeleton = clips->skeleton();
   open.set.joints_only = !HasStoredRotations(arguments.path);
-  open.set.labels = clips->labels();
+  const auto outline = clips->Outline();
+  if (!outline) return Forward(outline);
+  open.set.labels = outline->labels;
+  open.set.fine_labels = outline->fine_labels;
   open.read = [clips, rows](std::size_t position) { return clips->Read(rows[position]); };
   return open;
 }
@@ -118,6 +121,7 @@ Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments) {
   open.set.skeleton = set->skeleton;
   open.set.joints_only = set->joints_only;
   open.set.labels = set->labels;
+  open.set.fine_labels = set->fine_labels;
   open.read = [set, rows](std::size_t position) { return Expected<Clip>(set->clips[rows[position]]); };
   open.refused = std::move(read->refused);
   for (RefusedClip& refused : declared->unreadable) open.refused.push_back(std::move(refused));

@@ -15,7 +15,6 @@
 #include "app/run_outputs.h"
 #include "app/stage_runs.h"
 #include "app/training_run.h"
-#include "canon/recipes/spans_file.h"
 #include "canon/review/review.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
@@ -56,8 +55,8 @@ class MainJob {
     if (!options_.canon.review.empty() && last_ >= JobStage::kAssemble) {
       if (const auto review = ReadReview(options_.canon.review); !review) return Forward(review);
     }
-    if (!options_.canon.trim.spans.empty() && last_ >= JobStage::kCanon) {
-      if (const auto spans = ReadSpans(options_.canon.trim.spans); !spans) return Forward(spans);
+    if (last_ >= JobStage::kCanon) {
+      if (Status canon = CheckCanon(options_.canon); !canon) return Forward(canon);
     }
     if (Status cleared = Clear(Next(last_), JobStage::kReport); !cleared) return Forward(cleared);
     for (const auto& [stage, step] : steps) {
@@ -254,7 +253,7 @@ class MainJob {
       records.push_back(&clip);
     }
     AddInput(SkeletonInput(options_.canon.skeleton), items);
-    if (!options_.canon.trim.spans.empty()) AddInput(SpansInput(options_.canon.trim.spans), items);
+    if (const auto spans = SpansInput(options_.canon.trim)) AddInput(*spans, items);
     if (options_.canon.trim.rule == TrimRule::kByExample) {
       const auto examples = ExampleInputs(options_.canon.trim.by_example.examples, clips_, from);
       if (!examples) return Forward(examples);
@@ -277,7 +276,9 @@ class MainJob {
   }
 
   Expected<ItemResult> AssembleFrom(const char* name, ItemResult ClipRecord::*from, const char* branch) {
-    ItemSpec item{name, OptionsToJson(options_.assemble), {}};
+    AssembleOptions assemble = options_.assemble;
+    assemble.recipe += (assemble.recipe.empty() ? "" : "\n") + CanonText(options_.canon);
+    ItemSpec item{name, OptionsToJson(assemble), {}};
     for (const ClipRecord& clip : clips_) {
       if (!(clip.*from).artifact.empty()) item.inputs.push_back(InputFrom("clip", clip.*from));
     }
@@ -297,6 +298,7 @@ class MainJob {
     if (!dataset) return Forward(dataset);
     AddSetFindings(NoteLeftOutOfSet(*dataset, clips_));
     dataset_ = *dataset;
+    result_.dataset_clips = dataset_.outcome.summary.value("clips", std::size_t{0});
     if (unfitted_) {
       const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline, kRawBranch);
       const ExitCode fault = baseline ? ExitCode::kDone : ExitCodeOf(baseline.error().code);

@@ -16,6 +16,7 @@ namespace mocurate {
 
 /// What a run gave; paths are empty when the run stopped before.
 struct JobResult {
+  std::size_t dataset_clips = 0;
   std::filesystem::path dataset;
   std::filesystem::path report;
   std::vector<std::filesystem::path> tables;

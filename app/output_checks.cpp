@@ -1,5 +1,7 @@
 #include "app/output_checks.h"
 
+#include <algorithm>
+
 #include "core/base/file.h"
 
 namespace mocurate {
@@ -14,6 +16,14 @@ bool SamePlace(const fs::path& a, const fs::path& b) {
   return fs::weakly_canonical(a, unknown) == fs::weakly_canonical(b, unknown);
 }
 
+/// Whether a file that is there lies below a folder.
+bool LiesBelow(const fs::path& file, const fs::path& folder) {
+  std::error_code unknown;
+  if (file.empty() || !fs::is_directory(folder, unknown) || !fs::is_regular_file(file, unknown)) return false;
+  const fs::path whole = fs::weakly_canonical(folder, unknown), inside = fs::weakly_canonical(file, unknown);
+  return std::mismatch(whole.begin(), whole.end(), inside.begin(), inside.end()).first == whole.end();
+}
+
 }  // namespace
 
 Status CheckOutputs(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs, bool force) {
@@ -21,7 +31,7 @@ Status CheckOutputs(const std::vector<fs::path>& outputs, const std::vector<fs::
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].empty()) continue;
     for (const fs::path& input : inputs) {
-      if (SamePlace(outputs[i], input)) {
+      if (SamePlace(outputs[i], input) || LiesBelow(outputs[i], input)) {
         return Fail(ErrorCode::kUsage, "what is read is not overwritten", DisplayPath(outputs[i]), "write a new file");
       }
     }
@@ -31,7 +41,8 @@ Status CheckOutputs(const std::vector<fs::path>& outputs, const std::vector<fs::
       }
     }
     if (!force && fs::exists(outputs[i], unknown)) {
-      return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(outputs[i]), "--force overwrites it");
+      return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(outputs[i]),
+                  "--force overwrites it, -o names another");
     }
   }
   return {};

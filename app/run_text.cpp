@@ -73,7 +73,10 @@ void PrintResult(const JobResult& result, double seconds) {
   PrintFigures(result);
   if (!result.table.empty()) std::printf("\n%s\n", result.table.c_str());
   if (!result.recognition.empty()) std::printf("\n%s\n", result.recognition.c_str());
-  if (!result.dataset.empty()) std::printf("dataset  %s\n", DisplayPath(result.dataset).c_str());
+  if (!result.dataset.empty()) {
+    std::printf("dataset  %s  (%s)\n", DisplayPath(result.dataset).c_str(),
+                Counted(static_cast<long long>(result.dataset_clips), "clip").c_str());
+  }
   for (const auto& table : result.tables) std::printf("table    %s\n", DisplayPath(table).c_str());
   if (!result.report.empty()) std::printf("report   %s\n", DisplayPath(result.report).c_str());
 }

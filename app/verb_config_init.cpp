@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/output_checks.h"
 #include "app/verbs.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
@@ -30,10 +31,7 @@ Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& argume
   if (!std::filesystem::exists(arguments.path, unknown)) {
     return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
   }
-  if (!arguments.output.empty() && std::filesystem::exists(arguments.output, unknown) && !arguments.force) {
-    return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(arguments.output),
-                "--force overwrites it, -o names another");
-  }
+  if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
   const nlohmann::json inspection = InspectPath(arguments.path, std::nullopt);
   const std::string name = arguments.name.empty() ? NameFor(arguments.path) : arguments.name;
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, name);

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/dataset_answers.h"
+#include "app/output_checks.h"
 #include "canon/card/dataset_card.h"
 #include "core/base/file.h"
 
@@ -11,11 +12,8 @@ Status DatasetCardVerb(CommonArguments& common, const DatasetArguments& argument
   const auto card = DescribeDataset(arguments.path);
   if (!card) return Forward(card);
   const std::string text = arguments.croissant ? JsonText(CardCroissant(*card)) : CardMarkdown(*card);
-  std::error_code unknown;
   if (!arguments.output.empty()) {
-    if (std::filesystem::exists(arguments.output, unknown) && !arguments.force) {
-      return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(arguments.output), "--force overwrites it");
-    }
+    if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
     if (Status written = WriteFile(arguments.output, text); !written) return written;
   }
   if (common.json) {

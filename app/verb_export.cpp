@@ -4,6 +4,7 @@
 #include <set>
 
 #include "app/export_clips.h"
+#include "app/output_checks.h"
 #include "app/verbs.h"
 #include "canon/exports/layout.h"
 #include "core/base/file.h"
@@ -21,11 +22,7 @@ void PrintDocument(const nlohmann::json& document) {
 
 /// The weights of a checkpoint for other programs.
 Status ExportNetwork(CommonArguments& common, const ExportArguments& arguments) {
-  std::error_code unknown;
-  if (!arguments.force && fs::exists(arguments.output, unknown)) {
-    return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(arguments.output),
-                "--force overwrites it, -o names another");
-  }
+  if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
   const Expected<Checkpoint> checkpoint = ReadCheckpoint(arguments.path);
   if (!checkpoint) return Forward(checkpoint);
   if (Status written = ExportSafetensors(*checkpoint, arguments.output); !written) return written;
@@ -80,6 +77,12 @@ Status CheckLayoutArguments(const ExportArguments& arguments, const Layout& layo
 Status CheckExportPlace(const ExportArguments& arguments, const ExportPlace& place) {
   std::error_code unknown;
   const fs::path& output = arguments.output;
+  if (Status apart = CheckOutputs({place.file.empty() ? fs::path() : output}, {arguments.path}, true); !apart) {
+    return apart;
+  }
+  if (fs::is_directory(output, unknown) && fs::exists(output / "run.json", unknown)) {
+    return Fail(ErrorCode::kUsage, "the folder is that of a run", DisplayPath(output), "name another folder with -o");
+  }
   if (arguments.force || !fs::exists(output, unknown)) return {};
   if (!place.file.empty() || !fs::is_directory(output, unknown)) {
     return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(output),

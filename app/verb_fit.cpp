@@ -12,6 +12,7 @@
 #include "app/main_job.h"
 #include "app/motion_files.h"
 #include "app/named_configs.h"
+#include "app/output_checks.h"
 #include "app/scratch_folder.h"
 #include "app/verbs.h"
 #include "canon/recipes/classes.h"
@@ -161,6 +162,13 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
   const Expected<Declared> declared = Declare(arguments);
   if (!declared) return Forward(declared);
   if (Status known = CheckUnknown(arguments, *declared); !known) return Forward(known);
+  for (const std::string& assignment : arguments.assignments) {
+    for (const char* group : {"canon.", "assemble.", "audit.", "train.", "evaluate.", "report."}) {
+      if (assignment.rfind(group, 0) != 0) continue;
+      return Fail(ErrorCode::kUsage, "'" + assignment + "' does nothing here: this verb ends with the fit", "--set",
+                  "`mocurate run` with a job goes on; `mocurate config init` writes one");
+    }
+  }
   std::error_code unknown;
   const fs::path path = fs::absolute(arguments.path, unknown).lexically_normal();
   // The method is chosen below: a declaration keeps recorded rotations, this verb may be asked to fit others.
@@ -243,10 +251,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   if (!fs::exists(arguments.path, unknown)) {
     return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
   }
-  if (fs::exists(arguments.output, unknown) && !arguments.force) {
-    return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(arguments.output),
-                "--force overwrites it, -o names another");
-  }
+  if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
   const Expected<JobOptions> options = FitOptionsOf(arguments);
   if (!options) return Forward(options);
   const ScratchFolder scratch;

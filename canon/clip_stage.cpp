@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -94,6 +95,12 @@ std::optional<Finding> SuspectHeading(const FacingOptions& options, const Clip& 
   return finding;
 }
 
+std::string WhatIsMissing(const TrimOptions& options) {
+  return options.rule == TrimRule::kTriples
+             ? "no two labelled segments touch, nor a '" + options.triples.transition + "' between them"
+             : "no span";
+}
+
 using Examples = std::map<std::string, std::vector<Motion>>;
 
 /// The clips of a recording, where they lie in it.
@@ -122,6 +129,15 @@ Expected<std::vector<Clip>> CutClips(const TrimOptions& options, const Examples&
     spans = *std::move(found);
   } else {
     spans = FindSpans(options, clip, findings);
+  }
+  if (options.as_segments) {
+    Clip whole = clip;
+    whole.segments.clear();
+    for (const KeptSpan& span : spans) {
+      const FrameRate rate = clip.motion->rate;
+      whole.segments.push_back({rate.FrameTime(span.begin), rate.FrameTime(span.end), span.label, "", "proposed"});
+    }
+    return std::vector<Clip>{std::move(whole)};
   }
   for (const KeptSpan& span : spans) {
     auto cut = Cut(clip, span.begin, span.end);
@@ -170,7 +186,9 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   dataset.created_by = CreatedBy();
   StageOutcome outcome;
   if (const StageInput* listed = FindInput(request, kSpansRole)) {
-    const auto spans = ReadSpans(listed->path);
+    TrimOptions tables = options->trim;
+    tables.spans = listed->path;
+    const auto spans = ListedSpans(tables);
     if (!spans) return Forward(spans);
     outcome.summary["spans"] = ApplySpans(*spans, *clip, outcome.findings);
   }
@@ -186,9 +204,13 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   auto kept = Canonicalise(*options, *examples, std::move(*clip), outcome.findings);
   if (!kept) return Forward(kept);
   if (kept->empty()) {
-    // FindSpans says of every span that it leaves out which rule did so.
+    // Every span that is dropped has a finding that says which rule did so; one that is wrong says why.
     outcome.kind = OutcomeKind::kLeftOut;
-    const std::string reason = outcome.findings.empty() ? "nothing left" : outcome.findings.back().message;
+    const auto wrong = std::find_if(outcome.findings.begin(), outcome.findings.end(),
+                                    [](const Finding& finding) { return finding.severity == Severity::kError; });
+    if (wrong != outcome.findings.end()) std::rotate(wrong, wrong + 1, outcome.findings.end());
+    const std::string reason =
+        outcome.findings.empty() ? "nothing left: " + WhatIsMissing(options->trim) : outcome.findings.back().message;
     outcome.error = Error{ErrorCode::kInconsistent, reason, request.item, "canon.trim holds the rule"};
     const auto limit =
         outcome.findings.empty() ? std::nullopt : LimitOfTrim(options->trim, outcome.findings.back().code);

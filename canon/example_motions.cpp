@@ -3,7 +3,7 @@
 #include "canon/recipes/spans_file.h"
 #include "canon/stage_parts.h"
 #include "canon/trim/trim.h"
-#include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/motion/operations.h"
 
 namespace mocurate {
@@ -36,7 +36,14 @@ Expected<std::map<std::string, std::vector<Motion>>> ReadExamples(const CanonOpt
     }
     TrimOptions marked;
     marked.rule = TrimRule::kAnnotated;
+    marked.min_length_s = 0.0;
     for (const KeptSpan& span : FindSpans(marked, *clip, outside)) {
+      if (span.end - span.begin < 2) {
+        return Fail(ErrorCode::kConfig,
+                    "the marked span of '" + span.label + "' at " +
+                        RoundedText(clip->motion->rate.FrameTime(span.begin)) + " s is shorter than two frames",
+                    clip->id(), "mark a longer one in canon.trim.by_example.examples");
+      }
       const auto cut = Cut(*clip, span.begin, span.end);
       if (!cut) return Forward(cut);
       examples[span.label].push_back(*cut->motion);

@@ -20,14 +20,16 @@ Finding UnknownFloor(const std::string& group) {
   return finding;
 }
 
-Finding TiltedSensor(const std::string& group, const FloorPlane& floor) {
+Finding SensorTilt(const std::string& group, const FloorPlane& floor) {
+  const auto degrees = [](double radians) { return radians * 180.0 / kPi; };
   Finding finding;
-  finding.code = "sensor_tilted";
+  finding.code = "sensor_tilt";
   finding.severity = Severity::kInfo;
-  finding.value = floor.tilt() * 180.0 / kPi;
-  finding.message = "the sensor of " + group + " is tilted by " + RoundedText(finding.value, 3) + " +- " +
-                    RoundedText(floor.tilt_sigma * 180.0 / kPi, 2) + " degrees: feet stood " +
-                    std::to_string(floor.contacts) + " times in " + Counted(floor.clips, "clip");
+  finding.value = degrees(floor.tilt());
+  finding.message = "sensor (" + group + "): tilted by " + RoundedText(finding.value, 3) + " +- " +
+                    RoundedText(degrees(floor.tilt_sigma), 2) + " degrees, the floor " + RoundedText(-floor.height, 3) +
+                    " m below it; feet stood " + std::to_string(floor.contacts) + " times in " +
+                    Counted(floor.clips, "clip");
   finding.action = "levelled";
   return finding;
 }
@@ -49,8 +51,8 @@ Expected<StageOutcome> LevelStage(const StageRequest& request) {
   if (!floor) {
     outcome.kind = OutcomeKind::kDoubtful;
     outcome.findings.push_back(UnknownFloor(request.item));
-  } else if (floor->tilt() > 3.0 * floor->tilt_sigma) {
-    outcome.findings.push_back(TiltedSensor(request.item, *floor));
+  } else {
+    outcome.findings.push_back(SensorTilt(request.item, *floor));
   }
   const nlohmann::json result = floor ? nlohmann::json(*floor) : nlohmann::json();
   outcome.summary["floor"] = result;

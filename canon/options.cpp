@@ -66,10 +66,14 @@ void TrimOptions::Declare(OptionVisitor& v) {
            "shorter clips are dropped, with a reason; 0 s keeps single frames");
   v.Texts("drop_labels", drop_labels, "annotated segments of these labels are left out");
   v.Path("spans", spans,
-         "table clip,begin_s,end_s,label, or a list of HumanAct12's names; a name of configs/spans (humanact12) or a "
-         "file; its spans replace the annotated segments of the clips that it names");
+         "table clip,begin_s,end_s,label, or a list of HumanAct12's names; its spans replace the annotated segments of "
+         "the clips that it names");
+  v.Text("spans_of", spans_of, "the same from a table that mocurate has, where `spans` names no file: humanact12");
   v.Choice("class_from", class_from, {{"label", ClassFrom::kLabel}, {"category", ClassFrom::kCategory}},
            "what of a segment is the class of its clip; with category its label is the fine label");
+  v.Bool("as_segments", as_segments,
+         "recordings stay whole and what would be cut becomes their segments (origin proposed), for `mocurate review "
+         "--annotate`; not with rule: triples");
   v.Group("triples", triples, "with rule: triples, samples of two actions and the transition between them");
   v.Group("change_points", change_points, "with rule: change_points, what is done one after the other");
   v.Group("cycles", cycles, "with rule: cycles, repetitions of an exercise");

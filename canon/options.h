@@ -84,7 +84,9 @@ struct TrimOptions {
   /// Spans of clips (canon/recipes/spans_file.h), in place of their annotated segments; empty: none. The stage `canon`
   /// takes the file as an input.
   std::filesystem::path spans;
+  std::string spans_of;  ///< a table of configs/spans, where `spans` is empty: "humanact12"
   ClassFrom class_from = ClassFrom::kLabel;
+  bool as_segments = false;          ///< recordings stay whole, spans become their segments, for a person to look at
   TripleOptions triples;             ///< with TrimRule::kTriples
   ChangePointOptions change_points;  ///< with TrimRule::kChangePoints
   CycleOptions cycles;               ///< with TrimRule::kCycles

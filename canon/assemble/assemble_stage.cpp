@@ -114,10 +114,14 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   SortById(dataset.clips);
   StageOutcome outcome;
   UniteSkeletons(dataset, outcome.findings);
+  std::set<std::string> labels;
+  for (const Clip& clip : dataset.clips) labels.insert(clip.label);
   ApplyClasses(*options, dataset, outcome.findings);
   if (dataset.clips.empty()) {
-    return Fail(ErrorCode::kInconsistent, "no clip is of a listed class; " + outcome.findings.back().message,
-                "assemble.classes", "list the labels that the source declares");
+    std::string known;
+    for (const std::string& label : labels) known += (known.empty() ? "'" : ", '") + label + "'";
+    return Fail(ErrorCode::kInconsistent, "no clip is of a listed class; the clips are labelled " + known,
+                "assemble.classes", "list those, or name them under `from` of a class");
   }
   std::map<std::string, std::string> item_of = files.items();
   std::vector<Finding> reviewed;

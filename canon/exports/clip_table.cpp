@@ -81,7 +81,9 @@ Status OneRate::Check(const Clip& clip) {
   return Fail(ErrorCode::kUnsupported,
               FormatDouble(rate.hz()) + " frames per second, the clips before it have " + FormatDouble(rate_->hz()) +
                   ": the files of this layout do not hold a rate",
-              clip.id(), "set canon.rate to bring all clips to one rate, or export those of each rate with --clip");
+              clip.id(),
+              "export the clips of one rate: mocurate dataset subset --where 'rate == " + RoundedText(hz_, 6) +
+                  "', or make the set with canon.rate");
 }
 
 }  // namespace mocurate

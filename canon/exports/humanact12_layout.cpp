@@ -26,10 +26,19 @@ std::string Padded(int number, std::size_t width) {
 }
 
 /// Codes of labels: two digits for the class, "01" for the first, "00" for no label; two for the fine label, "01" for
-/// the first of the class that is met, "00" for none.
+/// the first of the class in the dataset's order, "00" for none.
 class ActionCodes {
  public:
-  explicit ActionCodes(const std::vector<std::string>& labels) : labels_(labels) {}
+  ActionCodes(const std::vector<std::string>& labels, const std::vector<FineLabel>& fine_labels) : labels_(labels) {
+    std::map<int, int> count;
+    for (const FineLabel& fine : fine_labels) {
+      const int number = ++count[fine.parent];
+      if (number > kTwoDigits || fine.parent >= kTwoDigits) continue;
+      const std::string code = Padded(fine.parent + 1, 2) + Padded(number, 2);
+      texts_.emplace(code, fine.name);
+      codes_.emplace(std::pair(labels[static_cast<std::size_t>(fine.parent)], fine.name), code);
+    }
+  }
 
   /// Whether the code of a name, "0203", may stand for these labels: the class is the code's, and no other fine label
   /// has it. It stands for them from now on.
@@ -87,7 +96,7 @@ class ActionCodes {
 class HumanAct12Writer : public LayoutWriter {
  public:
   explicit HumanAct12Writer(const ExportSet& set)
-      : set_(set), names_(set.ids, RecordingNames::kOfPerson), codes_(set.labels) {
+      : set_(set), names_(set.ids, RecordingNames::kOfPerson), codes_(set.labels, set.fine_labels) {
     for (std::size_t i = 0; i < set.ids.size(); ++i) persons_.emplace(names_.Person(i), 0);
     // "P07" keeps its number; the others take those that are left, in their order.
     static const std::regex kPerson("P(0[1-9]|[1-9]\\d)");

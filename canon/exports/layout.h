@@ -25,9 +25,10 @@ struct ExportSet {
   bool joints_only = false;
   std::vector<std::string> ids;     ///< of the clips, in their order: "source/person/recording#begin-end"
   std::vector<std::string> labels;  ///< classes in the recipe's order
-  std::vector<Split> splits;        ///< rows are positions in `ids`
-  std::filesystem::path folder;     ///< where the files will lie, absolute: source.yaml may have to name it
-  std::string file;                 ///< name of the file that holds all clips; empty: its usual name
+  std::vector<FineLabel> fine_labels;
+  std::vector<Split> splits;     ///< rows are positions in `ids`
+  std::filesystem::path folder;  ///< where the files will lie, absolute: source.yaml may have to name it
+  std::string file;              ///< name of the file that holds all clips; empty: its usual name
   RotationArrays rotations = RotationArrays::kQuaternion;  ///< of layouts that have a choice
   /// ingest.source.checks.actions of source.yaml: the clips were checked when the set was made, none is dropped for it.
   std::map<std::string, std::string> check_actions;

@@ -149,8 +149,13 @@ std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vect
                     "' is none that is built in: source.yaml names skeleton.yaml by its place, change that when the "
                     "folder moves");
   }
+  const bool joints = declaration.layout == "npz" || declaration.layout == "humanact12" || declaration.layout == "csv";
+  if (declaration.layout == "npz" && !set.joints_only && set.rotations != RotationArrays::kNone) {
+    notes.emplace_back("mocurate reads the joints of .npz files, not their rotations; bvh brings rotations back");
+  }
   std::string text = "# Written by `mocurate export --layout " + declaration.layout +
-                     "`: how mocurate reads these files again,\n#   mocurate export . --source source.yaml -o arrays\n";
+                     "`: how mocurate reads these files again,\n#   mocurate export . --source source.yaml -o arrays" +
+                     (joints ? " --as joints\n" : "\n");
   text += declaration.joint_table ? "# `mocurate run source.yaml --to assemble` fits rotations to the joints.\n"
                                   : "#   mocurate run source.yaml --to assemble\n";
   text += "name: " + YamlText(declaration.source + "_" + declaration.layout) + "\n";

@@ -19,28 +19,30 @@ Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Se
   finding.code = "span_outside";
   finding.severity = severity;
   finding.value = seconds;
-  finding.message = "line " + std::to_string(span.line) + ": '" + span.label + "' from " + RoundedText(span.begin, 6) +
-                    " to " + RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " ends " +
-                    RoundedText(seconds) + " s after the clip";
+  finding.message = span.place + ": '" + span.label + "' from " + RoundedText(span.begin, 6) + " to " +
+                    RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " ends " + RoundedText(seconds) +
+                    " s after the clip";
   finding.action = action;
   return finding;
 }
 
 }  // namespace
 
-std::optional<std::string_view> BuiltInSpans(const std::filesystem::path& file_or_name) {
-  std::error_code unknown;
-  // A name in a config was made a path beside the config.
-  if (file_or_name.has_extension() || std::filesystem::exists(file_or_name, unknown)) return std::nullopt;
-  return FindResource("spans/" + file_or_name.filename().string() + ".csv");
+std::optional<std::string_view> BuiltInSpans(const std::string& name) { return FindResource("spans/" + name + ".csv"); }
+
+Expected<std::vector<ListedSpan>> ReadSpans(const std::filesystem::path& file) {
+  const Expected<std::string> bytes = ReadFile(file);
+  if (!bytes) return Forward(bytes);
+  return ParseSpanTable(*bytes, DisplayPath(file));
 }
 
-Expected<std::vector<ListedSpan>> ReadSpans(const std::filesystem::path& file_or_name) {
-  const std::string name = DisplayPath(file_or_name);
-  if (const auto resource = BuiltInSpans(file_or_name)) return ParseSpanTable(*resource, name);
-  const Expected<std::string> bytes = ReadFile(file_or_name);
-  if (!bytes) return Forward(bytes);
-  return ParseSpanTable(*bytes, name);
+Expected<std::vector<ListedSpan>> ListedSpans(const TrimOptions& options) {
+  if (!options.spans.empty()) return ReadSpans(options.spans);
+  if (options.spans_of.empty()) return std::vector<ListedSpan>();
+  const auto table = BuiltInSpans(options.spans_of);
+  if (table) return ParseSpanTable(*table, options.spans_of);
+  return Fail(ErrorCode::kConfig, "there is no table of spans '" + options.spans_of + "'", "canon.trim.spans_of",
+              "humanact12 is there; a file is named by canon.trim.spans");
 }
 
 bool NamesClip(const ListedSpan& span, const Clip& clip) {

@@ -6,18 +6,22 @@
 #include <string_view>
 #include <vector>
 
+#include "canon/options.h"
 #include "core/base/finding.h"
 #include "core/formats/span_table.h"
 #include "core/motion/clip.h"
 
 namespace mocurate {
 
-/// The table of configs/spans that is meant, "humanact12", where no such file exists; nothing for a file.
-std::optional<std::string_view> BuiltInSpans(const std::filesystem::path& file_or_name);
+/// A table of configs/spans by its name, "humanact12"; nothing where there is none.
+std::optional<std::string_view> BuiltInSpans(const std::string& name);
 
-/// Reads a table of spans (core/formats/span_table.h): a file, or one of configs/spans by its name. Errors of ReadFile
-/// and ParseSpanTable.
-Expected<std::vector<ListedSpan>> ReadSpans(const std::filesystem::path& file_or_name);
+/// Reads a table of spans (core/formats/span_table.h). Errors of ReadFile and ParseSpanTable.
+Expected<std::vector<ListedSpan>> ReadSpans(const std::filesystem::path& file);
+
+/// The spans that the options list: of the file, else of the built-in table; none where they name neither. Errors of
+/// ReadSpans; kConfig for a table that is not there.
+Expected<std::vector<ListedSpan>> ListedSpans(const TrimOptions& options);
 
 /// Whether a span is of the clip: it names its id, its id without frames, or its recording alone.
 bool NamesClip(const ListedSpan& span, const Clip& clip);

@@ -45,7 +45,7 @@ class ConditionParser {
     if (token_.kind == Token::Kind::kEnd) return node;
     const bool sign = token_.Is("&&") || token_.Is("||");
     return Wrong(token_.begin, token_.Shown() + " was not expected here",
-                 sign ? "write 'and' and 'or'" : "join tests by 'and' or 'or'");
+                 sign ? "write 'and' and 'or'" : "join tests by 'and' or 'or'; a value with blanks stands in quotes");
   }
 
  private:

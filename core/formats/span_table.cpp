@@ -61,8 +61,9 @@ Expected<ListedSpan> SpanOfRow(const SpanColumns& columns, std::string_view line
   const auto cells = CellsOfLine(line);
   if (!cells) return reader.Bad("a quote is not closed");
   if (cells->size() != columns.count) {
-    return reader.Bad(Counted(static_cast<long long>(cells->size()), "cell") + ", the header has " +
-                      std::to_string(columns.count));
+    return reader.Bad(
+        Counted(static_cast<long long>(cells->size()), "cell") + ", the header has " + std::to_string(columns.count),
+        "separate cells by commas; a cell that holds one stands in quotes");
   }
   const auto cell = [&](std::ptrdiff_t column) { return (*cells)[static_cast<std::size_t>(column)]; };
   ListedSpan span;
@@ -71,11 +72,15 @@ Expected<ListedSpan> SpanOfRow(const SpanColumns& columns, std::string_view line
   if (columns.fine_label >= 0) span.fine_label = cell(columns.fine_label);
   span.in_frames = columns.in_frames;
   span.line = reader.number();
+  span.place = reader.Place();
   const auto begin = ParseDouble(cell(columns.begin)), end = ParseDouble(cell(columns.end));
-  if (span.clip.empty()) return reader.Bad("the row names no clip");
-  if (span.label.empty()) return reader.Bad("the row has no label");
-  if (!begin || !end || !std::isfinite(*begin) || !std::isfinite(*end)) {
-    return reader.Bad("'" + Shown(cell(columns.begin)) + "' to '" + Shown(cell(columns.end)) + "' are no numbers");
+  if (span.clip.empty()) return reader.Bad("the row names no clip", "write source/person/recording, or its recording");
+  if (span.label.empty()) return reader.Bad("the row has no label", "say what the span shows, or take the row out");
+  for (const auto& [number, column] : {std::pair(begin, columns.begin), std::pair(end, columns.end)}) {
+    if (number && std::isfinite(*number)) continue;
+    return reader.Bad("'" + Shown(cell(column)) + "' is no number", columns.in_frames
+                                                                        ? "frames are whole numbers, counted from 0"
+                                                                        : "seconds are numbers such as 12.5");
   }
   const bool whole = *begin == std::floor(*begin) && *end == std::floor(*end);
   if (columns.in_frames && (!whole || *end > 1e9)) {
@@ -101,9 +106,16 @@ Expected<ListedSpan> SpanOfName(std::string_view line, const LineReader& reader)
     return reader.Bad("the last frame, " + std::to_string(name->last) + ", comes before the first, " +
                       std::to_string(name->first));
   }
-  return ListedSpan{
-      name->recording.Name(), static_cast<double>(name->first), name->last + 1.0, true, code->label, code->fine_label,
-      reader.number()};
+  ListedSpan span;
+  span.clip = name->recording.Name();
+  span.begin = name->first;
+  span.end = name->last + 1.0;
+  span.in_frames = true;
+  span.label = code->label;
+  span.fine_label = code->fine_label;
+  span.line = reader.number();
+  span.place = reader.Place();
+  return span;
 }
 
 }  // namespace
@@ -114,7 +126,7 @@ Expected<std::vector<ListedSpan>> ParseSpanTable(std::string_view bytes, const s
   std::optional<SpanColumns> columns;
   for (std::string_view line = reader.Next(); !line.empty(); line = reader.Next()) {
     if (line[0] == '#') continue;
-    if (!columns && spans.empty() && line.find(',') != std::string_view::npos) {
+    if (!columns && spans.empty() && line.find_first_of(",;\t") != std::string_view::npos) {
       const auto header = CellsOfLine(line);
       if (header) columns = ColumnsOfHeader(*header);
       if (!columns) return reader.Bad("'" + Shown(line) + "' is no header of a table of spans", kHeaderHint);
@@ -124,7 +136,9 @@ Expected<std::vector<ListedSpan>> ParseSpanTable(std::string_view bytes, const s
     if (!span) return Forward(span);
     spans.push_back(*std::move(span));
   }
-  if (spans.empty() && !columns) return reader.CutOff("a table of spans");
+  if (spans.empty() && !columns) {
+    return Fail(ErrorCode::kMalformed, "the file holds no table of spans and no name", name, kHeaderHint);
+  }
   return spans;
 }
 

@@ -16,7 +16,8 @@ struct ListedSpan {
   bool in_frames = false;  ///< of the recording, counted from 0; else seconds from its first frame
   std::string label;
   std::string fine_label;
-  int line = 0;  ///< of the file, from 1
+  int line = 0;       ///< of the file, from 1
+  std::string place;  ///< "file:line", for messages
 };
 
 /// A table "clip,begin_s,end_s,label" (RFC 4180, a header line; begin_frame and end_frame in the place of the seconds;

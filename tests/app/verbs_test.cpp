@@ -92,7 +92,7 @@ TEST(Usage, AnAssignmentDoesNotTakeTheConfigBehindIt) {
 TEST(Config, AllProblemsAreReportedAtOnceWithPlaceAndNearestName) {
   const Folder folder;
   WriteText(folder / "bad.yaml",
-            "name: x\nskeletn: smpl24\ncanon:\n  trim:\n    min_length: 5 kg\n  facing: {anchor: middle}\n");
+            "name: x\nskeletn: smpl24\ncanon:\n  trim:\n    min_length: 5 kg\n  facing: {anchor: centre}\n");
   const Result result = RunProgram(folder, {"run", (folder / "bad.yaml").string(), "-o", (folder / "r").string()});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("bad.yaml:2:1"));
