@@ -12,6 +12,17 @@
 
 namespace mocurate {
 
+namespace {
+
+/// How a table of spans may call a clip: by its item (source/person/recording), by the recording, by its id.
+std::vector<std::string> NamesOf(const ClipRecord& clip) {
+  const nlohmann::json& summary = clip.evidence.outcome.summary;
+  return {clip.item, summary.value("recording", clip.item.substr(clip.item.rfind('/') + 1)),
+          summary.value("clip", clip.item)};
+}
+
+}  // namespace
+
 std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std::vector<ItemResult>& items) {
   std::set<std::string> known;
   for (const ItemResult& item : items) {
@@ -25,23 +36,20 @@ std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std:
   return findings;
 }
 
-Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const std::vector<ItemResult>& items) {
+Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const std::vector<ClipRecord>& clips) {
   std::vector<Finding> findings;
   const auto spans = ListedSpans(options.trim);
   if (!spans) return Forward(spans);
-  std::set<int> taken;
-  for (const ItemResult& item : items) {
-    for (const int line : item.outcome.summary.value("spans", std::vector<int>())) taken.insert(line);
-  }
   std::vector<std::string> names;
-  for (const ItemResult& item : items) {
-    names.push_back(item.item);
-    names.push_back(item.item.substr(item.item.rfind('/') + 1));
+  for (const ClipRecord& clip : clips) {
+    const std::vector<std::string> own = NamesOf(clip);
+    names.insert(names.end(), own.begin(), own.end());
   }
+  const std::set<std::string> known(names.begin(), names.end());
   const ListedSpan* first = nullptr;
   long long unmatched = 0;
   for (const ListedSpan& span : *spans) {
-    if (taken.count(span.line) != 0) continue;
+    if (known.count(span.clip) != 0) continue;
     if (first == nullptr) first = &span;
     ++unmatched;
   }
@@ -106,6 +114,10 @@ Status CheckCanon(const CanonOptions& options) {
     if (Status read = readable(ReadSpans(trim.by_example.examples), "canon.trim.by_example.examples"); !read)
       return read;
   }
+  if (trim.rule == TrimRule::kTriples && (!trim.drop_labels.empty() || trim.class_from == ClassFrom::kCategory)) {
+    return Fail(ErrorCode::kConfig, "drop_labels and class_from: category are not read by rule triples", "canon.trim",
+                "leave them out; assemble.classes says which last actions are kept");
+  }
   if (trim.as_segments && trim.rule == TrimRule::kTriples) {
     return Fail(ErrorCode::kConfig, "samples of two actions are no segments of a recording", "canon.trim.as_segments",
                 "leave it out, or set canon.trim.rule: annotated");
@@ -122,8 +134,11 @@ Status CheckCanon(const CanonOptions& options) {
   return {};
 }
 
-Expected<std::vector<StageInput>> ExampleInputs(const std::filesystem::path& table,
-                                                const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*from) {
+Expected<std::vector<StageInput>> ExampleInputs(const CanonOptions& options, const std::vector<ClipRecord>& clips,
+                                                ItemResult ClipRecord::*from,
+                                                const std::map<std::string, ItemResult>& floors) {
+  const std::filesystem::path& table = options.trim.by_example.examples;
+  const LevelOptions& level = options.level;
   const auto spans = ReadSpans(table);
   if (!spans) return Forward(spans);
   std::map<std::string, const ListedSpan*> wanted;
@@ -132,29 +147,44 @@ Expected<std::vector<StageInput>> ExampleInputs(const std::filesystem::path& tab
   std::vector<std::string> names;
   for (const ClipRecord& clip : clips) {
     const nlohmann::json& summary = clip.evidence.outcome.summary;
-    const std::string known[] = {clip.item, summary.value("recording", std::string()),
-                                 summary.value("clip", std::string())};
-    const double duration_s = summary.value("frames", 0) / std::max(1e-9, summary.value("rate_hz", 1.0));
-    bool named = false;
-    for (const std::string& name : known) {
+    const double rate = summary.value("rate_hz", 0.0), first = summary.value("first_frame", 0.0);
+    const ListedSpan* marked = nullptr;
+    for (const std::string& name : NamesOf(clip)) {
       names.push_back(name);
-      named = wanted.erase(name) > 0 || named;
+      wanted.erase(name);
       for (const ListedSpan& span : *spans) {
-        if (span.clip != name || span.in_frames || span.begin < duration_s) continue;
+        if (span.clip != name) continue;
+        marked = &span;
+        const double scale = span.in_frames ? 1.0 : rate;
+        const double begin = span.begin * scale - first, frames = summary.value("frames", 0.0);
+        if (frames == 0.0 || (begin < frames && (span.end - span.begin) * scale >= 2.0)) continue;
         return Fail(ErrorCode::kConfig,
-                    "the span begins at " + RoundedText(span.begin, 6) + " s, the recording lasts " +
-                        RoundedText(duration_s, 6) + " s",
-                    span.place, "mark spans inside the recording");
+                    begin >= frames ? "the span begins at frame " + RoundedText(begin, 9) + " of " +
+                                          RoundedText(frames, 9) + " of the clip"
+                                    : "the span is shorter than two frames of " + RoundedText(rate) + " Hz",
+                    span.place, "mark spans of a second or so, inside the recording");
       }
     }
-    if (named && !(clip.*from).artifact.empty()) inputs.push_back(InputFrom(kExampleRole, clip.*from));
+    if (marked == nullptr) continue;
+    if ((clip.*from).artifact.empty()) {
+      const ItemResult* ended = clip.ended();
+      return Fail(ErrorCode::kConfig,
+                  "the clip with marked spans has no motion" +
+                      (ended == nullptr ? std::string() : ": " + ended->outcome.error.what),
+                  marked->place, "mark spans of another clip");
+    }
+    inputs.push_back(InputFrom(kExampleRole, clip.*from));
+    const auto floor = floors.find(FloorGroup(clip, level.of));
+    if (floor != floors.end() && !floor->second.artifact.empty()) {
+      inputs.push_back({kExampleFloorRole, clip.item, floor->second.artifact, floor->second.sha256});
+    }
   }
   if (!wanted.empty() || inputs.size() == 1) {
-    const std::string missing = wanted.empty() ? "" : *wanted.begin();
+    const std::string missing = wanted.empty() ? std::string() : wanted.begin()->first;
     const auto near = Nearest(missing, names);
     return Fail(ErrorCode::kConfig,
                 missing.empty() ? "no clip with marked spans has a motion" : "no clip is called '" + missing + "'",
-                DisplayPath(table),
+                wanted.empty() ? DisplayPath(table) : wanted.begin()->second->place,
                 near ? "did you mean '" + *near + "'?" : "clips are called source/person/recording");
   }
   return inputs;
@@ -162,15 +192,16 @@ Expected<std::vector<StageInput>> ExampleInputs(const std::filesystem::path& tab
 
 std::string FloorGroup(const ClipRecord& clip, LevelOf of) {
   const auto named = [&](const char* field) { return clip.evidence.outcome.summary.value(field, std::string()); };
+  const std::string person = named("person");
   switch (of) {
     case LevelOf::kSet:
       return "set";
     case LevelOf::kSession:
-      return "session " + named("session");
+      return "session " + person + "/" + named("session");
     case LevelOf::kView:
-      return "view " + named("view");
+      return "view " + named("session") + "/" + named("view");
     case LevelOf::kPerson:
-      return "person " + named("person");
+      return "person " + person;
     case LevelOf::kClip:
       return clip.item;
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,8 +12,8 @@ namespace mocurate {
 /// Labels of canon.trim.drop_labels that no segment has, after the stage canon.
 std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std::vector<ItemResult>& items);
 
-/// Spans of canon.trim.spans that no clip took, after the stage canon. Error of ReadSpans.
-Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const std::vector<ItemResult>& items);
+/// Spans of canon.trim.spans that name no clip of the set. Error of ListedSpans.
+Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const std::vector<ClipRecord>& clips);
 
 /// The table of spans as an input of stage canon, where the options name one.
 std::optional<StageInput> SpansInput(const TrimOptions& options);
@@ -24,10 +24,11 @@ Status CheckCanon(const CanonOptions& options);
 /// What canon does to clips, in a line, beside a recipe's words: they cannot know what a run sets.
 std::string CanonText(const CanonOptions& options);
 
-/// The table of marked spans and the clips that it names, as inputs of stage canon. Error kConfig where it names a clip
-/// that is not there, or none; those of ReadSpans.
-Expected<std::vector<StageInput>> ExampleInputs(const std::filesystem::path& table,
-                                                const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*from);
+/// The table of marked spans, the clips that it names and the floors under them, as inputs of stage canon. Error
+/// kConfig where it names a clip that is not there or has no motion, or a span that is not inside it.
+Expected<std::vector<StageInput>> ExampleInputs(const CanonOptions& options, const std::vector<ClipRecord>& clips,
+                                                ItemResult ClipRecord::*from,
+                                                const std::map<std::string, ItemResult>& floors);
 
 /// What a clip's floor is shared with: the group's name, an item of the stage `level`.
 std::string FloorGroup(const ClipRecord& clip, LevelOf of);

@@ -41,18 +41,6 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
   return clip;
 }
 
-Status LevelByFloor(const StageInput& input, Clip& clip) {
-  const auto text = ReadFile(input.path);
-  if (!text) return Forward(text);
-  try {
-    const auto floor = nlohmann::json::parse(*text);
-    if (!floor.is_null()) LevelClip(floor.get<FloorPlane>(), clip);
-  } catch (const nlohmann::json::exception& problem) {
-    return Fail(ErrorCode::kMalformed, std::string("no floor: ") + problem.what(), input.name);
-  }
-  return {};
-}
-
 /// Two samples over the same frames: a clip is known by its frames.
 Finding SameFrames(const Clip& clip, const ActionTriple& triple) {
   Finding finding;
@@ -62,6 +50,17 @@ Finding SameFrames(const Clip& clip, const ActionTriple& triple) {
   finding.frame_end = triple.end_frame();
   finding.message =
       "'" + triple.previous + "' to '" + triple.current + "' is over the same frames as another sample, which was kept";
+  finding.action = "dropped";
+  return finding;
+}
+
+Finding NoAnchor(const Clip& clip, const Error& error) {
+  Finding finding;
+  finding.clip = clip.id();
+  finding.code = "no_anchor_frame";
+  finding.frame_end = clip.motion->frame_count();
+  finding.value = clip.motion->frame_count();
+  finding.message = error.what + "; " + error.hint;
   finding.action = "dropped";
   return finding;
 }
@@ -109,8 +108,14 @@ Expected<std::vector<Clip>> CutClips(const TrimOptions& options, const Examples&
   std::vector<Clip> cuts;
   if (options.rule == TrimRule::kTriples) {
     std::set<std::pair<int, int>> taken;
-    for (const ActionTriple& triple :
-         FindTriples(options.triples, clip.segments, clip.motion->rate, clip.motion->frame_count(), findings)) {
+    std::vector<Finding> rejected;
+    const auto triples =
+        FindTriples(options.triples, clip.segments, clip.motion->rate, clip.motion->frame_count(), rejected);
+    for (Finding& finding : rejected) {
+      finding.clip = clip.id();
+      findings.push_back(std::move(finding));
+    }
+    for (const ActionTriple& triple : triples) {
       if (!taken.emplace(triple.first_frame, triple.end_frame()).second) {
         findings.push_back(SameFrames(clip, triple));
         continue;
@@ -133,10 +138,15 @@ Expected<std::vector<Clip>> CutClips(const TrimOptions& options, const Examples&
   if (options.as_segments) {
     Clip whole = clip;
     whole.segments.clear();
+    const FrameRate rate = clip.motion->rate;
+    std::string confidences;
     for (const KeptSpan& span : spans) {
-      const FrameRate rate = clip.motion->rate;
-      whole.segments.push_back({rate.FrameTime(span.begin), rate.FrameTime(span.end), span.label, "", "proposed"});
+      const bool fine = !span.fine_label.empty();
+      whole.segments.push_back({rate.FrameTime(span.begin), rate.FrameTime(span.end),
+                                fine ? span.fine_label : span.label, fine ? span.label : "", "proposed"});
+      confidences += (confidences.empty() ? "" : " ") + RoundedText(std::round(100.0 * span.confidence) / 100.0);
     }
+    if (EstimatesCuts(options.rule)) whole.provenance["cut_confidence"] = confidences;
     return std::vector<Clip>{std::move(whole)};
   }
   for (const KeptSpan& span : spans) {
@@ -162,15 +172,21 @@ Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, const Exam
   }
   auto cuts = CutClips(options.trim, examples, clip, findings);
   if (!cuts) return Forward(cuts);
+  std::vector<Clip> faced;
   for (Clip& cut : *cuts) {
+    if (const auto anchor = AnchorFrame(options.facing, cut); !anchor && options.facing.rule != FacingRule::kNone) {
+      findings.push_back(NoAnchor(cut, anchor.error()));
+      continue;
+    }
     const auto heading = FaceFront(options.facing, cut);
     if (!heading) return Forward(heading);
+    faced.push_back(std::move(cut));
     if (!ReadsHeading(options.facing.rule)) continue;
-    if (auto suspect = SuspectHeading(options.facing, cut, *heading)) findings.push_back(*std::move(suspect));
-    cut.provenance["heading"] = Name(heading->source);
+    if (auto suspect = SuspectHeading(options.facing, faced.back(), *heading)) findings.push_back(*std::move(suspect));
+    faced.back().provenance["heading"] = Name(heading->source);
   }
-  SortById(*cuts);
-  return cuts;
+  SortById(faced);
+  return faced;
 }
 
 }  // namespace
@@ -190,7 +206,7 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
     tables.spans = listed->path;
     const auto spans = ListedSpans(tables);
     if (!spans) return Forward(spans);
-    outcome.summary["spans"] = ApplySpans(*spans, *clip, outcome.findings);
+    ApplySpans(*spans, *clip, outcome.findings);
   }
   if (const StageInput* floor = FindInput(request, kFloorRole)) {
     if (Status levelled = LevelByFloor(*floor, *clip); !levelled) return Forward(levelled);

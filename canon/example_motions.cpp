@@ -23,11 +23,15 @@ Expected<std::map<std::string, std::vector<Motion>>> ReadExamples(const CanonOpt
     auto clip = ReadMotionClip(input, nullptr);
     if (!clip) return Forward(clip);
     clip->evidence = Evidence();
+    for (const StageInput& floor : inputs) {
+      if (floor.role != kExampleFloorRole || floor.name != input.name) continue;
+      if (Status levelled = LevelByFloor(floor, *clip); !levelled) return Forward(levelled);
+    }
     std::vector<Finding> outside;
     ApplySpans(spans, *clip, outside);
     for (const Finding& finding : outside) {
       if (finding.severity != Severity::kError) continue;
-      return Fail(ErrorCode::kConfig, finding.message, finding.clip, "mend canon.trim.by_example.examples");
+      return Fail(ErrorCode::kConfig, finding.message, finding.clip, "repair canon.trim.by_example.examples");
     }
     if (!options.rate.empty()) {
       const auto rate = FrameRate::Parse(options.rate);

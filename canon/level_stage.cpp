@@ -15,7 +15,7 @@ Finding UnknownFloor(const std::string& group) {
   Finding finding;
   finding.code = "floor_unknown";
   finding.message = "the floor under the clips of " + group +
-                    " cannot be told: no foot ever stands, or the skeleton has no legs; they were not levelled";
+                    " is unknown: no foot ever stands, or the skeleton has no legs; they were not levelled";
   finding.action = "flagged";
   return finding;
 }

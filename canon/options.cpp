@@ -70,7 +70,9 @@ void TrimOptions::Declare(OptionVisitor& v) {
          "the clips that it names");
   v.Text("spans_of", spans_of, "the same from a table that mocurate has, where `spans` names no file: humanact12");
   v.Choice("class_from", class_from, {{"label", ClassFrom::kLabel}, {"category", ClassFrom::kCategory}},
-           "what of a segment is the class of its clip; with category its label is the fine label");
+           "what of a segment is the class of its clip; with category (of several the first) its label is the fine "
+           "label, as it "
+           "is of listed spans with a fine label");
   v.Bool("as_segments", as_segments,
          "recordings stay whole and what would be cut becomes their segments (origin proposed), for `mocurate review "
          "--annotate`; not with rule: triples");
@@ -118,13 +120,15 @@ void FacingOptions::Declare(OptionVisitor& v) {
 void LevelOptions::Declare(OptionVisitor& v) {
   v.Choice("rule", rule, {{"none", FloorRule::kNone}, {"height", FloorRule::kHeight}, {"tilt", FloorRule::kTilt}},
            "none; the floor under standing feet comes to y = 0 (height); and a tilted sensor is levelled (tilt)");
-  v.Choice("of", of,
-           {{"set", LevelOf::kSet},
-            {"session", LevelOf::kSession},
-            {"view", LevelOf::kView},
-            {"person", LevelOf::kPerson},
-            {"clip", LevelOf::kClip}},
-           "whose clips share a floor: all, those of a session, a view, a person, or each clip has its own");
+  v.Choice(
+      "of", of,
+      {{"set", LevelOf::kSet},
+       {"session", LevelOf::kSession},
+       {"view", LevelOf::kView},
+       {"person", LevelOf::kPerson},
+       {"clip", LevelOf::kClip}},
+      "whose clips share a floor: all, those of a person's session, of a view in a session, of a person, or each clip "
+      "has its own");
   v.Number("height_sigma", height_sigma, Unit::kMetre, {1e-4, 1.0}, "standard deviation of a standing foot's height");
   v.Number("body_sigma", body_sigma, Unit::kRadian, {1e-3, 1.0},
            "standard deviation of a standing person's axis around the vertical");
@@ -229,7 +233,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration LevelDeclaration() { return {"level", 1, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration CanonDeclaration() { return {"canon", 15, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration CanonDeclaration() { return {"canon", 16, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration AssembleDeclaration() { return {"assemble", 12, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 3, "mocurate-annotate", WholeSetLimits()}; }
 

@@ -262,6 +262,8 @@ inline constexpr const char* kSpansRole = "spans";
 /// Roles of the table of marked spans, and of the clips that it names.
 inline constexpr const char* kExamplesRole = "examples";
 inline constexpr const char* kExampleRole = "example";
+/// Role of the floor under such a clip; the input's name is that of the clip's.
+inline constexpr const char* kExampleFloorRole = "example_floor";
 
 /// Role of the floor under a clip, what the stage `level` gives.
 inline constexpr const char* kFloorRole = "floor";

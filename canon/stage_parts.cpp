@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "canon/frames/level.h"
+#include "core/base/file.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -30,6 +32,18 @@ Expected<Clip> ReadMotionClip(const StageInput& input, std::vector<Finding>* fin
                 "set fitting.method to something other than none");
   }
   return given;
+}
+
+Status LevelByFloor(const StageInput& input, Clip& clip) {
+  const auto text = ReadFile(input.path);
+  if (!text) return Forward(text);
+  try {
+    const auto floor = nlohmann::json::parse(*text);
+    if (!floor.is_null()) LevelClip(floor.get<FloorPlane>(), clip);
+  } catch (const nlohmann::json::exception& problem) {
+    return Fail(ErrorCode::kMalformed, std::string("no floor: ") + problem.what(), input.name);
+  }
+  return {};
 }
 
 void SortById(std::vector<Clip>& clips) {

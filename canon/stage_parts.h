@@ -15,6 +15,9 @@ const StageInput* FindInput(const StageRequest& request, const std::string& role
 /// Error kInconsistent where it has none.
 Expected<Clip> ReadMotionClip(const StageInput& input, std::vector<Finding>* findings);
 
+/// LevelClip by the floor that the stage `level` found; nothing where it found none. Error kMalformed.
+Status LevelByFloor(const StageInput& input, Clip& clip);
+
 void SortById(std::vector<Clip>& clips);
 
 /// {"name", "train", "validation", "test" (counts), "rule", "leak_check"}

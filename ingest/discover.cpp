@@ -90,7 +90,8 @@ Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions&
     return Fail(bytes.error().code, "the table of labels cannot be read: " + bytes.error().what, name,
                 "put it there, or mend ingest.source.label_table");
   }
-  if (bytes->find('\t') != std::string::npos) return ReadTabbedLabels(*bytes, name);
+  const bool headed = bytes->substr(0, bytes->find('\n')).find(',') != std::string::npos;
+  if (!headed && bytes->find('\t') != std::string::npos) return ReadTabbedLabels(*bytes, name);
   const std::vector<std::string_view> lines = SplitText(*bytes, '\n');
   for (std::size_t i = 1; i < lines.size(); ++i) {
     const std::vector<std::string_view> cells = SplitText(Trim(lines[i]), ',');

@@ -192,6 +192,9 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
       {"label", clip.label},       {"frames", FrameCount(clip)},        {"joints", JointCount(clip)},
       {"rate_hz", clip.rate.hz()}, {"missing_share", UnseenShare(clip)}};
   if (!style.empty()) summary["style"] = style;
+  if (const auto first = clip.provenance.find("first_frame"); first != clip.provenance.end()) {
+    summary["first_frame"] = ParseDouble(first->second).value_or(0.0);
+  }
   if (!clip.identity.session.empty()) summary["session"] = clip.identity.session;
   if (!clip.identity.view.empty()) summary["view"] = clip.identity.view;
   const std::size_t views = clip.evidence.depth_views.size() + clip.evidence.keypoint_views.size();

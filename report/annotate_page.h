@@ -50,9 +50,6 @@ struct AnnotatePageInput {
 /// labels, and saved as the spans.csv that canon.trim reads (docs/review.md).
 std::string MakeAnnotatePage(const AnnotatePageInput& input);
 
-/// Frames per second of the recording that a clip is of: identities count its frames. The clip's own rate where it has
-/// as many frames, else the usual rate of cameras and motion capture nearest to what the counts say.
-double RecordedRate(const Clip& clip);
 /// When the first frame of a clip is, in seconds from the first frame of its recording.
 double BeginInRecording(const Clip& clip);
 

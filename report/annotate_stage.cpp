@@ -19,10 +19,6 @@ constexpr std::size_t kMostSpeeds = 6000;  ///< of one clip's curve
 constexpr const char* kProposed = "proposed";
 constexpr const char* kFirstFrame = "first_frame";  ///< provenance: of the clip's frame 0 in a longer recording
 
-/// Rates of cameras and motion capture, Hz.
-constexpr std::array<double, 15> kUsualRates = {5.0,  10.0, 12.5, 15.0, 20.0,  24.0,  25.0, 30.0,
-                                                48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0};
-
 std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
 
 bool EndsIn(const std::string& text, const std::string& end) {
@@ -98,7 +94,7 @@ AnnotateCard CardOf(const Clip& clip, double most_rate) {
   card.frames = motion.frame_count();
   card.hz = motion.rate.hz();
   card.begin_s = BeginInRecording(clip);
-  card.recorded_hz = RecordedRate(clip);
+  card.recorded_hz = RecordedRate(clip).hz();
   card.view = FrontView(motion);
   card.view.yaw = std::round(1e3 * card.view.yaw) / 1e3;
   card.poses = PackFrames(motion, std::max(1, static_cast<int>(std::ceil(card.hz / most_rate - 1e-9))));
@@ -199,24 +195,10 @@ void AddLabelsOfSpans(AnnotatePageInput& input) {
 
 }  // namespace
 
-double RecordedRate(const Clip& clip) {
-  const int recorded = clip.identity.end_frame - clip.identity.begin_frame, frames = clip.motion->frame_count();
-  const double rate = clip.motion->rate.hz();
-  if (recorded <= 0 || frames == 0 || recorded == frames) return rate;
-  const double share = static_cast<double>(recorded) / frames, hz = rate * share;
-  double nearest = kUsualRates.front();
-  for (const double usual : kUsualRates) {
-    if (std::abs(usual - hz) < std::abs(nearest - hz)) nearest = usual;
-  }
-  // Either count may be one off, as frames were rounded.
-  const double unsure = 2.0 * rate * std::max(1.0, share) / frames;
-  return std::abs(nearest - hz) <= unsure ? nearest : hz;
-}
-
 double BeginInRecording(const Clip& clip) {
   const auto noted = clip.provenance.find(kFirstFrame);
   const auto before = noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0);
-  return static_cast<double>(clip.identity.begin_frame + before) / RecordedRate(clip);
+  return static_cast<double>(clip.identity.begin_frame + before) / RecordedRate(clip).hz();
 }
 
 Expected<StageOutcome> AnnotateStage(const StageRequest& request) {

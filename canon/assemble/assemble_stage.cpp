@@ -79,7 +79,12 @@ Expected<std::vector<Finding>> TakeReview(const std::filesystem::path& file, boo
   if (dataset.clips.empty()) {
     return Fail(ErrorCode::kConfig, "every clip is dropped by the review", DisplayPath(file), "keep some");
   }
-  for (const auto& [old_id, new_id] : applied->new_ids) item_of[new_id] = item_of[old_id];
+  for (const auto& [old_id, new_id] : applied->new_ids) {
+    // Of a clip that was cut twice the id between is no clip's: its recording tells.
+    const auto own = item_of.find(old_id);
+    const auto recording = item_of.lower_bound(old_id.substr(0, old_id.rfind('#') + 1));
+    item_of[new_id] = own != item_of.end() ? own->second : recording->second;
+  }
   std::vector<Finding> others;
   for (Finding& finding : applied->findings) {
     (finding.code == kReviewDrop ? excluding : others).push_back(std::move(finding));

@@ -82,7 +82,7 @@ Status OneRate::Check(const Clip& clip) {
               FormatDouble(rate.hz()) + " frames per second, the clips before it have " + FormatDouble(rate_->hz()) +
                   ": the files of this layout do not hold a rate",
               clip.id(),
-              "export the clips of one rate: mocurate dataset subset --where 'rate == " + RoundedText(hz_, 6) +
+              "export the clips of one rate: mocurate dataset subset --where 'rate == " + FormatDouble(rate_->hz()) +
                   "', or make the set with canon.rate");
 }
 

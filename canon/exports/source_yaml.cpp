@@ -169,7 +169,7 @@ std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vect
     text += "    roles: " + YamlMap(roles) + "\n";
   if (!set.check_actions.empty()) text += "    checks:\n      actions: " + YamlMap(set.check_actions) + "\n";
   if (!declaration.joint_table) text += "fitting:\n  method: none\n";
-  text += "canon:\n  facing: {rule: none}\n";
+  text += "canon:\n  trim: {min_length: 0 s}\n  facing: {rule: none}\n";
   text += "assemble:\n  recipe: " + YamlText("read from an export, layout " + declaration.layout) + "\n" +
           ClassesText(set, clips) + SplitsText(set, clips, declaration.role_split, notes);
   files.push_back({name, std::move(text)});

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <tuple>
 
+#include "core/base/options.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/motion/limbs.h"
@@ -226,7 +228,20 @@ Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
   if (options.height == HeightOrigin::kFloor) origin = Vector3d(origin.x(), 0.0, origin.z());
   canonical_from_clip.translation = -(canonical_from_clip.rotation * origin);
   Transform(canonical_from_clip, clip);
+  clip.provenance[kFacingNoted] = OptionsToJson(options).dump();
   return heading;
+}
+
+Status FaceAgain(Clip& clip) {
+  const auto noted = clip.provenance.find(kFacingNoted);
+  if (noted == clip.provenance.end()) return {};
+  auto options = OptionsFromJson<FacingOptions>(nlohmann::json::parse(noted->second, nullptr, false), kFacingNoted);
+  if (!options) return Forward(options);
+  // The world is turned as given already; a frame that was cut away cannot be the anchor.
+  if (options->rule == FacingRule::kGiven) options->rule = FacingRule::kOrigin;
+  if (!AnchorFrame(*options, clip)) options->anchor = Anchor::kFirst;
+  const auto faced = FaceFront(*options, clip);
+  return faced ? Status() : Forward(faced);
 }
 
 void UndoCanonical(Clip& clip) { Transform(Inverse(clip.canonical_from_source), clip); }

@@ -44,6 +44,13 @@ Expected<int> AnchorFrame(const FacingOptions& options, const Clip& clip);
 /// rotation for the clip, or two.
 Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip);
 
+/// The options of FaceFront in a clip's provenance, JSON.
+inline constexpr const char* kFacingNoted = "facing";
+
+/// FaceFront by the options that the clip notes, for a part of a clip that was faced; where its anchor was cut away, by
+/// the first frame. Nothing for a clip that notes none. Errors of FaceFront.
+Status FaceAgain(Clip& clip);
+
 /// The clip as it lay in the world of its source.
 void UndoCanonical(Clip& clip);
 

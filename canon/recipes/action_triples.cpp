@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "canon/recipes/spans_file.h"
 #include "core/base/text.h"
 #include "core/motion/operations.h"
 
@@ -28,10 +29,13 @@ struct RecordedParts {
 };
 
 std::vector<LabelledSpan> SpansInFrames(const std::vector<Segment>& segments, FrameRate rate) {
-  const auto frame = [&](double seconds) { return static_cast<int>(seconds * rate.hz()); };
+  // Times are truncated, as the released code does. Listed spans may have been frames: a millionth of one is rounding.
+  const auto frame = [&](double seconds, const Segment& segment) {
+    return static_cast<int>(seconds * rate.hz() + (segment.origin == kListedOrigin ? 1e-6 : 0.0));
+  };
   std::vector<LabelledSpan> spans;
   for (const Segment& segment : segments) {
-    const LabelledSpan span{segment.label, frame(segment.begin_s), frame(segment.end_s)};
+    const LabelledSpan span{segment.label, frame(segment.begin_s, segment), frame(segment.end_s, segment)};
     if (span.frames() > 0) spans.push_back(span);
   }
   std::stable_sort(spans.begin(), spans.end(),

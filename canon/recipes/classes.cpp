@@ -34,8 +34,9 @@ Finding NotListed(const Clip& clip, const std::vector<ClassOptions>& classes) {
   return finding;
 }
 
-/// Fine labels that clips have, by class and name.
-void CollectFineLabels(Dataset& dataset) {
+/// Fine labels that clips have, by class and name. One that two classes have is of the first: clips of the other lose
+/// it, with a finding.
+void CollectFineLabels(Dataset& dataset, std::vector<Finding>& findings) {
   std::set<std::pair<int, std::string>> found;
   for (const Clip& clip : dataset.clips) {
     const int parent = dataset.LabelIndex(clip.label);
@@ -43,6 +44,21 @@ void CollectFineLabels(Dataset& dataset) {
   }
   for (const auto& [parent, name] : found) {
     if (dataset.FineLabelIndex(name) < 0) dataset.fine_labels.push_back({name, parent});
+  }
+  for (Clip& clip : dataset.clips) {
+    const int fine = dataset.FineLabelIndex(clip.fine_label);
+    if (fine < 0) continue;
+    const std::string& parent =
+        dataset.labels[static_cast<std::size_t>(dataset.fine_labels[static_cast<std::size_t>(fine)].parent)];
+    if (parent == clip.label) continue;
+    Finding finding;
+    finding.clip = clip.id();
+    finding.code = "fine_label_of_two_classes";
+    finding.message = "fine label '" + clip.fine_label + "' is of class '" + parent + "', the clip is of '" +
+                      clip.label + "'; give it another name";
+    finding.action = "fine label removed";
+    findings.push_back(finding);
+    clip.fine_label.clear();
   }
 }
 
@@ -99,7 +115,7 @@ void ApplyClasses(const AssembleOptions& options, Dataset& dataset, std::vector<
     std::set<std::string> present;
     for (const Clip& clip : dataset.clips) present.insert(clip.label);
     dataset.labels = OrderedLabels(options.label_order, present);
-    return CollectFineLabels(dataset);
+    return CollectFineLabels(dataset, findings);
   }
   for (std::size_t c = 0; c < options.classes.size(); ++c) {
     dataset.labels.push_back(options.classes[c].name);
@@ -117,7 +133,7 @@ void ApplyClasses(const AssembleOptions& options, Dataset& dataset, std::vector<
     kept.push_back(std::move(clip));
   }
   dataset.clips = std::move(kept);
-  CollectFineLabels(dataset);
+  CollectFineLabels(dataset, findings);
 }
 
 std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Dataset& dataset) {

@@ -13,6 +13,13 @@ std::string RecordingId(const Clip& clip) {
   return clip.identity.source + "/" + clip.identity.person + "/" + clip.identity.recording;
 }
 
+/// Where the clip's first frame lies in the recording.
+double FirstFrame(const Clip& clip) {
+  const auto noted = clip.provenance.find("first_frame");
+  const long long before = noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0);
+  return static_cast<double>(clip.identity.begin_frame + before);
+}
+
 Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Severity severity, const char* action) {
   Finding finding;
   finding.clip = clip.id();
@@ -20,8 +27,10 @@ Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Se
   finding.severity = severity;
   finding.value = seconds;
   finding.message = span.place + ": '" + span.label + "' from " + RoundedText(span.begin, 6) + " to " +
-                    RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " ends " + RoundedText(seconds) +
-                    " s after the clip";
+                    RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " is not all in the clip, " +
+                    RoundedText(FirstFrame(clip) / RecordedRate(clip).hz(), 6) + " to " +
+                    RoundedText(FirstFrame(clip) / RecordedRate(clip).hz() + clip.motion->duration(), 6) +
+                    " s of its recording; " + action;
   finding.action = action;
   return finding;
 }
@@ -52,19 +61,15 @@ bool NamesClip(const ListedSpan& span, const Clip& clip) {
 std::vector<int> ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, std::vector<Finding>& findings) {
   std::vector<int> lines;
   std::vector<Segment> segments;
-  // Where the clip's first frame lies in the recording.
-  const auto noted = clip.provenance.find("first_frame");
-  const long long first =
-      clip.identity.begin_frame + (noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0));
+  const double offset = FirstFrame(clip);
   const double duration_s = clip.motion->duration();
   for (const ListedSpan& span : spans) {
     if (!NamesClip(span, clip)) continue;
     lines.push_back(span.line);
     const auto seconds = [&](double place) {
-      const double offset = static_cast<double>(first);
-      return span.in_frames ? (place - offset) / clip.rate.hz() : place - offset / clip.rate.hz();
+      return span.in_frames ? (place - offset) / RecordedRate(clip).hz() : place - offset / RecordedRate(clip).hz();
     };
-    Segment segment{std::max(0.0, seconds(span.begin)), seconds(span.end), span.label, "", "listed"};
+    Segment segment{std::max(0.0, seconds(span.begin)), seconds(span.end), span.label, "", kListedOrigin};
     if (!span.fine_label.empty()) {
       segment.label = span.fine_label;
       segment.category = span.label;

@@ -23,6 +23,9 @@ Expected<std::vector<ListedSpan>> ReadSpans(const std::filesystem::path& file);
 /// ReadSpans; kConfig for a table that is not there.
 Expected<std::vector<ListedSpan>> ListedSpans(const TrimOptions& options);
 
+/// Segment::origin of listed spans.
+inline constexpr const char* kListedOrigin = "listed";
+
 /// Whether a span is of the clip: it names its id, its id without frames, or its recording alone.
 bool NamesClip(const ListedSpan& span, const Clip& clip);
 

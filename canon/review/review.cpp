@@ -122,22 +122,6 @@ struct Row {
   std::vector<std::pair<std::int64_t, std::int64_t>> cuts;  ///< that were carried out
 };
 
-/// A clip whose first or last frame stood at the origin and faced +z does so again after a cut.
-Status FaceAsBefore(const Clip& before, Clip& cut) {
-  constexpr double kStands = 1e-3;  // metres and radians
-  FacingOptions options;
-  for (const Anchor anchor : {Anchor::kFirst, Anchor::kLast}) {
-    const int frame = anchor == Anchor::kFirst ? 0 : before.motion->frame_count() - 1;
-    if (before.motion->joints.at(frame, 0).norm() > kStands) continue;
-    const auto heading = HeadingOfFrame(*before.motion, frame, options);
-    if (!heading || std::abs(heading->yaw) > kStands) continue;
-    options.anchor = anchor;
-    const auto faced = FaceFront(options, cut);
-    return faced ? Status() : Forward(faced);
-  }
-  return {};
-}
-
 Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, AppliedReview& applied) {
   Clip& clip = row.clip;
   const std::pair<std::int64_t, std::int64_t> span(decision.begin, decision.end);
@@ -182,7 +166,7 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
     }
     applied.new_ids[clip.id()] = cut->id();
     row.cuts.push_back(span);
-    if (Status faced = FaceAsBefore(clip, *cut); !faced) return faced;
+    if (Status faced = FaceAgain(*cut); !faced) return faced;
     clip = std::move(*cut);
     done.clip = clip.id();
     applied.findings.push_back(std::move(done));

@@ -67,18 +67,16 @@ std::string ContentHash(const Clip& clip) {
 }
 
 /// What stands in two parts: groups (persons, styles, recordings) and clips of equal content.
-std::string LeakCheck(const SplitOptions& options, const Dataset& dataset, const std::vector<Part>& parts,
+std::string LeakCheck(const SplitOptions& options, const Dataset& dataset, const std::vector<int>& parts,
                       const std::vector<std::string>& hashes) {
-  std::vector<int> part_of_clip;
   std::vector<std::string> groups, contents;
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
-    part_of_clip.push_back(static_cast<int>(parts[i]));
     groups.push_back(GroupOf(options, dataset.clips[i]));
     const bool hashed = !hashes.empty() && !hashes[i].empty();
     contents.push_back(hashed ? hashes[i] : ContentHash(dataset.clips[i]));
   }
   const std::string what = options.by == SplitBy::kRole ? "performance" : NameOf(options.by);
-  return LeakText(what, FindLeaks(part_of_clip, groups, contents));
+  return LeakText(what, FindLeaks(parts, groups, contents));
 }
 
 /// Leaves at most so many clips of each label in a part: those whose ids hash lowest. Gives how many were taken out.
@@ -117,12 +115,10 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
   Split split;
   split.name = options.name;
   split.rule = RuleText(met, drawn);
-  std::vector<Part> parts;
   long long too_short = 0;
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
     const Clip& clip = dataset.clips[i];
     const Part part = PartOf(met, GroupOf(met, clip), clip);
-    parts.push_back(part);
     const int row = static_cast<int>(i);
     if (part == Part::kTrain && clip.motion->frame_count() < options.min_train_frames) {
       ++too_short;
@@ -141,6 +137,11 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
   if (too_short > 0) {
     split.rule += "; " + Counted(too_short, "training clip") + " shorter than " +
                   Counted(options.min_train_frames, "frame") + " left aside";
+  }
+  std::vector<int> parts(dataset.clips.size(), -1);  // of a clip that is left aside
+  const std::vector<int>* rows_of[] = {&split.train, &split.validation, &split.test};
+  for (int part = 0; part < 3; ++part) {
+    for (const int row : *rows_of[part]) parts[static_cast<std::size_t>(row)] = part;
   }
   split.leak_check = LeakCheck(met, dataset, parts, contents);
   return split;

@@ -139,8 +139,8 @@ std::vector<int> PlaceBoundaries(const MovingPart& part, int period) {
   return boundaries;
 }
 
-/// Likeness in [0, 1] of the repetitions [a, b) and [b, c), brought to one length.
-double CycleLikeness(const MovingPart& part, int a, int b, int c) {
+/// Similarity in [0, 1] of the repetitions [a, b) and [b, c), brought to one length.
+double CycleSimilarity(const MovingPart& part, int a, int b, int c) {
   double apart = 0.0;
   const int first = b - a, second = c - b, steps = std::min(first, second);
   for (int k = 0; k < steps; ++k) {
@@ -169,9 +169,9 @@ std::vector<Repetition> FindCycles(const CycleOptions& options, const Motion& mo
   for (std::size_t k = 0; k + 1 < boundaries.size(); ++k) {
     Repetition repetition{frame(boundaries[k]), frame(boundaries[k + 1]), period.lag > 0 ? 0.0 : period.ratio};
     if (k > 0) {
-      const double likeness = CycleLikeness(*part, boundaries[k - 1], boundaries[k], boundaries[k + 1]);
-      repetition.confidence = std::max(repetition.confidence, likeness);
-      repetitions.back().confidence = std::max(repetitions.back().confidence, likeness);
+      const double similarity = CycleSimilarity(*part, boundaries[k - 1], boundaries[k], boundaries[k + 1]);
+      repetition.confidence = std::max(repetition.confidence, similarity);
+      repetitions.back().confidence = std::max(repetitions.back().confidence, similarity);
     }
     repetitions.push_back(repetition);
   }

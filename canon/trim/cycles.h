@@ -11,7 +11,7 @@ namespace mocurate {
 struct Repetition {
   int begin = 0;
   int end = 0;
-  double confidence = 1.0;  ///< likeness to the repetitions beside it, in [0, 1]
+  double confidence = 1.0;  ///< similarity to the repetitions beside it, in [0, 1]
 };
 
 /// Cuts a recording of one exercise into its repetitions.

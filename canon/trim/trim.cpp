@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "canon/recipes/spans_file.h"
 #include "canon/trim/change_points.h"
 #include "canon/trim/cycles.h"
 #include "core/base/text.h"
@@ -47,9 +48,14 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
           "segment '" + segment.label + "' is over the same frames as segment '" + same->label + "', which was kept"));
       continue;
     }
-    const bool by_category = options.class_from == ClassFrom::kCategory && !segment.category.empty();
-    spans.push_back(
-        {begin, end, by_category ? segment.category : segment.label, by_category ? segment.label : std::string()});
+    // A listed span with a fine label is of a class; BABEL's labels have several categories, of which the first counts.
+    const bool by_category = options.class_from == ClassFrom::kCategory || segment.origin == kListedOrigin;
+    const std::string category = segment.category.substr(0, segment.category.find(", "));
+    if (by_category && !category.empty()) {
+      spans.push_back({begin, end, category, segment.label});
+    } else {
+      spans.push_back({begin, end, segment.label, ""});
+    }
   }
   if (clip.segments.empty()) {
     findings.push_back(Dropped(clip, "no_annotation", 0, motion.frame_count(), 0.0,

@@ -59,17 +59,17 @@ Status ReportUnknown(const RelabelMap& map, const Dataset& dataset, std::vector<
         "unknown_label", Severity::kWarning, 0,
         "no clip has the label '" + label + "' of " + map.name + MeantText(Nearest(label, known)), "passed over"));
   }
-  std::vector<std::string> strangers;
+  std::vector<std::string> unknown;
   for (const auto& [clip, label] : map.table) {
-    if (ids.count(clip) == 0) strangers.push_back(clip);
+    if (ids.count(clip) == 0) unknown.push_back(clip);
   }
-  fitting += map.table.size() - strangers.size();
-  if (!strangers.empty()) {
-    const auto near = Nearest(strangers[0], {ids.begin(), ids.end()});
+  fitting += map.table.size() - unknown.size();
+  if (!unknown.empty()) {
+    const auto near = Nearest(unknown[0], {ids.begin(), ids.end()});
     findings.push_back(
-        AboutLabel("unknown_clip", Severity::kWarning, strangers.size(),
-                   "the dataset has no clip '" + strangers[0] + "' of " + map.name + MeantText(near) +
-                       (strangers.size() > 1 ? ", nor " + std::to_string(strangers.size() - 1) + " others" : ""),
+        AboutLabel("unknown_clip", Severity::kWarning, unknown.size(),
+                   "the dataset has no clip '" + unknown[0] + "' of " + map.name + MeantText(near) +
+                       (unknown.size() > 1 ? ", nor " + std::to_string(unknown.size() - 1) + " others" : ""),
                    "passed over"));
   }
   if (fitting > 0) return {};

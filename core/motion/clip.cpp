@@ -17,4 +17,12 @@ void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files
   }
 }
 
+FrameRate RecordedRate(const Clip& clip) {
+  const auto noted = clip.provenance.find(kRecordedRate);
+  if (noted != clip.provenance.end()) {
+    if (const auto rate = FrameRate::Parse(noted->second)) return *rate;
+  }
+  return clip.motion ? clip.motion->rate : clip.rate;
+}
+
 }  // namespace mocurate

@@ -116,4 +116,8 @@ struct Clip {
   std::string id() const { return identity.id(); }
 };
 
+/// Rate of the recording, in which the identity's frames are counted: that of the clip, unless it was resampled.
+FrameRate RecordedRate(const Clip& clip);
+inline constexpr const char* kRecordedRate = "recorded_rate";  ///< provenance of a clip that was resampled
+
 }  // namespace mocurate

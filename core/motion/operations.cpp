@@ -101,13 +101,17 @@ std::vector<Segment> CutSegments(const std::vector<Segment>& segments, double be
   return kept;
 }
 
-/// The identity counts frames of the recording, which may have another rate than the clip.
-void CutIdentity(const Span& span, ClipIdentity& identity) {
+/// The identity counts frames of the recording, which may have another rate than the clip. Where that is not known, as
+/// many frames of it as its length says.
+void CutIdentity(const Span& span, Clip& clip) {
+  ClipIdentity& identity = clip.identity;
   const int recorded = identity.end_frame - identity.begin_frame;
-  const double scale = recorded > 0 ? static_cast<double>(recorded) / span.frames : 1.0;
+  double scale = recorded > 0 ? static_cast<double>(recorded) / span.frames : 1.0;
+  if (clip.motion && clip.provenance.count(kRecordedRate) > 0) scale = RecordedRate(clip).hz() / clip.motion->rate.hz();
   const int begin = identity.begin_frame;
   identity.begin_frame = begin + static_cast<int>(std::lround(scale * span.begin_frame));
-  identity.end_frame = begin + static_cast<int>(std::lround(scale * span.end_frame));
+  const int end = begin + static_cast<int>(std::lround(scale * span.end_frame));
+  identity.end_frame = recorded > 0 ? std::min(end, identity.end_frame) : end;
 }
 
 /// Times of what a clip without motion counts its frames in.
@@ -175,7 +179,7 @@ Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
   for (DepthView& view : cut.evidence.depth_views) CutView(view, span);
   for (KeypointView& view : cut.evidence.keypoint_views) CutKeypoints(view, span);
   cut.segments = CutSegments(clip.segments, span.begin_s, span.end_s);
-  CutIdentity(span, cut.identity);
+  CutIdentity(span, cut);
   return cut;
 }
 

@@ -172,6 +172,8 @@ void ResampleKeypoints(KeypointView& view, FrameRate rate) {
 Clip Resample(const Clip& clip, FrameRate rate) {
   Clip resampled = clip;
   resampled.rate = rate;
+  const FrameRate recorded = RecordedRate(clip);
+  if (!(recorded == rate)) resampled.provenance[kRecordedRate] = recorded.Text();
   const bool same_clip_rate = clip.rate == rate;
   if (clip.motion && !(clip.motion->rate == rate) && clip.motion->frame_count() > 0) {
     const Motion& motion = *clip.motion;

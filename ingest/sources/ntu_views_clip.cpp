@@ -122,7 +122,7 @@ Expected<DepthView> ViewOf(const Sensor& sensor, Camera camera, const SourceFile
   return view;
 }
 
-void SayEstimates(const PlacedViews& placed, const std::vector<Sensor>& sensors, Clip& clip) {
+void NoteEstimates(const PlacedViews& placed, const std::vector<Sensor>& sensors, Clip& clip) {
   clip.provenance["view.reference"] = sensors[placed.reference].file->view;
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const std::string key = "view." + sensors[i].file->view;
@@ -261,7 +261,7 @@ Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
   clip.evidence.tracks = std::move(tracks);
   clip.provenance["body_id"] = ids;
   if (span.begin > 0) clip.provenance["view.first_frame"] = std::to_string(span.begin);
-  SayEstimates(*placed, sensors, clip);
+  NoteEstimates(*placed, sensors, clip);
   Status depth = AddDepth(file, sensors, *placed, axes->canonical_from_source, with_depth, span, ingested);
   if (!depth) return Forward(depth);
   const auto used =

@@ -72,7 +72,6 @@ TEST(ListedSpans, WithFineLabelsGiveClassAndFineClass) {
   ApplySpans({span}, clip, findings);
   TrimOptions options;
   options.rule = TrimRule::kAnnotated;
-  options.class_from = ClassFrom::kCategory;
   const auto kept = FindSpans(options, clip, findings);
   ASSERT_EQ(kept.size(), 1u);
   EXPECT_EQ(kept[0].label, "walk");

@@ -1,5 +1,6 @@
 // The page on which a person marks spans, driven in a headless browser; its CSV is what canon cuts by.
 
+#include "core/motion/operations.h"
 #include "report/annotate_page.h"
 
 #include <gmock/gmock.h>
@@ -304,10 +305,9 @@ TEST(AnnotatePage, TimesCountFromTheFirstFrameOfTheRecording) {
   clip.provenance["first_frame"] = "30";
   EXPECT_DOUBLE_EQ(BeginInRecording(clip), 11.0);
   clip.provenance.clear();
-  clip.motion->rate = FrameRate{20, 1};
-  clip.identity.end_frame = 344;  // 30 frames at 20 Hz are 45 at 30 Hz, or one less
-  EXPECT_DOUBLE_EQ(BeginInRecording(clip), 10.0);
-  EXPECT_DOUBLE_EQ(RecordedRate(clip), 30.0);
+  clip.motion->rate = clip.rate = FrameRate{250, 1};
+  clip.identity.begin_frame = 2500;
+  EXPECT_DOUBLE_EQ(BeginInRecording(Resample(clip, FrameRate{20, 1})), 10.0);
 }
 
 }  // namespace
