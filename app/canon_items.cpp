@@ -6,6 +6,7 @@
 
 #include "canon/recipes/spans_file.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "ingest/files_check.h"
@@ -34,6 +35,20 @@ std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std:
     if (known.count(label) == 0) findings.push_back(UnmatchedName("canon.trim.drop_labels", "label", label, known));
   }
   return findings;
+}
+
+void LogSpansOutside(const std::vector<ItemResult>& items) {
+  constexpr int kMostShown = 5;
+  int outside = 0;
+  for (const ItemResult& item : items) {
+    for (const Finding& finding : item.outcome.findings) {
+      if (finding.code != "span_outside" || ++outside > kMostShown) continue;
+      LogWarning(DisplayPath(finding.clip) + ": " + finding.message);
+    }
+  }
+  if (outside > kMostShown) {
+    LogWarning(Counted(outside - kMostShown, "more span") + " not all in the clip: curation_log.jsonl lists them");
+  }
 }
 
 Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const std::vector<ClipRecord>& clips) {
@@ -135,7 +150,6 @@ Status CheckCanon(const CanonOptions& options) {
 }
 
 Expected<std::vector<StageInput>> ExampleInputs(const CanonOptions& options, const std::vector<ClipRecord>& clips,
-                                                ItemResult ClipRecord::*from,
                                                 const std::map<std::string, ItemResult>& floors) {
   const std::filesystem::path& table = options.trim.by_example.examples;
   const LevelOptions& level = options.level;
@@ -166,14 +180,14 @@ Expected<std::vector<StageInput>> ExampleInputs(const CanonOptions& options, con
       }
     }
     if (marked == nullptr) continue;
-    if ((clip.*from).artifact.empty()) {
+    if (clip.motion.artifact.empty()) {
       const ItemResult* ended = clip.ended();
       return Fail(ErrorCode::kConfig,
                   "the clip with marked spans has no motion" +
                       (ended == nullptr ? std::string() : ": " + ended->outcome.error.what),
                   marked->place, "mark spans of another clip");
     }
-    inputs.push_back(InputFrom(kExampleRole, clip.*from));
+    inputs.push_back(InputFrom(kExampleRole, clip.motion));
     const auto floor = floors.find(FloorGroup(clip, level.of));
     if (floor != floors.end() && !floor->second.artifact.empty()) {
       inputs.push_back({kExampleFloorRole, clip.item, floor->second.artifact, floor->second.sha256});

@@ -12,6 +12,9 @@ namespace mocurate {
 /// Labels of canon.trim.drop_labels that no segment has, after the stage canon.
 std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std::vector<ItemResult>& items);
 
+/// Warns of listed spans that end after their clips or have no frame of them, after the stage canon.
+void LogSpansOutside(const std::vector<ItemResult>& items);
+
 /// Spans of canon.trim.spans that name no clip of the set. Error of ListedSpans.
 Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const std::vector<ClipRecord>& clips);
 
@@ -27,7 +30,6 @@ std::string CanonText(const CanonOptions& options);
 /// The table of marked spans, the clips that it names and the floors under them, as inputs of stage canon. Error
 /// kConfig where it names a clip that is not there or has no motion, or a span that is not inside it.
 Expected<std::vector<StageInput>> ExampleInputs(const CanonOptions& options, const std::vector<ClipRecord>& clips,
-                                                ItemResult ClipRecord::*from,
                                                 const std::map<std::string, ItemResult>& floors);
 
 /// What a clip's floor is shared with: the group's name, an item of the stage `level`.

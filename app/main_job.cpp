@@ -255,7 +255,7 @@ class MainJob {
     AddInput(SkeletonInput(options_.canon.skeleton), items);
     if (const auto spans = SpansInput(options_.canon.trim)) AddInput(*spans, items);
     if (options_.canon.trim.rule == TrimRule::kByExample) {
-      const auto examples = ExampleInputs(options_.canon, clips_, from, floors_);
+      const auto examples = ExampleInputs(options_.canon, clips_, floors_);
       if (!examples) return Forward(examples);
       for (const StageInput& example : *examples) AddInput(example, items);
     }
@@ -264,6 +264,7 @@ class MainJob {
     for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->*to = report->items[i];
     if (to != &ClipRecord::canonical) return {};
     AddSetFindings(UnmatchedDropLabels(options_.canon, report->items));
+    LogSpansOutside(report->items);
     auto unmatched = UnmatchedSpans(options_.canon, clips_);
     if (!unmatched) return Forward(unmatched);
     AddSetFindings(*unmatched);
