@@ -86,6 +86,36 @@ TEST(Triples, AreThoseOfTheReleasedCode) {
   EXPECT_EQ(ours, theirs);
 }
 
+TEST(Triples, OfSpansListedInFramesAreThoseOfTheirSecondsAtEveryRate) {
+  for (const double hz : {24.0, 29.97002997, 30.0, 59.94005994, 100.0, 120.0, 250.0}) {
+    const FrameRate rate = FrameRate::FromHz(hz);
+    for (int shift = 0; shift < 40; ++shift) {
+      const int a = static_cast<int>(1.7 * hz) + shift, b = a + static_cast<int>(0.8 * hz),
+                c = b + static_cast<int>(1.9 * hz);
+      const auto segments = [&](double offset) {
+        std::vector<Segment> of;
+        const auto add = [&](int begin, int end, const char* label) {
+          of.push_back({(begin + offset) / rate.hz(), (end + offset) / rate.hz(), label, "", "listed"});
+        };
+        add(shift, a, "stand");
+        add(a, b, "transition");
+        add(b, c, "walk");
+        return of;
+      };
+      std::vector<Finding> findings;
+      const auto exact = FindTriples({}, segments(0.0), rate, 2000, findings);
+      const auto inside = FindTriples({}, segments(0.25), rate, 2000, findings);
+      ASSERT_EQ(exact.size(), inside.size()) << hz << " " << shift;
+      for (std::size_t i = 0; i < exact.size(); ++i) {
+        EXPECT_EQ(exact[i].first_frame, inside[i].first_frame);
+        EXPECT_EQ(exact[i].previous_frames, inside[i].previous_frames);
+        EXPECT_EQ(exact[i].transition_frames, inside[i].transition_frames);
+        EXPECT_EQ(exact[i].frames(), inside[i].frames());
+      }
+    }
+  }
+}
+
 TEST(Triples, AsAClipHoldTheRecordedFramesAndThreeSegments) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   const int frames = 1200;

@@ -243,6 +243,25 @@ TEST(FaceFront, EveryRuleAtEveryAnchorIsUndoneByTheStoredTransform) {
   }
 }
 
+TEST(FaceFront, OfAPartOfAClipIsThatOfTheWhole) {
+  for (const FacingRule rule :
+       {FacingRule::kOrigin, FacingRule::kHips, FacingRule::kTwist, FacingRule::kZero, FacingRule::kGiven}) {
+    for (const Anchor anchor : {Anchor::kFirst, Anchor::kMiddle, Anchor::kLast}) {
+      FacingOptions options = WithRule(rule, anchor);
+      // A tilt that is undone takes heights over the floor along.
+      options.height = rule == FacingRule::kZero ? HeightOrigin::kRoot : HeightOrigin::kFloor;
+      Clip whole = TurningClip(4, 0.3);
+      Clip part = *Cut(whole, 3, 9);
+      ASSERT_TRUE(FaceFront(options, part));  // the part by itself
+      ASSERT_TRUE(FaceFront(options, whole));
+      Clip cut = *Cut(whole, 3, 9);  // cut from the faced whole, as a review does
+      ASSERT_TRUE(FaceAgain(cut));
+      EXPECT_LT(Largest(part.motion->joints, cut.motion->joints), 1e-6)
+          << static_cast<int>(rule) << static_cast<int>(anchor);
+    }
+  }
+}
+
 TEST(FaceFront, OfAFrameASegmentOrAPersonThatIsNotThereIsRefused) {
   Clip clip = TurningClip(4, 0.2);
   FacingOptions late = WithRule(FacingRule::kHips, Anchor::kFrame);

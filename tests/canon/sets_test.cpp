@@ -106,6 +106,47 @@ TEST(Split, OneFileUnderTwoPersonsNamesLeaksThoughItsFitsDiffer) {
   EXPECT_THAT(MakeSplit(options, dataset, findings)->leak_check, HasSubstr("1 clip of equal content"));
 }
 
+TEST(Split, ClipsThatAreLeftAsideDoNotLeak) {
+  Dataset dataset = SetOf(
+      {ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 40, 5, 30, 1), ClipMoving("p1", "b", 60, 5, 30, 1)});
+  for (int i : {0, 1}) dataset.clips[static_cast<std::size_t>(i)].evidence_sha256 = std::string(64, 'a');
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p2"};
+  std::vector<Finding> findings;
+  EXPECT_NE(MakeSplit(options, dataset, findings)->leak_check.rfind("ok", 0), 0u);
+  options.min_train_frames = 50;
+  const auto split = MakeSplit(options, dataset, findings);
+  EXPECT_EQ(split->train, std::vector<int>{2});
+  EXPECT_EQ(split->leak_check.rfind("ok", 0), 0u);
+}
+
+TEST(Split, TakesAtMostSoManyClipsOfALabelWhateverTheOthersAre) {
+  std::vector<Clip> clips;
+  for (int i = 0; i < 12; ++i)
+    clips.push_back(ClipMoving("p" + std::to_string(i % 3), i < 9 ? "a" : "b", 40 + i, 5, 30, 1));
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p2"};
+  options.most_per_label = 2;
+  std::vector<Finding> findings;
+  const Dataset whole = SetOf(clips);
+  const auto split = MakeSplit(options, whole, findings);
+  std::map<std::string, int> of_label;
+  for (const int row : split->train) ++of_label[whole.clips[static_cast<std::size_t>(row)].label];
+  EXPECT_EQ(of_label, (std::map<std::string, int>{{"a", 2}, {"b", 2}}));
+  // A clip that is drawn stays so when clips of other labels go.
+  const Dataset fewer = SetOf({clips.begin(), clips.begin() + 9});
+  const auto again = MakeSplit(options, fewer, findings);
+  std::set<std::string> before, after;
+  for (const int row : split->train) {
+    if (whole.clips[static_cast<std::size_t>(row)].label == "a")
+      before.insert(whole.clips[static_cast<std::size_t>(row)].id());
+  }
+  for (const int row : again->train) after.insert(fewer.clips[static_cast<std::size_t>(row)].id());
+  EXPECT_EQ(before, after);
+}
+
 TEST(Split, OtherPersonsOfTheSameSourceAreDrawnAndThatIsSaid) {
   const Dataset dataset = SetOf({ClipMoving("p9", "a", 40, 5, 30, 1), ClipMoving("p10", "a", 41, 5, 30, 1),
                                  ClipMoving("p11", "b", 42, 5, 30, 1)});
