@@ -12,6 +12,7 @@
 #include "canon/exports/written_set.h"
 #include "core/base/text.h"
 #include "core/formats/npy.h"
+#include "core/formats/phspd_text.h"
 
 namespace mocurate {
 namespace {
@@ -181,7 +182,16 @@ class HumanAct12Writer : public LayoutWriter {
                                       : Counted(frames, "frame") + ", a name has four digits",
                   clip.id(), "export fewer with --clip, or with another layout");
     }
-    const int first = clip.identity.begin_frame + frames - 1 <= kMostFrames ? clip.identity.begin_frame : 0;
+    const auto noted = clip.provenance.find("first_frame");
+    const auto before = noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0);
+    const long long begin = clip.identity.begin_frame + before;
+    const int first = begin >= 0 && begin + frames - 1 <= kMostFrames ? static_cast<int>(begin) : 0;
+    if (const auto phspd = ParsePhspdRecording(clip.identity.recording); phspd && phspd->subject == person) {
+      // What HumanAct12 was cut from: the name is that of the set.
+      const std::string name = "P" + Padded(person, 2) + "G" + Padded(phspd->group, 2) + "R" + Padded(phspd->time, 2) +
+                               "F" + Padded(first, 4) + "T" + Padded(first + frames - 1, 4) + "A" + *action;
+      if (taken_.insert(name).second) return name;
+    }
     for (int number = 0; number < kTwoDigits * kTwoDigits; ++number) {
       const std::string name = "P" + Padded(person, 2) + "G" + Padded(number / kTwoDigits + 1, 2) + "R" +
                                Padded(number % kTwoDigits + 1, 2) + "F" + Padded(first, 4) + "T" +
