@@ -1,8 +1,42 @@
 #include "canon/values/rows.h"
 
+#include <optional>
 #include <set>
+#include <string_view>
+
+#include "core/base/text.h"
 
 namespace mocurate {
+namespace {
+
+/// Frames of an id "source/person/recording#begin-end"; no begin where it names none.
+std::optional<int> SpanBegin(const std::string& id) {
+  const std::size_t hash = id.rfind('#');
+  if (hash == std::string::npos) return std::nullopt;
+  const auto begin = ParseInteger(std::string_view(id).substr(hash + 1, id.find('-', hash) - hash - 1));
+  return begin ? std::optional<int>(static_cast<int>(*begin)) : std::nullopt;
+}
+
+int SpanEnd(const std::string& id) {
+  const std::size_t dash = id.find('-', id.rfind('#') == std::string::npos ? 0 : id.rfind('#'));
+  return dash == std::string::npos ? 0
+                                   : static_cast<int>(ParseInteger(std::string_view(id).substr(dash + 1)).value_or(0));
+}
+
+}  // namespace
+
+std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
+
+bool IsAbout(const Finding& finding, const Clip& clip) {
+  if (finding.clip == clip.id()) return true;
+  if (RecordingOf(finding.clip) != RecordingOf(clip.id())) return false;
+  const auto begin = SpanBegin(finding.clip);
+  if (!begin) return true;
+  const ClipIdentity& identity = clip.identity;
+  const bool whole = *begin <= identity.begin_frame && SpanEnd(finding.clip) >= identity.end_frame;
+  if (!whole || finding.frame_end <= finding.frame_begin) return whole;
+  return *begin + finding.frame_begin<identity.end_frame&& * begin + finding.frame_end> identity.begin_frame;
+}
 
 std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& dataset) {
   std::vector<std::size_t> rows;
@@ -28,9 +62,13 @@ std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& datase
       *part = std::move(of_part);
     }
   }
+  // Findings about whole recordings stay while a clip of them does.
+  std::set<std::string> recordings;
+  for (const Clip& clip : dataset.clips) recordings.insert(RecordingOf(clip.id()));
   std::vector<Finding> findings;
   for (Finding& finding : dataset.findings) {
-    if (gone.count(finding.clip) == 0) findings.push_back(std::move(finding));
+    const bool stays = finding.clip.empty() || recordings.count(RecordingOf(finding.clip)) != 0;
+    if (stays && gone.count(finding.clip) == 0) findings.push_back(std::move(finding));
   }
   dataset.findings = std::move(findings);
   return rows;

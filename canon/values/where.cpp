@@ -6,6 +6,7 @@
 #include <set>
 #include <string_view>
 
+#include "canon/values/rows.h"
 #include "canon/values/where_nodes.h"
 #include "core/base/text.h"
 
@@ -41,6 +42,10 @@ double NumberOf(std::string_view field, const Clip& clip, const std::string& arg
   if (field == "seconds") return clip.motion ? clip.motion->duration() : 0.0;
   if (field == "rate") return clip.rate.hz();
   if (field == "fit_rms") return clip.fit_rms;
+  if (field == "confidence") {
+    const auto noted = clip.provenance.find("cut_confidence");
+    return noted == clip.provenance.end() ? 1.0 : ParseDouble(noted->second).value_or(1.0);
+  }
   return static_cast<double>(std::count_if(clip.segments.begin(), clip.segments.end(),
                                            [&](const Segment& segment) { return segment.label == argument; }));
 }
@@ -78,11 +83,15 @@ Expected<FieldColumn> ColumnOfField(const Node& test, const Dataset& dataset, co
     if (!parts) return Forward(parts);
     column.texts = std::move(*parts);
   } else if (field == "findings") {
-    std::map<std::string, double> counts;
-    for (const Finding& finding : dataset.findings) counts[finding.clip] += finding.code == test.argument ? 1.0 : 0.0;
+    std::map<std::string, std::vector<const Finding*>> of_recording;
+    for (const Finding& finding : dataset.findings) {
+      if (finding.code == test.argument) of_recording[RecordingOf(finding.clip)].push_back(&finding);
+    }
     for (const Clip& clip : dataset.clips) {
-      const auto count = counts.find(clip.id());
-      column.numbers.push_back(count == counts.end() ? 0.0 : count->second);
+      const auto found = of_recording.find(RecordingOf(clip.id()));
+      column.numbers.push_back(0.0);
+      if (found == of_recording.end()) continue;
+      for (const Finding* finding : found->second) column.numbers.back() += IsAbout(*finding, clip) ? 1.0 : 0.0;
     }
   } else {
     for (const Clip& clip : dataset.clips) {

@@ -18,8 +18,9 @@ namespace mocurate {
 ///
 /// Fields that are texts: id, label, fine_label, person, recording, session, view, source, role, licence, part('SPLIT')
 /// (train, validation, test, or '' for none), provenance('KEY'). Numbers: frames, seconds, rate (Hz), fit_rms (m),
-/// findings('CODE') and segments('LABEL'), both counts. Values are numbers, fractions (30000/1001), words, or texts in
-/// single or double quotes. `=~` looks for a POSIX extended regular expression anywhere in a text.
+/// confidence (of estimated cuts), findings('CODE') and segments('LABEL'), both counts. Values are numbers, fractions
+/// (30000/1001), words, or texts in single or double quotes. `=~` looks for a POSIX extended regular expression
+/// anywhere in a text.
 class Condition {
  public:
   /// A value that no clip has, so that its test never holds: most often a slip of the pen.

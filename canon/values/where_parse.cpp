@@ -236,12 +236,13 @@ class ConditionParser {
 
 const std::vector<ConditionField>& ConditionFields() {
   static const std::vector<ConditionField> fields = {
-      {"id", true, nullptr},       {"label", true, nullptr},     {"fine_label", true, nullptr},
-      {"person", true, nullptr},   {"recording", true, nullptr}, {"session", true, nullptr},
-      {"view", true, nullptr},     {"source", true, nullptr},    {"role", true, nullptr},
-      {"licence", true, nullptr},  {"part", true, "SPLIT"},      {"provenance", true, "KEY"},
-      {"frames", false, nullptr},  {"seconds", false, nullptr},  {"rate", false, nullptr},
-      {"fit_rms", false, nullptr}, {"findings", false, "CODE"},  {"segments", false, "LABEL"}};
+      {"id", true, nullptr},       {"label", true, nullptr},       {"fine_label", true, nullptr},
+      {"person", true, nullptr},   {"recording", true, nullptr},   {"session", true, nullptr},
+      {"view", true, nullptr},     {"source", true, nullptr},      {"role", true, nullptr},
+      {"licence", true, nullptr},  {"part", true, "SPLIT"},        {"provenance", true, "KEY"},
+      {"frames", false, nullptr},  {"seconds", false, nullptr},    {"rate", false, nullptr},
+      {"fit_rms", false, nullptr}, {"confidence", false, nullptr}, {"findings", false, "CODE"},
+      {"segments", false, "LABEL"}};
   return fields;
 }
 

@@ -8,10 +8,12 @@
 #include <filesystem>
 
 #include "canon/values/relabel.h"
+#include "canon/values/rows.h"
 #include "canon/values/set_files.h"
 #include "canon/values/subset.h"
 #include "canon/values/where.h"
 #include "core/base/file.h"
+#include "tests/canon/moving_clips.h"
 #include "tests/canon/value_sets.h"
 
 namespace mocurate {
@@ -242,6 +244,27 @@ TEST(SetFiles, AreToldApartByTheEndsOfTheirPaths) {
   EXPECT_THAT(NamesOfFiles({"runs/a/dataset.h5", "b.h5"}), ElementsAre("a/dataset.h5", "b.h5"));
   EXPECT_THAT(NamesOfFiles({"x/a/set.h5", "y/a/set.h5"}), ElementsAre("x/a/set.h5", "y/a/set.h5"));
   EXPECT_THAT(NamesOfFiles({"set.h5", "set.h5"}), ElementsAre("set.h5", "set.h5"));
+}
+
+TEST(Subset, KnowsTheFindingsOfTheRecordingsThatClipsWereCutFrom) {
+  Clip first = ClipMoving("p1", "a", 90, 5, 30, 1), second = first, other = ClipMoving("p2", "a", 90, 5, 30, 1);
+  first.identity.end_frame = 40;
+  second.identity.begin_frame = 50;
+  Dataset dataset = SetOf({first, second, other});
+  Finding finding;
+  finding.clip = "test/p1/a90_5#0-90";
+  finding.code = "teleport";
+  finding.frame_begin = 60;
+  finding.frame_end = 70;
+  dataset.findings = {finding};
+  EXPECT_FALSE(IsAbout(finding, first));
+  EXPECT_TRUE(IsAbout(finding, second));
+  EXPECT_FALSE(IsAbout(finding, other));
+  Dataset without = dataset;
+  KeepRows({false, false, true}, without);
+  EXPECT_TRUE(without.findings.empty());
+  KeepRows({true, false, true}, dataset);
+  EXPECT_EQ(dataset.findings.size(), 1u);
 }
 
 }  // namespace
