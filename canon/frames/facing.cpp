@@ -16,21 +16,9 @@
 namespace mocurate {
 namespace {
 
-/// Left and right hip, or shoulder where there are none. Of a tree that a file brings along, whose joints have other
-/// names, the first joints of its legs or arms.
-std::optional<std::array<int, 2>> HipsOf(const Skeleton& skeleton) {
-  if (const auto named = skeleton.Hips()) return named;
-  const Limbs limbs = LimbsOf(skeleton);
-  for (const std::array<Limb, 2>* pair : {&limbs.leg, &limbs.arm}) {
-    const int left = (*pair)[0].root, right = (*pair)[1].root;
-    if (left >= 0 && right >= 0 && left != right) return std::array<int, 2>{left, right};
-  }
-  return std::nullopt;
-}
-
 /// Rest-pose left axis in the root's frame, right to left hip; nothing when the hips do not hang from the root.
 std::optional<Vector3d> RestLeft(const Skeleton& skeleton) {
-  const auto hips = HipsOf(skeleton);
+  const auto hips = SidesOf(skeleton);
   if (!hips) return std::nullopt;
   const Joint& left = skeleton.joints[(*hips)[0]];
   const Joint& right = skeleton.joints[(*hips)[1]];
@@ -51,7 +39,7 @@ Matrix3d AxesOf(const Vector3d& left, const Vector3d& up) {
 
 Expected<Matrix3d> AxesFromJoints(const Motion& motion, int frame) {
   const Skeleton& skeleton = *motion.skeleton;
-  const auto pair = HipsOf(skeleton);
+  const auto pair = SidesOf(skeleton);
   if (!pair) {
     return Fail(ErrorCode::kInconsistent, "skeleton '" + skeleton.name + "' names neither hips nor shoulders",
                 "canon.facing", "name the mirrored hip joints left_hip and right_hip, or set facing.rule: origin");
@@ -105,6 +93,16 @@ Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& cl
 }
 
 }  // namespace
+
+std::optional<std::array<int, 2>> SidesOf(const Skeleton& skeleton) {
+  if (const auto named = skeleton.Hips()) return named;
+  const Limbs limbs = LimbsOf(skeleton);
+  for (const std::array<Limb, 2>* pair : {&limbs.leg, &limbs.arm}) {
+    const int left = (*pair)[0].root, right = (*pair)[1].root;
+    if (left >= 0 && right >= 0 && left != right) return std::array<int, 2>{left, right};
+  }
+  return std::nullopt;
+}
 
 const char* Name(YawSource source) {
   switch (source) {

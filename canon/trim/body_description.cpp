@@ -5,24 +5,16 @@
 #include <cmath>
 #include <optional>
 
+#include "canon/frames/facing.h"
 #include "canon/trim/trim.h"
 #include "core/motion/limbs.h"
 
 namespace mocurate {
 namespace {
 
+constexpr Eigen::Index kXyz = 3;
 constexpr double kSpeedWindowS = 0.4;
 constexpr double kLeastHorizontal = 0.2;  // of the hip axis, below which it tells no heading
-
-std::optional<std::array<int, 2>> SidesOf(const Skeleton& skeleton) {
-  if (const auto hips = skeleton.Hips()) return hips;
-  const Limbs limbs = LimbsOf(skeleton);
-  for (const std::array<Limb, 2>* pair : {&limbs.leg, &limbs.arm}) {
-    const int left = (*pair)[0].root, right = (*pair)[1].root;
-    if (left >= 0 && right >= 0 && left != right) return std::array<int, 2>{left, right};
-  }
-  return std::nullopt;
-}
 
 /// Joints in the world at `time_s`, (3 J).
 void SampleJoints(const Motion& motion, double time_s, double sigma_s, Eigen::Ref<Eigen::RowVectorXd> sample) {
@@ -46,7 +38,7 @@ std::vector<double> Yaws(const SampleMatrix& joints, const std::array<int, 2>& s
   std::vector<double> yaws;
   double yaw = 0.0;
   for (Eigen::Index s = 0; s < joints.rows(); ++s) {
-    const Eigen::RowVector3d left = joints.block<1, 3>(s, 3 * sides[0]) - joints.block<1, 3>(s, 3 * sides[1]);
+    const Eigen::RowVector3d left = joints.block<1, 3>(s, kXyz * sides[0]) - joints.block<1, 3>(s, kXyz * sides[1]);
     if (std::hypot(left.x(), left.z()) > kLeastHorizontal * left.norm()) yaw = std::atan2(-left.z(), left.x());
     yaws.push_back(yaw);
   }
@@ -62,7 +54,7 @@ BodyDescription DescribeBody(const Motion& motion, double rate_hz, double smooth
   const int samples =
       frames == 0 ? 0 : static_cast<int>(std::floor(motion.rate.FrameTime(frames - 1) * rate_hz + 1e-9)) + 1;
   const double sigma_s = std::max(smoothing_s, 0.5 / motion.rate.hz());
-  body.pose.resize(samples, 3 * joints);
+  body.pose.resize(samples, kXyz * joints);
   body.speed.setZero(samples, joints);
   body.movement.setZero(samples);
   if (samples == 0) return body;
@@ -70,7 +62,7 @@ BodyDescription DescribeBody(const Motion& motion, double rate_hz, double smooth
   for (int s = 0; s < samples && samples > 1; ++s) {
     const int before = std::max(0, s - 1), after = std::min(samples - 1, s + 1);
     const Eigen::RowVectorXd step = (body.pose.row(after) - body.pose.row(before)) * (rate_hz / (after - before));
-    for (int j = 0; j < joints; ++j) body.speed(s, j) = step.segment<3>(3 * j).norm();
+    for (int j = 0; j < joints; ++j) body.speed(s, j) = step.segment<3>(kXyz * j).norm();
   }
   const std::vector<double> movement = FrameSpeeds(motion, kSpeedWindowS);
   for (int s = 0; s < samples; ++s) {
@@ -84,10 +76,11 @@ BodyDescription DescribeBody(const Motion& motion, double rate_hz, double smooth
     const double cosine = std::cos(yaws[static_cast<std::size_t>(s)]),
                  sine = std::sin(yaws[static_cast<std::size_t>(s)]);
     Eigen::RowVector3d middle = body.pose.block<1, 3>(s, 0);
-    if (sides) middle = 0.5 * (body.pose.block<1, 3>(s, 3 * (*sides)[0]) + body.pose.block<1, 3>(s, 3 * (*sides)[1]));
+    if (sides)
+      middle = 0.5 * (body.pose.block<1, 3>(s, kXyz * (*sides)[0]) + body.pose.block<1, 3>(s, kXyz * (*sides)[1]));
     for (int j = 0; j < joints; ++j) {
-      const Eigen::RowVector3d from = body.pose.block<1, 3>(s, 3 * j) - middle;
-      body.pose.block<1, 3>(s, 3 * j) << cosine * from.x() - sine * from.z(), from.y(),
+      const Eigen::RowVector3d from = body.pose.block<1, 3>(s, kXyz * j) - middle;
+      body.pose.block<1, 3>(s, kXyz * j) << cosine * from.x() - sine * from.z(), from.y(),
           sine * from.x() + cosine * from.z();
     }
   }
@@ -115,7 +108,7 @@ double PoseDistance(const Eigen::Ref<const Eigen::RowVectorXd>& a, const Eigen::
   const Eigen::Index joints = a.cols() / 3;
   std::vector<double> squares(static_cast<std::size_t>(joints));
   for (Eigen::Index j = 0; j < joints; ++j) {
-    squares[static_cast<std::size_t>(j)] = (a.segment<3>(3 * j) - b.segment<3>(3 * j)).squaredNorm();
+    squares[static_cast<std::size_t>(j)] = (a.segment<3>(kXyz * j) - b.segment<3>(kXyz * j)).squaredNorm();
   }
   const std::ptrdiff_t most = std::min(joints, std::max<Eigen::Index>(2, joints / 6));
   std::partial_sort(squares.begin(), squares.begin() + most, squares.end(), std::greater<>());
