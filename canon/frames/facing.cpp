@@ -18,7 +18,7 @@ namespace {
 
 /// Rest-pose left axis in the root's frame, right to left hip; nothing when the hips do not hang from the root.
 std::optional<Vector3d> RestLeft(const Skeleton& skeleton) {
-  const auto hips = SidesOf(skeleton);
+  const auto hips = HipsOrShoulders(skeleton);
   if (!hips) return std::nullopt;
   const Joint& left = skeleton.joints[(*hips)[0]];
   const Joint& right = skeleton.joints[(*hips)[1]];
@@ -39,7 +39,7 @@ Matrix3d AxesOf(const Vector3d& left, const Vector3d& up) {
 
 Expected<Matrix3d> AxesFromJoints(const Motion& motion, int frame) {
   const Skeleton& skeleton = *motion.skeleton;
-  const auto pair = SidesOf(skeleton);
+  const auto pair = HipsOrShoulders(skeleton);
   if (!pair) {
     return Fail(ErrorCode::kInconsistent, "skeleton '" + skeleton.name + "' names neither hips nor shoulders",
                 "canon.facing", "name the mirrored hip joints left_hip and right_hip, or set facing.rule: origin");
@@ -94,7 +94,7 @@ Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& cl
 
 }  // namespace
 
-std::optional<std::array<int, 2>> SidesOf(const Skeleton& skeleton) {
+std::optional<std::array<int, 2>> HipsOrShoulders(const Skeleton& skeleton) {
   if (const auto named = skeleton.Hips()) return named;
   const Limbs limbs = LimbsOf(skeleton);
   for (const std::array<Limb, 2>* pair : {&limbs.leg, &limbs.arm}) {

@@ -10,7 +10,7 @@ namespace mocurate {
 
 /// Left and right hip, or shoulder where there are none; of a tree whose joints have other names, the first joints of
 /// its legs or arms.
-std::optional<std::array<int, 2>> SidesOf(const Skeleton& skeleton);
+std::optional<std::array<int, 2>> HipsOrShoulders(const Skeleton& skeleton);
 
 /// Directions of a person in the world, unit and orthogonal: columns left (+x of the canonical frame), up, forward.
 /// With rotations they turn with the root (of SMPL: its matrix); joints only: right to left hip (else shoulder), hips

@@ -7,7 +7,6 @@
 
 #include "canon/frames/facing.h"
 #include "canon/trim/trim.h"
-#include "core/motion/limbs.h"
 
 namespace mocurate {
 namespace {
@@ -69,7 +68,7 @@ BodyDescription DescribeBody(const Motion& motion, double rate_hz, double smooth
     const auto frame = static_cast<std::size_t>(std::lround(s / rate_hz * motion.rate.hz()));
     body.movement(s) = movement[std::min(frame, movement.size() - 1)];
   }
-  const auto sides = SidesOf(*motion.skeleton);
+  const auto sides = HipsOrShoulders(*motion.skeleton);
   const std::vector<double> yaws =
       sides ? Yaws(body.pose, *sides) : std::vector<double>(static_cast<std::size_t>(samples), 0.0);
   for (int s = 0; s < samples; ++s) {
