@@ -12,7 +12,6 @@
 #include "ingest/files_check.h"
 
 namespace mocurate {
-
 namespace {
 
 /// How a table of spans may call a clip: by its item (source/person/recording), by the recording, by its id.

@@ -5,7 +5,6 @@
 
 #include "canon/example_motions.h"
 #include "canon/frames/facing.h"
-#include "canon/frames/level.h"
 #include "canon/options.h"
 #include "canon/recipes/action_triples.h"
 #include "canon/recipes/spans_file.h"
@@ -13,7 +12,6 @@
 #include "canon/stages.h"
 #include "canon/trim/by_example.h"
 #include "canon/trim/trim.h"
-#include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/motion/operations.h"
@@ -131,7 +129,7 @@ Expected<std::vector<Clip>> CutClips(const TrimOptions& options, const Examples&
     auto found = SpansByExample(options.by_example, examples, *clip.motion);
     if (!found) return Forward(found);
     if (found->empty()) findings.push_back(NothingLikeIt(clip));
-    spans = *std::move(found);
+    spans = LongEnough(options, clip, *found, findings);
   } else {
     spans = FindSpans(options, clip, findings);
   }

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "canon/frames/level.h"
 #include "canon/options.h"
 #include "canon/stage_parts.h"

@@ -5,7 +5,7 @@
 namespace mocurate {
 
 /// Motions of one sensor (inputs role "motion", as CanonStage takes them) -> JSON: the floor under them (FloorPlane),
-/// or null where it cannot be told, with a finding "floor_unknown". Finding "sensor_tilt", value: degrees.
+/// or null where it is unknown, with a finding "floor_unknown". Finding "sensor_tilt", value: degrees.
 Expected<StageOutcome> LevelStage(const StageRequest& request);
 
 /// One clip -> Dataset file with zero or more canonical clips. Input role "motion" (a one-clip Dataset from fitting, or

@@ -41,7 +41,7 @@ class ActorWriter : public LayoutWriter {
     classes_.push_back(label - set_.labels.begin());
     farthest_ = std::max(farthest_, FarthestReadBack(motion.motion, *order, BonesReadBack::kPersons));
     clips_.push_back(WrittenClipOf(position, clip, FileName()));
-    clips_.back().person = "unknown";  // as the file is read: it names nobody in ACTOR's lists
+    clips_.back().person = "unknown";  // as the file is read: no person is named in ACTOR's lists
     return std::vector<ExportedFile>();
   }
 

@@ -28,8 +28,6 @@ using FloorRow = Eigen::Vector4d;
 struct FloorEquations {
   FloorMatrix matrix = FloorMatrix::Zero();
   FloorRow right = FloorRow::Zero();
-  double squares = 0.0;
-  int rows = 0;
 
   void Add(const FloorRow& row, double value, double sigma, double weight) {
     const double w = weight / (sigma * sigma);
@@ -44,11 +42,6 @@ double HuberWeight(double residual, double sigma) {
   return size <= 2.0 ? 1.0 : 2.0 / size;
 }
 
-/// A place where a foot stood, metres.
-struct FootPlace {
-  Vector3d at;
-};
-
 struct UprightSample {
   Vector3d axis;     // ankles to shoulders, unit
   Vector3d forward;  // unit
@@ -56,7 +49,7 @@ struct UprightSample {
 };
 
 struct StandingClip {
-  std::vector<FootPlace> feet;
+  std::vector<Vector3d> feet;  // where each stood, metres
   std::vector<UprightSample> body;
 };
 
@@ -72,13 +65,13 @@ Motion TurnedPlaces(const Motion& motion, const Matrix3d& level_from_world) {
   return turned;
 }
 
-std::vector<FootPlace> PlacesOfFeet(const Motion& motion) {
-  std::vector<FootPlace> places;
+std::vector<Vector3d> PlacesOfFeet(const Motion& motion) {
+  std::vector<Vector3d> places;
   for (const int foot : FootJoints(*motion.skeleton)) {
     for (const FrameRun& run : RunsWhere(JointContacts(motion, foot, {}), true)) {
       Vector3d sum = Vector3d::Zero();
       for (int f = run.begin; f < run.end; ++f) sum += motion.joints.at(f, foot);
-      places.push_back({sum / (run.end - run.begin)});
+      places.emplace_back(sum / (run.end - run.begin));
     }
   }
   return places;
@@ -116,7 +109,7 @@ struct FloorSolution {
   FloorMatrix covariance = FloorMatrix::Zero();
 };
 
-FloorSolution SolveFloor(const LevelOptions& options, const std::vector<StandingClip>& clips, double body_sigma) {
+FloorSolution SolveFloor(const LevelOptions& options, const std::vector<StandingClip>& clips) {
   FloorSolution solution;
   bool first = true;
   for (int pass = 0; pass < 5; ++pass, first = false) {
@@ -131,13 +124,13 @@ FloorSolution SolveFloor(const LevelOptions& options, const std::vector<Standing
       weights += weight * robust;
     };
     for (const StandingClip& clip : clips) {
-      for (const FootPlace& foot : clip.feet) {
-        add(FloorRow(foot.at.x(), foot.at.z(), 0, -1), -foot.at.y(), options.height_sigma, 1.0);
+      for (const Vector3d& foot : clip.feet) {
+        add(FloorRow(foot.x(), foot.z(), 0, -1), -foot.y(), options.height_sigma, 1.0);
       }
       if (options.rule == FloorRule::kHeight) continue;
       for (const UprightSample& body : clip.body) {
-        add(FloorRow(1, 0, body.forward.x(), 0), body.axis.x() / body.axis.y(), body_sigma, body.weight);
-        add(FloorRow(0, 1, body.forward.z(), 0), body.axis.z() / body.axis.y(), body_sigma, body.weight);
+        add(FloorRow(1, 0, body.forward.x(), 0), body.axis.x() / body.axis.y(), options.body_sigma, body.weight);
+        add(FloorRow(0, 1, body.forward.z(), 0), body.axis.z() / body.axis.y(), options.body_sigma, body.weight);
       }
     }
     if (options.rule == FloorRule::kHeight) {
@@ -193,7 +186,7 @@ std::optional<FloorPlane> EstimateFloor(const LevelOptions& options, const std::
       const Motion turned = TurnedPlaces(motion, level_from_world);
       // Of a sensor far from level, feet are found only once people stand upright.
       const bool upright_first = iteration == 0 && options.rule == FloorRule::kTilt;
-      StandingClip clip{upright_first ? std::vector<FootPlace>() : PlacesOfFeet(turned), UprightSamples(turned)};
+      StandingClip clip{upright_first ? std::vector<Vector3d>() : PlacesOfFeet(turned), UprightSamples(turned)};
       floor.contacts += static_cast<int>(clip.feet.size());
       if (!clip.feet.empty() || !clip.body.empty()) clips.push_back(std::move(clip));
     }
@@ -201,9 +194,9 @@ std::optional<FloorPlane> EstimateFloor(const LevelOptions& options, const std::
     if (iteration > 0 || options.rule == FloorRule::kHeight) {
       if (floor.contacts == 0) return std::nullopt;
     } else {
-      clips.push_back({{{Vector3d::Zero()}}, {}});  // the height is not asked for yet
+      clips.push_back({{Vector3d::Zero()}, {}});  // the height is not asked for yet
     }
-    solution = SolveFloor(options, clips, options.body_sigma);
+    solution = SolveFloor(options, clips);
     const Vector3d up_here = Vector3d(solution.value[0], 1.0, solution.value[1]).normalized();
     floor.up = options.rule == FloorRule::kHeight ? Vector3d(Vector3d::UnitY())
                                                   : Vector3d(level_from_world.transpose() * up_here);

@@ -73,7 +73,7 @@ struct AppliedReview {
 /// kInconsistent where no decision fits a clip.
 Expected<AppliedReview> ApplyReview(const Review& review, Dataset& dataset);
 
-/// Whether somebody decided that a finding of this code about a clip, and of a pair about the other clip, is wrong or
+/// Whether a decision says that a finding of this code about a clip, and of a pair about the other clip, is wrong or
 /// does not matter. `contents` are the fingerprints of the dataset's clips by id.
 bool IsAccepted(const Review& review, const std::map<std::string, std::string>& contents, const std::string& clip,
                 const std::string& other, const std::string& code);

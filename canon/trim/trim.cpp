@@ -163,6 +163,24 @@ std::vector<double> FrameSpeeds(const Motion& motion, double window_s) {
   return speeds;
 }
 
+std::vector<KeptSpan> LongEnough(const TrimOptions& options, const Clip& clip, const std::vector<KeptSpan>& spans,
+                                 std::vector<Finding>& findings) {
+  std::vector<KeptSpan> kept;
+  for (const KeptSpan& span : spans) {
+    const double length_s = clip.motion->rate.FrameTime(span.end - span.begin);
+    const bool still = span.end - span.begin < 2 && options.min_length_s > 0.0;
+    if (span.end <= span.begin || still || length_s < options.min_length_s) {
+      const std::string what = still ? "one frame" : RoundedText(length_s) + " s";
+      findings.push_back(
+          Dropped(clip, "too_short", span.begin, span.end, length_s,
+                  what + " of '" + span.label + "', trim.min_length is " + RoundedText(options.min_length_s) + " s"));
+      continue;
+    }
+    kept.push_back(span);
+  }
+  return kept;
+}
+
 std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
   std::vector<KeptSpan> spans;
   switch (options.rule) {
@@ -185,20 +203,7 @@ std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, st
     case TrimRule::kByExample:  // needs examples of other clips: SpansByExample of canon/trim/by_example.h
       break;
   }
-  std::vector<KeptSpan> kept;
-  for (const KeptSpan& span : spans) {
-    const double length_s = clip.motion->rate.FrameTime(span.end - span.begin);
-    const bool still = span.end - span.begin < 2 && options.min_length_s > 0.0;
-    if (span.end <= span.begin || still || length_s < options.min_length_s) {
-      const std::string what = still ? "one frame" : RoundedText(length_s) + " s";
-      findings.push_back(
-          Dropped(clip, "too_short", span.begin, span.end, length_s,
-                  what + " of '" + span.label + "', trim.min_length is " + RoundedText(options.min_length_s) + " s"));
-      continue;
-    }
-    kept.push_back(span);
-  }
-  return kept;
+  return LongEnough(options, clip, spans, findings);
 }
 
 std::optional<double> LimitOfTrim(const TrimOptions& options, const std::string& rule) {

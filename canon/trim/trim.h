@@ -31,6 +31,10 @@ std::vector<double> FrameSpeeds(const Motion& motion, double window_s);
 /// and value. May be empty.
 std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings);
 
+/// The spans that last options.min_length_s at least; the others are findings ("too_short").
+std::vector<KeptSpan> LongEnough(const TrimOptions& options, const Clip& clip, const std::vector<KeptSpan>& spans,
+                                 std::vector<Finding>& findings);
+
 /// What the value of a dropped span is held against: "too_short" in seconds, "never_moves" in m/s; of other rules none.
 std::optional<double> LimitOfTrim(const TrimOptions& options, const std::string& rule);
 

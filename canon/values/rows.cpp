@@ -35,7 +35,8 @@ bool IsAbout(const Finding& finding, const Clip& clip) {
   const ClipIdentity& identity = clip.identity;
   const bool whole = *begin <= identity.begin_frame && SpanEnd(finding.clip) >= identity.end_frame;
   if (!whole || finding.frame_end <= finding.frame_begin) return whole;
-  return *begin + finding.frame_begin<identity.end_frame&& * begin + finding.frame_end> identity.begin_frame;
+  const int from = *begin + finding.frame_begin, to = *begin + finding.frame_end;
+  return from < identity.end_frame && to > identity.begin_frame;
 }
 
 std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& dataset) {
