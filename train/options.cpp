@@ -173,6 +173,51 @@ void ActorOptions::Declare(OptionVisitor& v) {
   v.Path("body", body, "skinned body of the vertex loss: SMPL's file, or body_cc0.h5");
 }
 
+void MacvaeOptions::Declare(OptionVisitor& v) {
+  v.Choice("protocol", protocol, {{"released", Protocol::kReleased}, {"paper", Protocol::kPaper}},
+           "whose rules hold where code and paper differ: positions, what a frame is, posterior and losses");
+  v.Choice("backbone", backbone,
+           {{"transformer", MacvaeBackbone::kTransformer},
+            {"lstm", MacvaeBackbone::kLstm},
+            {"gru", MacvaeBackbone::kGru},
+            {"mlp", MacvaeBackbone::kMlp}},
+           "what codes the frames: the paper's, or those of Table B");
+  v.Choice(
+      "canonical", canonical,
+      {{"face_front", CanonicalChoice::kFaceFront}, {"zero", CanonicalChoice::kZero}, {"none", CanonicalChoice::kNone}},
+      "where the last frame of the previous motion stands: at the origin facing +z; with its root's rotation undone; "
+      "where the source has it (Table 1)");
+  v.Bool("separate_latents", separate_latents, "a latent of the transition and one of the action; else one of both");
+  v.Bool("action_to_previous", action_to_previous, "let PrevNet learn the action too (Table 1)");
+  v.Bool("whole_previous", whole_previous, "let PrevNet read the whole previous motion (Table 1)");
+  v.Integer("previous_frames", previous_frames, {1.0, 100.0}, "last frames of the previous motion that PrevNet reads");
+  v.Bool("postprocessor", postprocessor, "smooth by a convolution over five frames (without it: no published row)");
+  v.Choice("fill", fill,
+           {{"protocol", FillChoice::kProtocol}, {"released", FillChoice::kReleased}, {"last", FillChoice::kLast}},
+           "frame behind the action that the convolution reads: of the released index, or the last one");
+  v.Choice("layout", layout,
+           {{"protocol", LayoutChoice::kProtocol},
+            {"released", LayoutChoice::kReleased},
+            {"columns", LayoutChoice::kColumns}},
+           "6-D rotations of the previous motion in the postprocessor: rows as released, or columns as all others");
+  v.Choice(
+      "points", points,
+      {{"markers", PointChoice::kMarkers}, {"joints", PointChoice::kJoints}, {"vertices", PointChoice::kVertices}},
+      "points of the loss: joints with three points 5 cm along each joint's axes, joints, or the vertices of `body`");
+  v.Integer("vocabulary", vocabulary, {0.0, 1e6},
+            "rows of the tables of words; 0: as many as the set has (released 5396)");
+  v.Integer("width", width, {4.0, 4096.0}, "width of the network and of its latents; a multiple of `heads`");
+  v.Integer("layers", layers, {1.0, 64.0}, "layers of the encoder and of the decoder each");
+  v.Integer("heads", heads, {1.0, 64.0}, "attention heads");
+  v.Integer("feed_forward", feed_forward, {4.0, 16384.0}, "width of the layer between");
+  v.Number("dropout", dropout, Unit::kNone, {0.0, 0.9}, "part of the numbers that a training step leaves out");
+  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 1e6}, "of the loss on the numbers of a frame");
+  v.Number("point_weight", point_weight, Unit::kNone, {0.0, 1e6}, "of the loss on `points`");
+  v.Number("acceleration_weight", acceleration_weight, Unit::kNone, {0.0, 1e6}, "of the loss on accelerations");
+  v.Number("kl_weight", kl_weight, Unit::kNone, {0.0, 100.0}, "of the KL term");
+  v.Path("body", body, "skinned body of the vertex loss: SMPL's file, or body_cc0.h5");
+}
+
 void StGcnOptions::Declare(OptionVisitor& v) {
   v.Bool("global_orientation", global_orientation, "read the root's rotation too");
 }
@@ -210,6 +255,16 @@ NetworkOptions::NetworkOptions(NetworkKind of) : kind(of), defaults_of_(of) {
       learning.learning_rate = 1e-4;
       learning.weight_decay = 0.01;
       return;
+    case NetworkKind::kMacvae:
+      name = "MACVAE";
+      data.frames = 120;
+      learning.iterations = 85800;  // 1,300 epochs of 1,060 samples
+      learning.batch = 16;
+      learning.shards = 1;  // batch statistics are of the whole batch
+      learning.learning_rate = 5e-5;
+      learning.weight_decay = 0.01;
+      learning.save_every = 500;
+      return;
     case NetworkKind::kStGcn:
       name = "ST-GCN";
       learning.batch = 64;
@@ -224,7 +279,8 @@ NetworkOptions::NetworkOptions(NetworkKind of) : kind(of), defaults_of_(of) {
 }
 
 bool NetworkOptions::NeedsRotations() const {
-  return kind == NetworkKind::kStGcn || (kind == NetworkKind::kActor && actor.NeedsRotations());
+  return kind == NetworkKind::kStGcn || kind == NetworkKind::kMacvae ||
+         (kind == NetworkKind::kActor && actor.NeedsRotations());
 }
 
 const char* Name(RemakeRule rule) {
@@ -257,6 +313,7 @@ void NetworkOptions::Declare(OptionVisitor& v) {
             {"act_mocogan", NetworkKind::kActMoCoGan},
             {"two_stage_gan", NetworkKind::kTwoStageGan},
             {"actor", NetworkKind::kActor},
+            {"macvae", NetworkKind::kMacvae},
             {"st_gcn", NetworkKind::kStGcn}},
            "which network it is; the options below are those of its kind");
   if (kind != defaults_of_) *this = NetworkOptions(kind);
@@ -288,6 +345,8 @@ void NetworkOptions::Declare(OptionVisitor& v) {
       return two_stage_gan.Declare(v);
     case NetworkKind::kActor:
       return actor.Declare(v);
+    case NetworkKind::kMacvae:
+      return macvae.Declare(v);
     case NetworkKind::kStGcn:
       st_gcn.Declare(v);
       return recogniser.DeclareEpochs(v);

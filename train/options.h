@@ -12,7 +12,7 @@
 namespace mocurate {
 
 /// What a network is. A variant of a paper's table is an option of one kind, not another kind.
-enum class NetworkKind { kGruRecogniser, kStGcn, kAction2Motion, kCondGru, kActMoCoGan, kTwoStageGan, kActor };
+enum class NetworkKind { kGruRecogniser, kStGcn, kAction2Motion, kCondGru, kActMoCoGan, kTwoStageGan, kActor, kMacvae };
 
 /// Whether networks of the kind answer requests with motions; the others recognise them.
 bool GeneratesMotions(NetworkKind kind);
@@ -173,6 +173,54 @@ struct ActorOptions {
   bool NeedsRotations() const { return pose != PoseChoice::kJoints; }
 };
 
+/// What codes the frames of MACVAE: its transformers, or what takes their place (MultiAct, Table B).
+enum class MacvaeBackbone { kTransformer, kLstm, kGru, kMlp };
+/// How each sample is placed, by the last frame of its previous motion (multiact.md B): facing +z at the origin; with
+/// its root's rotation undone; as the source has it.
+enum class CanonicalChoice { kFaceFront, kZero, kNone };
+/// Frame that stands behind the action while the postprocessor convolves: of the released index, which is no frame of
+/// the motion, or the last one (multiact.md H7).
+enum class FillChoice { kProtocol, kReleased, kLast };
+/// Layout of the previous motion's rotations in the postprocessor: rows, where all others are columns, or columns
+/// (multiact.md H6).
+enum class LayoutChoice { kProtocol, kReleased, kColumns };
+/// Points of the loss in the place of SMPL-H's vertices: joints with three points 5 cm along each joint's axes, joints
+/// alone, or the vertices of `body`.
+enum class PointChoice { kMarkers, kJoints, kVertices };
+
+/// MACVAE of MultiAct (multiact.md C).
+struct MacvaeOptions {
+  Protocol protocol = Protocol::kReleased;
+  MacvaeBackbone backbone = MacvaeBackbone::kTransformer;
+  CanonicalChoice canonical = CanonicalChoice::kFaceFront;
+  bool separate_latents = true;     ///< one of the transition and one of the action; else one of both
+  bool action_to_previous = false;  ///< PrevNet learns the action too
+  bool whole_previous = false;      ///< PrevNet reads the whole previous motion
+  std::int64_t previous_frames = 4;
+  bool postprocessor = true;
+  FillChoice fill = FillChoice::kProtocol;
+  LayoutChoice layout = LayoutChoice::kProtocol;
+  PointChoice points = PointChoice::kMarkers;
+  std::int64_t vocabulary = 0;  ///< rows of the tables of words; 0: as many as the set has
+  std::int64_t width = 512;
+  std::int64_t layers = 8;
+  std::int64_t heads = 4;
+  std::int64_t feed_forward = 2048;
+  double dropout = 0.1;
+  double pose_weight = 1.0;
+  double point_weight = 1.0;
+  double acceleration_weight = 1.0;
+  double kl_weight = 1e-5;
+  std::filesystem::path body;
+  void Declare(OptionVisitor& v);
+
+  bool released() const { return protocol == Protocol::kReleased; }
+  bool fills_last() const { return fill == FillChoice::kLast || (fill == FillChoice::kProtocol && !released()); }
+  bool one_layout() const {
+    return layout == LayoutChoice::kColumns || (layout == LayoutChoice::kProtocol && !released());
+  }
+};
+
 /// ST-GCN (a2m_actor.md D.1).
 struct StGcnOptions {
   bool global_orientation = true;  ///< the root's rotation is read too
@@ -218,6 +266,7 @@ struct NetworkOptions {
   ActMoCoGanOptions act_mocogan;
   TwoStageGanOptions two_stage_gan;
   ActorOptions actor;
+  MacvaeOptions macvae;
   StGcnOptions st_gcn;
 
   /// With the defaults of its kind.

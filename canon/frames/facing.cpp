@@ -1,60 +1,15 @@
 #include "canon/frames/facing.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <tuple>
 
 #include "core/base/options.h"
-#include "core/base/pi.h"
 #include "core/base/text.h"
-#include "core/motion/limbs.h"
 #include "core/motion/operations.h"
 
 namespace mocurate {
 namespace {
-
-/// Rest-pose left axis in the root's frame, right to left hip; nothing when the hips do not hang from the root.
-std::optional<Vector3d> RestLeft(const Skeleton& skeleton) {
-  const auto hips = HipsOrShoulders(skeleton);
-  if (!hips) return std::nullopt;
-  const Joint& left = skeleton.joints[(*hips)[0]];
-  const Joint& right = skeleton.joints[(*hips)[1]];
-  if (left.parent != 0 || right.parent != 0) return std::nullopt;
-  const Vector3d axis = left.rest_offset - right.rest_offset;
-  if (axis.norm() < 1e-9) return std::nullopt;
-  return Vector3d(axis.normalized());
-}
-
-/// Columns left, up, forward: left as it is, up and forward made orthogonal to it.
-Matrix3d AxesOf(const Vector3d& left, const Vector3d& up) {
-  Vector3d forward = left.cross(up);
-  forward = forward.norm() > 1e-9 ? Vector3d(forward.normalized()) : Vector3d(left.unitOrthogonal());
-  Matrix3d axes;
-  axes << left, forward.cross(left), forward;
-  return axes;
-}
-
-Expected<Matrix3d> AxesFromJoints(const Motion& motion, int frame) {
-  const Skeleton& skeleton = *motion.skeleton;
-  const auto pair = HipsOrShoulders(skeleton);
-  if (!pair) {
-    return Fail(ErrorCode::kInconsistent, "skeleton '" + skeleton.name + "' names neither hips nor shoulders",
-                "canon.facing", "name the mirrored hip joints left_hip and right_hip, or set facing.rule: origin");
-  }
-  const Vector3d left_joint = motion.joints.at(frame, (*pair)[0]);
-  const Vector3d right_joint = motion.joints.at(frame, (*pair)[1]);
-  Vector3d left = left_joint - right_joint;
-  left = left.norm() > 1e-9 ? Vector3d(left.normalized()) : Vector3d(Vector3d::UnitX());
-  Vector3d up = Vector3d::UnitY();
-  if (const auto neck = skeleton.FindJoint("neck")) {
-    const Vector3d trunk = Vector3d(motion.joints.at(frame, *neck)) - 0.5 * (left_joint + right_joint);
-    if (trunk.norm() > 1e-6) up = trunk.normalized();
-  }
-  return AxesOf(left, up);
-}
 
 /// World rotation of the clip by the one entry of `given` that names it.
 Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& clip) {
@@ -94,51 +49,10 @@ Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& cl
 
 }  // namespace
 
-std::optional<std::array<int, 2>> HipsOrShoulders(const Skeleton& skeleton) {
-  if (const auto named = skeleton.Hips()) return named;
-  const Limbs limbs = LimbsOf(skeleton);
-  for (const std::array<Limb, 2>* pair : {&limbs.leg, &limbs.arm}) {
-    const int left = (*pair)[0].root, right = (*pair)[1].root;
-    if (left >= 0 && right >= 0 && left != right) return std::array<int, 2>{left, right};
-  }
-  return std::nullopt;
-}
-
-const char* Name(YawSource source) {
-  switch (source) {
-    case YawSource::kHipAxis:
-      return "hip_axis";
-    case YawSource::kForwardAxis:
-      return "forward_axis";
-    case YawSource::kTwist:
-      return "twist";
-  }
-  return "";
-}
-
-Expected<Matrix3d> BodyAxes(const Motion& motion, int frame) {
-  const auto rest_left = motion.joints_only() ? std::nullopt : RestLeft(*motion.skeleton);
-  if (!rest_left) return AxesFromJoints(motion, frame);
-  return Matrix3d(motion.rotation_at(frame, 0) * AxesOf(*rest_left, Vector3d::UnitY()));
-}
-
-Heading HeadingOfAxes(const Matrix3d& axes, FacingRule rule, double min_horizontal) {
-  const Vector3d left = axes.col(0), forward = axes.col(2);
-  Heading heading;
-  if (rule == FacingRule::kTwist) {
-    const Quaterniond q(axes);
-    heading.source = YawSource::kTwist;
-    heading.horizontal = std::hypot(q.w(), q.y());
-    heading.yaw = std::remainder(2.0 * std::atan2(q.y(), q.w()), 2.0 * kPi);
-    return heading;
-  }
-  heading.horizontal = std::hypot(left.x(), left.z());
-  heading.yaw = std::atan2(-left.z(), left.x());
-  if (rule == FacingRule::kEuler || heading.horizontal >= min_horizontal) return heading;
-  heading.source = YawSource::kForwardAxis;
-  heading.horizontal = std::hypot(forward.x(), forward.z());
-  heading.yaw = std::atan2(forward.x(), forward.z());
-  return heading;
+HeadingRule HeadingRuleOf(FacingRule rule) {
+  return rule == FacingRule::kTwist   ? HeadingRule::kTwist
+         : rule == FacingRule::kEuler ? HeadingRule::kEuler
+                                      : HeadingRule::kHips;
 }
 
 bool ReadsHeading(FacingRule rule) {
@@ -148,7 +62,7 @@ bool ReadsHeading(FacingRule rule) {
 Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, const FacingOptions& options) {
   const auto axes = BodyAxes(motion, frame);
   if (!axes) return Forward(axes);
-  return HeadingOfAxes(*axes, options.rule, options.min_horizontal);
+  return HeadingOfAxes(*axes, HeadingRuleOf(options.rule), options.min_horizontal);
 }
 
 Expected<int> AnchorFrame(const FacingOptions& options, const Clip& clip) {
@@ -210,7 +124,7 @@ Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
     case FacingRule::kZero: {
       const auto axes = BodyAxes(motion, *anchor);
       if (!axes) return Forward(axes);
-      const bool turns = !motion.joints_only() && RestLeft(*motion.skeleton).has_value();
+      const bool turns = !motion.joints_only() && RestLeftAxis(*motion.skeleton).has_value();
       canonical_from_clip.rotation =
           turns ? motion.rotation_at(*anchor, 0).conjugate() : Quaterniond(axes->transpose());
       break;

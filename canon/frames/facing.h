@@ -1,40 +1,13 @@
 #pragma once
 
-#include <array>
-#include <optional>
-
 #include "canon/options.h"
 #include "core/motion/clip.h"
+#include "core/motion/heading.h"
 
 namespace mocurate {
 
-/// Left and right hip, or shoulder where there are none; of a tree whose joints have other names, the first joints of
-/// its legs or arms.
-std::optional<std::array<int, 2>> HipsOrShoulders(const Skeleton& skeleton);
-
-/// Directions of a person in the world, unit and orthogonal: columns left (+x of the canonical frame), up, forward.
-/// With rotations they turn with the root (of SMPL: its matrix); joints only: right to left hip (else shoulder), hips
-/// to neck. Error kInconsistent if the skeleton names neither hips nor shoulders.
-Expected<Matrix3d> BodyAxes(const Motion& motion, int frame);
-
-/// What a heading was read from; kept with the clip, since definitions differ away from upright.
-enum class YawSource { kHipAxis, kForwardAxis, kTwist };
-const char* Name(YawSource source);
-
-struct Heading {
-  double yaw = 0.0;  ///< radians about +y, from canonical facing (+z) to the person's
-  YawSource source = YawSource::kHipAxis;
-  double horizontal = 1.0;  ///< of what yaw is read from, 1 for upright; at 0 yaw is not defined
-};
-
-/// Yaw of body axes (columns left, up, forward), `rule` one of the three that read a heading:
-///   kHips   atan2(-left.z, left.x); where its horizontal part is shorter than `min_horizontal`,
-///           atan2(forward.x, forward.z) [multiact.md B.4]
-///   kEuler  atan2(-left.z, left.x) always, as the released code has it: jumps where the hip axis passes the vertical
-///           [multiact.md B.1, y-up form B.3]
-///   kTwist  the turn about +y in R = Ry(yaw) S, S about a horizontal axis: 2 atan2(q.y, q.w). Continuous in every pose
-///           but upside down
-Heading HeadingOfAxes(const Matrix3d& axes, FacingRule rule, double min_horizontal);
+/// How a rule that reads a heading reads it; of the others, by the hips.
+HeadingRule HeadingRuleOf(FacingRule rule);
 
 /// Whether a rule reads a heading.
 bool ReadsHeading(FacingRule rule);

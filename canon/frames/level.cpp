@@ -6,9 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "canon/frames/facing.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
+#include "core/motion/heading.h"
 #include "core/motion/limbs.h"
 #include "core/motion/operations.h"
 #include "core/quality/contacts.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "canon/frames/facing.h"
 #include "canon/trim/trim.h"
+#include "core/motion/heading.h"
 
 namespace mocurate {
 namespace {

@@ -164,7 +164,7 @@ TEST(Heading, OfAPersonLyingOnTheSideComesFromTheForwardAxis) {
   const Vector3d left = Vector3d(0.01, 1, 0).normalized(), forward(0.6, 0, 0.8);
   Matrix3d axes;
   axes << left, forward.cross(left), forward;
-  const Heading heading = HeadingOfAxes(axes, FacingRule::kHips, 0.2);
+  const Heading heading = HeadingOfAxes(axes, HeadingRule::kHips, 0.2);
   EXPECT_EQ(heading.source, YawSource::kForwardAxis);
   EXPECT_NEAR(heading.yaw, std::atan2(0.6, 0.8), 1e-12);
 }
@@ -179,8 +179,8 @@ TEST(Heading, ByTheTwistIsContinuousWhereTheHipAxisPassesTheVertical) {
     const double roll = degrees * kPi / 180.0;
     const Matrix3d axes =
         ExpMatrix(Vector3d(0, 0.7, 0)) * ExpMatrix(Vector3d(0, 0, roll)) * ExpMatrix(Vector3d(0.05, 0, 0));
-    const Heading by_twist = HeadingOfAxes(axes, FacingRule::kTwist, 0.2);
-    const Heading by_euler = HeadingOfAxes(axes, FacingRule::kEuler, 0.2);
+    const Heading by_twist = HeadingOfAxes(axes, HeadingRule::kTwist, 0.2);
+    const Heading by_euler = HeadingOfAxes(axes, HeadingRule::kEuler, 0.2);
     if (degrees > 0) {
       most_by_twist = std::max(most_by_twist, std::abs(std::remainder(by_twist.yaw - last_twist.yaw, 2 * kPi)));
       most_by_euler = std::max(most_by_euler, std::abs(std::remainder(by_euler.yaw - last_euler.yaw, 2 * kPi)));
@@ -197,7 +197,7 @@ TEST(Heading, TurnsWithThePersonByEveryRule) {
   for (int trial = 0; trial < 200; ++trial) {
     const Matrix3d axes = ExpMatrix(Vector3d(random.Uniform(-3, 3), random.Uniform(-3, 3), random.Uniform(-3, 3)));
     const double turn = random.Uniform(-3, 3);
-    for (const FacingRule rule : {FacingRule::kHips, FacingRule::kEuler, FacingRule::kTwist}) {
+    for (const HeadingRule rule : {HeadingRule::kHips, HeadingRule::kEuler, HeadingRule::kTwist}) {
       const Heading before = HeadingOfAxes(axes, rule, 0.2);
       if (before.horizontal < 1e-3) continue;
       const Heading after = HeadingOfAxes(ExpMatrix(Vector3d(0, turn, 0)) * axes, rule, 0.2);
@@ -352,7 +352,7 @@ TEST(FaceFront, EqualsTheReleasedAlignmentAndTheDefinitionOfZero) {
 
 TEST(Heading, OfTheWrittenExampleIsTheWrittenNumber) {
   const Matrix3d root = YFromZ() * ExpMatrix(Vector3d(1.157214, 1.291215, 1.900880));
-  EXPECT_NEAR(HeadingOfAxes(root, FacingRule::kHips, 0.2).yaw * 180.0 / kPi, 120.0, 1e-3);
+  EXPECT_NEAR(HeadingOfAxes(root, HeadingRule::kHips, 0.2).yaw * 180.0 / kPi, 120.0, 1e-3);
 }
 
 }  // namespace

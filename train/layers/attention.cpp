@@ -20,20 +20,24 @@ Tensor AttentionImpl::Project(const Tensor& x, std::int64_t part, std::int64_t c
   return torch::linear(x, in_proj_weight.slice(0, begin, end), in_proj_bias.slice(0, begin, end));
 }
 
+/// (T,B,E) -> (BH,T,d)
+Tensor AttentionImpl::OfHeads(const Tensor& x) const {
+  return x.reshape({x.size(0), x.size(1) * heads_, width_ / heads_}).transpose(0, 1);
+}
+
 /// `hidden`: bool of a shape that broadcasts to (B,H,T,S); those get no weight.
 Tensor AttentionImpl::Weighted(const Tensor& query, const Tensor& key, const Tensor& value, const Tensor& hidden,
                                Dropout& dropout) {
   const std::int64_t T = query.size(0), S = key.size(0), B = query.size(1), d = width_ / heads_;
-  const auto of_heads = [&](const Tensor& x) { return x.reshape({x.size(0), B * heads_, d}).transpose(0, 1); };
-  Tensor scores = torch::bmm(of_heads(query) * (1.0 / std::sqrt(static_cast<double>(d))),
-                             of_heads(key).transpose(1, 2));  // (BH,T,S)
+  Tensor scores =
+      torch::bmm(OfHeads(query) * (1.0 / std::sqrt(static_cast<double>(d))), OfHeads(key).transpose(1, 2));  // (BH,T,S)
   if (hidden.defined()) {
     scores = scores.view({B, heads_, T, S})
                  .masked_fill(hidden, -std::numeric_limits<float>::infinity())
                  .view({B * heads_, T, S});
   }
   const Tensor weights = dropout(torch::softmax(scores, 2));
-  const Tensor context = torch::bmm(weights, of_heads(value));  // (BH,T,d)
+  const Tensor context = torch::bmm(weights, OfHeads(value));  // (BH,T,d)
   return out_proj->forward(context.transpose(0, 1).reshape({T, B, width_}));
 }
 
@@ -73,6 +77,26 @@ Tensor AttentionImpl::To(const Tensor& memory, const Tensor& x, const Tensor& pa
   const Tensor of_head = torch::bmm(value.view({B, heads_, d}).transpose(0, 1),
                                     out_proj->weight.view({width_, heads_, d}).permute({1, 2, 0}));  // (H,B,E)
   return torch::bmm(kept, of_head.transpose(0, 1)).transpose(0, 1) + out_proj->bias;                 // (T,B,E)
+}
+
+Tensor AttentionImpl::ToRepeated(const RepeatedMemory& memory, const Tensor& x, Dropout& dropout) {
+  const std::int64_t T = x.size(0), B = x.size(1), S = memory.entries.size(0), d = width_ / heads_;
+  const Seen seen = Remember(memory.entries);
+  const Tensor scores = torch::bmm(OfHeads(Project(x, 0, 1)) * (1.0 / std::sqrt(static_cast<double>(d))),
+                                   OfHeads(seen.key).transpose(1, 2));  // (BH,T,S)
+  Tensor weights =
+      torch::softmax(scores.view({B, heads_, T, S}) + torch::log(memory.count).view({B, 1, 1, S}), 3);  // (B,H,T,S)
+  if (dropout.active()) {
+    const Tensor end = memory.count.cumsum(1), begin = end - memory.count;  // (B,S)
+    const auto copies = static_cast<std::int64_t>(end.max().item<float>());
+    const Tensor copy = torch::arange(copies, memory.count.options()).view({1, copies, 1});
+    const Tensor of_entry = (copy >= begin.unsqueeze(1)) * (copy < end.unsqueeze(1));  // (B,copies,S)
+    const Tensor kept = dropout(torch::ones({B, heads_ * T, copies}, x.options()));
+    const Tensor share = torch::bmm(kept, of_entry / memory.count.clamp_min(1).unsqueeze(1));  // of each entry's copies
+    weights = weights * share.view({B, heads_, T, S});
+  }
+  const Tensor context = torch::bmm(weights.reshape({B * heads_, T, S}), OfHeads(seen.value));  // (BH,T,d)
+  return out_proj->forward(context.transpose(0, 1).reshape({T, B, width_}));
 }
 
 Tensor AttentionImpl::Next(const Tensor& x, Seen& seen) {

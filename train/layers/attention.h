@@ -6,6 +6,11 @@
 
 namespace mocurate {
 
+/// Entries (S,B,E) that attention sees as if each stood there `count` (B,S) times, 0 included.
+struct RepeatedMemory {
+  torch::Tensor entries, count;
+};
+
 /// Multi-head attention (Vaswani et al. 2017) with PyTorch's parameter names: in_proj_weight (3E,E), in_proj_bias (3E),
 /// out_proj. Sequences come first: (T,B,E).
 struct AttentionImpl : torch::nn::Module {
@@ -14,7 +19,7 @@ struct AttentionImpl : torch::nn::Module {
   /// `x` (T,B,E) attends to itself. `padded` (B,T) bool, or undefined; `causal`: to itself and what is before it.
   torch::Tensor ToItself(const torch::Tensor& x, const torch::Tensor& padded, bool causal, Dropout& dropout);
 
-  /// /// Keys and values of entries, (S,B,E) each.
+  /// Keys and values of entries, (S,B,E) each.
   struct Seen {
     torch::Tensor key, value;
   };
@@ -22,6 +27,10 @@ struct AttentionImpl : torch::nn::Module {
   /// `x` (T,B,E) attends to `memory` (S,B,E), but for entries that are `padded` (B,S). With one entry its weight is 1:
   /// no query and no key is needed, and dropout zeroes a head at a frame (a2m_actor.md C.2).
   torch::Tensor To(const torch::Tensor& memory, const torch::Tensor& x, const torch::Tensor& padded, Dropout& dropout);
+
+  /// `x` (T,B,E) attends to repeated entries: one key and value each, their scores higher by log(count). Dropout leaves
+  /// out single copies, as of a memory that holds them all.
+  torch::Tensor ToRepeated(const RepeatedMemory& memory, const torch::Tensor& x, Dropout& dropout);
 
   /// The memory's keys and values, and what `x` reads of them, without dropout.
   Seen Remember(const torch::Tensor& memory) const;
@@ -37,6 +46,7 @@ struct AttentionImpl : torch::nn::Module {
   torch::Tensor Project(const torch::Tensor& x, std::int64_t part, std::int64_t count) const;
   torch::Tensor Weighted(const torch::Tensor& query, const torch::Tensor& key, const torch::Tensor& value,
                          const torch::Tensor& hidden, Dropout& dropout);
+  torch::Tensor OfHeads(const torch::Tensor& x) const;
   std::int64_t width_, heads_;
 };
 TORCH_MODULE(Attention);

@@ -36,7 +36,7 @@ struct Masked : torch::autograd::Function<Masked> {
 }  // namespace
 
 Tensor Dropout::operator()(const Tensor& x) {
-  if (draws_ == nullptr || rate_ <= 0.0) return x;
+  if (!active()) return x;
   const auto dropped = static_cast<std::uint32_t>(std::lround(rate_ * 65536.0));
   const Tensor kept = torch::empty(x.sizes(), torch::kUInt8);
   FillKept(draws_->Key("dropout/" + std::to_string(calls_++)), x.numel(), dropped, kept.data_ptr<std::uint8_t>());

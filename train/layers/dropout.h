@@ -14,6 +14,7 @@ class Dropout {
   Dropout() = default;
   Dropout(const Draws& draws, double rate) : draws_(&draws), rate_(rate) {}
 
+  bool active() const { return draws_ != nullptr && rate_ > 0.0; }
   torch::Tensor operator()(const torch::Tensor& x);
 
  private:

@@ -1,5 +1,7 @@
 #include "train/layers/rotations.h"
 
+#include <cmath>
+
 #include "core/geometry/rotation.h"
 
 namespace mocurate {
@@ -41,7 +43,48 @@ Tensor OfRotationVector(const Tensor& v) {
   return OfQuaternion(torch::cat({torch::where(small, 1.0 - square / 8.0, half.cos()), v * factor}, -1));
 }
 
+using RowMatrix = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+
+/// w = log R; with R' = R exp([d]) w' = w + Jr(w)^-1 d, Jr^-1 = 1 + [w]/2 + c [w]^2, c = 1/a^2 - cot(a/2)/(2 a).
+struct RotationVectors : torch::autograd::Function<RotationVectors> {
+  static Tensor forward(torch::autograd::AutogradContext* context, const Tensor& matrices) {
+    const Tensor dense = matrices.to(torch::kCPU).contiguous();
+    std::vector<std::int64_t> shape = matrices.sizes().vec();
+    shape.pop_back();
+    const Tensor vectors = torch::empty(shape);
+    const std::int64_t count = vectors.numel() / 3;
+    for (std::int64_t i = 0; i < count; ++i) {
+      const Matrix3d matrix = Eigen::Map<const RowMatrix>(dense.data_ptr<float>() + 9 * i).cast<double>();
+      Eigen::Map<Eigen::Vector3f> vector(vectors.data_ptr<float>() + 3 * i);
+      vector = LogMatrix(matrix).cast<float>();
+    }
+    context->save_for_backward({dense, vectors});
+    return vectors.to(matrices.device());
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 torch::autograd::variable_list gradient) {
+    const auto saved = context->get_saved_variables();
+    const Tensor by_vector = gradient[0].to(torch::kCPU).contiguous();
+    const Tensor result = torch::empty_like(saved[0]);
+    for (std::int64_t i = 0; i < by_vector.numel() / 3; ++i) {
+      const Eigen::Vector3f w = Eigen::Map<const Eigen::Vector3f>(saved[1].data_ptr<float>() + 3 * i);
+      const Eigen::Vector3f g = Eigen::Map<const Eigen::Vector3f>(by_vector.data_ptr<float>() + 3 * i);
+      const float angle = w.norm();
+      const float c = angle < 1e-2f ? 1.0f / 12.0f : 1.0f / (angle * angle) - 0.5f / (angle * std::tan(0.5f * angle));
+      const Eigen::Vector3f h = g - 0.5f * w.cross(g) + c * w.cross(w.cross(g));
+      RowMatrix hat;
+      hat << 0.0f, -h.z(), h.y(), h.z(), 0.0f, -h.x(), -h.y(), h.x(), 0.0f;
+      Eigen::Map<RowMatrix> by_matrix(result.data_ptr<float>() + 9 * i);
+      by_matrix = 0.5f * Eigen::Map<const RowMatrix>(saved[0].data_ptr<float>() + 9 * i) * hat;
+    }
+    return {result.to(gradient[0].device())};
+  }
+};
+
 }  // namespace
+
+Tensor RotationVectorsOf(const Tensor& matrices) { return RotationVectors::apply(matrices); }
 
 std::int64_t WidthOf(PoseChoice pose) {
   switch (pose) {

@@ -13,6 +13,10 @@ torch::Tensor MatricesOf(const torch::Tensor& numbers, PoseChoice pose);
 /// The numbers of rotation matrices; not differentiable for quaternions and rotation vectors.
 torch::Tensor NumbersOf(const torch::Tensor& matrices, PoseChoice pose);
 
+/// Rotation vectors (...,3) of rotation matrices (...,3,3), differentiable; angles in [0, pi]. The gradient is that of
+/// changes which keep a matrix a rotation.
+torch::Tensor RotationVectorsOf(const torch::Tensor& matrices);
+
 /// Numbers of a joint's row.
 std::int64_t WidthOf(PoseChoice pose);
 

@@ -29,8 +29,17 @@ TransformerLayerImpl::TransformerLayerImpl(const TransformerSizes& sizes, bool d
 Tensor TransformerLayerImpl::forward(Tensor x, const Tensor& padded, const Tensor& memory, Dropout& dropout) {
   x = norm1->forward(x + dropout(self_attn->ToItself(x, padded, false, dropout)));
   if (multihead_attn) x = norm2->forward(x + dropout(multihead_attn->To(memory, x, Tensor(), dropout)));
-  const Tensor between = dropout(torch::gelu(linear1->forward(x)));  // (T,B,F)
-  return (multihead_attn ? norm3 : norm2)->forward(x + dropout(linear2->forward(between)));
+  return (multihead_attn ? norm3 : norm2)->forward(x + Between(x, dropout));
+}
+
+Tensor TransformerLayerImpl::Causal(Tensor x, const Tensor& padded, const RepeatedMemory& memory, Dropout& dropout) {
+  x = norm1->forward(x + dropout(self_attn->ToItself(x, padded, true, dropout)));
+  x = norm2->forward(x + dropout(multihead_attn->ToRepeated(memory, x, dropout)));
+  return norm3->forward(x + Between(x, dropout));
+}
+
+Tensor TransformerLayerImpl::Between(const Tensor& x, Dropout& dropout) {
+  return dropout(linear2->forward(dropout(torch::gelu(linear1->forward(x)))));  // (T,B,F) inside
 }
 
 TransformerStackImpl::TransformerStackImpl(const TransformerSizes& sizes, bool decodes) {

@@ -25,10 +25,15 @@ struct TransformerLayerImpl : torch::nn::Module {
   TransformerLayerImpl(const TransformerSizes& sizes, bool decodes);
   /// `x` (T,B,E), `padded` (B,T) bool or undefined; `memory` (S,B,E) of decoders.
   torch::Tensor forward(torch::Tensor x, const torch::Tensor& padded, const torch::Tensor& memory, Dropout& dropout);
+  /// A decoder's whose frames see themselves and those before them, and repeated entries as memory.
+  torch::Tensor Causal(torch::Tensor x, const torch::Tensor& padded, const RepeatedMemory& memory, Dropout& dropout);
 
   Attention self_attn{nullptr}, multihead_attn{nullptr};
   torch::nn::Linear linear1{nullptr}, linear2{nullptr};
   torch::nn::LayerNorm norm1{nullptr}, norm2{nullptr}, norm3{nullptr};
+
+ private:
+  torch::Tensor Between(const torch::Tensor& x, Dropout& dropout);
 };
 TORCH_MODULE(TransformerLayer);
 

@@ -7,6 +7,7 @@
 #include "train/networks/actor.h"
 #include "train/networks/cond_gru.h"
 #include "train/networks/gru_recogniser.h"
+#include "train/networks/macvae.h"
 #include "train/networks/st_gcn.h"
 #include "train/networks/two_stage_gan.h"
 
@@ -34,6 +35,8 @@ std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const Networ
       return std::make_shared<Actor>(options.actor, options.learning, options.data, sizes);
     case NetworkKind::kStGcn:
       return std::make_shared<StGcn>(options.st_gcn, options.learning, sizes);
+    case NetworkKind::kMacvae:
+      return std::make_shared<Macvae>(options.macvae, options.learning, options.data, sizes);
   }
   return nullptr;
 }

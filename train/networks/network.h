@@ -24,6 +24,7 @@ struct NetworkSizes {
   std::vector<int> parents;           ///< (J) of the tree; -1 for the root
   std::vector<Vector3d> rest_offset;  ///< (J) metres, of a usual person
   std::shared_ptr<const Skin> skin;   ///< null: only the tree
+  std::int64_t words = 0;             ///< labels of segments, where a network learns from them
 
   std::int64_t pose() const { return 3 * static_cast<std::int64_t>(joints); }
 };
@@ -37,6 +38,8 @@ struct Batch {
   torch::Tensor valid = {};     ///< (T,B) bool: frames that are no padding; undefined: all
   std::int64_t whole_frames = 0;  ///< valid frames of the whole batch
   torch::Tensor features = {};  ///< (T,B,F) frames as the network reads them, in the place of the others; or undefined
+  torch::Tensor parts = {};     ///< (B,3) int64 frames of previous action, transition and action; or undefined
+  torch::Tensor word = {};      ///< (B,3) int64 their labels, in the vocabulary of the set
 
   std::int64_t frames() const { return features.defined() ? features.size(0) : motion.size(0); }
   std::int64_t size() const { return label.size(0); }
@@ -66,6 +69,9 @@ struct RequestBatch {
   int frames = 60;
   torch::Tensor bone_length;  ///< (B,J) metres, 0 for the root
   torch::Tensor first_pose;   ///< (B,D) metres, root at the origin; undefined where requests give none
+  /// Of networks that continue a motion: frames and words of its three parts as in Batch, and the previous motion in
+  /// the frame in which the network learned, (P,B,J,3,3) and (P,B,3), padded.
+  torch::Tensor parts = {}, word = {}, previous_rotation = {}, previous_place = {};
 };
 
 /// What a network answers.

@@ -20,6 +20,7 @@ NetworkSizes SizesOfTraced(const TracedNetwork& traced) {
   sizes.chains = traced.chains;
   sizes.parents = traced.parents;
   sizes.rest_offset = traced.rest_offset;
+  sizes.words = traced.words;
   return sizes;
 }
 
@@ -62,6 +63,10 @@ Expected<StepTrace> TraceStep(const TracedNetwork& traced, const TraceBatch& giv
     const Tensor length = LabelsOf(given.length).unsqueeze(0);  // (1,B)
     batch.valid = torch::arange(given.frames).unsqueeze(1) < length;
     batch.whole_frames = length.sum().item<std::int64_t>();
+  }
+  if (!given.parts.empty()) {
+    batch.parts = LabelsOf(given.parts).view({batch.whole, 3});
+    batch.word = LabelsOf(given.word).view({batch.whole, 3});
   }
   const std::vector<Tensor>& parameters = optimisers.group(given.phase).parameters;
   StepTrace trace;
@@ -135,8 +140,12 @@ std::vector<std::pair<std::string, std::vector<std::int64_t>>> ShapesOf(const Tr
   return shapes;
 }
 
+ParameterList InitialValues(const TracedNetwork& traced) {
+  return ValuesOf(*MakeNetwork(traced.options, SizesOfTraced(traced)));
+}
+
 std::map<std::string, std::int64_t> CountOfParts(const TracedNetwork& traced) {
-  return CountByPart(ValuesOf(*MakeNetwork(traced.options, SizesOfTraced(traced))));
+  return CountByPart(InitialValues(traced));
 }
 
 }  // namespace mocurate

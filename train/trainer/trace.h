@@ -20,6 +20,7 @@ struct TracedNetwork {
   LieChains chains;
   std::vector<int> parents;           ///< (J)
   std::vector<Vector3d> rest_offset;  ///< (J)
+  int words = 0;                      ///< of the vocabulary, where a network learns from segments
   ParameterList weights;              ///< by name; those that are missing keep their initial values
 };
 
@@ -33,6 +34,7 @@ struct TraceBatch {
   std::vector<float> features;     ///< (T,B,F) frames as the network reads them; or empty
   std::vector<int> length;         ///< (B) valid frames; empty: all
   std::vector<int> label;          ///< (B)
+  std::vector<int> parts, word;    ///< (B,3) frames and labels of the segments; or empty
   std::vector<TraceValues> draws;  ///< of each step, by purpose: as many steps are taken
   int phase = 0;
 };
@@ -62,6 +64,9 @@ Expected<TraceValues> TraceAnswer(const TracedNetwork& network, const std::vecto
 
 /// Names and shapes of the parameters, in the order in which they are registered.
 std::vector<std::pair<std::string, std::vector<std::int64_t>>> ShapesOf(const TracedNetwork& network);
+
+/// Values of parameters and statistics before the first step.
+ParameterList InitialValues(const TracedNetwork& network);
 
 /// Number of learned values by the first part of their names ("prior", "decoder", ...).
 std::map<std::string, std::int64_t> CountOfParts(const TracedNetwork& network);
