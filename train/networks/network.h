@@ -72,6 +72,8 @@ struct RequestBatch {
   /// Of networks that continue a motion: frames and words of its three parts as in Batch, and the previous motion in
   /// the frame in which the network learned, (P,B,J,3,3) and (P,B,3), padded.
   torch::Tensor parts = {}, word = {}, previous_rotation = {}, previous_place = {};
+  /// Of networks that fill a transition: the action that follows, in the same frame, (N,B,J,3,3) and (N,B,3), padded.
+  torch::Tensor next_rotation = {}, next_place = {};
 };
 
 /// What a network answers.
