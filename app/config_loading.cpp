@@ -173,8 +173,7 @@ std::filesystem::path FindBody() {
 
 Status ResolveNetworks(JobOptions& job) {
   for (NetworkOptions& network : job.train.networks) {
-    ActorOptions& actor = network.actor;
-    if (network.kind == NetworkKind::kActor && actor.vertex_weight > 0.0 && actor.body.empty()) actor.body = FindBody();
+    if (network.NeedsBody() && network.body().empty()) network.body() = FindBody();
   }
   return CheckNetworks(job.train, job.assemble.splits.empty() ? "" : job.assemble.splits.front().name);
 }

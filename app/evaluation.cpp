@@ -42,6 +42,7 @@ class EvaluationRun {
     options.generated = generated;
     options.part = part;
     options.split = evaluation_.split;
+    options.clip_part = evaluation_.part;
     options.hidden = evaluation_.draw.hidden;
     options.crop = evaluation_.draw.crop;
     if (!PassesDiffer() && !generator) return options;  // one pass, from which the stage score draws
@@ -65,9 +66,11 @@ class EvaluationRun {
     if (const fs::path skeleton = evaluation_.extractor.skeleton; fs::is_regular_file(skeleton, unknown)) {
       item.inputs.push_back({"skeleton", skeleton.filename().string(), skeleton, ""});
     }
-    if (set.generator) {
-      item.inputs.push_back(*set.generator);
-      item.inputs.back().role = "generator";
+    for (const auto& [role, network] :
+         {std::pair("generator", &set.generator), std::pair("first", &set.first), std::pair("fill", &set.fill)}) {
+      if (!*network) continue;
+      item.inputs.push_back(**network);
+      item.inputs.back().role = role;
     }
     items.push_back(std::move(item));
     keys_.push_back(key);
@@ -86,9 +89,14 @@ class EvaluationRun {
       }
     }
     for (const ScoredSet& row : evaluation_.rows) {
-      const RealPart part = row.generator ? evaluation_.real_part : RealPart::kAll;
+      const RealPart asked = evaluation_.requests_of_test ? RealPart::kTest : evaluation_.real_part;
+      const RealPart part = row.generator ? asked : RealPart::kAll;
       FeaturesOptions options = OptionsOf("generated", true, row.generator.has_value(), part);
       options.frames = row.frames;
+      options.script = row.script;
+      options.steps = row.steps;
+      options.step = row.step;
+      options.align = row.align;
       AddItem(row.name, options, row, items);
     }
     const auto report = runs_.Run(FeaturesDeclaration(), std::move(items));
@@ -274,7 +282,8 @@ class EvaluationRun {
     for (std::size_t i = 0; i < evaluation_.rows.size(); ++i) {
       for (std::size_t j = i + 1; j < evaluation_.rows.size(); ++j) {
         const std::string &a = evaluation_.rows[i].name, &b = evaluation_.rows[j].name;
-        const bool alike = evaluation_.rows[i].frames == evaluation_.rows[j].frames;  // of one duration
+        const ScoredSet &one = evaluation_.rows[i], &other = evaluation_.rows[j];
+        const bool alike = one.frames == other.frames && one.step == other.step;  // of one duration, of one step
         if (!alike || features_.count(a) == 0 || features_.count(b) == 0) continue;
         ScoreOptions options = OptionsOfScore("");
         options.fresh = HasGenerator(a) && HasGenerator(b);

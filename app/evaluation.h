@@ -18,6 +18,11 @@ struct ScoredSet {
   std::optional<StageInput> generator;
   bool bare_array = false;  ///< taken in the extractor's frame, unit, joints and rate
   std::int64_t frames = 0;  ///< that are asked of the generator; 0: as many as the extractor reads
+  // Of generators that answer scripts (MultiAct): what they are asked, which step is scored, who else answers.
+  ScriptDraw script = ScriptDraw::kNone;
+  std::int64_t steps = 1, step = 1;
+  bool align = false;
+  std::optional<StageInput> first = {}, fill = {};
 };
 
 /// What is scored, and how.
@@ -29,6 +34,8 @@ struct Evaluation {
   std::map<std::string, std::string> equivalent;
   std::int64_t seed = 1;
   RealPart real_part = RealPart::kAll;
+  bool requests_of_test = false;  ///< what generators are asked is drawn from the test part, not from `real_part`
+  ClipPart part = ClipPart::kWhole;
   std::string split;
   std::int64_t protocol_motions = 0;  ///< that the paper scores; 0: no paper's protocol
   bool test_reference = false;        ///< the training part is FID_train's reference, the test part FID_test's

@@ -59,7 +59,7 @@ Status CheckTraining(const TrainOptions& options) {
     const std::pair<const char*, const std::filesystem::path*> files[] = {
         {"weights", &options.networks[i].learning.weights},
         {"start_from", &options.networks[i].learning.start_from},
-        {"body", &options.networks[i].actor.body}};
+        {"body", &options.networks[i].body()}};
     for (const auto& [option, file] : files) {
       std::error_code unknown;
       if (file->empty() || std::filesystem::is_regular_file(*file, unknown)) continue;
@@ -90,6 +90,56 @@ Status CheckDurations(const JobOptions& options) {
     if (one_length && (durations.size() > 1 || durations[0] != static_cast<double>(network.data.frames))) {
       return refused("'" + network.name + "' gives " + Counted(network.data.frames, "frame") + " and no other duration",
                      "leave the network out, or the other durations");
+    }
+  }
+  return {};
+}
+
+/// Rows that answer scripts name networks of the job, of kinds that can answer them.
+Status CheckScriptRows(const JobOptions& options) {
+  const auto named = [&](const std::string& name) -> const NetworkOptions* {
+    for (const NetworkOptions& network : options.train.networks) {
+      if (network.enabled && network.name == name) return &network;
+    }
+    return nullptr;
+  };
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < options.evaluate.rows.size(); ++i) {
+    const ScriptRowOptions& row = options.evaluate.rows[i];
+    const std::string where = "evaluate.rows[" + std::to_string(i) + "]";
+    const auto refused = [&](const char* option, const std::string& what, const char* hint) {
+      return Fail(ErrorCode::kConfig, what, where + option, hint);
+    };
+    if (row.name.empty() || !seen.insert(row.name).second) {
+      return refused(".name", "'" + row.name + "' is empty or stands there twice", "give each row a name of its own");
+    }
+    const NetworkOptions *main = named(row.network), *first = named(row.first), *fill = named(row.fill);
+    const bool continues = main != nullptr && main->kind == NetworkKind::kMacvae;
+    const bool joins = main != nullptr && main->kind == NetworkKind::kActor && main->actor.NeedsRotations();
+    if (!continues && !joins) {
+      return refused(".network", "'" + row.network + "' is no macvae and no actor of rotations that is trained",
+                     "name one of train.networks");
+    }
+    const bool none = row.script == ScriptDraw::kNone;
+    if (continues && none) return refused(".script", "a macvae answers scripts alone", "set script: after_sample");
+    if (joins && row.script == ScriptDraw::kAfterSample) {
+      return refused(".script", "an actor does not continue a sample", "set script: after_generated, chain or none");
+    }
+    const bool needs_first = continues && row.script != ScriptDraw::kAfterSample;
+    if (needs_first != (first != nullptr && first->kind == NetworkKind::kActor)) {
+      return refused(".first", needs_first ? "nothing makes the first action" : "no first action is made",
+                     needs_first ? "name an actor of train.networks" : "leave it out");
+    }
+    if (!row.fill.empty() && (!joins || fill == nullptr || fill->kind != NetworkKind::kSsmct)) {
+      return refused(".fill", "'" + row.fill + "' fills no transitions of joined motions",
+                     "name an ssmct of train.networks, for an actor");
+    }
+    if (row.align && !joins) return refused(".align", "a macvae continues motions where they end", "leave it out");
+    if (row.steps > 1 && row.script != ScriptDraw::kChain) {
+      return refused(".steps", "only a chain has several", "set script: chain");
+    }
+    if (none && options.evaluate.part == ClipPart::kTransition) {
+      return refused(".script", "a single action has no transition", "set script: after_generated or chain");
     }
   }
   return {};
@@ -197,6 +247,7 @@ Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status actions = CheckIngestActions(options.ingest); !actions) return actions;
   if (Status training = CheckTraining(options.train); !training && last >= JobStage::kTrain) return training;
   if (Status durations = CheckDurations(options); !durations) return durations;
+  if (Status rows = CheckScriptRows(options); !rows) return rows;
   if (Status method = CheckMethod(options, last); !method) return method;
   return CheckSplitNames(options, last);
 }

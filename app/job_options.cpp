@@ -21,6 +21,7 @@ void DataSetOptions::Declare(OptionVisitor& v) {
   v.Path("path", path, "your copy of the set (--data NAME=PATH); empty: the substitute");
   v.Text("substitute", substitute,
          "layout of `mocurate synthesize` in which a stand-in is written where path is empty");
+  v.Text("substitute_job", substitute_job, "config that makes the stand-in's dataset, where `job` does not");
   v.Text("published", published, "name of the set in the published tables");
   v.Texts("networks", networks,
           "options of the networks for this set: NETWORK.OPTION=VALUE, or OPTION=VALUE of all of them");
@@ -71,6 +72,7 @@ Status ResolveDataSets(std::vector<DataSetOptions>& sets) {
     if (set.job.empty()) set.job = found->job;
     if (set.path.empty()) set.path = found->path;
     if (set.substitute.empty()) set.substitute = found->substitute;
+    if (set.substitute_job.empty()) set.substitute_job = found->substitute_job;
     set.networks.insert(set.networks.begin(), found->networks.begin(), found->networks.end());
     set.evaluate.insert(set.evaluate.begin(), found->evaluate.begin(), found->evaluate.end());
   }

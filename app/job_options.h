@@ -29,6 +29,7 @@ struct DataSetOptions {
   std::string name;                   ///< of its folder and its part of the table
   std::string job;                    ///< config that makes its dataset: a name of configs/ or a file
   std::filesystem::path path;         ///< the user's copy; empty: the substitute
+  std::string substitute_job;         ///< config that makes the stand-in's dataset; empty: `job`
   std::string substitute;             ///< layout in which the studio writes a stand-in; empty: none
   std::string published;              ///< the set as published tables name it; empty: none
   std::string like;                   ///< name of a set before it whose data, job and options it takes; empty: none

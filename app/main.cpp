@@ -264,6 +264,29 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
       ->add_option("--interpolate", arguments->interpolate,
                    "for each motion that is asked for, so many on the way between two latents (kind actor)")
       ->check(CLI::Range(2, 100000));
+  generate
+      ->add_option("--script", arguments->scripts,
+                   "actions one after the other, a motion: throw,catch:30,throw (ACTION:FRAMES), a name of "
+                   "configs/scripts, or a YAML file; may be repeated (kind macvae, or actor with joined motions)")
+      ->allow_extra_args(false);
+  generate->add_option("--count", arguments->count, "motions of each script")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  generate
+      ->add_option("--transition-frames", arguments->transition_frames,
+                   "of all transitions (default: those of the script, else usual ones of the training set)")
+      ->check(CLI::Range(1, 100000));
+  generate->add_option("--first", arguments->first,
+                       "checkpoint of an actor, which makes the first action where the network continues motions");
+  generate->add_option("--previous", arguments->previous,
+                       "dataset whose motions the scripts continue in the place of a first action that is made");
+  generate->add_option("--previous-clip", arguments->previous_clip,
+                       "id of the motion in it (default: drawn by --seed)");
+  generate->add_option(
+      "--fill", arguments->fill,
+      "checkpoint of an ssmct, which fills transitions between an actor's motions (default: linearly)");
+  generate->add_flag("--align", arguments->align,
+                     "turn and move each of an actor's motions to where the one before ends");
   generate->add_option("--denoise", arguments->denoise,
                        "dataset whose clips are encoded and decoded, with their labels and lengths (kind actor)");
   generate->add_option("--seed", arguments->seed, "of the noise: the same seed, the same motions")
@@ -291,6 +314,8 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
       "  mocurate generate ACTOR_1.h5 --label walk --interpolate 9 -o between.h5\n"
       "  mocurate generate ACTOR_1.h5 --denoise runs/demo/dataset.h5 -o denoised.h5\n"
       "  mocurate generate ACTOR_1.h5 --label walk --mesh meshes --shapes 3 --body body_cc0.h5 -o walk.h5\n"
+      "  mocurate generate MACVAE_1.h5 --first ACTOR_1.h5 --script throw,catch:30,throw -o long.h5\n"
+      "  mocurate generate MACVAE_1.h5 --previous dataset.h5 --script throw_catch --count 10 -o continued.h5\n"
       "  mocurate eval --protocol own --run runs/demo --generated made.h5");
   generate->callback(
       [&common, &verb, arguments] { verb = [&common, arguments] { return GenerateVerb(common, *arguments); }; });

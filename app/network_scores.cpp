@@ -30,6 +30,46 @@ ExtractorOptions OwnExtractor(const NetworkOptions& network) {
   return extractor;
 }
 
+/// The network of that name with the seed of another one, else its first; nothing where there is none.
+std::optional<StageInput> PartnerOf(const std::string& name, const TrainedNetwork& of,
+                                    const std::vector<TrainedNetwork>& networks, const JobOptions& options) {
+  const auto seed = [](const TrainedNetwork& network) {
+    const std::string& item = network.checkpoint.name;
+    return item.substr(item.rfind('/') + 1);
+  };
+  const TrainedNetwork* found = nullptr;
+  for (const TrainedNetwork& network : networks) {
+    if (NetworkOf(options, network).name != name || seed(network).find('@') != std::string::npos) continue;
+    if (found == nullptr || seed(network) == seed(of).substr(0, seed(of).find('@'))) found = &network;
+  }
+  if (found == nullptr) return std::nullopt;
+  return found->checkpoint;
+}
+
+/// Rows of a network: what `evaluate.rows` ask of it, a row for each step of a chain.
+std::vector<ScoredSet> ScriptRows(const TrainedNetwork& network, const std::vector<TrainedNetwork>& networks,
+                                  const JobOptions& options, const StageInput& motions) {
+  std::vector<ScoredSet> rows;
+  const std::string& name = NetworkOf(options, network).name;
+  for (const ScriptRowOptions& asked : options.evaluate.rows) {
+    if (asked.network != name) continue;
+    ScoredSet row{asked.name + network.row.substr(name.size()), motions, network.checkpoint};
+    row.script = asked.script;
+    row.align = asked.align;
+    row.steps = asked.steps;
+    row.first = PartnerOf(asked.first, network, networks, options);
+    row.fill = PartnerOf(asked.fill, network, networks, options);
+    const bool whole = asked.first.empty() == !row.first && asked.fill.empty() == !row.fill;
+    if (!whole) LogWarning("no row '" + row.name + "': '" + asked.first + asked.fill + "' is not trained");
+    const std::string base = row.name;
+    for (row.step = 1; whole && row.step <= asked.steps; ++row.step) {
+      if (asked.steps > 1) row.name = base + ", step " + std::to_string(row.step);
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
 /// One recogniser on one set of test clips.
 struct Reading {
   const TrainedNetwork* network = nullptr;
@@ -114,6 +154,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
     features.crop = CropDraw::kReleased;  // as it was trained; of no weight where whole clips are read
     features.seed = options.evaluate.seed;
     features.purpose = "recognisers";
+    features.clip_part = own.data.part;
     features.split = options.evaluate.split.empty() ? own.data.split : options.evaluate.split;
     const bool unfitted = own.trained_on == TrainingSetChoice::kUnfitted;
     const auto add = [&](const std::string& item, const ItemResult& motions, bool denoised) {
@@ -181,7 +222,14 @@ Expected<nlohmann::json> PublishedOfTable(const EvaluateOptions& evaluate) {
   nlohmann::json of_table = nlohmann::json::array();
   for (const nlohmann::json& value : *published) {
     const bool meant = evaluate.table.empty() || value.at("table") == evaluate.table;
-    if (value.at("paper") == evaluate.paper && meant) of_table.push_back(value);
+    if (value.at("paper") != evaluate.paper || !meant) continue;
+    of_table.push_back(value);
+    // Of a table of transitions alone; ours scores one part.
+    const std::string metric = value.at("metric").get<std::string>(), of_transition = "_transition";
+    const std::size_t end = metric.size() - std::min(metric.size(), of_transition.size());
+    if (evaluate.part == ClipPart::kTransition && metric.substr(end) == of_transition) {
+      of_table.back()["metric"] = metric.substr(0, end);
+    }
   }
   return of_table;
 }
@@ -217,12 +265,35 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
   evaluation.real_part = evaluate.test_reference ? RealPart::kTrain : evaluate.real;
   evaluation.test_reference = evaluate.test_reference;
   evaluation.split = evaluate.split;
+  evaluation.part = evaluate.part;
+  evaluation.requests_of_test = evaluate.requests_of_test;
+  if (!evaluate.protocol.empty()) {
+    const auto protocol = LoadProtocol(evaluate.protocol, {});
+    if (!protocol) return Forward(protocol);
+    evaluation.equivalent = protocol->equivalent;
+    evaluation.metrics.divisor = protocol->metrics.divisor;
+  }
   const StageInput motions = InputFrom("motions", dataset);
   evaluation.real = ScoredSet{"Real", motions, std::nullopt};
   std::map<std::string, std::pair<std::string, std::int64_t>> asked;  // by row: of which network, how many frames
   const std::vector<double> durations = evaluate.durations.empty() ? std::vector<double>{0.0} : evaluate.durations;
   for (const TrainedNetwork& network : networks) {
     if (!generates(network)) continue;
+    if (!evaluate.rows.empty()) {
+      for (ScoredSet& row : ScriptRows(network, networks, options, motions)) {
+        asked[row.name] = {network.row, 0};
+        evaluation.rows.push_back(std::move(row));
+      }
+      continue;
+    }
+    const NetworkOptions& own = NetworkOf(options, network);
+    if (own.kind == NetworkKind::kSsmct) continue;  // it makes no actions
+    if (own.kind == NetworkKind::kMacvae) {
+      evaluation.rows.push_back({network.row, motions, network.checkpoint});
+      evaluation.rows.back().script = ScriptDraw::kAfterSample;
+      asked[network.row] = {network.row, 0};
+      continue;
+    }
     for (const double duration : durations) {
       const auto frames = static_cast<std::int64_t>(duration);
       const std::string row = network.row + (frames > 0 ? ", " + Counted(frames, "frame") : "");

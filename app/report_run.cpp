@@ -8,7 +8,9 @@
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/motion/action_parts.h"
 #include "core/motion/request.h"
+#include "core/store/dataset_clips.h"
 #include "train/options.h"
 
 namespace mocurate {
@@ -203,6 +205,30 @@ Status WriteClipPages(const ReportedRun& run, StageRuns& runs, RunOutputs& outpu
   return {};
 }
 
+/// Requests of a network that continues motions: for each class one sample of it, transition and action again.
+Expected<std::vector<MotionRequest>> ContinuedSamples(const ItemResult& dataset) {
+  const auto clips = DatasetClips::Open(dataset.artifact, DatasetClips::Check::kNone);
+  if (!clips) return Forward(clips);
+  std::vector<MotionRequest> requests;
+  for (std::size_t label = 0; label < clips->labels().size(); ++label) {
+    for (std::size_t row = 0; row < clips->size(); ++row) {
+      if (clips->Label(row) != clips->labels()[label]) continue;
+      const auto clip = clips->Read(row);
+      if (!clip) return Forward(clip);
+      const auto parts = PartsOf(*clip);
+      if (!parts) return Forward(parts);
+      MotionRequest request;
+      request.frames = parts->frames[0];
+      request.seed = label + 1;
+      request.script = {{static_cast<int>(label), parts->frames[1], parts->frames[2]}};
+      request.previous_clip = clip->id();
+      requests.push_back(std::move(request));
+      break;
+    }
+  }
+  return requests;
+}
+
 /// A motion of each class by the first seed of each generator, as inputs "generated" of the report. One that fails
 /// costs its strips, not the page.
 Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, JobResult& result) {
@@ -214,10 +240,16 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
     const NetworkOptions& options = run.options.train.networks[network.network];
     const bool seen = std::find(names.begin(), names.end(), options.name) != names.end();
     const bool sample = network.checkpoint.name.find('@') != std::string::npos;
-    if (!GeneratesMotions(options.kind) || sample || seen) continue;
+    if (!GeneratesMotions(options.kind) || options.kind == NetworkKind::kSsmct || sample || seen) continue;
     std::vector<MotionRequest> requests;
+    const bool continues = options.kind == NetworkKind::kMacvae;
+    if (continues) {
+      auto asked = ContinuedSamples(run.dataset);
+      if (!asked) return Forward(asked);
+      requests = std::move(*asked);
+    }
     const int classes = result.training.at(network.checkpoint.name).at("classes").get<int>();
-    for (int label = 0; label < classes; ++label) {
+    for (int label = 0; !continues && label < classes; ++label) {
       MotionRequest request;
       request.label = label;
       request.frames = static_cast<int>(options.data.frames);
@@ -230,6 +262,7 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
     generator.role = "generator";
     items.push_back({"generated/" + options.name, nlohmann::json::object(), {generator}});
     items.back().inputs.push_back({"requests", "requests", file, ""});
+    if (continues) items.back().inputs.push_back(InputFrom("previous", run.dataset));
     names.push_back(options.name);
   }
   if (items.empty()) return {};

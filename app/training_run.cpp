@@ -47,7 +47,7 @@ class TrainingRun {
       const std::pair<const char*, const std::filesystem::path*> files[] = {
           {"weights", &network.learning.weights},
           {"start_from", &network.learning.start_from},
-          {"body", &network.actor.body}};
+          {"body", &network.body()}};
       for (const auto& [role, file] : files) {
         if (file->empty()) continue;
         const Expected<std::string> sha256 = Sha256OfFile(*file);

@@ -281,6 +281,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   evaluation.protocol_motions = plan->protocol.released.motions;
   evaluation.test_reference = plan->protocol.test_reference;
   evaluation.split = plan->protocol.split;
+  evaluation.part = plan->protocol.part;
   for (const auto& [named, files] : sets) {
     const auto set = read->sets.find(named.name);
     if (set == read->sets.end()) continue;

@@ -7,6 +7,7 @@
 #include "app/blas_kernels.h"
 #include "app/config_loading.h"
 #include "app/mesh_files.h"
+#include "app/motion_scripts.h"
 #include "app/run_outputs.h"
 #include "app/scratch_folder.h"
 #include "app/stage_runs.h"
@@ -16,6 +17,7 @@
 #include "core/base/text.h"
 #include "core/motion/limbs.h"
 #include "core/motion/request.h"
+#include "core/store/dataset_clips.h"
 #include "core/store/store.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/options.h"
@@ -141,6 +143,7 @@ Expected<std::vector<double>> BoneLengthsOf(const GenerateArguments& arguments, 
   if (arguments.scale.empty() && arguments.bone_lengths.empty()) return std::vector<double>();
   const bool lays_out = (options.kind == NetworkKind::kAction2Motion && options.action2motion.lie) ||
                         (options.kind == NetworkKind::kActMoCoGan && options.act_mocogan.lie) ||
+                        options.kind == NetworkKind::kMacvae ||
                         (options.kind == NetworkKind::kActor && options.actor.NeedsRotations());
   if (!lays_out) {
     return Fail(ErrorCode::kUsage, "the network generates positions: it has no rotations to lay other bones out with",
@@ -236,6 +239,82 @@ Expected<std::vector<MotionRequest>> RequestsOf(const GenerateArguments& argumen
   return requests;
 }
 
+/// Requests of scripts, and what else the item reads for them.
+Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arguments, const Checkpoint& checkpoint,
+                                                    const NetworkOptions& options, ItemSpec& item) {
+  const bool others =
+      !arguments.labels.empty() || arguments.interpolate > 0 || !arguments.frames.empty() || !arguments.mesh.empty();
+  if (others) {
+    return Fail(ErrorCode::kUsage, "a script says which actions there are and how long", "--script",
+                "leave out --label, --frames, --interpolate and --mesh; write ACTION:FRAMES");
+  }
+  const bool continues = options.kind == NetworkKind::kMacvae;
+  if (!continues && !(options.kind == NetworkKind::kActor && options.actor.NeedsRotations())) {
+    return Fail(ErrorCode::kUsage, "the network answers no scripts", "--script",
+                "give a network of kind macvae, or an actor with a pose of rotations");
+  }
+  if (continues && arguments.first.empty() == arguments.previous.empty()) {
+    return Fail(ErrorCode::kUsage,
+                arguments.first.empty() ? "nothing makes the first action: the network continues motions"
+                                        : "a first action is made and a previous motion is given",
+                "--script", "give one of --first ACTOR.h5 and --previous SET.h5");
+  }
+  if (continues ? (arguments.align || !arguments.fill.empty())
+                : (!arguments.first.empty() || !arguments.previous.empty())) {
+    return Fail(ErrorCode::kUsage,
+                continues ? "the network makes its transitions itself" : "an actor's motions are joined, not continued",
+                "--script", continues ? "leave out --align and --fill" : "leave out --first and --previous");
+  }
+  for (const auto& [role, file] : {std::pair("first", &arguments.first), std::pair("fill", &arguments.fill),
+                                   std::pair("previous", &arguments.previous)}) {
+    if (!file->empty()) item.inputs.push_back({role, DisplayPath(*file), *file, ""});
+  }
+  std::vector<std::string> clips;  // that may be continued
+  if (!arguments.previous.empty()) {
+    const auto set = DatasetClips::Open(arguments.previous, DatasetClips::Check::kNone);
+    if (!set) return Forward(set);
+    for (std::size_t row = 0; row < set->size(); ++row) clips.push_back(set->Id(row));
+    const bool known = std::find(clips.begin(), clips.end(), arguments.previous_clip) != clips.end();
+    if (clips.empty() || (!arguments.previous_clip.empty() && !known)) {
+      const auto near = Nearest(arguments.previous_clip, clips);
+      return Fail(ErrorCode::kUsage, "the set has no clip '" + arguments.previous_clip + "'", "--previous-clip",
+                  near ? "did you mean '" + *near + "'?" : "`mocurate inspect SET.h5` lists its clips");
+    }
+    if (known) clips = {arguments.previous_clip};
+  } else if (!arguments.previous_clip.empty()) {
+    return Fail(ErrorCode::kUsage, "no set of previous motions is given", "--previous-clip", "add --previous SET.h5");
+  }
+  const auto lengths = BoneLengthsOf(arguments, checkpoint, options);
+  if (!lengths) return Forward(lengths);
+  std::vector<MotionRequest> requests;
+  for (const std::string& text : arguments.scripts) {
+    auto script = ReadScript(text);
+    if (!script) return Forward(script);
+    if (arguments.transition_frames > 0) {
+      for (ScriptActionOptions& action : script->actions) action.transition_frames = arguments.transition_frames;
+    }
+    const auto steps = StepsOf(*script, checkpoint);
+    if (!steps) return Forward(steps);
+    for (int k = 0; k < arguments.count; ++k) {
+      Random random(arguments.seed, "script", std::to_string(requests.size()));
+      MotionRequest request;
+      request.seed = SeedOf(random);
+      request.bone_length = *lengths;
+      request.script = *steps;
+      request.label = steps->front().label;
+      request.frames = steps->front().frames;
+      if (clips.empty()) {
+        request.script.erase(request.script.begin());
+      } else {
+        request.previous_clip = clips[static_cast<std::size_t>(random.Below(clips.size()))];
+      }
+      requests.push_back(std::move(request));
+    }
+  }
+  item.options = OptionsToJson(LongMotionOptions{arguments.align});
+  return requests;
+}
+
 }  // namespace
 
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments) {
@@ -275,18 +354,19 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   ItemSpec item{"motions", nlohmann::json::object(), {{"generator", "network", arguments.checkpoint, ""}}};
   std::size_t asked = 0;
   if (arguments.denoise.empty()) {
-    const auto requests = RequestsOf(arguments, *checkpoint, *options);
+    const auto requests = arguments.scripts.empty() ? RequestsOf(arguments, *checkpoint, *options)
+                                                    : ScriptRequests(arguments, *checkpoint, *options, item);
     if (!requests) return Forward(requests);
     asked = requests->size();
     const fs::path file = scratch.path() / "requests.json";
     if (Status written = WriteRequests(*requests, file); !written) return written;
     item.inputs.push_back({"requests", "requests", file, ""});
   } else {
-    const bool more = !arguments.labels.empty() || !arguments.frames.empty() || arguments.interpolate > 0 ||
-                      !arguments.scale.empty() || !arguments.bone_lengths.empty();
+    const bool more = !arguments.labels.empty() || !arguments.scripts.empty() || !arguments.frames.empty() ||
+                      arguments.interpolate > 0 || !arguments.scale.empty() || !arguments.bone_lengths.empty();
     if (more) {
       return Fail(ErrorCode::kUsage, "clips keep their labels, lengths and bones", "--denoise",
-                  "leave out --label, --frames, --interpolate, --scale and --bone-lengths");
+                  "leave out --label, --script, --frames, --interpolate, --scale and --bone-lengths");
     }
     RemakeOptions remake;
     remake.seed = static_cast<std::int64_t>(arguments.seed);

@@ -54,10 +54,18 @@ struct ExportArguments {
 
 struct GenerateArguments {
   std::filesystem::path checkpoint;
-  std::vector<std::string> labels;  ///< "LABEL:COUNT"; empty: each class once
-  std::string frames;               ///< "60" or "40:120:5"; empty: as many as the network was trained on
-  int interpolate = 0;              ///< motions on the way between two latents, for each that is asked for; 0: none
-  std::filesystem::path denoise;    ///< dataset whose clips are encoded and decoded, or empty
+  std::vector<std::string> labels;   ///< "LABEL:COUNT"; empty: each class once
+  std::string frames;                ///< "60" or "40:120:5"; empty: as many as the network was trained on
+  int interpolate = 0;               ///< motions on the way between two latents, for each that is asked for; 0: none
+  std::vector<std::string> scripts;  ///< "throw,catch:30", a name of configs/scripts, or a file; a motion each
+  int count = 1;                     ///< motions of each script
+  int transition_frames = 0;         ///< of all transitions of scripts; 0: as the script or the network has it
+  std::filesystem::path first;       ///< checkpoint that makes the first action of scripts, or empty
+  std::filesystem::path fill;        ///< checkpoint that fills transitions between joined actions, or empty
+  std::filesystem::path previous;    ///< dataset whose motions scripts continue, or empty
+  std::string previous_clip;         ///< id of the one in it; empty: drawn
+  bool align = false;                ///< turn and move joined actions
+  std::filesystem::path denoise;     ///< dataset whose clips are encoded and decoded, or empty
   std::uint64_t seed = 1;
   std::string scale;                   ///< "legs=1.25,arms=1.25"
   std::filesystem::path bone_lengths;  ///< dataset whose mean bone lengths lay the motions out, or empty

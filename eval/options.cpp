@@ -40,7 +40,33 @@ void DeclareInterval(IntervalKind& interval, OptionVisitor& v) {
       "(ACTOR: no interval), or resampling");
 }
 
+void DeclarePart(const char* name, ClipPart& part, OptionVisitor& v) {
+  v.Choice(name, part,
+           {{"whole", ClipPart::kWhole}, {"transition", ClipPart::kTransition}, {"action", ClipPart::kAction}},
+           "of samples of two actions: all of them, or the transition or second action alone (MultiAct)");
+}
+
+void DeclareScript(ScriptDraw& script, OptionVisitor& v) {
+  v.Choice("script", script,
+           {{"none", ScriptDraw::kNone},
+            {"after_sample", ScriptDraw::kAfterSample},
+            {"after_generated", ScriptDraw::kAfterGenerated},
+            {"chain", ScriptDraw::kChain}},
+           "what is asked: a label and a length; transition and action of a sample, after its previous motion or after "
+           "a generated one; or a chain of drawn actions");
+}
+
 }  // namespace
+
+void ScriptRowOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "of the row");
+  v.Text("network", network, "of train.networks: a macvae, or an actor whose motions are joined");
+  DeclareScript(script, v);
+  v.Text("first", first, "actor network that makes the first action where `network` is a macvae");
+  v.Text("fill", fill, "ssmct network that fills transitions between joined actions; empty: interpolation");
+  v.Bool("align", align, "turn and move each joined action to where the one before ends");
+  v.Integer("steps", steps, {1.0, 1000.0}, "of a chain, each a row of its own");
+}
 
 void DrawOptions::Declare(OptionVisitor& v) {
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
@@ -83,6 +109,7 @@ void ProtocolOptions::Declare(OptionVisitor& v) {
   v.Integer("seed", seed, {}, "of every draw");
   v.Bool("test_reference", test_reference, "score against the test part of the real motions as well (FID_test)");
   v.Text("split", split, "split of the real motions whose parts are meant; empty: the first one");
+  DeclarePart("part", part, v);
   v.Group("given", given, "draws of the variant given");
   v.Group("released", released, "draws of the variant released");
   v.Group("from_paper", from_paper, "draws of the variant paper");
@@ -122,7 +149,12 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Bool("generators", generators, "score generators and real motions; false: the recognisers alone");
   v.Integer("seed", seed, {}, "of every draw of the evaluation");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
-  v.Integer("motions", motions, {10.0, 1e6}, "motions per set and repetition");
+  v.Integer("motions", motions, {0.0, 1e6}, "motions per set and repetition; 0: each once");
+  v.Text("protocol", protocol, "name of configs/protocols whose equivalent labels and divisor of multimodality hold");
+  v.List("rows", rows, "rows whose networks answer scripts (MultiAct); empty: each generator is a row");
+  DeclarePart("part", part, v);
+  v.Bool("requests_of_test", requests_of_test,
+         "draw what is asked of generators from the test part; else from the real motions");
   v.Numbers("durations", durations, Unit::kNone, {1.0, 5000.0},
             "frames that are asked of generators, each a row of its own; empty: as many as the recogniser reads");
   v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs behind diversity");
@@ -145,7 +177,8 @@ std::vector<std::string> NotesOf(const EvaluateOptions& options) {
                                                 : real[static_cast<int>(options.real)];
   return {"Real motions: " + of + ". Generated labels: " +
           (options.labels == LabelDraw::kUniform ? "uniform" : "as frequent as in the real set") + ". " +
-          Counted(options.repetitions, "repetition") + " of " + Counted(options.motions, "motion") +
+          Counted(options.repetitions, "repetition") + " of " +
+          (options.motions == 0 ? std::string("each motion once") : Counted(options.motions, "motion")) +
           ", initial hidden state of the recogniser " + (options.random_hidden ? "random." : "zero.")};
 }
 
@@ -165,6 +198,11 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
   DeclareLabels(labels, v);
   DeclareHidden(hidden, v);
   DeclareCrop(crop, v);
+  DeclarePart("clip_part", clip_part, v);
+  DeclareScript(script, v);
+  v.Integer("steps", steps, {1.0, 1000.0}, "of a chain");
+  v.Integer("step", step, {1.0, 1000.0}, "of a script that is scored");
+  v.Bool("align", align, "joined motions are turned and moved");
 }
 
 void ScoreOptions::Declare(OptionVisitor& v) {

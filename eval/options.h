@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/options.h"
+#include "core/motion/clip_part.h"
 #include "core/pipeline/stage.h"
 #include "eval/features/extractor_options.h"
 #include "eval/metrics/interval.h"
@@ -54,6 +55,10 @@ struct MetricOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// What is asked of generators: a label and a length; transition and action of a sample, after its own previous motion
+/// or after one that is generated; or a chain of steps with drawn actions (multiact.md A.5).
+enum class ScriptDraw { kNone, kAfterSample, kAfterGenerated, kChain };
+
 enum class ProtocolVariant { kGiven, kReleased, kPaper };
 
 /// How a paper scores motions. `given` scores each motion once, with nothing drawn; `released` as the paper's code
@@ -66,8 +71,9 @@ struct ProtocolOptions {
   std::string extractor;  ///< a name below configs/extractors, or a YAML file
   ProtocolVariant variant = ProtocolVariant::kGiven;
   std::int64_t seed = 1;
-  bool test_reference = false;  ///< FID against the test part of the real motions as well
-  std::string split;            ///< whose parts are meant; empty: the first one
+  bool test_reference = false;       ///< FID against the test part of the real motions as well
+  std::string split;                 ///< whose parts are meant; empty: the first one
+  ClipPart part = ClipPart::kWhole;  ///< of samples of two actions, what is scored
   DrawOptions given, released, from_paper;
   MetricOptions metrics;
   std::map<std::string, std::string> equivalent;  ///< class -> classes that count as it, separated by ", "
@@ -79,6 +85,19 @@ struct ProtocolOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// A row of a table of MultiAct: which networks answer, and what they are asked.
+struct ScriptRowOptions {
+  std::string name;
+  std::string network;  ///< macvae, or an actor whose motions are joined
+  ScriptDraw script = ScriptDraw::kAfterSample;
+  std::string first;       ///< actor that makes the first action where `network` is a macvae
+  std::string fill;        ///< ssmct that fills transitions; empty: interpolation
+  bool align = false;      ///< turn and move joined motions
+  std::int64_t steps = 1;  ///< of a chain, a row each
+
+  void Declare(OptionVisitor& v);
+};
+
 /// Evaluation of a run by its own recogniser.
 struct EvaluateOptions {
   std::int64_t seed = 1;
@@ -87,6 +106,10 @@ struct EvaluateOptions {
   std::string table;                    ///< which of its tables; empty: all
   std::string recogniser;               ///< name of the network that gives the features; empty: the first recogniser
   bool generators = true;               ///< they and the real motions are rows; else recognisers alone are scored
+  std::string protocol;  ///< a name below configs/protocols, whose equivalent labels and divisor hold; or empty
+  std::vector<ScriptRowOptions> rows;  ///< empty: each generator is one, asked for labels
+  ClipPart part = ClipPart::kWhole;    ///< of samples of two actions, what is scored
+  bool requests_of_test = false;       ///< what is asked of generators is drawn from the test part
   RealPart real = RealPart::kAll;
   bool test_reference = false;  ///< the references are the training and the test part, and there is an FID against each
   double settled = 0.1;         ///< largest relative change of the FID since the last sample of a converged network
@@ -124,6 +147,11 @@ struct FeaturesOptions {
   LabelDraw labels = LabelDraw::kUniform;  ///< of a generator's requests
   HiddenDraw hidden = HiddenDraw::kZero;
   CropDraw crop = CropDraw::kFirst;
+  ClipPart clip_part = ClipPart::kWhole;
+  ScriptDraw script = ScriptDraw::kNone;
+  std::int64_t steps = 1;   ///< of a chain
+  std::int64_t step = 1;    ///< which of them is scored
+  bool align = false;       ///< joined motions are turned and moved
   std::int64_t frames = 0;  ///< asked of a generator and read of its motions; 0: the extractor's
 
   void Declare(OptionVisitor& v);

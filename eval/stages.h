@@ -14,12 +14,18 @@ namespace mocurate {
 /// Answers requests with motions, in their order. Any program may; the table does not know which one did.
 using AnswerRequests = std::function<Expected<std::vector<Motion>>(const std::vector<MotionRequest>& requests)>;
 
-/// Opens the generator of a checkpoint file. `eval` does not know the networks: the worker program passes the loader.
-using OpenGenerator = std::function<Expected<AnswerRequests>(const std::filesystem::path& checkpoint, int threads)>;
+/// Checkpoints that answer requests together (MultiAct): `first` makes first actions, `fill` transitions; or empty.
+struct GeneratorFiles {
+  std::filesystem::path main, first, fill;
+  bool align = false;  ///< joined motions are turned and moved
+};
+
+/// Opens generators. `eval` does not know the networks: the worker program passes the loader.
+using OpenGenerator = std::function<Expected<AnswerRequests>(const GeneratorFiles& files, int threads)>;
 
 /// Stage `features`: role "weights" (published weights, or a checkpoint of a recogniser) and "motions" (a dataset or
-/// MotionSet); with a role "generator" its answers to requests drawn from that dataset are scored instead. -> feature
-/// file (core/store/feature_file.h). Summary: what a protocol warns of.
+/// MotionSet); with a role "generator", and "first" and "fill" as in GeneratorFiles, its answers to requests drawn from
+/// that dataset are scored instead. -> feature file (core/store/feature_file.h). Summary: what a protocol warns of.
 StageFunction MakeFeaturesStage(OpenGenerator open_generator);
 
 /// Stage `score`: role "row", optionally "reference_train" and "reference_test" (feature files) -> JSON of ScoreRow,

@@ -48,7 +48,7 @@ void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const S
   one.learning.weights.clear();  // their content is an input: where they lie does not matter
   one.learning.start_from.clear();
   one.learning.start_from_network.clear();
-  one.actor.body.clear();
+  one.body().clear();
   const std::string item = network.name + "/" + std::to_string(one.seed());
   const std::string row = network.seeds.size() > 1 ? item : network.name;
   const std::int64_t end_of_all = network.learning.until > 0
@@ -82,12 +82,11 @@ Status CheckSeeds(const NetworkOptions& network, const std::string& where) {
   return Fail(ErrorCode::kConfig, "the list is empty", where, "one network is trained per seed: leave the network out");
 }
 
-/// What ACTOR is trained with beside its sizes.
-Status CheckActorTraining(const NetworkOptions& network, const std::string& where) {
-  const ActorOptions& actor = network.actor;
-  const bool vertices = network.enabled && network.kind == NetworkKind::kActor && actor.vertex_weight > 0.0;
-  if (vertices && actor.body.empty()) {
-    return Fail(ErrorCode::kConfig, "a loss on vertices needs a body", where + ".vertex_weight",
+/// What networks are trained with beside their sizes.
+Status CheckLosses(const NetworkOptions& network, const std::string& where) {
+  if (network.enabled && network.NeedsBody() && network.body().empty()) {
+    return Fail(ErrorCode::kConfig, "a loss on vertices needs a body",
+                where + (network.kind == NetworkKind::kActor ? ".vertex_weight" : ".points"),
                 "set body: to SMPL's file or body_cc0.h5, or MOCURATE_WEIGHTS to their folder");
   }
   if (network.kind == NetworkKind::kActor && network.data.longest_frames > 0 && network.data.include_last_start) {
@@ -140,7 +139,9 @@ bool SameSizes(const NetworkOptions& a, const NetworkOptions& b) {
     const bool one_length = actor.coders == ActorCoders::kFullyConnected;
     return std::tuple(actor.coders, actor.distribution, actor.condition, actor.pose, actor.translation, actor.latent,
                       actor.layers, actor.feed_forward, one_length ? network.data.frames : 0, network.action2motion.lie,
-                      network.action2motion.hidden, network.action2motion.latent);
+                      network.action2motion.hidden, network.action2motion.latent, network.macvae.protocol,
+                      network.macvae.backbone, network.macvae.width, network.macvae.layers, network.macvae.feed_forward,
+                      network.macvae.vocabulary);
   };
   return sizes(a) == sizes(b);
 }
@@ -242,7 +243,33 @@ std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInp
   return items;
 }
 
-Status CheckActor(const NetworkOptions& network, const std::string& where) {
+namespace {
+
+/// Sizes of MACVAE.
+Status CheckMacvae(const NetworkOptions& network, const std::string& where) {
+  const MacvaeOptions& macvae = network.macvae;
+  const auto refused = [&](const char* option, const std::string& what, const char* hint) {
+    return Fail(ErrorCode::kConfig, what, where + "." + option, hint);
+  };
+  const bool attends = macvae.backbone == MacvaeBackbone::kTransformer;
+  if ((attends && macvae.width % macvae.heads != 0) || macvae.width % 2 != 0) {
+    return refused(
+        "width", std::to_string(macvae.width) + " is odd or no multiple of " + std::to_string(macvae.heads) + " heads",
+        "choose another width");
+  }
+  if (network.data.frames < macvae.previous_frames + 6) {
+    return refused("frames",
+                   std::to_string(network.data.frames) + " hold no sample whose previous motion has " +
+                       Counted(macvae.previous_frames, "frame"),
+                   "set frames to 120, as published");
+  }
+  return {};
+}
+
+}  // namespace
+
+Status CheckSizes(const NetworkOptions& network, const std::string& where) {
+  if (network.kind == NetworkKind::kMacvae) return CheckMacvae(network, where);
   if (network.kind != NetworkKind::kActor) return {};
   const ActorOptions& actor = network.actor;
   const auto refused = [&](const char* option, const std::string& what, const char* hint) {
@@ -294,10 +321,10 @@ Status CheckNetworks(const TrainOptions& given, const std::string& first_split) 
       return Fail(ErrorCode::kConfig, "weights of a file are one network of one step", where + ".weights",
                   "leave samples_at out, and name one seed");
     }
-    if (Status actor = CheckActor(network, where); !actor) return actor;
+    if (Status sizes = CheckSizes(network, where); !sizes) return sizes;
     if (Status start = CheckStart(options, i, where); !start) return start;
     if (Status made = CheckMade(network, options, where); !made) return made;
-    if (Status training = CheckActorTraining(network, where); !training) return training;
+    if (Status training = CheckLosses(network, where); !training) return training;
     const std::vector<double>& steps = network.learning.samples_at;
     if (std::adjacent_find(steps.begin(), steps.end(), std::greater_equal<double>()) != steps.end()) {
       return Fail(ErrorCode::kConfig, "the steps do not rise", where + ".samples_at", "write them in order");
@@ -367,11 +394,12 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
       notes.push_back(network.name + ": " + length + ", in batches of " + batches + of_made + ".");
       continue;
     }
-    const bool body = network.kind == NetworkKind::kActor && network.actor.vertex_weight > 0.0;
-    notes.push_back(network.name + ": " + Counted(network.learning.iterations, "iteration") + " of " + batches +
-                    " on " + on +
-                    (body ? ", vertices of " + DisplayPath(network.actor.body.filename()) : std::string()) + ".");
-    if (features == options.networks.end() || features->data.input == network.data.input) continue;
+    notes.push_back(
+        network.name + ": " + Counted(network.learning.iterations, "iteration") + " of " + batches + " on " + on +
+        (network.NeedsBody() ? ", vertices of " + DisplayPath(network.body().filename()) : std::string()) + ".");
+    if (features == options.networks.end() || network.NeedsParts() || features->data.input == network.data.input) {
+      continue;
+    }
     notes.push_back(
         network.name +
         " learns windows and the recogniser sees whole clips (or the reverse): its FID and accuracy are not "

@@ -61,8 +61,8 @@ void BoundTraining(TrainOptions& options);
 /// `first_split`: of the set, which an empty `split` means.
 Status CheckNetworks(const TrainOptions& options, const std::string& first_split = {});
 
-/// Whether the sizes of an ACTOR fit each other; anything holds of other kinds. Error kConfig.
-Status CheckActor(const NetworkOptions& network, const std::string& where);
+/// Whether the sizes of a network fit each other. Error kConfig.
+Status CheckSizes(const NetworkOptions& network, const std::string& where);
 
 /// Multiplies the generators' iterations by `budget`. Error kUsage when a product is more than the option allows.
 Status ScaleTraining(double budget, TrainOptions& options);

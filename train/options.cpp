@@ -14,18 +14,32 @@ void AugmentationOptions::Declare(OptionVisitor& v) {
 }
 
 void TrainingDataOptions::Declare(OptionVisitor& v, NetworkKind kind) {
-  const bool rotations = kind == NetworkKind::kStGcn || kind == NetworkKind::kActor;
+  const bool parts = kind == NetworkKind::kMacvae || kind == NetworkKind::kSsmct;
+  const bool rotations = kind == NetworkKind::kStGcn || kind == NetworkKind::kActor || parts;
   v.Text("split", split, "split of the dataset to train on; empty: its first one, or all clips without one");
   v.Bool("all_clips", all_clips, "train on every clip, as the released code does");
   v.Number("fraction", fraction, Unit::kNone, {0.01, 1.0},
            "part of the training clips of each class; a smaller fraction is a part of a larger one");
   v.Bool("balance", balance, "draw every class equally often, whatever its number of clips");
   if (!rotations) {
-    v.Choice("input", input, {{"resample", RecogniserInputKind::kResample}, {"crop", RecogniserInputKind::kCrop}},
-             "windows of consecutive frames (as published), or whole clips resampled to `frames`");
+    v.Choice(
+        "input", input,
+        {{"resample", RecogniserInputKind::kResample},
+         {"crop", RecogniserInputKind::kCrop},
+         {"whole", RecogniserInputKind::kWhole}},
+        "windows of consecutive frames (as published), whole clips resampled to `frames`, or whole clips padded to "
+        "`frames` (MultiAct)");
+  } else if (kind == NetworkKind::kActor) {
+    v.Choice("input", input, {{"crop", RecogniserInputKind::kCrop}, {"whole", RecogniserInputKind::kWhole}},
+             "windows of consecutive frames, or whole clips of at most `frames`");
   }
-  v.Bool("include_last_start", include_last_start, "let a crop begin at the last possible frame (released: never)");
-  v.Integer("frames", frames, {2.0, 1000.0}, "frames of a training window");
+  if (!parts) {
+    v.Choice("part", part,
+             {{"whole", ClipPart::kWhole}, {"transition", ClipPart::kTransition}, {"action", ClipPart::kAction}},
+             "of samples of two actions: all of a clip, or its transition or second action alone (MultiAct)");
+    v.Bool("include_last_start", include_last_start, "let a crop begin at the last possible frame (released: never)");
+  }
+  v.Integer("frames", frames, {2.0, 1000.0}, "frames of a training window; to which whole clips are padded");
   if (kind == NetworkKind::kActor) {
     v.Integer("longest_frames", longest_frames, {0.0, 4000.0},
               "windows of `frames` to so many frames, drawn; 0: all have `frames`");
@@ -35,7 +49,7 @@ void TrainingDataOptions::Declare(OptionVisitor& v, NetworkKind kind) {
 
 void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   v.Integer("batch", batch, {1.0, 4096.0}, "clips per step; fewer when the training part is smaller");
-  if (kind != NetworkKind::kStGcn)
+  if (kind != NetworkKind::kStGcn && kind != NetworkKind::kSsmct)
     v.Integer(
         "shards", shards, {1.0, 64.0},
         "parts of a batch whose gradients are summed in order; each may have a core, the bytes do not depend on it");
@@ -66,6 +80,8 @@ void GruRecogniserOptions::Declare(OptionVisitor& v) {
          "train on numbers of zero mean and unit deviation; the stored weights take plain joints again");
   v.Choice("initial_hidden", initial_hidden, {{"zero", InitialHidden::kZero}, {"normal", InitialHidden::kNormal}},
            "initial recurrent state while training (released: normal)");
+  v.Choice("read_out", read_out, {{"last_frame", ReadOutChoice::kLastFrame}, {"last_valid", ReadOutChoice::kLastValid}},
+           "output that counts: of the last frame, padding included (released), or of the clip's last one");
   DeclareEpochs(v);
 }
 
@@ -218,6 +234,16 @@ void MacvaeOptions::Declare(OptionVisitor& v) {
   v.Path("body", body, "skinned body of the vertex loss: SMPL's file, or body_cc0.h5");
 }
 
+void SsmctOptions::Declare(OptionVisitor& v) {
+  v.Integer("width", width, {4.0, 4096.0}, "width of the network; a multiple of `heads`");
+  v.Integer("layers", layers, {1.0, 64.0}, "layers of the encoder");
+  v.Integer("heads", heads, {1.0, 64.0}, "attention heads");
+  v.Integer("feed_forward", feed_forward, {4.0, 16384.0}, "width of the layer between");
+  v.Number("dropout", dropout, Unit::kNone, {0.0, 0.9}, "part of the numbers that a training step leaves out");
+  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 1e6}, "of the loss on the numbers of a frame");
+  v.Number("joint_weight", joint_weight, Unit::kNone, {0.0, 1e6}, "of the loss on joints (forward kinematics)");
+}
+
 void StGcnOptions::Declare(OptionVisitor& v) {
   v.Bool("global_orientation", global_orientation, "read the root's rotation too");
 }
@@ -265,6 +291,16 @@ NetworkOptions::NetworkOptions(NetworkKind of) : kind(of), defaults_of_(of) {
       learning.weight_decay = 0.01;
       learning.save_every = 500;
       return;
+    case NetworkKind::kSsmct:
+      name = "SSMCT-like";
+      data.frames = 120;
+      learning.iterations = 85800;  // as MACVAE's
+      learning.batch = 16;
+      learning.shards = 1;  // means are over the transitions of the whole batch
+      learning.learning_rate = 5e-5;
+      learning.weight_decay = 0.01;
+      learning.save_every = 500;
+      return;
     case NetworkKind::kStGcn:
       name = "ST-GCN";
       learning.batch = 64;
@@ -279,8 +315,15 @@ NetworkOptions::NetworkOptions(NetworkKind of) : kind(of), defaults_of_(of) {
 }
 
 bool NetworkOptions::NeedsRotations() const {
-  return kind == NetworkKind::kStGcn || kind == NetworkKind::kMacvae ||
+  return kind == NetworkKind::kStGcn || kind == NetworkKind::kMacvae || kind == NetworkKind::kSsmct ||
          (kind == NetworkKind::kActor && actor.NeedsRotations());
+}
+
+bool NetworkOptions::NeedsParts() const { return kind == NetworkKind::kMacvae || kind == NetworkKind::kSsmct; }
+
+bool NetworkOptions::NeedsBody() const {
+  if (kind == NetworkKind::kMacvae) return macvae.points == PointChoice::kVertices;
+  return kind == NetworkKind::kActor && actor.vertex_weight > 0.0;
 }
 
 const char* Name(RemakeRule rule) {
@@ -305,6 +348,10 @@ void RemakeOptions::Declare(OptionVisitor& v) {
   v.Bool("training_windows", training_windows, "of windows of the clips that the network learned from");
 }
 
+void LongMotionOptions::Declare(OptionVisitor& v) {
+  v.Bool("align", align, "turn and move joined motions to where the one before ends");
+}
+
 void NetworkOptions::Declare(OptionVisitor& v) {
   v.Choice("kind", kind,
            {{"gru_recogniser", NetworkKind::kGruRecogniser},
@@ -314,6 +361,7 @@ void NetworkOptions::Declare(OptionVisitor& v) {
             {"two_stage_gan", NetworkKind::kTwoStageGan},
             {"actor", NetworkKind::kActor},
             {"macvae", NetworkKind::kMacvae},
+            {"ssmct", NetworkKind::kSsmct},
             {"st_gcn", NetworkKind::kStGcn}},
            "which network it is; the options below are those of its kind");
   if (kind != defaults_of_) *this = NetworkOptions(kind);
@@ -347,6 +395,8 @@ void NetworkOptions::Declare(OptionVisitor& v) {
       return actor.Declare(v);
     case NetworkKind::kMacvae:
       return macvae.Declare(v);
+    case NetworkKind::kSsmct:
+      return ssmct.Declare(v);
     case NetworkKind::kStGcn:
       st_gcn.Declare(v);
       return recogniser.DeclareEpochs(v);

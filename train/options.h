@@ -7,18 +7,36 @@
 #include <vector>
 
 #include "core/base/options.h"
+#include "core/motion/clip_part.h"
 #include "core/pipeline/stage.h"
 
 namespace mocurate {
 
 /// What a network is. A variant of a paper's table is an option of one kind, not another kind.
-enum class NetworkKind { kGruRecogniser, kStGcn, kAction2Motion, kCondGru, kActMoCoGan, kTwoStageGan, kActor, kMacvae };
+enum class NetworkKind {
+  kGruRecogniser,
+  kStGcn,
+  kAction2Motion,
+  kCondGru,
+  kActMoCoGan,
+  kTwoStageGan,
+  kActor,
+  kMacvae,
+  kSsmct
+};
 
 /// Whether networks of the kind answer requests with motions; the others recognise them.
 bool GeneratesMotions(NetworkKind kind);
 
 /// How a clip becomes a window of a fixed number of frames.
-enum class RecogniserInputKind { kResample, kCrop };
+enum class RecogniserInputKind {
+  kResample,
+  kCrop,
+  kWhole,  ///< the clip as it is; of joints behind its end zeros less the first root, as MultiAct has it
+};
+/// Which output of a recurrent recogniser counts: of the last frame, padding included, or of the last frame of the
+/// clip.
+enum class ReadOutChoice { kLastFrame, kLastValid };
 enum class InitialHidden { kZero, kNormal };
 
 /// Random changes of training clips, drawn anew each time a clip is read. All zero: none, as every paper trains its
@@ -41,6 +59,7 @@ struct TrainingDataOptions {
   bool balance = false;    ///< every class equally often, whatever its number of clips
   RecogniserInputKind input = RecogniserInputKind::kCrop;  ///< crop: the papers' windows; resample: whole clips
   bool include_last_start = false;                         ///< of a crop; released: never (a2m_actor.md F15)
+  ClipPart part = ClipPart::kWhole;  ///< of samples of MultiAct: the whole, or the transition or action alone
   std::int64_t frames = 60;
   std::int64_t longest_frames = 0;  ///< of windows of a drawn length; 0: all have `frames`
   AugmentationOptions augmentation;
@@ -77,6 +96,7 @@ struct GruRecogniserOptions {
   bool standardise = true;  ///< train on standardised numbers, folded into the weights afterwards
   bool anneal = true;       ///< learning rate falls to zero along half a cosine
   InitialHidden initial_hidden = InitialHidden::kZero;
+  ReadOutChoice read_out = ReadOutChoice::kLastFrame;
   std::int64_t check_every = 5;      ///< epochs between two checks on the validation fold
   bool refit = true;                 ///< train again on all training clips once the number of epochs is chosen
   double smallest_validation = 0.1;  ///< without a validation part and persons: fraction of the clips held out
@@ -221,6 +241,18 @@ struct MacvaeOptions {
   }
 };
 
+/// Stand-in of SSMCT (multiact.md F.2), of which no code and no sizes are published.
+struct SsmctOptions {
+  std::int64_t width = 512;
+  std::int64_t layers = 8;
+  std::int64_t heads = 4;
+  std::int64_t feed_forward = 2048;
+  double dropout = 0.1;
+  double pose_weight = 1.0;   ///< of the loss on the numbers of a frame
+  double joint_weight = 1.0;  ///< of the loss on joints
+  void Declare(OptionVisitor& v);
+};
+
 /// ST-GCN (a2m_actor.md D.1).
 struct StGcnOptions {
   bool global_orientation = true;  ///< the root's rotation is read too
@@ -249,6 +281,12 @@ struct RemakeOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Options of the stage `generate` where its requests are scripts.
+struct LongMotionOptions {
+  bool align = false;  ///< joined motions are turned and moved to where the one before ends
+  void Declare(OptionVisitor& v);
+};
+
 /// One network of a job: `train.networks: [{name, kind, ...}]`. Only the options of its kind are known.
 struct NetworkOptions {
   std::string name;  ///< of its row and its checkpoints
@@ -267,6 +305,7 @@ struct NetworkOptions {
   TwoStageGanOptions two_stage_gan;
   ActorOptions actor;
   MacvaeOptions macvae;
+  SsmctOptions ssmct;
   StGcnOptions st_gcn;
 
   /// With the defaults of its kind.
@@ -276,6 +315,12 @@ struct NetworkOptions {
   std::uint64_t seed() const { return static_cast<std::uint64_t>(seeds.front()); }
   bool recognises() const { return !GeneratesMotions(kind); }
   bool NeedsRotations() const;
+  /// Whether it learns from the three parts of samples.
+  bool NeedsParts() const;
+  /// Whether a loss is on the vertices of a body; its file, and the option that names it.
+  bool NeedsBody() const;
+  std::filesystem::path& body() { return kind == NetworkKind::kMacvae ? macvae.body : actor.body; }
+  const std::filesystem::path& body() const { return kind == NetworkKind::kMacvae ? macvae.body : actor.body; }
 
  private:
   NetworkKind defaults_of_;

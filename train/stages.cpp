@@ -1,13 +1,17 @@
 #include "train/stages.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "core/base/file.h"
 #include "core/base/sha256.h"
+#include "core/motion/action_parts.h"
+#include "core/motion/operations.h"
 #include "core/pipeline/worker.h"
 #include "train/data/training_windows.h"
-#include "train/generators/motion_generator.h"
+#include "train/generators/long_motion.h"
 #include "train/options.h"
 #include "train/trainer/trainer.h"
 
@@ -74,11 +78,11 @@ Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
   if (dataset == nullptr) {
     return Fail(ErrorCode::kInternal, "the stage got no input of role 'dataset'", request.stage + " " + request.item);
   }
-  Expected<TrainingSet> set = ReadTrainingSet(dataset->path, options->NeedsRotations());
+  Expected<TrainingSet> set = ReadTrainingSet(dataset->path, NeedsOf(*options));
   if (!set) return Forward(set);
   std::string sha256 = dataset->sha256;
   if (const StageInput* made = InputOf(request, "made")) {
-    const Expected<TrainingSet> clips = ReadTrainingSet(made->path, options->NeedsRotations());
+    const Expected<TrainingSet> clips = ReadTrainingSet(made->path, NeedsOf(*options));
     if (!clips) return Forward(clips);
     if (Status added = AddMade(*clips, *set); !added) return Forward(added);
     sha256 = Sha256Hex(sha256 + made->sha256);
@@ -94,6 +98,53 @@ Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
     input.skin = std::make_shared<const Skin>(std::move(*skin));
   }
   return input;
+}
+
+/// The file's requests, with the motions that they continue: the first part of a sample, else the whole clip.
+Expected<std::vector<MotionRequest>> RequestsOf(const StageRequest& request, const StageInput& file) {
+  auto requests = ReadRequests(file.path);
+  if (!requests) return Forward(requests);
+  const StageInput* previous = InputOf(request, "previous");
+  if (previous == nullptr) return requests;
+  const auto set = ReadDataset(previous->path);
+  if (!set) return Forward(set);
+  std::map<std::string, std::shared_ptr<const Clip>> clips;
+  for (MotionRequest& one : *requests) {
+    if (one.previous_clip.empty()) continue;
+    std::shared_ptr<const Clip>& clip = clips[one.previous_clip];
+    const auto found = std::find_if(set->clips.begin(), set->clips.end(),
+                                    [&](const Clip& candidate) { return candidate.id() == one.previous_clip; });
+    if (found == set->clips.end() || !found->motion) {
+      return Fail(ErrorCode::kInconsistent, "the set has no motion '" + one.previous_clip + "'", previous->name,
+                  "name a clip of the set");
+    }
+    if (clip == nullptr) {
+      const auto parts = PartsOf(*found);
+      const int end = parts && parts->frames[0] > 0 ? parts->frames[0] : found->motion->frame_count();
+      auto cut = Cut(*found, 0, end);
+      if (!cut) return Forward(cut);
+      clip = std::make_shared<const Clip>(std::move(*cut));
+    }
+    one.previous = clip;
+  }
+  return requests;
+}
+
+/// Networks that answer scripts together with the first one.
+Status OpenPartners(const StageRequest& request, LongMotionNetworks& networks) {
+  if (InputOf(request, "motions") == nullptr && !request.options.empty()) {
+    const auto options = OptionsFromJson<LongMotionOptions>(request.options);
+    if (!options) return Forward(options);
+    networks.align = options->align;
+  }
+  for (const auto& [role, network] : {std::pair("first", &networks.first), std::pair("fill", &networks.fill)}) {
+    const StageInput* file = InputOf(request, role);
+    if (file == nullptr) continue;
+    auto loaded = MotionGenerator::Load(file->path);
+    if (!loaded) return Forward(loaded);
+    *network = std::move(*loaded);
+  }
+  return {};
 }
 
 }  // namespace
@@ -142,8 +193,9 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
   if (network == nullptr || (asked == nullptr) == (noisy == nullptr)) {
     return Fail(ErrorCode::kInternal, "the stage needs 'generator', and 'requests' or 'motions'", request.item);
   }
-  const auto generator = MotionGenerator::Load(network->path);
-  if (!generator) return Forward(generator);
+  auto loaded = MotionGenerator::Load(network->path);
+  if (!loaded) return Forward(loaded);
+  const std::shared_ptr<const MotionGenerator> generator = std::move(*loaded);
   Expected<Dataset> set = Dataset();
   if (noisy != nullptr) {
     const auto options = OptionsFromJson<RemakeOptions>(request.options);
@@ -156,18 +208,24 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
       return tl::unexpected<Error>(own);
     };
     if (options->training_windows) {
-      read = TrainingWindows(std::move(*read), (*generator)->options(), options->rule == RemakeRule::kDenoise);
+      read = TrainingWindows(std::move(*read), generator->options(), options->rule == RemakeRule::kDenoise);
       if (!read) return Forward(read);
     }
-    set = (*generator)->Remake(std::move(*read), *options, request.threads, [](double part) {
+    set = generator->Remake(std::move(*read), *options, request.threads, [](double part) {
       ReportProgress(part, "motions");
       return !StopRequested();
     });
     if (!set) return placed(set.error());
   } else {
-    const auto requests = ReadRequests(asked->path);
+    const auto requests = RequestsOf(request, *asked);
     if (!requests) return Forward(requests);
-    set = (*generator)->Generate(*requests, request.threads);
+    LongMotionNetworks networks;
+    networks.main = generator;
+    if (Status opened = OpenPartners(request, networks); !opened) return Forward(opened);
+    set = GenerateLongMotions(networks, *requests, request.threads, [](double part) {
+      ReportProgress(part, "motions");
+      return !StopRequested();
+    });
   }
   if (!set) return Forward(set);
   if (Status written = WriteDataset(*set, request.output); !written) return Forward(written);

@@ -14,8 +14,9 @@ Expected<StageOutcome> TrainStage(const StageRequest& request);
 /// "seconds_per_step", "parameters"}. Never cached: it is a figure of the machine.
 Expected<StageOutcome> TrainCostStage(const StageRequest& request);
 
-/// Inputs "generator" (checkpoint) and "requests" -> the MotionSet that answers them; with "motions" (a dataset) in the
-/// place of requests a motion for each of its clips as RemakeOptions say.
+/// Inputs "generator" (checkpoint) and "requests" -> the MotionSet that answers them, with "first" and "fill"
+/// (checkpoints) and "previous" (a dataset whose clips requests name) those of scripts as LongMotionOptions say; with
+/// "motions" (a dataset) in the place of requests a motion for each of its clips as RemakeOptions say.
 Expected<StageOutcome> GenerateStage(const StageRequest& request);
 
 }  // namespace mocurate

@@ -7,21 +7,26 @@
 #include "core/pipeline/worker.h"
 #include "eval/options.h"
 #include "eval/stages.h"
-#include "train/generators/motion_generator.h"
+#include "train/generators/long_motion.h"
 #include "train/options.h"
 #include "train/stages.h"
 
 namespace {
 
-/// The generator of a checkpoint, as the evaluation asks it.
-mocurate::Expected<mocurate::AnswerRequests> OpenGeneratorCheckpoint(const std::filesystem::path& checkpoint,
-                                                                     int threads) {
+/// Networks that answer requests, as the evaluation asks them.
+mocurate::Expected<mocurate::AnswerRequests> OpenGenerators(const mocurate::GeneratorFiles& files, int threads) {
   using namespace mocurate;
-  auto loaded = MotionGenerator::Load(checkpoint);
-  if (!loaded) return Forward(loaded);
-  const std::shared_ptr<const MotionGenerator> generator = std::move(*loaded);
-  return [generator, threads](const std::vector<MotionRequest>& requests) -> Expected<std::vector<Motion>> {
-    auto answered = generator->Generate(requests, threads);
+  LongMotionNetworks networks;
+  networks.align = files.align;
+  for (const auto& [file, network] : {std::pair(&files.main, &networks.main), std::pair(&files.first, &networks.first),
+                                      std::pair(&files.fill, &networks.fill)}) {
+    if (file->empty()) continue;
+    auto loaded = MotionGenerator::Load(*file);
+    if (!loaded) return Forward(loaded);
+    *network = std::move(*loaded);
+  }
+  return [networks, threads](const std::vector<MotionRequest>& requests) -> Expected<std::vector<Motion>> {
+    auto answered = GenerateLongMotions(networks, requests, threads);
     if (!answered) return Forward(answered);
     std::vector<Motion> motions;
     motions.reserve(answered->clips.size());
@@ -41,7 +46,7 @@ int main(int argc, char** argv) {
   return RunWorker({{TrainDeclaration().name, TrainStage},
                     {TrainCostDeclaration().name, TrainCostStage},
                     {GenerateDeclaration().name, GenerateStage},
-                    {FeaturesDeclaration().name, MakeFeaturesStage(OpenGeneratorCheckpoint)},
+                    {FeaturesDeclaration().name, MakeFeaturesStage(OpenGenerators)},
                     {ScoreDeclaration().name, ScoreStage},
                     {CompareDeclaration().name, CompareStage}});
 }

@@ -61,6 +61,11 @@ std::optional<Vector3d> RestLeftAxis(const Skeleton& skeleton) {
   return Vector3d(axis.normalized());
 }
 
+Matrix3d RestAxes(const Skeleton& skeleton) {
+  const auto left = RestLeftAxis(skeleton);
+  return left ? AxesOf(*left, Vector3d::UnitY()) : Matrix3d(Matrix3d::Identity());
+}
+
 const char* Name(YawSource source) {
   switch (source) {
     case YawSource::kHipAxis:
@@ -74,9 +79,8 @@ const char* Name(YawSource source) {
 }
 
 Expected<Matrix3d> BodyAxes(const Motion& motion, int frame) {
-  const auto rest_left = motion.joints_only() ? std::nullopt : RestLeftAxis(*motion.skeleton);
-  if (!rest_left) return AxesFromJoints(motion, frame);
-  return Matrix3d(motion.rotation_at(frame, 0) * AxesOf(*rest_left, Vector3d::UnitY()));
+  if (motion.joints_only() || !RestLeftAxis(*motion.skeleton)) return AxesFromJoints(motion, frame);
+  return Matrix3d(motion.rotation_at(frame, 0) * RestAxes(*motion.skeleton));
 }
 
 Heading HeadingOfAxes(const Matrix3d& axes, HeadingRule rule, double min_horizontal) {

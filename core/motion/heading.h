@@ -19,6 +19,10 @@ Expected<Matrix3d> BodyAxes(const Motion& motion, int frame);
 /// Rest-pose left axis in the root's frame, right to left hip; nothing when the hips do not hang from the root.
 std::optional<Vector3d> RestLeftAxis(const Skeleton& skeleton);
 
+/// Columns left, up, forward of a person in the rest pose, in the root's frame; the identity where the hips do not hang
+/// from the root.
+Matrix3d RestAxes(const Skeleton& skeleton);
+
 /// How a heading is read (HeadingOfAxes).
 enum class HeadingRule { kHips, kEuler, kTwist };
 

@@ -9,14 +9,35 @@ namespace {
 
 constexpr const char* kSchema = "mocurate-request/1";
 
+constexpr std::int64_t kMostNumber = 1000000;  // of a label or a count of frames
+
+/// A whole number in [least, kMostNumber).
+bool IsCount(const nlohmann::json& value, std::int64_t least) {
+  return value.is_number_integer() && value.get<std::int64_t>() >= least && value.get<std::int64_t>() < kMostNumber;
+}
+
+Expected<ScriptStep> ParseStep(const nlohmann::json& json, const std::string& where) {
+  ScriptStep step;
+  const bool whole = json.is_object() && json.size() == 3 && IsCount(json.value("label", nlohmann::json()), 0) &&
+                     IsCount(json.value("transition_frames", nlohmann::json()), 1) &&
+                     IsCount(json.value("frames", nlohmann::json()), 1);
+  if (!whole) {
+    return Fail(ErrorCode::kMalformed, "a step of the script is " + json.dump(), where,
+                "label, transition_frames > 0, frames > 0");
+  }
+  step.label = json["label"].get<int>();
+  step.transition_frames = json["transition_frames"].get<int>();
+  step.frames = json["frames"].get<int>();
+  return step;
+}
+
 Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::string& where) {
   MotionRequest request;
   if (!json.is_object()) return Fail(ErrorCode::kMalformed, "a request is no object", where);
   for (const auto& [key, value] : json.items()) {
-    const bool whole = value.is_number_integer();
-    if (key == "label" && whole && value.get<std::int64_t>() >= 0 && value.get<std::int64_t>() < 1000000) {
+    if (key == "label" && IsCount(value, 0)) {
       request.label = value.get<int>();
-    } else if (key == "frames" && whole && value.get<std::int64_t>() > 0 && value.get<std::int64_t>() < 1000000) {
+    } else if (key == "frames" && IsCount(value, 1)) {
       request.frames = value.get<int>();
     } else if (key == "seed" && value.is_number_unsigned()) {
       request.seed = value.get<std::uint64_t>();
@@ -24,6 +45,14 @@ Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::stri
       request.to_seed = value.get<std::uint64_t>();
     } else if (key == "fraction" && value.is_number() && value.get<double>() >= 0.0 && value.get<double>() <= 1.0) {
       request.fraction = value.get<double>();
+    } else if (key == "script" && value.is_array()) {
+      for (const nlohmann::json& item : value) {
+        const auto step = ParseStep(item, where);
+        if (!step) return Forward(step);
+        request.script.push_back(*step);
+      }
+    } else if (key == "previous_clip" && value.is_string()) {
+      request.previous_clip = value.get<std::string>();
     } else if (key == "source_clip" && value.is_string()) {
       request.source_clip = value.get<std::string>();
     } else if (key == "bone_length" && value.is_array()) {
@@ -43,7 +72,7 @@ Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::stri
     } else {
       return Fail(ErrorCode::kMalformed, "'" + key + "' is unknown or has a value that it cannot have", where,
                   "label, frames > 0, seed >= 0, to_seed >= 0, fraction 0 to 1, bone_length [metres], first_pose "
-                  "[metres], source_clip");
+                  "[metres], source_clip, script [{label, transition_frames, frames}], previous_clip");
     }
   }
   return request;
@@ -60,6 +89,17 @@ void to_json(nlohmann::json& json, const MotionRequest& request) {
   if (!request.bone_length.empty()) json["bone_length"] = request.bone_length;
   if (!request.first_pose.empty()) json["first_pose"] = request.first_pose;
   if (!request.source_clip.empty()) json["source_clip"] = request.source_clip;
+  for (const ScriptStep& step : request.script) {
+    json["script"].push_back(
+        {{"label", step.label}, {"transition_frames", step.transition_frames}, {"frames", step.frames}});
+  }
+  if (!request.previous_clip.empty()) json["previous_clip"] = request.previous_clip;
+}
+
+int MotionRequest::answered_frames() const {
+  int all = previous_clip.empty() && !previous ? frames : 0;
+  for (const ScriptStep& step : script) all += step.transition_frames + step.frames;
+  return all;
 }
 
 Status WriteRequests(const std::vector<MotionRequest>& requests, const std::filesystem::path& path) {

@@ -27,8 +27,11 @@ void TakeFromCheckpoint(const Recogniser& recogniser, Extractor& extractor) {
   options.frames = recogniser.input_frames();
   options.length =
       recogniser.input_kind() == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
-  options.padding = PaddingRule::kRepeatLast;
-  options.read_out = ReadOut::kLastFrame;
+  const bool whole = recogniser.input_kind() == RecogniserInputKind::kWhole;
+  options.padding = whole ? PaddingRule::kZerosMinusRoot : PaddingRule::kRepeatLast;
+  options.read_out = recogniser.reads_last_valid() ? ReadOut::kLastValid : ReadOut::kLastFrame;
+  extractor.rules.padding = options.padding;
+  extractor.rules.read_out = options.read_out;
   options.real_root = options.generated_root = RootRule::kFirstFrame;
   options.classes = recogniser.labels();
   options.rate_hz = recogniser.rate_hz();

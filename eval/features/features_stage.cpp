@@ -6,6 +6,7 @@
 #include "core/base/file.h"
 #include "core/base/parallel.h"
 #include "core/base/text.h"
+#include "core/motion/action_parts.h"
 #include "core/motion/limbs.h"
 #include "core/pipeline/worker.h"
 #include "core/quality/contacts.h"
@@ -15,6 +16,7 @@
 #include "eval/features/feature_extractor.h"
 #include "eval/options.h"
 #include "eval/protocols/draws.h"
+#include "eval/protocols/scripts.h"
 #include "eval/stages.h"
 
 namespace mocurate {
@@ -97,8 +99,21 @@ class FeaturesRun {
     if (!rows) return Forward(rows);
     const auto classes = ClassesOf(dataset, set_.classes = extractor_.options.classes);
     if (!classes) return Forward(classes);
+    std::vector<Motion> parts;  // of clips, where a part is scored
     std::vector<const Motion*> all;
-    for (const int row : *rows) all.push_back(&*dataset.clips[static_cast<std::size_t>(row)].motion);
+    if (options_.clip_part != ClipPart::kWhole) {
+      for (const int row : *rows) {
+        const Clip& clip = dataset.clips[static_cast<std::size_t>(row)];
+        const bool alone = options_.generated && clip.segments.empty();  // motions of actions, of any program
+        auto part = TakePart(clip, alone ? ClipPart::kWhole : options_.clip_part);
+        if (!part) return Forward(part);
+        parts.push_back(std::move(*part));
+      }
+    }
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+      const Clip& clip = dataset.clips[static_cast<std::size_t>((*rows)[i])];
+      all.push_back(parts.empty() ? &*clip.motion : &parts[i]);
+    }
     if (Status frame = options_.known_frame ? Status() : CheckFrameOfSet(all); !frame) return frame;
     std::vector<int> labels;
     for (const int row : *rows) labels.push_back((*classes)[static_cast<std::size_t>(row)]);
@@ -113,7 +128,7 @@ class FeaturesRun {
                               : DrawPositions(static_cast<int>(rows->size()), count, options_.replacement, seed(), p,
                                               options_.purpose)) {
         const auto row = static_cast<std::size_t>((*rows)[static_cast<std::size_t>(at)]);
-        pass.motions.push_back(&*dataset.clips[row].motion);
+        pass.motions.push_back(all[static_cast<std::size_t>(at)]);
         pass.labels.push_back((*classes)[row]);
         pass.clips.push_back(dataset.clips[row].id());
         for (auto& [name, values] : quality) {
@@ -134,8 +149,10 @@ class FeaturesRun {
     }
     const int passes = static_cast<int>(std::max<std::int64_t>(1, options_.passes));
     for (int p = 0; p < passes; ++p) {
-      const std::vector<MotionRequest> requests = DrawRequests(dataset, *rows, options_, extractor_.rules.frames, p);
-      const auto motions = answer(requests);
+      const auto drawn = RequestsOf(dataset, *rows, p);
+      if (!drawn) return Forward(drawn);
+      const std::vector<MotionRequest>& requests = *drawn;
+      auto motions = answer(requests);
       if (!motions) return Forward(motions);
       if (motions->size() != requests.size()) {
         return Fail(
@@ -145,8 +162,13 @@ class FeaturesRun {
       }
       PassMotions pass;
       for (std::size_t i = 0; i < motions->size(); ++i) {
+        const MotionRequest& request = requests[i];
+        const bool scripted = options_.script != ScriptDraw::kNone;
+        const auto step = static_cast<int>(options_.step);
+        if (scripted) (*motions)[i] = StepOfAnswer((*motions)[i], request, step, options_.clip_part);
+        const int label = scripted ? request.script[static_cast<std::size_t>(step - 1)].label : request.label;
         pass.motions.push_back(&(*motions)[i]);
-        pass.labels.push_back(class_of[static_cast<std::size_t>(requests[i].label)]);
+        pass.labels.push_back(class_of[static_cast<std::size_t>(label)]);
         pass.clips.push_back("generated/" + std::to_string(p) + "/" + std::to_string(i));
       }
       if (p == 0) AddQuality(pass.motions, threads_, set_.quality);
@@ -163,6 +185,12 @@ class FeaturesRun {
 
  private:
   std::uint64_t seed() const { return static_cast<std::uint64_t>(options_.seed); }
+
+  Expected<std::vector<MotionRequest>> RequestsOf(const Dataset& dataset, const std::vector<int>& rows,
+                                                  int pass) const {
+    if (options_.script != ScriptDraw::kNone) return DrawScripts(dataset, rows, options_, pass);
+    return DrawRequests(dataset, rows, options_, extractor_.rules.frames, pass);
+  }
 
   Status Append(const PassMotions& motions, int pass, int passes) {
     if (StopRequested()) {
@@ -204,7 +232,10 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   FeaturesRun run(*options, *extractor, request.threads);
   Status done;
   if (const StageInput* generator = InputOf(request, "generator")) {
-    const auto answer = open_generator(generator->path, request.threads);
+    GeneratorFiles files{generator->path, {}, {}, options->align};
+    if (const StageInput* first = InputOf(request, "first")) files.first = first->path;
+    if (const StageInput* fill = InputOf(request, "fill")) files.fill = fill->path;
+    const auto answer = open_generator(files, request.threads);
     if (!answer) return Forward(answer);
     done = run.OfGenerator(*dataset, *answer);
   } else {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include "core/base/random.h"
+#include "core/motion/action_parts.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
@@ -26,6 +28,14 @@ std::vector<double> FirstPose(const Motion& motion) {
     pose.insert(pose.end(), {position.x(), position.y(), position.z()});
   }
   return pose;
+}
+
+/// Frames of a part of a sample; nothing where the whole is meant, or the clip is no sample.
+std::optional<int> FramesOfPart(const Clip& clip, ClipPart part) {
+  if (part == ClipPart::kWhole) return std::nullopt;
+  const auto parts = PartsOf(clip);
+  if (!parts) return std::nullopt;
+  return parts->frames[part == ClipPart::kTransition ? 1 : 2];
 }
 
 }  // namespace
@@ -110,7 +120,7 @@ std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vecto
     const Clip& like = dataset.clips[static_cast<std::size_t>(rows[static_cast<std::size_t>(real[i % real.size()])])];
     request.label = options.labels == LabelDraw::kUniform ? classes[random.Below(classes.size())]
                                                           : std::max(0, dataset.LabelIndex(like.label));
-    request.frames = frames;
+    request.frames = FramesOfPart(like, options.clip_part).value_or(frames);
     request.seed = (static_cast<std::uint64_t>(random.Next()) << 32) | random.Next();
     const Clip& source = dataset.clips[static_cast<std::size_t>(rows[random.Below(rows.size())])];
     request.bone_length = FirstFrameBones(*source.motion);

@@ -27,7 +27,7 @@ std::vector<int> DrawPerLabel(const std::vector<int>& labels, int per_label, std
 
 /// What a repetition wants generated: labels uniform over the classes that have clips or copied from the rows drawn as
 /// real motions; bone lengths of the first frame of a real clip drawn for each motion, of any class. `rows`: the real
-/// motions. [a2m_actor.md B.7]
+/// motions. Of `frames` frames, or as many as the part of the clip whose label is copied. [a2m_actor.md B.7]
 std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vector<int>& rows,
                                         const FeaturesOptions& options, int frames, int repetition);
 

@@ -243,7 +243,7 @@ TEST_F(ToyEvaluation, RowsThatDifferAreToldApartAndEqualOnesAreNot) {
 }
 
 TEST_F(ToyEvaluation, WhatAGeneratorSaysWhenItFailsIsPassedOn) {
-  const OpenGenerator closed = [](const std::filesystem::path&, int) -> Expected<AnswerRequests> {
+  const OpenGenerator closed = [](const GeneratorFiles&, int) -> Expected<AnswerRequests> {
     return Fail(ErrorCode::kNotFound, "no such generator", "shelf");
   };
   const auto outcome = OutcomeOfGenerator(closed, Draws(1, 90));

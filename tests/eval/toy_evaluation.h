@@ -24,8 +24,8 @@
 namespace mocurate {
 
 /// What the worker program hands to the stage: the networks of train.
-inline Expected<AnswerRequests> OpenTrained(const std::filesystem::path& checkpoint, int) {
-  auto loaded = MotionGenerator::Load(checkpoint);
+inline Expected<AnswerRequests> OpenTrained(const GeneratorFiles& files, int) {
+  auto loaded = MotionGenerator::Load(files.main);
   if (!loaded) return Forward(loaded);
   const std::shared_ptr<const MotionGenerator> generator = std::move(*loaded);
   return [generator](const std::vector<MotionRequest>& requests) -> Expected<std::vector<Motion>> {
@@ -194,7 +194,7 @@ class ToyEvaluation : public testing::Test {
 
 /// Generators that no program had to train: each answers a list of requests in its own way, whatever the checkpoint.
 inline OpenGenerator Answering(AnswerRequests answer) {
-  return [answer = std::move(answer)](const std::filesystem::path&, int) -> Expected<AnswerRequests> { return answer; };
+  return [answer = std::move(answer)](const GeneratorFiles&, int) -> Expected<AnswerRequests> { return answer; };
 }
 
 /// A real motion of the wanted class, drawn by the request's seed.

@@ -36,7 +36,7 @@ TEST(MadeSets, WindowsAreThoseOfTheClipsThatTheNetworkLearnedFrom) {
   NetworkOptions network = Generator(10);
   for (const double fraction : {1.0, 0.5}) {
     network.data.fraction = fraction;
-    const auto rows = SelectTrainingRows(PackTrainingSet(set), network.data, false, 1, 0.1);
+    const auto rows = SelectTrainingRows(*PackTrainingSet(set), network.data, false, 1, 0.1);
     const auto windows = TrainingWindows(set, network, true);
     ASSERT_TRUE(rows && windows) << windows.error().Message();
     std::multiset<std::string> expected, seen;
@@ -91,7 +91,7 @@ TEST(MadeSets, WindowsAreThoseOfTheClipsThatTheNetworkLearnedFrom) {
 TEST(MadeSets, EachRuleKeepsLabelsAndLengthsAndDrawsByClip) {
   const fs::path file = fs::path(testing::TempDir()) / "made_sets_generator.h5";
   const Dataset set = TurningDataset(2);
-  const auto trained = TrainNetwork(PackTrainingSet(set, true), Generator(10), {});
+  const auto trained = TrainNetwork(*PackTrainingSet(set, {true}), Generator(10), {});
   ASSERT_TRUE(trained) << trained.error().Message();
   ASSERT_TRUE(WriteCheckpoint(*trained, file));
   const auto network = MotionGenerator::Load(file);
@@ -132,10 +132,10 @@ TEST(MadeSets, EachRuleKeepsLabelsAndLengthsAndDrawsByClip) {
 }
 
 TEST(MadeSets, EachBatchHasItsShareOfMadeClips) {
-  TrainingSet set = PackTrainingSet(ToyDataset(5), false);
+  TrainingSet set = *PackTrainingSet(ToyDataset(5));
   const auto recorded = static_cast<int>(set.clips.size());
   Dataset windows = *TrainingWindows(ToyDataset(5), Generator(10), true);
-  ASSERT_TRUE(AddMade(PackTrainingSet(windows), set));
+  ASSERT_TRUE(AddMade(*PackTrainingSet(windows), set));
   ASSERT_EQ(set.made.size(), windows.splits[0].train.size()) << "its test part does not train";
   const JointPositions joints = set.Joints(static_cast<std::size_t>(set.made[3]));
   const auto third = static_cast<std::size_t>(windows.splits[0].train[3]);
@@ -179,8 +179,8 @@ TEST(MadeSets, EachBatchHasItsShareOfMadeClips) {
   EXPECT_FALSE(left.empty());
   for (const int row : left) EXPECT_NE(set.clips[static_cast<std::size_t>(row)].person, "p1");
   windows.labels.push_back("dance");
-  TrainingSet plain = PackTrainingSet(ToyDataset(1));
-  EXPECT_EQ(AddMade(PackTrainingSet(windows), plain).error().code, ErrorCode::kInconsistent);
+  TrainingSet plain = *PackTrainingSet(ToyDataset(1));
+  EXPECT_EQ(AddMade(*PackTrainingSet(windows), plain).error().code, ErrorCode::kInconsistent);
 }
 
 TEST(MadeSets, TheGeneratorIsNamedAndLearnsFromTheSameClips) {

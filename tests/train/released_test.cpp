@@ -93,7 +93,7 @@ class ReleasedFiles : public testing::Test {
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / "mocurate_released";
     std::filesystem::create_directories(folder_);
-    set_ = PackTrainingSet(ToyDataset(2));
+    set_ = *PackTrainingSet(ToyDataset(2));
     trained_ = *TrainNetwork(set_, SmallNetwork(), {});
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }

@@ -67,7 +67,7 @@ TEST_F(TrainStages, AGeneratorIsTrainedFromADatasetFile) {
 TEST_F(TrainStages, TheSetIsReadAsItIsPackedFromMemory) {
   const auto read = ReadTrainingSet(folder_ / "dataset.h5");
   ASSERT_TRUE(read) << read.error().Message();
-  const TrainingSet packed = PackTrainingSet(ToyDataset(3));
+  const TrainingSet packed = *PackTrainingSet(ToyDataset(3));
   EXPECT_EQ(read->joints, packed.joints);
   EXPECT_EQ(read->labels, packed.labels);
   EXPECT_EQ(read->rate.Text(), packed.rate.Text());

@@ -67,8 +67,8 @@ NetworkOptions Small(NetworkKind kind) {
 }
 
 const TrainingSet& Toy(NetworkKind kind = NetworkKind::kAction2Motion) {
-  static const TrainingSet set = PackTrainingSet(ToyDataset(3));
-  static const TrainingSet turning = PackTrainingSet(TurningDataset(3), true);
+  static const TrainingSet set = *PackTrainingSet(ToyDataset(3));
+  static const TrainingSet turning = *PackTrainingSet(TurningDataset(3), {true});
   return NetworkOptions(kind).NeedsRotations() ? turning : set;
 }
 
@@ -187,7 +187,7 @@ TEST_F(Trainer, ARecogniserLearnsMotionsThatDiffer) {
   options.data.augmentation.noise_m = 0.005;
   options.recogniser.epochs = 60;
   options.learning.learning_rate = 1e-2;
-  const Expected<Checkpoint> checkpoint = TrainNetwork(PackTrainingSet(dataset), options, {});
+  const Expected<Checkpoint> checkpoint = TrainNetwork(*PackTrainingSet(dataset), options, {});
   ASSERT_TRUE(checkpoint) << checkpoint.error().Message();
   ASSERT_TRUE(WriteCheckpoint(*checkpoint, folder_ / "recogniser.h5"));
   EXPECT_GE(TestAccuracy(dataset, folder_ / "recogniser.h5"), 0.9)
@@ -210,7 +210,7 @@ TEST_F(Trainer, AVaeLearnsToReconstruct) {
 }
 
 TEST_F(Trainer, SmallerFractionsAreParts) {
-  const TrainingSet set = PackTrainingSet(ToyDataset(10));
+  const TrainingSet set = *PackTrainingSet(ToyDataset(10));
   TrainingDataOptions options;
   std::vector<int> larger;
   for (const double fraction : {1.0, 0.5, 0.2, 0.05}) {
@@ -235,7 +235,7 @@ TEST_F(Trainer, SmallerFractionsAreParts) {
 }
 
 TEST_F(Trainer, BalancedBatchesHoldEveryClassAlike) {
-  TrainingSet set = PackTrainingSet(ToyDataset(10));
+  TrainingSet set = *PackTrainingSet(ToyDataset(10));
   std::vector<int> rows;  // 24 of one class, 3 of another
   for (int i = 0; i < static_cast<int>(set.clips.size()); ++i) {
     const int label = set.clips[static_cast<std::size_t>(i)].label;
@@ -285,7 +285,7 @@ TEST_F(Trainer, ClipsOfOneFrameAndMotionsThatStandStillTrain) {
     }
     motion.joints = still;
   }
-  const TrainingSet set = PackTrainingSet(dataset);
+  const TrainingSet set = *PackTrainingSet(dataset);
   TrainingSet turning = Toy(NetworkKind::kActor);
   for (std::size_t i = 0; i < turning.clips.size(); i += 2) turning.clips[i].frames = 1;
   for (const NetworkKind kind : kAllKinds) {
@@ -447,8 +447,8 @@ TEST_F(Trainer, ActorInterpolatesVariesLengthsAndDenoises) {
 
 TEST_F(Trainer, JointsAloneAreRefusedWhereRotationsAreNeeded) {
   ASSERT_TRUE(WriteDataset(ToyDataset(1), folder_ / "joints.h5"));
-  EXPECT_TRUE(ReadTrainingSet(folder_ / "joints.h5", false));
-  EXPECT_EQ(ReadTrainingSet(folder_ / "joints.h5", true).error().code, ErrorCode::kInconsistent);
+  EXPECT_TRUE(ReadTrainingSet(folder_ / "joints.h5"));
+  EXPECT_EQ(ReadTrainingSet(folder_ / "joints.h5", {true}).error().code, ErrorCode::kInconsistent);
 }
 
 TEST_F(Trainer, ACheckpointOfAnotherNetworkIsRefusedNamingBoth) {

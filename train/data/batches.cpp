@@ -77,7 +77,7 @@ std::vector<int> FractionOf(const TrainingSet& set, const std::vector<int>& rows
 
 std::vector<float> WindowOf(const Motion& motion, const TrainingDataOptions& options, Random& random) {
   const int T = static_cast<int>(options.frames);
-  if (options.input == RecogniserInputKind::kResample) return RecogniserInput(motion, options.input, T, random);
+  if (options.input != RecogniserInputKind::kCrop) return RecogniserInput(motion, options.input, T, random);
   const LastStart last = options.include_last_start ? LastStart::kIncluded : LastStart::kExcluded;
   const std::vector<double> values =
       PrepareWindow(motion.joints, DrawWindow(motion.joints.frames, T, last, random), T, true);
@@ -88,6 +88,11 @@ std::vector<float> WindowOf(const Motion& motion, const TrainingDataOptions& opt
 /// ACTOR's (a2m_actor.md A.7, C.7).
 std::vector<int> WindowFrames(int frame_count, const TrainingDataOptions& options, Random& random) {
   const int T = static_cast<int>(options.frames);
+  if (options.input == RecogniserInputKind::kWhole) {
+    std::vector<int> whole(static_cast<std::size_t>(std::min(T, frame_count)));
+    std::iota(whole.begin(), whole.end(), 0);
+    return whole;
+  }
   if (options.longest_frames > 0) {
     ActorSampling sampling;
     sampling.num_frames = -2;
@@ -289,6 +294,9 @@ MotionRows MakeMotionRows(const TrainingSet& set, const TrainingDataOptions& opt
                   batch.motion.begin() + static_cast<std::ptrdiff_t>((t * B + b) * D));
     }
     batch.label.push_back(set.clips[row].label);
+    if (options.input == RecogniserInputKind::kWhole) {
+      batch.length.push_back(std::min(set.clips[row].frames, static_cast<int>(T)));
+    }
   }
   return batch;
 }

@@ -74,6 +74,8 @@ struct MotionRows {
   std::vector<float> motion;        ///< (T,B,3J) metres, first root at the origin
   std::vector<std::int64_t> label;  ///< (B)
   std::vector<float> rotation;      ///< (T,B,J,3,3) where the set has rotations; else empty
+  std::vector<std::int64_t> parts;  ///< (B,3) frames of the three parts of samples; or empty
+  std::vector<std::int64_t> word;   ///< (B,3) their labels in TrainingSet::words
   std::vector<int> length;          ///< (B) frames before the padding, which is 0; empty: all are whole
 };
 

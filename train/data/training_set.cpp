@@ -30,22 +30,83 @@ std::vector<Vector3d> MedianOffsets(const std::vector<SkeletonPtr>& skeletons, s
   return offsets;
 }
 
-void Append(const Clip& clip, TrainingSet& set) {
-  TrainingSet::Clip packed;
-  packed.id = clip.id();
-  packed.person = clip.identity.person;
-  for (std::size_t i = 0; i < set.labels.size(); ++i) {
-    if (set.labels[i] == clip.label) packed.label = static_cast<int>(i);
-  }
-  if (set.clips.empty()) set.rate = clip.motion ? clip.motion->rate : clip.rate;
-  if (clip.motion) {
-    const JointPositions& joints = clip.motion->joints;
-    packed.first = set.joints.size() / (3 * static_cast<std::size_t>(set.skeleton->joint_count()));
-    packed.frames = joints.frames;
-    set.joints.insert(set.joints.end(), joints.xyz.begin(), joints.xyz.end());
-  }
-  set.clips.push_back(std::move(packed));
+/// Place of a word, which is appended where it is new.
+int WordOf(const std::string& word, std::vector<std::string>& words) {
+  const auto found = std::find(words.begin(), words.end(), word);
+  if (found == words.end()) words.push_back(word);
+  return static_cast<int>(found == words.end() ? words.size() - 1 : static_cast<std::size_t>(found - words.begin()));
 }
+
+/// Words behind the classes and "transition" in the order of their names: which clip came first does not matter.
+void SortWords(TrainingSet& set) {
+  const std::size_t fixed = set.labels.size() + 1;
+  if (set.words.size() <= fixed) return;
+  const std::vector<std::string> unsorted = set.words;
+  std::sort(set.words.begin() + static_cast<std::ptrdiff_t>(fixed), set.words.end());
+  for (TrainingSet::Clip& clip : set.clips) {
+    for (int& word : clip.word) word = WordOf(unsorted[static_cast<std::size_t>(word)], set.words);
+  }
+}
+
+/// Collects the clips of a set one by one.
+class Packing {
+ public:
+  Packing(const TrainingSetNeeds& needs, TrainingSet& set) : needs_(needs), set_(set) {
+    if (!needs.parts) return;
+    set.words = set.labels;
+    set.words.emplace_back("transition");
+  }
+
+  /// `where`: the file, for errors.
+  Status Add(const Clip& clip, const std::string& where) {
+    TrainingSet::Clip packed;
+    packed.id = clip.id();
+    packed.person = clip.identity.person;
+    for (std::size_t i = 0; i < set_.labels.size(); ++i) {
+      if (set_.labels[i] == clip.label) packed.label = static_cast<int>(i);
+    }
+    packed.canonical_from_source = clip.canonical_from_source;
+    if (set_.clips.empty()) set_.rate = clip.motion ? clip.motion->rate : clip.rate;
+    if (!clip.motion) {
+      set_.clips.push_back(std::move(packed));
+      return {};
+    }
+    if (needs_.rotations && clip.motion->joints_only()) {
+      return Fail(ErrorCode::kInconsistent, "clip '" + clip.id() + "' has joints alone, the network needs rotations",
+                  where, "fit the clips (fitting.method), or choose a network of joints (actor: pose: joints)");
+    }
+    if (needs_.parts) {
+      const auto parts = PartsOf(clip);
+      if (!parts) return Forward(parts);
+      if (parts->frames[0] < 1) {
+        return Fail(ErrorCode::kInconsistent, "the sample has no previous action", clip.id(),
+                    "give samples of canon.trim.rule: triples");
+      }
+      packed.parts = parts->frames;
+      for (std::size_t k = 0; k < 3; ++k) packed.word[k] = WordOf(parts->label[k], set_.words);
+    }
+    const Expected<Motion> motion = TakePart(clip, needs_.part);
+    if (!motion) return Forward(motion);
+    packed.first = set_.joints.size() / (3 * set_.skeleton->joints.size());
+    packed.frames = motion->joints.frames;
+    set_.joints.insert(set_.joints.end(), motion->joints.xyz.begin(), motion->joints.xyz.end());
+    set_.clips.push_back(std::move(packed));
+    if (!needs_.rotations) return {};
+    AppendRotations(*motion, set_);
+    skeletons_.push_back(motion->skeleton);
+    return {};
+  }
+
+  void Finish() {
+    SortWords(set_);
+    if (needs_.rotations) set_.rest_offset = MedianOffsets(skeletons_, set_.skeleton->joints.size());
+  }
+
+ private:
+  const TrainingSetNeeds& needs_;
+  TrainingSet& set_;
+  std::vector<SkeletonPtr> skeletons_;
+};
 
 }  // namespace
 
@@ -89,28 +150,24 @@ std::vector<std::vector<double>> FirstPoses(const TrainingSet& set) {
   return poses;
 }
 
-Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path, bool rotations) {
+TrainingSetNeeds NeedsOf(const NetworkOptions& options) {
+  return {options.NeedsRotations(), options.NeedsParts(), options.data.part};
+}
+
+Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path, const TrainingSetNeeds& needs) {
   const Expected<DatasetClips> file = DatasetClips::Open(path, DatasetClips::Check::kHashes);
   if (!file) return Forward(file);
   TrainingSet set;
   set.skeleton = file->skeleton();
   set.labels = file->labels();
   set.splits = file->splits();
-  std::vector<SkeletonPtr> skeletons;
+  Packing packing(needs, set);
   for (std::size_t row = 0; row < file->size(); ++row) {
     const Expected<Clip> clip = file->Read(row);
     if (!clip) return Forward(clip);
-    Append(*clip, set);
-    if (!rotations || !clip->motion) continue;
-    if (clip->motion->joints_only()) {
-      return Fail(ErrorCode::kInconsistent, "clip '" + clip->id() + "' has joints alone, the network needs rotations",
-                  DisplayPath(path),
-                  "fit the clips (fitting.method), or choose a network of joints (actor: pose: joints)");
-    }
-    AppendRotations(*clip->motion, set);
-    skeletons.push_back(clip->motion->skeleton);
+    if (Status added = packing.Add(*clip, DisplayPath(path)); !added) return Forward(added);
   }
-  if (rotations) set.rest_offset = MedianOffsets(skeletons, set.skeleton->joints.size());
+  packing.Finish();
   return set;
 }
 
@@ -138,19 +195,16 @@ Status AddMade(const TrainingSet& made, TrainingSet& set) {
   return {};
 }
 
-TrainingSet PackTrainingSet(const Dataset& dataset, bool rotations) {
+Expected<TrainingSet> PackTrainingSet(const Dataset& dataset, const TrainingSetNeeds& needs) {
   TrainingSet set;
   set.skeleton = dataset.skeleton;
   set.labels = dataset.labels;
   set.splits = dataset.splits;
-  std::vector<SkeletonPtr> skeletons;
+  Packing packing(needs, set);
   for (const Clip& clip : dataset.clips) {
-    Append(clip, set);
-    if (!rotations || !clip.motion) continue;
-    AppendRotations(*clip.motion, set);
-    skeletons.push_back(clip.motion->skeleton);
+    if (Status added = packing.Add(clip, "dataset"); !added) return Forward(added);
   }
-  if (rotations) set.rest_offset = MedianOffsets(skeletons, set.skeleton->joints.size());
+  packing.Finish();
   return set;
 }
 

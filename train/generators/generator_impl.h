@@ -18,8 +18,13 @@ struct MotionGenerator::Impl {
   std::vector<double> bone_length;               ///< of the training set
   std::vector<std::vector<double>> first_poses;  ///< of each class, where the network starts from one
   std::vector<Vector3d> rest_offset;             ///< of a usual person; empty: the network gives joints alone
+  Matrix3d rest_axes = Matrix3d::Identity();     ///< of the rest pose: left, up, forward
+  std::vector<MotionGenerator::UsualLength> usual_lengths;  ///< of each class; of networks that learned from parts
 
   Status Check(const MotionRequest& request, std::size_t index) const;
+  /// Continuations as the network reads them; `network_from_world` gets where each stands.
+  RequestBatch BatchOf(const Continuation* asked, std::size_t count,
+                       std::vector<RigidTransform>& network_from_world) const;
   RequestBatch BatchOf(const MotionRequest* requests, std::size_t count) const;
 };
 

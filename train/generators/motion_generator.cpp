@@ -9,6 +9,7 @@
 #include "core/base/random.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/motion/heading.h"
 #include "core/motion/kinematics.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/data/batches.h"
@@ -38,6 +39,18 @@ Expected<std::vector<Vector3d>> RestOffsetOf(const Checkpoint& checkpoint, const
   if (whole && offsets.size() == checkpoint.skeleton->joints.size()) return offsets;
   return Fail(ErrorCode::kMalformed, "facts.rest_offset is no place of each joint of the skeleton", where,
               "train again");
+}
+
+/// Mean lengths of the parts of each class, of networks that learned from parts.
+Status ReadUsualLengths(const Checkpoint& checkpoint, const std::string& where,
+                        std::vector<MotionGenerator::UsualLength>& lengths) {
+  const nlohmann::json rows = checkpoint.facts.value("part_frames", nlohmann::json::array());
+  for (const nlohmann::json& row : rows) {
+    if (!row.is_array() || row.size() != 2 || !row[0].is_number_integer() || !row[1].is_number_integer()) break;
+    lengths.push_back({row[0].get<int>(), row[1].get<int>()});
+  }
+  if (lengths.size() == rows.size() && (rows.empty() || rows.size() == checkpoint.labels.size())) return {};
+  return Fail(ErrorCode::kMalformed, "facts.part_frames are no two counts for each class", where, "train again");
 }
 
 /// The skeleton with bones of these lengths along the rest offsets.
@@ -70,9 +83,14 @@ void GiveLatents(const MotionRequest* requests, std::int64_t count, Network& net
 }  // namespace
 
 int MotionsAtOnce(const NetworkOptions& options, std::int64_t frames) {
-  if (options.kind != NetworkKind::kActor) return kGeneratedAtOnce;
-  const ActorOptions& actor = options.actor;
-  const std::int64_t numbers = actor.heads * frames * frames + (actor.feed_forward + 4 * actor.latent) * frames;
+  if (options.kind != NetworkKind::kActor && !options.NeedsParts()) return kGeneratedAtOnce;
+  const auto numbers_of = [&](std::int64_t heads, std::int64_t feed_forward, std::int64_t width) {
+    return heads * frames * frames + (feed_forward + 4 * width) * frames;
+  };
+  const std::int64_t numbers =
+      options.kind == NetworkKind::kActor
+          ? numbers_of(options.actor.heads, options.actor.feed_forward, options.actor.latent)
+          : numbers_of(options.macvae.heads, options.macvae.feed_forward, options.macvae.width);
   return static_cast<int>(std::clamp<std::int64_t>(kNumbersAtOnce / numbers, 1, kGeneratedAtOnce));
 }
 
@@ -86,6 +104,10 @@ Status MotionGenerator::Impl::Check(const MotionRequest& request, std::size_t in
         where);
   }
   if (request.frames < 1) return Fail(ErrorCode::kInconsistent, "no frames are asked for", where);
+  if (options.NeedsParts()) {
+    return Fail(ErrorCode::kInconsistent, "the network continues motions: it makes none from a label alone", where,
+                "give a script: --script LABEL,LABEL,... with --first ACTOR or --previous SET");
+  }
   if (network->latent_size() > 0 && request.frames > kMostFrames) {
     return Fail(ErrorCode::kInconsistent,
                 Counted(request.frames, "frame") + " are asked for; positions go to " + std::to_string(kMostFrames),
@@ -160,18 +182,22 @@ Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::file
   }
   torch::set_num_threads(1);
   auto impl = std::make_unique<Impl>();
-  if (Status sound = CheckActor(*options, where); !sound) {
+  if (Status sound = CheckSizes(*options, where); !sound) {
     return Fail(ErrorCode::kMalformed, sound.error().what, where, "take the file as `mocurate` wrote it");
   }
   const auto rest = RestOffsetOf(*checkpoint, *options, where);
   if (!rest) return Forward(rest);
   impl->rest_offset = *rest;
-  impl->network = MakeNetwork(*options, SizesOf(*checkpoint->skeleton, checkpoint->labels.size(), *rest));
+  NetworkSizes sizes = SizesOf(*checkpoint->skeleton, checkpoint->labels.size(), *rest);
+  sizes.words = static_cast<std::int64_t>(checkpoint->facts.value("words", std::vector<std::string>()).size());
+  impl->network = MakeNetwork(*options, sizes);
   if (Status fits = SetValues(checkpoint->parameters, where, *impl->network); !fits) return Forward(fits);
   impl->options = std::move(*options);
   impl->skeleton = checkpoint->skeleton;
   impl->labels = checkpoint->labels;
   impl->rate = *rate;
+  impl->rest_axes = RestAxes(*impl->skeleton);
+  if (Status read = ReadUsualLengths(*checkpoint, where, impl->usual_lengths); !read) return Forward(read);
   const auto joints = static_cast<std::size_t>(impl->skeleton->joint_count());
   impl->bone_length = checkpoint->facts.value("bone_length", impl->skeleton->RestBoneLengths());
   impl->first_poses = checkpoint->facts.value("first_pose", std::vector<std::vector<double>>());
@@ -223,10 +249,11 @@ Expected<std::vector<float>> MotionGenerator::Joints(const std::vector<MotionReq
 }
 
 /// `rotation` (frames, J, 3, 3): the motion's, and its joints by forward kinematics in double.
-void MotionGenerator::AddRotations(const float* rotation, const MotionRequest& request, Motion& motion) const {
+void MotionGenerator::AddRotations(const float* rotation, const std::vector<double>& bone_length,
+                                   Motion& motion) const {
   const int J = motion.joint_count();
   motion.counted_from = impl_->skeleton;
-  motion.bone_length = request.bone_length.empty() ? impl_->bone_length : request.bone_length;
+  motion.bone_length = bone_length.empty() ? impl_->bone_length : bone_length;
   motion.skeleton = WithBones(impl_->skeleton, impl_->rest_offset, motion.bone_length);
   for (int f = 0; f < motion.frame_count(); ++f) {
     motion.root_translation.emplace_back(motion.joints.at(f, 0));
@@ -240,6 +267,27 @@ void MotionGenerator::AddRotations(const float* rotation, const MotionRequest& r
                        static_cast<std::size_t>(J));
   }
   ComputeJoints(motion);
+}
+
+Clip GeneratedClip(std::size_t index, const std::string& label, const MotionRequest& request, Motion motion) {
+  Clip clip;
+  char number[24];
+  std::snprintf(number, sizeof(number), "%06zu", index);
+  clip.identity.source = "generated";
+  clip.identity.person = "network";
+  clip.identity.recording = number;
+  clip.identity.end_frame = motion.frame_count();
+  clip.label = label;
+  clip.rate = motion.rate;
+  clip.provenance["seed"] = std::to_string(request.seed);
+  if (request.fraction > 0.0) {
+    clip.provenance["to_seed"] = std::to_string(request.to_seed);
+    clip.provenance["fraction"] = FormatDouble(request.fraction);
+  }
+  if (!request.source_clip.empty()) clip.provenance["bone_lengths_of"] = request.source_clip;
+  if (!request.previous_clip.empty()) clip.provenance["continues"] = request.previous_clip;
+  clip.motion = std::move(motion);
+  return clip;
 }
 
 Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& requests, int threads) const {
@@ -259,29 +307,14 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
     if (!rows) return Forward(rows);
     const std::size_t size = static_cast<std::size_t>(part[0].frames) * 3 * static_cast<std::size_t>(J);
     for (std::size_t i = 0; i < part.size(); ++i) {
-      Clip clip;
-      char number[24];
-      std::snprintf(number, sizeof(number), "%06zu", begin + i);
-      clip.identity.source = "generated";
-      clip.identity.person = "network";
-      clip.identity.recording = number;
-      clip.identity.end_frame = part[i].frames;
-      clip.label = labels()[static_cast<std::size_t>(part[i].label)];
-      clip.rate = impl_->rate;
-      clip.provenance["seed"] = std::to_string(part[i].seed);
-      if (part[i].fraction > 0.0) {
-        clip.provenance["to_seed"] = std::to_string(part[i].to_seed);
-        clip.provenance["fraction"] = FormatDouble(part[i].fraction);
-      }
-      if (!part[i].source_clip.empty()) clip.provenance["bone_lengths_of"] = part[i].source_clip;
       Motion motion;
       motion.skeleton = set.skeleton;
       motion.rate = impl_->rate;
       motion.joints = JointPositions(part[i].frames, J);
       std::copy_n(rows->joints.begin() + static_cast<std::ptrdiff_t>(i * size), size, motion.joints.xyz.begin());
-      if (!set.joints_only) AddRotations(rows->rotation.data() + 3 * i * size, part[i], motion);
-      clip.motion = std::move(motion);
-      set.clips.push_back(std::move(clip));
+      if (!set.joints_only) AddRotations(rows->rotation.data() + 3 * i * size, part[i].bone_length, motion);
+      set.clips.push_back(
+          GeneratedClip(begin + i, labels()[static_cast<std::size_t>(part[i].label)], part[i], std::move(motion)));
     }
     begin = end;
   }
@@ -290,7 +323,9 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
 
 const NetworkOptions& MotionGenerator::options() const { return impl_->options; }
 SkeletonPtr MotionGenerator::skeleton() const { return impl_->skeleton; }
+FrameRate MotionGenerator::rate() const { return impl_->rate; }
 const std::vector<std::string>& MotionGenerator::labels() const { return impl_->labels; }
+const std::vector<MotionGenerator::UsualLength>& MotionGenerator::usual_lengths() const { return impl_->usual_lengths; }
 int MotionGenerator::training_frames() const { return static_cast<int>(impl_->options.data.frames); }
 
 }  // namespace mocurate

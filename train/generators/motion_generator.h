@@ -6,11 +6,24 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/rigid.h"
 #include "core/motion/request.h"
 #include "core/store/store.h"
 #include "train/options.h"
 
 namespace mocurate {
+
+/// What is to follow a motion: a transition and an action, or the transition that leads to a given action.
+struct Continuation {
+  const Motion* previous = nullptr;      ///< with rotations; its last frames are read
+  RigidTransform canonical_from_source;  ///< of its clip, for networks that learned in the source's world
+  const Motion* next = nullptr;          ///< the action, in the same world, of networks that fill transitions
+  int label = 0;
+  int transition_frames = 0;
+  int frames = 0;  ///< of the action
+  std::uint64_t seed = 0;
+  std::vector<double> bone_length;  ///< (J) metres; empty: the training set's
+};
 
 /// A trained generator of motions: answers Requests.
 class MotionGenerator {
@@ -37,10 +50,27 @@ class MotionGenerator {
       Dataset set, const RemakeOptions& options, int threads = 1,
       const std::function<bool(double)>& proceed = [](double) { return true; }) const;
 
+  /// Of networks that continue motions: transition and action, of those that fill: the transition, in the world of the
+  /// previous motion. Errors of CheckContinuation.
+  Expected<std::vector<Motion>> Continue(const std::vector<Continuation>& asked, int threads = 1) const;
+  /// Whether the network can continue a motion of `previous_frames` like that. Error kInconsistent with value, rule and
+  /// way out: a class it does not have, parts without frames, more frames than it was built for, too short a motion.
+  Status CheckContinuation(int label, int previous_frames, int transition_frames, int frames,
+                           const std::string& where) const;
+
+  /// Mean frames of the transition to a class and of its action in the training set, truncated (multiact.md A.4); of a
+  /// class without samples those of all.
+  struct UsualLength {
+    int transition_frames = 0;
+    int frames = 0;
+  };
+  const std::vector<UsualLength>& usual_lengths() const;
+
   /// What it was trained with.
   const NetworkOptions& options() const;
 
   SkeletonPtr skeleton() const;
+  FrameRate rate() const;
   const std::vector<std::string>& labels() const;
   /// Frames it was trained on.
   int training_frames() const;
@@ -53,10 +83,13 @@ class MotionGenerator {
     std::vector<float> rotation;  ///< (n, frames, J, 3, 3) parent_from_joint; empty: the network gives joints alone
   };
   Expected<Rows> Answer(const std::vector<MotionRequest>& requests, int threads) const;
-  void AddRotations(const float* rotation, const MotionRequest& request, Motion& motion) const;
+  void AddRotations(const float* rotation, const std::vector<double>& bone_length, Motion& motion) const;
   Expected<std::vector<int>> LabelsOf(const Dataset& set) const;
   explicit MotionGenerator(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// The clip of an answer, "generated/network/000000#0-60", with what the request says of it.
+Clip GeneratedClip(std::size_t index, const std::string& label, const MotionRequest& request, Motion motion);
 
 }  // namespace mocurate

@@ -135,7 +135,9 @@ Expected<Dataset> MotionGenerator::Remake(Dataset set, const RemakeOptions& opti
   const Error stopped{ErrorCode::kInterrupted, "stopped on request", impl_->options.name, "run again"};
   std::vector<torch::Tensor> latents(set.clips.size());  // (E) each
   if (encodes) {
-    const TrainingSet packed = PackTrainingSet(set, impl_->options.NeedsRotations() && !set.joints_only);
+    const auto read = PackTrainingSet(set, {impl_->options.NeedsRotations() && !set.joints_only});
+    if (!read) return Forward(read);
+    const TrainingSet& packed = *read;
     const bool whole = rounds(0.0, [&](const std::vector<int>& rows) {
       std::vector<std::uint64_t> own;
       for (const int row : rows) own.push_back(seeds[static_cast<std::size_t>(row)]);
@@ -189,7 +191,7 @@ Expected<Dataset> MotionGenerator::Remake(Dataset set, const RemakeOptions& opti
       }
       if (motions.rotation.defined()) {
         const torch::Tensor rotation = motions.rotation.select(1, motion).contiguous();
-        AddRotations(rotation.data_ptr<float>(), requests[b], made);
+        AddRotations(rotation.data_ptr<float>(), requests[b].bone_length, made);
       }
       clip.motion = std::move(made);
       clip.provenance["seed"] = std::to_string(requests[b].seed);

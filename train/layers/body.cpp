@@ -58,6 +58,16 @@ BodyTree::Posed BodyTree::Pose(const Tensor& rotation, const Tensor& offsets) co
   return {torch::stack(global, 1), torch::stack(place, 1)};
 }
 
+Tensor BodyTree::JointsOfBones(const Tensor& rotation, const Tensor& place, const Tensor& bone_length) const {
+  const std::int64_t T = rotation.size(0), B = rotation.size(1), J = joint_count();
+  const Tensor rest = rest_offset_.to(rotation.device());                           // (J,3)
+  const Tensor scale = bone_length / rest.norm(2, 1).clamp_min(1e-9).unsqueeze(0);  // (B,J)
+  const Tensor offsets = (scale.unsqueeze(2) * rest.unsqueeze(0)).unsqueeze(0).expand({T, B, J, 3});
+  const Tensor joints =
+      Pose(rotation.reshape({T * B, J, 3, 3}), offsets.reshape({T * B, J, 3})).joints.view({T, B, J, 3});
+  return (joints + place.unsqueeze(2)).reshape({T, B, 3 * J});
+}
+
 SkinnedBody::SkinnedBody(const Skin& skin, const std::vector<int>& parents)
     : tree_(parents, OffsetsOf(skin.joints, parents)), vertex_count_(static_cast<std::int64_t>(skin.vertices.size())) {
   const std::int64_t V = vertex_count_, J = tree_.joint_count();

@@ -23,6 +23,11 @@ class BodyTree {
   /// `rotation` (N,J,3,3) parent_from_joint. `offsets` (N,J,3) in the place of the rest offsets; or undefined.
   Posed Pose(const torch::Tensor& rotation, const torch::Tensor& offsets = {}) const;
 
+  /// Joints (T,B,3J) with bones of given lengths along the rest offsets: `rotation` (T,B,J,3,3), `place` (T,B,3) of the
+  /// root, `bone_length` (B,J) metres.
+  torch::Tensor JointsOfBones(const torch::Tensor& rotation, const torch::Tensor& place,
+                              const torch::Tensor& bone_length) const;
+
   std::int64_t joint_count() const { return static_cast<std::int64_t>(parents_.size()); }
   const torch::Tensor& rest_offset() const { return rest_offset_; }  ///< (J,3)
 

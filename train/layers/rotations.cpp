@@ -86,6 +86,16 @@ struct RotationVectors : torch::autograd::Function<RotationVectors> {
 
 Tensor RotationVectorsOf(const Tensor& matrices) { return RotationVectors::apply(matrices); }
 
+Tensor Columns6D(const Tensor& rotation) { return rotation.slice(-1, 0, 2).flatten(-2); }
+
+Tensor MatricesOfColumns(const Tensor& columns) {
+  std::vector<std::int64_t> shape = columns.sizes().vec();
+  shape.back() = 3;
+  shape.push_back(2);
+  const Tensor pairs = columns.reshape(shape);
+  return OfRows(pairs.select(-1, 0), pairs.select(-1, 1)).transpose(-1, -2);
+}
+
 std::int64_t WidthOf(PoseChoice pose) {
   switch (pose) {
     case PoseChoice::kRotation6D:

@@ -17,6 +17,11 @@ torch::Tensor NumbersOf(const torch::Tensor& matrices, PoseChoice pose);
 /// changes which keep a matrix a rotation.
 torch::Tensor RotationVectorsOf(const torch::Tensor& matrices);
 
+/// (...,3,3) -> (...,6): the first two columns as 3 x 2 numbers row by row (MultiAct's layout).
+torch::Tensor Columns6D(const torch::Tensor& rotation);
+/// The reverse, made orthogonal.
+torch::Tensor MatricesOfColumns(const torch::Tensor& columns);
+
 /// Numbers of a joint's row.
 std::int64_t WidthOf(PoseChoice pose);
 

@@ -14,9 +14,11 @@ GruClassifierImpl::GruClassifierImpl(std::int64_t input, std::int64_t hidden, st
   linear2 = register_module("linear2", torch::nn::Linear(kFeatures, outputs));
 }
 
-GruClassifierImpl::Heads GruClassifierImpl::forward(const Tensor& motion, const Tensor& hidden) {
-  const Tensor last = GruStack(motion, hidden, recurrent)[motion.size(0) - 1];  // (B,H)
-  const Tensor features = torch::tanh(linear1->forward(last));
+GruClassifierImpl::Heads GruClassifierImpl::forward(const Tensor& motion, const Tensor& hidden, const Tensor& last) {
+  const Tensor outputs = GruStack(motion, hidden, recurrent);  // (T,B,H)
+  const Tensor read = last.defined() ? outputs.index({last, torch::arange(last.size(0), last.options())})
+                                     : outputs[motion.size(0) - 1];  // (B,H)
+  const Tensor features = torch::tanh(linear1->forward(read));
   return {features, linear2->forward(features)};
 }
 
@@ -43,12 +45,18 @@ Tensor GruRecogniser::Input(const Tensor& motion) const {
   return mean_.defined() ? (motion - mean_) / deviation_ : motion;
 }
 
+/// Undefined where the last frame counts.
+Tensor GruRecogniser::LastOf(const Batch& batch) const {
+  if (options_.read_out == ReadOutChoice::kLastFrame || !batch.valid.defined()) return {};
+  return batch.valid.to(torch::kInt64).sum(0) - 1;
+}
+
 Losses GruRecogniser::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
   const std::int64_t B = batch.size(), H = options_.hidden, layers = options_.layers;
   const Tensor hidden = options_.initial_hidden == InitialHidden::kNormal
                             ? draws.Normal("hidden", layers, B, H).to(batch.motion.device())
                             : torch::zeros({layers, B, H}, batch.motion.options());
-  const GruClassifierImpl::Heads heads = classifier_->forward(Input(batch.motion), hidden);
+  const GruClassifierImpl::Heads heads = classifier_->forward(Input(batch.motion), hidden, LastOf(batch));
   const Tensor log_probability = torch::log_softmax(heads.logits, 1);  // (B,C)
   const Tensor of_label = log_probability.gather(1, batch.label.unsqueeze(1)).sum();
   const double smoothing = options_.label_smoothing, whole = static_cast<double>(batch.whole);
@@ -63,7 +71,7 @@ Losses GruRecogniser::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
 
 ValidationScore GruRecogniser::Validate(const Batch& batch) {
   const Tensor hidden = torch::zeros({options_.layers, batch.size(), options_.hidden}, batch.motion.options());
-  const Tensor logits = classifier_->forward(Input(batch.motion), hidden).logits;
+  const Tensor logits = classifier_->forward(Input(batch.motion), hidden, LastOf(batch)).logits;
   const Tensor of_label = torch::log_softmax(logits, 1).gather(1, batch.label.unsqueeze(1));
   return {(logits.argmax(1) == batch.label).sum().item<double>(), -of_label.to(torch::kFloat64).sum().item<double>()};
 }

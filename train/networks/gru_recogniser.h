@@ -15,8 +15,8 @@ struct GruClassifierImpl : torch::nn::Module {
   };
 
   GruClassifierImpl(std::int64_t input, std::int64_t hidden, std::int64_t layers, std::int64_t outputs);
-  /// `motion` (T,B,D), `hidden` (layers,B,H).
-  Heads forward(const torch::Tensor& motion, const torch::Tensor& hidden);
+  /// `motion` (T,B,D), `hidden` (layers,B,H); `last` (B) int64 is the frame whose output counts, undefined: the last.
+  Heads forward(const torch::Tensor& motion, const torch::Tensor& hidden, const torch::Tensor& last = {});
 
   torch::nn::GRU recurrent{nullptr};
   torch::nn::Linear linear1{nullptr}, linear2{nullptr};
@@ -41,6 +41,7 @@ class GruRecogniser : public Network {
 
  private:
   torch::Tensor Input(const torch::Tensor& motion) const;
+  torch::Tensor LastOf(const Batch& batch) const;
 
   GruRecogniserOptions options_;
   double learning_rate_, weight_decay_;

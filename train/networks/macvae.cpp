@@ -1,5 +1,6 @@
 #include "train/networks/macvae.h"
 
+#include "train/layers/frames.h"
 #include "train/layers/rotations.h"
 
 namespace mocurate {
@@ -9,26 +10,6 @@ using torch::Tensor;
 namespace {
 
 constexpr double kMarkerDistance = 0.05;  // metres, along the axes of a joint (multiact.md I)
-
-/// (...,3,3) -> (...,6): the first two columns as 3 x 2 numbers row by row, as the network's output is read.
-Tensor Columns6D(const Tensor& rotation) { return rotation.slice(-1, 0, 2).flatten(-2); }
-
-/// The reverse, made orthogonal.
-Tensor MatricesOfColumns(const Tensor& rows) {
-  std::vector<std::int64_t> shape = rows.sizes().vec();
-  shape.back() = 3;
-  shape.push_back(2);
-  const Tensor pairs = rows.reshape(shape);
-  return MatricesOf(torch::cat({pairs.select(-1, 0), pairs.select(-1, 1)}, -1), PoseChoice::kRotation6D)
-      .transpose(-1, -2);
-}
-
-/// (L,B,W) -> (count,B,W): row at(t,b) of motion b.
-Tensor RowsAt(const Tensor& rows, const Tensor& at) {
-  const std::int64_t B = rows.size(1), W = rows.size(2);
-  const Tensor flat = (at * B + torch::arange(B, at.options())).reshape({-1});
-  return rows.reshape({-1, W}).index_select(0, flat).view({at.size(0), B, W});
-}
 
 }  // namespace
 
@@ -206,7 +187,7 @@ Motions Macvae::Answer(const RequestBatch& requests, Draws& draws) {
   eval();
   Dropout none;
   const Tensor& parts = requests.parts;
-  const std::int64_t B = parts.size(0), J = sizes_.joints;
+  const std::int64_t B = parts.size(0);
   Frames frames{Tensor(), requests.previous_rotation, requests.previous_place};
   frames.read = ReadFrames(frames.rotation, frames.place);
   const LatentMoments prior = prior_->forward(frames.read, parts, requests.word);
@@ -230,12 +211,7 @@ Motions Macvae::Answer(const RequestBatch& requests, Draws& draws) {
   motions.output = RowsAt(rows, at.clamp_max(count - 1));
   const Pose made = PoseOf(motions.output);
   motions.rotation = made.rotation;
-  const Tensor rest = tree_.rest_offset();                                                   // (J,3)
-  const Tensor scale = requests.bone_length / rest.norm(2, 1).clamp_min(1e-9).unsqueeze(0);  // (B,J)
-  const Tensor offsets = (scale.unsqueeze(2) * rest.unsqueeze(0)).unsqueeze(0).expand({T, B, J, 3});
-  const Tensor joints =
-      tree_.Pose(made.rotation.reshape({T * B, J, 3, 3}), offsets.reshape({T * B, J, 3})).joints.view({T, B, J, 3});
-  motions.joints = (joints + made.place.unsqueeze(2)).reshape({T, B, 3 * J});
+  motions.joints = tree_.JointsOfBones(made.rotation, made.place, requests.bone_length);
   return motions;
 }
 

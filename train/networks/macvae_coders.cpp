@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "train/layers/frames.h"
 #include "train/layers/gru_layer.h"
 
 namespace mocurate {
@@ -21,18 +22,6 @@ Tensor ReleasedWave(const Tensor& time, const Tensor& channel, std::int64_t fram
   const Tensor pair = torch::floor(time / 2.0);
   const Tensor angle = torch::exp(pair * (-2.0 * std::log(10000.0) / static_cast<double>(frames))) * channel;
   return torch::where(time - 2.0 * pair == 0.0, torch::sin(angle), torch::cos(angle));
-}
-
-/// Frame t (T,1) within the motion -> (T,B): part 0, 1, 2 of the three, 3 behind them.
-Tensor PartOf(const Tensor& parts, std::int64_t frames) {
-  const Tensor time = torch::arange(frames, parts.options()).unsqueeze(1);  // (T,1)
-  Tensor part = torch::zeros({frames, parts.size(0)}, parts.options());
-  Tensor end = torch::zeros({parts.size(0)}, parts.options());
-  for (int k = 0; k < 3; ++k) {
-    end = end + parts.select(1, k);
-    part = part + (time >= end.unsqueeze(0)).to(torch::kInt64);
-  }
-  return part;
 }
 
 struct TransformerFrames : FrameCoder {
@@ -116,10 +105,7 @@ Tensor ConvolveFrames(const Tensor& x, const Tensor& weight, const Tensor& bias,
   std::vector<Tensor> padded(static_cast<std::size_t>(before), x.slice(0, 0, 1));
   padded.push_back(x);
   padded.insert(padded.end(), static_cast<std::size_t>(after), x.slice(0, T - 1, T));
-  const Tensor all = torch::cat(padded);  // (T+4,B,I)
-  std::vector<Tensor> taps;
-  for (std::int64_t k = 0; k < kTaps; ++k) taps.push_back(all.slice(0, k, k + T));
-  return torch::linear(torch::cat(taps, 2), weight.reshape({weight.size(0), -1}), bias);
+  return ConvolveTaps(torch::cat(padded), weight.reshape({weight.size(0), -1}), bias);
 }
 
 Tensor EncoderPositions(std::int64_t frames, std::int64_t width, bool released) {

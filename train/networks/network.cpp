@@ -8,6 +8,7 @@
 #include "train/networks/cond_gru.h"
 #include "train/networks/gru_recogniser.h"
 #include "train/networks/macvae.h"
+#include "train/networks/ssmct.h"
 #include "train/networks/st_gcn.h"
 #include "train/networks/two_stage_gan.h"
 
@@ -37,6 +38,8 @@ std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const Networ
       return std::make_shared<StGcn>(options.st_gcn, options.learning, sizes);
     case NetworkKind::kMacvae:
       return std::make_shared<Macvae>(options.macvae, options.learning, options.data, sizes);
+    case NetworkKind::kSsmct:
+      return std::make_shared<Ssmct>(options.ssmct, options.learning, options.data, sizes);
   }
   return nullptr;
 }

@@ -21,6 +21,7 @@ struct Recogniser::Impl {
   SkeletonPtr skeleton;
   std::string dataset_sha256;
   RecogniserInputKind input = RecogniserInputKind::kCrop;
+  bool last_valid = false;
   int frames = 60;
   double rate_hz = 0.0;
   std::optional<StGcnPass> graph;  ///< in the place of the GRU: `config` has its sizes
@@ -141,6 +142,7 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::Load(const std::filesystem::pa
   const Expected<NetworkOptions> options = OptionsFromJson<NetworkOptions>(checkpoint->options, where);
   if (!options) return Forward(options);
   impl->input = options->data.input;
+  impl->last_valid = options->recogniser.read_out == ReadOutChoice::kLastValid;
   impl->frames = static_cast<int>(options->data.frames);
   if (const auto rate = FrameRate::Parse(checkpoint->facts.value("rate", std::string()))) impl->rate_hz = rate->hz();
   if (static_cast<int>(impl->labels.size()) != impl->config.classes) {
@@ -240,6 +242,7 @@ const std::string& Recogniser::dataset_sha256() const { return impl_->dataset_sh
 const std::vector<std::string>& Recogniser::labels() const { return impl_->labels; }
 double Recogniser::rate_hz() const { return impl_->rate_hz; }
 RecogniserInputKind Recogniser::input_kind() const { return impl_->input; }
+bool Recogniser::reads_last_valid() const { return impl_->last_valid; }
 int Recogniser::input_frames() const { return impl_->frames; }
 
 }  // namespace mocurate

@@ -73,6 +73,7 @@ class Recogniser {
   double rate_hz() const;
   /// How clips must be prepared for it.
   RecogniserInputKind input_kind() const;
+  bool reads_last_valid() const;  ///< its output at the last frame of the clip counts, not that of the padding
   int input_frames() const;
 
  private:

@@ -13,6 +13,15 @@ std::vector<float> RecogniserInput(const Motion& motion, RecogniserInputKind kin
   if (kind == RecogniserInputKind::kCrop) {
     const Window window = DrawWindow(motion.frame_count(), frames, LastStart::kExcluded, random);
     values = PrepareWindow(motion.joints, window, frames, true);
+  } else if (kind == RecogniserInputKind::kWhole) {
+    const Vector3d root = motion.joints.at(0, 0);
+    for (int f = 0; f < frames; ++f) {
+      for (int j = 0; j < motion.joint_count(); ++j) {
+        Vector3d place = -root;
+        if (f < motion.frame_count()) place += motion.joints.at(f, j);
+        values.insert(values.end(), place.data(), place.data() + 3);
+      }
+    }
   } else {
     Motion joints_only;
     joints_only.skeleton = motion.skeleton;

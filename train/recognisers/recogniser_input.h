@@ -10,7 +10,8 @@ namespace mocurate {
 
 /// What a recogniser sees of a motion, (frames, 3J) float32, joint-major: all joints with the root of the first seen
 /// frame at the origin. kResample: the whole motion resampled to `frames`, `random` unused. kCrop: Action2Motion's
-/// window (a2m_actor.md A.7) with a start drawn from `random`.
+/// window (a2m_actor.md A.7) with a start drawn from `random`. kWhole: the first frames, behind the motion's end zeros
+/// from which the first root is subtracted too (multiact.md E).
 std::vector<float> RecogniserInput(const Motion& motion, RecogniserInputKind kind, int frames, Random& random);
 
 /// Changes one motion of (frames, 3J) in place: yaw, size and noise; its first root stays at the origin.

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -17,6 +18,7 @@
 #include "core/base/text.h"
 #include "train/checkpoint/released.h"
 #include "train/data/batches.h"
+#include "train/data/placed_samples.h"
 #include "train/networks/network.h"
 #include "train/trainer/optimisers.h"
 #include "train/trainer/values.h"
@@ -64,8 +66,9 @@ class Training {
         SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
     if (!rows) return Forward(rows);
     rows_ = std::move(*rows);
+    if (Status fit = CheckSamples(); !fit) return Forward(fit);
     if (!control_.weights.empty()) return TakeReleasedWeights();
-    if (options_.kind == NetworkKind::kActor && options_.actor.vertex_weight > 0.0 && control_.skin == nullptr) {
+    if (options_.NeedsBody() && control_.skin == nullptr) {
       return Fail(ErrorCode::kInconsistent, "the loss on vertices got no body", options_.name,
                   "set body: to SMPL's file or body_cc0.h5, or vertex_weight: 0");
     }
@@ -115,6 +118,29 @@ class Training {
   }
 
  private:
+  /// Samples of parts are padded, never cut.
+  Status CheckSamples() const {
+    if (!options_.NeedsParts()) return {};
+    const MacvaeOptions& macvae = options_.macvae;
+    const bool reads_last = options_.kind == NetworkKind::kMacvae && !macvae.whole_previous;
+    for (const int row : rows_.train) {
+      const TrainingSet::Clip& clip = set_.clips[static_cast<std::size_t>(row)];
+      if (clip.frames > options_.data.frames) {
+        return Fail(
+            ErrorCode::kInconsistent,
+            "the sample has " + Counted(clip.frames, "frame") + ", the network " + std::to_string(options_.data.frames),
+            clip.id, "set `frames` of the network to more, or canon.trim.triples.most_frames to less");
+      }
+      if (reads_last && clip.parts[0] < macvae.previous_frames) {
+        return Fail(ErrorCode::kInconsistent,
+                    "the previous action has " + Counted(clip.parts[0], "frame") + ", the network reads the last " +
+                        std::to_string(macvae.previous_frames),
+                    clip.id, "set `previous_frames` to less, or canon.trim.triples.context to more");
+      }
+    }
+    return {};
+  }
+
   torch::Device device() const {
     return options_.learning.device == TrainDevice::kCuda ? torch::Device(torch::kCUDA) : torch::Device(torch::kCPU);
   }
@@ -228,6 +254,7 @@ class Training {
       std::sort(rows_.train.begin(), rows_.train.end());
     }
     NetworkSizes sizes = SizesOf(*set_.skeleton, set_.labels.size(), set_.rest_offset);
+    sizes.words = static_cast<std::int64_t>(set_.words.size());
     sizes.skin = control_.skin;
     network_ = MakeNetwork(options_, sizes);
     if (recognises_ && options_.recogniser.standardise) Standardise();
@@ -261,7 +288,9 @@ class Training {
   }
 
   Batch BatchOf(const std::vector<int>& rows, const std::string& key, bool augment) const {
-    MotionRows made = MakeMotionRows(set_, options_.data, rows, options_.seed(), key, augment);
+    MotionRows made = options_.NeedsParts()
+                          ? PlacedSamples(set_, options_.macvae.canonical, static_cast<int>(options_.data.frames), rows)
+                          : MakeMotionRows(set_, options_.data, rows, options_.seed(), key, augment);
     const auto B = static_cast<std::int64_t>(rows.size());
     Batch batch;
     batch.motion = torch::from_blob(made.motion.data(), {made.frames, B, 3 * set_.skeleton->joint_count()}).clone();
@@ -273,6 +302,10 @@ class Training {
       const std::int64_t J = set_.skeleton->joint_count();
       batch.rotation = torch::from_blob(made.rotation.data(), {made.frames, B, J, 3, 3}).clone().to(device());
     }
+    if (!made.parts.empty()) {
+      batch.parts = torch::from_blob(made.parts.data(), {B, 3}, torch::kInt64).clone().to(device());
+      batch.word = torch::from_blob(made.word.data(), {B, 3}, torch::kInt64).clone().to(device());
+    }
     if (!made.length.empty()) {
       const Tensor length = torch::from_blob(made.length.data(), {1, B}, torch::kInt32).clone();
       batch.valid = (torch::arange(made.frames).unsqueeze(1) < length).to(device());  // (T,B)
@@ -283,8 +316,10 @@ class Training {
 
   /// The batch in parts, of which each has a thread.
   std::vector<Batch> ShardsOf(const Batch& batch) const {
-    const bool whole = options_.kind == NetworkKind::kStGcn;  // its statistics are of the whole batch
-    const std::int64_t shards = whole ? 1 : std::min(options_.learning.shards, batch.size());
+    // Their statistics or means are of the whole batch.
+    const bool whole = options_.kind == NetworkKind::kStGcn || options_.NeedsParts();
+    if (whole) return {batch};
+    const std::int64_t shards = std::min(options_.learning.shards, batch.size());
     std::vector<Batch> parts;
     for (std::int64_t s = 0; s < shards; ++s) {
       const std::int64_t begin = batch.size() * s / shards, end = batch.size() * (s + 1) / shards;
@@ -473,6 +508,7 @@ class Training {
     if (!recognises_) {
       state_.facts["bone_length"] = MedianBoneLengths(set_);
       if (options_.NeedsRotations()) StoreRestPose();
+      if (options_.NeedsParts()) StoreParts();
       if (options_.kind == NetworkKind::kCondGru) state_.facts["first_pose"] = FirstPoses(set_);
       return;
     }
@@ -481,6 +517,26 @@ class Training {
     state_.facts["best_epoch"] = best_epoch_;
     state_.facts["best_accuracy"] = best_.right;
     state_.facts["best_loss"] = best_.loss;
+  }
+
+  /// The vocabulary, and how long the parts of each class usually are: means over its training samples, truncated.
+  void StoreParts() {
+    std::vector<std::array<double, 3>> sums(set_.labels.size() + 1, {0.0, 0.0, 0.0});
+    for (const int row : rows_.train) {
+      const TrainingSet::Clip& clip = set_.clips[static_cast<std::size_t>(row)];
+      for (const std::size_t at : {static_cast<std::size_t>(clip.label), set_.labels.size()}) {
+        sums[at][0] += clip.parts[1];
+        sums[at][1] += clip.parts[2];
+        sums[at][2] += 1.0;
+      }
+    }
+    state_.facts["words"] = set_.words;
+    state_.facts["part_frames"] = nlohmann::json::array();
+    for (std::size_t c = 0; c < set_.labels.size(); ++c) {
+      const std::array<double, 3>& sum = sums[c][2] > 0.0 ? sums[c] : sums.back();
+      state_.facts["part_frames"].push_back(
+          {std::max(1, static_cast<int>(sum[0] / sum[2])), std::max(1, static_cast<int>(sum[1] / sum[2]))});
+    }
   }
 
   /// What generated rotations are laid out with.

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/options.h"
+#include "core/motion/request.h"
+#include "train/checkpoint/checkpoint.h"
+
+namespace mocurate {
+
+/// An action of a script as it is written: 0 frames mean the network's usual number.
+struct ScriptActionOptions {
+  std::string action;
+  std::int64_t frames = 0;
+  std::int64_t transition_frames = 0;  ///< of the transition that leads to it
+  void Declare(OptionVisitor& v);
+};
+
+/// A script of actions, a YAML file: `actions: [{action: throw, frames: 20, transition_frames: 14}, ...]`.
+struct ScriptOptions {
+  std::string name, description;
+  std::vector<ScriptActionOptions> actions;
+  void Declare(OptionVisitor& v);
+};
+
+/// "throw,catch:30,throw" (an action and its frames), a name of configs/scripts, or a YAML file. Errors: kUsage for
+/// what is none of them, and those of the file.
+Expected<ScriptOptions> ReadScript(const std::string& text);
+
+/// The steps of a script for a network: classes by name or index, usual lengths of its training set where the script
+/// names none. Error kUsage names the step, the value and what there is.
+Expected<std::vector<ScriptStep>> StepsOf(const ScriptOptions& script, const Checkpoint& network);
+
+}  // namespace mocurate
