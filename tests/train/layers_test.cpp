@@ -4,9 +4,14 @@
 #include <torch/torch.h>
 
 #include "tests/train/chains.h"
+#include "train/layers/attention_function.h"
 #include "train/layers/draws.h"
+#include "train/layers/dropout.h"
+#include "train/layers/frames.h"
 #include "train/layers/gru_layer.h"
 #include "train/layers/lie_function.h"
+#include "train/layers/rotations.h"
+#include "train/layers/tree_function.h"
 
 namespace mocurate {
 namespace {
@@ -75,6 +80,93 @@ TEST(LieJoints, EqualTheirPlainFormWithTheGradient) {
   ExpectAlike(results[0], results[1], 1e-5, "joints");
   Tensor measured = LieBoneLengths(layer, results[0].back());
   EXPECT_LE((measured - lengths).slice(1, 1).abs().max().item<double>(), 1e-5);
+}
+
+TEST(TreeKinematics, EqualsItsPlainFormWithAllGradients) {
+  torch::manual_seed(6);
+  const std::vector<int> parents = {-1, 0, 1, 0, 3, 3, 2};
+  const Tensor rotation = torch::randn({5, 7, 3, 3}, torch::requires_grad());
+  const Tensor of_rotation = torch::randn({5, 7, 3, 3}), of_joints = torch::randn({5, 7, 3});
+  for (const bool of_frames : {false, true}) {
+    const Tensor offsets =
+        of_frames ? torch::randn({5, 7, 3}, torch::requires_grad()) : torch::randn({7, 3}, torch::requires_grad());
+    for (const int part : {0, 1, 2}) {  // the gradient comes from both results, from one, from the other
+      std::vector<std::vector<Tensor>> results;
+      for (const bool plain : {false, true}) {
+        const auto posed =
+            plain ? PlainTreeKinematics(parents, rotation, offsets) : TreeKinematics(parents, rotation, offsets);
+        const Tensor first = (posed[0] * of_rotation).sum(), second = (posed[1] * of_joints).sum();
+        const Tensor loss = part == 0 ? first + second : part == 1 ? first : second;
+        results.push_back(torch::autograd::grad({loss}, {rotation, offsets}, {}, false, false, true));
+        if (!results.back()[1].defined()) results.back()[1] = torch::zeros_like(offsets);
+        results.back().insert(results.back().end(), {posed[0].detach(), posed[1].detach()});
+      }
+      ExpectAlike(results[0], results[1], 1e-5, "kinematics");
+    }
+  }
+}
+
+TEST(ConvolveTaps, EqualsItsPlainFormWithAllGradients) {
+  torch::manual_seed(7);
+  const Tensor x = torch::randn({9, 3, 4}, torch::requires_grad());
+  const Tensor weight = torch::randn({6, 20}, torch::requires_grad()), bias = torch::randn({6}, torch::requires_grad());
+  const Tensor of_result = torch::randn({5, 3, 6});
+  std::vector<std::vector<Tensor>> results;
+  for (const bool plain : {false, true}) {
+    const Tensor result = plain ? PlainConvolveTaps(x, weight, bias) : ConvolveTaps(x, weight, bias);
+    results.push_back(torch::autograd::grad({(result * of_result).sum()}, {x, weight, bias}));
+    results.back().push_back(result.detach());
+  }
+  ExpectAlike(results[0], results[1], 1e-5, "convolution");
+}
+
+TEST(Attend, EqualsItsPlainFormWithAllGradients) {
+  torch::manual_seed(8);
+  constexpr std::int64_t T = 6, B = 3, E = 8, H = 2;
+  const Draws draws(1, 2, 0, 0);
+  for (const bool itself : {true, false}) {
+    const std::int64_t S = itself ? T : 4;
+    const Tensor queries = torch::randn({T, B, itself ? 3 * E : E}, torch::requires_grad());
+    const Tensor memory = itself ? Tensor() : torch::randn({S, B, 2 * E}, torch::requires_grad());
+    const Tensor of_result = torch::randn({T, B, E});
+    for (const int variant : {0, 1, 2, 3}) {
+      AttentionRules rules;
+      rules.heads = H;
+      rules.causal = itself && variant > 0;
+      if (variant > 0) rules.hidden = torch::arange(S).unsqueeze(0) >= torch::tensor({4, 2, 3}).unsqueeze(1);
+      if (variant > 1) rules.kept = Dropout(draws, 0.3).Kept(B * H * T * S, rules.scale);
+      if (variant > 2) {
+        rules.bias = torch::randn({B, S});
+        rules.share = torch::rand({B, H, T, S});
+      }
+      std::vector<Tensor> inputs = {queries};
+      if (!itself) inputs.push_back(memory);
+      std::vector<std::vector<Tensor>> results;
+      for (const bool plain : {false, true}) {
+        const AttentionRows rows = {queries, memory};
+        const Tensor result = plain ? PlainAttend(rows, rules) : Attend(rows, rules);
+        results.push_back(torch::autograd::grad({(result * of_result).sum()}, inputs));
+        results.back().push_back(result.detach());
+      }
+      ExpectAlike(results[0], results[1], 1e-5, "attention");
+    }
+  }
+}
+
+TEST(MatricesOfTwoVectors, EqualTheirPlainFormWithTheGradient) {
+  torch::manual_seed(9);
+  const Tensor numbers = torch::randn({7, 5, 6}, torch::requires_grad()), of_result = torch::randn({7, 5, 3, 3});
+  for (const bool columns : {false, true}) {
+    std::vector<std::vector<Tensor>> results;
+    for (const bool plain : {false, true}) {
+      const Tensor matrices = columns ? plain ? PlainMatricesOfColumns(numbers) : MatricesOfColumns(numbers)
+                              : plain ? PlainMatricesOfRows(numbers)
+                                      : MatricesOf(numbers, PoseChoice::kRotation6D);
+      results.push_back(torch::autograd::grad({(matrices * of_result).sum()}, {numbers}));
+      results.back().push_back(matrices.detach());
+    }
+    ExpectAlike(results[0], results[1], 2e-5, "rotations");
+  }
 }
 
 TEST(Draws, OfAMotionDoNotDependOnItsNeighboursAndShardsHaveTheirOwn) {

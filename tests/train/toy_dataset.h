@@ -82,4 +82,29 @@ inline Dataset TurningDataset(int clips_per_person_and_class) {
   return dataset;
 }
 
+/// The same as samples of two actions: the first third is the previous action, then four frames of transition. The
+/// previous action of each is another class; persons face different ways and walk.
+inline Dataset SampleDataset(int clips_per_person_and_class) {
+  Dataset dataset = TurningDataset(clips_per_person_and_class);
+  for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
+    Clip& clip = dataset.clips[i];
+    Motion& motion = *clip.motion;
+    const Quaterniond facing(Eigen::AngleAxisd(0.5 * static_cast<double>(i % 5), Vector3d::UnitY()));
+    for (int f = 0; f < motion.frame_count(); ++f) {
+      motion.rotation_at(f, 0) = facing;
+      motion.root_translation[static_cast<std::size_t>(f)] += Vector3d(0.01 * f, 0.0, 0.1 * static_cast<double>(i % 3));
+    }
+    ComputeJoints(motion);
+    const int all = motion.frame_count(), first = all / 3;
+    const auto other = static_cast<std::size_t>((dataset.LabelIndex(clip.label) + 1) % 3);
+    const auto segment = [&](int begin, int end, const std::string& label) {
+      return Segment{motion.rate.FrameTime(begin), motion.rate.FrameTime(end), label, "", "triple"};
+    };
+    clip.segments = {segment(0, first, i % 4 == 0 ? "bow" : dataset.labels[other]),
+                     segment(first, first + 4, "transition"), segment(first + 4, all, clip.label)};
+    clip.canonical_from_source.translation = Vector3d(0.0, -1.0, 0.5);
+  }
+  return dataset;
+}
+
 }  // namespace mocurate

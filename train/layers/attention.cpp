@@ -1,7 +1,9 @@
 #include "train/layers/attention.h"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "train/layers/attention_function.h"
 
 namespace mocurate {
 
@@ -25,33 +27,22 @@ Tensor AttentionImpl::OfHeads(const Tensor& x) const {
   return x.reshape({x.size(0), x.size(1) * heads_, width_ / heads_}).transpose(0, 1);
 }
 
-/// `hidden`: bool of a shape that broadcasts to (B,H,T,S); those get no weight.
-Tensor AttentionImpl::Weighted(const Tensor& query, const Tensor& key, const Tensor& value, const Tensor& hidden,
-                               Dropout& dropout) {
-  const std::int64_t T = query.size(0), S = key.size(0), B = query.size(1), d = width_ / heads_;
-  Tensor scores =
+Tensor AttentionImpl::Weighted(const Tensor& query, const Tensor& key, const Tensor& value) {
+  const std::int64_t T = query.size(0), B = query.size(1), d = width_ / heads_;
+  const Tensor scores =
       torch::bmm(OfHeads(query) * (1.0 / std::sqrt(static_cast<double>(d))), OfHeads(key).transpose(1, 2));  // (BH,T,S)
-  if (hidden.defined()) {
-    scores = scores.view({B, heads_, T, S})
-                 .masked_fill(hidden, -std::numeric_limits<float>::infinity())
-                 .view({B * heads_, T, S});
-  }
-  const Tensor weights = dropout(torch::softmax(scores, 2));
-  const Tensor context = torch::bmm(weights, OfHeads(value));  // (BH,T,d)
+  const Tensor context = torch::bmm(torch::softmax(scores, 2), OfHeads(value));                              // (BH,T,d)
   return out_proj->forward(context.transpose(0, 1).reshape({T, B, width_}));
 }
 
 Tensor AttentionImpl::ToItself(const Tensor& x, const Tensor& padded, bool causal, Dropout& dropout) {
-  const std::int64_t T = x.size(0);
-  const Tensor projected = Project(x, 0, 3);  // (T,B,3E)
-  Tensor hidden;
-  if (padded.defined()) hidden = padded.view({padded.size(0), 1, 1, T});
-  if (causal) {
-    const Tensor later = torch::ones({T, T}, x.options().dtype(torch::kBool)).triu(1).view({1, 1, T, T});
-    hidden = hidden.defined() ? hidden.logical_or(later) : later;
-  }
-  return Weighted(projected.slice(2, 0, width_), projected.slice(2, width_, 2 * width_), projected.slice(2, 2 * width_),
-                  hidden, dropout);
+  const std::int64_t T = x.size(0), B = x.size(1);
+  AttentionRules rules;
+  rules.heads = heads_;
+  rules.causal = causal;
+  rules.hidden = padded;
+  if (dropout.active()) rules.kept = dropout.Kept(B * heads_ * T * T, rules.scale);
+  return out_proj->forward(Attend({Project(x, 0, 3), Tensor()}, rules));
 }
 
 AttentionImpl::Seen AttentionImpl::Remember(const Tensor& memory) const {
@@ -60,15 +51,18 @@ AttentionImpl::Seen AttentionImpl::Remember(const Tensor& memory) const {
 }
 
 Tensor AttentionImpl::Read(const Tensor& x, const Seen& seen) {
-  Dropout none;
-  return Weighted(Project(x, 0, 1), seen.key, seen.value, Tensor(), none);
+  return Weighted(Project(x, 0, 1), seen.key, seen.value);
 }
 
 Tensor AttentionImpl::To(const Tensor& memory, const Tensor& x, const Tensor& padded, Dropout& dropout) {
   if (memory.size(0) > 1) {
-    const Seen seen = Remember(memory);
-    const Tensor hidden = padded.defined() ? padded.view({padded.size(0), 1, 1, memory.size(0)}) : Tensor();
-    return Weighted(Project(x, 0, 1), seen.key, seen.value, hidden, dropout);
+    AttentionRules rules;
+    rules.heads = heads_;
+    rules.hidden = padded;
+    if (dropout.active()) {
+      rules.kept = dropout.Kept(x.size(1) * heads_ * x.size(0) * memory.size(0), rules.scale);
+    }
+    return out_proj->forward(Attend({Project(x, 0, 1), Project(memory, 1, 2)}, rules));
   }
   const std::int64_t T = x.size(0), B = x.size(1), d = width_ / heads_;
   const Tensor value = Project(memory[0], 2, 1);  // (B,E)
@@ -79,24 +73,36 @@ Tensor AttentionImpl::To(const Tensor& memory, const Tensor& x, const Tensor& pa
   return torch::bmm(kept, of_head.transpose(0, 1)).transpose(0, 1) + out_proj->bias;                 // (T,B,E)
 }
 
-Tensor AttentionImpl::ToRepeated(const RepeatedMemory& memory, const Tensor& x, Dropout& dropout) {
-  const std::int64_t T = x.size(0), B = x.size(1), S = memory.entries.size(0), d = width_ / heads_;
-  const Seen seen = Remember(memory.entries);
-  const Tensor scores = torch::bmm(OfHeads(Project(x, 0, 1)) * (1.0 / std::sqrt(static_cast<double>(d))),
-                                   OfHeads(seen.key).transpose(1, 2));  // (BH,T,S)
-  Tensor weights =
-      torch::softmax(scores.view({B, heads_, T, S}) + torch::log(memory.count).view({B, 1, 1, S}), 3);  // (B,H,T,S)
-  if (dropout.active()) {
-    const Tensor end = memory.count.cumsum(1), begin = end - memory.count;  // (B,S)
-    const auto copies = static_cast<std::int64_t>(end.max().item<float>());
-    const Tensor copy = torch::arange(copies, memory.count.options()).view({1, copies, 1});
-    const Tensor of_entry = (copy >= begin.unsqueeze(1)) * (copy < end.unsqueeze(1));  // (B,copies,S)
-    const Tensor kept = dropout(torch::ones({B, heads_ * T, copies}, x.options()));
-    const Tensor share = torch::bmm(kept, of_entry / memory.count.clamp_min(1).unsqueeze(1));  // of each entry's copies
-    weights = weights * share.view({B, heads_, T, S});
+/// Sum over the copies of each entry that are kept, (B,H,T,S), over their number.
+Tensor AttentionImpl::ShareOfCopies(const Tensor& count, std::int64_t frames, Dropout& dropout) const {
+  const std::int64_t B = count.size(0), S = count.size(1);
+  const Tensor of_entry = count.to(torch::kCPU, torch::kInt64).contiguous();
+  const auto copies = of_entry.sum(1).max().item<std::int64_t>();
+  double scale = 1.0;
+  const Tensor kept = dropout.Kept(B * heads_ * frames * copies, scale);
+  const Tensor share = torch::empty({B, heads_, frames, S});
+  const std::uint8_t* copy = kept.data_ptr<std::uint8_t>();
+  float* to = share.data_ptr<float>();
+  for (std::int64_t b = 0; b < B; ++b) {
+    const std::int64_t* of_motion = of_entry.data_ptr<std::int64_t>() + b * S;
+    for (std::int64_t row = 0; row < heads_ * frames; ++row, copy += copies) {
+      const std::uint8_t* next = copy;
+      for (std::int64_t s = 0; s < S; ++s) {
+        int sum = 0;
+        for (std::int64_t k = 0; k < of_motion[s]; ++k) sum += *next++;
+        *to++ = static_cast<float>(sum * scale / static_cast<double>(std::max<std::int64_t>(1, of_motion[s])));
+      }
+    }
   }
-  const Tensor context = torch::bmm(weights.reshape({B * heads_, T, S}), OfHeads(seen.value));  // (BH,T,d)
-  return out_proj->forward(context.transpose(0, 1).reshape({T, B, width_}));
+  return share.to(count.device());
+}
+
+Tensor AttentionImpl::ToRepeated(const RepeatedMemory& memory, const Tensor& x, Dropout& dropout) {
+  AttentionRules rules;
+  rules.heads = heads_;
+  rules.bias = torch::log(memory.count);
+  if (dropout.active()) rules.share = ShareOfCopies(memory.count, x.size(0), dropout);
+  return out_proj->forward(Attend({Project(x, 0, 1), Project(memory.entries, 1, 2)}, rules));
 }
 
 Tensor AttentionImpl::Next(const Tensor& x, Seen& seen) {
@@ -104,8 +110,7 @@ Tensor AttentionImpl::Next(const Tensor& x, Seen& seen) {
   const auto append = [](Tensor& all, const Tensor& next) { all = all.defined() ? torch::cat({all, next}) : next; };
   append(seen.key, projected.slice(2, width_, 2 * width_));
   append(seen.value, projected.slice(2, 2 * width_));
-  Dropout none;
-  return Weighted(projected.slice(2, 0, width_), seen.key, seen.value, Tensor(), none);
+  return Weighted(projected.slice(2, 0, width_), seen.key, seen.value);
 }
 
 }  // namespace mocurate

@@ -44,8 +44,8 @@ struct AttentionImpl : torch::nn::Module {
  private:
   /// Rows [part E, (part + count) E) of the input projection.
   torch::Tensor Project(const torch::Tensor& x, std::int64_t part, std::int64_t count) const;
-  torch::Tensor Weighted(const torch::Tensor& query, const torch::Tensor& key, const torch::Tensor& value,
-                         const torch::Tensor& hidden, Dropout& dropout);
+  torch::Tensor Weighted(const torch::Tensor& query, const torch::Tensor& key, const torch::Tensor& value);
+  torch::Tensor ShareOfCopies(const torch::Tensor& count, std::int64_t frames, Dropout& dropout) const;
   torch::Tensor OfHeads(const torch::Tensor& x) const;
   std::int64_t width_, heads_;
 };

@@ -1,5 +1,7 @@
 #include "train/layers/body.h"
 
+#include "train/layers/tree_function.h"
+
 namespace mocurate {
 namespace {
 
@@ -43,19 +45,9 @@ BodyTree::BodyTree(std::vector<int> parents, const std::vector<Vector3d>& rest_o
     : parents_(std::move(parents)), rest_offset_(PointsOf(rest_offset).to(torch::kFloat32)) {}
 
 BodyTree::Posed BodyTree::Pose(const Tensor& rotation, const Tensor& offsets) const {
-  const std::int64_t J = joint_count();
-  const Tensor rest = rest_offset_.to(rotation.device());
-  std::vector<Tensor> global(static_cast<std::size_t>(J)), place(static_cast<std::size_t>(J));
-  global[0] = rotation.select(1, 0);
-  place[0] = torch::zeros({rotation.size(0), 3}, rotation.options());
-  for (std::int64_t j = 1; j < J; ++j) {
-    const auto at = static_cast<std::size_t>(j), parent = static_cast<std::size_t>(parents_[at]);
-    global[at] = torch::bmm(global[parent], rotation.select(1, j));
-    const Tensor along = offsets.defined() ? torch::bmm(global[parent], offsets.select(1, j).unsqueeze(2)).squeeze(2)
-                                           : torch::matmul(global[parent], rest[j]);
-    place[at] = place[parent] + along;
-  }
-  return {torch::stack(global, 1), torch::stack(place, 1)};
+  const Tensor along = offsets.defined() ? offsets : rest_offset_.to(rotation.device());
+  const auto posed = TreeKinematics(parents_, rotation, along);
+  return {posed[0], posed[1]};
 }
 
 Tensor BodyTree::JointsOfBones(const Tensor& rotation, const Tensor& place, const Tensor& bone_length) const {

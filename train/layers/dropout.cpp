@@ -37,10 +37,17 @@ struct Masked : torch::autograd::Function<Masked> {
 
 Tensor Dropout::operator()(const Tensor& x) {
   if (!active()) return x;
+  double scale = 1.0;
+  const Tensor kept = Kept(x.numel(), scale).view(x.sizes());
+  return Masked::apply(x, kept, scale);
+}
+
+Tensor Dropout::Kept(std::int64_t count, double& scale) {
   const auto dropped = static_cast<std::uint32_t>(std::lround(rate_ * 65536.0));
-  const Tensor kept = torch::empty(x.sizes(), torch::kUInt8);
-  FillKept(draws_->Key("dropout/" + std::to_string(calls_++)), x.numel(), dropped, kept.data_ptr<std::uint8_t>());
-  return Masked::apply(x, kept, 65536.0 / (65536.0 - dropped));
+  const Tensor kept = torch::empty({count}, torch::kUInt8);
+  FillKept(draws_->Key("dropout/" + std::to_string(calls_++)), count, dropped, kept.data_ptr<std::uint8_t>());
+  scale = 65536.0 / (65536.0 - dropped);
+  return kept;
 }
 
 }  // namespace mocurate

@@ -16,6 +16,8 @@ class Dropout {
 
   bool active() const { return draws_ != nullptr && rate_ > 0.0; }
   torch::Tensor operator()(const torch::Tensor& x);
+  /// The mask of a call alone, where it is active: (count) uint8, 1 for what stays and is multiplied by `scale`.
+  torch::Tensor Kept(std::int64_t count, double& scale);
 
  private:
   const Draws* draws_ = nullptr;

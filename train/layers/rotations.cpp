@@ -20,6 +20,74 @@ Tensor OfRows(const Tensor& first, const Tensor& second) {
   return torch::stack({a, b, torch::cross(a, b, -1)}, -2);
 }
 
+/// Two vectors made orthogonal and their cross product, by Gram and Schmidt: a = u / |u|, b = c / |c| with
+/// c = v - (a v) a, a x b. `columns`: they are columns, in the numbers as in the matrix, else rows.
+struct Orthogonal : torch::autograd::Function<Orthogonal> {
+  using Vector = Eigen::Vector3f;
+  using Strided = Eigen::Map<Vector, 0, Eigen::InnerStride<>>;
+  using ConstStrided = Eigen::Map<const Vector, 0, Eigen::InnerStride<>>;
+
+  static float NormOf(const Vector& v) { return std::max(v.norm(), static_cast<float>(kSmallestNorm)); }
+  static Vector NumbersAt(const float* numbers, bool columns, int k) {
+    return ConstStrided(numbers + (columns ? k : 3 * k), 3, Eigen::InnerStride<>(columns ? 2 : 1));
+  }
+  template <class Map, class Value>
+  static Map Axis(Value* matrix, bool columns, int k) {
+    return Map(matrix + (columns ? k : 3 * k), 3, Eigen::InnerStride<>(columns ? 3 : 1));
+  }
+  /// Gradient of v / |v| by v.
+  static Vector ByVector(const Vector& unit, const Vector& by_unit, float norm) {
+    return (norm > static_cast<float>(kSmallestNorm) ? Vector(by_unit - unit.dot(by_unit) * unit) : by_unit) / norm;
+  }
+
+  static Tensor forward(torch::autograd::AutogradContext* context, const Tensor& numbers, bool columns) {
+    const Tensor dense = numbers.contiguous();
+    std::vector<std::int64_t> shape = numbers.sizes().vec();
+    shape.back() = 3;
+    shape.push_back(3);
+    const Tensor matrices = torch::empty(shape);
+    const float* from = dense.data_ptr<float>();
+    float* to = matrices.data_ptr<float>();
+    for (std::int64_t i = dense.numel() / 6; i > 0; --i, from += 6, to += 9) {
+      const Vector u = NumbersAt(from, columns, 0), v = NumbersAt(from, columns, 1);
+      const Vector a = u / NormOf(u), c = v - a.dot(v) * a;
+      const Vector b = c / NormOf(c);
+      Axis<Strided>(to, columns, 0) = a;
+      Axis<Strided>(to, columns, 1) = b;
+      Axis<Strided>(to, columns, 2) = a.cross(b);
+    }
+    context->save_for_backward({dense});
+    context->saved_data["columns"] = columns;
+    return matrices;
+  }
+
+  static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                 torch::autograd::variable_list gradient) {
+    const Tensor numbers = context->get_saved_variables()[0];
+    const bool columns = context->saved_data["columns"].toBool();
+    const Tensor by_matrices = gradient[0].contiguous(), by_numbers = torch::empty_like(numbers);
+    const float *from = numbers.data_ptr<float>(), *given = by_matrices.data_ptr<float>();
+    float* to = by_numbers.data_ptr<float>();
+    for (std::int64_t i = numbers.numel() / 6; i > 0; --i, from += 6, given += 9, to += 6) {
+      const Vector u = NumbersAt(from, columns, 0), v = NumbersAt(from, columns, 1);
+      const float of_u = NormOf(u);
+      const Vector a = u / of_u, c = v - a.dot(v) * a;
+      const float of_c = NormOf(c);
+      const Vector b = c / of_c;
+      const Vector by_third = Axis<ConstStrided>(given, columns, 2);
+      const Vector by_b = Axis<ConstStrided>(given, columns, 1) + by_third.cross(a);
+      const Vector by_c = ByVector(b, by_b, of_c);
+      const Vector by_a = Axis<ConstStrided>(given, columns, 0) + b.cross(by_third) - a.dot(v) * by_c - a.dot(by_c) * v;
+      const std::ptrdiff_t step = columns ? 2 : 1;
+      Strided(to, 3, Eigen::InnerStride<>(step)) = ByVector(a, by_a, of_u);
+      Strided(to + (columns ? 1 : 3), 3, Eigen::InnerStride<>(step)) = by_c - a.dot(by_c) * a;
+    }
+    return {by_numbers, Tensor()};
+  }
+};
+
+bool RunsOnCpu(const Tensor& x) { return x.device().is_cpu() && x.scalar_type() == torch::kFloat32; }
+
 Tensor OfQuaternion(const Tensor& q) {
   const Tensor s = 2.0 / q.square().sum(-1);
   const Tensor w = q.select(-1, 0), x = q.select(-1, 1), y = q.select(-1, 2), z = q.select(-1, 3);
@@ -89,12 +157,18 @@ Tensor RotationVectorsOf(const Tensor& matrices) { return RotationVectors::apply
 Tensor Columns6D(const Tensor& rotation) { return rotation.slice(-1, 0, 2).flatten(-2); }
 
 Tensor MatricesOfColumns(const Tensor& columns) {
+  return RunsOnCpu(columns) ? Orthogonal::apply(columns, true) : PlainMatricesOfColumns(columns);
+}
+
+Tensor PlainMatricesOfColumns(const Tensor& columns) {
   std::vector<std::int64_t> shape = columns.sizes().vec();
   shape.back() = 3;
   shape.push_back(2);
   const Tensor pairs = columns.reshape(shape);
   return OfRows(pairs.select(-1, 0), pairs.select(-1, 1)).transpose(-1, -2);
 }
+
+Tensor PlainMatricesOfRows(const Tensor& rows) { return OfRows(rows.slice(-1, 0, 3), rows.slice(-1, 3, 6)); }
 
 std::int64_t WidthOf(PoseChoice pose) {
   switch (pose) {
@@ -117,7 +191,7 @@ Tensor MatricesOf(const Tensor& numbers, PoseChoice pose) {
   shape.push_back(3);
   switch (pose) {
     case PoseChoice::kRotation6D:
-      return OfRows(numbers.slice(-1, 0, 3), numbers.slice(-1, 3, 6));
+      return RunsOnCpu(numbers) ? Orthogonal::apply(numbers, false) : PlainMatricesOfRows(numbers);
     case PoseChoice::kMatrix:
       return numbers.reshape(shape);
     case PoseChoice::kQuaternion:

@@ -22,6 +22,11 @@ torch::Tensor Columns6D(const torch::Tensor& rotation);
 /// The reverse, made orthogonal.
 torch::Tensor MatricesOfColumns(const torch::Tensor& columns);
 
+/// MatricesOfColumns, and MatricesOf of the first two rows, in plain tensor operations: their references in tests, and
+/// what other devices run.
+torch::Tensor PlainMatricesOfColumns(const torch::Tensor& columns);
+torch::Tensor PlainMatricesOfRows(const torch::Tensor& rows);
+
 /// Numbers of a joint's row.
 std::int64_t WidthOf(PoseChoice pose);
 

@@ -217,10 +217,10 @@ Motions Macvae::Answer(const RequestBatch& requests, Draws& draws) {
 
 NamedTensors Macvae::Parts(const NamedTensors& inputs) {
   NamedTensors parts;
-  parts["encoder_positions"] = EncoderPositions(sizes_.frames, options_.width, options_.released()).squeeze(1);
+  const Tensor table = EncoderPositions(sizes_.frames, options_.width, options_.released());
+  parts["encoder_positions"] = table.squeeze(1);
   if (const auto transition = inputs.find("transition"); transition != inputs.end()) {
-    parts["decoder_positions"] =
-        DecoderPositions(transition->second.to(torch::kInt64), sizes_.frames, options_.width, options_.released());
+    parts["decoder_positions"] = DecoderPositions(transition->second.to(torch::kInt64), table, sizes_.frames);
   }
   const auto given = inputs.find("frames");
   if (given == inputs.end()) return parts;

@@ -114,23 +114,16 @@ Tensor EncoderPositions(std::int64_t frames, std::int64_t width, bool released) 
   return ReleasedWave(time, torch::arange(width, torch::kFloat64), frames).to(torch::kFloat32);  // (L,1,E)
 }
 
-Tensor DecoderPositions(const Tensor& transition, std::int64_t frames, std::int64_t width, bool released) {
-  const Tensor time = torch::arange(frames, torch::kInt64).unsqueeze(1);  // (L,1)
-  const Tensor of_batch = transition.to(torch::kCPU).unsqueeze(0);        // (1,B)
+Tensor DecoderPositions(const Tensor& transition, const Tensor& table, std::int64_t count) {
+  const std::int64_t width = table.size(2);
+  const Tensor rows = table.squeeze(1);                                  // (L,E)
+  const Tensor time = torch::arange(count, torch::kInt64).unsqueeze(1);  // (count,1)
+  const Tensor of_batch = transition.to(torch::kCPU).unsqueeze(0);       // (1,B)
   const Tensor since = torch::where(time < of_batch, time, time - of_batch);
-  const Tensor whole = time.expand_as(since);
-  if (!released) {  // sines and cosines, the second half of them restarting
-    const Tensor table = PositionalTable(frames, width).squeeze(1);
-    const auto rows = [&](const Tensor& at) {
-      return table.index_select(0, at.reshape({-1})).view({at.size(0), at.size(1), width});
-    };
-    return torch::cat({rows(whole).slice(2, 0, width / 2), rows(since).slice(2, width / 2)}, 2);
-  }
-  const Tensor channel = torch::arange(width, torch::kFloat64);
-  const auto wave = [&](const Tensor& at, std::int64_t begin, std::int64_t end) {
-    return ReleasedWave(at.to(torch::kFloat64).unsqueeze(2), channel.slice(0, begin, end), frames);
-  };
-  return torch::cat({wave(whole, 0, width / 2), wave(since, width / 2, width)}, 2).to(torch::kFloat32);
+  const Tensor first = rows.slice(0, 0, count).slice(1, 0, width / 2).unsqueeze(1);
+  const Tensor second = rows.slice(1, width / 2).index_select(0, since.reshape({-1}));
+  return torch::cat(
+      {first.expand({count, since.size(1), width / 2}), second.view({count, since.size(1), width - width / 2})}, 2);
 }
 
 MacvaePriorImpl::MacvaePriorImpl(const MacvaeOptions& given, const MacvaeSizes& sizes)
@@ -221,14 +214,14 @@ LatentMoments MacvaeEncoderImpl::forward(const Tensor& frames, const Tensor& par
 }
 
 MacvaeDecoderImpl::MacvaeDecoderImpl(const MacvaeOptions& given, const MacvaeSizes& sizes)
-    : options(given), frames(sizes.frames) {
+    : options(given), frames(sizes.frames), table(EncoderPositions(sizes.frames, given.width, given.released())) {
   decoder = register_module("decoder", MakeFrameCoder(options, true));
   post_conv = register_module("post_conv", FrameConvolution(options.width, sizes.output()));
 }
 
 Tensor MacvaeDecoderImpl::forward(const Tensor& z, const Tensor& parts, std::int64_t count, Dropout& dropout) {
   const std::int64_t T = std::min(count, frames);
-  const Tensor positions = DecoderPositions(parts.select(1, 1), frames, options.width, options.released());
+  const Tensor positions = DecoderPositions(parts.select(1, 1), table, T);
   const Tensor time = torch::arange(T, parts.options()).unsqueeze(1);                 // (T,1)
   const Tensor begin = parts.select(1, 1), end = begin + parts.select(1, 2);          // (B)
   const Tensor transition = (time < begin), action = (time >= begin) * (time < end);  // (T,B)
@@ -236,7 +229,7 @@ Tensor MacvaeDecoderImpl::forward(const Tensor& z, const Tensor& parts, std::int
   memory.count = parts.slice(1, 1).to(torch::kFloat32);                      // (B,2)
   memory.phase = torch::stack({transition, action}, 2).to(torch::kFloat32);  // (T,B,2)
   memory.entries = z.expand({z.size(0), 2, z.size(2)}).transpose(0, 1);      // (2,B,E)
-  const Tensor h = decoder->Run(positions.slice(0, 0, T).to(z.device()), (time >= end).t(), memory, dropout);
+  const Tensor h = decoder->Run(positions.to(z.device()), (time >= end).t(), memory, dropout);
   return ConvolveFrames(h, post_conv->weight, post_conv->bias, kTaps - 1);
 }
 

@@ -26,9 +26,10 @@ struct LatentMoments {
 /// Positions as released, where time and channel changed places (multiact.md C.2): channel c at frame t is sin(c w) for
 /// even t, cos(c w) for odd t, w = 10000^(-2 floor(t/2) / L). (L,E); or the usual sines and cosines of the paper.
 torch::Tensor EncoderPositions(std::int64_t frames, std::int64_t width, bool released);
-/// The decoder's, for motions whose transition has `transition` (B) frames: the second half of the channels counts from
-/// the first frame of the action again. (L,B,E)
-torch::Tensor DecoderPositions(const torch::Tensor& transition, std::int64_t frames, std::int64_t width, bool released);
+/// The decoder's first `count`, of the rows of the encoder's `table` (L,1,E), for motions whose transition has
+/// `transition` (B) frames: the second half of the channels counts from the first frame of the action again.
+/// (count,B,E)
+torch::Tensor DecoderPositions(const torch::Tensor& transition, const torch::Tensor& table, std::int64_t count);
 /// Transitions that the released table has an entry for end below this (multiact.md C.2).
 constexpr std::int64_t LongestTransition(std::int64_t frames) { return frames - 2; }
 
@@ -84,6 +85,7 @@ struct MacvaeDecoderImpl : torch::nn::Module {
 
   MacvaeOptions options;
   std::int64_t frames;
+  torch::Tensor table;  ///< (L,1,E) positions
   std::shared_ptr<FrameCoder> decoder;
   torch::nn::Conv2d post_conv{nullptr};
 };
