@@ -64,24 +64,32 @@ Expected<bool> Assign(const std::string& text, const std::string& where, Options
   return true;
 }
 
-/// Options of networks as a run or a set says them: "Ours.kl_weight=0.01", of a kind "actor.layers=4", of all.
+/// Whether a name is a kind of networks, with or without one in the job.
+bool IsKind(const std::string& name) {
+  return OptionsFromJson<NetworkOptions>(nlohmann::json{{"kind", name}}, "kind").has_value();
+}
+
+/// Options of networks as a run or a set says them: "Ours.kl_weight=0.01", of a kind "actor.layers=4", of all. Those of
+/// a kind that the job does not train say nothing.
 Status SetNetworks(const std::vector<std::string>& texts, const std::string& option, TrainOptions& train) {
   for (const std::string& text : texts) {
     const std::string where = option + ": " + text;
     const std::size_t equals = text.find('='), dot = text.rfind('.', equals);
     const std::string name = dot == std::string::npos ? std::string() : text.substr(0, dot);
     const std::size_t begin = dot == std::string::npos ? 0 : dot + 1;
-    bool found = false;
+    bool found = false, named = name.empty();
     for (NetworkOptions& network : train.networks) {
       const bool meant = name.empty() || network.name == name || OptionsToJson(network).at("kind") == name;
       if (!meant) continue;
+      named = true;
       const LearningOptions before = network.learning;
       const auto assigned = Assign(text.substr(begin), where, network);
       if (!assigned) return Forward(assigned);
       if (network.learning.iterations == before.iterations) network.learning.planned = before.planned;
       found = found || *assigned;
     }
-    if (!found) {
+    const bool other_kind = !named && IsKind(name);
+    if (!found && !other_kind) {
       return Fail(ErrorCode::kConfig, "no network has this option", where,
                   "NETWORK.OPTION=VALUE or KIND.OPTION=VALUE of train.networks, e.g. Ours.kl_weight=0.01");
     }

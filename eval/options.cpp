@@ -216,7 +216,7 @@ void ScoreOptions::Declare(OptionVisitor& v) {
   v.TextMap("equivalent", equivalent, "class -> classes that count as right for it");
 }
 
-StageDeclaration FeaturesDeclaration() { return {"features", 4, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration FeaturesDeclaration() { return {"features", 5, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration ScoreDeclaration() { return {"score", 3, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration CompareDeclaration() { return {"compare", 3, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 3, "mocurate-annotate", WholeSetLimits()}; }

@@ -403,9 +403,9 @@ void NetworkOptions::Declare(OptionVisitor& v) {
   }
 }
 
-StageDeclaration TrainDeclaration() { return {"train", 9, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration TrainDeclaration() { return {"train", 10, "mocurate-learn", WholeSetLimits()}; }
 
-StageDeclaration GenerateDeclaration() { return {"generate", 2, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration GenerateDeclaration() { return {"generate", 3, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration TrainCostDeclaration() { return {"train_cost", 1, "mocurate-learn", WholeSetLimits()}; }
 
 }  // namespace mocurate

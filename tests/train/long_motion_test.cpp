@@ -191,6 +191,7 @@ TEST_F(LongMotion, RefusesWhatItsNetworksCannotAnswer) {
   EXPECT_EQ(refused(With("ssmct"), alone).code, ErrorCode::kInconsistent);
   EXPECT_EQ(refused(With("macvae", "ssmct"), alone).code, ErrorCode::kInconsistent);
   EXPECT_EQ(refused(With("actor", "", "actor"), alone).code, ErrorCode::kInconsistent);
+  EXPECT_TRUE(GenerateLongMotions(With("actor"), {alone}));
   alone.script.clear();
   EXPECT_EQ(refused(networks, alone).code, ErrorCode::kInconsistent);  // a label alone
 }

@@ -340,10 +340,10 @@ RigidTransform AlignedTo(const Motion& before, const Motion& after, int frames) 
 
 Expected<Dataset> GenerateLongMotions(const LongMotionNetworks& networks, const std::vector<MotionRequest>& requests,
                                       int threads, const std::function<bool(double)>& proceed) {
-  if (Status sound = networks.Check(); !sound) return Forward(sound);
   const bool scripts = std::any_of(requests.begin(), requests.end(),
                                    [](const MotionRequest& request) { return !request.script.empty(); });
   if (!scripts) return networks.main->Generate(requests, threads);
+  if (Status sound = networks.Check(); !sound) return Forward(sound);
   auto chains = LongRun(networks, requests, threads).Run(proceed);
   if (!chains) return Forward(chains);
   Dataset set;

@@ -8,7 +8,8 @@ using torch::Tensor;
 
 namespace {
 
-/// A product for each tap, summed: the frames that a tap reads lie one after the other, so nothing is copied.
+/// The backward pass has a product for each tap: the frames that a tap reads lie one after the other, so nothing is
+/// copied, and the forward pass keeps no copies for it.
 struct TapConvolution : torch::autograd::Function<TapConvolution> {
   /// Rows (T B, I) of tap k, and its weights (O,I).
   static Tensor RowsOf(const Tensor& x, std::int64_t k, std::int64_t frames) {
@@ -22,10 +23,11 @@ struct TapConvolution : torch::autograd::Function<TapConvolution> {
                         const Tensor& bias) {
     const Tensor dense = x.contiguous();
     const std::int64_t I = x.size(2), taps = weight.size(1) / I, T = x.size(0) - taps + 1;
-    Tensor result = torch::addmm(bias, RowsOf(dense, 0, T), TapOf(weight, 0, I).t());
-    for (std::int64_t k = 1; k < taps; ++k) result.addmm_(RowsOf(dense, k, T), TapOf(weight, k, I).t());
+    // One product: sums of the taps' own would round five times, which a normalisation behind it amplifies.
+    std::vector<Tensor> of_tap;
+    for (std::int64_t k = 0; k < taps; ++k) of_tap.push_back(RowsOf(dense, k, T));
     context->save_for_backward({dense, weight});
-    return result.view({T, x.size(1), weight.size(0)});
+    return torch::addmm(bias, torch::cat(of_tap, 1), weight.t()).view({T, x.size(1), weight.size(0)});
   }
 
   static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
