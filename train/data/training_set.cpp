@@ -75,15 +75,15 @@ class Packing {
       return Fail(ErrorCode::kInconsistent, "clip '" + clip.id() + "' has joints alone, the network needs rotations",
                   where, "fit the clips (fitting.method), or choose a network of joints (actor: pose: joints)");
     }
-    if (needs_.parts) {
+    if (needs_.parts || needs_.part != ClipPart::kWhole) {
       const auto parts = PartsOf(clip);
       if (!parts) return Forward(parts);
-      if (parts->frames[0] < 1) {
+      if (needs_.parts && parts->frames[0] < 1) {
         return Fail(ErrorCode::kInconsistent, "the sample has no previous action", clip.id(),
                     "give samples of canon.trim.rule: triples");
       }
       packed.parts = parts->frames;
-      for (std::size_t k = 0; k < 3; ++k) packed.word[k] = WordOf(parts->label[k], set_.words);
+      for (std::size_t k = 0; needs_.parts && k < 3; ++k) packed.word[k] = WordOf(parts->label[k], set_.words);
     }
     const Expected<Motion> motion = TakePart(clip, needs_.part);
     if (!motion) return Forward(motion);

@@ -19,7 +19,7 @@ struct TrainingSet {
     int label = -1;              ///< class; -1: none
     std::size_t first = 0;       ///< its first frame in `joints`
     int frames = 0;              ///< 0: no motion
-    std::array<int, 3> parts{};  ///< frames of previous action, transition, action; where they are read
+    std::array<int, 3> parts{};  ///< frames of previous action, transition, action; where parts, or one, are read
     std::array<int, 3> word{};   ///< their labels in `words`
     RigidTransform canonical_from_source;
   };

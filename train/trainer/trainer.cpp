@@ -508,7 +508,8 @@ class Training {
     if (!recognises_) {
       state_.facts["bone_length"] = MedianBoneLengths(set_);
       if (options_.NeedsRotations()) StoreRestPose();
-      if (options_.NeedsParts()) StoreParts();
+      if (options_.NeedsParts()) state_.facts["words"] = set_.words;
+      if (options_.NeedsParts() || options_.data.part != ClipPart::kWhole) StoreUsualLengths();
       if (options_.kind == NetworkKind::kCondGru) state_.facts["first_pose"] = FirstPoses(set_);
       return;
     }
@@ -519,8 +520,8 @@ class Training {
     state_.facts["best_loss"] = best_.loss;
   }
 
-  /// The vocabulary, and how long the parts of each class usually are: means over its training samples, truncated.
-  void StoreParts() {
+  /// How long transition and action of each class usually are: means over its training samples, truncated.
+  void StoreUsualLengths() {
     std::vector<std::array<double, 3>> sums(set_.labels.size() + 1, {0.0, 0.0, 0.0});
     for (const int row : rows_.train) {
       const TrainingSet::Clip& clip = set_.clips[static_cast<std::size_t>(row)];
@@ -530,7 +531,6 @@ class Training {
         sums[at][2] += 1.0;
       }
     }
-    state_.facts["words"] = set_.words;
     state_.facts["part_frames"] = nlohmann::json::array();
     for (std::size_t c = 0; c < set_.labels.size(); ++c) {
       const std::array<double, 3>& sum = sums[c][2] > 0.0 ? sums[c] : sums.back();
