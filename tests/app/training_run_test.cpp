@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/formats/npz.h"
+#include "core/store/store.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -371,6 +372,75 @@ TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndSaysWhichSetsAreSubsti
   EXPECT_EQ(TrainingProgram(folder, again).exit_code, 2);
   again.back() = "humanact12=" + (folder / "x").string();
   EXPECT_EQ(TrainingProgram(folder, again).exit_code, 1) << "a set that is not there costs itself";
+}
+
+/// Words of one segment after the other in each motion of a MotionSet.
+std::vector<std::string> SegmentsIn(const fs::path& file) {
+  std::vector<std::string> labels;
+  const auto set = ReadDataset(file);
+  EXPECT_TRUE(set) << file;
+  for (std::size_t i = 0; set && i < set->clips.size(); ++i) {
+    for (const Segment& segment : set->clips[i].segments) labels.push_back(segment.label);
+  }
+  return labels;
+}
+
+TEST(TrainingRun, NetworksOfMultiActAreRowsOfTransitionsAndAnswerScripts) {
+  const Folder folder;
+  const std::string papers = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/papers/multiact/";
+  const auto run = [&](const std::string& table) {
+    return TrainingProgram(
+        folder, {"run", papers + table, "--set", "profile=smoke", "-o", (folder / table).string(), "--json"});
+  };
+  ASSERT_EQ(run("table3.yaml").exit_code, 0);
+  const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "table3.yaml/tables/table.json"));
+  std::set<std::string> methods, published;
+  for (const auto& row : table["rows"]) {
+    methods.insert(row["method"].get<std::string>());
+    EXPECT_TRUE(row["ours"]["metrics"]["FID_test"]["value"].is_number()) << row["method"];
+    EXPECT_TRUE(row["ours"]["metrics"].contains("nearest_train"));
+  }
+  for (const auto& value : table["published"]) published.insert(value["method"].get<std::string>());
+  EXPECT_EQ(published.size(), 5u);
+  for (const std::string& method : published) EXPECT_EQ(methods.count(method), 1u) << method;
+
+  const std::string checkpoints = (folder / "table3.yaml/data/babel/checkpoints/").string();
+  const std::string macvae = checkpoints + "MACVAE (Ours)_1.h5", actor = checkpoints + "ACTOR_1.h5";
+  const std::string dataset = (folder / "table3.yaml/data/babel/dataset.h5").string(),
+                    made = (folder / "m.h5").string();
+  const auto generate = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "generate");
+    arguments.insert(arguments.end(), {"-o", made, "--force"});
+    return TrainingProgram(folder, arguments).exit_code;
+  };
+  ASSERT_EQ(generate({macvae, "--first", actor, "--script", "walk,sit down:9,kick"}), 0);
+  EXPECT_EQ(SegmentsIn(made), (std::vector<std::string>{"walk", "transition", "sit down", "transition", "kick"}));
+  ASSERT_EQ(generate({actor, "--fill", checkpoints + "SSMCT-like_1.h5", "--align", "--script", "walk,kick"}), 0);
+  EXPECT_EQ(SegmentsIn(made), (std::vector<std::string>{"walk", "transition", "kick"}));
+  ASSERT_EQ(generate({macvae, "--previous", dataset, "--script", "studio_five", "--count", "2"}), 0);
+  EXPECT_EQ(SegmentsIn(made).size(), 20u) << "five actions and their transitions, twice";
+  const std::vector<std::pair<std::vector<std::string>, int>> wrong = {
+      {{macvae, "--script", "walk,kick"}, 2},                                                  // nothing before it
+      {{macvae, "--first", actor, "--previous", dataset, "--script", "walk,kick"}, 2},         // two things
+      {{macvae, "--first", actor, "--script", "walk,fly"}, 2},                                 // no such class
+      {{macvae, "--first", actor, "--script", "walk,kick:0"}, 2},                              // no frames
+      {{macvae, "--first", actor, "--script", "walk,kick:3,jump"}, 3},                         // four are read
+      {{macvae, "--first", actor, "--script", "walk,kick", "--transition-frames", "119"}, 3},  // the table ends at 118
+      {{macvae, "--previous", dataset, "--previous-clip", "none", "--script", "walk"}, 2},
+      {{macvae, "--label", "walk"}, 3},
+      {{checkpoints + "recogniser_1.h5", "--script", "walk,kick"}, 2}};
+  for (const auto& [arguments, code] : wrong) EXPECT_EQ(generate(arguments), code) << arguments.back();
+
+  // A chain's steps are rows, of actions and of transitions.
+  const fs::path config = folder / "steps.yaml";
+  program::WriteText(config, "include: " + papers +
+                                 "figure6.yaml\nevaluate: {rows: [{name: Ours, network: MACVAE (Ours), script: chain, "
+                                 "steps: 2, first: ACTOR}]}\n");
+  const Result run_of_steps = TrainingProgram(
+      folder, {"run", config.string(), "--set", "profile=smoke", "-o", (folder / "steps").string(), "--json"});
+  ASSERT_EQ(run_of_steps.exit_code, 0) << run_of_steps.err;
+  const nlohmann::json chains = nlohmann::json::parse(ReadText(folder / "steps/tables/table.json"));
+  EXPECT_EQ(chains["rows"].size(), 2u * (2 + 2)) << "two real rows and two steps of each part";
 }
 
 TEST(TrainingRun, TheTableOfTheCmuSetHasItsWindowsAndWeights) {

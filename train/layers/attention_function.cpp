@@ -39,8 +39,8 @@ struct HeadRows {
 };
 
 /// c (rows, columns) = scale op(a) op(b), row by row; a row of a, b, c has lda, ldb, ldc numbers.
-void Product(bool a_transposed, bool b_transposed, std::int64_t rows, std::int64_t columns, std::int64_t depth,
-             float scale, const float* a, int lda, const float* b, int ldb, float* c, int ldc) {
+void HeadProduct(bool a_transposed, bool b_transposed, std::int64_t rows, std::int64_t columns, std::int64_t depth,
+                 float scale, const float* a, int lda, const float* b, int ldb, float* c, int ldc) {
   cblas_sgemm(CblasRowMajor, a_transposed ? CblasTrans : CblasNoTrans, b_transposed ? CblasTrans : CblasNoTrans,
               static_cast<int>(rows), static_cast<int>(columns), static_cast<int>(depth), scale, a, lda, b, ldb, 0.0f,
               c, ldc);
@@ -75,8 +75,8 @@ struct HeadAttention : torch::autograd::Function<HeadAttention> {
     for (std::int64_t b = 0; b < at.B; ++b) {
       for (std::int64_t h = 0; h < at.heads; ++h) {
         float* of_head = all_scores + at.WeightAt(b, h);
-        Product(false, true, at.T, at.S, at.d, at.root(), from + at.QueryAt(b, h), at.of_query, seen + at.KeyAt(b, h),
-                at.of_memory, of_head, static_cast<int>(at.S));
+        HeadProduct(false, true, at.T, at.S, at.d, at.root(), from + at.QueryAt(b, h), at.of_query,
+                    seen + at.KeyAt(b, h), at.of_memory, of_head, static_cast<int>(at.S));
         for (std::int64_t t = 0; t < at.T; ++t) {
           float* row = of_head + t * at.S;
           for (std::int64_t s = 0; added != nullptr && s < at.S; ++s) row[s] += added[b * at.S + s];
@@ -90,9 +90,9 @@ struct HeadAttention : torch::autograd::Function<HeadAttention> {
     Tensor result = torch::empty({at.T, at.B, at.E});
     for (std::int64_t b = 0; b < at.B; ++b) {
       for (std::int64_t h = 0; h < at.heads; ++h) {
-        Product(false, false, at.T, at.d, at.S, 1.0f, changed.data_ptr<float>() + at.WeightAt(b, h),
-                static_cast<int>(at.S), seen + at.ValueAt(b, h), at.of_memory,
-                result.data_ptr<float>() + at.ContextAt(b, h), at.of_context());
+        HeadProduct(false, false, at.T, at.d, at.S, 1.0f, changed.data_ptr<float>() + at.WeightAt(b, h),
+                    static_cast<int>(at.S), seen + at.ValueAt(b, h), at.of_memory,
+                    result.data_ptr<float>() + at.ContextAt(b, h), at.of_context());
       }
     }
     context->save_for_backward({q, m, weights, rules.kept, rules.share});
@@ -118,10 +118,10 @@ struct HeadAttention : torch::autograd::Function<HeadAttention> {
     for (std::int64_t b = 0; b < at.B; ++b) {
       for (std::int64_t h = 0; h < at.heads; ++h) {
         const float* by_context = given.data_ptr<float>() + at.ContextAt(b, h);
-        Product(false, true, at.T, at.S, at.d, 1.0f, by_context, at.of_context(), seen + at.ValueAt(b, h), at.of_memory,
-                by_changed.data_ptr<float>() + at.WeightAt(b, h), of_weight);
-        Product(true, false, at.S, at.d, at.T, 1.0f, changed.data_ptr<float>() + at.WeightAt(b, h), of_weight,
-                by_context, at.of_context(), by_seen + at.ValueAt(b, h), at.of_memory);
+        HeadProduct(false, true, at.T, at.S, at.d, 1.0f, by_context, at.of_context(), seen + at.ValueAt(b, h),
+                    at.of_memory, by_changed.data_ptr<float>() + at.WeightAt(b, h), of_weight);
+        HeadProduct(true, false, at.S, at.d, at.T, 1.0f, changed.data_ptr<float>() + at.WeightAt(b, h), of_weight,
+                    by_context, at.of_context(), by_seen + at.ValueAt(b, h), at.of_memory);
       }
     }
     const Tensor by_weights = Changed(by_changed, kept, scale, share);
@@ -129,10 +129,10 @@ struct HeadAttention : torch::autograd::Function<HeadAttention> {
     for (std::int64_t b = 0; b < at.B; ++b) {
       for (std::int64_t h = 0; h < at.heads; ++h) {
         const float* of_head = by_scores.data_ptr<float>() + at.WeightAt(b, h);
-        Product(false, false, at.T, at.d, at.S, at.root(), of_head, of_weight, seen + at.KeyAt(b, h), at.of_memory,
-                to + at.QueryAt(b, h), at.of_query);
-        Product(true, false, at.S, at.d, at.T, at.root(), of_head, of_weight, from + at.QueryAt(b, h), at.of_query,
-                by_seen + at.KeyAt(b, h), at.of_memory);
+        HeadProduct(false, false, at.T, at.d, at.S, at.root(), of_head, of_weight, seen + at.KeyAt(b, h), at.of_memory,
+                    to + at.QueryAt(b, h), at.of_query);
+        HeadProduct(true, false, at.S, at.d, at.T, at.root(), of_head, of_weight, from + at.QueryAt(b, h), at.of_query,
+                    by_seen + at.KeyAt(b, h), at.of_memory);
       }
     }
     return {by_queries, by_memory, Tensor()};
