@@ -103,6 +103,18 @@ Status CheckScriptRows(const JobOptions& options) {
     }
     return nullptr;
   };
+  const bool scored = options.evaluate.generators && options.evaluate.rows.empty();
+  for (const NetworkOptions& network : options.train.networks) {
+    const bool single = network.enabled && GeneratesMotions(network.kind) && !network.NeedsParts();
+    if (!scored || !single || options.evaluate.part == ClipPart::kWhole) continue;
+    if (options.evaluate.part == ClipPart::kTransition || !options.evaluate.durations.empty()) {
+      return Fail(ErrorCode::kConfig,
+                  "'" + network.name +
+                      "' makes single actions: they have no transition, and take the "
+                      "samples' lengths",
+                  "evaluate.part", "list evaluate.rows, and leave durations out");
+    }
+  }
   std::set<std::string> seen;
   for (std::size_t i = 0; i < options.evaluate.rows.size(); ++i) {
     const ScriptRowOptions& row = options.evaluate.rows[i];
@@ -110,8 +122,11 @@ Status CheckScriptRows(const JobOptions& options) {
     const auto refused = [&](const char* option, const std::string& what, const char* hint) {
       return Fail(ErrorCode::kConfig, what, where + option, hint);
     };
-    if (row.name.empty() || !seen.insert(row.name).second) {
-      return refused(".name", "'" + row.name + "' is empty or stands there twice", "give each row a name of its own");
+    const bool reserved =
+        row.name == "Real" || row.name == "Real-test" || row.name == "reference" || row.name == "reference_test";
+    if (row.name.empty() || reserved || !seen.insert(row.name).second) {
+      return refused(".name", "'" + row.name + "' is empty, of real motions, or stands there twice",
+                     "give each row a name of its own");
     }
     const NetworkOptions *main = named(row.network), *first = named(row.first), *fill = named(row.fill);
     const bool continues = main != nullptr && main->kind == NetworkKind::kMacvae;
@@ -126,7 +141,8 @@ Status CheckScriptRows(const JobOptions& options) {
       return refused(".script", "an actor does not continue a sample", "set script: after_generated, chain or none");
     }
     const bool needs_first = continues && row.script != ScriptDraw::kAfterSample;
-    if (needs_first != (first != nullptr && first->kind == NetworkKind::kActor)) {
+    const bool makes_first = first != nullptr && first->kind == NetworkKind::kActor && first->actor.NeedsRotations();
+    if (needs_first != makes_first || (!needs_first && !row.first.empty())) {
       return refused(".first", needs_first ? "nothing makes the first action" : "no first action is made",
                      needs_first ? "name an actor of train.networks" : "leave it out");
     }

@@ -64,7 +64,7 @@ Expected<ScriptOptions> ReadScript(const std::string& text) {
   return script;
 }
 
-Expected<std::vector<ScriptStep>> StepsOf(const ScriptOptions& script, const Checkpoint& network) {
+Expected<std::vector<ScriptStep>> StepsOf(const ScriptOptions& script, const Checkpoint& network, bool continues) {
   const nlohmann::json usual = network.facts.value("part_frames", nlohmann::json::array());
   std::vector<ScriptStep> steps;
   for (std::size_t k = 0; k < script.actions.size(); ++k) {
@@ -87,11 +87,12 @@ Expected<std::vector<ScriptStep>> StepsOf(const ScriptOptions& script, const Che
     const auto known = [&](std::size_t column) {
       const bool there =
           at < usual.size() && usual[at].is_array() && usual[at].size() == 2 && usual[at][column].is_number_integer();
-      return there ? usual[at][column].get<int>() : 0;
+      const auto count = there ? usual[at][column].get<std::int64_t>() : 0;
+      return count > 0 && count <= kMostScriptFrames ? static_cast<int>(count) : 0;
     };
     step.transition_frames = action.transition_frames > 0 ? static_cast<int>(action.transition_frames) : known(0);
     step.frames = action.frames > 0 ? static_cast<int>(action.frames) : known(1);
-    if (step.frames < 1 || (k > 0 && step.transition_frames < 1)) {
+    if (step.frames < 1 || ((k > 0 || continues) && step.transition_frames < 1)) {
       return Fail(ErrorCode::kUsage, "nothing says how long '" + action.action + "' and its transition are", where,
                   "write ACTION:FRAMES and --transition-frames N: the network learned from no samples of two actions");
     }

@@ -30,7 +30,8 @@ struct ScriptOptions {
 Expected<ScriptOptions> ReadScript(const std::string& text);
 
 /// The steps of a script for a network: classes by name or index, usual lengths of its training set where the script
-/// names none. Error kUsage names the step, the value and what there is.
-Expected<std::vector<ScriptStep>> StepsOf(const ScriptOptions& script, const Checkpoint& network);
+/// names none. `continues`: a transition leads to the first action too. Error kUsage names the step, the value and what
+/// there is.
+Expected<std::vector<ScriptStep>> StepsOf(const ScriptOptions& script, const Checkpoint& network, bool continues);
 
 }  // namespace mocurate

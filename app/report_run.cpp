@@ -245,7 +245,10 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
     const bool continues = options.kind == NetworkKind::kMacvae;
     if (continues) {
       auto asked = ContinuedSamples(run.dataset);
-      if (!asked) return Forward(asked);
+      if (!asked) {
+        result.ungenerated[options.name] = asked.error();
+        continue;
+      }
       requests = std::move(*asked);
     }
     const int classes = result.training.at(network.checkpoint.name).at("classes").get<int>();

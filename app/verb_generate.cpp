@@ -28,6 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLargestScale = 100.0;
+constexpr double kMostFramesInAll = 2e7;  // 100 GB of joints and rotations
 
 /// Classes that are asked for, in order: "sit:10" ten times, "3" the class of that index, nothing each class once.
 Expected<std::vector<int>> LabelsOf(const std::vector<std::string>& wanted, const std::vector<std::string>& labels) {
@@ -201,8 +202,7 @@ Expected<std::vector<MotionRequest>> RequestsOf(const GenerateArguments& argumen
   if (!lengths) return Forward(lengths);
   const auto durations = DurationsOf(arguments.frames, static_cast<int>(options.data.frames));
   if (!durations) return Forward(durations);
-  constexpr int kMostFrames = 5000;         // rows of ACTOR's positional table
-  constexpr double kMostFramesInAll = 2e7;  // 100 GB of joints and rotations
+  constexpr int kMostFrames = 5000;  // rows of ACTOR's positional table
   if (options.kind == NetworkKind::kActor && durations->back() > kMostFrames) {
     return Fail(ErrorCode::kUsage, "'" + arguments.frames + "': the network's positions end at 5000 frames", "--frames",
                 "ask for at most 5000");
@@ -286,6 +286,7 @@ Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arg
   }
   const auto lengths = BoneLengthsOf(arguments, checkpoint, options);
   if (!lengths) return Forward(lengths);
+  double all = 0.0;
   std::vector<MotionRequest> requests;
   for (const std::string& text : arguments.scripts) {
     auto script = ReadScript(text);
@@ -293,7 +294,7 @@ Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arg
     if (arguments.transition_frames > 0) {
       for (ScriptActionOptions& action : script->actions) action.transition_frames = arguments.transition_frames;
     }
-    const auto steps = StepsOf(*script, checkpoint);
+    const auto steps = StepsOf(*script, checkpoint, !clips.empty());
     if (!steps) return Forward(steps);
     for (int k = 0; k < arguments.count; ++k) {
       Random random(arguments.seed, "script", std::to_string(requests.size()));
@@ -307,6 +308,11 @@ Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arg
         request.script.erase(request.script.begin());
       } else {
         request.previous_clip = clips[static_cast<std::size_t>(random.Below(clips.size()))];
+      }
+      all += static_cast<double>(request.answered_frames());
+      if (all > kMostFramesInAll) {
+        return Fail(ErrorCode::kUsage, "the scripts are more than 2e7 frames in all", "--count",
+                    "ask for fewer at once");
       }
       requests.push_back(std::move(request));
     }
@@ -327,6 +333,14 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   if (!checkpoint) return Forward(checkpoint);
   const auto options = OptionsFromJson<NetworkOptions>(checkpoint->options, DisplayPath(arguments.checkpoint));
   if (!options) return Forward(options);
+  const bool of_scripts = !arguments.first.empty() || !arguments.fill.empty() || !arguments.previous.empty() ||
+                          !arguments.previous_clip.empty() || arguments.align || arguments.count != 1 ||
+                          arguments.transition_frames != 0;
+  if (arguments.scripts.empty() && of_scripts) {
+    return Fail(ErrorCode::kUsage,
+                "--first, --fill, --previous, --previous-clip, --align, --count and --transition-frames are of scripts",
+                "--script", "add --script ACTION,ACTION,...");
+  }
   MeshBodies bodies{arguments.body.empty() ? FindBody() : arguments.body, arguments.shapes, arguments.seed};
   if (!arguments.mesh.empty()) {
     if (!arguments.scale.empty() || !arguments.bone_lengths.empty()) {

@@ -111,6 +111,10 @@ Status CheckMade(const NetworkOptions& network, const TrainOptions& options, con
                 where + (network.generator.empty() ? ".made_share" : ".generator"),
                 "set trained_on: denoised, interpolated or generated");
   }
+  if (network.NeedsParts() || network.data.part != ClipPart::kWhole) {
+    return Fail(ErrorCode::kConfig, "motions that a network makes have no parts of samples", where + ".trained_on",
+                "set trained_on: dataset");
+  }
   const auto found = std::find_if(options.networks.begin(), options.networks.end(),
                                   [&](const NetworkOptions& one) { return one.name == network.generator; });
   if (found == options.networks.end() || found->kind != NetworkKind::kActor || !found->enabled) {
@@ -141,7 +145,9 @@ bool SameSizes(const NetworkOptions& a, const NetworkOptions& b) {
                       actor.layers, actor.feed_forward, one_length ? network.data.frames : 0, network.action2motion.lie,
                       network.action2motion.hidden, network.action2motion.latent, network.macvae.protocol,
                       network.macvae.backbone, network.macvae.width, network.macvae.layers, network.macvae.feed_forward,
-                      network.macvae.vocabulary);
+                      network.macvae.vocabulary, network.macvae.previous_frames, network.macvae.whole_previous,
+                      network.macvae.separate_latents, network.macvae.postprocessor, network.ssmct.width,
+                      network.ssmct.layers, network.ssmct.feed_forward, network.NeedsParts() ? network.data.frames : 0);
   };
   return sizes(a) == sizes(b);
 }
@@ -270,6 +276,12 @@ Status CheckMacvae(const NetworkOptions& network, const std::string& where) {
 
 Status CheckSizes(const NetworkOptions& network, const std::string& where) {
   if (network.kind == NetworkKind::kMacvae) return CheckMacvae(network, where);
+  if (network.kind == NetworkKind::kSsmct && network.ssmct.width % network.ssmct.heads != 0) {
+    return Fail(
+        ErrorCode::kConfig,
+        std::to_string(network.ssmct.width) + " is no multiple of " + std::to_string(network.ssmct.heads) + " heads",
+        where + ".width", "choose another width");
+  }
   if (network.kind != NetworkKind::kActor) return {};
   const ActorOptions& actor = network.actor;
   const auto refused = [&](const char* option, const std::string& what, const char* hint) {

@@ -49,7 +49,7 @@ void TrainingDataOptions::Declare(OptionVisitor& v, NetworkKind kind) {
 
 void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   v.Integer("batch", batch, {1.0, 4096.0}, "clips per step; fewer when the training part is smaller");
-  if (kind != NetworkKind::kStGcn && kind != NetworkKind::kSsmct)
+  if (kind != NetworkKind::kStGcn && kind != NetworkKind::kSsmct && kind != NetworkKind::kMacvae)
     v.Integer(
         "shards", shards, {1.0, 64.0},
         "parts of a batch whose gradients are summed in order; each may have a core, the bytes do not depend on it");

@@ -26,7 +26,7 @@ mocurate::Expected<mocurate::AnswerRequests> OpenGenerators(const mocurate::Gene
     *network = std::move(*loaded);
   }
   return [networks, threads](const std::vector<MotionRequest>& requests) -> Expected<std::vector<Motion>> {
-    auto answered = GenerateLongMotions(networks, requests, threads);
+    auto answered = GenerateLongMotions(networks, requests, threads, [](double) { return !StopRequested(); });
     if (!answered) return Forward(answered);
     std::vector<Motion> motions;
     motions.reserve(answered->clips.size());

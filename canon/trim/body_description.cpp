@@ -13,7 +13,6 @@ namespace {
 
 constexpr Eigen::Index kXyz = 3;
 constexpr double kSpeedWindowS = 0.4;
-constexpr double kLeastHorizontal = 0.2;  // of the hip axis, below which it tells no heading
 
 /// Joints in the world at `time_s`, (3 J).
 void SampleJoints(const Motion& motion, double time_s, double sigma_s, Eigen::Ref<Eigen::RowVectorXd> sample) {

@@ -102,4 +102,14 @@ Heading HeadingOfAxes(const Matrix3d& axes, HeadingRule rule, double min_horizon
   return heading;
 }
 
+RigidTransform FacingFront(const Motion& motion, int frame) {
+  const Heading heading =
+      HeadingOfAxes(motion.rotation_at(frame, 0) * RestAxes(*motion.skeleton), HeadingRule::kHips, kLeastHorizontal);
+  RigidTransform canonical_from_world;
+  canonical_from_world.rotation = Quaterniond(Eigen::AngleAxisd(-heading.yaw, Vector3d::UnitY()));
+  canonical_from_world.translation =
+      -(canonical_from_world.rotation * motion.root_translation[static_cast<std::size_t>(frame)]);
+  return canonical_from_world;
+}
+
 }  // namespace mocurate

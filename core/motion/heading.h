@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 
+#include "core/geometry/rigid.h"
 #include "core/motion/motion.h"
 
 namespace mocurate {
@@ -44,5 +45,12 @@ struct Heading {
 ///   kTwist  the turn about +y in R = Ry(yaw) S, S about a horizontal axis: 2 atan2(q.y, q.w). Continuous in every pose
 ///           but upside down
 Heading HeadingOfAxes(const Matrix3d& axes, HeadingRule rule, double min_horizontal);
+
+/// Length of the hip axis's horizontal part below which its yaw is ill-conditioned, cos 78 degrees [multiact.md B.4].
+inline constexpr double kLeastHorizontal = 0.2;
+
+/// Moves a frame of a motion with rotations to the origin, facing +z: canonical_from_world by the heading of the hips
+/// and the root's place [multiact.md B.1, B.4].
+RigidTransform FacingFront(const Motion& motion, int frame);
 
 }  // namespace mocurate

@@ -11,6 +11,8 @@ constexpr const char* kSchema = "mocurate-request/1";
 
 constexpr std::int64_t kMostNumber = 1000000;  // of a label or a count of frames
 
+constexpr std::size_t kMostSteps = 10000;  // of a script
+
 /// A whole number in [least, kMostNumber).
 bool IsCount(const nlohmann::json& value, std::int64_t least) {
   return value.is_number_integer() && value.get<std::int64_t>() >= least && value.get<std::int64_t>() < kMostNumber;
@@ -45,7 +47,7 @@ Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::stri
       request.to_seed = value.get<std::uint64_t>();
     } else if (key == "fraction" && value.is_number() && value.get<double>() >= 0.0 && value.get<double>() <= 1.0) {
       request.fraction = value.get<double>();
-    } else if (key == "script" && value.is_array()) {
+    } else if (key == "script" && value.is_array() && value.size() <= kMostSteps) {
       for (const nlohmann::json& item : value) {
         const auto step = ParseStep(item, where);
         if (!step) return Forward(step);
@@ -96,9 +98,9 @@ void to_json(nlohmann::json& json, const MotionRequest& request) {
   if (!request.previous_clip.empty()) json["previous_clip"] = request.previous_clip;
 }
 
-int MotionRequest::answered_frames() const {
-  int all = previous_clip.empty() && !previous ? frames : 0;
-  for (const ScriptStep& step : script) all += step.transition_frames + step.frames;
+std::int64_t MotionRequest::answered_frames() const {
+  std::int64_t all = previous_clip.empty() && !previous ? frames : 0;
+  for (const ScriptStep& step : script) all += std::int64_t{step.transition_frames} + step.frames;
   return all;
 }
 

@@ -33,7 +33,7 @@ struct MotionRequest {
   std::shared_ptr<const Clip> previous;  ///< that motion; the answer begins behind it
 
   /// Frames of the answer.
-  int answered_frames() const;
+  std::int64_t answered_frames() const;
 };
 
 void to_json(nlohmann::json& json, const MotionRequest& request);

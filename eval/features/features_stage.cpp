@@ -165,6 +165,12 @@ class FeaturesRun {
         const MotionRequest& request = requests[i];
         const bool scripted = options_.script != ScriptDraw::kNone;
         const auto step = static_cast<int>(options_.step);
+        if (scripted && (*motions)[i].frame_count() != request.answered_frames()) {
+          return Fail(ErrorCode::kInconsistent,
+                      Counted((*motions)[i].frame_count(), "frame") + " answer a request of " +
+                          std::to_string(request.answered_frames()),
+                      "generator, request " + std::to_string(i));
+        }
         if (scripted) (*motions)[i] = StepOfAnswer((*motions)[i], request, step, options_.clip_part);
         const int label = scripted ? request.script[static_cast<std::size_t>(step - 1)].label : request.label;
         pass.motions.push_back(&(*motions)[i]);
@@ -263,7 +269,8 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   };
   const bool window = extractor->rules.length == LengthRule::kCrop;
   outcome.summary["longer"] = window ? lengths([&](int n) { return n > extractor->rules.frames; }) : 0;
-  outcome.summary["shorter"] = window ? lengths([&](int n) { return n < extractor->rules.frames; }) : 0;
+  const bool pads = extractor->rules.padding == PaddingRule::kZerosMinusRoot;  // every motion is padded
+  outcome.summary["shorter"] = window && !pads ? lengths([&](int n) { return n < extractor->rules.frames; }) : 0;
   const double rate = extractor->options.rate_hz;
   outcome.summary["rate_of_extractor"] = rate;
   outcome.summary["rotations"] = !dataset->joints_only;

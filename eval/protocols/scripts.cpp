@@ -14,8 +14,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastHorizontal = 0.2;  // of the hip axis, below which the forward axis is read (multiact.md B.4)
-
 /// What samples say of sequences of actions.
 struct Sequences {
   std::vector<int> classes;                ///< that have samples
@@ -98,7 +96,8 @@ Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const s
         static_cast<std::size_t>(rows[static_cast<std::size_t>(drawn[static_cast<std::size_t>(i) % drawn.size()])]);
     const Clip& clip = dataset.clips[row];
     MotionRequest request;
-    request.seed = (static_cast<std::uint64_t>(random.Next()) << 32) | random.Next();
+    const std::uint64_t high = random.Next();
+    request.seed = (high << 32) | random.Next();
     request.bone_length = clip.motion->bone_length;
     request.source_clip = clip.id();
     if (chain) {
@@ -140,18 +139,12 @@ Motion StepOfAnswer(const Motion& answer, const MotionRequest& request, int step
   const ScriptStep& wanted = request.script[static_cast<std::size_t>(step - 1)];
   const Motion& before = begin > 0 ? answer : *request.previous->motion;
   const int anchor = begin > 0 ? begin - 1 : before.frame_count() - 1;
-  const Heading heading =
-      HeadingOfAxes(before.rotation_at(anchor, 0) * RestAxes(*before.skeleton), HeadingRule::kHips, kLeastHorizontal);
   Clip clip;
   clip.motion = answer;
   clip.rate = answer.rate;
   const int action = begin + wanted.transition_frames;
   Clip cut = part == ClipPart::kTransition ? *Cut(clip, begin, action) : *Cut(clip, action, action + wanted.frames);
-  RigidTransform canonical_from_world;
-  canonical_from_world.rotation = Quaterniond(Eigen::AngleAxisd(-heading.yaw, Vector3d::UnitY()));
-  canonical_from_world.translation =
-      -(canonical_from_world.rotation * before.root_translation[static_cast<std::size_t>(anchor)]);
-  Transform(canonical_from_world, cut);
+  Transform(FacingFront(before, anchor), cut);
   return *std::move(cut.motion);
 }
 

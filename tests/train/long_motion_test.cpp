@@ -108,6 +108,11 @@ TEST_F(LongMotion, HasAllPartsOfItsScriptAndIsAMotion) {
     EXPECT_EQ(clip.motion->frame_count(), 9 + 15 + 11 + 12);
     EXPECT_EQ(request.answered_frames(), clip.motion->frame_count());
     EXPECT_TRUE(clip.motion->Check()) << main;
+    for (int f = 1; f < clip.motion->frame_count(); ++f) {
+      for (int j = 0; j < 5; ++j) {
+        EXPECT_GE(clip.motion->rotation_at(f, j).dot(clip.motion->rotation_at(f - 1, j)), 0.0) << main << " " << f;
+      }
+    }
     ASSERT_EQ(clip.segments.size(), 7u);
     EXPECT_EQ(clip.segments[3].label, "transition");
     EXPECT_EQ(clip.segments[4].label, "quick");
@@ -139,7 +144,10 @@ TEST_F(LongMotion, MovesWithTheMotionThatItContinues) {
 TEST_F(LongMotion, DoesNotDependOnThreadsOrNeighbours) {
   const LongMotionNetworks networks = With("macvae");
   std::vector<MotionRequest> requests;
-  for (std::size_t row = 0; row < 6; ++row) requests.push_back(Continuing(row, {{static_cast<int>(row % 3), 4, 9}}));
+  for (std::size_t row = 0; row < 600; ++row) {  // more than are worked on at once
+    requests.push_back(Continuing(row % 9, {{static_cast<int>(row % 3), 4, 9}}));
+    requests.back().seed = row;
+  }
   const auto one = GenerateLongMotions(networks, requests, 1), three = GenerateLongMotions(networks, requests, 3);
   ASSERT_TRUE(one && three);
   for (std::size_t i = 0; i < requests.size(); ++i) {
@@ -188,6 +196,20 @@ TEST_F(LongMotion, RefusesWhatItsNetworksCannotAnswer) {
   alone.frames = 9;
   alone.script = {{1, 4, 9}};
   EXPECT_EQ(refused(networks, alone).code, ErrorCode::kInconsistent);  // nothing makes the first action
+  MotionRequest other = Continuing(1, {{0, 4, 10}});
+  Clip faster = *other.previous;
+  faster.motion->rate.numerator *= 2;
+  other.previous = std::make_shared<const Clip>(faster);
+  EXPECT_EQ(refused(networks, other).code, ErrorCode::kInconsistent);  // another rate
+  auto longer = std::make_shared<Skeleton>(*samples_.skeleton);
+  longer->joints.push_back(longer->joints.back());
+  faster = *Continuing(1, {}).previous;
+  faster.motion->skeleton = faster.motion->counted_from = longer;
+  other.previous = std::make_shared<const Clip>(faster);
+  EXPECT_EQ(refused(networks, other).code, ErrorCode::kInconsistent);  // another skeleton
+  other = Continuing(1, {{0, 4, 10}});
+  other.bone_length = {0.0, 1.0};
+  EXPECT_EQ(refused(networks, other).code, ErrorCode::kInconsistent);
   EXPECT_EQ(refused(With("ssmct"), alone).code, ErrorCode::kInconsistent);
   EXPECT_EQ(refused(With("macvae", "ssmct"), alone).code, ErrorCode::kInconsistent);
   EXPECT_EQ(refused(With("actor", "", "actor"), alone).code, ErrorCode::kInconsistent);

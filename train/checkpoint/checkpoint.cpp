@@ -147,9 +147,12 @@ Status CheckFacts(const nlohmann::json& facts, const std::string& where) {
   };
   if (!facts.is_object()) return Fail(ErrorCode::kMalformed, "facts is no mapping", where + ":/about");
   for (const auto& [name, value] : facts.items()) {
+    const bool words = name == "words";
     const bool text = name == "rate" || name == "split" || name == "validation_rule" || name == "body";
-    const bool fits = text                                            ? value.is_string()
-                      : name == "bone_length"                         ? numbers(value)
+    const bool fits = text                    ? value.is_string()
+                      : words                 ? value.is_array() && std::all_of(value.begin(), value.end(),
+                                                                                [](const auto& one) { return one.is_string(); })
+                      : name == "bone_length" ? numbers(value)
                       : name == "first_pose" || name == "rest_offset" ? rows(value)
                                                                       : true;
     const bool number = name == "round" || name == "round_step" || name == "best_epoch" || name == "best_accuracy" ||

@@ -6,12 +6,6 @@
 #include "core/motion/heading.h"
 
 namespace mocurate {
-namespace {
-
-constexpr double kLeastHorizontal = 0.2;  // of the hip axis, below which the forward axis is read (multiact.md B.4)
-
-}  // namespace
-
 RigidTransform NetworkFromWorld(CanonicalChoice choice, const Matrix3d& rest_axes, const Quaterniond& root,
                                 const Vector3d& place, const RigidTransform& canonical_from_source) {
   if (choice == CanonicalChoice::kNone) return Inverse(canonical_from_source);

@@ -44,7 +44,9 @@ void SortWords(TrainingSet& set) {
   const std::vector<std::string> unsorted = set.words;
   std::sort(set.words.begin() + static_cast<std::ptrdiff_t>(fixed), set.words.end());
   for (TrainingSet::Clip& clip : set.clips) {
-    for (int& word : clip.word) word = WordOf(unsorted[static_cast<std::size_t>(word)], set.words);
+    for (int& word : clip.word) {
+      if (word >= static_cast<int>(fixed)) word = WordOf(unsorted[static_cast<std::size_t>(word)], set.words);
+    }
   }
 }
 
@@ -83,7 +85,10 @@ class Packing {
                     "give samples of canon.trim.rule: triples");
       }
       packed.parts = parts->frames;
-      for (std::size_t k = 0; needs_.parts && k < 3; ++k) packed.word[k] = WordOf(parts->label[k], set_.words);
+      if (needs_.parts) {  // whatever a recipe calls the transition, it is one word
+        packed.word = {WordOf(parts->label[0], set_.words), static_cast<int>(set_.labels.size()),
+                       WordOf(parts->label[2], set_.words)};
+      }
     }
     const Expected<Motion> motion = TakePart(clip, needs_.part);
     if (!motion) return Forward(motion);

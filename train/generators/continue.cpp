@@ -73,7 +73,8 @@ RequestBatch MotionGenerator::Impl::BatchOf(const Continuation* asked, std::size
                                             std::vector<RigidTransform>& network_from_world) const {
   const auto B = static_cast<std::int64_t>(count), J = static_cast<std::int64_t>(skeleton->joint_count());
   const auto L = static_cast<int>(options.data.frames);
-  const bool all_frames = !options.macvae.fills_last() || options.macvae.whole_previous;
+  const bool fills = asked[0].next != nullptr;
+  const bool all_frames = fills || !options.macvae.fills_last() || options.macvae.whole_previous;
   std::vector<int> previous(count);
   int longest_previous = 0, longest_next = 0;
   for (std::size_t b = 0; b < count; ++b) {
@@ -90,7 +91,6 @@ RequestBatch MotionGenerator::Impl::BatchOf(const Continuation* asked, std::size
   batch.bone_length = torch::empty({B, J});
   batch.previous_rotation = Identities(longest_previous, B, J);
   batch.previous_place = torch::zeros({longest_previous, B, 3});
-  const bool fills = asked[0].next != nullptr;
   if (fills) {
     batch.next_rotation = Identities(longest_next, B, J);
     batch.next_place = torch::zeros({longest_next, B, 3});
@@ -127,6 +127,10 @@ Expected<std::vector<Motion>> MotionGenerator::Continue(const std::vector<Contin
                                         asked[i].frames, where);
         !fits) {
       return Forward(fits);
+    }
+    const std::size_t bones = asked[i].bone_length.size();
+    if (bones > 0 && bones != impl_->skeleton->joints.size()) {
+      return Fail(ErrorCode::kInconsistent, "the bone lengths do not fit the skeleton", where);
     }
     if (asked[i].previous->joints_only() || (asked[i].next != nullptr) != fills) {
       return Fail(ErrorCode::kInconsistent, "the motion has no rotations, or the network fills no transitions", where);

@@ -13,8 +13,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kReadHorizontal = 0.2;  // of the hip axis, below which the forward axis is read (multiact.md B.4)
-constexpr int kReleasedExtra = 2;        // frames more that the released code asks for and drops (multiact.md D.2)
+constexpr int kReleasedExtra = 2;  // frames more that the released code asks for and drops (multiact.md D.2)
 
 bool Continues(const MotionGenerator& network) { return network.options().kind == NetworkKind::kMacvae; }
 
@@ -22,11 +21,6 @@ std::uint64_t SeedOfStep(const MotionRequest& request, std::size_t step) {
   Random random(request.seed, "step", std::to_string(step));
   const std::uint64_t high = random.Next();
   return (high << 32) | random.Next();
-}
-
-double YawAt(const Motion& motion, int frame) {
-  return HeadingOfAxes(motion.rotation_at(frame, 0) * RestAxes(*motion.skeleton), HeadingRule::kHips, kReadHorizontal)
-      .yaw;
 }
 
 void Move(const RigidTransform& transform, Motion& motion) {
@@ -64,6 +58,15 @@ void Append(const Motion& more, Motion& motion) {
   motion.rotation.insert(motion.rotation.end(), more.rotation.begin(), more.rotation.end());
   motion.joints.xyz.insert(motion.joints.xyz.end(), more.joints.xyz.begin(), more.joints.xyz.end());
   motion.joints.frames += more.joints.frames;
+}
+
+/// One motion of joined pieces: quaternions in one hemisphere, joints of one person's bones.
+void Finish(Motion& motion) {
+  const auto J = static_cast<std::size_t>(motion.joint_count());
+  for (std::size_t j = 0; j < J; ++j) {
+    MakeSignContinuous(motion.rotation.data() + j, static_cast<std::size_t>(motion.frame_count()), J);
+  }
+  ComputeJoints(motion);
 }
 
 /// A long motion on its way.
@@ -116,9 +119,16 @@ class LongRun {
       const MotionRequest& request = requests_[i];
       const std::string of_request = "request " + std::to_string(i);
       int before = request.previous ? request.previous->motion->frame_count() : request.frames;
-      if (request.previous && request.previous->motion->joints_only()) {
-        return Fail(ErrorCode::kInconsistent, "the previous motion has joints alone", of_request,
-                    "give one with rotations");
+      if (Status fits = CheckPrevious(request, of_request); !fits) return fits;
+      if (request.previous && request.script.empty()) {
+        return Fail(ErrorCode::kInconsistent, "a previous motion and no action that follows it", of_request,
+                    "give a script");
+      }
+      if (!request.bone_length.empty() && request.bone_length.size() != networks_.main->skeleton()->joints.size()) {
+        return Fail(ErrorCode::kInconsistent,
+                    std::to_string(request.bone_length.size()) + " bone lengths, the skeleton has " +
+                        std::to_string(networks_.main->skeleton()->joint_count()) + " joints",
+                    of_request);
       }
       if (!request.previous && Continues(*networks_.main) && networks_.first == nullptr) {
         return Fail(ErrorCode::kInconsistent, "nothing makes the first action: the network continues motions",
@@ -139,6 +149,25 @@ class LongRun {
         before = step.frames;
       }
     }
+    return {};
+  }
+
+  /// A previous motion is of the network's skeleton, rest pose and rate, with rotations.
+  Status CheckPrevious(const MotionRequest& request, const std::string& where) const {
+    if (!request.previous) return {};
+    const Motion& motion = *request.previous->motion;
+    const Skeleton& skeleton = *networks_.main->skeleton();
+    const auto refused = [&](const std::string& what) {
+      return Fail(ErrorCode::kInconsistent, "the previous motion " + what, where,
+                  "give motions of skeleton '" + skeleton.name + "', fitted, at " + networks_.main->rate().Text() +
+                      " frames a second");
+    };
+    if (motion.joints_only()) return refused("has joints alone");
+    if (!SameTree(*motion.skeleton, skeleton)) return refused("is of skeleton '" + motion.skeleton->name + "'");
+    if (const double apart = RestPosesApart(*motion.rest_pose(), skeleton); apart > kSameRestPose) {
+      return refused("counts rotations from a rest pose " + RoundedText(apart, 2) + " rad apart");
+    }
+    if (!(motion.rate == networks_.main->rate())) return refused("has " + motion.rate.Text() + " frames a second");
     return {};
   }
 
@@ -211,7 +240,7 @@ class LongRun {
 
   int ExtraOf(const MotionRequest& request, const ScriptStep& action) const {
     const MacvaeOptions& macvae = networks_.main->options().macvae;
-    if (macvae.fills_last() || request.script.size() < 2) return 0;
+    if (macvae.fills_last() || (request.previous && request.script.size() < 2)) return 0;
     const auto room = static_cast<int>(networks_.main->options().data.frames - macvae.previous_frames) -
                       action.transition_frames - action.frames;
     return std::clamp(room, 0, kReleasedExtra);
@@ -330,7 +359,7 @@ RigidTransform AlignedTo(const Motion& before, const Motion& after, int frames) 
   const int last = before.frame_count() - 1;
   const auto place = [&](int frame) { return before.root_translation[static_cast<std::size_t>(std::max(0, frame))]; };
   RigidTransform aligned;
-  aligned.rotation = Quaterniond(Eigen::AngleAxisd(YawAt(before, last) - YawAt(after, 0), Vector3d::UnitY()));
+  aligned.rotation = FacingFront(before, last).rotation.conjugate() * FacingFront(after, 0).rotation;
   Vector3d wanted = place(last) + frames * (place(last) - place(last - 1));
   const Vector3d own = aligned.rotation * after.root_translation.front();
   wanted.y() = own.y();
@@ -353,6 +382,7 @@ Expected<Dataset> GenerateLongMotions(const LongMotionNetworks& networks, const 
   set.created_by = std::string(CreatedBy());
   for (std::size_t i = 0; i < requests.size(); ++i) {
     Chain& chain = (*chains)[i];
+    Finish(chain.motion);
     const int last = requests[i].script.empty() ? requests[i].label : requests[i].script.back().label;
     Clip clip = GeneratedClip(i, set.labels[static_cast<std::size_t>(last)], requests[i], std::move(chain.motion));
     clip.segments = std::move(chain.segments);

@@ -26,8 +26,8 @@ struct LongMotionNetworks {
 /// of `first` (or `main`), then transition and action of each step, each made from the one before and placed by the
 /// stored transform of that one's last frame (multiact.md D.3). Clips as of MotionGenerator::Generate, with segments.
 /// Requests without a script are answered by `main`. As released, MACVAE with `fill: released` is asked for two frames
-/// more of each action of a script of several steps, which are dropped. `proceed` gets the part that is done and says
-/// whether to go on. Errors of the networks naming request and step; kInterrupted.
+/// more of each action, which are dropped, but for a single one after a given motion. `proceed` gets the part that is
+/// done and says whether to go on. Errors of the networks naming request and step; kInterrupted.
 Expected<Dataset> GenerateLongMotions(
     const LongMotionNetworks& networks, const std::vector<MotionRequest>& requests, int threads = 1,
     const std::function<bool(double)>& proceed = [](double) { return true; });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <utility>
 
 #include "core/base/file.h"
@@ -46,8 +47,11 @@ Status ReadUsualLengths(const Checkpoint& checkpoint, const std::string& where,
                         std::vector<MotionGenerator::UsualLength>& lengths) {
   const nlohmann::json rows = checkpoint.facts.value("part_frames", nlohmann::json::array());
   for (const nlohmann::json& row : rows) {
-    if (!row.is_array() || row.size() != 2 || !row[0].is_number_integer() || !row[1].is_number_integer()) break;
-    lengths.push_back({row[0].get<int>(), row[1].get<int>()});
+    const auto count = [&](std::size_t column) -> std::int64_t {
+      return row.is_array() && row.size() == 2 && row[column].is_number_integer() ? row[column].get<std::int64_t>() : 0;
+    };
+    if (count(0) < 1 || count(1) < 1 || count(0) > kMostFrames || count(1) > kMostFrames) break;
+    lengths.push_back({static_cast<int>(count(0)), static_cast<int>(count(1))});
   }
   if (lengths.size() == rows.size() && (rows.empty() || rows.size() == checkpoint.labels.size())) return {};
   return Fail(ErrorCode::kMalformed, "facts.part_frames are no two counts for each class", where, "train again");
@@ -90,6 +94,8 @@ int MotionsAtOnce(const NetworkOptions& options, std::int64_t frames) {
   const std::int64_t numbers =
       options.kind == NetworkKind::kActor
           ? numbers_of(options.actor.heads, options.actor.feed_forward, options.actor.latent)
+      : options.kind == NetworkKind::kSsmct
+          ? numbers_of(options.ssmct.heads, options.ssmct.feed_forward, options.ssmct.width)
           : numbers_of(options.macvae.heads, options.macvae.feed_forward, options.macvae.width);
   return static_cast<int>(std::clamp<std::int64_t>(kNumbersAtOnce / numbers, 1, kGeneratedAtOnce));
 }
@@ -298,25 +304,25 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
   set.recipe = "generated";
   set.created_by = std::string(CreatedBy());
   const int J = impl_->skeleton->joint_count();
-  for (std::size_t begin = 0; begin < requests.size();) {
-    std::size_t end = begin + 1;
-    while (end < requests.size() && requests[end].frames == requests[begin].frames) ++end;
-    const std::vector<MotionRequest> part(requests.begin() + static_cast<std::ptrdiff_t>(begin),
-                                          requests.begin() + static_cast<std::ptrdiff_t>(end));
-    const Expected<Rows> rows = Answer(part, threads);
-    if (!rows) return Forward(rows);
-    const std::size_t size = static_cast<std::size_t>(part[0].frames) * 3 * static_cast<std::size_t>(J);
+  std::map<int, std::vector<std::size_t>> of_length;  // requests of the same number of frames are answered at once
+  for (std::size_t i = 0; i < requests.size(); ++i) of_length[requests[i].frames].push_back(i);
+  set.clips.resize(requests.size());
+  for (const auto& [frames, rows] : of_length) {
+    std::vector<MotionRequest> part;
+    for (const std::size_t row : rows) part.push_back(requests[row]);
+    const Expected<Rows> answered = Answer(part, threads);
+    if (!answered) return Forward(answered);
+    const std::size_t size = static_cast<std::size_t>(frames) * 3 * static_cast<std::size_t>(J);
     for (std::size_t i = 0; i < part.size(); ++i) {
       Motion motion;
       motion.skeleton = set.skeleton;
       motion.rate = impl_->rate;
-      motion.joints = JointPositions(part[i].frames, J);
-      std::copy_n(rows->joints.begin() + static_cast<std::ptrdiff_t>(i * size), size, motion.joints.xyz.begin());
-      if (!set.joints_only) AddRotations(rows->rotation.data() + 3 * i * size, part[i].bone_length, motion);
-      set.clips.push_back(
-          GeneratedClip(begin + i, labels()[static_cast<std::size_t>(part[i].label)], part[i], std::move(motion)));
+      motion.joints = JointPositions(frames, J);
+      std::copy_n(answered->joints.begin() + static_cast<std::ptrdiff_t>(i * size), size, motion.joints.xyz.begin());
+      if (!set.joints_only) AddRotations(answered->rotation.data() + 3 * i * size, part[i].bone_length, motion);
+      set.clips[rows[i]] =
+          GeneratedClip(rows[i], labels()[static_cast<std::size_t>(part[i].label)], part[i], std::move(motion));
     }
-    begin = end;
   }
   return set;
 }

@@ -1,5 +1,7 @@
 #include "train/trainer/optimisers.h"
 
+#include <sstream>
+
 #include "train/trainer/values.h"
 
 namespace mocurate {
@@ -14,7 +16,9 @@ using RmsPropState = torch::optim::RMSpropParamState;
 template <class Key>
 Key KeyOf(const Tensor& parameter) {
   if constexpr (std::is_same_v<Key, std::string>) {
-    return c10::guts::to_string(parameter.unsafeGetTensorImpl());
+    std::ostringstream address;
+    address << parameter.unsafeGetTensorImpl();
+    return address.str();
   } else {
     return parameter.unsafeGetTensorImpl();
   }
@@ -76,6 +80,7 @@ void Optimisers::Step(int phase, const std::vector<Tensor>& gradients, double ra
   if (largest_norm > 0.0) torch::nn::utils::clip_grad_norm_(group.parameters, largest_norm);
   for (auto& of_rule : rule.param_groups()) of_rule.options().set_lr(group.learning_rate * rate_factor);
   rule.step();
+  for (Tensor parameter : group.parameters) parameter.mutable_grad() = Tensor();  // their memory is the next step's
 }
 
 std::vector<OptimiserState> Optimisers::State() const {

@@ -273,7 +273,7 @@ class Training {
   /// Mean and deviation of every number over the unchanged training windows.
   void Standardise() {
     const std::int64_t D = 3 * set_.skeleton->joint_count();
-    Tensor sum = torch::zeros({D}, torch::kFloat64), squares = sum.clone();
+    Tensor sum = torch::zeros({D}, torch::dtype(torch::kFloat64).device(device())), squares = sum.clone();
     double count = 0.0;
     for (const int row : rows_.train) {
       const Batch one = BatchOf({row}, "standardise", false);
