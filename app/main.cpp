@@ -287,6 +287,9 @@ void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>
       "checkpoint of an ssmct, which fills transitions between an actor's motions (default: linearly)");
   generate->add_flag("--align", arguments->align,
                      "turn and move each of an actor's motions to where the one before ends");
+  generate->add_flag(
+      "--snap", arguments->snap,
+      "let what continues a motion begin at its last frame's place and heading, as MultiAct's code does");
   generate->add_option("--denoise", arguments->denoise,
                        "dataset whose clips are encoded and decoded, with their labels and lengths (kind actor)");
   generate->add_option("--seed", arguments->seed, "of the noise: the same seed, the same motions")

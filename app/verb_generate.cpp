@@ -260,10 +260,10 @@ Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arg
                 "--script", "give one of --first ACTOR.h5 and --previous SET.h5");
   }
   if (continues ? (arguments.align || !arguments.fill.empty())
-                : (!arguments.first.empty() || !arguments.previous.empty())) {
+                : (arguments.snap || !arguments.first.empty() || !arguments.previous.empty())) {
     return Fail(ErrorCode::kUsage,
                 continues ? "the network makes its transitions itself" : "an actor's motions are joined, not continued",
-                "--script", continues ? "leave out --align and --fill" : "leave out --first and --previous");
+                "--script", continues ? "leave out --align and --fill" : "leave out --first, --previous and --snap");
   }
   for (const auto& [role, file] : {std::pair("first", &arguments.first), std::pair("fill", &arguments.fill),
                                    std::pair("previous", &arguments.previous)}) {
@@ -317,7 +317,7 @@ Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arg
       requests.push_back(std::move(request));
     }
   }
-  item.options = OptionsToJson(LongMotionOptions{arguments.align});
+  item.options = OptionsToJson(LongMotionOptions{arguments.snap, arguments.align});
   return requests;
 }
 
@@ -334,12 +334,13 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   const auto options = OptionsFromJson<NetworkOptions>(checkpoint->options, DisplayPath(arguments.checkpoint));
   if (!options) return Forward(options);
   const bool of_scripts = !arguments.first.empty() || !arguments.fill.empty() || !arguments.previous.empty() ||
-                          !arguments.previous_clip.empty() || arguments.align || arguments.count != 1 ||
-                          arguments.transition_frames != 0;
+                          !arguments.previous_clip.empty() || arguments.align || arguments.snap ||
+                          arguments.count != 1 || arguments.transition_frames != 0;
   if (arguments.scripts.empty() && of_scripts) {
-    return Fail(ErrorCode::kUsage,
-                "--first, --fill, --previous, --previous-clip, --align, --count and --transition-frames are of scripts",
-                "--script", "add --script ACTION,ACTION,...");
+    return Fail(
+        ErrorCode::kUsage,
+        "--first, --fill, --previous, --previous-clip, --align, --snap, --count and --transition-frames are of scripts",
+        "--script", "add --script ACTION,ACTION,...");
   }
   MeshBodies bodies{arguments.body.empty() ? FindBody() : arguments.body, arguments.shapes, arguments.seed};
   if (!arguments.mesh.empty()) {

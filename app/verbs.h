@@ -65,6 +65,7 @@ struct GenerateArguments {
   std::filesystem::path previous;    ///< dataset whose motions scripts continue, or empty
   std::string previous_clip;         ///< id of the one in it; empty: drawn
   bool align = false;                ///< turn and move joined actions
+  bool snap = false;                 ///< what continues begins at the last frame's place and heading
   std::filesystem::path denoise;     ///< dataset whose clips are encoded and decoded, or empty
   std::uint64_t seed = 1;
   std::string scale;                   ///< "legs=1.25,arms=1.25"

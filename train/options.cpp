@@ -349,6 +349,7 @@ void RemakeOptions::Declare(OptionVisitor& v) {
 }
 
 void LongMotionOptions::Declare(OptionVisitor& v) {
+  v.Bool("snap", snap, "let what continues begin at the last frame's place and heading, as released");
   v.Bool("align", align, "turn and move joined motions to where the one before ends");
 }
 

@@ -283,6 +283,7 @@ struct RemakeOptions {
 
 /// Options of the stage `generate` where its requests are scripts.
 struct LongMotionOptions {
+  bool snap = false;   ///< what continues begins at the last frame's place and heading
   bool align = false;  ///< joined motions are turned and moved to where the one before ends
   void Declare(OptionVisitor& v);
 };

@@ -136,6 +136,7 @@ Status OpenPartners(const StageRequest& request, LongMotionNetworks& networks) {
     const auto options = OptionsFromJson<LongMotionOptions>(request.options);
     if (!options) return Forward(options);
     networks.align = options->align;
+    networks.snap = options->snap;
   }
   for (const auto& [role, network] : {std::pair("first", &networks.first), std::pair("fill", &networks.fill)}) {
     const StageInput* file = InputOf(request, role);

@@ -50,7 +50,7 @@ class OpenSimParser {
     if (key == "nRows" || key == "nColumns") {
       const std::optional<long long> count = ParseInteger(value);
       if (!count || *count < 0) return lines_.Bad(called + " '" + Shown(value) + "' is no count");
-      (key == "nRows" ? rows_ : columns_) = {*count, lines_.number()};
+      (key == "nRows" ? rows_ : columns_) = std::make_pair(*count, lines_.number());
     } else if (key == "inDegrees") {
       if (value != "yes" && value != "no") return lines_.Bad("inDegrees is 'yes' or 'no', not '" + Shown(value) + "'");
       table_.in_degrees = value == "yes";

@@ -141,6 +141,19 @@ TEST_F(LongMotion, MovesWithTheMotionThatItContinues) {
   }
 }
 
+TEST_F(LongMotion, SnappedPartsBeginWhereTheLastFrameStands) {
+  LongMotionNetworks networks = With("macvae");
+  const MotionRequest request = Continuing(1, {{0, 4, 10}});
+  const Motion before = *request.previous->motion;
+  for (const bool snap : {true, false}) {
+    networks.snap = snap;
+    const auto set = GenerateLongMotions(networks, {request});
+    ASSERT_TRUE(set);
+    const double apart = (set->clips[0].motion->root_translation[0] - before.root_translation.back()).norm();
+    EXPECT_EQ(apart < 1e-9, snap) << apart;
+  }
+}
+
 TEST_F(LongMotion, DoesNotDependOnThreadsOrNeighbours) {
   const LongMotionNetworks networks = With("macvae");
   std::vector<MotionRequest> requests;

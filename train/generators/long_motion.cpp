@@ -226,9 +226,13 @@ class LongRun {
       one.bone_length = request.bone_length;
       asked.push_back(std::move(one));
     }
-    const auto made = networks_.main->Continue(asked, threads_);
+    auto made = networks_.main->Continue(asked, threads_);
     if (!made) return Forward(made);
     for (std::size_t k = 0; k < rows.size(); ++k) {
+      if (networks_.snap) {
+        const Motion& before = chains_[rows[k]].last;
+        Move(Inverse(FacingFront(before, before.frame_count() - 1)) * FacingFront((*made)[k], 0), (*made)[k]);
+      }
       const ScriptStep& action = requests_[rows[k]].script[step];
       Chain& chain = chains_[rows[k]];
       chain.Add(Frames((*made)[k], 0, action.transition_frames), "transition");

@@ -16,6 +16,8 @@ struct LongMotionNetworks {
   std::shared_ptr<const MotionGenerator> first;  ///< of single actions; makes the first one where `main` is MACVAE
   std::shared_ptr<const MotionGenerator> fill;   ///< SSMCT-like, fills transitions between joined actions; null:
                                                  ///< rotations by slerp, places linearly
+  bool snap = false;   ///< MACVAE's parts begin at the last frame's place and heading, as released; else where its
+                       ///< stored transform puts them (multiact.md D.3)
   bool align = false;  ///< turn and move joined actions to where the one before ends; else they stay as generated
 
   /// Error kInconsistent where networks have other skeletons, rates or classes, or are of the wrong kind.
