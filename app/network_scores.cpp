@@ -224,14 +224,8 @@ Expected<nlohmann::json> PublishedOfTable(const EvaluateOptions& evaluate) {
     const bool meant = evaluate.table.empty() || value.at("table") == evaluate.table;
     if (value.at("paper") != evaluate.paper || !meant) continue;
     of_table.push_back(value);
-    // Of a table of transitions alone; ours scores one part.
-    const std::string metric = value.at("metric").get<std::string>(), of_transition = "_transition";
-    const std::size_t end = metric.size() - std::min(metric.size(), of_transition.size());
-    if (evaluate.part == ClipPart::kTransition && metric.substr(end) == of_transition) {
-      of_table.back()["metric"] = metric.substr(0, end);
-    }
   }
-  return of_table;
+  return OfTransitions(of_table, evaluate.part == ClipPart::kTransition);
 }
 
 Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& networks, const JobOptions& options,

@@ -312,7 +312,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
                            {"extractor", plan->extractor.name},
                            {"rows", evaluated->rows},
                            {"comparisons", evaluated->comparisons},
-                           {"published", *published},
+                           {"published", OfTransitions(*published, plan->protocol.part == ClipPart::kTransition)},
                            {"notes", plan->protocol.notes},
                            {"warnings", evaluated->warnings},
                            {"failed", nlohmann::json::object()}};

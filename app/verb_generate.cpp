@@ -296,6 +296,10 @@ Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arg
     }
     const auto steps = StepsOf(*script, checkpoint, !clips.empty());
     if (!steps) return Forward(steps);
+    if (continues && clips.empty() && steps->size() < 2) {
+      return Fail(ErrorCode::kUsage, "the script has one action, which --first makes alone", "--script",
+                  "add a second one, or ask the other network: --label ACTION");
+    }
     for (int k = 0; k < arguments.count; ++k) {
       Random random(arguments.seed, "script", std::to_string(requests.size()));
       MotionRequest request;

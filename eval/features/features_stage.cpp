@@ -104,7 +104,7 @@ class FeaturesRun {
     if (options_.clip_part != ClipPart::kWhole) {
       for (const int row : *rows) {
         const Clip& clip = dataset.clips[static_cast<std::size_t>(row)];
-        const bool alone = options_.generated && clip.segments.empty();  // motions of actions, of any program
+        const bool alone = options_.generated && options_.clip_part == ClipPart::kAction && clip.segments.empty();
         auto part = TakePart(clip, alone ? ClipPart::kWhole : options_.clip_part);
         if (!part) return Forward(part);
         parts.push_back(std::move(*part));

@@ -1,5 +1,6 @@
 #include "eval/published/published.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -80,6 +81,20 @@ nlohmann::json PublishedOf(const std::vector<PublishedValue>& values, const std:
     }
   }
   return list;
+}
+
+nlohmann::json OfTransitions(const nlohmann::json& published, bool transitions) {
+  const std::string ending = "_transition";
+  nlohmann::json chosen = nlohmann::json::array();
+  for (nlohmann::json value : published) {
+    const std::string metric = value.at("metric").get<std::string>();
+    const std::size_t end = metric.size() - std::min(metric.size(), ending.size());
+    const bool of_transition = metric.substr(end) == ending;
+    if (of_transition != transitions) continue;
+    if (of_transition) value["metric"] = metric.substr(0, end);
+    chosen.push_back(std::move(value));
+  }
+  return chosen;
 }
 
 }  // namespace mocurate

@@ -29,4 +29,8 @@ Expected<std::vector<PublishedValue>> ParsePublished(std::string_view csv, const
 nlohmann::json PublishedOf(const std::vector<PublishedValue>& values, const std::string& paper,
                            const std::string& dataset);
 
+/// Of a list as of PublishedOf: those of a table of transitions under the metrics' plain names (FID_train_transition ->
+/// FID_train), or all others.
+nlohmann::json OfTransitions(const nlohmann::json& published, bool transitions);
+
 }  // namespace mocurate

@@ -111,8 +111,13 @@ Status MotionGenerator::Impl::Check(const MotionRequest& request, std::size_t in
   }
   if (request.frames < 1) return Fail(ErrorCode::kInconsistent, "no frames are asked for", where);
   if (options.NeedsParts()) {
-    return Fail(ErrorCode::kInconsistent, "the network continues motions: it makes none from a label alone", where,
-                "give a script: --script LABEL,LABEL,... with --first ACTOR or --previous SET");
+    const bool fills = options.kind == NetworkKind::kSsmct;
+    return Fail(ErrorCode::kInconsistent,
+                fills ? "the network fills transitions: it makes no actions"
+                      : "the network continues motions: it makes none from a label alone",
+                where,
+                fills ? "give it as --fill to an actor with --script LABEL,LABEL,..."
+                      : "give a script: --script LABEL,LABEL,... with --first ACTOR or --previous SET");
   }
   if (network->latent_size() > 0 && request.frames > kMostFrames) {
     return Fail(ErrorCode::kInconsistent,
