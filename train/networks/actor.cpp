@@ -23,15 +23,7 @@ Actor::Actor(const ActorOptions& options, const LearningOptions& learning, const
   register_module("decoder", decoder_);
 }
 
-std::vector<OptimiserGroup> Actor::Groups() {
-  OptimiserGroup group;
-  group.name = "adamw";
-  group.parameters = parameters();
-  group.rule = OptimiserGroup::Rule::kAdamW;
-  group.learning_rate = learning_rate_;
-  group.weight_decay = weight_decay_;
-  return {group};
-}
+std::vector<OptimiserGroup> Actor::Groups() { return {AdamWGroup(*this, learning_rate_, weight_decay_)}; }
 
 Tensor Actor::FramesOf(const Batch& batch) const {
   if (batch.features.defined()) return batch.features;

@@ -35,15 +35,7 @@ Macvae::Macvae(const MacvaeOptions& options, const LearningOptions& learning, co
   register_module("postprocessor", postprocessor);
 }
 
-std::vector<OptimiserGroup> Macvae::Groups() {
-  OptimiserGroup group;
-  group.name = "adamw";
-  group.parameters = parameters();
-  group.rule = OptimiserGroup::Rule::kAdamW;
-  group.learning_rate = learning_rate_;
-  group.weight_decay = weight_decay_;
-  return {group};
-}
+std::vector<OptimiserGroup> Macvae::Groups() { return {AdamWGroup(*this, learning_rate_, weight_decay_)}; }
 
 Tensor Macvae::ReadFrames(const Tensor& rotation, const Tensor& place) const {
   const Tensor numbers =

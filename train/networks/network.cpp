@@ -18,6 +18,16 @@ std::vector<int> Network::Phases(std::int64_t /*step*/, std::int64_t /*steps*/) 
 
 ValidationScore Network::Validate(const Batch& /*batch*/) { return {}; }
 
+OptimiserGroup AdamWGroup(const torch::nn::Module& module, double learning_rate, double weight_decay) {
+  OptimiserGroup group;
+  group.name = "adamw";
+  group.parameters = module.parameters();
+  group.rule = OptimiserGroup::Rule::kAdamW;
+  group.learning_rate = learning_rate;
+  group.weight_decay = weight_decay;
+  return group;
+}
+
 std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const NetworkSizes& sizes) {
   Random key(options.seed(), "network.initial");
   torch::manual_seed((static_cast<std::uint64_t>(key.Next()) << 32) | key.Next());

@@ -126,6 +126,9 @@ class Network : public torch::nn::Module {
   virtual NamedTensors Parts(const NamedTensors& inputs) = 0;
 };
 
+/// All parameters of a module under AdamW.
+OptimiserGroup AdamWGroup(const torch::nn::Module& module, double learning_rate, double weight_decay);
+
 /// The network that `options` ask for, its initial values drawn from their seed.
 std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const NetworkSizes& sizes);
 

@@ -57,15 +57,7 @@ Ssmct::Ssmct(const SsmctOptions& options, const LearningOptions& learning, const
   output_ = register_module("output", torch::nn::Conv1d(torch::nn::Conv1dOptions(E, G, 3).padding(1)));
 }
 
-std::vector<OptimiserGroup> Ssmct::Groups() {
-  OptimiserGroup group;
-  group.name = "adamw";
-  group.parameters = parameters();
-  group.rule = OptimiserGroup::Rule::kAdamW;
-  group.learning_rate = learning_rate_;
-  group.weight_decay = weight_decay_;
-  return {group};
-}
+std::vector<OptimiserGroup> Ssmct::Groups() { return {AdamWGroup(*this, learning_rate_, weight_decay_)}; }
 
 FilledMotion Ssmct::FramesOf(const Batch& batch) const {
   if (!batch.features.defined()) return {batch.rotation, batch.motion.slice(2, 0, 3)};

@@ -62,15 +62,7 @@ StGcn::StGcn(const StGcnOptions& options, const LearningOptions& learning, const
   fcn = register_module("fcn", torch::nn::Conv2d(torch::nn::Conv2dOptions(input, sizes.classes, 1)));
 }
 
-std::vector<OptimiserGroup> StGcn::Groups() {
-  OptimiserGroup group;
-  group.name = "adamw";
-  group.parameters = parameters();
-  group.rule = OptimiserGroup::Rule::kAdamW;
-  group.learning_rate = learning_rate_;
-  group.weight_decay = weight_decay_;
-  return {group};
-}
+std::vector<OptimiserGroup> StGcn::Groups() { return {AdamWGroup(*this, learning_rate_, weight_decay_)}; }
 
 Tensor StGcn::InputOf(const Batch& batch) const {
   if (batch.features.defined()) return batch.features;
