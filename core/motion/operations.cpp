@@ -146,20 +146,6 @@ void TransformPositions(const RigidTransform& transform, JointPositions& positio
   }
 }
 
-void TransformMotion(const RigidTransform& transform, Motion& motion) {
-  TransformPositions(transform, motion.joints);
-  RotateCovariances(transform.rotation.toRotationMatrix(), motion.position_cov);
-  if (motion.joints_only()) return;
-  const int joints = motion.joint_count();
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    motion.root_translation[f] = transform * motion.root_translation[f];
-    motion.rotation_at(f, 0) = (transform.rotation * motion.rotation_at(f, 0)).normalized();
-  }
-  MakeSignContinuous(motion.rotation.data(), static_cast<std::size_t>(motion.frame_count()),
-                     static_cast<std::size_t>(joints));
-  ComputeJoints(motion);
-}
-
 }  // namespace
 
 Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
@@ -190,8 +176,22 @@ void RotateCovariances(const Matrix3d& map, std::vector<float>& covariances) {
   }
 }
 
+void Transform(const RigidTransform& transform, Motion& motion) {
+  TransformPositions(transform, motion.joints);
+  RotateCovariances(transform.rotation.toRotationMatrix(), motion.position_cov);
+  if (motion.joints_only()) return;
+  const int joints = motion.joint_count();
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    motion.root_translation[f] = transform * motion.root_translation[f];
+    motion.rotation_at(f, 0) = (transform.rotation * motion.rotation_at(f, 0)).normalized();
+  }
+  MakeSignContinuous(motion.rotation.data(), static_cast<std::size_t>(motion.frame_count()),
+                     static_cast<std::size_t>(joints));
+  ComputeJoints(motion);
+}
+
 void Transform(const RigidTransform& world_from_clip, Clip& clip) {
-  if (clip.motion) TransformMotion(world_from_clip, *clip.motion);
+  if (clip.motion) Transform(world_from_clip, *clip.motion);
   if (clip.evidence.tracks) {
     TransformPositions(world_from_clip, clip.evidence.tracks->positions);
     for (Quaterniond& rotation : clip.evidence.tracks->rotation) rotation = world_from_clip.rotation * rotation;

@@ -29,6 +29,8 @@ Clip Mirror(const Clip& clip);
 /// x -> world_from_clip * x for everything that has a place: motion, evidence, cameras; canonical_from_source is
 /// updated.
 void Transform(const RigidTransform& world_from_clip, Clip& clip);
+/// The same of a motion alone.
+void Transform(const RigidTransform& world_from_motion, Motion& motion);
 
 /// C <- map C map^T for every covariance (xx xy xz yy yz zz, six numbers each); `map` a rotation or a reflection.
 void RotateCovariances(const Matrix3d& map, std::vector<float>& covariances);

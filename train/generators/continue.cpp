@@ -3,6 +3,7 @@
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
+#include "core/motion/operations.h"
 #include "train/data/placed_samples.h"
 #include "train/generators/generator_impl.h"
 
@@ -161,12 +162,7 @@ Expected<std::vector<Motion>> MotionGenerator::Continue(const std::vector<Contin
                   std::copy_n(joints.data_ptr<float>(), motion.joints.xyz.size(), motion.joints.xyz.begin());
                   AddRotations(rotation.data_ptr<float>(), one.bone_length, motion);
                   const RigidTransform world_from_network = Inverse(network_from_world[b]);
-                  for (int f = 0; f < frames; ++f) {
-                    Vector3d& root = motion.root_translation[static_cast<std::size_t>(f)];
-                    root = world_from_network * root;
-                    motion.rotation_at(f, 0) = (world_from_network.rotation * motion.rotation_at(f, 0)).normalized();
-                  }
-                  ComputeJoints(motion);
+                  Transform(world_from_network, motion);
                 }
               });
   return motions;

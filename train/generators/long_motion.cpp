@@ -23,15 +23,6 @@ std::uint64_t SeedOfStep(const MotionRequest& request, std::size_t step) {
   return (high << 32) | random.Next();
 }
 
-void Move(const RigidTransform& transform, Motion& motion) {
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    Vector3d& root = motion.root_translation[static_cast<std::size_t>(f)];
-    root = transform * root;
-    motion.rotation_at(f, 0) = (transform.rotation * motion.rotation_at(f, 0)).normalized();
-  }
-  ComputeJoints(motion);
-}
-
 /// Frames [begin, begin + count) of a motion of rotations.
 Motion Frames(const Motion& motion, int begin, int count) {
   const auto J = static_cast<std::ptrdiff_t>(motion.joint_count());
@@ -231,7 +222,7 @@ class LongRun {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       if (networks_.snap) {
         const Motion& before = chains_[rows[k]].last;
-        Move(Inverse(FacingFront(before, before.frame_count() - 1)) * FacingFront((*made)[k], 0), (*made)[k]);
+        Transform(Inverse(FacingFront(before, before.frame_count() - 1)) * FacingFront((*made)[k], 0), (*made)[k]);
       }
       const ScriptStep& action = requests_[rows[k]].script[step];
       Chain& chain = chains_[rows[k]];
@@ -265,7 +256,7 @@ class LongRun {
       const ScriptStep& action = requests_[rows[k]].script[step];
       Motion& next = (*motions)[k];
       const Motion& before = chains_[rows[k]].last;
-      if (networks_.align) Move(AlignedTo(before, next, action.transition_frames), next);
+      if (networks_.align) Transform(AlignedTo(before, next, action.transition_frames), next);
       Continuation one;
       one.previous = &before;
       one.canonical_from_source = chains_[rows[k]].from_source;
@@ -300,6 +291,24 @@ class LongRun {
   const int threads_;
   std::vector<Chain> chains_;
 };
+
+/// What was asked, of which networks: "walk:40,transition:12,kick:30".
+void AddProvenance(const LongMotionNetworks& networks, const MotionRequest& request, Clip& clip) {
+  const std::vector<std::string>& labels = networks.main->labels();
+  std::string script = request.previous_clip.empty()
+                           ? labels[static_cast<std::size_t>(request.label)] + ":" + std::to_string(request.frames)
+                           : std::string();
+  for (const ScriptStep& step : request.script) {
+    script += (script.empty() ? "" : ",") + std::string("transition:") + std::to_string(step.transition_frames) + "," +
+              labels[static_cast<std::size_t>(step.label)] + ":" + std::to_string(step.frames);
+  }
+  clip.provenance["script"] = script;
+  clip.provenance["network"] = networks.main->options().name;
+  if (networks.first != nullptr) clip.provenance["first"] = networks.first->options().name;
+  if (networks.fill != nullptr) clip.provenance["fill"] = networks.fill->options().name;
+  if (networks.snap) clip.provenance["snap"] = "true";
+  if (networks.align) clip.provenance["align"] = "true";
+}
 
 }  // namespace
 
@@ -390,6 +399,7 @@ Expected<Dataset> GenerateLongMotions(const LongMotionNetworks& networks, const 
     const int last = requests[i].script.empty() ? requests[i].label : requests[i].script.back().label;
     Clip clip = GeneratedClip(i, set.labels[static_cast<std::size_t>(last)], requests[i], std::move(chain.motion));
     clip.segments = std::move(chain.segments);
+    AddProvenance(networks, requests[i], clip);
     set.clips.push_back(std::move(clip));
   }
   return set;
