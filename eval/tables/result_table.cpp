@@ -8,46 +8,10 @@
 
 #include "core/base/file.h"
 #include "eval/metrics/interval.h"
+#include "eval/tables/metric_columns.h"
 
 namespace mocurate {
 namespace {
-
-struct MetricColumn {
-  const char* key;
-  const char* title;
-  int digits;
-};
-
-constexpr MetricColumn kMetricColumns[] = {{"FID_train", "FID train ↓", 3},
-                                           {"FID_test", "FID test ↓", 3},
-                                           {"accuracy", "Accuracy ↑", 3},
-                                           {"accuracy_denoised", "Accuracy, denoised ↑", 3},
-                                           {"accuracy_top5", "Top-5 ↑", 3},
-                                           {"accuracy_equivalent", "Accuracy, equivalent labels ↑", 3},
-                                           {"diversity", "Diversity →", 3},
-                                           {"multimodality", "Multimodality →", 3},
-                                           {"KID", "KID ↓", 4},
-                                           {"density", "Density →", 3},
-                                           {"coverage", "Coverage ↑", 3},
-                                           {"nearest_train", "Nearest in train →", 3},
-                                           {"foot_skate", "Foot skate, m/s ↓", 3},
-                                           {"floor_penetration", "Below floor, m ↓", 4},
-                                           {"jerk", "Jerk, m/s³", 1},
-                                           {"bone_spread", "Bone spread, m ↓", 4},
-                                           {"limit_violations", "Beyond limits ↓", 4},
-                                           {"frozen_share", "Frozen ↓", 3}};
-
-Table::Cell CellOf(const nlohmann::json& metric) {
-  Table::Cell cell;
-  if (!metric.is_object() || !metric.at("value").is_number()) return cell;
-  cell.value = metric["value"].get<double>();
-  if (metric.at("interval").is_array()) {
-    cell.interval = metric["interval"].get<std::array<double, 2>>();
-    cell.interval_kind = metric.value("interval_kind", std::string());
-  }
-  cell.repetitions = metric.value("repetitions", std::vector<double>());
-  return cell;
-}
 
 /// A published number as a cell of the row it belongs to; rows are made as they come.
 void AddPublished(const nlohmann::json& value, const std::vector<const MetricColumn*>& columns,
@@ -136,7 +100,7 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
   Table table;
   table.title = title;
   std::vector<const MetricColumn*> columns;
-  for (const MetricColumn& column : kMetricColumns) {
+  for (const MetricColumn& column : MetricColumns()) {
     const nlohmann::json& rows = result.at("rows");
     const bool any = std::any_of(rows.begin(), rows.end(), [&](const nlohmann::json& row) {
       return row.contains("metrics") && CellOf(row["metrics"].value(column.key, nlohmann::json())).value.has_value();

@@ -1,0 +1,205 @@
+#include "eval/tables/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "eval/tables/metric_columns.h"
+
+namespace mocurate {
+namespace {
+
+/// What papers call motions of the set that we call Real (ACTOR's "Real [A2M]" is quoted) and Real-test.
+bool IsRealMethod(const std::string& method) {
+  static const std::set<std::string> kNames = {"Real",  "Real motions", "Real-train",   "Real-test",
+                                               "Real*", "Real [A2M]",   "Real (others)"};
+  return kNames.count(method) > 0;
+}
+
+/// The published method that a row stands beside; nothing where it stands alone.
+std::optional<std::string> MethodOf(const nlohmann::json& row, const std::set<std::string>& methods,
+                                    const ComparisonOptions& options) {
+  const std::string name = row.at("name").get<std::string>();
+  const std::string plain = name.substr(0, name.rfind('/'));  // NAME/SEED; names with a '/' are found whole before
+  for (const std::string& known : {name, plain}) {
+    const auto said = options.published_as.find(known);
+    if (said != options.published_as.end()) {
+      return said->second.empty() ? std::nullopt : std::optional<std::string>(said->second);
+    }
+    if (methods.count(known) > 0) return known;
+  }
+  if (name != "Real") return std::nullopt;
+  for (const char* real : {"Real-train", "Real*", "Real motions", "Real"}) {
+    if (methods.count(real) > 0) return real;
+  }
+  return std::nullopt;
+}
+
+/// The number of a method; of several tables the first.
+const nlohmann::json* ValueOf(const nlohmann::json& published, const std::string& method, const char* metric) {
+  for (const nlohmann::json& value : published) {
+    if (value.at("method") == method && value.at("metric") == metric) return &value;
+  }
+  return nullptr;
+}
+
+Table::Cell PublishedCell(const nlohmann::json& published) {
+  Table::Cell cell;
+  cell.value = published.at("value").get<double>();
+  if (!published.at("pm").is_number()) return cell;
+  const double pm = published["pm"].get<double>();
+  cell.interval = {*cell.value - pm, *cell.value + pm};
+  cell.interval_kind = published.at("pm_kind").get<std::string>();
+  return cell;
+}
+
+/// Ours divided by the published number; its interval is ours divided by it.
+Table::Cell RatioOf(const Table::Cell& ours, double published) {
+  Table::Cell ratio;
+  if (!ours.value || published == 0.0) return ratio;
+  ratio.value = *ours.value / published;
+  if (ours.interval) {
+    ratio.interval = {(*ours.interval)[0] / published, (*ours.interval)[1] / published};
+    ratio.interval_kind = ours.interval_kind;
+  }
+  return ratio;
+}
+
+nlohmann::json JsonOf(const std::optional<std::array<double, 2>>& interval) {
+  return interval ? nlohmann::json(*interval) : nlohmann::json();
+}
+
+/// Two rows that are no real motions, by one metric.
+struct Pair {
+  double ours, published;
+};
+
+/// How many pairs of rows stand in the published order; equal published numbers have none.
+nlohmann::json OrderOf(const std::vector<Pair>& numbers) {
+  int pairs = 0, same = 0;
+  for (std::size_t a = 0; a < numbers.size(); ++a) {
+    for (std::size_t b = a + 1; b < numbers.size(); ++b) {
+      const double published = numbers[a].published - numbers[b].published;
+      if (published == 0.0) continue;
+      ++pairs;
+      if (published * (numbers[a].ours - numbers[b].ours) > 0.0) ++same;
+    }
+  }
+  return {{"pairs", pairs}, {"as_published", same}};
+}
+
+/// Columns of the comparison: metrics that something was published of and a row of ours has, else those that ours has.
+std::vector<const MetricColumn*> ComparedColumns(const nlohmann::json& result, const nlohmann::json& published) {
+  std::vector<const MetricColumn*> columns;
+  for (const MetricColumn& column : MetricColumns()) {
+    const bool known = std::any_of(published.begin(), published.end(),
+                                   [&](const nlohmann::json& value) { return value.at("metric") == column.key; });
+    const bool ours = std::any_of(result.at("rows").begin(), result.at("rows").end(), [&](const nlohmann::json& row) {
+      return CellOf(row.value("metrics", nlohmann::json::object()).value(column.key, nlohmann::json()))
+          .value.has_value();
+    });
+    const bool always = column.key == std::string("nearest_train");
+    if (published.empty() || always ? ours : known) columns.push_back(&column);
+  }
+  return columns;
+}
+
+}  // namespace
+
+Comparison ComparePublished(const nlohmann::json& result, const ComparisonOptions& options) {
+  const nlohmann::json published = result.value("published", nlohmann::json::array());
+  std::set<std::string> methods;
+  std::vector<std::string> in_order;
+  for (const nlohmann::json& value : published) {
+    if (methods.insert(value.at("method").get<std::string>()).second) in_order.push_back(value.at("method"));
+  }
+  const std::vector<const MetricColumn*> columns = ComparedColumns(result, published);
+  const auto is_published = [&](const MetricColumn* column) {
+    return std::any_of(published.begin(), published.end(),
+                       [&](const nlohmann::json& value) { return value.at("metric") == column->key; });
+  };
+  Comparison comparison;
+  comparison.rows = nlohmann::json::array();
+  Table& table = comparison.table;
+  table.title = options.title;
+  for (const MetricColumn* column : columns) {
+    table.columns.emplace_back(column->title);
+    table.digits.push_back(column->digits);
+    if (!is_published(column)) continue;
+    table.columns.emplace_back("published");
+    table.digits.push_back(column->digits);
+    table.columns.emplace_back("ours / published");
+    table.digits.push_back(2);
+  }
+  std::map<std::string, std::vector<Pair>> pairs;
+  std::set<std::string> shown;
+  const auto add = [&](const std::string& name, const nlohmann::json& metrics, const std::optional<std::string>& method,
+                       bool real, bool unconverged) {
+    const bool of_ours = !metrics.empty();
+    const std::string mark = of_ours && !options.profile.empty() ? " [" + options.profile + "]" : "";
+    Table::Row row{name + mark, {}, "", unconverged};
+    nlohmann::json compared = nlohmann::json::object();
+    for (const MetricColumn* column : columns) {
+      Table::Cell ours = CellOf(metrics.value(column->key, nlohmann::json()));
+      ours.repetitions.clear();
+      row.cells.push_back(ours);
+      nlohmann::json& json = compared[column->key];
+      json = {{"value", ours.value ? nlohmann::json(*ours.value) : nlohmann::json()},
+              {"interval", JsonOf(ours.interval)},
+              {"published", nullptr},
+              {"published_pm", nullptr},
+              {"pm_kind", nullptr},
+              {"ratio", nullptr},
+              {"ratio_interval", nullptr}};
+      if (!is_published(column)) continue;
+      const nlohmann::json* value = method ? ValueOf(published, *method, column->key) : nullptr;
+      if (value == nullptr) {
+        row.cells.resize(row.cells.size() + 2);
+        continue;
+      }
+      const Table::Cell theirs = PublishedCell(*value), ratio = RatioOf(ours, *theirs.value);
+      row.cells.push_back(theirs);
+      row.cells.push_back(ratio);
+      json["published"] = *theirs.value;
+      json["published_pm"] = value->at("pm");
+      json["pm_kind"] = value->at("pm_kind");
+      if (ratio.value) json["ratio"] = *ratio.value;
+      json["ratio_interval"] = JsonOf(ratio.interval);
+      const bool ordered = column->better == Better::kLess || column->better == Better::kMore;
+      if (ours.value && ordered && !real) pairs[column->key].push_back({*ours.value, *theirs.value});
+    }
+    comparison.rows.push_back({{"method", name},
+                               {"published_as", method ? nlohmann::json(*method) : nlohmann::json()},
+                               {"profile", of_ours ? nlohmann::json(options.profile) : nlohmann::json()},
+                               {"metrics", std::move(compared)}});
+    table.rows.push_back(std::move(row));
+  };
+  for (const nlohmann::json& row : result.at("rows")) {
+    const std::optional<std::string> method = MethodOf(row, methods, options);
+    if (method) shown.insert(*method);
+    const std::string name = row.at("name").get<std::string>();
+    add(name, row.value("metrics", nlohmann::json::object()), method, row.value("real", IsRealMethod(name)),
+        row.contains("unconverged"));
+  }
+  for (const std::string& method : in_order) {
+    if (shown.count(method) == 0) add(method, nlohmann::json::object(), method, IsRealMethod(method), false);
+  }
+  for (const MetricColumn* column : columns) {
+    const auto numbers = pairs.find(column->key);
+    if (numbers == pairs.end()) continue;
+    nlohmann::json order = OrderOf(numbers->second);
+    if (order.at("pairs") == 0) continue;
+    order["metric"] = column->key;
+    table.notes.push_back(std::string(column->title) + ": " + order.at("as_published").dump() + " of " +
+                          order.at("pairs").dump() + " pairs of rows stand in the published order.");
+    comparison.order.push_back(std::move(order));
+  }
+  for (const nlohmann::json& value : published) {
+    const std::string source = "Published: " + value.at("source").get<std::string>() + ".";
+    if (std::find(table.notes.begin(), table.notes.end(), source) == table.notes.end()) table.notes.push_back(source);
+  }
+  return comparison;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "eval/tables/table.h"
+
+namespace mocurate {
+
+/// How our rows are set beside the published ones.
+struct ComparisonOptions {
+  std::string title;
+  std::string profile;                              ///< stands behind the name of each of our rows; empty: nothing
+  std::map<std::string, std::string> published_as;  ///< row -> method; "": it stands alone
+};
+
+/// A published table with our numbers beside it.
+struct Comparison {
+  Table table;          ///< three columns a metric: ours, published, ours divided by published with its interval
+  nlohmann::json rows;  ///< [{"method", "published_as", "profile", "metrics": {M: {"value", "interval", "published",
+                        ///< "published_pm", "pm_kind", "ratio", "ratio_interval"}}}]
+  /// [{"metric", "pairs", "as_published"}]: pairs of rows that are no real motions, and how many of them stand in the
+  /// published order; of metrics where less or more is better.
+  nlohmann::json order = nlohmann::json::array();
+};
+
+/// {"rows", "published"} as of ResultTable. A row NAME or NAME/SEED stands beside the method NAME; Real beside what the
+/// paper calls its real motions. Rows that nothing was published of have ours alone, methods without a row of ours the
+/// published number alone; metrics that nothing was published of are left out, unless nothing was published at all.
+Comparison ComparePublished(const nlohmann::json& result, const ComparisonOptions& options);
+
+}  // namespace mocurate

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "eval/tables/table.h"
+
+namespace mocurate {
+
+/// Which way a metric is better; kNearReal: the nearer to that of real motions.
+enum class Better { kLess, kMore, kNearReal, kNone };
+
+/// A metric as a column of tables.
+struct MetricColumn {
+  const char* key;
+  const char* title;  ///< with an arrow that says what is better
+  int digits;
+  Better better;
+};
+
+/// All metrics, in the order of columns.
+const std::vector<MetricColumn>& MetricColumns();
+
+/// {"value", "interval", "interval_kind", "repetitions"} as a cell; empty where there is no number.
+Table::Cell CellOf(const nlohmann::json& metric);
+
+}  // namespace mocurate

@@ -1,0 +1,87 @@
+// Our rows beside the published ones.
+
+#include "eval/tables/comparison.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace mocurate {
+namespace {
+
+nlohmann::json Row(const std::string& name, double fid, double accuracy, bool real = false) {
+  return {{"name", name},
+          {"real", real},
+          {"metrics",
+           {{"FID_train", {{"value", fid}, {"interval", {fid - 0.5, fid + 0.5}}, {"interval_kind", "student_95"}}},
+            {"accuracy", {{"value", accuracy}, {"interval", nullptr}}},
+            {"KID", {{"value", 0.1}, {"interval", nullptr}}}}}};
+}
+
+nlohmann::json Published(const std::string& method, const std::string& metric, double value) {
+  return {{"method", method}, {"metric", metric},        {"value", value},
+          {"pm", 0.1},        {"pm_kind", "student_95"}, {"source", "a paper, Table 1"}};
+}
+
+nlohmann::json SmallResult() {
+  return {{"rows", {Row("Real", 0.1, 0.99, true), Row("A", 2.0, 0.9), Row("B/2", 8.0, 0.7), Row("C", 4.0, 0.8)}},
+          {"published",
+           {Published("Real motions", "FID_train", 0.05), Published("A", "FID_train", 1.0),
+            Published("B", "FID_train", 2.0), Published("C", "FID_train", 3.0), Published("A", "accuracy", 0.5),
+            Published("C", "accuracy", 0.6), Published("D", "FID_train", 9.0)}}};
+}
+
+const nlohmann::json& RowOf(const Comparison& comparison, const std::string& method) {
+  const auto found = std::find_if(comparison.rows.begin(), comparison.rows.end(),
+                                  [&](const nlohmann::json& row) { return row.at("method") == method; });
+  EXPECT_NE(found, comparison.rows.end()) << method;
+  return *found;
+}
+
+TEST(Comparison, ARowStandsBesideItsMethodWithTheRatioAndItsInterval) {
+  const Comparison comparison = ComparePublished(SmallResult(), {"toy", "small", {}});
+  const nlohmann::json fid = RowOf(comparison, "A").at("metrics").at("FID_train");
+  EXPECT_EQ(fid.at("value"), 2.0);
+  EXPECT_EQ(fid.at("published"), 1.0);
+  EXPECT_EQ(fid.at("ratio"), 2.0);
+  EXPECT_EQ(fid.at("ratio_interval"), nlohmann::json({1.5, 2.5}));
+  EXPECT_EQ(RowOf(comparison, "A").at("profile"), "small");
+  EXPECT_EQ(RowOf(comparison, "B/2").at("published_as"), "B") << "a seed is its network's";
+  EXPECT_EQ(RowOf(comparison, "Real").at("published_as"), "Real motions");
+  EXPECT_TRUE(RowOf(comparison, "B/2").at("metrics").at("accuracy").at("published").is_null());
+  EXPECT_FALSE(RowOf(comparison, "A").at("metrics").contains("KID")) << "nothing was published of it";
+}
+
+TEST(Comparison, AMethodWithoutARowOfOursIsShownAlone) {
+  const Comparison comparison = ComparePublished(SmallResult(), {"toy", "small", {}});
+  const nlohmann::json& alone = RowOf(comparison, "D");
+  EXPECT_EQ(alone.at("metrics").at("FID_train").at("published"), 9.0);
+  EXPECT_TRUE(alone.at("metrics").at("FID_train").at("value").is_null());
+  EXPECT_TRUE(alone.at("profile").is_null());
+}
+
+TEST(Comparison, OrderCountsPairsOfRowsThatAreNoRealMotions) {
+  const Comparison comparison = ComparePublished(SmallResult(), {"toy", "small", {}});
+  ASSERT_EQ(comparison.order.size(), 2U);
+  EXPECT_EQ(comparison.order[0], nlohmann::json({{"metric", "FID_train"}, {"pairs", 3}, {"as_published", 2}}))
+      << "A < B and A < C as published, C < B not";
+  EXPECT_EQ(comparison.order[1], nlohmann::json({{"metric", "accuracy"}, {"pairs", 1}, {"as_published", 0}}));
+}
+
+TEST(Comparison, ARowMayStandForAMethodOfAnotherNameOrForNone) {
+  const Comparison comparison = ComparePublished(SmallResult(), {"toy", "", {{"A", ""}, {"C", "A"}}});
+  EXPECT_TRUE(RowOf(comparison, "A").at("published_as").is_null());
+  EXPECT_EQ(RowOf(comparison, "C").at("metrics").at("FID_train").at("ratio"), 4.0);
+}
+
+TEST(Comparison, WithoutPublishedNumbersOursStandAlone) {
+  nlohmann::json result = SmallResult();
+  result["published"] = nlohmann::json::array();
+  const Comparison comparison = ComparePublished(result, {"toy", "smoke", {}});
+  EXPECT_EQ(comparison.rows.size(), 4U);
+  EXPECT_EQ(comparison.table.columns.size(), 3U) << "FID, accuracy, KID";
+  EXPECT_TRUE(comparison.order.empty());
+}
+
+}  // namespace
+}  // namespace mocurate
