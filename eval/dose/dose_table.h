@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/dose/damages.h"
+
+namespace mocurate {
+
+inline constexpr const char* kUndamaged = "undamaged";  ///< name of the row of dose none
+
+/// Name of a row: "jitter_mm=5"; kUndamaged for the dose that changes nothing.
+std::string DoseRowName(Damage damage, double dose);
+
+/// One metric at one dose.
+struct DoseValue {
+  Damage damage = Damage::kJitter;
+  double dose = 0.0;
+  std::string metric;
+  double value = 0.0;
+  std::optional<std::array<double, 2>> interval;
+  std::optional<double> ratio;  ///< to the undamaged motions; none where these have 0 or no value
+  std::optional<double> shift;  ///< from the undamaged motions, in half widths of the wider of both intervals
+  bool answers = false;         ///< MakeDoseTable says when
+};
+
+/// How each metric answers to each damage.
+struct DoseTable {
+  std::vector<std::string> metrics;    ///< that have a value in any row, by name
+  std::map<std::string, double> real;  ///< metric -> of real motions against others (row "Real")
+  std::vector<DoseSeries> series;      ///< what was scored
+  std::vector<DoseValue> values;       ///< by damage, dose (undamaged first) and metric
+  const DoseValue* Find(Damage damage, double dose, const std::string& metric) const;
+  /// Of doses on either side of the harmless one the nearest that the metric answers to, ascending; at most two.
+  std::vector<double> AnsweredFrom(Damage damage, const std::string& metric) const;
+};
+
+/// From rows of an evaluation (as of ScoreRow) named by DoseRowName. A metric answers to a dose where its interval and
+/// that of the undamaged motions are disjoint; where one of them has no interval, where its value differs from theirs
+/// by more than a tenth of it and by more than real motions differ (row "Real"); nowhere to a change below 1e-6, which
+/// rounding gives. Rows that are not there are left out.
+DoseTable MakeDoseTable(const nlohmann::json& rows, const std::vector<DoseSeries>& series);
+
+/// Which dose each metric answers from, then a table for each damage; `title` stands above.
+std::string DoseMarkdown(const DoseTable& table, const std::string& title);
+/// "damage,unit,dose,metric,value,low,high,ratio,shift,answers", a line a value.
+std::string DoseCsv(const DoseTable& table);
+/// {"real": {METRIC: value}, "values": [the columns of the CSV], "answers_from": {DAMAGE: {METRIC: [doses]}}}.
+nlohmann::json DoseJson(const DoseTable& table);
+
+/// One panel a damage: each metric over the doses, as a multiple of its value on undamaged motions (of real motions,
+/// where that is 0 or the metric is a distance to them; of 0.001 where both are 0), from 1/10 to 1000 on a logarithmic
+/// axis. A document of its own, light and dark.
+std::string DoseSvg(const DoseTable& table, const std::string& title);
+
+}  // namespace mocurate
