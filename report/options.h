@@ -40,6 +40,20 @@ struct AnnotateOptions {
   void Declare(OptionVisitor& v);
 };
 
+enum class SurveyKind { kPreference, kRealOrFake };
+
+/// Of the page that asks people about motions of several sources.
+struct SurveyOptions {
+  SurveyKind kind = SurveyKind::kPreference;
+  std::string real = "real";        ///< source whose motions are recordings
+  std::int64_t questions = 0;       ///< 0: all that the motions are enough for, at most 40
+  std::int64_t seed = 1;            ///< of every draw
+  std::vector<std::string> labels;  ///< that are asked about; empty: all that every source has
+  double seconds = 10.0;            ///< of each motion, at most
+
+  void Declare(OptionVisitor& v);
+};
+
 enum class PictureKind { kClip, kOverlay, kCloud };
 
 struct PictureOptions {
@@ -66,11 +80,34 @@ struct ClipVideoOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// What a person is drawn as: bones, a capsule around each, or the skin of a rigged body.
+enum class FigureChoice { kBones, kCapsules, kSkin };
+enum class PictureFormat { kSvg, kPng };
+
+/// Of a picture of motions: rows of methods, labels and samples, each of equally spaced frames.
+struct MotionPictureOptions {
+  std::string title;
+  std::vector<std::string> labels;  ///< classes that are shown; empty: all
+  std::vector<std::string> clips;   ///< ids or their ends, in the place of labels
+  std::int64_t samples = 1;         ///< of each label and method
+  std::int64_t stills = 10;         ///< frames of a row
+  std::int64_t most_rows = 60;
+  FigureChoice figure = FigureChoice::kBones;
+  PictureFormat format = PictureFormat::kSvg;
+  double scale = 2.0;  ///< pixels of a PNG or video for each unit of the drawing
+
+  void Declare(OptionVisitor& v);
+};
+
+StageDeclaration MotionPictureDeclaration();
+StageDeclaration MotionVideoDeclaration();
+StageDeclaration PlotDeclaration();
 StageDeclaration ClipPageDeclaration();
 StageDeclaration ClipVideoDeclaration();
 StageDeclaration ReportDeclaration();
 StageDeclaration ReviewDeclaration();
 StageDeclaration AnnotateDeclaration();
+StageDeclaration SurveyDeclaration();
 StageDeclaration PictureDeclaration();
 
 }  // namespace mocurate

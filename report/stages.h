@@ -19,4 +19,13 @@ Expected<StageOutcome> ClipPageStage(const StageRequest& request);
 /// coders load some 200 libraries. Error kMissingOnHost without an encoder.
 Expected<StageOutcome> ClipVideoStage(const StageRequest& request);
 
+/// Sets of motions (role "motions", named after what made them; role "body": a skin to draw them with) -> SVG or PNG.
+Expected<StageOutcome> MotionPictureStage(const StageRequest& request);
+
+/// Numbers (the first input, as of PlotsOf) -> SVG of diagrams.
+Expected<StageOutcome> PlotStage(const StageRequest& request);
+
+/// Sets of motions as for MotionPictureStage -> an H.264 video, all rows side by side (report_video).
+Expected<StageOutcome> MotionVideoStage(const StageRequest& request);
+
 }  // namespace mocurate

@@ -18,6 +18,7 @@
 #include "report/options.h"
 #include "report/review_page.h"
 #include "report/stages.h"
+#include "report/survey_page.h"
 
 int main(int argc, char** argv) {
   using namespace mocurate;
@@ -38,8 +39,11 @@ int main(int argc, char** argv) {
                     {AuditDeclaration().name, AuditStage},
                     {FitErrorDeclaration().name, FitErrorStage},
                     {ReportDeclaration().name, ReportStage},
+                    {MotionPictureDeclaration().name, MotionPictureStage},
+                    {PlotDeclaration().name, PlotStage},
                     {ClipPageDeclaration().name, ClipPageStage},
                     {ReviewDeclaration().name, ReviewStage},
                     {AnnotateDeclaration().name, AnnotateStage},
+                    {SurveyDeclaration().name, SurveyStage},
                     {PictureDeclaration().name, PictureStage}});
 }

@@ -19,7 +19,9 @@ int main(int argc, char** argv) {
     std::printf("%s\n", std::string(CreatedBy()).c_str());
     return 0;
   }
-  if (argc == 1) return RunWorker({{ClipVideoDeclaration().name, ClipVideoStage}});
+  if (argc == 1)
+    return RunWorker(
+        {{ClipVideoDeclaration().name, ClipVideoStage}, {MotionVideoDeclaration().name, MotionVideoStage}});
   for (int i = 1; i < argc; ++i) {
     const auto video = VideoReader::Open(argv[i]);
     nlohmann::json line;

@@ -2,22 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
-#include <utility>
 
-#include "core/base/file.h"
 #include "report/painters.h"
 #include "report/scene.h"
+#include "report/video/video_file.h"
 
 namespace mocurate {
 namespace {
-
-constexpr const char* kHowToEncode =
-    "OpenCV's videoio writes with FFmpeg's libavcodec, which needs libx264 (Debian: libopencv-videoio406, "
-    "libavcodec59, "
-    "libx264-164)";
 
 constexpr double kMostPerSecond = 60.0;
 constexpr double kRateSlack = 1e-9;
@@ -28,31 +20,6 @@ int StepOf(const Motion& motion, int most) {
   const double slowed = std::ceil(motion.rate.hz() / kMostPerSecond - kRateSlack);
   return std::max({1, (frames + most - 1) / most, static_cast<int>(std::min<double>(slowed, frames))});
 }
-
-int PicturesIn(const std::filesystem::path& file) {
-  try {
-    const cv::VideoCapture video(file.string(), cv::CAP_FFMPEG);
-    return video.isOpened() ? static_cast<int>(std::lround(video.get(cv::CAP_PROP_FRAME_COUNT))) : 0;
-  } catch (const cv::Exception&) {
-    return 0;
-  }
-}
-
-/// A file under a passing name; removed where it does not become the whole one.
-class PartialFile {
- public:
-  explicit PartialFile(std::filesystem::path path) : path_(std::move(path)) {}
-  PartialFile(const PartialFile&) = delete;
-  PartialFile& operator=(const PartialFile&) = delete;
-  ~PartialFile() {
-    std::error_code unknown;
-    std::filesystem::remove(path_, unknown);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 void WriteName(const std::string& name, cv::Mat& image) {
   cv::putText(image, name, {8, 18}, cv::FONT_HERSHEY_SIMPLEX, 0.45, cv::Scalar(235, 235, 235), 1, cv::LINE_AA);
@@ -104,35 +71,9 @@ Expected<int> WriteClipVideo(const DrawnClip& clip, const ClipVideoOptions& opti
     panels.views.push_back(std::move(*painter));
     panels.names.push_back(ViewCamera(evidence, view).name);
   }
-  const PartialFile partial(file.string() + ".mp4");  // the name tells OpenCV the container
-  cv::VideoWriter writer;
-  int written = 0;
-  for (const int frame : shown) {
-    const auto image = panels.Draw(frame, height);
-    if (!image) return Forward(image);
-    if (written == 0) {
-      const double rate = motion.rate.hz() / step;
-      try {
-        writer.open(partial.path().string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('a', 'v', 'c', '1'), rate,
-                    image->size());
-      } catch (const cv::Exception&) {
-        // Told below.
-      }
-      if (!writer.isOpened()) {
-        return Fail(ErrorCode::kMissingOnHost, "no H.264 encoder: a video cannot be written", clip.item, kHowToEncode);
-      }
-    }
-    writer.write(*image);
-    ++written;
-  }
-  writer.release();
-  if (PicturesIn(partial.path()) != written) {
-    return Fail(ErrorCode::kCannotWrite, "the video was not written whole", clip.item, "is the disk full?");
-  }
-  std::error_code problem;
-  std::filesystem::rename(partial.path(), file, problem);
-  if (problem) return Fail(ErrorCode::kCannotWrite, "the video cannot be written: " + problem.message(), clip.item);
-  return written;
+  return WriteVideo(
+      clip.item, motion.rate.hz() / step, static_cast<int>(shown.size()),
+      [&](int picture) { return panels.Draw(shown[static_cast<std::size_t>(picture)], height); }, file);
 }
 
 }  // namespace mocurate

@@ -1,6 +1,12 @@
+#include <algorithm>
+#include <cmath>
+
+#include "report/drawing_image.h"
 #include "report/drawn_clip.h"
+#include "report/motion_picture_stage.h"
 #include "report/stages.h"
 #include "report/video/clip_video.h"
+#include "report/video/video_file.h"
 
 namespace mocurate {
 
@@ -13,6 +19,27 @@ Expected<StageOutcome> ClipVideoStage(const StageRequest& request) {
   if (!pictures) return Forward(pictures);
   StageOutcome outcome;
   outcome.summary = {{"pictures", *pictures}};
+  return outcome;
+}
+
+Expected<StageOutcome> MotionVideoStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<MotionPictureOptions>(request.options, "draw");
+  if (!options) return Forward(options);
+  const auto rows = ReadRows(request, *options);
+  if (!rows) return Forward(rows);
+  constexpr double kMostPerSecond = 30.0;
+  double rate = 1.0;
+  for (const MotionRow& row : *rows) rate = std::min(kMostPerSecond, std::max(rate, row.clip.motion->rate.hz()));
+  const MotionGrid grid(*rows, *options);
+  const int count = std::max(1, static_cast<int>(std::lround(grid.seconds() * rate)));
+  const auto draw = [&](int picture) -> Expected<cv::Mat> {
+    const cv::Mat image = ToImage(grid.At(picture / rate), options->scale);
+    return image(cv::Rect(0, 0, image.cols / 2 * 2, image.rows / 2 * 2)).clone();
+  };
+  const auto pictures = WriteVideo(request.item, rate, count, draw, request.output);
+  if (!pictures) return Forward(pictures);
+  StageOutcome outcome;
+  outcome.summary = {{"rows", rows->size()}, {"pictures", *pictures}};
   return outcome;
 }
 

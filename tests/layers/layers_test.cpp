@@ -73,6 +73,7 @@ const std::map<std::string, std::string> kLibraryRooms = {
     {"eval_fits", "eval"},
     {"report", "report"},
     {"report_options", "report"},
+    {"report_survey", "report"},
     {"report_video", "report"},
 };
 

@@ -1,0 +1,62 @@
+#include "report/motion_picture_stage.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "report/plot.h"
+#include "report/stages.h"
+
+namespace mocurate {
+
+Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const MotionPictureOptions& options) {
+  std::vector<NamedMotions> sets;
+  const StageInput* body = nullptr;
+  for (const StageInput& input : request.inputs) {
+    if (input.role == "body") body = &input;
+    if (input.role != "motions") continue;
+    auto set = ReadDataset(input.path);
+    if (!set) return Forward(set);
+    sets.push_back({input.name, std::move(*set)});
+  }
+  auto rows = ChooseMotionRows(sets, options);
+  if (!rows || options.figure != FigureChoice::kSkin) return rows;
+  if (body == nullptr) return Fail(ErrorCode::kInternal, "a skin needs a body", request.item);
+  for (MotionRow& row : *rows) {
+    if (row.clip.motion->joints_only()) {
+      return Fail(ErrorCode::kUnsupported, "the motion has no rotations to pose a skin with", row.clip.id(),
+                  "draw bones or capsules, or fit it first: mocurate fit");
+    }
+    auto skin = ReadSkin(body->path, *row.clip.motion->skeleton);
+    if (!skin) return Forward(skin);
+    row.skin = std::move(*skin);
+  }
+  return rows;
+}
+
+Expected<StageOutcome> MotionPictureStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<MotionPictureOptions>(request.options, "draw");
+  if (!options) return Forward(options);
+  const auto rows = ReadRows(request, *options);
+  if (!rows) return Forward(rows);
+  const Drawing drawing = DrawMotionRows(*rows, *options);
+  const std::string bytes = options->format == PictureFormat::kSvg ? ToSvg(drawing) : ToPng(drawing, options->scale);
+  if (Status written = WriteFile(request.output, bytes); !written) return Forward(written);
+  StageOutcome outcome;
+  outcome.summary = {{"rows", rows->size()}, {"width", drawing.width}, {"height", drawing.height}};
+  return outcome;
+}
+
+Expected<StageOutcome> PlotStage(const StageRequest& request) {
+  if (request.inputs.empty()) return Fail(ErrorCode::kInternal, "a plot needs its numbers", request.item);
+  const auto text = ReadFile(request.inputs.front().path);
+  if (!text) return Forward(text);
+  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
+  const auto plots = PlotsOf(json);
+  if (!plots) return Forward(plots);
+  if (Status written = WriteFile(request.output, ToSvg(DrawPlots(*plots, json.value("columns", 3)))); !written) {
+    return Forward(written);
+  }
+  return StageOutcome();
+}
+
+}  // namespace mocurate

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "core/pipeline/stage.h"
+#include "report/motion_rows.h"
+
+namespace mocurate {
+
+/// The rows of the stages `draw` and `draw_video` from their inputs. Errors of reading them, and of ChooseMotionRows.
+Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const MotionPictureOptions& options);
+
+}  // namespace mocurate

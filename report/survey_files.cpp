@@ -1,0 +1,236 @@
+// key.json and answers_PARTICIPANT.json, checked to the letter: people edit files, and a count must not follow.
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "core/base/sha256.h"
+#include "core/base/text.h"
+#include "report/survey.h"
+
+namespace mocurate {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kLongestParticipant = 40;
+constexpr const char* kSaveAgain = "save the file again from the page, or leave it out with --skip-bad";
+constexpr const char* kMakeAgain = "take the key.json that `mocurate survey make` wrote beside the page";
+
+std::string DumpedJson(const Json& value) { return value.dump(-1, ' ', true, Json::error_handler_t::replace); }
+
+/// A value in a message: at most 60 characters of its JSON.
+std::string ShownValue(const Json& value) {
+  const std::string text = DumpedJson(value);
+  return text.size() <= 60 ? text : text.substr(0, 57) + "...";
+}
+
+std::string LineOfByte(std::string_view bytes, std::size_t at) {
+  const std::string_view before = bytes.substr(0, std::min(at > 0 ? at - 1 : 0, bytes.size()));
+  const std::size_t begin = before.rfind('\n');
+  const std::size_t column = before.size() - (begin == std::string_view::npos ? 0 : begin + 1);
+  return std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ":" + std::to_string(column + 1);
+}
+
+/// An object of JSON. A key that stands twice in an object is an error too: only one of its values could count.
+Expected<Json> ParseObject(std::string_view bytes, const std::string& name, const char* hint) {
+  std::vector<std::set<std::string>> keys;
+  std::string twice;
+  const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second) {
+      twice = ShownValue(parsed);
+    }
+    return true;
+  };
+  Json json;
+  try {
+    json = Json::parse(bytes.begin(), bytes.end(), watch);
+  } catch (const Json::parse_error& error) {
+    return Fail(ErrorCode::kMalformed, "the file is no JSON", name + ":" + LineOfByte(bytes, error.byte), hint);
+  } catch (const Json::exception&) {
+    return Fail(ErrorCode::kMalformed, "a number in it is out of range", name, hint);
+  }
+  if (!twice.empty()) return Fail(ErrorCode::kMalformed, "the key " + twice + " stands twice", name, hint);
+  if (!json.is_object()) return Fail(ErrorCode::kMalformed, "the file is no JSON object", name + ": /", hint);
+  return json;
+}
+
+/// Whether an object has these keys and no others.
+Status CheckKeys(const Json& object, const std::vector<std::string>& keys, const std::string& where) {
+  if (!object.is_object()) {
+    return Fail(ErrorCode::kMalformed, "an object is expected, not " + ShownValue(object), where, kSaveAgain);
+  }
+  for (const auto& item : object.items()) {
+    if (std::find(keys.begin(), keys.end(), item.key()) != keys.end()) continue;
+    return Fail(ErrorCode::kMalformed, "unknown key " + ShownValue(item.key()), where, kSaveAgain);
+  }
+  for (const std::string& key : keys) {
+    if (object.contains(key)) continue;
+    return Fail(ErrorCode::kMalformed, "the key \"" + key + "\" is missing", where, kSaveAgain);
+  }
+  return {};
+}
+
+bool IsParticipant(const std::string& text) {
+  const auto allowed = [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '-';
+  };
+  return !text.empty() && text.size() <= kLongestParticipant && std::all_of(text.begin(), text.end(), allowed);
+}
+
+std::vector<std::string> PlacesOf(SurveyKind kind) {
+  if (kind == SurveyKind::kPreference) return {"left", "right"};
+  return {"shown"};
+}
+
+/// Throws Json::exception for a value that is missing or of another type.
+SurveyKey KeyOfJson(const Json& json) {
+  SurveyKey key;
+  key.kind = json.at("kind") == "preference" ? SurveyKind::kPreference : SurveyKind::kRealOrFake;
+  if (key.kind == SurveyKind::kRealOrFake) key.real = json.at("real").get<std::string>();
+  key.seed = json.at("seed").get<std::int64_t>();
+  key.sources = json.at("sources").get<std::vector<std::string>>();
+  key.labels = json.at("labels").get<std::vector<std::string>>();
+  for (const Json& asked : json.at("questions")) {
+    SurveyQuestion question{asked.at("question").get<std::string>(), asked.at("label").get<std::string>(), {}};
+    for (const std::string& place : PlacesOf(key.kind)) {
+      const Json& shown = asked.at(place);
+      question.shown.push_back({shown.at("source").get<std::string>(), shown.at("clip").get<std::string>(),
+                                shown.at("motion").get<std::string>()});
+    }
+    key.questions.push_back(std::move(question));
+  }
+  return key;
+}
+
+Json ContentOfKey(const SurveyKey& key) {
+  Json json = {{"kind", Name(key.kind)},
+               {"seed", key.seed},
+               {"sources", key.sources},
+               {"labels", key.labels},
+               {"questions", Json::array()}};
+  if (key.kind == SurveyKind::kRealOrFake) json["real"] = key.real;
+  const std::vector<std::string> places = PlacesOf(key.kind);
+  for (const SurveyQuestion& question : key.questions) {
+    Json asked = {{"question", question.id}, {"label", question.label}};
+    for (std::size_t i = 0; i < question.shown.size(); ++i) {
+      const ShownMotion& shown = question.shown[i];
+      asked[places[i]] = {{"source", shown.source}, {"clip", shown.clip}, {"motion", shown.fingerprint}};
+    }
+    json["questions"].push_back(std::move(asked));
+  }
+  return json;
+}
+
+/// Place of the answer in AnswersOf.
+Expected<int> ChoiceOf(const Json& answer, SurveyKind kind, const std::string& where) {
+  const std::array<std::string, 2> choices = AnswersOf(kind);
+  for (int i = 0; i < 2; ++i) {
+    if (answer == choices[static_cast<std::size_t>(i)]) return i;
+  }
+  return Fail(ErrorCode::kMalformed,
+              "answer " + ShownValue(answer) + ", the survey has \"" + choices[0] + "\" and \"" + choices[1] + "\"",
+              where, kSaveAgain);
+}
+
+}  // namespace
+
+std::string SurveyId(const SurveyKey& key) { return Sha256Hex(DumpedJson(ContentOfKey(key))).substr(0, 16); }
+
+Json KeyToJson(const SurveyKey& key) {
+  Json json = ContentOfKey(key);
+  json["survey"] = SurveyId(key);
+  return json;
+}
+
+Expected<SurveyKey> ReadSurveyKey(std::string_view bytes, const std::string& name) {
+  const Expected<Json> json = ParseObject(bytes, name, kMakeAgain);
+  if (!json) return Forward(json);
+  SurveyKey key;
+  try {
+    key = KeyOfJson(*json);
+  } catch (const Json::exception&) {
+    return Fail(ErrorCode::kMalformed, "the file is no key of a survey", name, kMakeAgain);
+  }
+  const Json written = KeyToJson(key);
+  if (const auto id = json->find("survey"); id == json->end() || *id != written.at("survey")) {
+    return Fail(ErrorCode::kInconsistent,
+                "its survey id is " + (id == json->end() ? "missing" : ShownValue(*id)) + ", that of its content is " +
+                    ShownValue(written.at("survey")) + ": it was edited",
+                name, kMakeAgain);
+  }
+  if (written != *json) return Fail(ErrorCode::kMalformed, "it holds more than a key of a survey", name, kMakeAgain);
+  return key;
+}
+
+Expected<SurveyAnswers> ReadSurveyAnswers(std::string_view bytes, const std::string& name, const SurveyKey& key) {
+  const Expected<Json> json = ParseObject(bytes, name, kSaveAgain);
+  if (!json) return Forward(json);
+  if (Status keys = CheckKeys(*json, {"survey", "participant", "answers", "missing"}, name + ": /"); !keys) {
+    return Forward(keys);
+  }
+  if (const std::string id = SurveyId(key); json->at("survey") != id) {
+    return Fail(ErrorCode::kInconsistent,
+                "answers of survey " + ShownValue(json->at("survey")) + ", the key is of survey \"" + id + "\"",
+                name + ": /survey", "name the key.json that was made with the page, or leave the file out: --skip-bad");
+  }
+  SurveyAnswers answers;
+  const Json& participant = json->at("participant");
+  if (!participant.is_string() || !IsParticipant(participant.get<std::string>())) {
+    return Fail(ErrorCode::kMalformed,
+                "participant " + ShownValue(participant) + ", 1 to 40 of A-Z a-z 0-9 _ - are expected",
+                name + ": /participant", kSaveAgain);
+  }
+  answers.participant = participant.get<std::string>();
+  if (!json->at("answers").is_array()) {
+    return Fail(ErrorCode::kMalformed, "a list is expected, not " + ShownValue(json->at("answers")),
+                name + ": /answers", kSaveAgain);
+  }
+  std::map<std::string, std::size_t> place_of;
+  for (std::size_t i = 0; i < key.questions.size(); ++i) place_of[key.questions[i].id] = i;
+  answers.choice.assign(key.questions.size(), -1);
+  for (std::size_t i = 0; i < json->at("answers").size(); ++i) {
+    const Json& given = json->at("answers")[i];
+    const std::string where = name + ": /answers/" + std::to_string(i);
+    if (Status keys = CheckKeys(given, {"question", "answer"}, where); !keys) return Forward(keys);
+    const Json& question = given.at("question");
+    const auto place = question.is_string() ? place_of.find(question.get<std::string>()) : place_of.end();
+    if (place == place_of.end()) {
+      return Fail(ErrorCode::kMalformed,
+                  "there is no question " + ShownValue(question) + ", the survey has " +
+                      (key.questions.empty() ? "none" : key.questions.front().id + " to " + key.questions.back().id),
+                  where + "/question", kSaveAgain);
+    }
+    const Expected<int> choice = ChoiceOf(given.at("answer"), key.kind, where + "/answer");
+    if (!choice) return Forward(choice);
+    if (answers.choice[place->second] >= 0) {
+      return Fail(ErrorCode::kMalformed, "question " + ShownValue(question) + " is answered twice", where + "/question",
+                  kSaveAgain);
+    }
+    answers.choice[place->second] = *choice;
+  }
+  std::vector<std::string> missing;
+  for (std::size_t i = 0; i < key.questions.size(); ++i) {
+    if (answers.choice[i] < 0) missing.push_back(key.questions[i].id);
+  }
+  if (!missing.empty()) {
+    std::string list;
+    for (std::size_t i = 0; i < std::min<std::size_t>(missing.size(), 8); ++i) list += (i > 0 ? ", " : "") + missing[i];
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(key.questions.size() - missing.size()) + " of " +
+                    Counted(static_cast<long long>(key.questions.size()), "question") +
+                    " are answered; missing: " + list + (missing.size() > 8 ? ", ..." : ""),
+                name + ": /answers", "answer them on the page and save again, or leave the file out with --skip-bad");
+  }
+  if (json->at("missing") != Json::array()) {
+    return Fail(ErrorCode::kMalformed,
+                "all questions are answered, yet " + ShownValue(json->at("missing")) + " is listed as missing",
+                name + ": /missing", kSaveAgain);
+  }
+  return answers;
+}
+
+}  // namespace mocurate

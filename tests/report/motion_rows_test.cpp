@@ -1,0 +1,158 @@
+// Rows of equally spaced frames of motions.
+
+#include "report/motion_rows.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "report/plot.h"
+#include "tests/report/browser.h"
+#include "tests/report/builders.h"
+
+namespace mocurate::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+Clip Named(const std::string& source, const std::string& label, int frames) {
+  Clip clip;
+  clip.identity.source = source;
+  clip.identity.end_frame = frames;
+  clip.label = label;
+  clip.motion = Stepping(Walker(), frames);
+  clip.rate = clip.motion->rate;
+  return clip;
+}
+
+NamedMotions Set(const std::string& method) {
+  NamedMotions set{method, {}};
+  set.motions.skeleton = Walker();
+  set.motions.labels = {"walk", "kick"};
+  set.motions.clips = {Named(method + "/a", "kick", 30), Named(method + "/b", "walk", 40),
+                       Named(method + "/c", "walk", 50)};
+  return set;
+}
+
+std::vector<MotionRow> Chosen(const MotionPictureOptions& options) {
+  const auto rows = ChooseMotionRows({Set("Real"), Set("Ours")}, options);
+  EXPECT_TRUE(rows) << (rows ? "" : rows.error().Message());
+  return rows ? *rows : std::vector<MotionRow>();
+}
+
+/// Least and largest coordinates of all lines and polygons.
+Eigen::AlignedBox2d Bounds(const Drawing& drawing) {
+  Eigen::AlignedBox2d box;
+  for (const Shape& shape : drawing.shapes) {
+    if (const auto* line = std::get_if<LineShape>(&shape)) {
+      for (const Vector2d& point : line->points) box.extend(point);
+    }
+    if (const auto* polygon = std::get_if<PolygonShape>(&shape)) {
+      for (const Vector2d& point : polygon->points) box.extend(point);
+    }
+  }
+  return box;
+}
+
+TEST(MotionRows, WithoutLabelsOneMotionOfEachClassAndMethodIsShown) {
+  const std::vector<MotionRow> rows = Chosen({});
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[0].label, "walk") << "in the order of the classes";
+  EXPECT_EQ(rows[0].method, "Real");
+  EXPECT_EQ(rows[1].method, "Ours");
+  EXPECT_EQ(rows[2].label, "kick");
+}
+
+TEST(MotionRows, LabelsSamplesAndClipsChoose) {
+  MotionPictureOptions options;
+  options.labels = {"walk"};
+  options.samples = 2;
+  EXPECT_EQ(Chosen(options).size(), 4U);
+  options.clips = {Set("Ours").motions.clips[0].id()};
+  ASSERT_EQ(Chosen(options).size(), 1U);
+  EXPECT_EQ(Chosen(options)[0].label, "kick");
+  options = {};
+  options.labels = {"wlak"};
+  const auto unknown = ChooseMotionRows({Set("Real")}, options);
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(unknown.error().where, "wlak");
+  options = {};
+  options.samples = 40;
+  options.most_rows = 3;
+  const auto many = ChooseMotionRows({Set("Real"), Set("Ours")}, options);
+  ASSERT_FALSE(many);
+  EXPECT_EQ(many.error().code, ErrorCode::kUsage);
+}
+
+TEST(MotionRows, EveryFigureLiesWithinThePicture) {
+  for (const FigureChoice figure : {FigureChoice::kBones, FigureChoice::kCapsules}) {
+    MotionPictureOptions options;
+    options.figure = figure;
+    options.title = "title";
+    std::vector<MotionRow> rows = Chosen(options);
+    rows[0].clip.segments = {{0.0, 0.7, "walk", "", ""}, {0.7, 1.3, "transition", "", ""}};
+    const Drawing drawing = DrawMotionRows(rows, options);
+    const Eigen::AlignedBox2d box = Bounds(drawing);
+    EXPECT_GE(box.min().x(), 0.0);
+    EXPECT_GE(box.min().y(), 0.0);
+    EXPECT_LE(box.max().x(), drawing.width);
+    EXPECT_LE(box.max().y(), drawing.height);
+    EXPECT_EQ(ToSvg(drawing), ToSvg(DrawMotionRows(rows, options)));
+    EXPECT_EQ(ToPng(drawing, 1.0), ToPng(drawing, 1.0));
+  }
+}
+
+TEST(MotionRows, AVideoHoldsTheLastFrameOfWhatHasEnded) {
+  const std::vector<MotionRow> rows = Chosen({});
+  const MotionPictureOptions options;
+  const MotionGrid grid(rows, options);
+  EXPECT_NEAR(grid.seconds(), 40.0 / 30.0, 0.05);
+  EXPECT_EQ(ToSvg(grid.At(100.0)), ToSvg(grid.At(200.0)));
+  EXPECT_NE(ToSvg(grid.At(0.0)), ToSvg(grid.At(0.3)));
+}
+
+TEST(MotionRowsInABrowser, ThePictureIsRenderedAndFullOfFigures) {
+  if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
+  const Folder place;
+  MotionPictureOptions options;
+  options.figure = FigureChoice::kCapsules;
+  const Drawing drawing = DrawMotionRows(Chosen(options), options);
+  ASSERT_TRUE(WriteFile(place / "rows.svg", ToSvg(drawing)));
+  // The page tells how much of the picture has ink, and whether any of it lies on the edge.
+  const std::string script =
+      "<!doctype html><meta charset=utf-8><body><script>const i=new Image();i.onload=()=>{const "
+      "c=document.createElement('canvas');c.width=i.width;c.height=i.height;const g=c.getContext('2d');g.drawImage(i,0,"
+      "0);const d=g.getImageData(0,0,c.width,c.height).data;let n=0,e=0;for(let y=0;y<c.height;y++)for(let "
+      "x=0;x<c.width;x++){const "
+      "k=4*(y*c.width+x);if(d[k]+d[k+1]+d[k+2]<690){n++;if(x<2||y<2||x>c.width-3||y>c.height-3)"
+      "e++;}}document.body.textContent='ink '+(n/c.width/c.height>0.02)+' edge '+e;};i.src='data:image/"
+      "svg+xml;utf8,'+encodeURIComponent(document.getElementById('s').textContent);</script>";
+  const std::string svg = ToSvg(drawing);
+  const std::string page = "<script type=\"text/plain\" id=\"s\">" + svg + "</script>" + script;
+  ASSERT_TRUE(WriteFile(place / "index.html", page));
+  ASSERT_EQ(Browse(place, "--virtual-time-budget=3000 --dump-dom"), 0);
+  EXPECT_THAT(ReadFile(place / "dom.html").value_or(""), HasSubstr("ink true edge 0"));
+}
+
+TEST(Plots, CurvesMarksAndIntervalsLieWithinThePicture) {
+  const nlohmann::json json = {
+      {"plots",
+       {{{"title", "FID"},
+         {"x_name", "step"},
+         {"y_name", ""},
+         {"curves",
+          {{{"name", "Ours"},
+            {"points", {{{"x", 1}, {"y", 2.0}, {"low", 1.5}, {"high", 9.0}}, {{"x", 20}, {"y", -3.0}}}}}}}}}}};
+  const auto plots = PlotsOf(json);
+  ASSERT_TRUE(plots);
+  const Drawing drawing = DrawPlots(*plots, 3);
+  const Eigen::AlignedBox2d box = Bounds(drawing);
+  EXPECT_GE(box.min().minCoeff(), 0.0);
+  EXPECT_LE(box.max().x(), drawing.width);
+  EXPECT_LE(box.max().y(), drawing.height);
+  EXPECT_THAT(ToSvg(drawing), HasSubstr("Ours"));
+  EXPECT_FALSE(PlotsOf(nlohmann::json{{"plots", {{{"title", 3}}}}}));
+}
+
+}  // namespace
+}  // namespace mocurate::test
