@@ -25,15 +25,17 @@ Expected<StudioOptions> StudioOf(const DataSetOptions& set, const std::vector<st
   return OptionsFromConfig<StudioOptions>(*node);
 }
 
-/// A folder in the layout of a set that is not here, written once: studio.json in it says what it was made with.
+/// A folder in the layout of a set that is not here, written once: studio.json in it says what it was made with. A dry
+/// run writes none: an empty path where there is none.
 Expected<fs::path> Substitute(const DataSetOptions& set, const std::vector<std::string>& assignments,
-                              const fs::path& folder, int jobs) {
+                              const fs::path& folder, int jobs, bool dry_run) {
   const Expected<StudioOptions> studio = StudioOf(set, assignments);
   if (!studio) return Forward(studio);
   const std::string key = Sha256Hex(OptionsToJson(*studio).dump() + std::string(CreatedBy())).substr(0, 12);
   const fs::path made = folder / ("substitute_" + key);
   std::error_code unknown;
   if (!fs::is_regular_file(made / "studio.json", unknown)) {
+    if (dry_run) return fs::path();
     const fs::path part = folder / ("substitute_" + key + ".part");
     fs::remove_all(part, unknown);
     const auto written = WriteStudioLayout(*studio, part, jobs);
@@ -214,7 +216,10 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
                                                 "data", "--data " + set.name + "=PATH"});
         continue;
       }
-      if (own.dry_run) {
+      auto folder =
+          Substitute(set, options.substitutes, settings.run_folder / "data", std::max(1, own.jobs), own.dry_run);
+      if (!folder) return Forward(folder);
+      if (folder->empty()) {
         std::string networks;
         for (const NetworkOptions& network : job.train.networks) {
           if (network.enabled) networks += (networks.empty() ? "" : ", ") + network.name;
@@ -224,8 +229,6 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
                 "=PATH names your copy, whose cost is measured");
         continue;
       }
-      auto folder = Substitute(set, options.substitutes, settings.run_folder / "data", std::max(1, own.jobs));
-      if (!folder) return Forward(folder);
       job.ingest.path = std::move(*folder);
       one.substitute = true;
     }

@@ -97,6 +97,7 @@ class EvaluationRun {
       options.steps = row.steps;
       options.step = row.step;
       options.align = row.align;
+      options.filter = row.filter;
       AddItem(row.name, options, row, items);
     }
     const auto report = runs_.Run(FeaturesDeclaration(), std::move(items));
@@ -276,7 +277,7 @@ class EvaluationRun {
   }
 
   Status CompareAllRows() {
-    if (features_.count("reference") == 0) return {};
+    if (features_.count("reference") == 0 || !evaluation_.compare_rows) return {};
     std::vector<ItemSpec> items;
     std::vector<std::pair<std::string, std::string>> pairs;
     for (std::size_t i = 0; i < evaluation_.rows.size(); ++i) {

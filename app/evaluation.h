@@ -23,6 +23,7 @@ struct ScoredSet {
   std::int64_t steps = 1, step = 1;
   bool align = false;
   std::optional<StageInput> first = {}, fill = {};
+  OneEuro filter = {};  ///< of a generator's motions
 };
 
 /// What is scored, and how.
@@ -39,6 +40,7 @@ struct Evaluation {
   std::string split;
   std::int64_t protocol_motions = 0;  ///< that the paper scores; 0: no paper's protocol
   bool test_reference = false;        ///< the training part is FID_train's reference, the test part FID_test's
+  bool compare_rows = true;           ///< pair by pair, those of one duration and step
   std::optional<ScoredSet> real;
   std::vector<ScoredSet> rows;
 };

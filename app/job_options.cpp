@@ -31,6 +31,41 @@ void DataSetOptions::Declare(OptionVisitor& v) {
       "set before it whose job, path and substitute it takes where it has none; its networks and evaluate go on top");
 }
 
+void DrawnMotionsOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "of its files below pictures/");
+  v.Text("set", set, "set of `data` whose networks and dataset are shown; empty: the first");
+  v.Texts("rows", rows, "networks, rows of evaluate.rows, or Real: clips of the dataset");
+  v.Texts("labels", labels, "classes that are shown; empty: all");
+  v.Texts("scripts", scripts, "scripts in the place of labels, for networks that answer them");
+  v.Integer("transition_frames", transition_frames, {0, 1000}, "of all transitions of scripts; 0: usual ones");
+  v.Integer("samples", samples, {1, 100}, "motions of each row and label");
+  v.Text("frames", frames, "of each motion: 60, or FIRST:LAST:STEP; empty: as many as the network was trained on");
+  v.Integer("interpolate", interpolate, {0, 100}, "motions between two latents in the place of samples; 0: none");
+  v.Bool("denoise", denoise, "networks show the clips of the dataset, encoded and decoded");
+  v.Integer("stills", stills, {1, 60}, "equally spaced frames of a row");
+}
+
+void ReproduceOptions::Declare(OptionVisitor& v) {
+  v.Choice("kind", kind,
+           {{"none", PaperItem::kNone},
+            {"table", PaperItem::kTable},
+            {"figure", PaperItem::kFigure},
+            {"study", PaperItem::kStudy},
+            {"diagram", PaperItem::kDiagram}},
+           "what of a paper the job reproduces: `mocurate reproduce list`");
+  v.Text("shows", shows, "what the paper's item shows");
+  v.Text("conclusion", conclusion, "what the paper concludes, where its numbers are not at hand");
+  v.Text("recipe", recipe, "recipe whose numbers of clips by class are the rows of the table");
+  v.Text("parts_of", parts_of, "network whose numbers of parameters by part are the rows of the table");
+  v.Number("smoke_hours", smoke_hours, Unit::kNone, {0.0, {}}, "hours of profile smoke on two cores; 0: not measured");
+  v.Number("small_hours", small_hours, Unit::kNone, {0.0, {}}, "hours of profile small on two cores; 0: not measured");
+  v.Number("paper_hours", paper_hours, Unit::kNone, {0.0, {}}, "hours of profile paper on two cores; 0: not measured");
+  v.TextMap("published_as", published_as, "row: method of the published table that it stands beside; '': none");
+  v.Text("curve", curve, "name of N where rows 'NAME N' are points of a curve");
+  v.List("pictures", pictures, "pictures of motions in rows of equally spaced frames");
+  v.Texts("surveys", surveys, "pages of questions about the motions of the first picture: preference, real_or_fake");
+}
+
 void JobOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "name of the job and of its run folder");
   v.Text("description", description, "what the job is, for the report");
@@ -56,6 +91,7 @@ void JobOptions::Declare(OptionVisitor& v) {
   v.Group("train", train, "networks");
   v.Group("evaluate", evaluate, "metrics and the table");
   v.Group("report", report, "the page of the run");
+  v.Group("reproduce", reproduce, "what of a paper the job reproduces");
   v.Group("pipeline", pipeline, "what an item of work may take");
 }
 

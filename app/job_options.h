@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,6 +40,44 @@ struct DataSetOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// What a job reproduces of a paper: a table; a figure or a study of its pictures and answers; `diagram`: a drawing of
+/// the method, of which nothing can be computed.
+enum class PaperItem { kNone, kTable, kFigure, kStudy, kDiagram };
+
+/// A picture of motions in rows of equally spaced frames, made after a run: each row that is named, of each label, so
+/// many samples.
+struct DrawnMotionsOptions {
+  std::string name;                  ///< of its files
+  std::string set;                   ///< of the job's `data`; empty: the first
+  std::vector<std::string> rows;     ///< networks, rows of `evaluate.rows`, or Real: the dataset
+  std::vector<std::string> labels;   ///< classes; empty: all
+  std::vector<std::string> scripts;  ///< in the place of labels, of networks that answer them
+  std::int64_t transition_frames = 0;  ///< of all transitions of scripts; 0: usual ones
+  std::int64_t samples = 1;          ///< of each row and label
+  std::string frames;                ///< of each motion, as `generate --frames`
+  std::int64_t interpolate = 0;      ///< so many between two latents
+  bool denoise = false;              ///< networks show clips of the dataset, encoded and decoded
+  std::int64_t stills = 10;          ///< frames of a row
+
+  void Declare(OptionVisitor& v);
+};
+
+/// What of a paper the job reproduces (mocurate reproduce).
+struct ReproduceOptions {
+  PaperItem kind = PaperItem::kNone;
+  std::string shows;       ///< what the paper's item shows
+  std::string conclusion;  ///< what the paper says of it where its numbers are not at hand
+  std::string recipe;      ///< whose numbers of clips by class are the table's rows; or empty
+  std::string parts_of;    ///< network whose numbers of parameters by part are the table's rows; or empty
+  double smoke_hours = 0.0, small_hours = 0.0, paper_hours = 0.0;  ///< on two cores; 0: not measured
+  std::map<std::string, std::string> published_as;                 ///< row -> method that the paper calls so; "": none
+  std::string curve;  ///< rows "NAME N" are points of a curve over N, which has this name; or empty
+  std::vector<DrawnMotionsOptions> pictures;
+  std::vector<std::string> surveys;  ///< kinds of `mocurate survey make`, of the motions of the first picture
+
+  void Declare(OptionVisitor& v);
+};
+
 /// A whole job, as a config file says it: one group per stage, in order.
 struct JobOptions {
   std::string name = "run";
@@ -60,6 +99,7 @@ struct JobOptions {
   TrainOptions train;
   EvaluateOptions evaluate;
   ReportOptions report;
+  ReproduceOptions reproduce;
   PipelineOptions pipeline;
 
   void Declare(OptionVisitor& v);

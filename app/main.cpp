@@ -18,6 +18,7 @@
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "eval/dose/damages.h"
 #include "ingest/synthetic/studio_options.h"
 
 namespace {
@@ -203,7 +204,6 @@ void AddEval(CLI::App& app, CommonArguments& common, std::function<Status()>& ve
           "motions to score, a file or a folder: a dataset or MotionSet of mocurate; .npy of (motions, frames, "
           "joints, 3) or (motions, frames, 3 joints); MDM's results.npy; ACTOR's generation.npy; a folder of "
           "one motion a file; BVH; AMASS .npz. NAME=PATH names the row; may be repeated")
-      ->required()
       ->allow_extra_args(false);
   eval->add_option(
           "--labels", arguments->labels,
@@ -228,6 +228,17 @@ void AddEval(CLI::App& app, CommonArguments& common, std::function<Status()>& ve
                    "is the real motions");
   eval->add_option("--extractor", arguments->extractor,
                    "instead of the protocol's: a name of configs/extractors, a YAML file, or a checkpoint");
+  CLI::Option* dose_response =
+      eval->add_option("--dose-response", arguments->damaged_real,
+                       "instead of --generated: real motions, as --real, which are damaged by known doses; tables and "
+                       "a plot show how each metric answers (default: the dataset of --run)")
+          ->expected(0, 1);
+  std::string damages;
+  for (const DamageInfo& info : Damages()) damages += (damages.empty() ? "" : ", ") + std::string(info.name);
+  eval->add_option("--doses", arguments->doses, "one of these damages, and its doses: " + damages + "; may be repeated")
+      ->type_name("NAME=DOSE,...")
+      ->allow_extra_args(false);
+  eval->add_option("--seed", arguments->seed, "of the damages (default 1)");
   eval->add_option("-o,--output", arguments->output, "folder for features/SET.h5, tables/ and metrics.json");
   eval->add_option("--set", arguments->assignments,
                    "override an option of the protocol or its extractor, e.g. --set variant=released, "
@@ -245,8 +256,81 @@ void AddEval(CLI::App& app, CommonArguments& common, std::function<Status()>& ve
       "\\\n"
       "    --real runs/humanact12/dataset.h5 -o scores\n"
       "  mocurate eval --protocol a2m-ntu13 --generated raw.npy --bone-lengths joints.npy --labels classes.npy\n"
-      "  mocurate eval --protocol own --run runs/kard --generated generated.h5 --json");
-  eval->callback([&common, &verb, arguments] { verb = [&common, arguments] { return EvalVerb(common, *arguments); }; });
+      "  mocurate eval --protocol own --run runs/kard --generated generated.h5 --json\n"
+      "  mocurate eval --protocol own --run runs/kard --dose-response --doses jitter_mm=1,5,20 -o doses");
+  eval->callback([&common, &verb, arguments, dose_response] {
+    arguments->dose_response = dose_response->count() > 0;
+    verb = [&common, arguments] { return EvalVerb(common, *arguments); };
+  });
+}
+
+void AddDraw(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<DrawArguments>();
+  CLI::App* draw = app.add_subcommand("draw", "Draw motions: rows of equally spaced frames, or a video");
+  draw->add_option("motions", arguments->motions,
+                   "datasets, MotionSets, or files and folders of motions; NAME=PATH names the row")
+      ->required();
+  draw->add_option("-o,--output", arguments->output, "picture (.svg, .png) or video (.mp4) to write")->required();
+  draw->add_option("--label", arguments->labels, "class that is shown; may be repeated (default: one of each class)")
+      ->allow_extra_args(false);
+  draw->add_option("--clip", arguments->clips, "id of a clip, or its end, in the place of --label; may be repeated")
+      ->allow_extra_args(false);
+  draw->add_option("--samples", arguments->samples, "motions of each label and file")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  draw->add_option("--stills", arguments->stills, "equally spaced frames of a row")
+      ->check(CLI::Range(1, 60))
+      ->capture_default_str();
+  draw->add_option("--figure", arguments->figure, "bones, capsules around them, or the skin of a rigged body")
+      ->check(CLI::IsMember({"bones", "capsules", "skin"}))
+      ->capture_default_str();
+  draw->add_option("--body", arguments->body,
+                   "SMPL_NEUTRAL.pkl or body_cc0.h5 for --figure skin (default: below MOCURATE_WEIGHTS)");
+  draw->add_option("--source", arguments->source, "source declaration, where the files do not say it");
+  draw->add_option("--title", arguments->title, "above the picture");
+  draw->add_option("--scale", arguments->scale, "pixels of a PNG or video for each unit of the drawing")
+      ->check(CLI::Range(0.25, 8.0))
+      ->capture_default_str();
+  draw->add_flag("--force", arguments->force, "overwrite the output");
+  draw->footer(
+      "Left limbs are blue, right ones orange. Brackets below a row are the parts of a long motion; the box to the\n"
+      "right shows the root's path from above.\n\n"
+      "Examples:\n  mocurate draw walk.bvh -o walk.svg\n"
+      "  mocurate draw Real=runs/kard/dataset.h5 ours.h5 --label kick --samples 3 -o kick.png\n"
+      "  mocurate draw long.h5 --stills 24 --figure capsules -o long.svg\n"
+      "  mocurate draw long.h5 -o long.mp4");
+  draw->callback([&common, &verb, arguments] { verb = [&common, arguments] { return DrawVerb(common, *arguments); }; });
+}
+
+void AddReproduce(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<ReproduceArguments>();
+  CLI::App* reproduce =
+      app.add_subcommand("reproduce", "Run a table or figure of a paper, our numbers beside the published ones");
+  reproduce->add_option("id", arguments->id, "PAPER/ITEM, e.g. actor/table3; or `list`: what there is")->required();
+  reproduce
+      ->add_option("--data", arguments->data,
+                   "NAME=PATH: your copy of a set; may be repeated (default: synthetic motions in its layout)")
+      ->allow_extra_args(false);
+  reproduce
+      ->add_option("--profile", arguments->profile,
+                   "smoke: whether it runs; small: whether rows come in order; paper: as published (default small)")
+      ->check(CLI::IsMember({"smoke", "small", "paper"}));
+  reproduce->add_option("--time-budget", arguments->time_budget,
+                        "train for about so long in all, e.g. 20min or 3h: steps are measured, then scaled");
+  reproduce->add_option("-o,--output", arguments->output, "run folder (default runs/PAPER_ITEM_PROFILE)");
+  reproduce->add_option("--set", arguments->assignments, "override an option of the job")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  reproduce->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")
+      ->check(CLI::Range(0, 1024));
+  reproduce->add_flag("-n,--dry-run", arguments->dry_run, "say what would run, run nothing");
+  reproduce->footer(
+      "A run that is stopped goes on when it is started again.\n\n"
+      "Examples:\n  mocurate reproduce list\n  mocurate reproduce a2m/table3\n"
+      "  mocurate reproduce actor/table3 --profile smoke -o runs/table3\n"
+      "  mocurate reproduce a2m/table1 --data humanact12=/data/HumanAct12 --time-budget 3h");
+  reproduce->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return ReproduceVerb(common, *arguments); }; });
 }
 
 void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
@@ -464,9 +548,12 @@ int Run(int argc, char** argv) {
   AddFit(app, common, verb);
   AddExport(app, common, verb);
   AddGenerate(app, common, verb);
+  AddDraw(app, common, verb);
+  AddReproduce(app, common, verb);
   AddEval(app, common, verb);
   AddAudit(app, common, verb);
   AddReview(app, common, verb);
+  AddSurvey(app, common, verb);
   AddDataset(app, common, verb);
   AddInspect(app, common, verb);
   AddSynthesize(app, common, verb);

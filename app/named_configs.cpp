@@ -12,6 +12,9 @@ namespace mocurate {
 namespace {
 
 constexpr const char* kJobFolders[] = {"", "reannotate/"};  // below configs/
+constexpr const char* kPapers = "papers/";
+constexpr const char* kPaperFolders[] = {"papers/a2m/", "papers/actor/", "papers/multiact/"};
+constexpr const char* kReproduces = "\nreproduce:";  // what an include of papers' jobs does not say
 constexpr const char* kSourceFolder = "sources/";
 constexpr const char* kEnding = ".yaml";
 
@@ -29,6 +32,7 @@ std::vector<std::string> JobNames() {
   for (const char* folder : kJobFolders) {
     for (std::string& name : NamesBelow(folder)) names.push_back(std::move(name));
   }
+  for (const std::string& id : PaperIds()) names.push_back(kPapers + id);
   return names;
 }
 
@@ -64,6 +68,18 @@ std::optional<std::string> NearestJob(const std::string& name, const std::vector
 }
 
 }  // namespace
+
+std::vector<std::string> PaperIds() {
+  std::vector<std::string> ids;
+  for (const char* folder : kPaperFolders) {
+    for (const std::string& name : NamesBelow(folder)) {
+      const std::string_view text = FindResource(name + kEnding).value_or("");
+      if (text.find(kReproduces) != std::string_view::npos)
+        ids.push_back(name.substr(std::string_view(kPapers).size()));
+    }
+  }
+  return ids;
+}
 
 std::optional<ConfigSource> NamedJob(const std::string& name) {
   if (!IsOneOf(name, JobNames())) return std::nullopt;

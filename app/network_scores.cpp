@@ -294,6 +294,13 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
       evaluation.rows.push_back({row, motions, network.checkpoint, false, frames});
       asked[row] = {network.row, frames};
     }
+    for (const FilterRowOptions& filtered : evaluate.filters) {
+      if (filtered.network != own.name) continue;
+      const std::string row = filtered.name + network.row.substr(own.name.size());
+      evaluation.rows.push_back({row, motions, network.checkpoint});
+      evaluation.rows.back().filter = filtered.filter;
+      asked[row] = {network.row, 0};
+    }
   }
   auto evaluated = ::mocurate::Evaluate(evaluation, runs);
   if (!evaluated) return Forward(evaluated);

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "app/blas_kernels.h"
+#include "app/dose_response.h"
 #include "app/evaluation.h"
 #include "app/motion_files.h"
 #include "app/protocols.h"
@@ -54,6 +55,7 @@ Status CheckExists(const fs::path& path, const char* option) {
 }
 
 Status CheckArguments(const EvalArguments& arguments) {
+  if (Status sound = CheckDoseArguments(arguments); !sound) return sound;
   if (arguments.values == "joints" && !arguments.bone_lengths.empty()) {
     return Fail(ErrorCode::kUsage, "--bone-lengths lays out Lie parameters, --values says joints", "command line",
                 "leave one of them out");
@@ -73,6 +75,7 @@ Status CheckArguments(const EvalArguments& arguments) {
   }
   for (const auto& [path, option] : {std::pair<const fs::path&, const char*>{arguments.bone_lengths, "--bone-lengths"},
                                      {arguments.real, "--real"},
+                                     {arguments.damaged_real, "--dose-response"},
                                      {arguments.real_labels, "--real-labels"},
                                      {arguments.run, "--run"}}) {
     if (Status there = CheckExists(path, option); !there) return there;
@@ -126,7 +129,7 @@ Expected<Plan> PlanOf(const EvalArguments& arguments) {
   if (!protocol) return Forward(protocol);
   plan.protocol = std::move(*protocol);
   std::string name = arguments.extractor.empty() ? plan.protocol.extractor : arguments.extractor;
-  plan.real = arguments.real;
+  plan.real = arguments.dose_response ? arguments.damaged_real : arguments.real;
   if (!arguments.run.empty()) {
     if (arguments.extractor.empty()) {
       const auto recogniser = FirstRecogniser(arguments.run);
@@ -216,7 +219,8 @@ Status WriteResults(const nlohmann::json& result, const EvaluationResult& evalua
   return tables ? Status() : Forward(tables);
 }
 
-void PrintEvaluation(const CommonArguments& common, const nlohmann::json& result) {
+/// `instead`: of the table of rows, or empty.
+void PrintEvaluation(const CommonArguments& common, const nlohmann::json& result, const std::string& instead) {
   if (common.json) {
     std::printf("%s\n", result.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     return;
@@ -225,7 +229,7 @@ void PrintEvaluation(const CommonArguments& common, const nlohmann::json& result
   const Table table = ResultTable(result, result.at("protocol").get<std::string>() + ", variant " +
                                               result.at("variant").get<std::string>() + ", extractor " +
                                               result.at("extractor").get<std::string>());
-  std::printf("%s", ToMarkdown(table).c_str());
+  std::printf("%s", (instead.empty() ? ToMarkdown(table) : instead).c_str());
   for (const nlohmann::json& warning : result.at("warnings")) {
     const std::string row = warning.at("row").get<std::string>();
     LogWarning((row.empty() ? "" : row + ": ") + warning.at("message").get<std::string>());
@@ -292,6 +296,13 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
       evaluation.rows.push_back(std::move(scored));
     }
   }
+  std::vector<DoseSeries> doses;
+  if (arguments.dose_response) {
+    if (!evaluation.real) return NoMotionsToDamage(read->failed.at("Real"));
+    auto series = AddDoseRows(arguments, settings.run_folder / "doses", evaluation, read->warnings);
+    if (!series) return Forward(series);
+    doses = std::move(*series);
+  }
   auto evaluated = Evaluate(evaluation, runs);
   if (!evaluated) return Forward(evaluated);
   evaluated->failed.insert(read->failed.begin(), read->failed.end());
@@ -323,11 +334,14 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   if (evaluated->rows.empty() && !evaluated->failed.empty()) {
     return tl::unexpected<Error>(evaluated->failed.begin()->second);
   }
+  if (arguments.dose_response) AddDoseResponse(doses, result);
   if (!arguments.output.empty()) {
     if (Status written = WriteResults(result, *evaluated, arguments.output); !written) return written;
+    Status written = arguments.dose_response ? WriteDoseResponse(doses, result, arguments.output) : Status();
+    if (!written) return written;
   }
   common.answered = common.json;
-  PrintEvaluation(common, result);
+  PrintEvaluation(common, result, arguments.dose_response ? DoseResponseText(doses, result) : "");
   if (evaluated->failed.empty()) return {};
   const auto& [name, error] = *evaluated->failed.begin();
   return Fail(ErrorCode::kTooManyFailures,

@@ -9,6 +9,7 @@
 #include "app/data_sets.h"
 #include "app/job_checks.h"
 #include "app/main_job.h"
+#include "app/paper_items.h"
 #include "app/run_file.h"
 #include "app/run_folder.h"
 #include "app/run_text.h"
@@ -167,25 +168,6 @@ Status Perform(CommonArguments& common, const JobOptions& options, JobStage last
   if (Status networks = CheckNetworks(*result); !networks) return networks;
   if (Status failures = CheckFailures(options, *result); !failures) return failures;
   return CheckDoubts(options, *result);
-}
-
-/// "NAME=PATH" of --data.
-Status TakeData(const std::vector<std::string>& given, JobOptions& options) {
-  for (const std::string& text : given) {
-    const std::size_t equals = text.find('=');
-    std::vector<std::string> names;
-    for (const DataSetOptions& set : options.data) names.push_back(set.name);
-    const auto at = std::find(names.begin(), names.end(), text.substr(0, equals));
-    if (equals == std::string::npos || at == names.end()) {
-      const auto near = Nearest(text.substr(0, equals), names);
-      return Fail(ErrorCode::kUsage, "the job has no set '" + text.substr(0, equals) + "'", "--data",
-                  near ? "did you mean '" + *near + "=PATH'?" : "NAME=PATH of a set in the job's `data`");
-    }
-    std::error_code unknown;
-    options.data[static_cast<std::size_t>(at - names.begin())].path =
-        std::filesystem::absolute(text.substr(equals + 1), unknown).lexically_normal();
-  }
-  return {};
 }
 
 /// A run over several sets: prints each, then the table over all.

@@ -77,6 +77,32 @@ struct GenerateArguments {
   bool force = false;  ///< overwrite
 };
 
+struct DrawArguments {
+  std::vector<std::string> motions;  ///< files or folders; NAME=PATH names what made them
+  std::string source;                ///< source declaration of them, or empty
+  std::vector<std::string> labels;   ///< classes that are shown; empty: all
+  std::vector<std::string> clips;    ///< ids or their ends, in the place of labels
+  int samples = 1;                   ///< of each label and set
+  int stills = 10;                   ///< frames of a row
+  std::string figure = "bones";      ///< bones, capsules, skin
+  std::filesystem::path body;        ///< of a skin; empty: the one that losses on vertices use
+  std::string title;
+  double scale = 2.0;            ///< pixels of a PNG or video for each unit of the drawing
+  std::filesystem::path output;  ///< .svg, .png or .mp4
+  bool force = false;            ///< overwrite
+};
+
+struct ReproduceArguments {
+  std::string id;                               ///< "actor/table3", or "list"
+  std::vector<std::string> data;                ///< NAME=PATH
+  std::string profile;                          ///< smoke, small, paper; empty: small
+  std::string time_budget;                      ///< "20min"; empty: as long as the profile takes
+  std::optional<std::filesystem::path> output;  ///< run folder; absent: runs/PAPER_ID_PROFILE
+  std::vector<std::string> assignments;
+  int jobs = 0;
+  bool dry_run = false;
+};
+
 struct EvalArguments {
   std::string protocol;
   std::vector<std::string> generated;         ///< files or folders of motions; NAME=PATH names the row
@@ -91,6 +117,10 @@ struct EvalArguments {
   std::string extractor;              ///< instead of the protocol's
   std::filesystem::path output;       ///< folder for features, tables and figures, or empty
   std::vector<std::string> assignments;
+  bool dose_response = false;          ///< damaged copies of real motions are scored, and nothing else
+  std::filesystem::path damaged_real;  ///< which ones; empty: those of the run
+  std::vector<std::string> doses;      ///< as of ParseDoses; empty: all damages
+  std::uint64_t seed = 1;              ///< of the damages
   int jobs = 0;
 };
 
@@ -121,6 +151,29 @@ struct ReviewArguments {
   std::vector<std::string> clips;     ///< which of them; empty: all without a label
   bool all = false;                   ///< clips that have a label too
   bool force = false;                 ///< overwrite
+};
+
+struct SurveyMakeArguments {
+  std::string kind;                           ///< preference, real_or_fake
+  std::vector<std::string> motions;           ///< NAME=FILE of each source
+  std::string real;                           ///< source of recordings; empty: "real"
+  std::int64_t questions = 0;                 ///< 0: as many as the motions are enough for, at most 40
+  std::int64_t seed = 1;                      ///< of every draw
+  std::vector<std::string> ask;               ///< labels that are asked about; empty: all that every source has
+  double seconds = 10.0;                      ///< of each motion, at most
+  std::vector<std::filesystem::path> labels;  ///< of motions that hold none: one of all, or of each source
+  std::string source;                         ///< source declaration of files that are no datasets, or empty
+  std::string extractor;                      ///< as whose motions bare arrays are read, or empty
+  std::filesystem::path output;               ///< folder for survey.html and key.json
+  bool force = false;                         ///< overwrite
+};
+
+struct SurveyTallyArguments {
+  std::filesystem::path key;
+  std::vector<std::filesystem::path> answers;
+  bool skip_bad = false;         ///< leave files out that cannot count, and say so
+  std::filesystem::path output;  ///< folder for tally.json, tally.csv, tally.md and figure.svg
+  bool force = false;            ///< overwrite
 };
 
 struct DatasetArguments {
@@ -180,10 +233,14 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments);
 Status FitVerb(CommonArguments& common, const FitArguments& arguments);
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments);
+Status DrawVerb(CommonArguments& common, const DrawArguments& arguments);
+Status ReproduceVerb(CommonArguments& common, const ReproduceArguments& arguments);
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments);
 Status AuditVerb(CommonArguments& common, const AuditArguments& arguments);
 Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments);
 Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments);
+Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& arguments);
+Status SurveyTallyVerb(CommonArguments& common, const SurveyTallyArguments& arguments);
 Status DatasetCardVerb(CommonArguments& common, const DatasetArguments& arguments);
 Status DatasetDiffVerb(CommonArguments& common, const DatasetArguments& arguments);
 Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& arguments);

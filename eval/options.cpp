@@ -56,7 +56,22 @@ void DeclareScript(ScriptDraw& script, OptionVisitor& v) {
            "a generated one; or a chain of drawn actions");
 }
 
+void DeclareFilter(OneEuro& filter, OptionVisitor& v) {
+  v.Number("least_cutoff", filter.least_cutoff_hz, Unit::kHertz, {0.0, 1000.0},
+           "1-euro filter: cutoff of what stands still; 0: no filter");
+  v.Number("speed", filter.speed, Unit::kNone, {0.0, 1000.0},
+           "1-euro filter: Hz by which the cutoff rises for each m/s");
+  v.Number("speed_cutoff", filter.speed_cutoff_hz, Unit::kHertz, {0.001, 1000.0},
+           "1-euro filter: cutoff of the speed itself");
+}
+
 }  // namespace
+
+void FilterRowOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "of the row");
+  v.Text("network", network, "whose motions are filtered");
+  DeclareFilter(filter, v);
+}
 
 void ScriptRowOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "of the row");
@@ -151,6 +166,7 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
   v.Integer("motions", motions, {0.0, 1e6}, "motions per set and repetition; 0: each once");
   v.Text("protocol", protocol, "name of configs/protocols whose equivalent labels and divisor of multimodality hold");
+  v.List("filters", filters, "rows of a network's motions after a 1-euro filter");
   v.List("rows", rows, "rows whose networks answer scripts (MultiAct); empty: each generator is a row");
   DeclarePart("part", part, v);
   v.Bool("requests_of_test", requests_of_test,
@@ -203,6 +219,7 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
   v.Integer("steps", steps, {1.0, 1000.0}, "of a chain");
   v.Integer("step", step, {1.0, 1000.0}, "of a script that is scored");
   v.Bool("align", align, "joined motions are turned and moved");
+  DeclareFilter(filter, v);
 }
 
 void ScoreOptions::Declare(OptionVisitor& v) {
@@ -216,7 +233,7 @@ void ScoreOptions::Declare(OptionVisitor& v) {
   v.TextMap("equivalent", equivalent, "class -> classes that count as right for it");
 }
 
-StageDeclaration FeaturesDeclaration() { return {"features", 5, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration FeaturesDeclaration() { return {"features", 6, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration ScoreDeclaration() { return {"score", 3, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration CompareDeclaration() { return {"compare", 3, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 3, "mocurate-annotate", WholeSetLimits()}; }

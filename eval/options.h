@@ -6,6 +6,7 @@
 
 #include "core/base/options.h"
 #include "core/motion/clip_part.h"
+#include "core/motion/one_euro.h"
 #include "core/pipeline/stage.h"
 #include "eval/features/extractor_options.h"
 #include "eval/metrics/interval.h"
@@ -98,6 +99,15 @@ struct ScriptRowOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// A row of a network's motions after a filter.
+struct FilterRowOptions {
+  std::string name;
+  std::string network;
+  OneEuro filter;
+
+  void Declare(OptionVisitor& v);
+};
+
 /// Evaluation of a run by its own recogniser.
 struct EvaluateOptions {
   std::int64_t seed = 1;
@@ -107,9 +117,10 @@ struct EvaluateOptions {
   std::string recogniser;               ///< name of the network that gives the features; empty: the first recogniser
   bool generators = true;               ///< they and the real motions are rows; else recognisers alone are scored
   std::string protocol;  ///< a name below configs/protocols, whose equivalent labels and divisor hold; or empty
-  std::vector<ScriptRowOptions> rows;  ///< empty: each generator is one, asked for labels
-  ClipPart part = ClipPart::kWhole;    ///< of samples of two actions, what is scored
-  bool requests_of_test = false;       ///< what is asked of generators is drawn from the test part
+  std::vector<FilterRowOptions> filters;  ///< rows beside those of the networks
+  std::vector<ScriptRowOptions> rows;     ///< empty: each generator is one, asked for labels
+  ClipPart part = ClipPart::kWhole;       ///< of samples of two actions, what is scored
+  bool requests_of_test = false;          ///< what is asked of generators is drawn from the test part
   RealPart real = RealPart::kAll;
   bool test_reference = false;  ///< the references are the training and the test part, and there is an FID against each
   double settled = 0.1;         ///< largest relative change of the FID since the last sample of a converged network
@@ -153,6 +164,7 @@ struct FeaturesOptions {
   std::int64_t step = 1;    ///< which of them is scored
   bool align = false;       ///< joined motions are turned and moved
   std::int64_t frames = 0;  ///< asked of a generator and read of its motions; 0: the extractor's
+  OneEuro filter;           ///< of a generator's motions
 
   void Declare(OptionVisitor& v);
 };

@@ -172,6 +172,7 @@ class FeaturesRun {
                       "generator, request " + std::to_string(i));
         }
         if (scripted) (*motions)[i] = StepOfAnswer((*motions)[i], request, step, options_.clip_part);
+        if (options_.filter.on()) (*motions)[i] = OneEuroFiltered((*motions)[i], options_.filter);
         const int label = scripted ? request.script[static_cast<std::size_t>(step - 1)].label : request.label;
         pass.motions.push_back(&(*motions)[i]);
         pass.labels.push_back(class_of[static_cast<std::size_t>(label)]);

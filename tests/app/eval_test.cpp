@@ -413,6 +413,46 @@ TEST(Eval, RealMotionsWithoutASplitHaveNoTestPart) {
   EXPECT_EQ(result.Json()["rows"].size(), 2u);
 }
 
+TEST(Eval, DoseResponseScoresDamagedCopiesOfRealMotionsBesideTheUndamagedOnes) {
+  REQUIRE_GOLDENS();
+  const Folder folder;
+  WriteText(folder / "real.npy", WriteNpy(Varied(PublishedMotions(), 2)));
+  const std::vector<std::string> arguments = {"--protocol", "a2m-humanact12", "--dose-response",
+                                              (folder / "real.npy").string()};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), arguments.begin(), arguments.end());
+    return Eval(folder, more);
+  };
+  const std::string out = (folder / "out").string();
+  const Result result = with({"--doses", "jitter_mm=5,50", "--doses", "frozen_share=0.5", "-o", out});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  ASSERT_EQ(result.Json()["rows"].size(), 5u) << "Real, undamaged, three doses";
+  EXPECT_EQ(result.Json()["rows"][1]["name"], "undamaged");
+  EXPECT_EQ(result.Json()["rows"][1]["metrics"]["jerk"], result.Json()["rows"][0]["metrics"]["jerk"]);
+  EXPECT_NEAR(ValueOf(result, 1, "FID_train"), 0.0, 1e-6);
+  EXPECT_NEAR(ValueOf(result, 1, "nearest_train"), 0.0, 1e-6);
+  EXPECT_GT(ValueOf(result, 3, "FID_train"), ValueOf(result, 2, "FID_train"));
+  EXPECT_NEAR(ValueOf(result, 4, "frozen_share"), 0.5, 1e-9);
+  EXPECT_EQ(result.Json()["dose_response"]["answers_from"]["frozen_share"]["frozen_share"][0], 0.5);
+  for (const char* file : {"tables/dose_response.md", "tables/dose_response.csv", "tables/dose_response.json",
+                           "dose_response.svg", "doses/jitter_mm=50.h5"}) {
+    EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
+  }
+  const std::string csv = ReadText(folder / "out/tables/dose_response.csv");
+  const Folder other;  // another cache
+  EXPECT_EQ(Eval(other, {"--protocol", "a2m-humanact12", "--dose-response", (folder / "real.npy").string(), "--doses",
+                         "jitter_mm=5,50", "--doses", "frozen_share=0.5", "-o", (other / "out").string(), "-j", "1"})
+                .exit_code,
+            0);
+  EXPECT_EQ(ReadText(other / "out/tables/dose_response.csv"), csv);
+  EXPECT_EQ(with({"--doses", "jiter_mm=5"}).exit_code, 2);
+  EXPECT_EQ(with({"--doses", "frozen_share=1.5"}).exit_code, 2);
+  EXPECT_EQ(with({"--generated", (folder / "real.npy").string()}).exit_code, 2);
+  EXPECT_EQ(with({"--doses", "swapped_label_share=0.1"}).exit_code, 3) << "the motions have no labels";
+  EXPECT_EQ(Eval(folder, arguments, false).exit_code, 4) << "no weights";
+  EXPECT_EQ(Eval(folder, {"--protocol", "a2m-humanact12"}).exit_code, 2) << "nothing to score";
+}
+
 TEST(Doctor, SaysWhichWeightsAProtocolNeedsAndWhetherTheyAreThere) {
   REQUIRE_GOLDENS();
   const Folder folder;

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/job_options.h"
+#include "core/pipeline/runner.h"
+
+namespace mocurate {
+
+/// How much shorter a job trains so that it keeps to a time.
+struct TimeBudget {
+  double factor = 1.0;                 ///< of the iterations of generators
+  std::int64_t recogniser_epochs = 0;  ///< of recognisers at most; 0: as the job says
+};
+
+/// Makes the datasets, measures a few steps of each network, and shares `seconds` out: recognisers have at most half,
+/// generators the rest, each for the same part of its iterations. What was found is kept as time_budget.json in the run
+/// folder and taken from there when the same run goes on. Error kUsage where not one step of each network fits; those
+/// of the stages.
+Expected<TimeBudget> MakeTimeBudget(double seconds, const JobOptions& options, const RunnerOptions& settings);
+
+}  // namespace mocurate
