@@ -45,6 +45,16 @@ void DrawnMotionsOptions::Declare(OptionVisitor& v) {
   v.Integer("stills", stills, {1, 60}, "equally spaced frames of a row");
 }
 
+void ReleasedMotionsOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "of the row");
+  v.Text("set", set, "set of `data` in whose table it stands");
+  v.Text("protocol", protocol, "how it is scored: a name below configs/protocols");
+  v.Path("motions", motions, "the motions, a file below MOCURATE_WEIGHTS");
+  v.Path("labels", labels, "their classes, a file below MOCURATE_WEIGHTS");
+  v.Path("bone_lengths", bone_lengths, "of Lie parameters: a file of positions whose bones they have");
+  v.Text("method", method, "method of the published table that it stands beside");
+}
+
 void ReproduceOptions::Declare(OptionVisitor& v) {
   v.Choice("kind", kind,
            {{"none", PaperItem::kNone},
@@ -62,6 +72,7 @@ void ReproduceOptions::Declare(OptionVisitor& v) {
   v.Number("paper_hours", paper_hours, Unit::kNone, {0.0, {}}, "hours of profile paper on two cores; 0: not measured");
   v.TextMap("published_as", published_as, "row: method of the published table that it stands beside; '': none");
   v.Text("curve", curve, "name of N where rows 'NAME N' are points of a curve");
+  v.List("released", released, "motions that the authors published, scored by their recogniser");
   v.List("pictures", pictures, "pictures of motions in rows of equally spaced frames");
   v.Texts("surveys", surveys, "pages of questions about the motions of the first picture: preference, real_or_fake");
 }

@@ -47,17 +47,30 @@ enum class PaperItem { kNone, kTable, kFigure, kStudy, kDiagram };
 /// A picture of motions in rows of equally spaced frames, made after a run: each row that is named, of each label, so
 /// many samples.
 struct DrawnMotionsOptions {
-  std::string name;                  ///< of its files
-  std::string set;                   ///< of the job's `data`; empty: the first
-  std::vector<std::string> rows;     ///< networks, rows of `evaluate.rows`, or Real: the dataset
-  std::vector<std::string> labels;   ///< classes; empty: all
-  std::vector<std::string> scripts;  ///< in the place of labels, of networks that answer them
+  std::string name;                    ///< of its files
+  std::string set;                     ///< of the job's `data`; empty: the first
+  std::vector<std::string> rows;       ///< networks, rows of `evaluate.rows`, or Real: the dataset
+  std::vector<std::string> labels;     ///< classes; empty: all
+  std::vector<std::string> scripts;    ///< in the place of labels, of networks that answer them
   std::int64_t transition_frames = 0;  ///< of all transitions of scripts; 0: usual ones
-  std::int64_t samples = 1;          ///< of each row and label
-  std::string frames;                ///< of each motion, as `generate --frames`
-  std::int64_t interpolate = 0;      ///< so many between two latents
-  bool denoise = false;              ///< networks show clips of the dataset, encoded and decoded
-  std::int64_t stills = 10;          ///< frames of a row
+  std::int64_t samples = 1;            ///< of each row and label
+  std::string frames;                  ///< of each motion, as `generate --frames`
+  std::int64_t interpolate = 0;        ///< so many between two latents
+  bool denoise = false;                ///< networks show clips of the dataset, encoded and decoded
+  std::int64_t stills = 10;            ///< frames of a row
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Motions that the authors published, scored by the recogniser that they published: a row that nothing is trained for.
+struct ReleasedMotionsOptions {
+  std::string name;               ///< of the row
+  std::string set;                ///< of the job's `data`, in whose table it stands
+  std::string protocol;           ///< a name below configs/protocols
+  std::filesystem::path motions;  ///< below MOCURATE_WEIGHTS, as all files here
+  std::filesystem::path labels;
+  std::filesystem::path bone_lengths;  ///< of motions that are Lie parameters: others, whose bones they have; or empty
+  std::string method;                  ///< that the paper calls so
 
   void Declare(OptionVisitor& v);
 };
@@ -72,6 +85,7 @@ struct ReproduceOptions {
   double smoke_hours = 0.0, small_hours = 0.0, paper_hours = 0.0;  ///< on two cores; 0: not measured
   std::map<std::string, std::string> published_as;                 ///< row -> method that the paper calls so; "": none
   std::string curve;  ///< rows "NAME N" are points of a curve over N, which has this name; or empty
+  std::vector<ReleasedMotionsOptions> released;
   std::vector<DrawnMotionsOptions> pictures;
   std::vector<std::string> surveys;  ///< kinds of `mocurate survey make`, of the motions of the first picture
 

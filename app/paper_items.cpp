@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/named_configs.h"
+#include "app/released_rows.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
 
@@ -47,6 +48,14 @@ Expected<LoadedJob> LoadPaperItem(const std::string& id, const std::string& prof
   return LoadJob(*source, all);
 }
 
+Expected<JobOptions> ReadPaperItem(const std::string& id) {
+  const auto source = NamedJob("papers/" + id);
+  if (!source) return Fail(ErrorCode::kUsage, "no paper has an item of that name", id, "`mocurate reproduce list`");
+  const auto node = LoadConfig(*source);
+  if (!node) return Forward(node);
+  return OptionsFromConfig<JobOptions>(*node);
+}
+
 Status TakeData(const std::vector<std::string>& given, JobOptions& options) {
   for (const std::string& text : given) {
     const std::size_t equals = text.find('=');
@@ -79,6 +88,16 @@ nlohmann::json DescribePaperItem(const std::string& id, const JobOptions& option
                                    (set.substitute.empty() ? ""
                                                            : "; without it synthetic motions in the layout '" +
                                                                  set.substitute + "' stand in")}});
+  }
+  for (const ReleasedMotionsOptions& released : item.released) {
+    if (PublishedFile(released.motions).empty() || PublishedFile(released.labels).empty()) {
+      missing.push_back({{"name", released.name},
+                         {"how", "set MOCURATE_WEIGHTS to a folder with " + released.motions.generic_string() +
+                                     " and " + released.labels.generic_string() +
+                                     ", of Action2Motion's repository (checkpoints/vae), beside its model_file"}});
+    } else {
+      at_hand.push_back(released.name);
+    }
   }
   for (const NetworkOptions& network : options.train.networks) {
     if (!network.enabled || !network.NeedsBody()) continue;

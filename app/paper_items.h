@@ -16,6 +16,9 @@ const char* Name(PaperItem kind);
 Expected<LoadedJob> LoadPaperItem(const std::string& id, const std::string& profile,
                                   const std::vector<std::string>& assignments);
 
+/// The options of a paper's item as its config says them, for lists: nothing that its networks need is looked for.
+Expected<JobOptions> ReadPaperItem(const std::string& id);
+
 /// "NAME=PATH" of --data into the sets of a job. Error kUsage for a set that the job does not have.
 Status TakeData(const std::vector<std::string>& given, JobOptions& options);
 

@@ -21,8 +21,7 @@ constexpr double kRecogniserShare = 0.5;  // of training, at most
 /// Seconds of all cores that the networks of a job take, and what one step of each takes.
 struct TrainingCost {
   double generators = 0.0, recognisers = 0.0, one_step = 0.0;
-  double least_steps = 1e18;  ///< of a generator
-  std::int64_t most_epochs = 0;
+  double most_steps = 0.0;  ///< of a generator
 };
 
 TrainingCost CostOf(const DataSetsRun& run, const JobOptions& options) {
@@ -38,7 +37,7 @@ TrainingCost CostOf(const DataSetsRun& run, const JobOptions& options) {
       cost.one_step += step;
       const bool generator = network != options.train.networks.end() && GeneratesMotions(network->kind);
       (generator ? cost.generators : cost.recognisers) += step * steps;
-      if (generator) cost.least_steps = std::min(cost.least_steps, steps);
+      if (generator) cost.most_steps = std::max(cost.most_steps, steps);
     }
   }
   return cost;
@@ -91,7 +90,7 @@ Expected<TimeBudget> MakeTimeBudget(double seconds, const JobOptions& options, c
     recognisers *= static_cast<double>(budget.recogniser_epochs) / static_cast<double>(epochs);
   }
   if (cost.generators > 0.0) budget.factor = std::min(1.0, std::max(0.0, time - recognisers) / cost.generators);
-  if (cost.generators > 0.0 && budget.factor * cost.least_steps < 1.0) {
+  if (cost.generators > 0.0 && budget.factor * cost.most_steps < 1.0) {
     return Fail(ErrorCode::kUsage,
                 "recognisers take " + RoundedText(recognisers / cores, 3) + " of " + RoundedText(seconds, 3) +
                     " s at their least, no step of a generator fits",

@@ -6,6 +6,7 @@
 #include "app/network_scores.h"
 #include "app/paper_items.h"
 #include "app/paper_pictures.h"
+#include "app/released_rows.h"
 #include "app/run_folder.h"
 #include "app/time_budget.h"
 #include "app/verbs.h"
@@ -28,18 +29,18 @@ constexpr const char* kDefaultProfile = "small";
 Status ListItems(CommonArguments& common, const ReproduceArguments& arguments) {
   nlohmann::json items = nlohmann::json::array();
   for (const std::string& id : PaperIds()) {
-    auto job = LoadPaperItem(id, arguments.profile, {});
-    if (!job) return Forward(job);
+    auto options = ReadPaperItem(id);
+    if (!options) return Forward(options);
     std::vector<std::string> of_job;  // of others the set is none
     for (const std::string& text : arguments.data) {
       const std::string name = text.substr(0, text.find('='));
-      const auto& sets = job->options.data;
+      const auto& sets = options->data;
       const bool own =
           std::any_of(sets.begin(), sets.end(), [&](const DataSetOptions& set) { return set.name == name; });
       if (own) of_job.push_back(text);
     }
-    if (Status given = TakeData(of_job, job->options); !given) return given;
-    items.push_back(DescribePaperItem(id, job->options));
+    if (Status given = TakeData(of_job, *options); !given) return given;
+    items.push_back(DescribePaperItem(id, *options));
   }
   if (common.json) {
     common.answered = true;
@@ -218,7 +219,10 @@ class Reproduction {
     } else if (!item().parts_of.empty()) {
       result = {{"rows", PartRows(result, item().parts_of)}};
     }
-    if (!result.contains("rows")) result["rows"] = nlohmann::json::array();
+    auto rows = ReleasedRows(item(), set.name, folder_, common_);
+    if (!rows) return Forward(rows);
+    for (nlohmann::json& row : result["rows"]) rows->push_back(std::move(row));
+    result["rows"] = std::move(*rows);
     result["published"] = *published;
     return result;
   }
@@ -241,6 +245,9 @@ class Reproduction {
       options.title = (set.published.empty() ? set.name : set.published) + (set.like.empty() ? "" : ", " + set.name);
       options.profile = exact || !item().recipe.empty() ? "" : profile();
       options.published_as = item().published_as;
+      for (const ReleasedMotionsOptions& released : item().released) {
+        options.published_as[released.name] = released.method;
+      }
       Comparison comparison = ComparePublished(*result, options);
       Table& table = comparison.table;
       if (!stands_in.empty()) {

@@ -134,11 +134,9 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
   }
   std::map<std::string, std::vector<Pair>> pairs;
   std::set<std::string> shown;
-  const auto add = [&](const std::string& name, const nlohmann::json& metrics, const std::optional<std::string>& method,
-                       bool real, bool unconverged) {
-    const bool of_ours = !metrics.empty();
-    const std::string mark = of_ours && !options.profile.empty() ? " [" + options.profile + "]" : "";
-    Table::Row row{name + mark, {}, "", unconverged};
+  const auto add = [&](const std::string& name, const std::string& profile, const nlohmann::json& metrics,
+                       const std::optional<std::string>& method, bool unordered, bool unconverged) {
+    Table::Row row{name + (profile.empty() ? "" : " [" + profile + "]"), {}, "", unconverged};
     nlohmann::json compared = nlohmann::json::object();
     for (const MetricColumn* column : columns) {
       Table::Cell ours = CellOf(metrics.value(column->key, nlohmann::json()));
@@ -167,11 +165,11 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
       if (ratio.value) json["ratio"] = *ratio.value;
       json["ratio_interval"] = JsonOf(ratio.interval);
       const bool ordered = column->better == Better::kLess || column->better == Better::kMore;
-      if (ours.value && ordered && !real) pairs[column->key].push_back({*ours.value, *theirs.value});
+      if (ours.value && ordered && !unordered) pairs[column->key].push_back({*ours.value, *theirs.value});
     }
     comparison.rows.push_back({{"method", name},
                                {"published_as", method ? nlohmann::json(*method) : nlohmann::json()},
-                               {"profile", of_ours ? nlohmann::json(options.profile) : nlohmann::json()},
+                               {"profile", profile.empty() ? nlohmann::json() : nlohmann::json(profile)},
                                {"metrics", std::move(compared)}});
     table.rows.push_back(std::move(row));
   };
@@ -179,11 +177,11 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     const std::optional<std::string> method = MethodOf(row, methods, options);
     if (method) shown.insert(*method);
     const std::string name = row.at("name").get<std::string>();
-    add(name, row.value("metrics", nlohmann::json::object()), method, row.value("real", IsRealMethod(name)),
-        row.contains("unconverged"));
+    add(name, row.value("profile", options.profile), row.value("metrics", nlohmann::json::object()), method,
+        row.contains("profile") || row.value("real", IsRealMethod(name)), row.contains("unconverged"));
   }
   for (const std::string& method : in_order) {
-    if (shown.count(method) == 0) add(method, nlohmann::json::object(), method, IsRealMethod(method), false);
+    if (shown.count(method) == 0) add(method, "", nlohmann::json::object(), method, IsRealMethod(method), false);
   }
   for (const MetricColumn* column : columns) {
     const auto numbers = pairs.find(column->key);

@@ -26,9 +26,10 @@ struct Comparison {
   nlohmann::json order = nlohmann::json::array();
 };
 
-/// {"rows", "published"} as of ResultTable. A row NAME or NAME/SEED stands beside the method NAME; Real beside what the
-/// paper calls its real motions. Rows that nothing was published of have ours alone, methods without a row of ours the
-/// published number alone; metrics that nothing was published of are left out, unless nothing was published at all.
+/// {"rows", "published"} as of ResultTable; a row may say a "profile" of its own, and is then of no order. A row NAME
+/// or NAME/SEED stands beside the method NAME; Real beside what the paper calls its real motions. Rows that nothing was
+/// published of have ours alone, methods without a row of ours the published number alone; metrics that nothing was
+/// published of are left out, unless nothing was published at all.
 Comparison ComparePublished(const nlohmann::json& result, const ComparisonOptions& options);
 
 }  // namespace mocurate
