@@ -88,9 +88,11 @@ Expected<std::vector<DoseSeries>> AddDoseRows(const EvalArguments& arguments, co
       !added) {
     return Forward(added);
   }
+  std::vector<Clip> damaged;
+  for (const int row : *rows) damaged.push_back(real->clips[static_cast<std::size_t>(row)]);
   std::vector<DoseSeries> series;
   for (const DoseSeries& one : *asked) {
-    if (const Status can = CheckDamage(real->clips, one.damage, values); !can) {
+    if (const Status can = CheckDamage(damaged, one.damage, values); !can) {
       if (!arguments.doses.empty()) return Forward(can);
       warnings.push_back({{"code", "damage_left_out"}, {"row", ""}, {"message", can.error().Message()}});
       continue;

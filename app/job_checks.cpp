@@ -96,6 +96,31 @@ Status CheckDurations(const JobOptions& options) {
 }
 
 /// Rows that answer scripts name networks of the job, of kinds that can answer them.
+/// Rows of filtered motions: each of a network of single actions, with a name of its own.
+Status CheckFilterRows(const JobOptions& options) {
+  std::set<std::string> names = {"Real", "Real-test", "reference", "reference_test"};
+  for (const NetworkOptions& network : options.train.networks) names.insert(network.name);
+  for (std::size_t i = 0; i < options.evaluate.filters.size(); ++i) {
+    const FilterRowOptions& row = options.evaluate.filters[i];
+    const std::string where = "evaluate.filters[" + std::to_string(i) + "]";
+    const auto made = std::find_if(options.train.networks.begin(), options.train.networks.end(),
+                                   [&](const NetworkOptions& network) { return network.name == row.network; });
+    const bool answers = made != options.train.networks.end() && GeneratesMotions(made->kind) && !made->NeedsParts();
+    if (!answers || !options.evaluate.rows.empty()) {
+      return Fail(ErrorCode::kConfig, "'" + row.network + "' is no network that answers labels", where + ".network",
+                  "name a generator of single actions, and leave evaluate.rows out");
+    }
+    if (row.name.empty() || !names.insert(row.name).second) {
+      return Fail(ErrorCode::kConfig, "'" + row.name + "' is empty, or names another row", where + ".name",
+                  "give each row a name of its own");
+    }
+    if (!row.filter.on()) {
+      return Fail(ErrorCode::kConfig, "the filter lets everything through", where + ".least_cutoff", "e.g. 1 Hz");
+    }
+  }
+  return {};
+}
+
 Status CheckScriptRows(const JobOptions& options) {
   const auto named = [&](const std::string& name) -> const NetworkOptions* {
     for (const NetworkOptions& network : options.train.networks) {
@@ -264,6 +289,7 @@ Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status training = CheckTraining(options.train); !training && last >= JobStage::kTrain) return training;
   if (Status durations = CheckDurations(options); !durations) return durations;
   if (Status rows = CheckScriptRows(options); !rows) return rows;
+  if (Status filters = CheckFilterRows(options); !filters) return filters;
   if (Status method = CheckMethod(options, last); !method) return method;
   return CheckSplitNames(options, last);
 }

@@ -72,6 +72,7 @@ void ReproduceOptions::Declare(OptionVisitor& v) {
   v.Number("paper_hours", paper_hours, Unit::kNone, {0.0, {}}, "hours of profile paper on two cores; 0: not measured");
   v.TextMap("published_as", published_as, "row: method of the published table that it stands beside; '': none");
   v.Text("curve", curve, "name of N where rows 'NAME N' are points of a curve");
+  v.Texts("plotted", plotted, "SET.METRIC that the curves show; empty: all");
   v.List("released", released, "motions that the authors published, scored by their recogniser");
   v.List("pictures", pictures, "pictures of motions in rows of equally spaced frames");
   v.Texts("surveys", surveys, "pages of questions about the motions of the first picture: preference, real_or_fake");

@@ -84,7 +84,8 @@ struct ReproduceOptions {
   std::string parts_of;    ///< network whose numbers of parameters by part are the table's rows; or empty
   double smoke_hours = 0.0, small_hours = 0.0, paper_hours = 0.0;  ///< on two cores; 0: not measured
   std::map<std::string, std::string> published_as;                 ///< row -> method that the paper calls so; "": none
-  std::string curve;  ///< rows "NAME N" are points of a curve over N, which has this name; or empty
+  std::string curve;                 ///< rows "NAME N" are points of a curve over N, which has this name; or empty
+  std::vector<std::string> plotted;  ///< "SET.METRIC" of the curves; empty: all
   std::vector<ReleasedMotionsOptions> released;
   std::vector<DrawnMotionsOptions> pictures;
   std::vector<std::string> surveys;  ///< kinds of `mocurate survey make`, of the motions of the first picture

@@ -28,14 +28,14 @@ struct DrawnRow {
   bool real = false;
 };
 
-class PaperPictures {
+class PictureMaker {
  public:
-  PaperPictures(const JobOptions& options, const ReproducedRun& run) : options_(options), run_(run), own_(run.common) {
+  PictureMaker(const JobOptions& options, const ReproducedRun& run) : options_(options), run_(run), own_(run.common) {
     own_.json = false;
     own_.quiet = true;
   }
 
-  Expected<std::vector<fs::path>> Make() {
+  Expected<PaperPictures> Make() {
     for (const DrawnMotionsOptions& picture : options_.reproduce.pictures) {
       if (Status drawn = Draw(picture); !drawn) return Forward(drawn);
     }
@@ -45,13 +45,28 @@ class PaperPictures {
     for (const std::string& kind : options_.reproduce.surveys) {
       if (Status made = MakeSurvey(kind); !made) return Forward(made);
     }
-    if (lost_.empty()) return std::move(files_);
-    return Fail(ErrorCode::kTooManyFailures,
-                Counted(static_cast<long long>(lost_.size()), "row") + " of pictures missing", lost_.front(),
-                "the warnings above say why; the other rows are drawn");
+    return std::move(made_);
   }
 
  private:
+  /// A picture of an earlier run, in whose place one is made.
+  void RemoveEarlier(const std::string& name) const {
+    for (const char* ending : {".svg", ".png", ".json"}) {
+      std::error_code gone;
+      fs::remove(run_.folder / "pictures" / (name + ending), gone);
+    }
+  }
+
+  /// Whether an error ends everything, rather than costing what it is of.
+  static bool Ends(const Error& error) {
+    return error.code == ErrorCode::kInterrupted || error.code == ErrorCode::kCannotWrite;
+  }
+
+  void Lose(const std::string& what, const std::string& why) {
+    LogWarning(what + " is missing: " + why);
+    made_.lost.push_back(what);
+  }
+
   const DataSetOptions& SetOf(const DrawnMotionsOptions& picture) const {
     const auto found = std::find_if(options_.data.begin(), options_.data.end(),
                                     [&](const DataSetOptions& set) { return set.name == picture.set; });
@@ -124,19 +139,23 @@ class PaperPictures {
   Status Draw(const DrawnMotionsOptions& picture) {
     const DataSetOptions& set = SetOf(picture);
     const fs::path folder = run_.folder / "data" / set.name;
+    if (run_.sets.done.count(set.name) == 0) {
+      Lose("picture '" + picture.name + "'", "set " + set.name + " did not come to its end");
+      return {};
+    }
+    RemoveEarlier(picture.name);
     DrawArguments drawn;
     for (const std::string& name : picture.rows) {
+      const std::string what = "picture '" + picture.name + "', row '" + name + "'";
       const auto row = RowOf(name, folder);
       if (!row) {
-        LogWarning("picture '" + picture.name + "': no row '" + name + "', its network is not trained");
-        lost_.push_back(picture.name + ", " + name);
+        Lose(what, "its network is not trained");
         continue;
       }
       const auto motions = MotionsOf(picture, *row, folder);
       if (!motions) {
-        if (motions.error().code == ErrorCode::kInterrupted) return Forward(motions);
-        LogWarning("picture '" + picture.name + "': no row '" + name + "'; " + motions.error().Message());
-        lost_.push_back(picture.name + ", " + name);
+        if (Ends(motions.error())) return Forward(motions);
+        Lose(what, motions.error().Message());
         continue;
       }
       drawn.motions.push_back(row->name + "=" + motions->string());
@@ -153,23 +172,26 @@ class PaperPictures {
     for (const char* ending : {".svg", ".png"}) {
       drawn.output = run_.folder / "pictures" / (picture.name + ending);
       if (Status made = MakeFolder(drawn.output.parent_path()); !made) return made;
-      if (Status done = DrawVerb(own_, drawn); !done) return done;
-      files_.push_back(drawn.output);
+      if (Status done = DrawVerb(own_, drawn); !done) {
+        if (Ends(done.error())) return done;
+        Lose("picture '" + picture.name + "'", done.error().Message());
+        return {};
+      }
+      made_.files.push_back(drawn.output);
     }
     return {};
   }
 
   /// Rows "NAME, step 4" or "NAME, 40 frames", or rows of sets "uestc_50", are points of curves.
   Status DrawCurves() {
-    static const std::pair<const char*, const char*> kPlotted[] = {{"accuracy", "Accuracy"},
-                                                                   {"accuracy_equivalent", "Accuracy"},
-                                                                   {"accuracy_denoised", "Accuracy, denoised"},
-                                                                   {"FID_train", "FID train"},
-                                                                   {"FID_test", "FID test"},
-                                                                   {"diversity", "Diversity"},
-                                                                   {"multimodality", "Multimodality"}};
+    static const std::pair<const char*, const char*> kPlotted[] = {
+        {"accuracy", "Accuracy"},   {"accuracy_equivalent", "Accuracy, equivalent labels"},
+        {"accuracy_top5", "Top-5"}, {"accuracy_denoised", "Accuracy, denoised"},
+        {"FID_train", "FID train"}, {"FID_test", "FID test"},
+        {"diversity", "Diversity"}, {"multimodality", "Multimodality"}};
     std::map<std::string, std::map<std::string, std::map<double, nlohmann::json>>> curves;  // metric, name, x
     for (const DataSetOptions& set : options_.data) {
+      if (run_.sets.done.count(set.name) == 0) continue;
       for (const char* table : {"table.json", "recognition.json"}) {
         const auto text = ReadFile(run_.folder / "data" / set.name / "tables" / table);
         const nlohmann::json json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
@@ -189,6 +211,7 @@ class PaperPictures {
       if (!plot["curves"].empty()) plots.push_back(std::move(plot));
     }
     if (plots.empty()) return {};
+    RemoveEarlier("curves");
     auto stages = DatasetStages::Make(own_);
     if (!stages) return Forward(stages);
     const fs::path numbers = run_.folder / "pictures/curves.json", picture = run_.folder / "pictures/curves.svg";
@@ -199,12 +222,25 @@ class PaperPictures {
         (*stages)->One(PlotDeclaration(), {"curves", nlohmann::json::object(), {{"plots", "curves", numbers, ""}}});
     if (!drawn) return Forward(drawn);
     if (Status copied = CopyWhole(drawn->artifact, picture); !copied) return copied;
-    files_.push_back(picture);
+    made_.files.push_back(picture);
     return {};
   }
 
-  static void AddPoint(const std::string& set, const nlohmann::json& row,
-                       std::map<std::string, std::map<std::string, std::map<double, nlohmann::json>>>& curves) {
+  /// What stands behind the titles of curves.
+  std::string Origin() const {
+    const bool given = std::all_of(options_.data.begin(), options_.data.end(),
+                                   [](const DataSetOptions& set) { return !set.path.empty(); });
+    return std::string(" (") + (given ? "" : "substitute, ") + "profile " + options_.profile + ")";
+  }
+
+  /// Whether the curves show a metric of a set.
+  bool Plots(const std::string& set, const std::string& metric) const {
+    const std::vector<std::string>& plotted = options_.reproduce.plotted;
+    return plotted.empty() || std::find(plotted.begin(), plotted.end(), set + "." + metric) != plotted.end();
+  }
+
+  void AddPoint(const std::string& set, const nlohmann::json& row,
+                std::map<std::string, std::map<std::string, std::map<double, nlohmann::json>>>& curves) const {
     std::string name = row.at("name").get<std::string>();
     std::string number;
     const std::size_t comma = name.rfind(", "), under = set.rfind('_');
@@ -227,7 +263,7 @@ class PaperPictures {
     if (!x) return;
     const nlohmann::json metrics = row.value("metrics", nlohmann::json::object());
     for (const auto& [metric, value] : metrics.items()) {
-      if (!value.is_object() || !value.at("value").is_number()) continue;
+      if (!Plots(set, metric) || !value.is_object() || !value.at("value").is_number()) continue;
       nlohmann::json point = {{"x", *x}, {"y", value["value"]}};
       if (value.contains("interval") && value["interval"].is_array()) {
         point["low"] = value["interval"][0];
@@ -239,14 +275,22 @@ class PaperPictures {
 
   /// The page of questions, and the figure without answers, which says so.
   Status MakeSurvey(const std::string& kind) {
+    if (motions_.size() < 2) {
+      Lose("survey '" + kind + "'", "it needs motions of two sources");
+      return {};
+    }
     SurveyMakeArguments asked;
     asked.kind = kind;
     asked.motions = motions_;
-    asked.real = kRealRow;
+    if (kind == "real_or_fake") asked.real = kRealRow;
     asked.ask = options_.reproduce.pictures.front().labels;
     asked.output = run_.folder / "survey" / kind;
     asked.force = true;
-    if (Status made = SurveyMakeVerb(own_, asked); !made) return made;
+    if (Status made = SurveyMakeVerb(own_, asked); !made) {
+      if (Ends(made.error())) return made;
+      Lose("survey '" + kind + "'", made.error().Message());
+      return {};
+    }
     SurveyTallyArguments tally;
     tally.key = asked.output / "key.json";
     tally.output = asked.output / "tally";
@@ -254,8 +298,8 @@ class PaperPictures {
     if (Status counted = SurveyTallyVerb(own_, tally); !counted) return counted;
     LogInfo("send " + DisplayPath(asked.output / "survey.html") + " to participants, then: mocurate survey tally " +
             DisplayPath(tally.key) + " answers_*.json -o DIR");
-    files_.push_back(asked.output / "survey.html");
-    files_.push_back(tally.output / "figure.svg");
+    made_.files.push_back(asked.output / "survey.html");
+    made_.files.push_back(tally.output / "figure.svg");
     return {};
   }
 
@@ -263,14 +307,13 @@ class PaperPictures {
   const ReproducedRun& run_;
   CommonArguments own_;
   std::vector<std::string> motions_;  ///< of the first picture, NAME=FILE
-  std::vector<fs::path> files_;
-  std::vector<std::string> lost_;  ///< rows that could not be made
+  PaperPictures made_;
 };
 
 }  // namespace
 
-Expected<std::vector<fs::path>> MakePaperPictures(const JobOptions& options, const ReproducedRun& run) {
-  return PaperPictures(options, run).Make();
+Expected<PaperPictures> MakePaperPictures(const JobOptions& options, const ReproducedRun& run) {
+  return PictureMaker(options, run).Make();
 }
 
 }  // namespace mocurate

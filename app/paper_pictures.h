@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "app/job_options.h"
@@ -12,12 +13,18 @@ namespace mocurate {
 struct ReproducedRun {
   std::filesystem::path folder;
   const CommonArguments& common;
-  int jobs = 0;
+  const SetsOfRun& sets;
+};
+
+/// What was made, and rows or surveys that could not be.
+struct PaperPictures {
+  std::vector<std::filesystem::path> files;
+  std::vector<std::string> lost;  ///< "PICTURE, ROW", each told of in a warning
 };
 
 /// The pictures of a paper's item from the networks and datasets that its run left: motions/NAME_ROW.h5,
-/// pictures/NAME.svg and .png, pictures/curves.svg of rows that are points of a curve, survey/KIND/ of its studies. A
-/// row whose network is not there is left out with a warning. Errors of generating and drawing.
-Expected<std::vector<std::filesystem::path>> MakePaperPictures(const JobOptions& options, const ReproducedRun& run);
+/// pictures/NAME.svg and .png, pictures/curves.svg of rows that are points of a curve, survey/KIND/ of its studies.
+/// Files of these names are overwritten. Errors kInterrupted, kCannotWrite.
+Expected<PaperPictures> MakePaperPictures(const JobOptions& options, const ReproducedRun& run);
 
 }  // namespace mocurate

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <thread>
+#include <optional>
+#include <set>
 
 #include "app/data_sets.h"
+#include "app/scratch_folder.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/sha256.h"
@@ -18,93 +21,142 @@ namespace {
 constexpr double kTrainingShare = 0.85;   // of the time; the rest is for datasets, scores and pictures
 constexpr double kRecogniserShare = 0.5;  // of training, at most
 
-/// Seconds of all cores that the networks of a job take, and what one step of each takes.
-struct TrainingCost {
-  double generators = 0.0, recognisers = 0.0, one_step = 0.0;
-  double most_steps = 0.0;  ///< of a generator
+/// A network as it was measured.
+struct Cost {
+  std::string set;
+  NetworkKind kind = NetworkKind::kAction2Motion;
+  double step_s = 0.0, threads = 1.0, steps = 0.0;
+  double epochs = 1.0;  ///< of a recogniser
+
+  bool generator() const { return GeneratesMotions(kind); }
+  double StepsOf(const TimeBudget& budget) const {
+    if (generator()) return std::max(1.0, std::round(budget.factor * steps));
+    const double most = budget.recogniser_epochs > 0 ? static_cast<double>(budget.recogniser_epochs) : epochs;
+    return steps * std::min(1.0, most / epochs);
+  }
 };
 
-TrainingCost CostOf(const DataSetsRun& run, const JobOptions& options) {
-  TrainingCost cost;
+/// Of what was measured; a network that learns from what another one makes, which is not there yet, as one of its kind.
+std::vector<Cost> CostsOf(const DataSetsRun& run, const JobOptions& options) {
+  std::vector<Cost> costs;
   for (const SetResult& set : run.sets) {
+    std::map<NetworkKind, Cost> of_kind;
+    std::set<std::string> known;
     for (const auto& [item, measured] : set.result.training.items()) {
-      if (!measured.contains("seconds_per_step")) continue;
-      const double step = measured["seconds_per_step"].get<double>() * measured["threads"].get<double>();
-      const double steps = measured["steps"].get<double>();
       const std::string name = item.substr(0, item.rfind('/'));
-      const auto network = std::find_if(options.train.networks.begin(), options.train.networks.end(),
-                                        [&](const NetworkOptions& one) { return one.name == name; });
-      cost.one_step += step;
-      const bool generator = network != options.train.networks.end() && GeneratesMotions(network->kind);
-      (generator ? cost.generators : cost.recognisers) += step * steps;
-      if (generator) cost.most_steps = std::max(cost.most_steps, steps);
+      for (const NetworkOptions& network : options.train.networks) {
+        if (network.name != name || !measured.contains("seconds_per_step")) continue;
+        known.insert(name);
+        costs.push_back({set.set.name, network.kind, measured["seconds_per_step"].get<double>(),
+                         measured["threads"].get<double>(), measured["steps"].get<double>(),
+                         static_cast<double>(std::max<std::int64_t>(1, network.recogniser.epochs))});
+        of_kind[network.kind] = costs.back();
+      }
+    }
+    for (const NetworkOptions& network : options.train.networks) {
+      const auto alike = of_kind.find(network.kind);
+      if (network.generator.empty() || known.count(network.name) > 0 || alike == of_kind.end()) continue;
+      costs.push_back(alike->second);
     }
   }
-  return cost;
+  return costs;
 }
 
-std::int64_t MostEpochs(const TrainOptions& train) {
-  std::int64_t most = 1;
-  for (const NetworkOptions& network : train.networks) {
-    if (!GeneratesMotions(network.kind)) most = std::max(most, network.recogniser.epochs);
+/// Seconds that networks take: sets one after the other, those of a set side by side, none faster than its own steps.
+double SecondsOf(const std::vector<Cost>& costs, const TimeBudget& budget, double cores, bool generators,
+                 bool recognisers) {
+  std::map<std::string, double> all, longest;
+  for (const Cost& cost : costs) {
+    if (!(cost.generator() ? generators : recognisers)) continue;
+    const double steps = cost.StepsOf(budget);
+    all[cost.set] += cost.step_s * std::min(cost.threads, cores) * steps / cores;
+    longest[cost.set] = std::max(longest[cost.set], cost.step_s * steps);
   }
-  return most;
+  double seconds = 0.0;
+  for (const auto& [set, of_all] : all) seconds += std::max(of_all, longest[set]);
+  return seconds;
+}
+
+/// The largest epochs and factor that keep to a time.
+TimeBudget Shared(const std::vector<Cost>& costs, double time, double cores) {
+  TimeBudget budget;
+  double most = 1.0;
+  for (const Cost& cost : costs) most = std::max(most, cost.generator() ? 1.0 : cost.epochs);
+  if (SecondsOf(costs, budget, cores, false, true) > kRecogniserShare * time) {
+    std::int64_t low = 1, high = static_cast<std::int64_t>(most);
+    while (low < high) {
+      budget.recogniser_epochs = (low + high + 1) / 2;
+      const bool fits = SecondsOf(costs, budget, cores, false, true) <= kRecogniserShare * time;
+      (fits ? low : high) = fits ? budget.recogniser_epochs : budget.recogniser_epochs - 1;
+    }
+    budget.recogniser_epochs = low;
+  }
+  if (SecondsOf(costs, budget, cores, true, true) <= time) return budget;
+  double low = 0.0, high = 1.0;
+  for (int k = 0; k < 40; ++k) {
+    budget.factor = 0.5 * (low + high);
+    (SecondsOf(costs, budget, cores, true, true) <= time ? low : high) = budget.factor;
+  }
+  budget.factor = std::max(low, 1e-9);  // where the rest of the time is one step of each
+  return budget;
+}
+
+/// A budget that an earlier run kept for the same job and time; nothing where the file is another's or edited.
+std::optional<TimeBudget> Kept(const std::filesystem::path& file, const std::string& key) {
+  const auto text = ReadFile(file);
+  const nlohmann::json kept = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  const bool sound = kept.is_object() && kept.contains("key") && kept["key"] == key && kept.contains("factor") &&
+                     kept["factor"].is_number() && kept.contains("recogniser_epochs") &&
+                     kept["recogniser_epochs"].is_number_integer();
+  if (!sound) return std::nullopt;
+  const TimeBudget budget{kept["factor"].get<double>(), kept["recogniser_epochs"].get<std::int64_t>()};
+  if (!(budget.factor > 0.0 && budget.factor <= 1.0) || budget.recogniser_epochs < 0) return std::nullopt;
+  return budget;
 }
 
 }  // namespace
 
-Expected<TimeBudget> MakeTimeBudget(double seconds, const JobOptions& options, const RunnerOptions& settings) {
-  const std::filesystem::path file = settings.run_folder / "time_budget.json";
+Expected<TimeBudget> MakeTimeBudget(double seconds, const JobOptions& options, const RunnerOptions& settings,
+                                    const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "time_budget.json";
   const std::string key = Sha256Hex(OptionsToJson(options).dump() + QuantityText(seconds, Unit::kSecond));
-  TimeBudget budget;
-  if (const auto text = ReadFile(file)) {
-    const nlohmann::json kept = nlohmann::json::parse(*text, nullptr, false);
-    if (kept.is_object() && kept.value("key", std::string()) == key) {
-      budget.factor = kept.value("factor", 1.0);
-      budget.recogniser_epochs = kept.value("recogniser_epochs", std::int64_t{0});
-      return budget;
-    }
+  const double cores = std::min<double>(settings.jobs > 0 ? settings.jobs : 1e9, AvailableCores());
+  if (const auto kept = Kept(file, key)) {
+    LogInfo("time budget: as kept in " + DisplayPath(file));
+    return *kept;
   }
-  const auto made = RunOverSets(options, JobStage::kAssemble, 1.0, settings);
+  const ScratchFolder scratch;  // measuring touches nothing that a run left
+  if (scratch.path().empty()) return Forward(scratch.Missing());
+  RunnerOptions own = settings;
+  own.run_folder = scratch.path();
+  const auto made = RunOverSets(options, JobStage::kAssemble, 1.0, own);
   if (!made) return Forward(made);
-  if (!made->failed.empty()) return tl::unexpected<Error>(made->failed.front().second);
-  RunnerOptions dry = settings;
-  dry.dry_run = true;
-  const auto measured = RunOverSets(options, JobStage::kTrain, 1.0, dry);
+  if (made->sets.empty()) return tl::unexpected<Error>(made->failed.front().second);
+  own.dry_run = true;
+  const auto measured = RunOverSets(options, JobStage::kTrain, 1.0, own);
   if (!measured) return Forward(measured);
-  const TrainingCost cost = CostOf(*measured, options);
-  const double cores = settings.jobs > 0 ? settings.jobs : std::max(1U, std::thread::hardware_concurrency());
-  const double time = kTrainingShare * seconds * cores;
-  if (cost.one_step > time) {
+  const std::vector<Cost> costs = CostsOf(*measured, options);
+  const double time = kTrainingShare * seconds;
+  const double whole = SecondsOf(costs, TimeBudget(), cores, true, true);
+  const double least = SecondsOf(costs, {0.0, 1}, cores, true, true);
+  if (least > time) {
     return Fail(ErrorCode::kUsage,
-                "one step of each network takes " + RoundedText(cost.one_step / cores, 3) + " s, the time leaves " +
-                    RoundedText(time / cores, 3) + " s for training",
+                "one step of each generator and one epoch of each recogniser take " + RoundedText(least, 3) +
+                    " s, the time leaves " + RoundedText(time, 3) + " s for training",
                 "--time-budget", "give more, or --profile smoke");
   }
-  double recognisers = cost.recognisers;
-  if (cost.recognisers > kRecogniserShare * time) {
-    const double share = kRecogniserShare * time / cost.recognisers;
-    const std::int64_t epochs = MostEpochs(options.train);
-    budget.recogniser_epochs =
-        std::max<std::int64_t>(1, static_cast<std::int64_t>(share * static_cast<double>(epochs)));
-    recognisers *= static_cast<double>(budget.recogniser_epochs) / static_cast<double>(epochs);
-  }
-  if (cost.generators > 0.0) budget.factor = std::min(1.0, std::max(0.0, time - recognisers) / cost.generators);
-  if (cost.generators > 0.0 && budget.factor * cost.most_steps < 1.0) {
-    return Fail(ErrorCode::kUsage,
-                "recognisers take " + RoundedText(recognisers / cores, 3) + " of " + RoundedText(seconds, 3) +
-                    " s at their least, no step of a generator fits",
-                "--time-budget", "give more, or --profile smoke");
-  }
-  LogInfo("time budget: generators are trained for " + RoundedText(100.0 * budget.factor, 3) +
-          " % of their iterations" +
+  const TimeBudget budget = Shared(costs, time, cores);
+  LogInfo("time budget: all trainings take " + RoundedText(whole / 3600.0, 3) + " h; generators are trained for " +
+          RoundedText(100.0 * budget.factor, 3) + " % of their iterations" +
           (budget.recogniser_epochs > 0 ? ", recognisers for " + Counted(budget.recogniser_epochs, "epoch") + " at most"
                                         : ""));
   const nlohmann::json kept = {{"key", key},
                                {"seconds", seconds},
+                               {"cores", cores},
                                {"factor", budget.factor},
                                {"recogniser_epochs", budget.recogniser_epochs},
-                               {"measured_hours", (cost.generators + cost.recognisers) / cores / 3600.0}};
+                               {"hours_of_all", whole / 3600.0}};
+  if (Status there = MakeFolder(folder); !there) return Forward(there);
   if (Status written = WriteFile(file, kept.dump(1) + "\n"); !written) return Forward(written);
   return budget;
 }

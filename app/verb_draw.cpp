@@ -8,6 +8,7 @@
 #include "app/run_outputs.h"
 #include "app/verbs.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/text.h"
 #include "report/options.h"
 
@@ -42,6 +43,10 @@ Expected<StageInput> MotionsOf(const std::string& text, const std::string& sourc
   if (!item) return Forward(item);
   const auto read = stages.One(MotionsDeclaration(), std::move(item->item));
   if (!read) return Forward(read);
+  for (const RefusedClip& refused : item->unreadable) LogWarning(refused.error.Message());
+  for (const Finding& finding : read->outcome.findings) {
+    if (finding.severity != Severity::kInfo) LogWarning(name + ": " + finding.message);
+  }
   return StageInput{"motions", name, read->artifact, read->sha256};
 }
 
@@ -95,6 +100,9 @@ Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
     if (Status made = MakeFolder(folder); !made) return made;
   }
   if (Status copied = CopyWhole(drawn->artifact, arguments.output); !copied) return copied;
+  for (const nlohmann::json& without : drawn->outcome.summary.value("without", nlohmann::json::array())) {
+    LogWarning(without.get<std::string>() + " has no motion of the labels or clips that are shown");
+  }
   const long long rows = drawn->outcome.summary.value("rows", 0LL);
   if (common.json) {
     common.answered = true;

@@ -1,12 +1,16 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 
+#include "app/blas_kernels.h"
 #include "app/named_configs.h"
 #include "app/network_scores.h"
 #include "app/paper_items.h"
 #include "app/paper_pictures.h"
 #include "app/released_rows.h"
+#include "app/run_file.h"
 #include "app/run_folder.h"
 #include "app/time_budget.h"
 #include "app/verbs.h"
@@ -25,12 +29,17 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kDefaultProfile = "small";
+// Of a run within a time, at most: its networks are far from converged, and the papers' 20 of 3,000 take hours.
+constexpr std::int64_t kBudgetRepetitions = 5, kBudgetMotions = 1000;
 
 Status ListItems(CommonArguments& common, const ReproduceArguments& arguments) {
   nlohmann::json items = nlohmann::json::array();
+  std::set<std::string> known, given_sets;
+  for (const std::string& text : arguments.data) given_sets.insert(text.substr(0, text.find('=')));
   for (const std::string& id : PaperIds()) {
     auto options = ReadPaperItem(id);
     if (!options) return Forward(options);
+    for (const DataSetOptions& set : options->data) known.insert(set.name);
     std::vector<std::string> of_job;  // of others the set is none
     for (const std::string& text : arguments.data) {
       const std::string name = text.substr(0, text.find('='));
@@ -41,6 +50,12 @@ Status ListItems(CommonArguments& common, const ReproduceArguments& arguments) {
     }
     if (Status given = TakeData(of_job, *options); !given) return given;
     items.push_back(DescribePaperItem(id, *options));
+  }
+  for (const std::string& name : given_sets) {
+    if (known.count(name) > 0) continue;
+    const auto near = Nearest(name, std::vector<std::string>(known.begin(), known.end()));
+    return Fail(ErrorCode::kUsage, "no item has a set '" + name + "'", "--data",
+                near ? "did you mean '" + *near + "=PATH'?" : "NAME=PATH of a set that the list names as missing");
   }
   if (common.json) {
     common.answered = true;
@@ -76,20 +91,22 @@ nlohmann::json CountRow(const std::string& name, const char* metric, double valu
   return {{"name", name}, {"metrics", {{metric, {{"value", value}, {"interval", nullptr}}}}}};
 }
 
-/// Clips by class and fine class, and in all: of the dataset that a run made, else as the recipe expects them.
-Expected<nlohmann::json> ClassRows(const std::string& recipe, const fs::path& dataset) {
+/// Clips by class, and in all, of a dataset.
+Expected<nlohmann::json> CountedRows(const fs::path& dataset) {
+  const auto set = ReadDataset(dataset);
+  if (!set) return Forward(set);
   nlohmann::json rows = nlohmann::json::array();
-  std::error_code unknown;
-  if (fs::is_regular_file(dataset, unknown)) {
-    const auto set = ReadDataset(dataset);
-    if (!set) return Forward(set);
-    for (const std::string& label : set->labels) {
-      const auto of_label = [&](const Clip& clip) { return clip.label == label; };
-      rows.push_back(CountRow(label, "clips", double(std::count_if(set->clips.begin(), set->clips.end(), of_label))));
-    }
-    rows.push_back(CountRow("all", "clips", static_cast<double>(set->clips.size())));
-    return rows;
+  for (const std::string& label : set->labels) {
+    const auto of_label = [&](const Clip& clip) { return clip.label == label; };
+    rows.push_back(CountRow(label, "clips", double(std::count_if(set->clips.begin(), set->clips.end(), of_label))));
   }
+  rows.push_back(CountRow("all", "clips", static_cast<double>(set->clips.size())));
+  return rows;
+}
+
+/// The same as a recipe expects them.
+Expected<nlohmann::json> ExpectedRows(const std::string& recipe) {
+  nlohmann::json rows = nlohmann::json::array();
   const std::string file = "recipes/" + recipe + ".yaml";
   const auto node = LoadConfig(ConfigSource{std::string(FindResource(file).value_or("")), "resource:" + file, {}});
   if (!node) return Forward(node);
@@ -133,20 +150,44 @@ class Reproduction {
         arguments_(arguments),
         job_(std::move(job)),
         folder_(std::move(folder)),
-        name_(arguments.id.substr(arguments.id.find('/') + 1)) {}
+        name_(arguments.id.substr(arguments.id.find('/') + 1)),
+        json_({{"id", arguments.id},
+               {"kind", Name(item().kind)},
+               {"profile", profile()},
+               {"shows", item().shows},
+               {"conclusion", item().conclusion},
+               {"run", DisplayPath(folder_)},
+               {"dry_run", arguments.dry_run},
+               {"table", nullptr},
+               {"pictures", nlohmann::json::array()},
+               {"missing", nlohmann::json::array()},
+               {"sets", nlohmann::json::array()}}) {}
 
   Status Run() {
-    Status outcome = RunJob();
-    if (!outcome) {
-      const ErrorCode code = outcome.error().code;
-      // Tables and pictures of what there is are made of a run that lost some of its networks, not of one that is cut.
-      if (code != ErrorCode::kTooManyFailures) return outcome;
+    if (Status data = CheckData(); !data) return data;
+    if (Status ours = CheckOutputNames(); !ours) return ours;
+    const auto seconds = BudgetSeconds();
+    if (!seconds) return Forward(seconds);
+    Status outcome = CountsRecipe() ? RecordRun() : RunJob(*seconds);
+    // Of a run that lost a network, a row or a set, tables and pictures show the others.
+    if (!outcome && Ends(outcome.error().code)) return outcome;
+    if (!arguments_.dry_run) {
+      try {
+        if (Status compared = Compare(); !compared) return outcome ? compared : outcome;
+        const auto pictures = MakePaperPictures(job_.options, {folder_, common_, sets_});
+        if (!pictures) return outcome ? Status(Forward(pictures)) : outcome;
+        for (const fs::path& file : pictures->files) json_["pictures"].push_back(DisplayPath(file));
+        for (const std::string& part : pictures->lost) json_["missing"].push_back(part);
+        if (outcome && !pictures->lost.empty()) {
+          outcome = Fail(ErrorCode::kTooManyFailures,
+                         Counted(static_cast<long long>(pictures->lost.size()), "part") + " missing",
+                         pictures->lost.front(), "the warnings say why; all else is there");
+        }
+      } catch (const nlohmann::json::exception& problem) {
+        return Fail(ErrorCode::kMalformed, std::string("a table is not as mocurate writes it: ") + problem.what(),
+                    DisplayPath(folder_), "remove its data/SET/tables and run again: the rest comes from the cache");
+      }
     }
-    if (arguments_.dry_run) return outcome;
-    if (Status compared = Compare(); !compared) return outcome ? compared : outcome;
-    auto pictures = MakePaperPictures(job_.options, {folder_, common_, arguments_.jobs});
-    if (!pictures) return outcome ? Status(Forward(pictures)) : outcome;
-    pictures_ = std::move(*pictures);
     Answer();
     return outcome;
   }
@@ -155,14 +196,73 @@ class Reproduction {
   const ReproduceOptions& item() const { return job_.options.reproduce; }
   std::string profile() const { return job_.options.profile; }
 
+  static bool Ends(ErrorCode code) {
+    return code == ErrorCode::kUsage || code == ErrorCode::kConfig || code == ErrorCode::kInterrupted ||
+           code == ErrorCode::kCannotWrite || code == ErrorCode::kInternal;
+  }
+
   /// Nothing is run of an item that only counts what a recipe says.
   bool CountsRecipe() const {
     return !item().recipe.empty() && std::all_of(job_.options.data.begin(), job_.options.data.end(),
                                                  [](const DataSetOptions& set) { return set.path.empty(); });
   }
 
-  Status RunJob() {
-    if (CountsRecipe()) return {};
+  /// A mistyped path costs nothing that is there.
+  Status CheckData() const {
+    for (const DataSetOptions& set : job_.options.data) {
+      std::error_code unknown;
+      if (set.path.empty() || fs::exists(set.path, unknown)) continue;
+      return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(set.path),
+                  "--data " + set.name + "=PATH names your copy of the set");
+    }
+    return {};
+  }
+
+  /// In a folder that no run has written, a file of ours would overwrite somebody's.
+  Status CheckOutputNames() const {
+    std::error_code unknown;
+    if (fs::exists(folder_ / "run.json", unknown)) {
+      const nlohmann::json earlier = ReadRunFile(folder_);
+      const std::string name = earlier.is_object() ? earlier["options"].value("name", std::string()) : std::string();
+      if (name == job_.options.name) return {};
+      return Fail(ErrorCode::kUsage, "the folder is of the run '" + name + "'", DisplayPath(folder_),
+                  "-o names a folder of its own for " + arguments_.id);
+    }
+    const std::vector<std::string> names = {"tables/" + name_ + ".md",
+                                            "tables/" + name_ + ".csv",
+                                            "tables/" + name_ + ".tex",
+                                            "tables/" + name_ + ".json",
+                                            "pictures",
+                                            "motions",
+                                            "survey",
+                                            "released"};
+    for (const std::string& name : names) {
+      if (!fs::exists(folder_ / name, unknown)) continue;
+      return Fail(ErrorCode::kUsage, "the folder is no run's, and holds '" + name + "', which would be overwritten",
+                  DisplayPath(folder_), "-o names another folder");
+    }
+    return {};
+  }
+
+  /// Nothing without --time-budget.
+  Expected<std::optional<double>> BudgetSeconds() const {
+    if (arguments_.time_budget.empty()) return std::nullopt;
+    const auto seconds = ParseQuantity(arguments_.time_budget, Unit::kSecond);
+    if (seconds && *seconds > 0.0) return std::optional<double>(*seconds);
+    return Fail(ErrorCode::kUsage, seconds ? "no time at all" : seconds.error().what,
+                "--time-budget " + arguments_.time_budget, "20min, 3h");
+  }
+
+  /// The run.json of an item that runs no stage.
+  Status RecordRun() {
+    if (arguments_.dry_run) return {};
+    if (Status made = MakeFolder(folder_); !made) return made;
+    RunFile file(job_, 1.0, JobStage::kAssemble, folder_);
+    if (Status begun = file.Begin(); !begun) return begun;
+    return file.End({});
+  }
+
+  Status RunJob(const std::optional<double>& seconds) {
     RunArguments run;
     run.config = "papers/" + arguments_.id;
     run.output = folder_;
@@ -172,10 +272,20 @@ class Reproduction {
     run.jobs = arguments_.jobs;
     run.dry_run = arguments_.dry_run;
     if (!item().recipe.empty()) run.to = "assemble";
-    if (!arguments_.time_budget.empty() && !arguments_.dry_run) {
-      const auto budget = Budget();
+    if (seconds && !arguments_.dry_run) {
+      ChooseBlasKernels();  // before anything is measured
+      RunnerOptions settings;
+      settings.jobs = arguments_.jobs;
+      settings.quiet = common_.quiet || common_.json;
+      const auto budget = MakeTimeBudget(*seconds, job_.options, settings, folder_);
       if (!budget) return Forward(budget);
       run.budget = budget->factor;
+      const EvaluateOptions& evaluate = job_.options.evaluate;  // what is scored takes time as well
+      run.assignments.push_back("evaluate.repetitions=" +
+                                std::to_string(std::min(kBudgetRepetitions, evaluate.repetitions)));
+      if (evaluate.motions > kBudgetMotions) {
+        run.assignments.push_back("evaluate.motions=" + std::to_string(kBudgetMotions));
+      }
       if (budget->recogniser_epochs > 0) {
         run.assignments.push_back("train.most_epochs=" + std::to_string(budget->recogniser_epochs));
       }
@@ -183,39 +293,25 @@ class Reproduction {
     CommonArguments own = common_;
     own.json = false;
     own.quiet = common_.quiet || common_.json;
-    return RunVerb(own, run);
-  }
-
-  Expected<TimeBudget> Budget() const {
-    const auto seconds = ParseQuantity(arguments_.time_budget, Unit::kSecond);
-    if (!seconds) {
-      return Fail(ErrorCode::kUsage, seconds.error().what, "--time-budget " + arguments_.time_budget, "20 min, 3 h");
-    }
-    if (!(*seconds > 0.0)) {
-      return Fail(ErrorCode::kUsage, "no time at all", "--time-budget " + arguments_.time_budget, "20 min, 3 h");
-    }
-    RunnerOptions settings;
-    settings.run_folder = folder_;
-    settings.jobs = arguments_.jobs;
-    settings.quiet = common_.quiet || common_.json;
-    if (Status made = MakeFolder(folder_); !made) return Forward(made);
-    return MakeTimeBudget(*seconds, job_.options, settings);
+    return RunVerb(own, run, &sets_);
   }
 
   /// Rows and published numbers of a set, as ComparePublished takes them; none where the run has no table of it.
   Expected<nlohmann::json> ResultOf(const DataSetOptions& set) const {
     const fs::path own = folder_ / "data" / set.name;
-    nlohmann::json result = ReadJson(own / "tables/table.json");
+    const bool ended = sets_.done.count(set.name) > 0;  // else its tables are of an earlier run
+    nlohmann::json result = ended ? ReadJson(own / "tables/table.json") : nlohmann::json::object();
     if (const nlohmann::json recognition = ReadJson(own / "tables/recognition.json");
-        !job_.options.evaluate.generators && recognition.contains("rows")) {
+        ended && !job_.options.evaluate.generators && recognition.contains("rows")) {
       result = recognition;
     }
     const auto published = PublishedOfItem(job_.options, set);
     if (!published) return Forward(published);
     if (!item().recipe.empty()) {
-      auto rows = ClassRows(item().recipe, own / "dataset.h5");
-      if (!rows) return Forward(rows);
-      result = {{"rows", std::move(*rows)}};
+      auto counted = set.path.empty() ? ExpectedRows(item().recipe) : CountedRows(own / "dataset.h5");
+      if (!counted && !set.path.empty() && !ended) counted = nlohmann::json::array();
+      if (!counted) return Forward(counted);
+      result = {{"rows", std::move(*counted)}};
     } else if (!item().parts_of.empty()) {
       result = {{"rows", PartRows(result, item().parts_of)}};
     }
@@ -227,22 +323,33 @@ class Reproduction {
     return result;
   }
 
+  /// The table alone: without places and what became of this run.
+  nlohmann::json TableJson() const {
+    nlohmann::json table = json_;
+    for (const char* key : {"run", "dry_run", "table", "pictures", "missing"}) table.erase(key);
+    return table;
+  }
+
   Status Compare() {
     if (item().kind != PaperItem::kTable && item().curve.empty()) return {};  // pictures alone
     std::string markdown = "# " + arguments_.id + "\n\n" + item().shows + "\n\n", csv, latex;
-    json_ = {{"id", arguments_.id},   {"kind", Name(item().kind)},       {"profile", profile()},
-             {"shows", item().shows}, {"conclusion", item().conclusion}, {"sets", nlohmann::json::array()}};
     bool any = false;
     for (const DataSetOptions& set : job_.options.data) {
       const auto result = ResultOf(set);
       if (!result) return Forward(result);
+      const auto failed = sets_.failed.find(set.name);
+      if (failed != sets_.failed.end()) {
+        const std::string why = "Set " + set.name + " is left out: " + failed->second;
+        markdown += why + "\n\n";
+        json_["missing"].push_back(why);
+      }
       if (result->at("rows").empty()) continue;
-      any = true;
+      any = any || failed == sets_.failed.end();
       const bool exact = CountsRecipe() || !item().parts_of.empty();
       const std::string stands_in = set.path.empty() && !exact ? set.substitute : std::string();
       const std::string& own = set.like.empty() ? set.name : set.like;
       ComparisonOptions options;
-      options.title = (set.published.empty() ? set.name : set.published) + (set.like.empty() ? "" : ", " + set.name);
+      options.title = set.published.empty() ? set.name : set.published;
       options.profile = exact || !item().recipe.empty() ? "" : profile();
       options.published_as = item().published_as;
       for (const ReleasedMotionsOptions& released : item().released) {
@@ -255,6 +362,17 @@ class Reproduction {
         table.notes.insert(table.notes.begin(), "Synthetic motions stand in for " + own +
                                                     ": orders of rows may be compared, numbers may not. --data " + own +
                                                     "=PATH gives your copy.");
+      }
+      if (const auto done = sets_.done.find(set.name); done != sets_.done.end()) {
+        for (const std::string& finding : done->second) table.notes.push_back("Of the set: " + finding + ".");
+      }
+      if (CountsRecipe()) {
+        table.notes.push_back("Ours is what configs/recipes/" + item().recipe +
+                              ".yaml expects of the files, which a run checks; --data " + set.name +
+                              "=PATH counts your copy.");
+      }
+      if (profile() == "smoke" && !exact) {
+        table.notes.push_back("Profile smoke shows whether the item runs: its numbers and orders mean nothing.");
       }
       if (!item().conclusion.empty()) table.notes.push_back("The paper concludes: " + item().conclusion);
       for (const nlohmann::json& note : result->value("notes", nlohmann::json::array())) {
@@ -274,11 +392,11 @@ class Reproduction {
     const fs::path tables = folder_ / "tables";
     if (Status made = MakeFolder(tables); !made) return made;
     const std::pair<const char*, std::string> files[] = {
-        {".md", markdown}, {".csv", csv}, {".tex", latex}, {".json", json_.dump(1) + "\n"}};
+        {".md", markdown}, {".csv", csv}, {".tex", latex}, {".json", TableJson().dump(1) + "\n"}};
     for (const auto& [ending, text] : files) {
       const fs::path file = tables / (name_ + ending);
       if (Status written = WriteFile(file, text); !written) return written;
-      if (ending == std::string(".md")) table_ = file;
+      if (ending == std::string(".md")) json_["table"] = DisplayPath(file);
     }
     text_ = markdown;
     return {};
@@ -287,17 +405,13 @@ class Reproduction {
   void Answer() {
     if (common_.json) {
       common_.answered = true;
-      json_["run"] = DisplayPath(folder_);
-      json_["table"] = table_.empty() ? nlohmann::json() : nlohmann::json(DisplayPath(table_));
-      json_["pictures"] = nlohmann::json::array();
-      for (const fs::path& file : pictures_) json_["pictures"].push_back(DisplayPath(file));
       std::printf("%s\n", json_.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
       return;
     }
-    if (common_.quiet) return;
+    if (common_.quiet || arguments_.dry_run) return;
     if (!text_.empty()) std::printf("\n%s", text_.c_str());
-    if (!table_.empty()) std::printf("table     %s\n", DisplayPath(table_).c_str());
-    for (const fs::path& file : pictures_) std::printf("picture   %s\n", DisplayPath(file).c_str());
+    if (json_["table"].is_string()) std::printf("table     %s\n", json_["table"].get<std::string>().c_str());
+    for (const nlohmann::json& file : json_["pictures"]) std::printf("picture   %s\n", file.get<std::string>().c_str());
   }
 
   CommonArguments& common_;
@@ -305,10 +419,9 @@ class Reproduction {
   LoadedJob job_;
   fs::path folder_;
   std::string name_;
-  nlohmann::json json_;
-  std::string text_;
-  fs::path table_;
-  std::vector<fs::path> pictures_;
+  nlohmann::json json_;  ///< the answer
+  std::string text_;     ///< the table
+  SetsOfRun sets_;
 };
 
 }  // namespace

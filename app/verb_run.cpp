@@ -171,7 +171,8 @@ Status Perform(CommonArguments& common, const JobOptions& options, JobStage last
 }
 
 /// A run over several sets: prints each, then the table over all.
-Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const LoadedJob& job, JobStage last) {
+Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const LoadedJob& job, JobStage last,
+                   SetsOfRun* sets_of_run) {
   const auto folder = RunFolder(arguments.output, job.options.name);
   if (!folder) return Forward(folder);
   if (Status ours = CheckRunFolder(*folder); !ours) return ours;
@@ -185,6 +186,15 @@ Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const
   const auto run = RunOverSets(job.options, last, arguments.budget, settings);
   Status outcome = run ? Status() : Forward(run);
   if (run) {
+    if (sets_of_run != nullptr) {
+      for (const SetResult& set : run->sets) {
+        std::vector<std::string>& findings = sets_of_run->done[set.set.name];
+        for (const Finding& finding : set.result.set_findings) {
+          if (finding.severity != Severity::kInfo) findings.push_back(finding.message);
+        }
+      }
+      for (const auto& [name, error] : run->failed) sets_of_run->failed[name] = error.Message();
+    }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     if (common.json) {
       common.answered = true;
@@ -208,8 +218,9 @@ Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const
       if (outcome) outcome = CheckNetworks(set.result);
     }
     if (outcome && !run->failed.empty()) {
-      const auto& [name, error] = run->failed.front();
-      outcome = Fail(ErrorCode::kTooManyFailures, "set " + name + ": " + error.what, error.where, error.hint);
+      const auto& [name, error] = run->failed.front();  // one set costs no other; where there is no other, it is all
+      const ErrorCode code = run->sets.empty() ? error.code : ErrorCode::kTooManyFailures;
+      outcome = Fail(code, "set " + name + " (--data " + name + "=PATH): " + error.what, error.where, error.hint);
     }
   }
   if (arguments.dry_run) return outcome;
@@ -219,7 +230,7 @@ Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const
 
 }  // namespace
 
-Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
+Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun* sets_of_run) {
   ChooseBlasKernels();
   auto job = LoadJob(arguments.config, arguments.assignments);
   if (!job) return Forward(job);
@@ -229,7 +240,7 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments) {
   if (Status sets = ResolveDataSets(job->options.data); !sets) return sets;
   if (Status named = CheckNames(job->options, *last); !named) return named;
 
-  if (!job->options.data.empty()) return RunSetsVerb(common, arguments, *job, *last);
+  if (!job->options.data.empty()) return RunSetsVerb(common, arguments, *job, *last, sets_of_run);
   if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
   const auto folder = RunFolder(arguments.output, job->options.name);
   if (!folder) return Forward(folder);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -229,7 +230,13 @@ struct CacheArguments {
 };
 
 /// Each verb prints its result and returns how it went. Runs end with the exit code of that.
-Status RunVerb(CommonArguments& common, const RunArguments& arguments);
+/// What became of the sets of a run over several.
+struct SetsOfRun {
+  std::map<std::string, std::vector<std::string>> done;  ///< name -> findings about the set
+  std::map<std::string, std::string> failed;             ///< name -> why
+};
+
+Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun* sets = nullptr);
 Status FitVerb(CommonArguments& common, const FitArguments& arguments);
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments);

@@ -1,8 +1,10 @@
 #include "report/motion_picture_stage.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "report/plot.h"
 #include "report/stages.h"
 
@@ -33,16 +35,35 @@ Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const Mot
   return rows;
 }
 
+std::vector<std::string> SourcesWithout(const StageRequest& request, const std::vector<MotionRow>& rows) {
+  std::vector<std::string> without;
+  for (const StageInput& input : request.inputs) {
+    const bool shown =
+        std::any_of(rows.begin(), rows.end(), [&](const MotionRow& row) { return row.method == input.name; });
+    if (input.role == "motions" && !shown) without.push_back(input.name);
+  }
+  return without;
+}
+
 Expected<StageOutcome> MotionPictureStage(const StageRequest& request) {
   const auto options = OptionsFromJson<MotionPictureOptions>(request.options, "draw");
   if (!options) return Forward(options);
   const auto rows = ReadRows(request, *options);
   if (!rows) return Forward(rows);
   const Drawing drawing = DrawMotionRows(*rows, *options);
+  constexpr double kMostPixels = 2e8;  // OpenCV's image of them takes 0.6 GB
+  const double pixels = drawing.width * drawing.height * options->scale * options->scale;
+  if (options->format == PictureFormat::kPng && pixels > kMostPixels) {
+    return Fail(ErrorCode::kUsage, RoundedText(pixels / 1e6, 3) + " million pixels, a PNG has 200 million at most",
+                "picture", "a smaller --scale, fewer rows or stills, or .svg");
+  }
   const std::string bytes = options->format == PictureFormat::kSvg ? ToSvg(drawing) : ToPng(drawing, options->scale);
   if (Status written = WriteFile(request.output, bytes); !written) return Forward(written);
   StageOutcome outcome;
-  outcome.summary = {{"rows", rows->size()}, {"width", drawing.width}, {"height", drawing.height}};
+  outcome.summary = {{"rows", rows->size()},
+                     {"width", drawing.width},
+                     {"height", drawing.height},
+                     {"without", SourcesWithout(request, *rows)}};
   return outcome;
 }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <set>
 
+#include "core/base/pi.h"
 #include "core/base/text.h"
 #include "report/filmstrip.h"
 #include "report/posed_body.h"
@@ -70,7 +71,7 @@ std::vector<Vector2d> HullOfDiscs(const Vector2d& a, const Vector2d& b, double r
   std::vector<Vector2d> outline;
   for (int end = 0; end < 2; ++end) {
     for (int k = 0; k <= kSteps; ++k) {
-      const double turn = angle - M_PI_2 + M_PI * (end + static_cast<double>(k) / kSteps);
+      const double turn = angle - 0.5 * kPi + kPi * (end + static_cast<double>(k) / kSteps);
       outline.push_back((end == 0 ? b : a) + radius * Vector2d(std::cos(turn), std::sin(turn)));
     }
   }
@@ -169,8 +170,11 @@ void Write(double x, double y, std::string text, double size, TextAnchor anchor,
 
 /// As many characters as a width holds, about.
 std::string Shortened(const std::string& text, double width, double size) {
-  const auto most = static_cast<std::size_t>(std::max(1.0, width / (0.56 * size)));
-  return text.size() <= most ? text : text.substr(0, most - 1) + ".";
+  auto most = static_cast<std::size_t>(std::max(1.0, width / (0.56 * size)));
+  if (text.size() <= most) return text;
+  --most;
+  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0) == 0x80) --most;  // within a character of UTF-8
+  return text.substr(0, most) + ".";
 }
 
 /// A row's figures and their extent.
@@ -180,7 +184,7 @@ struct SeenRow {
   double low = 1e9, high = -1e9;
 };
 
-/// The root's way on the floor, metres: x to the right, y away from the eye, as the row is seen.
+/// The root's way on the floor, metres: x to the right, y towards the eye, as the row is seen.
 std::vector<Vector2d> PathOf(const Motion& motion, const Eye& eye) {
   std::vector<Vector2d> path;
   const Vector3d start = motion.joints.at(0, 0);
@@ -231,7 +235,9 @@ class RowsDrawing {
     drawing_.width = kNames + figures + kPath + 2.0 * kSpace;
     double y = kSpace;
     if (!options_.title.empty()) {
-      Write(kSpace, y + 14.0, options_.title, 14.0, TextAnchor::kStart, kInkColour, true, drawing_.shapes);
+      const double fits = (drawing_.width - 2.0 * kSpace) / (0.62 * static_cast<double>(options_.title.size()));
+      Write(kSpace, y + 14.0, options_.title, std::min(14.0, fits), TextAnchor::kStart, kInkColour, true,
+            drawing_.shapes);
       y += kHead;
     }
     for (std::size_t r = 0; r < rows_.size(); ++r) y = DrawRow(r, y) + kSpace;
@@ -242,8 +248,6 @@ class RowsDrawing {
   }
 
  private:
-  double XOf(double place) const { return kNames + cell_ * (place + 0.5); }
-
   double DrawRow(std::size_t r, double top) {
     const MotionRow& row = rows_[r];
     const SeenRow& seen = seen_[r];
@@ -273,8 +277,10 @@ class RowsDrawing {
   double DrawBrackets(const Clip& clip, double top) {
     const Motion& motion = *clip.motion;
     const double last = std::max(1e-9, motion.rate.FrameTime(motion.frame_count() - 1));
-    const auto x_of = [&](double seconds) {
-      return XOf(std::clamp(seconds / last, 0.0, 1.0) * static_cast<double>(options_.stills - 1));
+    const auto count = static_cast<double>(std::min<std::int64_t>(options_.stills, motion.frame_count()));
+    const auto x_of = [&](double seconds) {  // from the first figure to the last
+      const double place = std::clamp(seconds / last, 0.0, 1.0) * (count - 1.0) + 0.5;
+      return kNames + cell_ * place * static_cast<double>(options_.stills) / count;
     };
     std::vector<Shape>& shapes = drawing_.shapes;
     for (const Segment& segment : clip.segments) {
@@ -362,6 +368,9 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
     std::vector<std::string> names(known.begin(), known.end());
     const auto near = Nearest(label, names);
     std::string list;
+    if (list.empty() && known == std::set<std::string>{""}) {
+      return Fail(ErrorCode::kNotFound, "the motions have no labels", label, "--clip names clips by their ids");
+    }
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
     return Fail(ErrorCode::kNotFound, "no motion has this label", label,
                 (near ? "did you mean '" + *near + "'? " : std::string()) + "there are: " + list);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/base/pi.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
@@ -9,7 +10,7 @@ namespace {
 
 /// Weight of the new value in a low-pass.
 double WeightOf(double cutoff_hz, double rate_hz) {
-  const double turns = 2.0 * M_PI * cutoff_hz / rate_hz;
+  const double turns = 2.0 * kPi * cutoff_hz / rate_hz;
   return turns / (1.0 + turns);
 }
 

@@ -18,11 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int AvailableCores() {
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  return sched_getaffinity(0, sizeof cores, &cores) == 0 ? std::max(1, CPU_COUNT(&cores)) : 1;
-}
 
 Expected<RunnerOptions> Resolved(RunnerOptions options) {
   if (options.jobs < 0) {
@@ -69,6 +64,12 @@ std::string Summary(const StageReport& report) {
 }
 
 }  // namespace
+
+int AvailableCores() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  return sched_getaffinity(0, sizeof cores, &cores) == 0 ? std::max(1, CPU_COUNT(&cores)) : 1;
+}
 
 struct Runner::Impl : RunnerState {
   using RunnerState::RunnerState;

@@ -10,6 +10,9 @@
 
 namespace mocurate {
 
+/// Cores that this process may use.
+int AvailableCores();
+
 struct RunnerOptions {
   std::filesystem::path run_folder;     ///< journal.jsonl, curation_log.jsonl, lock
   std::filesystem::path cache_folder;   ///< empty: $MOCURATE_CACHE, else ${XDG_CACHE_HOME:-~/.cache}/mocurate

@@ -74,7 +74,7 @@ Motion WithRotationNoise(const Motion& motion, const std::vector<Vector3d>& nois
 Motion JitterRotations(const Motion& motion, double metres, Random random) {
   std::vector<Vector3d> noise(motion.root_translation.size() * (static_cast<std::size_t>(motion.joint_count()) + 1));
   for (Vector3d& one : noise) one = NormalVector(random);
-  // Displacements grow with the angle: by regula falsi, to a thousandth of the dose.
+  // Displacements grow with the angle: by bisection, to a thousandth of the dose.
   const double wanted = 3.0 * metres * metres;
   double low = 0.0, high = 0.5 * metres;  // a bone of 2 m
   Motion noisy = WithRotationNoise(motion, noise, metres, high);

@@ -12,8 +12,8 @@ namespace {
 
 /// What papers call motions of the set that we call Real (ACTOR's "Real [A2M]" is quoted) and Real-test.
 bool IsRealMethod(const std::string& method) {
-  static const std::set<std::string> kNames = {"Real",  "Real motions", "Real-train",   "Real-test",
-                                               "Real*", "Real [A2M]",   "Real (others)"};
+  static const std::set<std::string> kNames = {"Real",      "Real motions", "Real-train",
+                                               "Real-test", "Real*",        "Real [A2M]"};
   return kNames.count(method) > 0;
 }
 
@@ -54,15 +54,21 @@ Table::Cell PublishedCell(const nlohmann::json& published) {
   return cell;
 }
 
-/// Ours divided by the published number; its interval is ours divided by it.
-Table::Cell RatioOf(const Table::Cell& ours, double published) {
+/// Ours divided by the published number. Its interval is ours divided by it: that by resampling where there is one;
+/// ACTOR's is 1.96 times a variance and none.
+Table::Cell RatioOf(const Table::Cell& ours, const nlohmann::json& metric, double published) {
   Table::Cell ratio;
   if (!ours.value || published == 0.0) return ratio;
   ratio.value = *ours.value / published;
-  if (ours.interval) {
-    ratio.interval = {(*ours.interval)[0] / published, (*ours.interval)[1] / published};
+  std::optional<std::array<double, 2>> interval;
+  if (metric.is_object() && metric.contains("bootstrap_95") && metric["bootstrap_95"].is_array()) {
+    interval = metric["bootstrap_95"].get<std::array<double, 2>>();
+    ratio.interval_kind = Name(IntervalKind::kBootstrap);
+  } else if (ours.interval && ours.interval_kind != Name(IntervalKind::kActor)) {
+    interval = ours.interval;
     ratio.interval_kind = ours.interval_kind;
   }
+  if (interval) ratio.interval = {(*interval)[0] / published, (*interval)[1] / published};
   return ratio;
 }
 
@@ -77,19 +83,22 @@ struct Pair {
 
 /// How many pairs of rows stand in the published order; equal published numbers have none.
 nlohmann::json OrderOf(const std::vector<Pair>& numbers) {
-  int pairs = 0, same = 0;
+  int pairs = 0, same = 0, equal = 0;
   for (std::size_t a = 0; a < numbers.size(); ++a) {
     for (std::size_t b = a + 1; b < numbers.size(); ++b) {
       const double published = numbers[a].published - numbers[b].published;
       if (published == 0.0) continue;
       ++pairs;
-      if (published * (numbers[a].ours - numbers[b].ours) > 0.0) ++same;
+      const double ours = numbers[a].ours - numbers[b].ours;
+      if (published * ours > 0.0) ++same;
+      if (ours == 0.0) ++equal;
     }
   }
-  return {{"pairs", pairs}, {"as_published", same}};
+  return {{"pairs", pairs}, {"as_published", same}, {"equal", equal}};
 }
 
-/// Columns of the comparison: metrics that something was published of and a row of ours has, else those that ours has.
+/// Columns of the comparison: metrics that something was published of, and the distance to the training motions; where
+/// nothing was published, all that a row of ours has.
 std::vector<const MetricColumn*> ComparedColumns(const nlohmann::json& result, const nlohmann::json& published) {
   std::vector<const MetricColumn*> columns;
   for (const MetricColumn& column : MetricColumns()) {
@@ -127,9 +136,9 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     table.columns.emplace_back(column->title);
     table.digits.push_back(column->digits);
     if (!is_published(column)) continue;
-    table.columns.emplace_back("published");
+    table.columns.emplace_back(std::string(column->title) + ", published");
     table.digits.push_back(column->digits);
-    table.columns.emplace_back("ours / published");
+    table.columns.emplace_back(std::string(column->title) + ", ours / published");
     table.digits.push_back(2);
   }
   std::map<std::string, std::vector<Pair>> pairs;
@@ -139,12 +148,13 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     Table::Row row{name + (profile.empty() ? "" : " [" + profile + "]"), {}, "", unconverged};
     nlohmann::json compared = nlohmann::json::object();
     for (const MetricColumn* column : columns) {
-      Table::Cell ours = CellOf(metrics.value(column->key, nlohmann::json()));
-      ours.repetitions.clear();
+      const nlohmann::json metric = metrics.value(column->key, nlohmann::json());
+      const Table::Cell ours = CellOf(metric);
       row.cells.push_back(ours);
       nlohmann::json& json = compared[column->key];
       json = {{"value", ours.value ? nlohmann::json(*ours.value) : nlohmann::json()},
               {"interval", JsonOf(ours.interval)},
+              {"interval_kind", ours.interval ? nlohmann::json(ours.interval_kind) : nlohmann::json()},
               {"published", nullptr},
               {"published_pm", nullptr},
               {"pm_kind", nullptr},
@@ -156,7 +166,7 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
         row.cells.resize(row.cells.size() + 2);
         continue;
       }
-      const Table::Cell theirs = PublishedCell(*value), ratio = RatioOf(ours, *theirs.value);
+      const Table::Cell theirs = PublishedCell(*value), ratio = RatioOf(ours, metric, *theirs.value);
       row.cells.push_back(theirs);
       row.cells.push_back(ratio);
       json["published"] = *theirs.value;
@@ -177,6 +187,9 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     const std::optional<std::string> method = MethodOf(row, methods, options);
     if (method) shown.insert(*method);
     const std::string name = row.at("name").get<std::string>();
+    if (method && options.published_as.count(name) > 0) {
+      table.notes.push_back(name + " stands beside the published " + *method + ".");
+    }
     add(name, row.value("profile", options.profile), row.value("metrics", nlohmann::json::object()), method,
         row.contains("profile") || row.value("real", IsRealMethod(name)), row.contains("unconverged"));
   }
@@ -190,7 +203,8 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     if (order.at("pairs") == 0) continue;
     order["metric"] = column->key;
     table.notes.push_back(std::string(column->title) + ": " + order.at("as_published").dump() + " of " +
-                          order.at("pairs").dump() + " pairs of rows stand in the published order.");
+                          order.at("pairs").dump() + " pairs of rows stand in the published order" +
+                          (order.at("equal") == 0 ? "." : ", ours are equal in " + order.at("equal").dump() + "."));
     comparison.order.push_back(std::move(order));
   }
   for (const nlohmann::json& value : published) {

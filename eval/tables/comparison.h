@@ -19,10 +19,10 @@ struct ComparisonOptions {
 /// A published table with our numbers beside it.
 struct Comparison {
   Table table;          ///< three columns a metric: ours, published, ours divided by published with its interval
-  nlohmann::json rows;  ///< [{"method", "published_as", "profile", "metrics": {M: {"value", "interval", "published",
-                        ///< "published_pm", "pm_kind", "ratio", "ratio_interval"}}}]
-  /// [{"metric", "pairs", "as_published"}]: pairs of rows that are no real motions, and how many of them stand in the
-  /// published order; of metrics where less or more is better.
+  nlohmann::json rows;  ///< [{"method", "published_as", "profile", "metrics": {M: {"value", "interval",
+                        ///< "interval_kind", "published", "published_pm", "pm_kind", "ratio", "ratio_interval"}}}]
+  /// [{"metric", "pairs", "as_published", "equal"}]: pairs of rows that are no real motions, how many of them stand in
+  /// the published order, and in how many ours are equal; of metrics where less or more is better.
   nlohmann::json order = nlohmann::json::array();
 };
 

@@ -39,7 +39,7 @@ Expected<StageOutcome> MotionVideoStage(const StageRequest& request) {
   const auto pictures = WriteVideo(request.item, rate, count, draw, request.output);
   if (!pictures) return Forward(pictures);
   StageOutcome outcome;
-  outcome.summary = {{"rows", rows->size()}, {"pictures", *pictures}};
+  outcome.summary = {{"rows", rows->size()}, {"pictures", *pictures}, {"without", SourcesWithout(request, *rows)}};
   return outcome;
 }
 

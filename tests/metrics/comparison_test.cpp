@@ -63,9 +63,22 @@ TEST(Comparison, AMethodWithoutARowOfOursIsShownAlone) {
 TEST(Comparison, OrderCountsPairsOfRowsThatAreNoRealMotions) {
   const Comparison comparison = ComparePublished(SmallResult(), {"toy", "small", {}});
   ASSERT_EQ(comparison.order.size(), 2U);
-  EXPECT_EQ(comparison.order[0], nlohmann::json({{"metric", "FID_train"}, {"pairs", 3}, {"as_published", 2}}))
+  EXPECT_EQ(comparison.order[0],
+            nlohmann::json({{"metric", "FID_train"}, {"pairs", 3}, {"as_published", 2}, {"equal", 0}}))
       << "A < B and A < C as published, C < B not";
-  EXPECT_EQ(comparison.order[1], nlohmann::json({{"metric", "accuracy"}, {"pairs", 1}, {"as_published", 0}}));
+  EXPECT_EQ(comparison.order[1],
+            nlohmann::json({{"metric", "accuracy"}, {"pairs", 1}, {"as_published", 0}, {"equal", 0}}));
+}
+
+TEST(Comparison, ResamplingIsTheIntervalOfARatioWhereAPapersPlusMinusIsNone) {
+  nlohmann::json result = SmallResult();
+  nlohmann::json& fid = result["rows"][1]["metrics"]["FID_train"];
+  fid["interval_kind"] = "actor_1.96_variance";
+  const Comparison none = ComparePublished(result, {"toy", "small", {}});
+  EXPECT_TRUE(RowOf(none, "A").at("metrics").at("FID_train").at("ratio_interval").is_null());
+  fid["bootstrap_95"] = {1.0, 4.0};
+  const Comparison resampled = ComparePublished(result, {"toy", "small", {}});
+  EXPECT_EQ(RowOf(resampled, "A").at("metrics").at("FID_train").at("ratio_interval"), nlohmann::json({1.0, 4.0}));
 }
 
 TEST(Comparison, ARowMayStandForAMethodOfAnotherNameOrForNone) {
