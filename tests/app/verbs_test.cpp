@@ -19,6 +19,8 @@ TEST(Help, EveryVerbHasAnExample) {
   for (const auto& verb : std::vector<std::vector<std::string>>{{"run"},
                                                                 {"generate"},
                                                                 {"audit"},
+                                                                {"draw"},
+                                                                {"reproduce"},
                                                                 {"survey", "make"},
                                                                 {"survey", "tally"},
                                                                 {"dataset", "card"},
