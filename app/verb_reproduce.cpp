@@ -332,7 +332,14 @@ class Reproduction {
 
   Status Compare() {
     if (item().kind != PaperItem::kTable && item().curve.empty()) return {};  // pictures alone
-    std::string markdown = "# " + arguments_.id + "\n\n" + item().shows + "\n\n", csv, latex;
+    std::string markdown = "# " + arguments_.id + "\n\n" + item().shows + "\n\n", csv = ComparisonCsvHead(), latex;
+    const nlohmann::json described = DescribePaperItem(arguments_.id, job_.options);
+    for (const nlohmann::json& missing : described.at("missing")) {
+      markdown +=
+          "- Missing: " + missing.at("name").get<std::string>() + ". " + missing.at("how").get<std::string>() + ".\n";
+    }
+    json_["needs"] = described.at("missing");
+    if (!described.at("missing").empty()) markdown += "\n";
     bool any = false;
     for (const DataSetOptions& set : job_.options.data) {
       const auto result = ResultOf(set);
@@ -379,7 +386,7 @@ class Reproduction {
         table.notes.push_back(note.get<std::string>());
       }
       markdown += ToMarkdown(table) + "\n";
-      csv += "# " + set.name + "\n" + ToCsv(table) + "\n";
+      csv += ComparisonCsv(set.name, comparison);
       latex += "% " + set.name + "\n" + ToLatex(table) + "\n";
       json_["sets"].push_back({{"set", set.name},
                                {"published", set.published},

@@ -8,6 +8,7 @@
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "report/filmstrip.h"
+#include "report/html.h"
 #include "report/posed_body.h"
 #include "report/svg.h"
 

@@ -220,8 +220,8 @@ Motion Truncated(const Motion& motion, double share) {
   Clip clip;
   clip.rate = motion.rate;
   clip.motion = motion;
-  auto cut = Cut(clip, 0, std::max(1, kept));
-  Motion shorter = cut ? std::move(*cut->motion) : motion;
+  const auto cut = Cut(clip, 0, std::max(1, kept));
+  Motion shorter = cut ? *cut->motion : motion;
   DropStatements(shorter);
   return shorter;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "core/base/text.h"
 #include "eval/tables/metric_columns.h"
 
 namespace mocurate {
@@ -212,6 +213,36 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     if (std::find(table.notes.begin(), table.notes.end(), source) == table.notes.end()) table.notes.push_back(source);
   }
   return comparison;
+}
+
+std::string ComparisonCsvHead() {
+  return "set,method,published_as,profile,metric,value,interval_low,interval_high,interval_kind,published,published_pm,"
+         "pm_kind,ratio,ratio_low,ratio_high\n";
+}
+
+std::string ComparisonCsv(const std::string& set, const Comparison& comparison) {
+  const auto text = [](const nlohmann::json& value) {
+    return value.is_string() ? CsvText(value.get<std::string>()) : std::string();
+  };
+  const auto number = [](const nlohmann::json& value) {
+    return value.is_number() ? FormatDouble(value.get<double>()) : std::string();
+  };
+  const auto pair = [&](const nlohmann::json& interval) {
+    return interval.is_array() ? number(interval[0]) + "," + number(interval[1]) : std::string(",");
+  };
+  std::string csv;
+  for (const nlohmann::json& row : comparison.rows) {
+    const nlohmann::json& metrics = row.at("metrics");
+    for (const auto& [metric, one] : metrics.items()) {
+      if (!one.at("value").is_number() && !one.at("published").is_number()) continue;
+      csv += CsvText(set) + "," + text(row.at("method")) + "," + text(row.at("published_as")) + "," +
+             text(row.at("profile")) + "," + metric + "," + number(one.at("value")) + "," + pair(one.at("interval")) +
+             "," + text(one.at("interval_kind")) + "," + number(one.at("published")) + "," +
+             number(one.at("published_pm")) + "," + text(one.at("pm_kind")) + "," + number(one.at("ratio")) + "," +
+             pair(one.at("ratio_interval")) + "\n";
+    }
+  }
+  return csv;
 }
 
 }  // namespace mocurate

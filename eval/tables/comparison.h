@@ -32,4 +32,10 @@ struct Comparison {
 /// published of are left out, unless nothing was published at all.
 Comparison ComparePublished(const nlohmann::json& result, const ComparisonOptions& options);
 
+/// The first line of ComparisonCsv.
+std::string ComparisonCsvHead();
+/// The rows of a comparison in long form: set, method, published_as, profile, metric, value, its interval and kind,
+/// the published value with its +- and kind, ratio and its interval; a line a number.
+std::string ComparisonCsv(const std::string& set, const Comparison& comparison);
+
 }  // namespace mocurate

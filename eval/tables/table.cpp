@@ -52,12 +52,6 @@ std::vector<std::string> Meanings(const Table& table) {
   return meanings;
 }
 
-std::string CsvText(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 /// A name in one line of Markdown: what would be markup, or end a cell, is escaped.
 std::string MarkdownText(std::string_view text) {
   constexpr std::string_view kMarkup = "\\`*_|<[]";
@@ -105,6 +99,12 @@ std::string LatexText(std::string_view text) {
 }
 
 }  // namespace
+
+std::string CsvText(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
 
 std::string ToMarkdown(const Table& table) {
   std::string text = "**" + MarkdownText(table.title) + "**\n\n| method |";

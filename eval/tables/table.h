@@ -31,6 +31,9 @@ struct Table {
   std::vector<std::string> notes;
 };
 
+/// A text as a field of a CSV file, in quotes.
+std::string CsvText(const std::string& text);
+
 /// "0.923 ± 0.002" per cell, † behind one that is marked, ‡ behind the name of an unconverged row; published rows
 /// follow ours under a line of their own. Below stands what each ± is, then the notes. Names and notes are plain text:
 /// what a format takes for markup is escaped.

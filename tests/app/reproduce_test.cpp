@@ -110,6 +110,11 @@ TEST(Reproduce, FiguresAreDrawnFromTheNetworksOfTheirRun) {
   const Folder folder;
   if (std::getenv("MOCURATE_DATA") != nullptr) {  // which has a body for the loss on vertices
     EXPECT_TRUE(HasPictures(Reproduced(folder, "actor/figure3"), 2U));
+    EXPECT_EQ(RunProgram(folder, {"draw", (folder / "actor_figure3/motions/samples_ACTOR.h5").string(), "--stills", "3",
+                                  "--figure", "skin", "-o", (folder / "skin.png").string()})
+                  .exit_code,
+              0);
+    EXPECT_GT(fs::file_size(folder / "skin.png"), 5000U);
   }
   const nlohmann::json study = Reproduced(folder, "a2m/figure4");
   EXPECT_TRUE(HasPictures(study, 4U)) << "the motions, the page of questions, and a figure that has no answers yet";

@@ -81,6 +81,21 @@ TEST(Comparison, ResamplingIsTheIntervalOfARatioWhereAPapersPlusMinusIsNone) {
   EXPECT_EQ(RowOf(resampled, "A").at("metrics").at("FID_train").at("ratio_interval"), nlohmann::json({1.0, 4.0}));
 }
 
+TEST(Comparison, TheLongFormHasALineANumberAndTheSameFieldsInEach) {
+  const std::string csv = ComparisonCsv("toy", ComparePublished(SmallResult(), {"toy", "small", {}}));
+  EXPECT_NE(
+      csv.find("\"toy\",\"A\",\"A\",\"small\",FID_train,2,1.5,2.5,\"student_95\",1,0.1,\"student_95\",2,1.5,2.5\n"),
+      std::string::npos)
+      << csv;
+  const auto fields = [](const std::string& line) { return std::count(line.begin(), line.end(), ','); };
+  std::size_t begin = 0;
+  while (begin < csv.size()) {
+    const std::size_t end = csv.find('\n', begin);
+    EXPECT_EQ(fields(csv.substr(begin, end - begin)), fields(ComparisonCsvHead()));
+    begin = end + 1;
+  }
+}
+
 TEST(Comparison, ARowMayStandForAMethodOfAnotherNameOrForNone) {
   const Comparison comparison = ComparePublished(SmallResult(), {"toy", "", {{"A", ""}, {"C", "A"}}});
   EXPECT_TRUE(RowOf(comparison, "A").at("published_as").is_null());
