@@ -201,8 +201,10 @@ class PictureMaker {
     }
     nlohmann::json plots = nlohmann::json::array();
     for (const auto& [metric, title] : kPlotted) {
-      nlohmann::json plot = {
-          {"title", title}, {"x_name", options_.reproduce.curve}, {"y_name", ""}, {"curves", nlohmann::json::array()}};
+      nlohmann::json plot = {{"title", title + Origin()},
+                             {"x_name", options_.reproduce.curve},
+                             {"y_name", ""},
+                             {"curves", nlohmann::json::array()}};
       for (const auto& [name, points] : curves[metric]) {
         nlohmann::json curve = {{"name", name}, {"points", nlohmann::json::array()}};
         for (const auto& [x, point] : points) curve["points"].push_back(point);

@@ -55,19 +55,19 @@ Table::Cell PublishedCell(const nlohmann::json& published) {
   return cell;
 }
 
-/// Ours divided by the published number. Its interval is ours divided by it: that by resampling where there is one;
-/// ACTOR's is 1.96 times a variance and none.
+/// Ours divided by the published number, its interval likewise. ACTOR's +- is 1.96 times a variance and none: there
+/// resampling gives one.
 Table::Cell RatioOf(const Table::Cell& ours, const nlohmann::json& metric, double published) {
   Table::Cell ratio;
   if (!ours.value || published == 0.0) return ratio;
   ratio.value = *ours.value / published;
-  std::optional<std::array<double, 2>> interval;
-  if (metric.is_object() && metric.contains("bootstrap_95") && metric["bootstrap_95"].is_array()) {
-    interval = metric["bootstrap_95"].get<std::array<double, 2>>();
+  std::optional<std::array<double, 2>> interval = ours.interval;
+  ratio.interval_kind = ours.interval_kind;
+  if (ours.interval_kind == Name(IntervalKind::kActor)) {
+    const nlohmann::json resampled = metric.value("bootstrap_95", nlohmann::json());
+    interval.reset();
+    if (resampled.is_array()) interval = resampled.get<std::array<double, 2>>();
     ratio.interval_kind = Name(IntervalKind::kBootstrap);
-  } else if (ours.interval && ours.interval_kind != Name(IntervalKind::kActor)) {
-    interval = ours.interval;
-    ratio.interval_kind = ours.interval_kind;
   }
   if (interval) ratio.interval = {(*interval)[0] / published, (*interval)[1] / published};
   return ratio;
