@@ -11,6 +11,8 @@ namespace mocurate {
 void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
 void AddReview(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
 void AddSurvey(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
+void AddDraw(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
+void AddReproduce(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
 void AddDataset(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
 
 }  // namespace mocurate

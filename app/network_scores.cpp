@@ -8,6 +8,7 @@
 #include "app/protocols.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
+#include "eval/published/published.h"
 
 namespace mocurate {
 namespace {

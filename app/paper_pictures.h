@@ -19,7 +19,7 @@ struct ReproducedRun {
 /// What was made, and rows or surveys that could not be.
 struct PaperPictures {
   std::vector<std::filesystem::path> files;
-  std::vector<std::string> lost;  ///< "PICTURE, ROW", each told of in a warning
+  std::vector<std::string> lost;  ///< what is missing, each with a warning
 };
 
 /// The pictures of a paper's item from the networks and datasets that its run left: motions/NAME_ROW.h5,

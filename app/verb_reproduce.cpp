@@ -218,7 +218,7 @@ class Reproduction {
     return {};
   }
 
-  /// In a folder that no run has written, a file of ours would overwrite somebody's.
+  /// A folder without run.json may hold files of the user under our names: they are not overwritten.
   Status CheckOutputNames() const {
     std::error_code unknown;
     if (fs::exists(folder_ / "run.json", unknown)) {

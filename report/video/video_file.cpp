@@ -51,7 +51,7 @@ Expected<int> WriteVideo(const std::string& item, double rate_hz, int count,
         writer.open(partial.path().string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('a', 'v', 'c', '1'), rate_hz,
                     image->size());
       } catch (const cv::Exception&) {
-        // Told below.
+        // Reported below.
       }
       if (!writer.isOpened()) {
         return Fail(ErrorCode::kMissingOnHost, "no H.264 encoder: a video cannot be written", item, kHowToEncode);

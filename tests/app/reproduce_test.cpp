@@ -166,10 +166,10 @@ TEST(Reproduce, WhatCannotBeRunIsRefusedWithTheWayOut) {
   EXPECT_NE(layout.exit_code, 0) << "a folder of another layout";
   EXPECT_THAT(layout.err, HasSubstr("humanact12"));
   EXPECT_FALSE(fs::exists(folder / "r/tables/table5.md")) << "the recipe's numbers are not the user's";
-  program::WriteText(folder / "mine/tables/table5.tex", "a paper of somebody");
+  program::WriteText(folder / "mine/tables/table5.tex", "written by the user");
   const Result mine = RunProgram(folder, {"reproduce", "a2m/table5", "-o", (folder / "mine").string()});
   EXPECT_EQ(mine.exit_code, 2);
-  EXPECT_EQ(ReadText(folder / "mine/tables/table5.tex"), "a paper of somebody");
+  EXPECT_EQ(ReadText(folder / "mine/tables/table5.tex"), "written by the user");
   EXPECT_EQ(RunProgram(folder, {"reproduce", "list", "--data", "humanact=/x"}).exit_code, 2);
 }
 

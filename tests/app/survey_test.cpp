@@ -18,7 +18,7 @@ using program::WriteText;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// The file that the page of a survey saves of somebody who always chooses a source.
+/// The file that the page of a survey saves of a participant who always chooses one source.
 nlohmann::json AnswersFor(const std::string& source, const std::string& participant, const nlohmann::json& key) {
   nlohmann::json answers = {
       {"survey", key["survey"]}, {"participant", participant}, {"missing", nlohmann::json::array()}};

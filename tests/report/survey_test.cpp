@@ -245,9 +245,9 @@ TEST(SurveyPage, ItTellsNoSourceLoadsNothingAndHasTheSameBytesAgain) {
   const auto made = survey.Make();
   ASSERT_TRUE(made) << made.error().Message();
   const std::string page = *ReadFile(survey.folder / "index.html");
-  for (const char* told :
+  for (const char* hint :
        {kOurs, kTheirs, "Zw", "quartz", "person0", "person1", "/take", "http://", "https://", "</script> throw"}) {
-    EXPECT_THAT(page, Not(HasSubstr(told)));
+    EXPECT_THAT(page, Not(HasSubstr(hint)));
   }
   EXPECT_EQ(made->summary.at("motions"), 12);
   EXPECT_EQ(made->summary.at("notes").size(), 1u) << "motions of unlike length";
