@@ -9,8 +9,8 @@ namespace mocurate {
 /// Rows are samples in time.
 using SampleMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// A motion at a steady rate of its own, without place and heading: neither the camera nor the place of the person changes
-/// it. S samples, the first at the first frame, the last at most `1 / rate_hz` before the last frame; J joints.
+/// A motion at a steady rate of its own, without place and heading: neither the camera nor the place of the person
+/// changes it. S samples, the first at the first frame, the last at most `1 / rate_hz` before the last frame; J joints.
 struct BodyDescription {
   double rate_hz = 12.5;
   SampleMatrix pose;   ///< (S, 3 J) joints from the middle of the hips, x left, y up, z forward of the hips, metres

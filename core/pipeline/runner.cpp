@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-
 Expected<RunnerOptions> Resolved(RunnerOptions options) {
   if (options.jobs < 0) {
     return Fail(ErrorCode::kUsage, "jobs is " + std::to_string(options.jobs), "--jobs", "0 means one per core");

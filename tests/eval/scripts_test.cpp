@@ -64,7 +64,8 @@ TEST(Scripts, ChainsFollowWhatTheSamplesSay) {
   FeaturesOptions options = Asking(ScriptDraw::kChain, 50);
   options.steps = 5;
   options.step = 5;
-  const auto requests = DrawScripts(set, EveryRow(set), options, 0), again = DrawScripts(set, EveryRow(set), options, 0);
+  const auto requests = DrawScripts(set, EveryRow(set), options, 0),
+             again = DrawScripts(set, EveryRow(set), options, 0);
   const auto other = DrawScripts(set, EveryRow(set), options, 1);
   ASSERT_TRUE(requests && again && other);
   ASSERT_EQ(requests->size(), 50u);

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "core/base/text.h"
 #include "core/formats/phspd_text.h"
 #include "ingest/sense/inspect.h"
 #include "tests/ingest/studio_folders.h"

@@ -1,7 +1,7 @@
 // The page on which a person marks spans, driven in a headless browser; its CSV is what canon cuts by.
 
-#include "core/motion/operations.h"
 #include "report/annotate_page.h"
+#include "core/motion/operations.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -126,8 +126,8 @@ class Training {
     for (const int row : rows_.train) {
       const TrainingSet::Clip& clip = set_.clips[static_cast<std::size_t>(row)];
       if (*std::min_element(clip.parts.begin(), clip.parts.end()) < 1) {
-        return Fail(ErrorCode::kInconsistent, "the clip is no sample of previous action, transition and action", clip.id,
-                    "make samples with canon.trim.rule: triples");
+        return Fail(ErrorCode::kInconsistent, "the clip is no sample of previous action, transition and action",
+                    clip.id, "make samples with canon.trim.rule: triples");
       }
       if (clip.frames > options_.data.frames) {
         return Fail(
