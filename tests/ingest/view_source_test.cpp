@@ -12,7 +12,6 @@
 #include "core/geometry/point_grid.h"
 #include "core/geometry/triangulation.h"
 #include "ingest/sense/calibration_sense.h"
-#include "ingest/sources/depth_pixels.h"
 #include "ingest/sources/opencv_calibration.h"
 #include "tests/formats/damage.h"
 

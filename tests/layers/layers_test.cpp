@@ -87,7 +87,7 @@ const std::map<std::string, std::set<std::string>> kHeavy = {
     {"yaml-cpp/", {"core/base/"}},
     {"hdf5", {"core/store/", "train/", "tests/"}},
     {"zip.h", {"core/formats/"}},
-    {"zlib.h", {"core/formats/"}},
+    {"png.h", {"core/formats/"}},
     {"CLI/", {"app/"}},
 };
 
