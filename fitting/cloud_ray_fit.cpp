@@ -144,7 +144,7 @@ Expected<FitResult> FitCloudsAndRays(const Clip& clip, const KeypointView& view,
   if (!clouds) return Forward(clouds);
   const SkeletonPtr bare = WithBarePoints(body, skeleton);
   const std::vector<double> bones = BonesOf(*bare, *skeleton, bone_length);
-  const CloudClock clock{clip.rate, audited->evidence.depth_views[0].time_s};
+  const CloudClock clock{clip.rate, SurfaceTimes(audited->evidence)};
   PointCloudOptions cloud_options = options.point_clouds;
   Expected<FitResult> fit = FitFusedClouds(*clouds, clock, bare, bones, cloud_options);
   if (!fit) return fit;

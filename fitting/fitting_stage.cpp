@@ -45,12 +45,8 @@ Expected<FitResult> FitTracksAndDepth(const Clip& clip, const SkeletonPtr& skele
   DepthRigReport report;
   const Expected<Clip> audited = WithAuditedRig(clip, options.point_clouds.audit, report);
   if (!audited) return Forward(audited);
-  if (!audited->evidence.depth_views.empty()) {
-    const std::vector<double>& depth_s = audited->evidence.depth_views[0].time_s;
-    if (Status one = CheckOneClock(seen->time_s, depth_s, clip.rate.FrameTime(1), clip.id()); !one) {
-      return Forward(one);
-    }
-  }
+  const std::vector<double>& depth_s = SurfaceTimes(audited->evidence);
+  if (Status one = CheckOneClock(seen->time_s, depth_s, clip.rate.FrameTime(1), clip.id()); !one) return Forward(one);
   const Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options.point_clouds);
   if (!clouds) return Forward(clouds);
   Expected<FitResult> both = FitTracksAndClouds(*tracks, *clouds, options.point_clouds);
@@ -93,9 +89,8 @@ bool LeavesViewOut(const Finding& finding) {
 
 /// Error kInconsistent where a clip had depth views, and ingest left out all of them: which, and why.
 Status CheckDepthIsLeft(const Clip& clip, const std::vector<Finding>& findings, FitMethod method) {
-  const std::vector<DepthView>& views = clip.evidence.depth_views;
   const bool wanted = method == FitMethod::kPointClouds || method == FitMethod::kJointsAndClouds;
-  if (!wanted || (!views.empty() && !views[0].files.empty())) return {};
+  if (!wanted || !SurfaceTimes(clip.evidence).empty()) return {};
   std::string why;
   for (const Finding& finding : findings) {
     if (LeavesViewOut(finding)) why += (why.empty() ? "" : "; ") + finding.message;
@@ -146,7 +141,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   Expected<Clip> clip = ReadEvidence(evidence->path, &dataset.findings);
   if (!clip) return Forward(clip);
   ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
-  const bool no_depth = clip->evidence.depth_views.empty() || clip->evidence.depth_views[0].files.empty();
+  const bool no_depth = SurfaceTimes(clip->evidence).empty();
   if (no_depth && options->without_depth == WithoutDepth::kTracks && options->method == FitMethod::kJointsAndClouds) {
     options->method = FitMethod::kJointTracks;
   }

@@ -89,9 +89,9 @@ Status TakeBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, c
   for (std::size_t i = 0; i < seen.tracks.size(); ++i) {
     const auto clip =
         std::find_if(clips.begin(), clips.end(), [&](const Clip& candidate) { return candidate.id() == seen.ids[i]; });
-    if (clip == clips.end() || clip->evidence.depth_views.empty()) continue;
+    if (clip == clips.end() || SurfaceTimes(clip->evidence).empty()) continue;
     const SkeletonTracks tracks = OnBody(seen.tracks[i], person.skeleton);
-    const std::vector<double>& depth_s = clip->evidence.depth_views[0].time_s;
+    const std::vector<double>& depth_s = SurfaceTimes(clip->evidence);
     if (Status one = CheckOneClock(tracks.time_s, depth_s, clip->rate.FrameTime(1), clip->id()); !one) {
       findings.push_back(NothingFrom(*clip, one.error()));
       continue;

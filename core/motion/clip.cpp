@@ -6,15 +6,24 @@ std::string ClipIdentity::id() const {
   return source + "/" + person + "/" + recording + "#" + std::to_string(begin_frame) + "-" + std::to_string(end_frame);
 }
 
+const std::vector<double>& SurfaceTimes(const Evidence& evidence) {
+  static const std::vector<double> none;
+  if (!evidence.depth_views.empty()) return evidence.depth_views.front().time_s;
+  return evidence.clouds ? evidence.clouds->time_s : none;
+}
+
 void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence) {
-  for (DepthView& view : evidence.depth_views) {
-    for (auto* paths : {&view.files, &view.masks}) {
-      for (std::filesystem::path& file : *paths) {
-        const auto found = files.find(file.string());
-        if (found != files.end()) file = found->second;
-      }
+  const auto resolve = [&files](std::vector<std::filesystem::path>& paths) {
+    for (std::filesystem::path& file : paths) {
+      const auto found = files.find(file.string());
+      if (found != files.end()) file = found->second;
     }
+  };
+  for (DepthView& view : evidence.depth_views) {
+    resolve(view.files);
+    resolve(view.masks);
   }
+  if (evidence.clouds) resolve(evidence.clouds->files);
 }
 
 FrameRate RecordedRate(const Clip& clip) {

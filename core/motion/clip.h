@@ -62,6 +62,16 @@ struct DepthView {
   std::vector<std::string> mask_sha256;  ///< (F) or none
 };
 
+/// Point clouds by reference, one per frame, of all that was seen then. A point of a file times metres_per_unit is in
+/// metres (negative: the file's axes are left-handed), and world_from_file places it.
+struct CloudFiles {
+  std::vector<std::filesystem::path> files;  ///< (F) PLY or PCD; empty: nothing was seen
+  std::vector<std::string> sha256;           ///< (F)
+  std::vector<double> time_s;                ///< (F) increasing
+  double metres_per_unit = 1.0;
+  RigidTransform world_from_file;
+};
+
 /// People whom a detector found in the images of one calibrated camera. F images, P people (the most that one image
 /// lists), K points each. Frame f of all views of a clip is the same moment when their times are the same: an image
 /// that is missing is one in which nobody is seen. The order of an image's people is the detector's and means nothing.
@@ -82,20 +92,25 @@ struct KeypointView {
 struct Evidence {
   std::optional<JointTracks> tracks;
   std::vector<DepthView> depth_views;
+  std::optional<CloudFiles> clouds;         ///< of clips without depth views
   std::vector<std::string> keypoint_names;  ///< (K) of the detector's layout: "nose", "left_knee", ...
   std::vector<KeypointView> keypoint_views;
   /// Which of the people in keypoint_views the clip is of, counted from 0 by how present they are: clips of several
   /// people of one recording share the views.
   int subject = 0;
 
-  bool empty() const { return !tracks && depth_views.empty() && keypoint_views.empty(); }
+  bool empty() const { return !tracks && depth_views.empty() && !clouds && keypoint_views.empty(); }
 };
 
 /// Whether names, shapes, times, cameras and values of the keypoint views hold together. Error kInconsistent naming the
 /// camera and the place.
 Status CheckKeypoints(const Evidence& evidence);
 
-/// Depth images and masks are referred to by their names in the source's folder; `files` says where each lies now.
+/// Times of the first view's depth images or of the clouds; empty without both.
+const std::vector<double>& SurfaceTimes(const Evidence& evidence);
+
+/// Depth images, masks and clouds are referred to by their names in the source's folder; `files` says where each lies
+/// now.
 void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence);
 
 struct Clip {

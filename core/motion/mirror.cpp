@@ -118,6 +118,13 @@ void MirrorCamera(Camera& camera) {
   camera.distortion.p2 = -camera.distortion.p2;
 }
 
+/// A mirror image in x is one at the origin, turned by half a turn about x.
+void MirrorClouds(CloudFiles& clouds) {
+  clouds.metres_per_unit = -clouds.metres_per_unit;
+  clouds.world_from_file.rotation = Quaterniond(0.0, 1.0, 0.0, 0.0) * clouds.world_from_file.rotation;
+  clouds.world_from_file.translation.x() *= -1.0;
+}
+
 }  // namespace
 
 Clip Mirror(const Clip& clip) {
@@ -126,6 +133,7 @@ Clip Mirror(const Clip& clip) {
   if (mirrored.evidence.tracks) MirrorTracks(*mirrored.evidence.tracks);
   for (DepthView& view : mirrored.evidence.depth_views) MirrorCamera(view.camera);
   for (KeypointView& view : mirrored.evidence.keypoint_views) MirrorCamera(view.camera);
+  if (mirrored.evidence.clouds) MirrorClouds(*mirrored.evidence.clouds);
   SwapNames(mirrored.evidence.keypoint_names);
   mirrored.canonical_from_source = Reflected(clip.canonical_from_source);
   return mirrored;

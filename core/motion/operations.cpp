@@ -84,6 +84,14 @@ void CutView(DepthView& view, const Span& span) {
   CutTimes(view.time_s, rows, span);
 }
 
+void CutClouds(CloudFiles& clouds, const Span& span) {
+  if (clouds.time_s.empty()) return;
+  const Rows rows = RowsOf(span, clouds.time_s);
+  KeepRows(clouds.sha256, static_cast<int>(clouds.files.size()), rows.begin, rows.end);
+  KeepRows(clouds.files, static_cast<int>(clouds.files.size()), rows.begin, rows.end);
+  CutTimes(clouds.time_s, rows, span);
+}
+
 void CutKeypoints(KeypointView& view, const Span& span) {
   if (view.time_s.empty()) return;
   const Rows rows = RowsOf(span, view.time_s);
@@ -116,10 +124,9 @@ void CutIdentity(const Span& span, Clip& clip) {
 
 /// Times of what a clip without motion counts its frames in.
 const std::vector<double>& EvidenceTimes(const Evidence& evidence) {
-  static const std::vector<double> none;
   if (evidence.tracks) return evidence.tracks->time_s;
-  if (!evidence.depth_views.empty()) return evidence.depth_views.front().time_s;
-  return evidence.keypoint_views.empty() ? none : evidence.keypoint_views.front().time_s;
+  const std::vector<double>& surface = SurfaceTimes(evidence);
+  return surface.empty() && !evidence.keypoint_views.empty() ? evidence.keypoint_views.front().time_s : surface;
 }
 
 int FrameCount(const Clip& clip) {
@@ -163,6 +170,7 @@ Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
   if (cut.motion) KeepFrames(*cut.motion, begin_frame, end_frame);
   if (cut.evidence.tracks) CutTracks(*cut.evidence.tracks, span);
   for (DepthView& view : cut.evidence.depth_views) CutView(view, span);
+  if (cut.evidence.clouds) CutClouds(*cut.evidence.clouds, span);
   for (KeypointView& view : cut.evidence.keypoint_views) CutKeypoints(view, span);
   cut.segments = CutSegments(clip.segments, span.begin_s, span.end_s);
   CutIdentity(span, cut);
@@ -203,6 +211,8 @@ void Transform(const RigidTransform& world_from_clip, Clip& clip) {
   for (KeypointView& view : clip.evidence.keypoint_views) {
     view.camera.camera_from_world = view.camera.camera_from_world * clip_from_world;
   }
+  if (clip.evidence.clouds)
+    clip.evidence.clouds->world_from_file = world_from_clip * clip.evidence.clouds->world_from_file;
   clip.canonical_from_source = world_from_clip * clip.canonical_from_source;
 }
 

@@ -157,6 +157,17 @@ void ResampleView(DepthView& view, FrameRate rate) {
   view.time_s = times;
 }
 
+void ResampleClouds(CloudFiles& clouds, FrameRate rate) {
+  if (clouds.time_s.size() < 2) return;
+  const std::vector<double> times = TimesBetween(clouds.time_s.front(), clouds.time_s.back(), rate);
+  std::vector<Place> places;
+  for (const double time : times) places.push_back(PlaceInTime(clouds.time_s, time));
+  const int frames = static_cast<int>(clouds.files.size());
+  clouds.files = Nearer(clouds.files, frames, places);
+  clouds.sha256 = Nearer(clouds.sha256, frames, places);
+  clouds.time_s = times;
+}
+
 /// Nobody is followed from image to image: the nearer image is taken whole.
 void ResampleKeypoints(KeypointView& view, FrameRate rate) {
   if (view.time_s.size() < 2) return;
@@ -188,6 +199,7 @@ Clip Resample(const Clip& clip, FrameRate rate) {
   if (same_clip_rate) return resampled;
   if (resampled.evidence.tracks) ResampleTracks(*resampled.evidence.tracks, rate);
   for (DepthView& view : resampled.evidence.depth_views) ResampleView(view, rate);
+  if (resampled.evidence.clouds) ResampleClouds(*resampled.evidence.clouds, rate);
   for (KeypointView& view : resampled.evidence.keypoint_views) ResampleKeypoints(view, rate);
   return resampled;
 }

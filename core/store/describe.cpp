@@ -32,9 +32,9 @@ Expected<const Schema*> SchemaOf(const store::Hdf5Reader& reader) {
 /// Extents of the symbols by what they count: {"clips": 12, "frames": 960, ...}.
 nlohmann::json CountsOf(const Schema& schema, const Content& content) {
   const std::map<std::string, std::string> names = {
-      {"C", "clips"},        {"F", "frames"},    {"J", "joints"},         {"S", "segments"},       {"L", "labels"},
-      {"N", "findings"},     {"M", "landmarks"}, {"K", "tracked_points"}, {"T", "track_frames"},   {"V", "views"},
-      {"D", "depth_images"}, {"E", "keypoints"}, {"W", "keypoint_views"}, {"I", "keypoint_images"}};
+      {"C", "clips"},        {"F", "frames"},    {"J", "joints"},         {"S", "segments"},        {"L", "labels"},
+      {"N", "findings"},     {"M", "landmarks"}, {"K", "tracked_points"}, {"T", "track_frames"},    {"V", "views"},
+      {"D", "depth_images"}, {"E", "keypoints"}, {"W", "keypoint_views"}, {"I", "keypoint_images"}, {"G", "clouds"}};
   nlohmann::json counts = nlohmann::json::object();
   for (const Field& field : store::ConcreteFields(schema, content)) {
     const store::Array* array = content.Find(field.path);

@@ -19,7 +19,7 @@ std::string DurationText(double seconds) {
 std::string CountsText(const nlohmann::json& description) {
   const nlohmann::json& counts = description.at("counts");
   std::string text;
-  for (const char* kind : {"clip", "frame", "segment", "finding", "track_frame", "view", "depth_image"}) {
+  for (const char* kind : {"clip", "frame", "segment", "finding", "track_frame", "view", "depth_image", "cloud"}) {
     const auto count = counts.find(std::string(kind) + "s");
     if (count == counts.end() || *count == 0) continue;
     std::string noun = kind;

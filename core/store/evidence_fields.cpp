@@ -141,6 +141,36 @@ std::vector<DepthView> UnpackDepth(const Content& content) {
   return views;
 }
 
+Status PackClouds(const CloudFiles& clouds, Content& content) {
+  const std::uint64_t G = clouds.files.size();
+  if (clouds.sha256.size() != G || clouds.time_s.size() != G) {
+    return Fail(ErrorCode::kInconsistent,
+                "the clip has " + std::to_string(G) + " clouds, " + std::to_string(clouds.sha256.size()) +
+                    " hashes and " + std::to_string(clouds.time_s.size()) + " times",
+                "/clouds");
+  }
+  std::vector<std::string> paths;
+  for (const auto& file : clouds.files) paths.push_back(file.native());
+  std::vector<double> world_from_file;
+  AppendTransform(world_from_file, clouds.world_from_file);
+  content.Put("/clouds/path", {G}, std::move(paths));
+  content.Put("/clouds/sha256", {G}, clouds.sha256);
+  content.Put("/clouds/time_s", {G}, clouds.time_s);
+  content.Put("/clouds/metres_per_unit", {1}, std::vector<double>{clouds.metres_per_unit});
+  content.Put("/clouds/world_from_file", {1, 7}, std::move(world_from_file));
+  return {};
+}
+
+CloudFiles UnpackClouds(const Content& content) {
+  CloudFiles clouds;
+  for (const std::string& path : content.Values<std::string>("/clouds/path")) clouds.files.emplace_back(path);
+  clouds.sha256 = content.Values<std::string>("/clouds/sha256");
+  clouds.time_s = content.Values<double>("/clouds/time_s");
+  clouds.metres_per_unit = content.Values<double>("/clouds/metres_per_unit")[0];
+  clouds.world_from_file = TransformFrom(content.Values<double>("/clouds/world_from_file"), 0);
+  return clouds;
+}
+
 void PackKeypoints(const Evidence& evidence, Content& content) {
   std::vector<std::int32_t> people;
   std::vector<std::int64_t> counts;
@@ -226,6 +256,9 @@ Status PackEvidence(const Evidence& evidence, Content& content) {
   if (Status checked = CheckDepth(evidence.depth_views); !checked) return checked;
   if (Status checked = CheckKeypoints(evidence); !checked) return checked;
   if (!evidence.depth_views.empty()) PackDepth(evidence.depth_views, content);
+  if (evidence.clouds) {
+    if (Status packed = PackClouds(*evidence.clouds, content); !packed) return packed;
+  }
   if (!evidence.keypoint_views.empty()) PackKeypoints(evidence, content);
   if (!evidence.tracks) return {};
   const JointTracks& tracks = *evidence.tracks;
@@ -252,6 +285,7 @@ Status PackEvidence(const Evidence& evidence, Content& content) {
 Evidence UnpackEvidence(const Content& content) {
   Evidence evidence;
   if (content.Has("/depth/count")) evidence.depth_views = UnpackDepth(content);
+  if (content.Has("/clouds/path")) evidence.clouds = UnpackClouds(content);
   if (content.Has("/keypoints/count")) UnpackKeypoints(content, evidence);
   if (!content.Has("/tracks/names")) return evidence;
   JointTracks tracks;

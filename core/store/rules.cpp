@@ -116,6 +116,10 @@ Rule AtMost(double high) {
                  [high](double value) { return !(value <= high) || !std::isfinite(value); });
 }
 
+Rule NotZero() {
+  return Numbers("finite, not 0", [](double value) { return value == 0.0 || !std::isfinite(value); });
+}
+
 Rule UnitQuaternion(double tolerance) {
   return {"unit quaternion (w, x, y, z) to " + FormatDouble(tolerance) + ", finite",
           [tolerance](const RuleContext& c) -> Problem {

@@ -17,6 +17,7 @@ Rule Finite();
 Rule InRange(double low, double high);
 Rule AtLeast(double low);
 Rule AtMost(double high);
+Rule NotZero();
 /// The first four of each row of `stride` numbers are a unit quaternion (w, x, y, z); all are finite.
 Rule UnitQuaternion(double tolerance);
 /// A symmetric 3x3 matrix as xx xy xz yy yz zz whose diagonal is not negative.

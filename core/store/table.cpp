@@ -128,7 +128,7 @@ void AddClips(std::vector<Field>& fields, const std::string& rows) {
       .Add("canonical_from_source", kF8, {rows, "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
       .Add("provenance", kText, {rows}, "", JsonTexts(), "JSON object of texts; bytes that are not UTF-8 as \\xNN")
       .Add("evidence_sha256", kText, {rows}, "", Anything(),
-           "of what the evidence was read from (source file, depth images), or empty");
+           "of what the evidence was read from (source file, depth images, clouds), or empty");
   Group(fields, "/clips", Presence::kOptional)
       .Add("fine_label", kText, {rows}, "", Anything(), "finer label of the whole clip, or empty");
   Group(fields, "/segments", Presence::kGroup)
@@ -203,6 +203,15 @@ void AddEvidence(std::vector<Field>& fields) {
       .Add("path", kText, {"D"}, "", Anything(),
            "8-bit PNG or JPEG per depth image, 128 and more where the person is; empty: the image has none")
       .Add("sha256", kText, {"D"}, "", Sha256Digits(true), "of the file, or empty");
+  Group(fields, "/clouds", Presence::kGroup)
+      .Add("path", kText, {"G"}, "", Anything(),
+           "PLY or PCD file of each frame; bytes as the system has them; empty: nothing was seen then")
+      .Add("sha256", kText, {"G"}, "", Sha256Digits(true), "of the file, or empty")
+      .Add("time_s", kF8, {"G"}, "s", Rising(true), "time of each frame")
+      .Add("metres_per_unit", kF8, {"1"}, "m", NotZero(),
+           "of the files' coordinates; negative: their axes are left-handed")
+      .Add("world_from_file", kF8, {"1", "7"}, "m", UnitQuaternion(1e-6),
+           "w x y z, then translation, of a file's point times metres_per_unit");
   Group(fields, "/keypoints", Presence::kGroup)
       .Add("names", kText, {"E"}, "", UniqueNames(), "points of the detector's layout")
       .Add("subject", kI4, {"1"}, "", AtLeast(0), "which of the people seen the clip is of, 0 the most present")
@@ -325,6 +334,7 @@ std::vector<std::pair<std::string, std::string>> Symbols() {
           {"T", "frames of the tracks"},
           {"V", "views"},
           {"D", "depth images of all views"},
+          {"G", "cloud files"},
           {"E", "keypoints of a person"},
           {"W", "views with keypoints"},
           {"I", "images of all views with keypoints"},

@@ -45,7 +45,7 @@ Expected<CloudsOfClips> SomeCloudsOf(const std::vector<Clip>& clips, const Point
       some.nothing_from.emplace_back(i, of_clip.error());
       continue;
     }
-    const auto available = static_cast<int>(clips[i].evidence.depth_views[0].files.size());
+    const auto available = static_cast<int>(SurfaceTimes(clips[i].evidence).size());
     const auto count = static_cast<int>(of_clip->size());
     for (int k = 0; k < count; ++k) {
       some.clouds.push_back(std::move((*of_clip)[static_cast<std::size_t>(k)]));

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "fitting/clouds/cloud_files.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/person_points.h"
@@ -230,6 +231,36 @@ Status FindAgain(const std::vector<double>& time_s, const PointCloudOptions& opt
   return {};
 }
 
+/// Error kInconsistent where `time_s` does not increase.
+Status CheckOrder(const std::vector<double>& time_s, const std::string& whose, const std::string& clip) {
+  for (std::size_t f = 1; f < time_s.size(); ++f) {
+    if (time_s[f] > time_s[f - 1]) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "frame " + std::to_string(f) + " of " + whose + " is not stamped later than the frame before it", clip,
+                "order the files by time, and leave out what is there twice");
+  }
+  return {};
+}
+
+Status CheckFrames(const Clip& clip) {
+  const std::vector<DepthView>& views = clip.evidence.depth_views;
+  if (SurfaceTimes(clip.evidence).empty()) {
+    return Fail(ErrorCode::kInconsistent, "the clip has no depth images or point clouds", clip.id(),
+                "fitting.method point_clouds needs either; joint_tracks fits tracked joints");
+  }
+  if (views.empty()) return CheckOrder(clip.evidence.clouds->time_s, "the clouds", clip.id());
+  for (const DepthView& view : views) {
+    if (view.files.size() != views[0].files.size()) {
+      return Fail(ErrorCode::kInconsistent,
+                  "view '" + view.camera.name + "' has " + std::to_string(view.files.size()) + " depth images, view '" +
+                      views[0].camera.name + "' has " + std::to_string(views[0].files.size()),
+                  clip.id(), "views must be synchronous");
+    }
+    if (Status order = CheckOrder(view.time_s, "view '" + view.camera.name + "'", clip.id()); !order) return order;
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options) {
@@ -237,36 +268,20 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
 }
 
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options, int frames) {
-  const std::vector<DepthView>& views = clip.evidence.depth_views;
-  if (views.empty() || views[0].files.empty()) {
-    return Fail(ErrorCode::kInconsistent, "the clip has no depth images", clip.id(),
-                "fitting.method point_clouds needs depth views; joint_tracks fits tracked joints");
-  }
-  for (const DepthView& view : views) {
-    if (view.files.size() == views[0].files.size()) continue;
-    return Fail(ErrorCode::kInconsistent,
-                "view '" + view.camera.name + "' has " + std::to_string(view.files.size()) + " depth images, view '" +
-                    views[0].camera.name + "' has " + std::to_string(views[0].files.size()),
-                clip.id(), "views must be synchronous");
-  }
-  for (const DepthView& view : views) {
-    for (std::size_t f = 1; f < view.time_s.size(); ++f) {
-      if (view.time_s[f] > view.time_s[f - 1]) continue;
-      return Fail(ErrorCode::kInconsistent,
-                  "frame " + std::to_string(f) + " of view '" + view.camera.name +
-                      "' is not stamped later than the frame before it",
-                  clip.id(), "order the depth images by time, and leave out what is there twice");
-    }
-  }
-  const auto available = static_cast<int>(views[0].files.size());
+  if (Status checked = CheckFrames(clip); !checked) return Forward(checked);
+  const Evidence& evidence = clip.evidence;
+  const auto available = static_cast<int>(SurfaceTimes(evidence).size());
   const int count = std::min(frames, available);
+  const FusionOptions fusion{options.voxel_size, options.outliers};
   std::vector<FusedCloud> clouds;
   for (int i = 0; i < count; ++i) {
     if (Status on = GoOnUnlessStopped("fusion of depth views"); !on) return Forward(on);
+    const int f = FrameOfFew(i, count, available);
+    const bool is_cloud = evidence.depth_views.empty();
     Expected<FusedCloud> cloud =
-        FuseViews(views, FrameOfFew(i, count, available), {options.voxel_size, options.outliers});
+        is_cloud ? ReadPersonCloud(*evidence.clouds, f, fusion) : FuseViews(evidence.depth_views, f, fusion);
     if (!cloud) return Forward(cloud);
-    clouds.push_back(PersonPoints(*cloud, options.voxel_size));
+    clouds.push_back(is_cloud ? std::move(*cloud) : PersonPoints(*cloud, options.voxel_size));
   }
   return clouds;
 }

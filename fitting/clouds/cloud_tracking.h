@@ -18,8 +18,9 @@ struct CloudTrack {
   CloudStart start;                         ///< of the first frame with points
 };
 
-/// Fuses all frames of a clip, or `frames` of them, evenly spread. Errors of FuseViews; kInconsistent without views or
-/// with views of unequal length or of stamps that do not increase.
+/// The person in all frames of a clip, or `frames` of them, evenly spread: of its depth views, else of its cloud files.
+/// Errors of FuseViews and ReadPersonCloud; kInconsistent without either, with views of unequal length or of stamps
+/// that do not increase.
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options);
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options, int frames);
 /// The frame that cloud `i` of `count` was fused from.

@@ -14,6 +14,7 @@
 
 #include "core/base/sha256.h"
 #include "fitting/clouds/depth_image.h"
+#include "fitting/clouds/depth_normals.h"
 
 namespace mocurate {
 namespace {
@@ -22,15 +23,6 @@ constexpr int kHalfWindow = 2;           ///< pixels around one that its normal 
 constexpr double kFewestOfWindow = 0.6;  ///< share of the window; a pixel with fewer is a stray one
 constexpr double kSurface = 0.04;        ///< m in depth; a neighbour farther off is of another surface
 constexpr double kPixelsPerVoxel = 2.0;  ///< along each axis, looked at
-
-/// `hash`: of the file when it was ingested, or empty.
-Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash) {
-  if (hash.empty()) return {};
-  const Expected<std::string> now = Sha256OfFile(file);
-  if (!now) return Forward(now);
-  if (*now == hash) return {};
-  return Fail(ErrorCode::kInconsistent, "the file has changed since it was ingested", file.string(), "ingest it again");
-}
 
 /// What is not of the person is taken as not measured.
 Status ApplyMask(const DepthView& view, int frame, DepthImage& image) {
@@ -75,9 +67,13 @@ FusedCloud Sorted(const open3d::geometry::PointCloud& cloud) {
   FusedCloud sorted{Eigen::Matrix3Xd(3, order.size()), Eigen::Matrix3Xd(3, order.size()), 0};
   for (std::size_t i = 0; i < order.size(); ++i) {
     sorted.points.col(i) = cloud.points_[order[i]];
-    sorted.normals.col(i) = cloud.normals_[order[i]];
+    if (cloud.HasNormals()) sorted.normals.col(i) = cloud.normals_[order[i]];
   }
   return sorted;
+}
+
+Eigen::Matrix3Xd AsMatrix(const std::vector<Vector3d>& points) {
+  return Eigen::Map<const Eigen::Matrix3Xd>(points.data()->data(), 3, static_cast<Eigen::Index>(points.size()));
 }
 
 FusedCloud ThinAndClean(const open3d::geometry::PointCloud& cloud, const FusionOptions& options) {
@@ -87,7 +83,20 @@ FusedCloud ThinAndClean(const open3d::geometry::PointCloud& cloud, const FusionO
     thin = std::get<0>(thin->RemoveStatisticalOutliers(neighbours, options.outliers.spread_ratio));
   }
   thin->NormalizeNormals();
-  return Sorted(*thin);
+  FusedCloud sorted = Sorted(*thin);
+  if (!thin->HasNormals()) EstimateNormals(AsMatrix(cloud.points_), options.voxel_size, sorted);
+  return sorted;
+}
+
+Expected<FusedCloud> Fuse(const open3d::geometry::PointCloud& cloud, const FusionOptions& options, const char* what) {
+  open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);
+  if (cloud.points_.empty()) return FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
+  try {
+    return ThinAndClean(cloud, options);
+  } catch (const std::exception& error) {
+    return Fail(ErrorCode::kInconsistent, std::string("the point cloud cannot be thinned: ") + error.what(), what,
+                "try a larger voxel_size");
+  }
 }
 
 /// The surface about a pixel: on a plane, inverse depth is linear in the pixel, 1/z = at + across du + down dv.
@@ -180,6 +189,14 @@ Expected<DepthImage> ReadDepthFrame(const DepthView& view, int frame) {
 
 }  // namespace
 
+Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash) {
+  if (hash.empty()) return {};
+  const Expected<std::string> now = Sha256OfFile(file);
+  if (!now) return Forward(now);
+  if (*now == hash) return {};
+  return Fail(ErrorCode::kInconsistent, "the file has changed since it was ingested", file.string(), "ingest it again");
+}
+
 FusedCloud CoarseCloud(const FusedCloud& cloud, int count) {
   const int step = std::max(1, cloud.size() / count);
   const int size = (cloud.size() + step - 1) / step;
@@ -227,16 +244,17 @@ Expected<std::vector<DepthImage>> ReadFrame(const std::vector<DepthView>& views,
 
 Expected<FusedCloud> FuseImages(const std::vector<DepthView>& views, const std::vector<DepthImage>& images,
                                 const FusionOptions& options) {
-  open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);
   open3d::geometry::PointCloud cloud;
   for (std::size_t v = 0; v < views.size(); ++v) AddSurface(views[v], images[v], options.voxel_size, cloud);
-  if (cloud.points_.empty()) return FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
-  try {
-    return ThinAndClean(cloud, options);
-  } catch (const std::exception& error) {
-    return Fail(ErrorCode::kInconsistent, std::string("the point cloud cannot be thinned: ") + error.what(),
-                "depth views", "try a larger voxel_size");
-  }
+  return Fuse(cloud, options, "depth views");
+}
+
+Expected<FusedCloud> FusePoints(std::vector<Vector3d> points, std::vector<Vector3d> normals,
+                                const FusionOptions& options) {
+  open3d::geometry::PointCloud cloud;
+  cloud.points_ = std::move(points);
+  cloud.normals_ = std::move(normals);
+  return Fuse(cloud, options, "point clouds");
 }
 
 Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, const FusionOptions& options) {

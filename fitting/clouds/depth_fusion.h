@@ -20,6 +20,9 @@ struct FusedCloud {
   int size() const { return static_cast<int>(points.cols()); }
 };
 
+/// `hash`: of the file when it was ingested, or empty. Error kInconsistent if it has another one now.
+Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash);
+
 /// Every n-th point, so that about `count` are left.
 FusedCloud CoarseCloud(const FusedCloud& cloud, int count);
 
@@ -53,6 +56,11 @@ std::optional<PixelPlane> PlaneAtPixel(const DepthView& view, const DepthImage& 
 /// planes through the neighbours. Same input, same points in the same order. May be empty. Error kInconsistent for
 /// voxels too small to be counted.
 Expected<FusedCloud> FuseImages(const std::vector<DepthView>& views, const std::vector<DepthImage>& images,
+                                const FusionOptions& options);
+
+/// Points in the world, metres, thinned and cleaned as FuseImages does. Without `normals` they are those of planes
+/// through neighbouring points, up rather than down (FaceOutwards turns them). Error as FuseImages.
+Expected<FusedCloud> FusePoints(std::vector<Vector3d> points, std::vector<Vector3d> normals,
                                 const FusionOptions& options);
 
 /// FuseImages of a frame that is read first.

@@ -207,8 +207,8 @@ Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, con
   if (!audited) return Forward(audited);
   Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options);
   if (!clouds) return Forward(clouds);
-  Expected<FitResult> fit = FitFusedClouds(std::move(*clouds), {clip.rate, audited->evidence.depth_views[0].time_s},
-                                           skeleton, bone_length, options);
+  Expected<FitResult> fit =
+      FitFusedClouds(std::move(*clouds), {clip.rate, SurfaceTimes(audited->evidence)}, skeleton, bone_length, options);
   if (fit) TellOfRig(std::move(report), *fit);
   return fit;
 }

@@ -10,11 +10,11 @@
 
 namespace mocurate {
 
-/// Fits a capsule body to the depth views of a clip, frame after frame: the rig is audited (AuditDepthRig), the views
-/// are back-projected into the world, fused, thinned and freed of outliers, then matched to the capsules of `skeleton`
-/// with bones of `bone_length` (J, metres; empty: rest lengths). The result's motion is in the clip's world at the rate
-/// of the clip. Errors: kInconsistent without depth views or with views of unequal length; kUnreadable, kMalformed for
-/// images.
+/// Fits a capsule body to the depth views or cloud files of a clip, frame after frame: the rig is audited
+/// (AuditDepthRig), the views are back-projected into the world, fused, thinned and freed of outliers, then matched to
+/// the capsules of `skeleton` with bones of `bone_length` (J, metres; empty: rest lengths). The result's motion is in
+/// the clip's world at the rate of the clip. Errors: kInconsistent without either or with views of unequal length;
+/// kUnreadable, kMalformed for images.
 Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
                               const PointCloudOptions& options);
 

@@ -139,8 +139,9 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
   if (tracks == nullptr) {
     return Fail(ErrorCode::kInconsistent, "the clip has no joint tracks", clip.id(),
                 !clip.evidence.keypoint_views.empty() ? "set fitting.method to keypoints for 2-D keypoints"
-                : !clip.evidence.depth_views.empty()  ? "set fitting.method to point_clouds for depth views"
-                                                      : "set fitting.method to what its source gives");
+                : !SurfaceTimes(clip.evidence).empty()
+                    ? "set fitting.method to point_clouds for depth views and point clouds"
+                    : "set fitting.method to what its source gives");
   }
   Expected<SkeletonTracks> mapped = MapTracks(*tracks, skeleton);
   if (!mapped) return tl::unexpected<Error>(Of(clip, mapped.error()));

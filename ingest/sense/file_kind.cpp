@@ -86,15 +86,6 @@ bool IsBareAmc(const std::vector<std::string_view>& lines) {
   return rows >= kFewestRows;
 }
 
-bool IsObj(const std::vector<std::string_view>& lines) {
-  for (const std::string_view line : lines) {
-    if (line.empty() || line[0] == '#') continue;
-    if (StartsWith(line, "v ") || StartsWith(line, "v\t")) return NumbersIn(line.substr(2)) >= 3;
-    if (!StartsWith(line, "mtllib ") && !StartsWith(line, "o ") && !StartsWith(line, "g ")) return false;
-  }
-  return false;
-}
-
 /// Numbers of a line of a table, or how many words where it holds words alone.
 struct LineContent {
   int numbers = 0, words = 0;
@@ -226,7 +217,6 @@ FileKind KindOf(std::string_view bytes) {
   // A storage whose first line is damaged: its reader says so.
   if (bytes.find("opencv-matrix") != std::string_view::npos) return FileKind::kOpenCvYaml;
   if (std::find(lines.begin(), lines.end(), "endheader") != lines.end()) return FileKind::kOpenSim;
-  if (IsObj(lines)) return FileKind::kObj;
   if (IsNtuSkeleton(lines)) return FileKind::kNtuSkeleton;
   return IsTableWithHeader(lines) ? FileKind::kNumbers : NumbersKind(bytes);
 }

@@ -21,7 +21,6 @@ enum class FileKind {
   kPickle,
   kPly,
   kPcd,
-  kObj,
   kXml,
   kOpenCvYaml,
   kToml,

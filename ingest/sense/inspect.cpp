@@ -230,7 +230,7 @@ void Inspector::AddRest(const ObservedFile& file, const std::string& name) {
   for (const Calibration& calibration : file.calibrations) {
     ReportCameras(calibration, name, inspection["cameras"], findings());
   }
-  for (const ObservedCloud& cloud : file.clouds) inspection["clouds"].push_back(CloudReport(cloud, name, findings()));
+  for (const ObservedCloud& cloud : file.clouds) inspection["clouds"].push_back(CloudReport(cloud, name));
   for (const ObservedCompanion& companion : file.companions) {
     inspection["companions"].push_back(CompanionReport(companion));
   }
@@ -375,7 +375,6 @@ void Inspector::Finish(const std::string& path) {
                                                ": mend ingest.source.files, or inspect the source's own folder"));
   }
   TellByGroup(inspection["clips"], findings());
-  TellCutMeshes(inspection["clouds"], findings());
   TellAnnotations(annotated_, inspection["clips"], findings());
   motions_.Tell(source_ ? source_->checks : CheckOptions(), findings());
   const bool nothing = inspection["clips"].empty() && inspection["cameras"].empty() && inspection["clouds"].empty() &&

@@ -189,31 +189,7 @@ void TellPlaces(const std::vector<Json*>& group, Json& findings) {
   }
 }
 
-constexpr std::size_t kFewestMeshes = 2;  // beside one that has no faces
-
 }  // namespace
-
-void TellCutMeshes(const Json& clouds, Json& findings) {
-  std::map<std::string, std::vector<const Json*>> folders;
-  for (const Json& cloud : clouds) {
-    if (cloud.at("format") == "obj") folders[ClipFolder(cloud)].push_back(&cloud);
-  }
-  for (const auto& [folder, meshes] : folders) {
-    const auto has_faces = [](const Json* mesh) { return mesh->at("triangles").get<std::size_t>() > 0; };
-    const auto whole = static_cast<std::size_t>(std::count_if(meshes.begin(), meshes.end(), has_faces));
-    if (whole < kFewestMeshes || 2 * whole <= meshes.size()) continue;
-    for (const Json* mesh : meshes) {
-      if (has_faces(mesh)) continue;
-      const auto points = mesh->at("points").get<std::size_t>();
-      findings.push_back(InspectionFinding("cut_off", Severity::kError, mesh->at("id"), static_cast<double>(points),
-                                           "the mesh has " + std::to_string(points) + " vertices" +
-                                               " and no faces, where " + std::to_string(whole) + " of the " +
-                                               std::to_string(meshes.size()) +
-                                               " meshes of the folder have some: the file is cut off within its "
-                                               "vertices, or is a cloud; copy it again"));
-    }
-  }
-}
 
 void TellByGroup(Json& clips, Json& findings) {
   for (auto& [key, group] : Members(clips)) {

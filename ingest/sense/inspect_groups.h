@@ -15,8 +15,4 @@ nlohmann::json GroupsOf(const nlohmann::json& clips);
 /// "rate_doubtful" of the folder.
 void TellByGroup(nlohmann::json& clips, nlohmann::json& findings);
 
-/// "cut_off": an OBJ without faces in a folder where most, and at least two, have some. The format announces no counts:
-/// cut at the end of a line it is a smaller mesh, which only the others show.
-void TellCutMeshes(const nlohmann::json& clouds, nlohmann::json& findings);
-
 }  // namespace mocurate

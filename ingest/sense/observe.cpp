@@ -2,7 +2,6 @@
 
 #include "core/formats/bandai_label.h"
 #include "core/formats/camera_files.h"
-#include "core/formats/pose_log.h"
 #include "ingest/sense/file_kind.h"
 #include "ingest/sense/name_sense.h"
 #include "ingest/sense/remark.h"
@@ -74,18 +73,8 @@ Expected<ObservedFile> JsonIn(const FileBytes& file) {
   return CalibrationIn(file);
 }
 
-/// A trajectory of a scan looks like a table at first.
-std::optional<ObservedFile> PoseLogIn(const FileBytes& file) {
-  const auto poses = ParsePoseLog(file.bytes, file.name);
-  if (!poses || poses->empty()) return std::nullopt;
-  ObservedFile observed;
-  observed.companions.push_back({file.name, "pose_log", {}, {{"poses", static_cast<double>(poses->size())}}});
-  return observed;
-}
-
 Expected<ObservedFile> TableIn(const FileBytes& file, const std::optional<SourceOptions>& source) {
   if (IsOfPhspd(file.path) || (source && source->format == SourceFormat::kPhspd)) return ObservePhspd(file);
-  if (std::optional<ObservedFile> poses = PoseLogIn(file)) return std::move(*poses);
   return Clips(ObserveTable(file.bytes, file.name, source));
 }
 
@@ -135,8 +124,6 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
       return Cloud(ObserveCloud(file.bytes, file.name, "ply"));
     case FileKind::kPcd:
       return Cloud(ObserveCloud(file.bytes, file.name, "pcd"));
-    case FileKind::kObj:
-      return Cloud(ObserveCloud(file.bytes, file.name, "obj"));
     case FileKind::kXml:
     case FileKind::kToml:
       return CalibrationIn(file);

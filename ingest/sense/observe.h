@@ -22,13 +22,12 @@ namespace mocurate {
 
 /// Points in space that are no motion, in the file's unit.
 struct ObservedCloud {
-  std::string format;  ///< "ply", "pcd", "obj"
+  std::string format;  ///< "ply", "pcd"
   std::vector<Vector3d> points;
-  std::vector<int> places;  ///< (points) in the file: the line of an OBJ, else the number from 0
   std::size_t triangles = 0;
 };
 
-/// What stands beside motion: a skeleton, labels, poses of a scan, a body model, images.
+/// What stands beside motion: a skeleton, labels, a body model, images.
 struct ObservedCompanion {
   std::string file;
   std::string format;

@@ -3,9 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/formats/obj.h"
-#include "core/formats/pcd.h"
-#include "core/formats/ply.h"
+#include "core/formats/point_cloud.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/keypoint_numbers.h"
 #include "ingest/sense/observe.h"
@@ -156,35 +154,9 @@ std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& sce
 }
 
 Expected<ObservedCloud> ObserveCloud(std::string_view bytes, const std::string& name, const std::string& format) {
-  ObservedCloud cloud;
-  cloud.format = format;
-  if (format == "ply") {
-    const auto ply = ParsePly(bytes, name);
-    if (!ply) return Forward(ply);
-    auto points = PlyPoints(*ply, name);
-    if (!points) return Forward(points);
-    const auto triangles = PlyTriangles(*ply, name);
-    if (!triangles) return Forward(triangles);
-    cloud.points = std::move(*points);
-    for (std::size_t i = 0; i < cloud.points.size(); ++i) cloud.places.push_back(static_cast<int>(i));
-    cloud.triangles = triangles->size();
-  } else if (format == "pcd") {
-    const auto pcd = ParsePcd(bytes, name);
-    if (!pcd) return Forward(pcd);
-    auto points = PcdPoints(*pcd, name);
-    if (!points) return Forward(points);
-    for (std::size_t i = 0; i < pcd->point_count(); ++i) {
-      if (pcd->missing[i] == 0) cloud.places.push_back(static_cast<int>(i));
-    }
-    cloud.points = std::move(*points);
-  } else {
-    const auto obj = ParseObj(bytes, name);
-    if (!obj) return Forward(obj);
-    cloud.points = obj->vertices;
-    cloud.places = obj->vertex_lines;
-    cloud.triangles = ObjTriangles(*obj).size();
-  }
-  return cloud;
+  Expected<PointCloud> cloud = ParsePointCloud(bytes, name);
+  if (!cloud) return Forward(cloud);
+  return ObservedCloud{format, std::move(cloud->points), cloud->triangles};
 }
 
 }  // namespace mocurate

@@ -7,7 +7,6 @@
 #include "core/base/text.h"
 #include "ingest/sense/calibration_sense.h"
 #include "ingest/sense/clip_report.h"
-#include "ingest/sense/cloud_sense.h"
 #include "ingest/sense/comparison.h"
 
 namespace mocurate {
@@ -83,12 +82,8 @@ void ReportCameras(const Calibration& calibration, const std::string& file, Json
   }
 }
 
-Json CloudReport(const ObservedCloud& cloud, const std::string& file, Json& findings) {
+Json CloudReport(const ObservedCloud& cloud, const std::string& file) {
   const Json units = UnitsOf(BoxSides(cloud.points, kStray));
-  const std::string unit = units.at("value").is_null() ? std::string() : units.at("value").get<std::string>();
-  if (const auto far = DoubtPoints(cloud, unit, file)) {
-    findings.push_back(InspectionFinding(far->code, far->severity, file, FourDecimals(far->value), far->message));
-  }
   const std::array<double, 3> extent = BoxSides(cloud.points, 0.0);
   return {{"id", file},
           {"file", file},

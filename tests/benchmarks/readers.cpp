@@ -21,7 +21,6 @@
 #include "core/formats/joint_table.h"
 #include "core/formats/npy.h"
 #include "core/formats/ntu_skeleton.h"
-#include "core/formats/obj.h"
 #include "core/formats/openpose.h"
 #include "core/formats/opensim_table.h"
 #include "core/formats/pcd.h"
@@ -83,8 +82,7 @@ const Set kSets[] = {
     {"openpose_json", nullptr, ".json", [](const std::string& bytes) { return ParseOpenPose(bytes, "f").has_value(); }},
     {"ply_ascii", nullptr, ".ply", [](const std::string& bytes) { return ParsePly(bytes, "f").has_value(); }},
     {"ply_binary", nullptr, ".ply", [](const std::string& bytes) { return ParsePly(bytes, "f").has_value(); }},
-    {"pcd", "rgbd100/views", ".pcd", [](const std::string& bytes) { return ParsePcd(bytes, "f").has_value(); }},
-    {"obj", "body_cc0", ".obj", [](const std::string& bytes) { return ParseObj(bytes, "f").has_value(); }}};
+    {"pcd", "rgbd100/views", ".pcd", [](const std::string& bytes) { return ParsePcd(bytes, "f").has_value(); }}};
 
 std::vector<fs::path> FilesOf(const fs::path& folder, const std::string& ending) {
   std::vector<fs::path> files;
@@ -239,7 +237,7 @@ int Measure(const fs::path& folder, const Set& set, int repeats) {
   });
 #ifdef MOCURATE_ASSIMP
   const std::string name = set.name;
-  if (name == "bvh" || name == "obj" || name.substr(0, 3) == "ply") {
+  if (name == "bvh" || name.substr(0, 3) == "ply") {
     benchmarks::Report(("assimp_" + name).c_str(), megabytes, "MB", repeats, [&] {
       for (const std::string& bytes : files) {
         if (!AssimpReads(bytes, set.ending + 1)) std::abort();

@@ -108,19 +108,6 @@ def ply_numpy(raw):
     return vertices, faces["i"].astype(np.int64)
 
 
-def obj_python(raw):
-    vertices, faces = [], []
-    for line in raw.decode("ascii", "replace").splitlines():
-        words = line.split()
-        if not words:
-            continue
-        if words[0] == "v":
-            vertices.append([float(v) for v in words[1:4]])
-        elif words[0] == "f":
-            faces.append([[int(n) if n else 0 for n in w.split("/")] for w in words[1:]])
-    return np.array(vertices), faces
-
-
 TABLE = {"numpy.loadtxt": loadtxt}
 READERS = {"kard": TABLE, "florence3d": TABLE, "msr_action3d": TABLE, "phspd_pose": TABLE,
            "expmap": {"numpy.loadtxt": loadtxt_comma}, "opensim": {"numpy.loadtxt": opensim},
@@ -129,8 +116,7 @@ READERS = {"kard": TABLE, "florence3d": TABLE, "msr_action3d": TABLE, "phspd_pos
            "npy": {"numpy.load": np_load}, "amass_npz": {"numpy.load": np_load_all},
            "humanact12_pickle": {"pickle.loads": pickle.loads}, "uestc_pickle": {"pickle.loads": pickle.loads},
            "babel_json": {"json.loads": json.loads}, "openpose_json": {"json.loads": json.loads},
-           "ply_ascii": {"pure Python": ply_python}, "ply_binary": {"numpy.frombuffer": ply_numpy},
-           "obj": {"pure Python": obj_python}}
+           "ply_ascii": {"pure Python": ply_python}, "ply_binary": {"numpy.frombuffer": ply_numpy}}
 
 
 def main():

@@ -7,6 +7,7 @@
 
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/depth_fusion.h"
+#include "fitting/clouds/depth_image.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/person_points.h"
 #include "tests/fitting/cloud_scene.h"
@@ -329,7 +330,7 @@ TEST_F(Fusion, ADamagedImageIsNamedAndNothingIsPrinted) {
   const auto cloud = FuseViews(views_, 0, FusionOptions());
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
   ASSERT_FALSE(cloud);
-  EXPECT_EQ(cloud.error().code, ErrorCode::kUnreadable);
+  EXPECT_EQ(cloud.error().code, ErrorCode::kMalformed);
   EXPECT_THAT(cloud.error().Message(), HasSubstr("damaged.png"));
 }
 
@@ -347,6 +348,7 @@ TEST(CloudFit, AClipWithoutOrWithUnequalViewsIsRefused) {
   EXPECT_EQ(FitClouds(clip, skeleton, {}, PointCloudOptions()).error().code, ErrorCode::kInconsistent);
   clip.evidence.depth_views.resize(2);
   clip.evidence.depth_views[0].files = {"a.png", "b.png"};
+  clip.evidence.depth_views[0].time_s = {0.0, 0.1};
   clip.evidence.depth_views[1].files = {"c.png"};
   const auto fit = FitClouds(clip, skeleton, {}, PointCloudOptions());
   EXPECT_THAT(fit.error().Message(), HasSubstr("has 1 depth images"));

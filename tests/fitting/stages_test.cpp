@@ -198,7 +198,7 @@ TEST_F(FittingStages, SayWhichDepthViewsWereLeftOutAndWhy) {
   ASSERT_TRUE(WriteEvidence(clip_, folder_ / "evidence.h5"));
   const auto none = FittingStage(Request("fitting", options));
   ASSERT_FALSE(none.has_value());
-  EXPECT_EQ(none.error().what, "the clip has no depth images");
+  EXPECT_EQ(none.error().what, "the clip has no depth images or point clouds");
 }
 
 TEST_F(FittingStages, WriteTheSameBytesAgain) {

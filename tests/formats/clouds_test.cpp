@@ -1,4 +1,4 @@
-// Clouds and meshes: PLY, PCD, OBJ.
+// Clouds and meshes: PLY, PCD.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,9 @@
 
 #include "core/base/text.h"
 #include "core/formats/lzf.h"
-#include "core/formats/obj.h"
 #include "core/formats/pcd.h"
 #include "core/formats/ply.h"
-#include "core/formats/pose_log.h"
+#include "core/formats/point_cloud.h"
 #include "tests/formats/damage.h"
 
 namespace mocurate {
@@ -212,60 +211,51 @@ TEST(Pcd, ReadsTheDepthViewClouds) {
   EXPECT_TRUE(*ParsePcd(WritePcd(*pcd), "again") == *pcd);
 }
 
-TEST(Obj, ReadsIndicesOfEveryWriting) {
-  const auto obj = ParseObj(
-      "# a square\nmtllib a.mtl\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\nvt 0 0\nvt 1 0.5\nvn 0 0 1\n"
-      "g body\nf 1 2 3 4\nf -4/-2/-1 -3//1 \\\n -2/2\r\nf 1//1 2//1 3//1\n",
-      "m.obj");
-  ASSERT_TRUE(obj) << obj.error().Message();
-  ASSERT_EQ(obj->faces.size(), 3u);
-  EXPECT_TRUE(obj->faces[1][0] == (ObjCorner{0, 0, 0}));
-  EXPECT_TRUE(obj->faces[1][1] == (ObjCorner{1, -1, 0}));
-  EXPECT_TRUE(obj->faces[1][2] == (ObjCorner{2, 1, -1}));
-  EXPECT_EQ(ObjTriangles(*obj).size(), 4u);
-  EXPECT_TRUE(*ParseObj(WriteObj(*obj), "again") == *obj);
+TEST(Clouds, NormalsAreReadWhereEveryPointHasOne) {
+  Ply ply = SmallPly(Ply::Encoding::kAscii);
+  const auto bare = ParsePointCloud(WritePly(ply), "c.ply");
+  ASSERT_TRUE(bare) << bare.error().Message();
+  EXPECT_EQ(bare->points.size(), 4u);
+  EXPECT_EQ(bare->triangles, 3u);
+  EXPECT_EQ(bare->normals.size(), 4u) << "of the triangles";
+  ply.elements[1].count = 0;
+  for (PlyProperty& list : ply.elements[1].properties) list.values.clear(), list.first = {0};
+  EXPECT_TRUE(ParsePointCloud(WritePly(ply), "c.ply")->normals.empty());
+  std::vector<PlyProperty>& columns = ply.elements[0].properties;
+  columns.push_back({"nx", NumberType::kFloat32, {}, {0, 0, 2, 1}, {}});
+  columns.push_back({"ny", NumberType::kFloat32, {}, {1, 0, 0, 0}, {}});
+  columns.push_back({"nz", NumberType::kFloat32, {}, {0, -1, 0, 0}, {}});
+  const auto cloud = ParsePointCloud(WritePly(ply), "c.ply");
+  ASSERT_TRUE(cloud) << cloud.error().Message();
+  EXPECT_THAT(cloud->normals,
+              ::testing::ElementsAre(Vector3d(0, 1, 0), Vector3d(0, 0, -1), Vector3d(1, 0, 0), Vector3d(1, 0, 0)));
+  columns[4].values[2] = 0;
+  EXPECT_TRUE(ParsePointCloud(WritePly(ply), "c.ply")->normals.empty()) << "of a point it is zero";
+
+  const std::string pcd =
+      "VERSION 0.7\nFIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F\nWIDTH 3\nHEIGHT 1\n"
+      "POINTS 3\nDATA ascii\n0 0 1 0 0 1\nnan nan nan nan nan nan\n1 0 1 0 1 0\n";
+  const auto scan = ParsePointCloud(pcd, "c.pcd");
+  ASSERT_TRUE(scan) << scan.error().Message();
+  EXPECT_THAT(scan->points, ::testing::ElementsAre(Vector3d(0, 0, 1), Vector3d(1, 0, 1)));
+  EXPECT_THAT(scan->normals, ::testing::ElementsAre(Vector3d(0, 0, 1), Vector3d(0, 1, 0)));
+  EXPECT_EQ(ParsePointCloud("v 0 0 0\nf 1 1 1\n", "c.obj").error().code, ErrorCode::kUnsupported);
+  EXPECT_FALSE(ParsePointCloud("", "c.ply"));
 }
 
-TEST(Obj, EveryWordIsNamedWhenDamaged) {
-  test::EachWordIsRefusedWhenDamaged("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\n",
-                                     "m.obj:", [](const std::string& bytes) {
-                                       const auto obj = ParseObj(bytes, "m.obj");
-                                       return obj ? "parsed" : obj.error().Message();
-                                     });
-  EXPECT_THAT(ParseObj("v 0 0 0\nf 1 1 2\n", "m.obj").error().Message(), HasSubstr("m.obj:2: there is no vertex 2"));
-  EXPECT_THAT(ParseObj("v 0 0 0\nf 1 1 0\n", "m.obj").error().Message(), HasSubstr("there is no vertex 0"));
-}
-
-TEST(Obj, ReadsTheBodyInTPose) {
-  MOCURATE_RECORDED(bytes, "body_cc0/male_tpose.obj");
-  const auto obj = ParseObj(bytes, "male.obj");
-  ASSERT_TRUE(obj) << obj.error().Message();
-  EXPECT_EQ(obj->vertices.size(), 13380u);
-  EXPECT_EQ(ObjTriangles(*obj).size(), 26756u);
-  double top = 0.0;
-  for (const Vector3d& vertex : obj->vertices) top = std::max(top, vertex.y());
-  EXPECT_NEAR(top, 1.737, 5e-4);
-}
-
-TEST(PoseLog, ComesBackAndNamesTheLineOfWhatIsDamaged) {
-  std::vector<LogPose> poses(2);
-  poses[1].frame = 1;
-  poses[1].rotation = ExpMatrix(Vector3d(0.1, -0.2, 0.3));
-  poses[1].translation = Vector3d(0.5, 1e-7, -3);
-  const std::string text = WritePoseLog(poses);
-  const auto back = ParsePoseLog(text, "p.log");
-  ASSERT_TRUE(back) << back.error().Message();
-  EXPECT_EQ((*back)[1].rotation, poses[1].rotation);
-  EXPECT_EQ((*back)[1].translation, poses[1].translation);
-  EXPECT_EQ((*back)[1].frame, 1);
-  test::EachWordIsRefusedWhenDamaged(text, "p.log:", [](const std::string& bytes) {
-    const auto parsed = ParsePoseLog(bytes, "p.log");
-    return parsed ? "parsed" : parsed.error().Message();
-  });
-  EXPECT_THAT(ParsePoseLog(text.substr(0, text.size() - 8), "p.log").error().Message(), HasSubstr("no 4 rows"));
-  std::string mirrored = text;
-  mirrored.replace(mirrored.find("1 0 0"), 1, "-1");
-  EXPECT_THAT(ParsePoseLog(mirrored, "p.log").error().Message(), HasSubstr("p.log:1: the matrix is no rotation"));
+TEST(Clouds, NormalsOfAMeshPointOutOfItWhicheverWayItsCornersRun) {
+  for (const std::string face : {"3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n", "3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n"}) {
+    const auto mesh = ParsePointCloud(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" +
+            face,
+        "tetrahedron.ply");
+    ASSERT_TRUE(mesh) << mesh.error().Message();
+    ASSERT_EQ(mesh->normals.size(), 4u);
+    EXPECT_LT((mesh->normals[0] - Vector3d(-1, -1, -1).normalized()).norm(), 1e-6);
+    for (std::size_t i = 1; i < 4; ++i)
+      EXPECT_GT(mesh->normals[i].dot(mesh->points[i] - Vector3d(0.25, 0.25, 0.25)), 0);
+  }
 }
 
 TEST(Clouds, ACoordinateThatNoScanHasIsRefusedWithItsPlaceItsValueTheRuleAndAWayOut) {
@@ -277,7 +267,6 @@ TEST(Clouds, ACoordinateThatNoScanHasIsRefusedWithItsPlaceItsValueTheRuleAndAWay
   };
   for (const std::string value : {"1e300", "-1e38", "2e12"}) {
     const std::string shown = FormatDouble(*ParseDouble(value));
-    expect(ParseObj("v 0 0 0\nv 1 " + value + " 0\n", "m.obj"), "m.obj:2", value);
     expect(ParsePly("ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
                     "end_header\n0 0 0\n1 " +
                         value + " 0\n",
@@ -290,8 +279,6 @@ TEST(Clouds, ACoordinateThatNoScanHasIsRefusedWithItsPlaceItsValueTheRuleAndAWay
                  "m.pcd"),
         "m.pcd:10:point 1/y", shown);
   }
-  expect(ParseObj("v 0 0 0\nv 1 nan 0\n", "m.obj"), "m.obj:2", "'nan'");
-  EXPECT_TRUE(ParseObj("v 0 0 0\nv 1 6378137000 0\n", "m.obj")) << "millimetres from the middle of the earth";
 }
 
 }  // namespace

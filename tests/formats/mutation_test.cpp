@@ -20,7 +20,6 @@
 #include "core/formats/npy.h"
 #include "core/formats/npz.h"
 #include "core/formats/ntu_skeleton.h"
-#include "core/formats/obj.h"
 #include "core/formats/openpose.h"
 #include "core/formats/opensim_table.h"
 #include "core/formats/pcd.h"
@@ -157,12 +156,6 @@ TEST(DamagedFiles, CloudsAndMeshes) {
       ASSERT_TRUE(again && *again == *read) << bytes;
     });
   }
-  Survives("v 0 0 0\nv 1 2 3\nvt 0 1\nvn 0 0 1\nf 1/1/1 2//1 -1\n", 20000, [](const std::string& bytes) {
-    const auto obj = ParseObj(bytes, "damaged");
-    if (!obj) return;
-    const auto again = ParseObj(WriteObj(*obj), "again");
-    ASSERT_TRUE(again && *again == *obj) << bytes;
-  });
 }
 
 TEST(DamagedFiles, PeopleAndCameras) {

@@ -5,7 +5,6 @@
 #include "core/formats/array_fields.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/npz.h"
-#include "core/formats/obj.h"
 #include "core/formats/pcd.h"
 #include "core/formats/pickle_writer.h"
 #include "core/formats/ply.h"
@@ -162,13 +161,6 @@ void AddClouds(FuzzSeeds& seeds) {
     pcd.encoding = encoding;
     seeds.push_back({"pcd", WritePcd(pcd)});
   }
-  Obj obj;
-  obj.vertices = {{0, 0, 0}, {1, 2, 3}, {0, 1, 0}};
-  obj.textures = {{0, 1}};
-  obj.normals = {{0, 0, 1}};
-  obj.faces = {{{0, 0, 0}, {1, -1, 0}, {2, -1, -1}}};
-  seeds.push_back({"obj", WriteObj(obj)});
-  seeds.push_back({"obj", "o a\nv 0 0 0 1\nv 1 2 3\nvt 0 1\nvn 0 0 1\ng b\nusemtl c\ns off\nf 1/1/1 2//1 -1\n"});
 }
 
 }  // namespace

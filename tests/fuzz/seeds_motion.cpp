@@ -4,7 +4,6 @@
 #include "core/formats/joint_table.h"
 #include "core/formats/ntu_skeleton.h"
 #include "core/formats/phspd_text.h"
-#include "core/formats/pose_log.h"
 #include "tests/fuzz/seeds.h"
 
 namespace mocurate {
@@ -90,9 +89,6 @@ void AddPeople(FuzzSeeds& seeds) {
   shape.pose_rad.assign(72, 0.125);
   seeds.push_back({"phspd_text", WritePhspdShape(shape)});
   seeds.push_back({"phspd_text", "subject03_group2_time4"});
-  LogPose log;
-  log.translation = {1, 2, 3};
-  seeds.push_back({"pose_log", WritePoseLog({log, log})});
 }
 
 }  // namespace

@@ -401,7 +401,6 @@ const std::vector<Damaged> kDamaged = {
     {"", "amass_babel/babel/featp_2_fps.json"},
     {"", "clouds/handheld_head/Mesh_DepthOnly__A_hat1__every_10th_14frames.ply"},
     {"", "clouds/rendered_seq/depth/d2_0042.png"},
-    {"", "body_cc0/male_tpose.obj"},
     {"", "pose2sim/opensim_ik_body25b.mot"}};
 
 void AddDamaged(Book& book) {

@@ -1,4 +1,4 @@
-// Files of motion capture and meshes with one thing wrong: the cause is told, with its place and a way out, and nothing
+// Files of motion capture with one thing wrong: the cause is told, with its place and a way out, and nothing
 // that only follows from it.
 
 #include <gmock/gmock.h>
@@ -245,29 +245,6 @@ TEST_F(DamagedMocap, ADamagedFileOfLabelsIsAnErrorAndOneOfAnotherSequenceIsTold)
     bool found = false;
     for (const Finding& finding : clips[0].outcome.findings) found = found || finding.code == "annotation_duration";
     EXPECT_EQ(found, told) << duration;
-  }
-}
-
-// Meshes and clouds.
-
-TEST_F(DamagedMocap, AVertexThatIsNoPartOfTheScanIsToldWithItsLine) {
-  std::vector<std::string> lines;
-  std::size_t vertex = 0;
-  const std::string text = Recorded("body_cc0/male_tpose.obj");
-  for (const std::string_view line : SplitText(text, '\n')) lines.emplace_back(line);
-  while (lines[vertex].rfind("v ", 0) != 0) ++vertex;
-  vertex += 100;
-  Written("m.obj", text);
-  EXPECT_THAT(Look().at("findings"), IsEmpty());
-  for (const auto& [value, severity] : {std::pair{"1e9", "error"}, {"100", "error"}, {"6", "warning"}}) {
-    std::string mesh;
-    for (std::size_t i = 0; i < lines.size(); ++i)
-      mesh += (i == vertex ? "v 0 " + std::string(value) + " 0" : lines[i]) + "\n";
-    Written("m.obj", mesh);
-    const Json told = Told(Look(), "point_far");
-    EXPECT_EQ(told.at("severity"), severity) << value;
-    EXPECT_THAT(told.at("message"),
-                AllOf(HasSubstr("m.obj:" + std::to_string(vertex + 1) + ": "), HasSubstr("leave it out")));
   }
 }
 

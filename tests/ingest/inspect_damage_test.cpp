@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "core/formats/npy.h"
-#include "core/formats/obj.h"
 #include "core/formats/png.h"
 #include "tests/ingest/inspections.h"
 
@@ -72,16 +71,6 @@ TEST_F(DamagedFiles, AnArrayWithoutOneFiniteNumberSaysSo) {
     EXPECT_THAT(Errors(Look("none.npy", EncodeNpy(array, "none.npy").value())),
                 ElementsAre(AllOf(HasSubstr("none.npy"), HasSubstr("all 1440 numbers are NaN or infinite"))));
   }
-}
-
-TEST_F(DamagedFiles, AMeshThatEndsWithinALineIsCutOff) {
-  Obj mesh;
-  for (int i = 0; i < 30; ++i) mesh.vertices.emplace_back(0.1 * i, 0.01 * i * i, 1.0);
-  for (int i = 0; i + 2 < 30; ++i) mesh.faces.push_back({{i}, {i + 1}, {i + 2}});
-  const std::string text = WriteObj(mesh);
-  EXPECT_THAT(Errors(Look("whole.obj", text)), IsEmpty());
-  EXPECT_THAT(Errors(Look("cut.obj", text.substr(0, text.find("\nf")))),
-              ElementsAre(AllOf(HasSubstr("malformed cut.obj:30"), HasSubstr("cut off"))));
 }
 
 std::string Matrix(const std::string& key, int rows, int columns, const std::string& numbers) {
@@ -196,17 +185,6 @@ TEST_F(RecordedFormats, FramesThatAreAllZeroAreListedWithTheirPlaces) {
     EXPECT_THAT(finding.at("where").get<std::string>(), HasSubstr("a14_s03_e01_skeleton3D.txt frames "));
   }
   EXPECT_EQ(frames, 9.0);
-}
-
-TEST_F(DamagedFiles, AMeshThatIsCutWithinItsVerticesIsToldByTheOthersOfItsFolder) {
-  const std::string vertices = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 1\n", faces = "f 1 2 3\nf 1 3 4\n";
-  Written("frame_000.obj", vertices + faces);
-  Written("frame_001.obj", vertices.substr(0, 16));
-  EXPECT_THAT(Errors(LookAtFolder()), IsEmpty()) << "one of two may be a cloud";
-  Written("frame_002.obj", vertices + faces);
-  EXPECT_THAT(Errors(LookAtFolder()),
-              ElementsAre(AllOf(HasSubstr("cut_off frame_001.obj"), HasSubstr("2 vertices and no"
-                                                                              " faces"))));
 }
 
 }  // namespace

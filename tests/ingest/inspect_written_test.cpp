@@ -161,7 +161,6 @@ TEST_F(WrittenFormats, ADamagedFileOfEveryKindIsAnErrorWithItsPlace) {
       {"cut.ply",
        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 "
        "0\n"},
-      {"cut.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n"},
       {"cut.mot", "Coordinates\nversion=1\nnRows=2\nnColumns=2\ninDegrees=yes\nendheader\ntime\ta\n0\t1\n"},
       {"cut.asf", ":version 1.10\n:name x\n:units\n  length 0.45\n  angle deg\n:root\n  order TX nothing\n"},
       {"cut.pkl", std::string("\x80\x02}q", 4)}};

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/body/skinned_body.h"
 #include "core/formats/calibration.h"
 #include "core/formats/pcd.h"
 #include "core/formats/png.h"
-#include "core/formats/pose_log.h"
 #include "core/geometry/point_grid.h"
 #include "core/store/body_file.h"
 #include "ingest/sense/calibration_sense.h"
@@ -132,18 +132,21 @@ TEST_F(RecordedDepth, TheCloudFileHoldsTheMaskedPixels) {
 }
 
 TEST_F(RecordedDepth, TheHandheldScanIsWorldToCameraByItsSurfaces) {
-  const auto log =
-      ParsePoseLog(RecordedFile("clouds/handheld_head/test_segm__DepthOnly__every_10th_14frames.log"), "s.log");
-  ASSERT_TRUE(log) << log.error().Message();
-  ASSERT_EQ(log->size(), 14u);
+  // Of each pose three numbers of the scan, then a 4 x 4 matrix.
+  std::istringstream log(RecordedFile("clouds/handheld_head/test_segm__DepthOnly__every_10th_14frames.log"));
   Calibration calibration;
   CalibrationEvidence evidence;
-  for (std::size_t i = 0; i < log->size(); ++i) {
+  for (std::size_t i = 0; i < 14; ++i) {
     CalibratedView view;
     view.width = 1280, view.height = 720;
     view.fx = 920.003, view.fy = 919.888, view.cx = 640.124, view.cy = 358.495;
-    view.rotation = (*log)[i].rotation;
-    view.translation = (*log)[i].translation;
+    Eigen::Matrix4d pose;
+    double number = 0.0;
+    for (int k = 0; k < 3; ++k) log >> number;
+    for (int k = 0; k < 16; ++k) log >> pose(k / 4, k % 4);
+    ASSERT_TRUE(log) << "pose " << i;
+    view.rotation = pose.topLeftCorner<3, 3>();
+    view.translation = pose.topRightCorner<3, 1>();
     const auto depth = DecodeDepthPng(
         RecordedFile("clouds/handheld_head/depth/A_hat1_depth_frame" + std::to_string(10 * i) + ".png"), "d.png");
     ASSERT_TRUE(depth) << depth.error().Message();

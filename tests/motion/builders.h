@@ -61,7 +61,7 @@ inline Motion SwingingPerson(const SkeletonPtr& skeleton, int frames, FrameRate 
 }
 
 /// A clip that has something in every field: motion, tracks at the same times, a view with depth and one with
-/// keypoints of two people, two segments.
+/// keypoints of two people, clouds, two segments.
 inline Clip FullClip(const std::string& skeleton_name, int frames, FrameRate rate = {30, 1}) {
   Clip clip;
   clip.identity = {"set", "s01", "take", "day", "front", "CC0", 100, 100 + frames};
@@ -85,6 +85,13 @@ inline Clip FullClip(const std::string& skeleton_name, int frames, FrameRate rat
     view.files.push_back("depth_" + std::to_string(f) + ".png");
     view.sha256.push_back("sha_" + std::to_string(f));
   }
+  CloudFiles clouds;
+  clouds.time_s = view.time_s;
+  clouds.sha256 = view.sha256;
+  for (int f = 0; f < frames; ++f) clouds.files.push_back("cloud_" + std::to_string(f) + ".ply");
+  clouds.metres_per_unit = 0.001;
+  clouds.world_from_file = {ExpQuaternion(Vector3d(-0.4, 0.1, 0.9)), Vector3d(0.3, -0.2, 1.0)};
+  clip.evidence.clouds = std::move(clouds);
   KeypointView seen;
   seen.camera = view.camera;
   seen.time_s = view.time_s;

@@ -89,6 +89,18 @@ TEST(Mirror, TheReflectedCameraSeesTheReflectedPointInTheSamePixel) {
   EXPECT_EQ(mirrored.evidence.keypoint_names, (std::vector<std::string>{"nose", "right_knee", "left_knee"}));
 }
 
+TEST(Mirror, PointsOfACloudAreReflected) {
+  const Clip clip = FullClip("smpl24", 2);
+  const Vector3d in_file(300, -200, 100);
+  const auto placed = [&](const Clip& of) {
+    const CloudFiles& clouds = *of.evidence.clouds;
+    return Vector3d(clouds.world_from_file * Vector3d(clouds.metres_per_unit * in_file));
+  };
+  const Vector3d there = placed(clip);
+  EXPECT_LT((placed(Mirror(clip)) - Vector3d(-there.x(), there.y(), there.z())).norm(), 1e-12);
+  EXPECT_LT((placed(Mirror(Mirror(clip))) - there).norm(), 1e-12);
+}
+
 TEST(Mirror, AStandingPersonKeepsHerPoseInBandaisTwistedFrames) {
   // Mirroring must not turn frames about their bones: the mirrored identity pose has the identity's rotations, up to
   // the declared reflections, which cancel for every joint whose reflection equals its parent's.

@@ -37,6 +37,7 @@ void ExpectSameClip(const Clip& a, const Clip& b, double tolerance) {
     EXPECT_LE(a.evidence.tracks->rotation[i].angularDistance(b.evidence.tracks->rotation[i]), tolerance + 1e-7);
   EXPECT_EQ(a.evidence.depth_views[0].files, b.evidence.depth_views[0].files);
   EXPECT_EQ(a.evidence.depth_views[0].sha256, b.evidence.depth_views[0].sha256);
+  EXPECT_EQ(a.evidence.clouds->files, b.evidence.clouds->files);
   EXPECT_EQ(a.evidence.keypoint_names, b.evidence.keypoint_names);
   EXPECT_EQ(a.evidence.keypoint_views[0].values, b.evidence.keypoint_views[0].values);
   EXPECT_TRUE(CheckKeypoints(b.evidence));
@@ -66,6 +67,9 @@ TEST(Cut, TakesTheSpanOutOfEveryField) {
   EXPECT_EQ(cut.evidence.tracks->time_s.front(), 0.0);
   EXPECT_EQ(cut.evidence.depth_views[0].files.front(), "depth_25.png");
   EXPECT_EQ(cut.evidence.depth_views[0].sha256.size(), 10u);
+  EXPECT_EQ(cut.evidence.clouds->files.front(), "cloud_25.ply");
+  EXPECT_EQ(cut.evidence.clouds->sha256.back(), "sha_34");
+  EXPECT_EQ(cut.evidence.clouds->time_s.front(), 0.0);
   EXPECT_EQ(cut.evidence.keypoint_views[0].frames(), 10);
   EXPECT_EQ(cut.evidence.keypoint_views[0].at(0, 1, 2)[1], 25.0);
   ASSERT_EQ(cut.segments.size(), 1u) << "the walk ends before the span";
@@ -145,6 +149,8 @@ TEST(Resample, DoubledAndHalvedIsTheSameMotion) {
   EXPECT_EQ(doubled.evidence.keypoint_views[0].frames(), 41);
   EXPECT_EQ(doubled.evidence.keypoint_views[0].at(40, 1, 2)[1], 20.0);
   EXPECT_TRUE(CheckKeypoints(doubled.evidence));
+  EXPECT_EQ(doubled.evidence.clouds->files[40], "cloud_20.ply");
+  EXPECT_EQ(doubled.evidence.clouds->time_s, doubled.evidence.depth_views[0].time_s);
   EXPECT_TRUE(doubled.motion->Check()) << doubled.motion->Check().error().Message();
   EXPECT_LT(LargestDistance(Resample(doubled, {30, 1}).motion->joints, clip.motion->joints), 1e-12);
 }
@@ -193,6 +199,12 @@ TEST(Transform, MovesEverythingThatHasAPlace) {
   EXPECT_LT((after.evidence.depth_views[0].camera.ProjectWorld(move * hand).value() - pixel).norm(), 1e-9);
   const auto seen = after.evidence.keypoint_views[0].camera.ProjectWorld(move * hand).value();
   EXPECT_LT((seen - pixel).norm(), 1e-9) << "a detection stays where it was seen";
+  const Vector3d in_file(300, -200, 100);
+  const auto placed = [&](const Clip& clip) {
+    const CloudFiles& clouds = *clip.evidence.clouds;
+    return Vector3d(clouds.world_from_file * Vector3d(clouds.metres_per_unit * in_file));
+  };
+  EXPECT_LT((placed(after) - move * placed(before)).norm(), 1e-12);
   const Vector3d source(4, 5, 6);
   EXPECT_LT((after.canonical_from_source * source - move * (before.canonical_from_source * source)).norm(), 1e-12);
   Transform(Inverse(move), after);

@@ -201,6 +201,11 @@ inline Clip MakeEvidenceClip(bool with_motion) {
   clip.evidence.depth_views = {MakeView("left"), MakeView("right")};
   clip.evidence.depth_views[1].masks = {"masks/0.jpg", "masks/1.jpg"};
   clip.evidence.depth_views[1].mask_sha256 = {std::string(64, '2'), std::string(64, '3')};
+  clip.evidence.clouds = CloudFiles{{"clouds/000 1.ply", "", "clouds/\xff\xfe.pcd"},
+                                    {std::string(64, '4'), "", ""},
+                                    {0.0, 0.1, 0.25},
+                                    -0.001,
+                                    MakeView("").camera.camera_from_world};
   clip.evidence.keypoint_names = {"nose", "left_knee"};
   clip.evidence.keypoint_views = {MakeKeypointView("cam01"), MakeKeypointView("cam02")};
   clip.evidence.keypoint_views[1].people = 0;

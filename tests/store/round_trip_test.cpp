@@ -1,6 +1,8 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +18,7 @@ using test::Folder;
 using test::MakeDataset;
 using test::MakeEvidenceClip;
 using test::MakeTruth;
+using ::testing::HasSubstr;
 
 std::string Bytes(const std::filesystem::path& path) { return ReadFile(path).value(); }
 
@@ -198,6 +201,15 @@ void ExpectSameEvidence(const Evidence& read, const Evidence& written) {
   }
 }
 
+void ExpectSameClouds(const CloudFiles& read, const CloudFiles& written) {
+  EXPECT_EQ(read.files, written.files);
+  EXPECT_EQ(read.sha256, written.sha256);
+  EXPECT_EQ(read.time_s, written.time_s);
+  EXPECT_EQ(read.metres_per_unit, written.metres_per_unit);
+  EXPECT_EQ(read.world_from_file.rotation.coeffs(), written.world_from_file.rotation.coeffs());
+  EXPECT_EQ(read.world_from_file.translation, written.world_from_file.translation);
+}
+
 void ExpectSameKeypoints(const Evidence& read, const Evidence& written) {
   EXPECT_EQ(read.keypoint_names, written.keypoint_names);
   EXPECT_EQ(read.subject, written.subject);
@@ -226,6 +238,8 @@ TEST(Store, evidence_comes_back_exactly_with_paths_that_are_not_utf8) {
     ExpectSameClip(*read, written);
     ExpectSameEvidence(read->evidence, written.evidence);
     ExpectSameKeypoints(read->evidence, written.evidence);
+    ASSERT_TRUE(read->evidence.clouds);
+    ExpectSameClouds(*read->evidence.clouds, *written.evidence.clouds);
     ASSERT_EQ(read->motion.has_value(), with_motion);
     if (with_motion) ExpectSameMotion(*read->motion, *written.motion);
   }
@@ -272,6 +286,23 @@ TEST(Store, a_keypoint_that_was_not_seen_may_be_anything_and_one_that_was_seen_m
   EXPECT_EQ(refused.error().code, ErrorCode::kInconsistent);
   EXPECT_NE(refused.error().Message().find("cam01"), std::string::npos) << refused.error().Message();
   EXPECT_NE(refused.error().what.find("frame 0, person 0, nose"), std::string::npos) << refused.error().Message();
+}
+
+TEST(Store, clouds_without_order_unit_or_hash_are_refused_by_field) {
+  const Folder folder;
+  const auto where = [&](const std::function<void(CloudFiles&)>& damage) {
+    Clip clip = MakeEvidenceClip(false);
+    damage(*clip.evidence.clouds);
+    const Status written = WriteEvidence(clip, folder / "evidence.h5");
+    return written ? std::string("written") : written.error().where;
+  };
+  EXPECT_THAT(where([](CloudFiles&) {}), "written");
+  EXPECT_THAT(where([](CloudFiles& clouds) { clouds.time_s[1] = 0.0; }), HasSubstr("/clouds/time_s"));
+  EXPECT_THAT(where([](CloudFiles& clouds) { clouds.metres_per_unit = 0.0; }), HasSubstr("/clouds/metres_per_unit"));
+  EXPECT_THAT(where([](CloudFiles& clouds) { clouds.sha256[0] = "4"; }), HasSubstr("/clouds/sha256"));
+  EXPECT_THAT(where([](CloudFiles& clouds) { clouds.files.pop_back(); }), HasSubstr("/clouds"));
+  EXPECT_THAT(where([](CloudFiles& clouds) { clouds.world_from_file.rotation.coeffs() *= 2.0; }),
+              HasSubstr("/clouds/world_from_file"));
 }
 
 TEST(Store, truth_comes_back_by_clip) {

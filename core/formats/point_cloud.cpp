@@ -1,0 +1,89 @@
+#include "core/formats/point_cloud.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/formats/pcd.h"
+#include "core/formats/ply.h"
+
+namespace mocurate {
+namespace {
+
+/// The vectors whose coordinates stand in three columns, of rows that are not `missing`; none where a column is not
+/// there or a vector is zero.
+template <class Column>
+std::vector<Vector3d> Directions(const std::array<const Column*, 3>& columns,
+                                 const std::vector<std::uint8_t>& missing) {
+  std::vector<Vector3d> directions;
+  if (std::find(columns.begin(), columns.end(), nullptr) != columns.end()) return directions;
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    if (missing[i] != 0) continue;
+    const Vector3d direction(columns[0]->values[i], columns[1]->values[i], columns[2]->values[i]);
+    if (direction.norm() == 0.0) return {};
+    directions.push_back(direction.normalized());
+  }
+  return directions;
+}
+
+/// Sums of the normals of the triangles at each point, by their areas, out of the mesh whichever way its corners run;
+/// none where a sum is zero.
+std::vector<Vector3d> NormalsOfTriangles(const std::vector<Vector3d>& points,
+                                         const std::vector<std::array<int, 3>>& triangles) {
+  Vector3d middle = Vector3d::Zero();
+  for (const Vector3d& point : points) middle += point / static_cast<double>(points.size());
+  std::vector<Vector3d> normals(points.size(), Vector3d::Zero());
+  double volume = 0.0;
+  for (const std::array<int, 3>& corners : triangles) {
+    const auto corner = [&](std::size_t k) { return points[static_cast<std::size_t>(corners[k])]; };
+    const Vector3d across = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    volume += across.dot(corner(0) - middle);
+    for (const int i : corners) normals[static_cast<std::size_t>(i)] += across;
+  }
+  for (Vector3d& normal : normals) {
+    if (normal.norm() == 0.0) return {};
+    normal = (volume < 0.0 ? -1.0 : 1.0) * normal.normalized();
+  }
+  return normals;
+}
+
+Expected<PointCloud> FromPly(std::string_view bytes, const std::string& name) {
+  const auto ply = ParsePly(bytes, name);
+  if (!ply) return Forward(ply);
+  auto points = PlyPoints(*ply, name);
+  if (!points) return Forward(points);
+  const auto triangles = PlyTriangles(*ply, name);
+  if (!triangles) return Forward(triangles);
+  std::array<const PlyProperty*, 3> columns;
+  for (std::size_t a = 0; a < 3; ++a) {
+    columns[a] = ply->Find("vertex")->Find(std::string("n") + "xyz"[a]);
+    if (columns[a] != nullptr && columns[a]->list_count) columns[a] = nullptr;
+  }
+  PointCloud cloud{std::move(*points), {}, triangles->size()};
+  cloud.normals = Directions(columns, std::vector<std::uint8_t>(cloud.points.size(), 0));
+  if (cloud.normals.empty()) cloud.normals = NormalsOfTriangles(cloud.points, *triangles);
+  return cloud;
+}
+
+Expected<PointCloud> FromPcd(std::string_view bytes, const std::string& name) {
+  const auto pcd = ParsePcd(bytes, name);
+  if (!pcd) return Forward(pcd);
+  auto points = PcdPoints(*pcd, name);
+  if (!points) return Forward(points);
+  std::array<const PcdField*, 3> columns;
+  for (std::size_t a = 0; a < 3; ++a) {
+    columns[a] = pcd->Find(std::string("normal_") + "xyz"[a]);
+    if (columns[a] != nullptr && columns[a]->count != 1) columns[a] = nullptr;
+  }
+  return PointCloud{std::move(*points), Directions(columns, pcd->missing), 0};
+}
+
+}  // namespace
+
+Expected<PointCloud> ParsePointCloud(std::string_view bytes, const std::string& name) {
+  const std::string_view begin = bytes.substr(std::min(bytes.size(), bytes.find_first_not_of(" \t\r\n")));
+  if (begin.substr(0, 3) == "ply") return FromPly(bytes, name);
+  if (begin.substr(0, 1) == "#" || begin.substr(0, 7) == "VERSION") return FromPcd(bytes, name);
+  return Fail(ErrorCode::kUnsupported, "the file is no PLY or PCD cloud", name);
+}
+
+}  // namespace mocurate
