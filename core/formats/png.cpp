@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "core/formats/binary_numbers.h"
+
 namespace mocurate {
 namespace {
 

@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+
+#include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/formats/ply.h"
 #include "core/store/store.h"
