@@ -133,7 +133,7 @@ Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments) {
 std::map<std::string, std::string> ActionsOfChecks() {
   std::map<std::string, std::string> actions = {{"zero_joint", "ignore"}};
   for (const auto& [code, help] : CheckCodes()) {
-    if (CheckOptions().ActionFor(code) != FindingAction::kReport) actions[code] = "report";
+    if (CheckOptions().ActionFor(code) != OnFinding::kReport) actions[code] = "report";
   }
   return actions;
 }

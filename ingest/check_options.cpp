@@ -9,11 +9,11 @@
 namespace mocurate {
 namespace {
 
-const std::map<std::string, FindingAction>& ActionNames() {
-  static const std::map<std::string, FindingAction> names = {{"ignore", FindingAction::kIgnore},
-                                                             {"report", FindingAction::kReport},
-                                                             {"missing", FindingAction::kMissing},
-                                                             {"drop", FindingAction::kDrop}};
+const std::map<std::string, OnFinding>& ActionNames() {
+  static const std::map<std::string, OnFinding> names = {{"ignore", OnFinding::kIgnore},
+                                                         {"report", OnFinding::kReport},
+                                                         {"missing", OnFinding::kMissing},
+                                                         {"drop", OnFinding::kDrop}};
   return names;
 }
 
@@ -72,19 +72,19 @@ void CheckOptions::Declare(OptionVisitor& v) {
       "not_joint_positions and, of tracks, lifeless_clip are dropped, all others reported");
 }
 
-FindingAction CheckOptions::ActionFor(const std::string& code) const {
+OnFinding CheckOptions::ActionFor(const std::string& code) const {
   const auto said = actions.find(code);
   if (said != actions.end()) {
     const auto action = ActionNames().find(said->second);
     if (action != ActionNames().end()) return action->second;
   }
-  return code == "not_joint_positions" || code == "lifeless_clip" ? FindingAction::kDrop : FindingAction::kReport;
+  return code == "not_joint_positions" || code == "lifeless_clip" ? OnFinding::kDrop : OnFinding::kReport;
 }
 
 bool CheckOptions::IgnoresAll() const {
   const auto& codes = CheckCodes();
   return std::all_of(codes.begin(), codes.end(),
-                     [&](const auto& code) { return ActionFor(code.first) == FindingAction::kIgnore; });
+                     [&](const auto& code) { return ActionFor(code.first) == OnFinding::kIgnore; });
 }
 
 double CheckOptions::Threshold(const std::string& code) const {

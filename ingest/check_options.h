@@ -9,7 +9,7 @@
 namespace mocurate {
 
 /// What is done about something that the checks found.
-enum class FindingAction {
+enum class OnFinding {
   kIgnore,   ///< not told
   kReport,   ///< a finding
   kMissing,  ///< a finding, and the samples are taken as missing (tracks only)
@@ -36,7 +36,7 @@ struct CheckOptions {
 
   /// As `actions` says; else what is no clip at all (not_joint_positions, lifeless_clip) is dropped and everything else
   /// reported. Of a lifeless clip that holds a given motion CheckClip reports too.
-  FindingAction ActionFor(const std::string& code) const;
+  OnFinding ActionFor(const std::string& code) const;
   /// Whether every check is ignored: then none is made, and the body is not compared with the declaration.
   bool IgnoresAll() const;
   /// The limit that a finding of this code crossed, in the unit of its value; 0 where there is none.

@@ -182,9 +182,9 @@ int FramesLost(const SourceOptions& source, const NamedFile& named, int frames) 
 namespace {
 
 /// A motion that was made may stand still; only what a sensor saw cannot. It is then reported, if nothing else is said.
-FindingAction ActionFor(const CheckOptions& options, const std::string& code, const Clip& clip) {
+OnFinding ActionFor(const CheckOptions& options, const std::string& code, const Clip& clip) {
   const bool unsaid = options.actions.count(code) == 0;
-  if (code == "lifeless_clip" && unsaid && !clip.evidence.tracks) return FindingAction::kReport;
+  if (code == "lifeless_clip" && unsaid && !clip.evidence.tracks) return OnFinding::kReport;
   return options.ActionFor(code);
 }
 
@@ -268,22 +268,18 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
   if (!name_doubt.empty()) findings.push_back(FrameFinding("name_contradiction", 0, 0, "", 0.0, name_doubt));
   std::optional<DroppedClip> dropped;
   for (Finding& finding : findings) {
-    FindingAction action = ActionFor(options, finding.code, ingested.clip);
+    OnFinding action = ActionFor(options, finding.code, ingested.clip);
     // A wrong unit makes any clip look lifeless: it is the declaration that is to be mended.
-    if (contradicted && finding.code == "lifeless_clip" && action == FindingAction::kDrop)
-      action = FindingAction::kReport;
-    if (action == FindingAction::kIgnore) continue;
-    if (action == FindingAction::kMissing && ingested.clip.evidence.tracks) {
+    if (contradicted && finding.code == "lifeless_clip" && action == OnFinding::kDrop) action = OnFinding::kReport;
+    if (action == OnFinding::kIgnore) continue;
+    if (action == OnFinding::kMissing && ingested.clip.evidence.tracks) {
       TakeAsMissing(finding, *ingested.clip.evidence.tracks);
-      finding.action = "taken as missing";
+      finding.action = FindingAction::kMissing;
     }
-    if (action == FindingAction::kDrop) {
-      finding.action = "dropped";
+    if (action == OnFinding::kDrop) {
+      finding.action = FindingAction::kDropped;
       if (!dropped) {
-        const double limit = finding.code == "not_joint_positions"
-                                 ? NoBodyLimit(finding, {options.bone_spread, options.bone_proportion})
-                                 : options.Threshold(finding.code);
-        dropped = DroppedClip{finding, limit};
+        dropped = DroppedClip{finding, finding.limit > 0.0 ? finding.limit : options.Threshold(finding.code)};
       }
     }
     ingested.findings.push_back(finding);

@@ -41,7 +41,7 @@ Finding UnmatchedName(const std::string& option, const std::string& kind, const 
   finding.code = "name_unmatched";
   finding.message = option + ": there is no " + kind + " '" + name + "', so that it has no effect" +
                     (near ? "; did you mean '" + *near + "'?" : "");
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 
@@ -70,7 +70,7 @@ void NotePassedOver(const SourceOptions& source, const std::vector<std::string>&
   finding.message = Counted(static_cast<long long>(names.size()), "file") + " that could be of this source, e.g. '" +
                     names.front() + "': the pattern '" + source.files + "' does not match " +
                     (names.size() == 1 ? "it" : "them");
-  finding.action = "not read";
+  finding.action = FindingAction::kLeftOut;
   findings.push_back(std::move(finding));
 }
 

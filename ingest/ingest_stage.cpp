@@ -4,7 +4,6 @@
 #include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
-#include "core/formats/header_count.h"
 #include "core/store/store.h"
 #include "ingest/clip_checks.h"
 #include "ingest/frozen_views.h"
@@ -104,7 +103,7 @@ bool RefuseUnit(std::vector<Finding>& findings) {
   bool refused = false;
   for (Finding& finding : findings) {
     if (finding.code != "units_contradiction") continue;
-    finding.action = "refused";
+    finding.action = FindingAction::kRefused;
     refused = true;
   }
   return refused;
@@ -204,8 +203,7 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
 
 /// A file that cannot be used. A header that contradicts what follows is a finding as well.
 Expected<StageOutcome> Unusable(const SourceOptions& source, const Error& error, const std::string& item) {
-  const std::optional<double> announced = AnnouncedCount(error);
-  if (!announced) return tl::unexpected<Error>(error);
+  if (error.reason != Reason::kCount) return tl::unexpected<Error>(error);
   StageOutcome outcome;
   outcome.kind = OutcomeKind::kRefused;
   outcome.error = error;
@@ -218,9 +216,9 @@ Expected<StageOutcome> Unusable(const SourceOptions& source, const Error& error,
   finding.clip = item;
   finding.code = "count_contradiction";
   finding.severity = Severity::kError;
-  finding.value = *announced;
+  finding.value = error.number;
   finding.message = error.where + ": " + error.what;
-  finding.action = "refused";
+  finding.action = FindingAction::kRefused;
   outcome.findings.push_back(std::move(finding));
   return outcome;
 }
@@ -280,8 +278,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   const bool whole = source->container.empty() && !gathered && source->format != SourceFormat::kNpy;
   const Expected<std::string> bytes = whole ? ReadFile(input->path) : std::string();
   if (!bytes) return Forward(bytes);
-  if (whole && Trim(*bytes).empty())
-    return Fail(ErrorCode::kMalformed, "the file is empty", name, "was it copied whole?");
+  if (whole && Trim(*bytes).empty()) return EmptyFile(name);
   SourceFile file{*source, *named, name, *bytes, {}};
   file.annotation = facts.annotation;
   file.container = input->path;
@@ -314,7 +311,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   const bool checks = !source->checks.IgnoresAll();
   if (checks && !SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
   if (Status near = CheckExtent(ingested->clip, name); !near && !RefuseUnit(ingested->findings)) return Forward(near);
-  if (source->checks.ActionFor("frozen_view") != FindingAction::kIgnore) {
+  if (source->checks.ActionFor("frozen_view") != OnFinding::kIgnore) {
     std::map<std::string, std::filesystem::path> images;
     for (const StageInput& image : file.depth_files) images.emplace(image.name, image.path);
     for (Finding& frozen : FindFrozenViews(ingested->clip.evidence, images))
@@ -339,7 +336,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   if (dropped) return ReadItem{{}, LeftOut(*dropped, input->name, std::move(outcome))};
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
-    if (finding.action != "refused") continue;
+    if (finding.action != FindingAction::kRefused) continue;
     outcome.kind = OutcomeKind::kRefused;
     outcome.summary["threshold"] = ContradictionThreshold(finding.code, finding.value, *source);
     outcome.error = Error{ErrorCode::kInconsistent, finding.message, name,

@@ -149,7 +149,7 @@ void CheckFrameNumbers(JointRows& rows, const std::string& name) {
     finding.frame_end = static_cast<int>(f) + 1;
     finding.value = number;
     finding.message = name + ": frame number " + FormatDouble(number) + " follows " + FormatDouble(before);
-    finding.action = "kept";
+    finding.action = FindingAction::kKept;
     rows.findings.push_back(std::move(finding));
     return;  // the first one is enough: what follows may all be shifted
   }
@@ -208,7 +208,7 @@ void KeepGaps(JointRows& rows) {
     finding.value = skipped;
     finding.message = Counted(skipped, "frame") + " without a row: " + FormatDouble(rows.frame_number[f - 1]) +
                       " is followed by " + FormatDouble(rows.frame_number[f]);
-    finding.action = "dropped";
+    finding.action = FindingAction::kDropped;
     rows.findings.push_back(std::move(finding));
   }
   rows.frames = places.back() + 1;

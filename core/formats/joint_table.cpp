@@ -152,7 +152,7 @@ class JointTableParser {
                " before the first row of numbers: a header, passed over");
       table_.findings.back().frame_end = 0;
       table_.findings.back().severity = Severity::kInfo;
-      table_.findings.back().action = "passed over";
+      table_.findings.back().action = FindingAction::kLeftOut;
       return {};
     }
     if (table_.columns == 0) table_.columns = row.numbers;
@@ -245,7 +245,7 @@ class JointTableParser {
              "; a point is taken for missing where one of its numbers is" + way);
     table_.findings.back().frame_end =
         static_cast<int>(std::min<long long>(left_out.last_frame, std::numeric_limits<int>::max() - 1)) + 1;
-    table_.findings.back().action = "missing";
+    table_.findings.back().action = FindingAction::kMissing;
   }
 
   /// Of damaged rows the first thousand are told one by one.
@@ -262,7 +262,7 @@ class JointTableParser {
     finding.frame_end = finding.frame_begin + 1;
     finding.value = value;
     finding.message = std::move(message);
-    finding.action = "dropped";
+    finding.action = FindingAction::kDropped;
     table_.findings.push_back(std::move(finding));
   }
 

@@ -153,7 +153,7 @@ class FramesMended {
       finding.message = Place(at.row) + ": " + BreakWords(at, frames[frame], static_cast<long long>(frame), joints) +
                         (FirstIsDoubted(at) ? "; it and frame 0 are" : "; the frame is") +
                         " taken for missing, what follows keeps its place";
-      finding.action = "dropped";
+      finding.action = FindingAction::kDropped;
       told.push_back(finding);
     }
     table_.findings = std::move(told);

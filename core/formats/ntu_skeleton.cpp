@@ -73,7 +73,7 @@ class NtuParser {
       Report("count_contradiction", *frames, line, contradiction.value().what);
       skeleton_.findings.back().severity = Severity::kError;
       skeleton_.findings.back().frame_end = 0;
-      skeleton_.findings.back().action = "kept";
+      skeleton_.findings.back().action = FindingAction::kKept;
     }
     return std::move(skeleton_);
   }
@@ -101,7 +101,7 @@ class NtuParser {
     if (joint_ >= 0) finding.joint = std::to_string(joint_);
     finding.value = value;
     finding.message = name_ + ":" + std::to_string(line) + ": " + what + Where();
-    finding.action = "dropped";
+    finding.action = FindingAction::kDropped;
     skeleton_.findings.push_back(std::move(finding));
   }
 

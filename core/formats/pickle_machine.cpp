@@ -262,7 +262,8 @@ Status PickleMachine::Unknown(unsigned char opcode) {
   for (const Named& named : kNames) {
     if (named.opcode != opcode) continue;
     --position_;
-    return Bad(what + " (" + named.name + kNoPlainOpcode, ErrorCode::kUnsupported);
+    return Bad(what + " (" + named.name + ") is not among those of plain data", ErrorCode::kUnsupported,
+               Reason::kUnsafePickle);
   }
   --position_;
   return Bad(what + " is not among those of plain data", ErrorCode::kUnsupported);

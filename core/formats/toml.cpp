@@ -247,7 +247,7 @@ class TomlParser {
 Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
-  if (Trim(bytes).empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+  if (Trim(bytes).empty()) return EmptyFile(name);
   return TomlParser(bytes, name).Parse();
 }
 

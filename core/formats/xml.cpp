@@ -178,7 +178,7 @@ const XmlElement* XmlElement::Find(std::string_view child) const {
 Expected<XmlElement> ParseXml(std::string_view bytes, const std::string& name) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
-  if (Trim(bytes).empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+  if (Trim(bytes).empty()) return EmptyFile(name);
   return XmlParser(bytes, name).Parse();
 }
 

@@ -82,7 +82,7 @@ Finding FrameFinding(const char* code, int begin, int end, const std::string& jo
   finding.joint = joint;
   finding.value = value;
   finding.message = std::move(message);
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 

@@ -52,7 +52,8 @@ void ReportLittleSeen(const std::vector<double>& error, std::vector<Finding>& fi
       "in " + Counted(static_cast<long long>(guesses.size()), "frame") +
       " the views show a part of the person, or one side as flat as from afar: joints there may be off by " +
       std::to_string(std::lround(1e2 * Median(guesses))) + " cm an axis";
-  finding.action = "inferred; stated deviations, where they are computed, widened";
+  finding.message += "; inferred; stated deviations, where they are computed, widened";
+  finding.action = FindingAction::kKept;
   findings.push_back(std::move(finding));
 }
 
@@ -81,7 +82,8 @@ void ReportPoorlyExplained(const std::vector<double>& residual, std::vector<Find
                     std::to_string(std::lround(1e3 * Median(poor))) + " mm off the body, in the best quarter " +
                     std::to_string(std::lround(1e3 * known[known.size() / 4])) +
                     ": is it the same person, do all views show them, and does nothing else touch them?";
-  finding.action = "kept; stated deviations, where they are computed, widened";
+  finding.message += "; kept; stated deviations, where they are computed, widened";
+  finding.action = FindingAction::kKept;
   findings.push_back(std::move(finding));
 }
 

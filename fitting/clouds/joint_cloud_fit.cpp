@@ -202,7 +202,8 @@ void ReportDisagreement(const std::vector<double>& factor, FitResult& result) {
   finding.value = static_cast<double>(clear);
   finding.message = std::to_string(clear) + " of " + std::to_string(factor.size()) +
                     " joints lie elsewhere in the depth views than the other evidence says, by more than both explain";
-  finding.action = "depth views followed there";
+  finding.message += "; depth views followed there";
+  finding.action = FindingAction::kKept;
   result.findings.push_back(std::move(finding));
 }
 
@@ -216,7 +217,8 @@ void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result)
   finding.value = static_cast<double>(without);
   finding.message = "too few depth points in " + std::to_string(without) + " of " +
                     Counted(static_cast<long long>(clouds.size()), "frame");
-  finding.action = "fitted to the other evidence alone there";
+  finding.message += "; fitted to the other evidence alone there";
+  finding.action = FindingAction::kKept;
   result.findings.push_back(std::move(finding));
 }
 

@@ -123,7 +123,7 @@ class BodyJudge {
     if (joint >= 0) finding.joint = Name(joint);
     finding.value = value;
     finding.message = std::move(message);
-    finding.action = "flagged";
+    finding.action = FindingAction::kFlagged;
     findings_.push_back(std::move(finding));
   }
 
@@ -311,7 +311,7 @@ std::optional<Finding> FindDoubtfulSize(double stature, double scale) {
             "tells how tall they are"
           : ". Are two people close together, is something between camera and person or touching them, or is "
             "the unit of depths or calibration another? Masks of the person (ingest.source) leave others out";
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 

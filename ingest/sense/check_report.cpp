@@ -156,7 +156,7 @@ void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& 
     std::vector<Finding> told;
     for (const Remark& remark : clip.remarks) {
       Finding finding = FrameFinding(remark.code.c_str(), remark.frame_begin, remark.frame_end, "", 0.0, "");
-      finding.action = "dropped";
+      finding.action = FindingAction::kDropped;
       told.push_back(std::move(finding));
     }
     const auto before = static_cast<std::ptrdiff_t>(told.size());
@@ -165,7 +165,7 @@ void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& 
   }
   if (declared) BlameDeclaration(found);
   for (const Finding& finding : found) {
-    if (options.ActionFor(finding.code) == FindingAction::kIgnore || Remarked(clip, finding.code)) continue;
+    if (options.ActionFor(finding.code) == OnFinding::kIgnore || Remarked(clip, finding.code)) continue;
     // A tree's joint may lie at its origin, and a root whose path is not there does.
     if (finding.code == "zero_joint" && (!clip.parents.empty() || Remarked(clip, "path_missing"))) continue;
     findings.push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, where),

@@ -8,8 +8,6 @@
 
 #include "core/base/file.h"
 #include "core/formats/camera_files.h"
-#include "core/formats/header_count.h"
-#include "core/formats/pickle.h"
 #include "core/formats/png.h"
 #include "ingest/format_facts.h"
 #include "ingest/sense/check_report.h"
@@ -325,15 +323,14 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
     const bool babel = bytes && kind == FileKind::kJson && JsonKindOf(*bytes) == JsonKind::kBabel;
     common = !bytes || (!babel && !SpeaksOfCameras(*bytes));
   }
-  if (folder_ && (code == ErrorCode::kUnsupported || common) && !NamesForeignClass(error)) {
+  if (folder_ && (code == ErrorCode::kUnsupported || common) && error.reason != Reason::kUnsafePickle) {
     others_.push_back(file.name);
     if (code != ErrorCode::kUnsupported) reasons_[error.what].push_back(file.name);
     return;
   }
   const std::size_t before = findings().size();
   AddError(error, file.name, CodeOf(error, kind), findings());
-  const std::optional<double> announced = AnnouncedCount(error);
-  if (announced && findings().size() > before) findings().back()["value"] = *announced;
+  if (error.reason == Reason::kCount && findings().size() > before) findings().back()["value"] = error.number;
 }
 
 std::string FormatTold(const Json& inspection) {

@@ -60,7 +60,7 @@ std::optional<Finding> LeaveOut(Finding finding, const std::vector<std::string>&
   if (count == 0) return std::nullopt;
   if (count > 1) finding.message += "; " + Counted(static_cast<long long>(count - 1), "more point");
   finding.message += "; taken as not seen";
-  finding.action = "taken as not seen";
+  finding.action = FindingAction::kMissing;
   return finding;
 }
 

@@ -92,7 +92,7 @@ Expected<ObservedFile> TableIn(const FileBytes& file, const std::optional<Source
 }  // namespace
 
 Remark RemarkOf(const Finding& finding) {
-  const bool lost = finding.action == "dropped";
+  const bool lost = finding.action == FindingAction::kDropped;
   return {finding.code,
           finding.severity,
           finding.value,
@@ -143,7 +143,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
     case FileKind::kJson:
       return JsonIn(file);
     case FileKind::kEmpty:
-      return Fail(ErrorCode::kMalformed, "the file is empty", file.name, "was it copied whole?");
+      return EmptyFile(file.name);
     case FileKind::kOpenCvYaml:
     case FileKind::kPng:
     case FileKind::kJpeg:

@@ -21,7 +21,7 @@ constexpr const char* kAxisColumns[] = {"x", "y", "z"};
 Expected<ObservedClip> BestReading(const JointTable& rows, const std::string& name) {
   if (std::all_of(rows.values.begin(), rows.values.end(), [](double value) { return value == 0.0; })) {
     return Fail(ErrorCode::kInconsistent, "every number is zero: no joint is seen in any frame", name,
-                "the tracker lost the person: leave the file out");
+                "the tracker lost the person: leave the file out", Reason::kNobodySeen);
   }
   const std::optional<RowLayout> counted = CountedLayout(rows);
   const std::vector<RowLayout> layouts =

@@ -26,7 +26,8 @@ Finding NotTheSubject(const Skeleton& skeleton) {
       skeleton.name +
       "', and the pelvis lies at `trans`, which the model's rest pelvis (0.2 to 0.4 m, constant over the "
       "clip) is missing from";
-  finding.action = "rest offsets of the skeleton used";
+  finding.message += "; rest offsets of the skeleton used";
+  finding.action = FindingAction::kKept;
   return finding;
 }
 
@@ -37,7 +38,8 @@ Status AddSegments(const SourceFile& file, Clip& clip, std::size_t frames, std::
     finding.code = "not_annotated";
     finding.severity = Severity::kInfo;
     finding.message = "no annotation file speaks of this motion";
-    finding.action = "kept without labels";
+    finding.message += "; kept without labels";
+    finding.action = FindingAction::kKept;
     findings.push_back(std::move(finding));
     return {};
   }

@@ -146,7 +146,8 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
       MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
   MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
-    path->action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    path->action =
+        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
     ingested.findings.push_back(*std::move(path));
   }
   ingested.clip.provenance["skeleton_file"] = file.skeleton_name;

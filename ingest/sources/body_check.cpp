@@ -87,7 +87,8 @@ void CheckPoints(const SourceOptions& source, const ObservedClip& observed, Inge
     finding.severity = Severity::kError;
     finding.value = value;
     finding.message = std::move(message);
-    finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    finding.action =
+        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
     ingested.findings.push_back(finding);
   };
   for (const Comparison& comparison : CompareFrame(StatementsOf(observed, source), Measure(observed))) {

@@ -37,7 +37,8 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
     finding.joint = bvh.joints[j].name;
     finding.value = slide;
     finding.message = "the bone changes its length by " + RoundedText(slide, 3) + " m over the clip";
-    finding.action = "middle of its range used";
+    finding.message += "; middle of its range used";
+    finding.action = FindingAction::kKept;
     findings.push_back(finding);
   }
   return {};
@@ -119,7 +120,8 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
       MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
   MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
-    path->action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    path->action =
+        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
     ingested.findings.push_back(*std::move(path));
   }
   if (offsets.carrier > 0) {

@@ -48,7 +48,8 @@ void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::ve
   finding.message = "joints lie " + RoundedText(*middle, 3) +
                     " m (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
                     "the subject's body";
-  finding.action = "rotations kept; the skeleton of joints alone (npy) keeps the places";
+  finding.message += "; rotations kept; the skeleton of joints alone (npy) keeps the places";
+  finding.action = FindingAction::kKept;
   findings.push_back(std::move(finding));
 }
 

@@ -86,12 +86,12 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   TakeRotations(*rows, *frame, tracks, ingested.findings);
   if (zeros == tracks.confidence.size()) {
     return Fail(ErrorCode::kInconsistent, "every joint of every frame is 0 0 0: no joint is seen", file.name,
-                "the tracker never saw the person: leave the file out");
+                "the tracker never saw the person: leave the file out", Reason::kNobodySeen);
   }
   const bool any = std::any_of(tracks.confidence.begin(), tracks.confidence.end(), [](double c) { return c > 0.0; });
   if (!any) {
     return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(rows->frames, "frame"), file.name,
-                "the tracker lost the person: leave the file out");
+                "the tracker lost the person: leave the file out", Reason::kNobodySeen);
   }
   NoteEmptyFrames(tracks, ingested.findings);
   ingested.clip.evidence.tracks = std::move(tracks);

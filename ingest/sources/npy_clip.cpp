@@ -197,10 +197,10 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   const auto bridged = BridgeFrames(damaged.frames, frames, *source.rate_hz, file.name);
   if (bridged && order->joint.size() == (*skeleton)->joints.size()) {
     ingested.clip.motion = Bridged(tracks, *bridged, *skeleton, ingested.clip.rate);
-    for (Finding& finding : ingested.findings) finding.action = "interpolated";
+    for (Finding& finding : ingested.findings) finding.action = FindingAction::kInterpolated;
     return ingested;
   }
-  for (Finding& finding : ingested.findings) finding.action = "missing";
+  for (Finding& finding : ingested.findings) finding.action = FindingAction::kMissing;
   NoteEmptyFrames(tracks, ingested.findings);
   ingested.clip.evidence.tracks = std::move(tracks);  // a joints-only motion would need every joint in every frame
   return ingested;

@@ -83,7 +83,7 @@ class IdKeeper {
       }
     }
     for (Finding& finding : findings_) {
-      finding.action = mend ? "exchanged back" : "flagged";
+      finding.action = mend ? FindingAction::kRepaired : FindingAction::kFlagged;
       finding.message += ", in frames " + std::to_string(finding.frame_begin) + " to " +
                          std::to_string(finding.frame_end - 1) +
                          (mend ? "; exchanged back there" : "; ingest.source.people.stitch exchanges them back");

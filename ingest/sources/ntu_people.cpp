@@ -138,7 +138,7 @@ void NoteZeroJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::v
   }
   for (Finding& finding : FindBlanks({positions, followed, time_s, NtuJointNames()})) {
     if (finding.code != "zero_joint") continue;
-    finding.action = "taken as missing";
+    finding.action = FindingAction::kMissing;
     finding.message += "; taken as missing";
     findings.push_back(std::move(finding));
   }

@@ -43,7 +43,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   }
   if (!seen) {
     return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(frames, "frame"), file.name,
-                "the tracker lost the person: leave the file out");
+                "the tracker lost the person: leave the file out", Reason::kNobodySeen);
   }
   NoteZeroJoints(*skeleton, body, ingested.findings);
   NoteEmptyFrames(tracks, ingested.findings);

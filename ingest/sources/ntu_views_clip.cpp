@@ -85,7 +85,8 @@ Camera SensorCamera(const Sensor& sensor, const SourceOptions& source, std::vect
   from = "declared, nominal";
   if (!told) {
     NoteCapture(findings, "intrinsics_nominal", Severity::kInfo, camera.fx,
-                "the joints of " + camera.name + " do not tell its depth camera's intrinsics", "taken as declared");
+                "the joints of " + camera.name + " do not tell its depth camera's intrinsics" + "; taken as declared",
+                FindingAction::kKept);
     return camera;
   }
   from = "measured from the joints' places and pixels";
@@ -98,8 +99,9 @@ Camera SensorCamera(const Sensor& sensor, const SourceOptions& source, std::vect
                 "the joints of " + camera.name + " stand at pixels of a camera with fx " + RoundedText(camera.fx, 5) +
                     ", fy " + RoundedText(camera.fy, 5) + ", cx " + RoundedText(camera.cx, 5) + ", cy " +
                     RoundedText(camera.cy, 5) + " px; declared are " + RoundedText(nominal[0], 5) + ", " +
-                    RoundedText(nominal[1], 5) + ", " + RoundedText(nominal[2], 5) + ", " + RoundedText(nominal[3], 5),
-                "measured ones taken");
+                    RoundedText(nominal[1], 5) + ", " + RoundedText(nominal[2], 5) + ", " + RoundedText(nominal[3], 5) +
+                    "; measured ones taken",
+                FindingAction::kKept);
   }
   return camera;
 }
@@ -157,7 +159,7 @@ Status AddDepth(const SourceFile& file, const std::vector<Sensor>& sensors, cons
       NoteCapture(ingested.findings, "depth_left_out", Severity::kWarning, missing,
                   name + " lacks the depth images of " + std::to_string(missing) + " of " +
                       Counted(span.end - span.begin, "frame"),
-                  "left out");
+                  FindingAction::kLeftOut);
       continue;
     }
     std::string from;
@@ -177,7 +179,7 @@ void NoteMissing(const SourceOptions& source, const std::vector<Sensor>& sensors
         std::any_of(sensors.begin(), sensors.end(), [&](const Sensor& sensor) { return sensor.file->view == camera; });
     if (there) continue;
     NoteCapture(findings, "camera_missing", Severity::kWarning, static_cast<double>(sensors.size()),
-                "there is no file of " + camera, "flagged");
+                "there is no file of " + camera, FindingAction::kFlagged);
   }
 }
 
@@ -255,7 +257,7 @@ Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
   tracks.names = NtuJointNames();
   if (std::all_of(tracks.confidence.begin(), tracks.confidence.end(), [](double c) { return c == 0.0; })) {
     return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(span.end - span.begin, "frame"),
-                file.name, "the trackers lost the person: leave the capture out");
+                file.name, "the trackers lost the person: leave the capture out", Reason::kNobodySeen);
   }
   NoteEmptyFrames(tracks, ingested.findings);
   clip.evidence.tracks = std::move(tracks);

@@ -17,7 +17,7 @@ constexpr double kRotationAgreement = 1e-4;  ///< radians between R_n and Rot_n;
 class Storage {
  public:
   static Expected<Storage> Open(const std::string& bytes, const std::string& name) {
-    if (Trim(bytes).empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+    if (Trim(bytes).empty()) return EmptyFile(name);
     if (bytes.find('\0') != std::string::npos) return Fail(ErrorCode::kMalformed, "the file is no text", name);
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     Storage storage;

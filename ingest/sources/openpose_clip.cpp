@@ -77,7 +77,8 @@ void DoubtNumbers(const SourceFile& file, const ViewFrames& view, IngestedClip& 
   }
   for (Finding& doubt : DoubtKeypointNumbers(people)) {
     doubt.message = "camera " + view.camera->name + ": " + doubt.message;
-    doubt.action = file.source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    doubt.action =
+        file.source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
     ingested.findings.push_back(std::move(doubt));
   }
 }
@@ -126,10 +127,11 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
   }
   if (!measured.value.empty()) ingested.shown["keypoints_contradiction"] = {measured.value != layout->name, 1.0};
   if (declared && !measured.value.empty() && measured.value != layout->name) {
-    Finding finding = CameraFinding("keypoints_contradiction", measured.confidence,
-                                    "the source declares keypoints " + layout->name + ", the bones are those of " +
-                                        measured.value + ": " + measured.evidence + "; mend ingest.source.keypoints",
-                                    file.source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged");
+    Finding finding = CameraFinding(
+        "keypoints_contradiction", measured.confidence,
+        "the source declares keypoints " + layout->name + ", the bones are those of " + measured.value + ": " +
+            measured.evidence + "; mend ingest.source.keypoints",
+        file.source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged);
     finding.severity = Severity::kError;
     ingested.findings.push_back(std::move(finding));
   }
@@ -177,7 +179,7 @@ void NoteMissingPeople(const SourceFile& file, const Evidence& evidence, std::ve
                                        " people are declared, two views never see more "
                                        "than " +
                                        std::to_string(seen) + " at once",
-                                   "flagged"));
+                                   FindingAction::kFlagged));
 }
 
 }  // namespace
@@ -206,11 +208,11 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   }
   if (unseen.unsure.points > 0) {
     ingested.findings.push_back(CameraFinding("unsure_points", static_cast<double>(unseen.unsure.points),
-                                              UnsurePointsWords(unseen.unsure), "taken as not seen"));
+                                              UnsurePointsWords(unseen.unsure), FindingAction::kMissing));
   }
   if (unseen.not_finite.points > 0) {
     ingested.findings.push_back(CameraFinding("keypoints_not_finite", static_cast<double>(unseen.not_finite.points),
-                                              NotFiniteWords(unseen.not_finite), "taken as not seen"));
+                                              NotFiniteWords(unseen.not_finite), FindingAction::kMissing));
   }
   const auto layout = LayoutOf(file, views, ingested);
   if (!layout) return Forward(layout);
@@ -223,9 +225,10 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
     clip.evidence.keypoint_views.push_back(MakeKeypointView(view, (*layout)->points.size(), clip.rate, odd));
   }
   if (odd > 0) {
-    ingested.findings.push_back(CameraFinding(
-        "keypoint_count", static_cast<double>(odd),
-        std::to_string(odd) + " people have another number of keypoints than " + (*layout)->name, "taken as not seen"));
+    ingested.findings.push_back(
+        CameraFinding("keypoint_count", static_cast<double>(odd),
+                      std::to_string(odd) + " people have another number of keypoints than " + (*layout)->name,
+                      FindingAction::kMissing));
   }
   NoteMissingPeople(file, clip.evidence, ingested.findings);
   if (Status added = AddDepthBeside(file, *rig, *depth, *cameras, *span, ingested); !added) return Forward(added);

@@ -66,8 +66,9 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
   if (static_cast<int>(ids.size()) > file.named.bodies) {
     ingested.findings.push_back(CameraFinding("bodies_left_out", static_cast<double>(ids.size()),
                                               "the files hold " + std::to_string(ids.size()) + " bodies, " +
-                                                  std::to_string(file.named.bodies) + " are asked for",
-                                              "those that are there longest are taken"));
+                                                  std::to_string(file.named.bodies) + " are asked for" +
+                                                  "; those that are there longest are taken",
+                                              FindingAction::kKept));
   }
   const int id = ids[static_cast<std::size_t>(file.named.body - 1)];
   std::size_t joints = 0;

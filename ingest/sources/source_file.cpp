@@ -180,7 +180,7 @@ Status AddDepthImage(const StageInput& image, double time_s, DepthView& view) {
 FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested,
                      std::optional<Finding> doubt) {
   if (!source.rate_hz && doubt) {
-    doubt->action = "refused";
+    doubt->action = FindingAction::kRefused;
     ingested.findings.push_back(*std::move(doubt));
   }
   if (!source.rate_hz) return FrameRate::FromHz(file_hz);
@@ -193,7 +193,7 @@ FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& 
     finding.value = differs->value;
     finding.message = differs->message + "; mend ingest.source.rate, or leave it out where the files are right";
     finding.action =
-        source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged; the declared rate is used";
+        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
     ingested.findings.push_back(std::move(finding));
   }
   return FrameRate::FromHz(*source.rate_hz);
@@ -213,7 +213,7 @@ void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vec
   // Frames whose rows were damaged are told of already.
   std::vector<char> told(static_cast<std::size_t>(frames), 0);
   for (const Finding& finding : findings) {
-    if (finding.action != "dropped") continue;
+    if (finding.action != FindingAction::kDropped) continue;
     for (int f = std::max(0, finding.frame_begin); f < std::min(frames, finding.frame_end); ++f)
       told[static_cast<std::size_t>(f)] = 1;
   }
@@ -227,7 +227,7 @@ void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vec
     finding.value = finding.frame_end - finding.frame_begin;
     finding.message = "no joint is seen in " + std::to_string(finding.frame_end - finding.frame_begin) + " of " +
                       Counted(frames, "frame");
-    finding.action = "taken as missing";
+    finding.action = FindingAction::kMissing;
     findings.push_back(std::move(finding));
   }
 }

@@ -45,7 +45,7 @@ Finding DecimalCommas() {
   Finding finding =
       FrameFinding("decimal_comma", 0, 0, "", 0.0, "numbers have a decimal comma (1,5): it is read as a point");
   finding.severity = Severity::kInfo;
-  finding.action = "read as points";
+  finding.action = FindingAction::kRepaired;
   return finding;
 }
 

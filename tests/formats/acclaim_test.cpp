@@ -252,7 +252,7 @@ TEST(Amc, AFrameThatLacksABoneWhichMostHaveIsDamagedWhateverBecameOfTheRow) {
     ASSERT_EQ(amc->findings.size(), 1u) << code;
     EXPECT_EQ(amc->findings[0].code, code);
     EXPECT_EQ(amc->findings[0].frame_begin, 2);
-    EXPECT_EQ(amc->findings[0].action, "dropped");
+    EXPECT_EQ(amc->findings[0].action, FindingAction::kDropped);
     EXPECT_THAT(amc->findings[0].message, HasSubstr("wave.amc:1")) << "lines 11 to 14";
     EXPECT_FALSE(Wave(damaged, asf)) << code << " is refused where damage is";
   }

@@ -141,9 +141,10 @@ TEST(HeaderCounts, ThatContradictWhatFollowsAreToldWithBothNumbersAndTheirPlace)
     ASSERT_FALSE(c.read) << c.name;
     EXPECT_THAT(c.read.error().what, HasSubstr(c.held)) << c.name;
     EXPECT_EQ(c.read.error().where, c.place) << c.name;
-    EXPECT_EQ(AnnouncedCount(c.read.error()), c.announced) << c.name;
+    EXPECT_EQ(c.read.error().reason, Reason::kCount) << c.name;
+    EXPECT_EQ(c.read.error().number, c.announced) << c.name;
   }
-  EXPECT_EQ(AnnouncedCount(ParseBvh(Replaced(kBvh, "1 2 3 4", "1 2 x 4"), "f").error()), std::nullopt);
+  EXPECT_EQ(ParseBvh(Replaced(kBvh, "1 2 3 4", "1 2 x 4"), "f").error().reason, Reason::kNone);
 }
 
 TEST(HeaderCounts, OfABvhAreAFindingWhereThatIsAskedForAndNoRowMoves) {

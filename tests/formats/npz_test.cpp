@@ -91,7 +91,7 @@ TEST(Npz, AMemberThatNamesAClassBesidePlainDataIsToldWithItAndTheOthersAreRead) 
     ASSERT_TRUE(npz) << npz.error().Message();
     EXPECT_THAT(npz->Find("b")->values, ElementsAre(7));
     ASSERT_EQ(npz->unsafe.size(), 1u) << member;
-    EXPECT_TRUE(NamesForeignClass(npz->unsafe[0]));
+    EXPECT_EQ(npz->unsafe[0].reason, Reason::kUnsafePickle);
     EXPECT_THAT(npz->unsafe[0].Message(), HasSubstr(told));
   }
   const auto ragged = ParseNpz(WriteStoredZip({{"a.npy", ObjectsOf("(lI1\na.")}}, "z").value(), "a.npz");

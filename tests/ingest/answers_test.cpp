@@ -56,7 +56,7 @@ std::string Placed(std::string where, const fs::path& folder) {
   return where;
 }
 
-void Inspected(const fs::path& path, const std::optional<SourceOptions>& source, Book& book) {
+void AddInspection(const fs::path& path, const std::optional<SourceOptions>& source, Book& book) {
   const Json said = InspectPath(path, source);
   book.Add("format " + said.at("format").get<std::string>());
   for (const Json& clip : said.at("clips")) {
@@ -180,12 +180,12 @@ void AddRecorded(Book& book) {
   const fs::path data(TestData());
   for (const std::string& folder : kFolders) {
     book.Open("inspect " + folder);
-    Inspected(data / folder, std::nullopt, book);
+    AddInspection(data / folder, std::nullopt, book);
   }
   for (const std::string& name : kRecorded) {
     const IngestOptions options = Declared(name);
     book.Open("inspect --source " + name);
-    Inspected(options.path, options.source, book);
+    AddInspection(options.path, options.source, book);
     book.Open("run " + name);
     Ran(options, book);
   }
@@ -214,9 +214,9 @@ void AddStudio(Book& book) {
     for (const WrittenSource& source : SourcesOf(layout, false)) {
       const IngestOptions declared = Declared(source.name, {"ingest.path=" + (folder / source.folder).string()});
       book.Open("studio " + name + ", inspect " + source.folder);
-      Inspected(folder / source.folder, std::nullopt, book);
+      AddInspection(folder / source.folder, std::nullopt, book);
       book.Open("studio " + name + ", inspect --source " + source.name);
-      Inspected(folder / source.folder, declared.source, book);
+      AddInspection(folder / source.folder, declared.source, book);
       book.Open("studio " + name + ", run " + source.name);
       Ran(declared, book);
     }
@@ -249,7 +249,7 @@ struct Text {
 bool IsSeparator(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\r'; }
 
 /// Every number of a line by its place among them.
-std::string Changed(const std::string& line, const std::function<double(std::size_t, double)>& change) {
+std::string ChangedNumbers(const std::string& line, const std::function<double(std::size_t, double)>& change) {
   std::string out, word;
   std::size_t place = 0;
   const auto flush = [&]() {
@@ -288,7 +288,8 @@ std::vector<std::pair<std::string, Damage>> Damages() {
   };
   const auto numbers = [&](double from, double to, const std::function<double(std::size_t, double)>& change) {
     return lines([from, to, change](Text& text) {
-      for (std::size_t i = text.Middle(from); i < text.Middle(to); ++i) text.lines[i] = Changed(text.lines[i], change);
+      for (std::size_t i = text.Middle(from); i < text.Middle(to); ++i)
+        text.lines[i] = ChangedNumbers(text.lines[i], change);
     });
   };
   return {
@@ -351,7 +352,7 @@ std::vector<std::pair<std::string, Damage>> Damages() {
   };
 }
 
-struct Damaged {
+struct DamagedFile {
   std::string source;  ///< of configs/sources
   std::string file;    ///< below its folder
   std::vector<std::string> beside = {};
@@ -359,7 +360,7 @@ struct Damaged {
   std::string folder = "";  ///< below the data; empty: the declared one
 };
 
-const std::vector<Damaged> kDamaged = {
+const std::vector<DamagedFile> kDamaged = {
     {"kard", "a09_s01_e01_realworld.txt"},
     {"msr_action3d", "a06_s01_e01_skeleton3D.txt"},
     {"utkinect", "walk_s01_e01.txt"},
@@ -406,7 +407,7 @@ const std::vector<Damaged> kDamaged = {
 
 void AddDamaged(Book& book) {
   const fs::path data(TestData());
-  for (const Damaged& of : kDamaged) {
+  for (const DamagedFile& of : kDamaged) {
     const IngestOptions declared = of.source.empty() ? IngestOptions() : Declared(of.source, of.assignments);
     const fs::path from = !of.folder.empty() ? data / of.folder : of.source.empty() ? data : declared.path;
     const auto bytes = ReadFile(from / of.file);
@@ -420,10 +421,10 @@ void AddDamaged(Book& book) {
       for (const std::string& name : of.beside) Put(folder / name, ReadFile(from / name).value_or(""));
       book.Open("damaged " + of.source + " " + of.file + ", " + damage);
       book.Add("- inspect");
-      Inspected(folder / of.file, std::nullopt, book);
+      AddInspection(folder / of.file, std::nullopt, book);
       if (of.source.empty()) continue;
       book.Add("- inspect --source");
-      Inspected(folder / of.file, declared.source, book);
+      AddInspection(folder / of.file, declared.source, book);
       book.Add("- run");
       IngestOptions there = declared;
       there.path = folder;

@@ -106,7 +106,7 @@ TEST(BvhSource, ABoneThatSlidesIsFlaggedOrRefused) {
   EXPECT_EQ(outcome.findings[0].code, "bone_slides");
   EXPECT_EQ(outcome.findings[0].joint, "LeftUpLeg");
   EXPECT_NEAR(outcome.findings[0].value, 0.0005, 1e-9);
-  EXPECT_EQ(outcome.findings[0].action, "middle of its range used");
+  EXPECT_EQ(outcome.findings[0].action, FindingAction::kKept);
   EXPECT_THAT(
       RefusalOf(SmallSource("slides", rows("20")), "slides"),
       HasSubstr("x_walk.bvh: joint 'LeftUpLeg' slides along its bone by 50 mm, more than the 2 mm of max_slide"));

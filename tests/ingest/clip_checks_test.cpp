@@ -274,7 +274,7 @@ TEST(ClipChecks, FiveFramesAKilometreAwayAreFoundNotRefusedAndMayBeTakenAsMissin
   options.source.checks.actions = {{"teleport", "missing"}};
   const Ingested missing = OnlyClip(options, "far");
   ASSERT_TRUE(missing.outcome);
-  EXPECT_EQ(missing.outcome->findings[0].action, "taken as missing");
+  EXPECT_EQ(missing.outcome->findings[0].action, FindingAction::kMissing);
   EXPECT_DOUBLE_EQ(missing.outcome->summary["missing_share"].get<double>(), 5.0 / 40.0);
 }
 
@@ -290,7 +290,7 @@ TEST(ClipChecks, ASectionThatStandsTwiceIsToldByARunAndByAnInspection) {
   EXPECT_EQ(told.outcome->findings[0].code, "repeated_stretch");
   EXPECT_EQ(told.outcome->findings[0].frame_begin, 24);
   EXPECT_EQ(told.outcome->findings[0].value, 10.0);
-  EXPECT_EQ(told.outcome->findings[0].action, "flagged");
+  EXPECT_EQ(told.outcome->findings[0].action, FindingAction::kFlagged);
   EXPECT_THAT(InspectPath(options.path, options.source).at("findings").dump(), HasSubstr("frames 24-34"));
 }
 
@@ -309,7 +309,7 @@ TEST(ClipChecks, WhatIsToBeDroppedIsLeftOutByARuleWithValueAndLimit) {
   auto outcome = IngestStage(request);
   ASSERT_TRUE(outcome) << outcome.error().Message();
   EXPECT_EQ(outcome->kind, OutcomeKind::kLeftOut);
-  EXPECT_EQ(outcome->findings.back().action, "dropped");
+  EXPECT_EQ(outcome->findings.back().action, FindingAction::kDropped);
   EXPECT_THAT(outcome->findings.back().code, ::testing::AnyOf("lifeless_clip", "not_joint_positions"));
   EXPECT_GT(outcome->summary["threshold"].get<double>(), 0.0);
   EXPECT_FALSE(std::filesystem::exists(request.output));

@@ -129,7 +129,7 @@ TEST_F(ChangedAmass, FramesWithoutNumbersCostThemselvesAlone) {
     if (finding.code != "not_a_number") continue;
     begins.push_back(finding.frame_begin);
     ends.push_back(finding.frame_end);
-    EXPECT_EQ(finding.action, "interpolated") << finding.message;
+    EXPECT_EQ(finding.action, FindingAction::kInterpolated) << finding.message;
   }
   EXPECT_THAT(begins, ElementsAre(100, 300));
   EXPECT_THAT(ends, ElementsAre(102, 301));

@@ -55,13 +55,13 @@ TEST(ExchangedIds, AreToldWithBothBodiesAndTheirFramesAndGivenBack) {
     EXPECT_EQ(told.frame_begin, begin);
     EXPECT_EQ(told.frame_end, end);
     EXPECT_NEAR(told.value, 0.8, 0.05);
-    EXPECT_EQ(told.action, "exchanged back");
+    EXPECT_EQ(told.action, FindingAction::kRepaired);
     EXPECT_THAT(told.message, HasSubstr("body ids 11 and 12 are exchanged"));
     const NtuSkeleton as_written = left;
     NoteExchangedIds(false, left);
     EXPECT_EQ(left, as_written) << "nothing is done by the official rule";
     ASSERT_EQ(left.findings.size(), 1u);
-    EXPECT_EQ(left.findings[0].action, "flagged");
+    EXPECT_EQ(left.findings[0].action, FindingAction::kFlagged);
   }
 }
 

@@ -157,7 +157,7 @@ TEST_F(Kard, DeclaredRightHandedTheMotionContradictsAndTheClipIsFlaggedNotMirror
     const Finding& finding = ingested.outcome->findings.at(0);
     EXPECT_EQ(finding.code, "handedness_contradiction");
     EXPECT_EQ(finding.severity, Severity::kError);
-    EXPECT_EQ(finding.action, "flagged");
+    EXPECT_EQ(finding.action, FindingAction::kFlagged);
     EXPECT_EQ(finding.clip, ingested.clip.id());
     if (sits) message = finding.message;
     EXPECT_GT(ingested.clip.evidence.tracks->positions.at(0, 0).z(), 1.0) << "silently mirrored";

@@ -203,7 +203,7 @@ TEST(Ghosts, WhereThereIsNobodyElseAGhostIsTakenAndTold) {
   const test::Take person = Perform(1, Body(1.0));
   const People people = Chosen({Piece(person, 7, 0, 5)}, 1, person);
   ASSERT_EQ(people.chosen.size(), 1u);
-  EXPECT_EQ(people.findings[0].action, "taken, for want of a better one");
+  EXPECT_EQ(people.findings[0].action, FindingAction::kKept);
 }
 
 TEST(Rules, EachTakesWhomItSays) {

@@ -300,7 +300,7 @@ TEST_F(CutTables, AJointOfNtuThatIsTrackedAtNoughtIsToldAndMissingInBoth) {
     EXPECT_EQ(finding.joint, "left_hand");
     EXPECT_EQ(finding.frame_begin, 20);
     EXPECT_EQ(finding.frame_end, 25);
-    EXPECT_EQ(finding.action, "taken as missing");
+    EXPECT_EQ(finding.action, FindingAction::kMissing);
   }
 }
 
