@@ -242,8 +242,7 @@ ClipPoints::ClipPoints(const Clip& clip, const SkeletonPtr& skeleton) {
   }
 }
 
-std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested,
-                                     const std::string& name_doubt) {
+std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested) {
   const CheckOptions& options = source.checks;
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   const ClipPoints points(ingested.clip, skeleton ? *skeleton : nullptr);
@@ -265,7 +264,6 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
   LeaveOutBridged(ingested.clip, findings);
   if (source.rate_hz) BlameDeclaration(findings);
   JudgeName(source, named, points.positions->frames, findings);
-  if (!name_doubt.empty()) findings.push_back(FrameFinding("name_contradiction", 0, 0, "", 0.0, name_doubt));
   std::optional<DroppedClip> dropped;
   for (Finding& finding : findings) {
     OnFinding action = ActionFor(options, finding.code, ingested.clip);

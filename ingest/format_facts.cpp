@@ -47,12 +47,11 @@ constexpr InspectedFormat kInspectedFormats[] = {{SourceFormat::kJointTable, "jo
 
 }  // namespace
 
-bool Reads(SourceFormat format, std::string_view inspected) {
-  if (format == SourceFormat::kNone) return true;
+std::string InspectedAs(SourceFormat format) {
   for (const InspectedFormat& reading : kInspectedFormats) {
-    if (reading.format == format && reading.inspected == inspected) return true;
+    if (reading.format == format) return std::string(reading.inspected);
   }
-  return false;
+  return FactsOf(format).name;
 }
 
 const FormatFacts& FactsOf(SourceFormat format) {

@@ -24,8 +24,8 @@ const FormatFacts& FactsOf(std::string_view name);
 /// What the clips of a source hold: that of its format, and depth views where it declares them beside keypoints.
 Gives GivesOf(const SourceOptions& source);
 
-/// Whether a source of this format reads what an inspection calls `inspected` ("depth_still", "amc"); kNone reads all.
-bool Reads(SourceFormat format, std::string_view inspected);
+/// What an inspection calls clips of a source of this format ("amc").
+std::string InspectedAs(SourceFormat format);
 
 /// "joint tracks", ...
 const char* Name(Gives gives);

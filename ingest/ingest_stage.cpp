@@ -57,13 +57,6 @@ Expected<IngestedClip> ReadClip(const SourceFile& file, const std::string& array
   return Fail(ErrorCode::kConfig, "the source does not say its format", "ingest.source.format");
 }
 
-int FrameCount(const Clip& clip) {
-  if (clip.evidence.tracks) return clip.evidence.tracks->positions.frames;
-  if (clip.motion) return clip.motion->frame_count();
-  if (!clip.evidence.depth_views.empty()) return static_cast<int>(clip.evidence.depth_views[0].files.size());
-  return clip.evidence.keypoint_views.empty() ? 0 : clip.evidence.keypoint_views[0].frames();
-}
-
 double UnseenShare(const Clip& clip) {
   std::size_t points = 0, unseen = 0;
   for (const KeypointView& view : clip.evidence.keypoint_views) {
@@ -127,7 +120,6 @@ struct ItemFacts {
   std::string label_text;            ///< what the table of labels says
   std::string role;                  ///< of the file of annotations
   std::string known_issue;           ///< what a list says of the recording
-  std::string name_doubt;            ///< what the name contradicts
 };
 
 /// Takes them out of the item's options: the declaration is left.
@@ -143,9 +135,8 @@ ItemFacts TakeFacts(nlohmann::json& options) {
   facts.label_text = options.value("label_text", std::string());
   facts.role = options.value("annotation_role", std::string());
   facts.known_issue = options.value("known_issue", std::string());
-  facts.name_doubt = options.value("name_doubt", std::string());
   for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "label_text",
-                          "annotation_role", "known_issue", "name_doubt", "array"}) {
+                          "annotation_role", "known_issue", "array"}) {
     options.erase(key);
   }
   return facts;
@@ -317,8 +308,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
     for (Finding& frozen : FindFrozenViews(ingested->clip.evidence, images))
       ingested->findings.push_back(std::move(frozen));
   }
-  const std::optional<DroppedClip> dropped =
-      checks ? CheckClip(*source, *named, *ingested, facts.name_doubt) : std::nullopt;
+  const std::optional<DroppedClip> dropped = checks ? CheckClip(*source, *named, *ingested) : std::nullopt;
   if (!facts.known_issue.empty()) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));
   }
@@ -333,7 +323,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   for (const auto& [code, shown] : ingested->shown) {
     outcome.summary["shown"][code] = {{"contradicts", shown.contradicts}, {"weight", shown.weight}};
   }
-  if (dropped) return ReadItem{{}, LeftOut(*dropped, input->name, std::move(outcome))};
+  if (dropped) return ReadItem{std::move(ingested->clip), LeftOut(*dropped, input->name, std::move(outcome))};
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
     if (finding.action != FindingAction::kRefused) continue;
@@ -345,7 +335,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
                               : "captures reach at most 1000 m from the origin"};
     // Its message says the place and the ways out.
     if (finding.code == "rate_implausible") outcome.error = {ErrorCode::kInconsistent, finding.message, "", ""};
-    return ReadItem{{}, std::move(outcome)};
+    break;
   }
   return ReadItem{std::move(ingested->clip), std::move(outcome)};
 }

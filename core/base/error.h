@@ -38,11 +38,12 @@ enum class ExitCode : int {
 /// What a failure is about, where code has to know more than the ErrorCode.
 enum class Reason {
   kNone,
-  kEmptyFile,     ///< no byte, or blanks alone
-  kCount,         ///< a header whose count what follows contradicts; `number` was announced
-  kUnsafePickle,  ///< a pickle that names more than plain data
-  kNobodySeen,    ///< no joint is seen in any frame
-  kOtherTree,     ///< joints that are not those of the declared skeleton
+  kEmptyFile,      ///< no byte, or blanks alone
+  kCount,          ///< a header whose count what follows contradicts; `number` was announced
+  kUnsafePickle,   ///< a pickle that names more than plain data
+  kNobodySeen,     ///< no joint is seen in any frame
+  kPersonMissing,  ///< a file holds fewer people than are declared
+  kOtherTree,      ///< joints that are not those of the declared skeleton
 };
 
 /// One failure, in facts: `what` names the value and the broken rule, `where` the place (file:line:column or dataset

@@ -41,6 +41,15 @@ FindingAction FindingActionFromName(std::string_view name) {
   return FindingAction::kFlagged;
 }
 
+Finding MakeFinding(std::string code, Severity severity, double value, std::string message) {
+  Finding finding;
+  finding.code = std::move(code);
+  finding.severity = severity;
+  finding.value = value;
+  finding.message = std::move(message);
+  return finding;
+}
+
 bool operator==(const Finding& a, const Finding& b) {
   const bool same_value = a.value == b.value || (std::isnan(a.value) && std::isnan(b.value));
   return same_value && a.clip == b.clip && a.code == b.code && a.severity == b.severity &&

@@ -46,6 +46,9 @@ struct Finding {
   FindingAction action = FindingAction::kFlagged;
 };
 
+/// One about a whole file or clip, flagged.
+Finding MakeFinding(std::string code, Severity severity, double value, std::string message);
+
 bool operator==(const Finding& a, const Finding& b);
 
 void to_json(nlohmann::json& json, const Finding& finding);

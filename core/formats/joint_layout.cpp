@@ -7,7 +7,6 @@
 
 #include "core/base/text.h"
 #include "core/formats/line_reader.h"
-#include "core/formats/mended_frames.h"
 
 namespace mocurate {
 namespace {
@@ -217,20 +216,6 @@ void KeepGaps(JointRows& rows) {
     Spread(places, rows.frames, *values);
 }
 
-/// Rows of one joint each, in the order of the joints; nothing for other tables.
-std::optional<JointPerRow> RowsOfJoints(const JointLayout& layout, const JointTable& table) {
-  if (table.rows_per_frame < 2 || layout.groups.size() != 1 || !layout.groups[0].IsJoint()) return std::nullopt;
-  if (layout.groups[0].count != table.rows_per_frame) return std::nullopt;
-  JointPerRow rows;
-  rows.columns = table.columns;
-  int at = 0;
-  for (const JointColumn column : layout.groups[0].columns) {
-    if (column <= JointColumn::kZ) rows.xyz[static_cast<int>(column)] = at;
-    at += Width(column);
-  }
-  return rows;
-}
-
 }  // namespace
 
 bool JointGroup::IsJoint() const { return Has(*this, JointColumn::kX); }
@@ -283,7 +268,7 @@ Expected<JointLayout> ParseJointLayout(std::string_view text, const std::string&
 }
 
 Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& layout, JointTableLayout table,
-                                   const std::string& name, OddFrame odd) {
+                                   const std::string& name) {
   const int numbers = layout.NumbersPerFrame();
   if (table.rows_per_frame < 1 || numbers < 1 || numbers % table.rows_per_frame != 0) {
     return Fail(ErrorCode::kUsage,
@@ -295,13 +280,10 @@ Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& la
   table.column_names = ColumnNames(layout, table.columns);
   Expected<JointTable> read = ParseJointTable(bytes, table, name);
   if (!read) return Forward(read);
-  if (const std::optional<JointPerRow> in_rows = RowsOfJoints(layout, *read)) {
-    if (Status mended = MendFrames(*in_rows, odd, bytes, table, name, *read); !mended) return Forward(mended);
-  }
   JointRows rows;
   rows.frames = read->frames;
   rows.joints = layout.Joints();
-  rows.rows_left_over = static_cast<int>(read->left_over.size()) / table.columns;
+  rows.rows_left_over = read->rows_left_over;
   rows.findings = std::move(read->findings);
   const std::size_t frames = static_cast<std::size_t>(rows.frames);
   const std::size_t joints = frames * static_cast<std::size_t>(rows.joints);

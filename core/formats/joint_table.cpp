@@ -298,7 +298,7 @@ class JointTableParser {
     const std::size_t size =
         static_cast<std::size_t>(layout_.rows_per_frame) * static_cast<std::size_t>(table_.columns);
     const auto whole = table_.values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(frames) * size);
-    table_.left_over.assign(whole, table_.values.end());
+    table_.rows_left_over = static_cast<int>(left_over);
     table_.values.erase(whole, table_.values.end());
     for (const long long frame : damaged_) {
       if (frame < frames) std::fill_n(table_.values.begin() + static_cast<std::ptrdiff_t>(frame * size), size, kNan);

@@ -42,7 +42,7 @@ std::string PlaceOfPoint(const ObservedCloud& cloud, std::size_t point, const st
 
 }  // namespace
 
-std::optional<Remark> DoubtPoints(const ObservedCloud& cloud, const std::string& units, const std::string& file) {
+std::optional<Finding> DoubtPoints(const ObservedCloud& cloud, const std::string& units, const std::string& file) {
   if (cloud.points.size() < kFewestCloudPoints) return std::nullopt;
   const Vector3d middle = Middle(cloud.points);
   std::vector<double> distances;
@@ -61,14 +61,14 @@ std::optional<Remark> DoubtPoints(const ObservedCloud& cloud, const std::string&
   const auto count = std::count_if(distances.begin(), distances.end(), is_far);
   const auto at = static_cast<std::size_t>(first - distances.begin());
   const Vector3d& point = cloud.points[at];
-  return Remark{
+  return MakeFinding(
       "point_far", error ? Severity::kError : Severity::kWarning, farthest,
       PlaceOfPoint(cloud, at, file) + " at " + RoundedText(point.x()) + " " + RoundedText(point.y()) + " " +
           RoundedText(point.z()) + " is " + Digits(*first) + " from the middle of the cloud" +
           (count > 1 ? ", and " + Counted(count - 1, "other") + " are so far" : "") + "; nine in ten of the " +
           std::to_string(cloud.points.size()) + " points are within " + Digits(radius) + ", and " +
           (far ? "what is more than 20 times as far is no part of what was scanned" : "nobody reaches beyond 2.5 m") +
-          ": leave it out, or export the file again"};
+          ": leave it out, or export the file again");
 }
 
 }  // namespace mocurate

@@ -12,6 +12,6 @@ namespace mocurate {
 /// mesh; of a cloud a warning up to 1000 times, as depth cameras have a number for nothing seen. Where the cloud is a
 /// whole person in `units` (empty: unknown), a warning of those farther than 2.5 m. The message names the first:
 /// `file`, its line or number, its place.
-std::optional<Remark> DoubtPoints(const ObservedCloud& cloud, const std::string& units, const std::string& file);
+std::optional<Finding> DoubtPoints(const ObservedCloud& cloud, const std::string& units, const std::string& file);
 
 }  // namespace mocurate

@@ -11,8 +11,8 @@ std::string FaultCode(const Error& error, std::string_view format) {
     return std::string(Name(error.code));
   }
   if (error.reason == Reason::kEmptyFile) return "empty_file";
-  const bool nobody = format == "ntu_skeleton" && error.code == ErrorCode::kInconsistent;
-  if (error.reason == Reason::kNobodySeen || nobody) return "no_joint_seen";
+  if (error.reason == Reason::kNobodySeen) return "no_joint_seen";
+  if (error.reason == Reason::kPersonMissing) return "people_missing";
   if (error.reason == Reason::kOtherTree) return "joints_contradiction";
   const bool layout = format == "joint_table" || format == "npy";
   return error.code == ErrorCode::kInconsistent && layout ? "layout_contradiction" : "malformed";

@@ -9,7 +9,6 @@
 #include "ingest/sense/observe.h"
 #include "ingest/sense/path_sense.h"
 #include "ingest/sense/rate_sense.h"
-#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -94,8 +93,7 @@ void AddPositions(const Asf& asf, const Amc& amc, ObservedClip& clip) {
   for (const int f : amc.damaged)
     std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
   FollowTree(parents, "hierarchy of the skeleton file", clip);
-  if (const auto path = DoubtPath(clip.positions, clip.points)) AddRemarks({*path}, clip);
-  if (const auto path = DoubtPathAxes(clip.positions, clip.points)) AddRemarks({*path}, clip);
+  if (const auto path = DoubtPath(clip.positions, clip.points)) clip.remarks.push_back(*path);
 }
 
 }  // namespace
@@ -134,11 +132,11 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
     clip.rate_hz = rate;
     clip.rate_evidence = "the name: HDM05's end with the rate";
   }
-  AddRemarks(amc->findings, clip);
+  clip.AddRemarks(amc->findings);
   std::optional<Finding> angles = asf ? DoubtAngles(*asf, &*amc) : std::nullopt;
   if (!angles) angles = DoubtAngles(*amc, asf ? &*asf : nullptr);
-  if (angles) AddRemarks({*angles}, clip);
-  if (asf) AddRemarks(DoubtSkeleton(*asf, skeleton_name), clip);
+  if (angles) clip.remarks.push_back(*angles);
+  if (asf) clip.AddRemarks(DoubtSkeleton(*asf, skeleton_name));
   if (asf && amc->frames > 0) {
     AddPositions(*asf, *amc, clip);
     if (angles) {
@@ -149,10 +147,10 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
   } else {
     clip.silence = "without its skeleton file (.asf) a motion has no lengths";
     clip.skeleton_evidence = std::to_string(amc->bones.size()) + " moving bones; no skeleton file";
-    clip.remarks.push_back({"skeleton_missing", Severity::kWarning, 0.0,
-                            "no .asf whose name begins this one's lies beside it" +
-                                (beside.others.empty() ? "" : " (" + beside.others + " are of others)") +
-                                ": lengths, unit and axes stay unknown"});
+    clip.remarks.push_back(MakeFinding("skeleton_missing", Severity::kWarning, 0.0,
+                                       "no .asf whose name begins this one's lies beside it" +
+                                           (beside.others.empty() ? "" : " (" + beside.others + " are of others)") +
+                                           ": lengths, unit and axes stay unknown"));
   }
   return std::vector<ObservedClip>{std::move(clip)};
 }
@@ -169,7 +167,7 @@ Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
   std::vector<Finding> doubts = DoubtSkeleton(*asf, file.name);
   if (auto angles = DoubtAngles(*asf)) doubts.push_back(*std::move(angles));
   for (const std::vector<Finding>& findings : {asf->findings, doubts}) {
-    for (const Finding& finding : findings) observed.remarks.push_back(RemarkOf(finding));
+    for (const Finding& finding : findings) observed.remarks.push_back(finding);
   }
   return observed;
 }

@@ -6,10 +6,8 @@
 #include "core/motion/kinematics.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
-#include "ingest/sense/path_sense.h"
 #include "ingest/sense/pose_sense.h"
 #include "ingest/sense/rate_sense.h"
-#include "ingest/sense/remark.h"
 #include "ingest/sense/tree_points.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/smpl_motion.h"
@@ -76,13 +74,6 @@ void StandOnTree(const Motion& motion, const std::vector<int>& damaged, Observed
   clip.lengths_assumed = true;
 }
 
-/// Against the body's own steps.
-void MeasurePath(const Motion& posed, ObservedClip& clip) {
-  const HandednessPoints body = PointsOfBody(*posed.skeleton);
-  clip.root_scale = MeasureRootScale(posed.joints, body);
-  if (const auto path = DoubtPathAxes(posed.joints, body)) clip.remarks.push_back(RemarkOf(*path));
-}
-
 ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   ObservedClip clip;
   clip.format = "amass";
@@ -105,16 +96,16 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
   clip.facts.emplace_back("markers", std::to_string(amass.markers));
   clip.missing_share = 0.0;
-  for (const Finding& finding : amass.findings) clip.remarks.push_back(RemarkOf(finding));
+  for (const Finding& finding : amass.findings) clip.remarks.push_back(finding);
   const std::optional<Finding> angles = DoubtAngles(amass);
-  if (angles) clip.remarks.push_back(RemarkOf(*angles));
-  for (const Finding& finding : DoubtPoses(amass)) clip.remarks.push_back(RemarkOf(finding));
-  if (const auto places = DoubtPlaces(amass)) clip.remarks.push_back(RemarkOf(*places));
+  if (angles) clip.remarks.push_back(*angles);
+  for (const Finding& finding : DoubtPoses(amass)) clip.remarks.push_back(finding);
+  if (const auto places = DoubtPlaces(amass)) clip.remarks.push_back(*places);
   // Poses of another unit show nothing; markers beside them do.
   const Expected<Motion> posed = angles ? Fail(ErrorCode::kInconsistent, kSpoiledPoses, name) : PoseTree(amass);
-  if (posed) MeasurePath(*posed, clip);
+  if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
   const std::optional<Finding> unit = posed && amass.markers > 0 ? DoubtMarkers(amass, posed->joints) : std::nullopt;
-  if (unit) clip.remarks.push_back(RemarkOf(*unit));
+  if (unit) clip.remarks.push_back(*unit);
   if (unit || amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
     if (posed)
       StandOnTree(*posed, amass.damaged, clip);
@@ -133,20 +124,20 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   }
   clip.points = PointsOfMarkers(amass.marker_labels);
   if (unseen > 0) {
-    clip.remarks.push_back({"markers_missing", Severity::kInfo, static_cast<double>(unseen),
-                            Counted(unseen, "sample") + " of markers missing"});
+    clip.remarks.push_back(MakeFinding("markers_missing", Severity::kInfo, static_cast<double>(unseen),
+                                       Counted(unseen, "sample") + " of markers missing"));
   }
   return clip;
 }
 
 }  // namespace
 
-Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<SourceOptions>& source) {
+Expected<ObservedFile> ObserveNpz(const FileBytes& file) {
   const Expected<Npz> archive = ParseNpz(file.bytes, file.name);
   if (!archive) return Forward(archive);
   ObservedFile observed;
   if (const auto exported = ExportedMotionIn(*archive)) {
-    Expected<ObservedClip> clip = ObserveExported(*exported, file.name, source);
+    Expected<ObservedClip> clip = ObserveExported(*exported, file.name);
     if (!clip) return Forward(clip);
     observed.clips.push_back(*std::move(clip));
     return observed;
@@ -161,11 +152,11 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<Sou
     observed.companions.push_back({file.name, "body_model", {}, {}});
     return observed;
   }
-  for (const Error& unsafe : archive->unsafe) observed.remarks.push_back(RemarkOf(UnsafeMember(unsafe)));
+  for (const Error& unsafe : archive->unsafe) observed.remarks.push_back(UnsafeMember(unsafe));
   std::optional<Error> exchanged;
   for (const NpzMember& member : archive->members) {
     if (!member.skipped.empty()) continue;
-    auto clips = ObserveArray(member.array, file.name + ":" + member.name, source);
+    auto clips = ObserveArray(member.array, file.name + ":" + member.name);
     // Other arrays may stand beside those of joints.
     if (!clips && clips.error().code == ErrorCode::kInconsistent) exchanged = clips.error();
     if (!clips) continue;

@@ -6,7 +6,6 @@
 #include "ingest/sense/observe.h"
 #include "ingest/sense/path_sense.h"
 #include "ingest/sense/rate_sense.h"
-#include "ingest/sense/remark.h"
 #include "ingest/sources/bvh_skeleton.h"
 
 namespace mocurate {
@@ -53,18 +52,17 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
   FollowTree(parents, "HIERARCHY with ROOT " + clip.names[0], clip);
   clip.layout_evidence = "header of the file";
   if (const auto angles = DoubtAngles(*bvh)) {
-    clip.remarks.push_back(RemarkOf(*angles));
+    clip.remarks.push_back(*angles);
     clip.positions = JointPositions();
     clip.confidence.clear();
     clip.silence = kSpoiledPoses;
   }
   if (clip.positions.frames > 0) {
     const JointPositions carried = WithCarriedRoot(*bvh, clip.positions);
-    if (const auto path = DoubtPath(carried, clip.points)) clip.remarks.push_back(RemarkOf(*path));
-    if (const auto path = DoubtPathAxes(carried, clip.points)) clip.remarks.push_back(RemarkOf(*path));
+    if (const auto path = DoubtPath(carried, clip.points)) clip.remarks.push_back(*path);
   }
   for (const Finding& finding : bvh->findings) {
-    clip.remarks.push_back(RemarkOf(finding));
+    clip.remarks.push_back(finding);
   }
   return std::vector<ObservedClip>{std::move(clip)};
 }

@@ -11,15 +11,9 @@
 namespace mocurate {
 namespace {
 
-std::size_t JointsDeclared(const SourceOptions& source) {
-  if (!source.joints.empty()) return source.joints.size();
-  const auto skeleton = KnownSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
-  return skeleton ? (*skeleton)->joints.size() : 0;
-}
-
 void RemarkDamaged(const DamagedNumbers& damaged, ObservedClip& clip) {
   for (const Finding& finding : damaged.findings)  // its frames reach from the first to the last such number
-    clip.remarks.push_back({finding.code, finding.severity, finding.value, finding.message});
+    clip.remarks.push_back(MakeFinding(finding.code, finding.severity, finding.value, finding.message));
 }
 
 bool IsCoordinate(double value) { return std::isfinite(value) && std::abs(value) <= kLargestNumber; }
@@ -42,20 +36,17 @@ ObservedClip PlacesIn(const NpyArray& array, const ArrayShape& held, std::size_t
 
 }  // namespace
 
-Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name,
-                                               const std::optional<SourceOptions>& source) {
+Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name) {
   const Expected<NpyArray> array = ParseNpy(bytes, name);
   if (!array) return Forward(array);
-  return ObserveArray(*array, name, source);
+  return ObserveArray(*array, name);
 }
 
-Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name,
-                                                 const std::optional<SourceOptions>& source) {
+Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name) {
   std::string shape;
   for (const std::size_t size : array.shape) shape += (shape.empty() ? "(" : ", ") + std::to_string(size);
   shape += ")";
-  const bool declared = source && source->format == SourceFormat::kNpy;
-  if (const auto axes = ExchangedAxes(array, declared ? JointsDeclared(*source) : 0)) {
+  if (const auto axes = ExchangedAxes(array, 0)) {
     return Fail(ErrorCode::kInconsistent, "the array has shape " + shape + ": " + axes->words, name, axes->way_out);
   }
   const std::optional<ArrayShape> held = ShapeOfJoints(array.shape);
@@ -73,12 +64,10 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
     clip.id = held->batch ? "[" + std::to_string(c) + "]" : "";
     clip.format = "npy";
     clip.layout_evidence = "shape " + shape + " of " + array.dtype;
-    if (declared)
-      DeclareOrder(*source, clip);
-    else if (std::none_of(clip.confidence.begin(), clip.confidence.end(), [](double seen) { return seen > 0.0; }))
+    if (std::none_of(clip.confidence.begin(), clip.confidence.end(), [](double seen) { return seen > 0.0; }))
       clip.remarks.push_back(
-          {"no_joint_seen", Severity::kError, static_cast<double>(clip.frames),
-           "no joint is seen in " + std::to_string(clip.frames) + " of " + Counted(clip.frames, "frame")});
+          MakeFinding("no_joint_seen", Severity::kError, static_cast<double>(clip.frames),
+                      "no joint is seen in " + std::to_string(clip.frames) + " of " + Counted(clip.frames, "frame")));
     else if (!RecogniseOrder(clip))
       DoubtPositions(clip);
     observed.push_back(std::move(clip));
@@ -86,8 +75,7 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
   return observed;
 }
 
-Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std::string& name,
-                                       const std::optional<SourceOptions>& source) {
+Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std::string& name) {
   const NpyArray& array = *exported.joints;
   if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
     return NobodySeen(array.values.size(), name);
@@ -103,10 +91,6 @@ Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std
   clip.up = "+y";
   clip.handedness = "right";
   clip.axes = "+x +y +z";
-  if (source && source->format == SourceFormat::kNpy) {
-    DeclareOrder(*source, clip);
-    return clip;
-  }
   const auto known = KnownSkeleton(exported.skeleton);
   const bool all = known && std::all_of(exported.names.begin(), exported.names.end(), [&](const std::string& joint) {
                      return (*known)->FindJoint(joint).has_value();

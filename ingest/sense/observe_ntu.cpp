@@ -5,16 +5,11 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/ntu_skeleton.h"
-#include "ingest/sense/name_sense.h"
 #include "ingest/sense/observe.h"
-#include "ingest/sense/remark.h"
-#include "ingest/sources/ntu_exchanged_ids.h"
 #include "ingest/sources/ntu_people.h"
 
 namespace mocurate {
 namespace {
-
-constexpr double kManyInferred = 0.3;  // share of a body's joints that the sensor guessed, worth a warning
 
 const std::vector<std::string>& KinectJoints() {
   for (const JointOrder& order : KnownJointOrders()) {
@@ -32,7 +27,7 @@ ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
   clip.joints = kNtuJoints;
   clip.positions = JointPositions(clip.frames, clip.joints);
   clip.confidence.assign(static_cast<std::size_t>(clip.frames) * kNtuJoints, 0.0);
-  int present = 0, inferred = 0;
+  int present = 0;
   for (int f = 0; f < clip.frames; ++f) {
     for (const NtuBody& body : skeleton.frames[static_cast<std::size_t>(f)]) {
       if (body.id != id) continue;
@@ -40,7 +35,6 @@ ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
       for (int j = 0; j < kNtuJoints; ++j) {
         const NtuJoint& joint = body.joints[static_cast<std::size_t>(j)];
         if (joint.tracking == 0) continue;
-        if (joint.tracking == 1) ++inferred;
         clip.positions.at(f, j) = Vector3d(joint.x_m, joint.y_m, joint.z_m);
         clip.confidence[static_cast<std::size_t>(f) * kNtuJoints + static_cast<std::size_t>(j)] =
             joint.tracking == 1 ? 0.5 : 1.0;
@@ -49,37 +43,12 @@ ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
   }
   clip.facts.emplace_back("body", std::to_string(id));
   clip.layout_evidence = "counts of the file; the body is in " + Counted(present, "frame");
-  const double share = present == 0 ? 0.0 : static_cast<double>(inferred) / (present * kNtuJoints);
-  if (inferred > 0) {
-    clip.remarks.push_back({"inferred_joints", share > kManyInferred ? Severity::kWarning : Severity::kInfo, share,
-                            "the sensor inferred " + FormatDouble(std::round(1000.0 * share) / 10.0) +
-                                " % of the joints (tracking state 1) instead of seeing them"});
-  }
   return clip;
-}
-
-/// Whom of the file a run of the source takes, and who is not there.
-void ComparePeople(const NtuSkeleton& skeleton, const SourceOptions& source, const FileBytes& file,
-                   std::vector<Remark>& remarks) {
-  if (source.format != SourceFormat::kNtuSkeleton || source.views.together || !source.rate_hz) return;
-  Expected<NamedFile> named = ReadName(source, file.name);
-  if (!named) named = ReadName(source, DisplayPath(file.path.filename()));
-  if (!named) return;
-  const auto wanted = static_cast<std::size_t>(std::max(1, named->bodies));
-  const Expected<People> people = NtuPeople(skeleton, source, wanted);
-  if (!people) return;  // of its axes, which are no matter of people
-  for (const Finding& finding : people->findings) {
-    remarks.push_back(RemarkOf(finding));
-  }
-  const std::size_t there = people->chosen.size();
-  if (there >= wanted) return;
-  const Error missing = PersonNotThere(there + 1, wanted, *people, skeleton.frames.size(), file.name);
-  remarks.push_back({"people_missing", Severity::kError, static_cast<double>(there), missing.what});
 }
 
 }  // namespace
 
-Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file, const std::optional<SourceOptions>& source) {
+Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file) {
   const std::string& name = file.name;
   Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, name, DamagedRows::kReport);
   if (!skeleton) {
@@ -87,7 +56,6 @@ Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file, const std:
     error.code = ErrorCode::kMalformed;  // kInconsistent is said of takes without a person
     return tl::unexpected<Error>(std::move(error));
   }
-  NoteExchangedIds(MendsIds(source ? source->people : PeopleOptions()), *skeleton);
   std::vector<std::uint64_t> ids;
   std::size_t most = 0, fewest = skeleton->frames.empty() ? 0 : skeleton->frames[0].size();
   for (const std::vector<NtuBody>& frame : skeleton->frames) {
@@ -107,6 +75,7 @@ Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file, const std:
   std::vector<ObservedClip> clips;
   for (const std::uint64_t id : ids) {
     ObservedClip clip = BodyClip(*skeleton, id);
+    NoteInferredJoints(*skeleton, PersonTrack{{id}, {}, {}, {}}, clip.remarks);
     clip.id = ids.size() > 1 ? "[" + std::to_string(clips.size()) + "]" : "";
     clip.people = static_cast<int>(most);
     clip.fewest_people = static_cast<int>(fewest);
@@ -121,11 +90,8 @@ Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file, const std:
     clips.push_back(std::move(clip));
   }
   for (const Finding& finding : skeleton->findings) {
-    clips[0].remarks.push_back(RemarkOf(finding));
+    clips[0].remarks.push_back(finding);
   }
-  if (const auto doubt = DoubtNtuName(file.path))
-    clips[0].remarks.push_back({"name_contradiction", Severity::kWarning, 0.0, *doubt});
-  if (source) ComparePeople(*skeleton, *source, file, clips[0].remarks);
   return clips;
 }
 

@@ -3,7 +3,6 @@
 #include "core/base/file.h"
 #include "core/formats/phspd_text.h"
 #include "ingest/sense/observe.h"
-#include "ingest/sense/remark.h"
 #include "ingest/sources/phspd_tracks.h"
 
 namespace mocurate {
@@ -37,7 +36,7 @@ Expected<ObservedClip> PosesIn(const FileBytes& file) {
   for (const JointOrder& order : KnownJointOrders()) {
     if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
   }
-  AddRemarks(tracks->findings, clip);
+  clip.AddRemarks(tracks->findings);
   return clip;
 }
 

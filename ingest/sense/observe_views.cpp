@@ -9,7 +9,6 @@
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/keypoint_numbers.h"
 #include "ingest/sense/observe.h"
-#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -86,16 +85,16 @@ ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const st
   clip.skeleton_evidence = layout.evidence;
   std::vector<OpenPosePerson> here;
   for (const OpenPoseFrame& frame : frames) here.insert(here.end(), frame.people.begin(), frame.people.end());
-  for (const Finding& doubt : DoubtKeypointNumbers(here)) clip.remarks.push_back(RemarkOf(doubt));
+  for (const Finding& doubt : DoubtKeypointNumbers(here)) clip.remarks.push_back(doubt);
   if (odd > 0) {
-    clip.remarks.push_back({"keypoint_count", Severity::kWarning, static_cast<double>(odd),
-                            std::to_string(odd) + (odd == 1 ? " person has" : " people have") +
-                                " another number of keypoints than " + std::to_string(joints) +
-                                ": a run takes them as not seen"});
+    clip.remarks.push_back(MakeFinding("keypoint_count", Severity::kWarning, static_cast<double>(odd),
+                                       std::to_string(odd) + (odd == 1 ? " person has" : " people have") +
+                                           " another number of keypoints than " + std::to_string(joints) +
+                                           ": a run takes them as not seen"));
   }
   if (without > 0) {
-    clip.remarks.push_back({"empty_person", Severity::kInfo, static_cast<double>(without),
-                            std::to_string(without) + " entries of people hold no keypoints"});
+    clip.remarks.push_back(MakeFinding("empty_person", Severity::kInfo, static_cast<double>(without),
+                                       std::to_string(without) + " entries of people hold no keypoints"));
   }
   return clip;
 }

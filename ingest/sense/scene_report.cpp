@@ -77,7 +77,7 @@ void ReportCameras(const Calibration& calibration, const std::string& file, Json
     }
     cameras.push_back(std::move(camera));
   }
-  for (const Remark& remark : sense.remarks) {
+  for (const Finding& remark : sense.remarks) {
     findings.push_back(
         InspectionFinding(remark.code, remark.severity, file, FourDecimals(remark.value), remark.message));
   }

@@ -119,11 +119,11 @@ void TellGaps(ObservedClip& clip) {
       first = FormatDouble(clip.frame_numbers[f - 1]) + " is followed by " + FormatDouble(clip.frame_numbers[f]);
   }
   if (first.empty()) return;
-  clip.remarks.push_back({"time_gap", Severity::kWarning, skipped,
-                          Counted(static_cast<long long>(skipped), "frame") + " of those that are numbered from " +
-                              FormatDouble(clip.frame_numbers.front()) + " to " +
-                              FormatDouble(clip.frame_numbers.back()) + " have no row, at most " +
-                              FormatDouble(longest) + " on end; the first: " + first});
+  clip.remarks.push_back(
+      MakeFinding("time_gap", Severity::kWarning, skipped,
+                  Counted(static_cast<long long>(skipped), "frame") + " of those that are numbered from " +
+                      FormatDouble(clip.frame_numbers.front()) + " to " + FormatDouble(clip.frame_numbers.back()) +
+                      " have no row, at most " + FormatDouble(longest) + " on end; the first: " + first));
 }
 
 /// CAD-60: frame number; 11 joints with 9 orientation values, their confidence, x y z, confidence; 4 joints without.
@@ -283,10 +283,10 @@ std::optional<ObservedClip> KnownReading(const JointTable& rows, const std::vect
     if (better) best = std::move(clip);
   }
   if (best && !others.empty()) {
-    best->remarks.push_back({"layout_ambiguous", Severity::kWarning, best->skeleton_confidence,
-                             "the row count also allows " + others +
-                                 " joints, and bone lengths do not exclude it; this reading is " +
-                                 RoundedText(100.0 * best->skeleton_confidence, 3) + " % sure"});
+    best->remarks.push_back(MakeFinding("layout_ambiguous", Severity::kWarning, best->skeleton_confidence,
+                                        "the row count also allows " + others +
+                                            " joints, and bone lengths do not exclude it; this reading is " +
+                                            RoundedText(100.0 * best->skeleton_confidence, 3) + " % sure"));
   }
   return best;
 }

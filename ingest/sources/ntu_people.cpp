@@ -144,12 +144,29 @@ void NoteZeroJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::v
   }
 }
 
+void NoteInferredJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::vector<Finding>& findings) {
+  constexpr double kManyInferred = 0.3;
+  int present = 0, inferred = 0;
+  for (const std::vector<NtuBody>& frame : skeleton.frames) {
+    for (const NtuBody& person : frame) {
+      if (std::find(body.ids.begin(), body.ids.end(), person.id) == body.ids.end()) continue;
+      ++present;
+      for (const NtuJoint& joint : person.joints) inferred += joint.tracking == 1 ? 1 : 0;
+    }
+  }
+  if (inferred == 0) return;
+  const double share = static_cast<double>(inferred) / (present * kNtuJoints);
+  findings.push_back(MakeFinding("inferred_joints", share > kManyInferred ? Severity::kWarning : Severity::kInfo, share,
+                                 "the sensor inferred " + FormatDouble(std::round(1000.0 * share) / 10.0) +
+                                     " % of the joints (tracking state 1) instead of seeing them"));
+}
+
 Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
                      const std::string& name) {
   return {ErrorCode::kInconsistent,
           "body " + std::to_string(own) + " of " + std::to_string(wanted) + " is not there: the file holds " +
               Counted(people.chosen.size(), "body id") + " in " + Counted(frames, "frame"),
-          name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies"};
+          name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies", Reason::kPersonMissing};
 }
 
 }  // namespace mocurate

@@ -22,6 +22,9 @@ Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& sou
 /// the frames.
 void NoteZeroJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::vector<Finding>& findings);
 
+/// "inferred_joints": the share of joints of `body` that the sensor inferred instead of seeing them; a warning above 0.3.
+void NoteInferredJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::vector<Finding>& findings);
+
 /// Of a file that holds fewer people than `wanted`: the `own`-th of them, from 1, is not there. `name` for messages.
 Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
                      const std::string& name);

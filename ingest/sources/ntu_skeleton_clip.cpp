@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "core/base/text.h"
-#include "ingest/sources/ntu_exchanged_ids.h"
 #include "ingest/sources/ntu_people.h"
 
 namespace mocurate {
@@ -10,7 +9,6 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, file.name, source.damaged_rows);
   if (!skeleton) return Forward(skeleton);
-  NoteExchangedIds(MendsIds(source.people), *skeleton);
   const std::size_t wanted = static_cast<std::size_t>(std::max(1, file.named.bodies));
   const Expected<People> people = NtuPeople(*skeleton, source, wanted);
   if (!people) return Forward(people);
@@ -45,6 +43,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
     return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(frames, "frame"), file.name,
                 "the tracker lost the person: leave the file out", Reason::kNobodySeen);
   }
+  NoteInferredJoints(*skeleton, body, ingested.findings);
   NoteZeroJoints(*skeleton, body, ingested.findings);
   NoteEmptyFrames(tracks, ingested.findings);
   ingested.clip.provenance["body_id"] = body.Name();

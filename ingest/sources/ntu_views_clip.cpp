@@ -7,7 +7,6 @@
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/people/merge_views.h"
-#include "ingest/sources/ntu_exchanged_ids.h"
 #include "ingest/sources/ntu_people.h"
 
 namespace mocurate {
@@ -203,7 +202,6 @@ Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
   for (const ViewFile& view : file.views) {
     Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(view.bytes, view.name, source.damaged_rows);
     if (!skeleton) return Forward(skeleton);
-    NoteExchangedIds(MendsIds(source.people), *skeleton);
     Expected<People> people = NtuPeople(*skeleton, source, wanted);
     if (!people) return Forward(people);
     for (std::vector<Finding>* findings : {&skeleton->findings, &people->findings}) {

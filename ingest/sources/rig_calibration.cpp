@@ -185,7 +185,7 @@ Expected<Rig> ReadRig(const SourceFile& file) {
   }
   rig.meaning = ToldMeasure("pose", sense.reading, pose_given) + ", " +
                 ToldMeasure("unit", sense.unit, calibration->metres_per_unit > 0.0);
-  for (const Remark& remark : sense.remarks) {
+  for (const Finding& remark : sense.remarks) {
     Finding finding;
     finding.code = remark.code;
     finding.severity = Severity::kError;

@@ -65,6 +65,13 @@ Expected<std::string> LabelOf(const SourceOptions& source, const std::string& te
               name, near ? "did you mean '" + *near + "'?" : "add it, or repair the file name");
 }
 
+int FrameCount(const Clip& clip) {
+  if (clip.evidence.tracks) return clip.evidence.tracks->positions.frames;
+  if (clip.motion) return clip.motion->frame_count();
+  if (!clip.evidence.depth_views.empty()) return static_cast<int>(clip.evidence.depth_views[0].files.size());
+  return clip.evidence.keypoint_views.empty() ? 0 : clip.evidence.keypoint_views[0].frames();
+}
+
 std::string BytesOf(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }

@@ -55,6 +55,9 @@ struct IngestedClip {
       {};  ///< by the code that a contradiction has; what the clip does not show lacks
 };
 
+/// Of its tracks, motion, depth views or keypoints.
+int FrameCount(const Clip& clip);
+
 /// The bytes of numbers, as they lie in memory.
 std::string BytesOf(const std::vector<double>& values);
 

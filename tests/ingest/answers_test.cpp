@@ -384,7 +384,7 @@ const std::vector<DamagedFile> kDamaged = {
      {},
      {"ingest.source.files='{recording}.npy'", "ingest.source.recording='{recording}'", "ingest.source.person=x",
       "ingest.source.session=''", "ingest.source.label=''", "ingest.source.fine_label=''",
-      "ingest.source.frames_in_name=''", "ingest.source.labels={}", "ingest.source.axes='+x +y +z'",
+      "ingest.source.frames_in_name=''", "ingest.source.other_labels=keep", "ingest.source.axes='+x +y +z'",
       "ingest.source.skeleton=smpl24",
       "ingest.source.joints=[pelvis, left_hip, right_hip, spine1, left_knee, right_knee, spine2, left_ankle, "
       "right_ankle, spine3, left_foot, right_foot, neck, left_collar, right_collar, head, left_shoulder, "

@@ -137,7 +137,7 @@ TEST(HumanAct12Pickle, AnEntryThatIsBrokenCostsAnInspectionOneClipAsItDoesARun) 
   EXPECT_EQ(told.at("clips").size(), 2u);
   std::string errors;
   for (const auto& finding : told.at("findings")) {
-    if (finding.at("severity") == "error") errors += finding.at("message").get<std::string>();
+    if (finding.at("severity") == "error") errors += finding.at("where").get<std::string>();
   }
   EXPECT_THAT(errors, HasSubstr("joints3D/1"));
 }
