@@ -24,6 +24,8 @@ target_include_directories(mocurate_zlib SYSTEM INTERFACE ${MOCURATE_ZLIB_INCLUD
 target_link_libraries(mocurate_zlib INTERFACE ${MOCURATE_ZLIB_LIBRARY})
 
 find_package(yaml-cpp REQUIRED)
+find_package(pugixml REQUIRED)
+find_path(MOCURATE_TOML_INCLUDE toml++/toml.h REQUIRED)
 find_package(BLAS REQUIRED)
 if(NOT MOCURATE_SLICE STREQUAL "learn")
   find_package(CLI11 REQUIRED)

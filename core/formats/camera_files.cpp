@@ -5,10 +5,15 @@
 #include <cmath>
 #include <utility>
 
+#define TOML_EXCEPTIONS 0
+#define TOML_ENABLE_FORMATTERS 0
+#define TOML_FLOAT_CHARCONV 1
+#define TOML_MAX_NESTED_VALUES 8
+#include <toml++/toml.h>
+
 #include "core/base/text.h"
 #include "core/formats/json_place.h"
 #include "core/formats/qualisys.h"
-#include "core/formats/toml.h"
 
 namespace mocurate {
 namespace {
@@ -17,6 +22,7 @@ using nlohmann::json;
 
 constexpr int kMaxCameraSide = 100'000;
 constexpr double kFarthest = 1e9;
+constexpr std::size_t kLongestTomlLine = 4096;
 
 Status SetSize(const JsonPlace& place, const std::string& key, CalibratedView& view) {
   const Expected<JsonPlace> size = place.Key(key);
@@ -152,6 +158,43 @@ Status AddViews(const JsonPlace& list, bool keyed, Read read, Calibration& calib
     calibration.views.push_back(std::move(view));
   }
   return calibration.views.empty() ? list.Bad("at least one camera is expected") : Status();
+}
+
+/// Dates, which no calibration holds, become null.
+json JsonOfToml(const toml::node& node) {
+  return node.visit([](const auto& value) -> json {
+    using Node = std::decay_t<decltype(value)>;
+    if constexpr (toml::is_table<Node>) {
+      json object = json::object();
+      for (const auto& [key, child] : value) object[std::string(key.str())] = JsonOfToml(child);
+      return object;
+    } else if constexpr (toml::is_array<Node>) {
+      json array = json::array();
+      for (const toml::node& child : value) array.push_back(JsonOfToml(child));
+      return array;
+    } else if constexpr (toml::is_chronological<Node>) {
+      return nullptr;
+    } else {
+      return *value;
+    }
+  });
+}
+
+/// A key of a line may be nested as deep as the line is long: tables are taken apart by recursion.
+Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
+  if (Trim(bytes).empty()) return EmptyFile(name);
+  int line = 0;
+  for (const std::string_view text : SplitText(bytes, '\n')) {
+    ++line;
+    if (text.size() <= kLongestTomlLine) continue;
+    return Fail(ErrorCode::kMalformed, "a line has more than " + std::to_string(kLongestTomlLine) + " characters",
+                name + ":" + std::to_string(line));
+  }
+  const toml::parse_result parsed = toml::parse(bytes);
+  if (parsed) return JsonOfToml(parsed.table());
+  const toml::source_position at = parsed.error().source().begin;
+  return Fail(ErrorCode::kMalformed, "the file is no TOML: " + std::string(parsed.error().description()),
+              name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column));
 }
 
 Expected<Calibration> CalibrationFromJson(std::string_view bytes, const std::string& name,

@@ -146,8 +146,5 @@ Expected<ObservedCloud> ObserveCloud(std::string_view bytes, const std::string& 
 ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const std::vector<OpenPosePerson>& everybody);
 /// A clip per body of a scene.
 std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& scenes);
-/// Text of OpenCV's FileStorage, as far as calibrations need it: rigs of intri and extri, or one file per view. Error
-/// kMalformed names the field that is missing or of another size ("intri.yml:K_cam02"), kUnsupported: no calibration.
-Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std::string>>& storages);
 
 }  // namespace mocurate

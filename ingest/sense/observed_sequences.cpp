@@ -1,5 +1,6 @@
 #include <string>
 
+#include "core/formats/opencv_storage.h"
 #include "ingest/frozen_views.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/keypoint_layout_sense.h"
@@ -154,12 +155,12 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
     }
     for (const auto& [key, image] : folder.images) file.companions.push_back(image);
     if (!folder.storages.empty()) {
-      Expected<Calibration> calibration = ObserveOpenCv(folder.storages);
+      Expected<Calibration> calibration = ParseOpenCvCalibration(folder.storages);
       for (std::size_t i = 0; !calibration && i < folder.beside.size(); ++i) {
         auto storages = folder.storages;
         storages.push_back(folder.beside[i]);
         // Together they may lack another field than one alone.
-        auto together = ObserveOpenCv(storages);
+        auto together = ParseOpenCvCalibration(storages);
         if (together || together.error().where != calibration.error().where) calibration = std::move(together);
       }
       if (calibration) {

@@ -7,8 +7,8 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/camera_files.h"
+#include "core/formats/opencv_storage.h"
 #include "ingest/sense/calibration_sense.h"
-#include "ingest/sense/observe.h"
 
 namespace mocurate {
 namespace {
@@ -40,7 +40,7 @@ Expected<Calibration> ReadCameraFiles(const std::vector<std::pair<std::string, s
                                       const NamePattern& pattern) {
   Calibration all;
   for (const auto& [name, bytes] : files) {
-    Expected<Calibration> one = ObserveOpenCv({{name, bytes}});
+    Expected<Calibration> one = ParseOpenCvCalibration({{name, bytes}});
     if (!one) return Forward(one);
     const std::optional<NameFields> fields = pattern.Match(name);
     if (!fields || one->views.size() != 1) {
@@ -71,7 +71,7 @@ Expected<Calibration> ReadFiles(const SourceFile& file, std::string& content) {
     if (!pattern) return Forward(pattern);
     return ReadCameraFiles(files, *pattern);
   }
-  if (IsOpenCv(files[0].second)) return ObserveOpenCv(files);
+  if (IsOpenCv(files[0].second)) return ParseOpenCvCalibration(files);
   if (files.size() > 1) {
     return Fail(ErrorCode::kConfig, std::to_string(files.size()) + " files calibrate the cameras", files[1].first,
                 "only OpenCV's intri and extri are two; mend ingest.source.calibration");

@@ -8,14 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/body/skinned_body.h"
-#include "core/formats/calibration.h"
+#include "core/formats/opencv_storage.h"
 #include "core/formats/pcd.h"
 #include "core/formats/pose_log.h"
 #include "core/geometry/point_grid.h"
 #include "core/store/body_file.h"
 #include "ingest/sense/calibration_sense.h"
 #include "ingest/sources/depth_pixels.h"
-#include "ingest/sources/opencv_calibration.h"
 #include "tests/formats/damage.h"
 
 namespace mocurate {
@@ -43,6 +42,12 @@ double Rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
+Expected<CalibratedView> ReadView(const std::string& file) {
+  const auto calibration = ParseOpenCvCalibration({{"camera.xml", RecordedFile(file)}});
+  if (!calibration) return Forward(calibration);
+  return calibration->views.at(0);
+}
+
 /// The masked person of every recorded view, in the camera's frame.
 struct Turntable {
   Calibration calibration;
@@ -57,7 +62,7 @@ Turntable ReadTurntable(int step) {
     char number[16];
     std::snprintf(number, sizeof number, "%010d", i);
     const std::string stem = "rgbd100/views/" + std::string(number);
-    const auto view = ReadOpenCvView(RecordedFile(stem + "_camera.xml"), "camera.xml");
+    const auto view = ReadView(stem + "_camera.xml");
     EXPECT_TRUE(view) << view.error().Message();
     const auto depth = DecodeDepthImage(RecordedFile(stem + "_depth.png"), "depth.png");
     const auto mask = DecodeMask(RecordedFile(stem + "_mask.jpg"), "mask.jpg");
@@ -118,7 +123,7 @@ TEST_F(RecordedDepth, EveryTurntableViewLiesOnTheOthers) {
 
 TEST_F(RecordedDepth, TheCloudFileHoldsTheMaskedPixels) {
   const std::string stem = "rgbd100/views/0000000050";
-  const auto view = ReadOpenCvView(RecordedFile(stem + "_camera.xml"), "camera.xml");
+  const auto view = ReadView(stem + "_camera.xml");
   const auto depth = DecodeDepthImage(RecordedFile(stem + "_depth.png"), "depth.png");
   const auto mask = DecodeMask(RecordedFile(stem + "_mask.jpg"), "mask.jpg");
   const auto pcd = ParsePcd(RecordedFile(stem + ".pcd"), "50.pcd");

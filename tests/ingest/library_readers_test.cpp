@@ -10,9 +10,9 @@
 #include "core/base/random.h"
 #include "core/body/skinned_body.h"
 #include "core/formats/amass.h"
+#include "core/formats/opencv_storage.h"
 #include "core/store/body_file.h"
 #include "ingest/sources/depth_pixels.h"
-#include "ingest/sources/opencv_calibration.h"
 #include "tests/ingest/sources.h"
 #include "tests/support/child.h"
 #include "tests/support/mutation.h"
@@ -89,7 +89,9 @@ std::string Storage(const std::string& ending) {
 
 TEST(LibraryReaders, StoragesOfOpenCv) {
   for (const char* ending : {".xml", ".yml"}) {
-    ExpectAnswers(Storage(ending), [](const std::string& b) { return ErrorOf(ReadOpenCvView(b, "damaged")); });
+    ExpectAnswers(Storage(ending), [](const std::string& b) {
+      return ErrorOf(ParseOpenCvCalibration({{"damaged", b}}));
+    });
   }
 }
 

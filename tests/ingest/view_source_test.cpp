@@ -8,12 +8,12 @@
 #include <cmath>
 
 #include "core/formats/camera_files.h"
+#include "core/formats/opencv_storage.h"
 #include "core/formats/panoptic_bodies.h"
 #include "core/geometry/point_grid.h"
 #include "core/geometry/triangulation.h"
 #include "ingest/sense/calibration_sense.h"
 #include "ingest/sources/depth_pixels.h"
-#include "ingest/sources/opencv_calibration.h"
 #include "tests/formats/damage.h"
 
 namespace mocurate {
@@ -35,6 +35,10 @@ void ExpectSense(const Calibration& calibration, const std::string& reading, con
   EXPECT_EQ(sense.up.value, up) << sense.up.evidence;
   EXPECT_TRUE(sense.remarks.empty());
   EXPECT_EQ(sense.cameras.size(), reading.empty() || unit.empty() ? 0u : calibration.views.size());
+}
+
+Expected<Calibration> ReadRig(const std::string& intrinsic, const std::string& extrinsic) {
+  return ParseOpenCvCalibration({{"intri.yml", intrinsic}, {"extri.yml", extrinsic}});
 }
 
 class RecordedRigs : public ::testing::Test {
@@ -65,8 +69,8 @@ TEST_F(RecordedRigs, OnePhspdRigIsToldByItsBoardsAndUnknownWithoutThem) {
 
 TEST_F(RecordedRigs, OpenCvRigsAreReadAndTheOneOfPose2SimProjectsAlike) {
   const auto folder = [](const std::string& name) {
-    return ReadOpenCvRig(test::RecordedFile("cameras/" + name + "/intri.yml"),
-                         test::RecordedFile("cameras/" + name + "/extri.yml"), "intri.yml", "extri.yml");
+    return ReadRig(test::RecordedFile("cameras/" + name + "/intri.yml"),
+                   test::RecordedFile("cameras/" + name + "/extri.yml"));
   };
   const auto easymocap = folder("easymocap");
   ASSERT_TRUE(easymocap) << easymocap.error().Message();
@@ -95,18 +99,18 @@ TEST_F(RecordedRigs, EveryNodeOfAnOpenCvFileIsNamedWhenDamaged) {
     damaged.replace(damaged.find(key + ":"), 1, "Z");
     // Rot_ stands in for R_.
     if (key[0] == 'R') e.replace(e.find("Rot_cam03"), 1, "Z");
-    const auto rig = ReadOpenCvRig(i, e, "intri.yml", "extri.yml");
+    const auto rig = ReadRig(i, e);
     ASSERT_FALSE(rig) << key;
     EXPECT_THAT(rig.error().Message(), HasSubstr(key));
   }
   std::string turned = extrinsic;
   const std::size_t data = turned.find("[", turned.find("R_cam01")) + 1;
   turned.replace(data, turned.find(',', data) - data, " 0.5");
-  const auto rig = ReadOpenCvRig(intrinsic, turned, "intri.yml", "extri.yml");
+  const auto rig = ReadRig(intrinsic, turned);
   ASSERT_FALSE(rig);
   EXPECT_THAT(rig.error().Message(), HasSubstr("extri.yml: R_cam01 and Rot_cam01 are"));
   for (std::size_t size = 0; size < extrinsic.size() - 40; size += 97) {
-    EXPECT_FALSE(ReadOpenCvRig(intrinsic, extrinsic.substr(0, size), "intri.yml", "extri.yml")) << size;
+    EXPECT_FALSE(ReadRig(intrinsic, extrinsic.substr(0, size))) << size;
   }
 }
 

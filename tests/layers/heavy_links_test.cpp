@@ -32,7 +32,7 @@ const std::map<std::string, std::set<std::string>> kHeavyLinks = {
       "mocurate_report", "mocurate_report_video"}},
     {"mocurate_torch", {"mocurate_recognisers", "mocurate_train", "mocurate_eval"}},
     {"${TORCH_LIBRARIES}", {"mocurate_torch"}},
-    {"yaml-cpp", {"mocurate_config"}},
+    {"yaml-cpp", {"mocurate_config", "mocurate_formats"}},
     {"CLI11::", {"mocurate"}},
 };
 
