@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/file.h"
+#include "core/formats/png.h"
 
 namespace mocurate {
 namespace {
@@ -84,23 +85,15 @@ Expected<cv::Mat> ReadDepth(const DepthView& view, int frame) {
   if (view.files[frame].empty()) return cv::Mat::zeros(view.camera.height, view.camera.width, CV_16UC1);
   const auto bytes = ReadFile(view.files[frame]);
   if (!bytes) return Forward(bytes);
-  cv::Mat depth;
-  try {
-    const cv::Mat raw(1, static_cast<int>(bytes->size()), CV_8UC1, const_cast<char*>(bytes->data()));
-    if (!bytes->empty()) depth = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    depth.release();
-  }
-  if (depth.type() != CV_16UC1 || depth.empty()) {
-    return Fail(ErrorCode::kMalformed, "no picture of one 16-bit channel", DisplayPath(view.files[frame]));
-  }
-  if (depth.cols != view.camera.width || depth.rows != view.camera.height) {
+  Expected<DepthImage> depth = DecodeDepthPng(*bytes, DisplayPath(view.files[frame]));
+  if (!depth) return Forward(depth);
+  if (depth->width != view.camera.width || depth->height != view.camera.height) {
     return Fail(ErrorCode::kInconsistent,
-                std::to_string(depth.cols) + " x " + std::to_string(depth.rows) + " pixels, the camera has " +
+                std::to_string(depth->width) + " x " + std::to_string(depth->height) + " pixels, the camera has " +
                     std::to_string(view.camera.width) + " x " + std::to_string(view.camera.height),
                 DisplayPath(view.files[frame]));
   }
-  return depth;
+  return cv::Mat(depth->height, depth->width, CV_16UC1, depth->values.data()).clone();
 }
 
 Expected<std::string> EncodePng(const cv::Mat& image) {

@@ -1,142 +1,212 @@
 #include "core/formats/png.h"
 
-#include <zlib.h>
+#include <png.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
-#include <optional>
-
-#include "core/formats/binary_numbers.h"
+#include <cstdio>
+#include <cstring>
 
 namespace mocurate {
 namespace {
 
-void AppendBig(std::uint32_t value, std::string& bytes) {
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>((value >> shift) & 0xFF);
-}
+constexpr png_uint_32 kMostDecoded = 16384, kMostChecked = 1'000'000;  // pixels along a side
+constexpr int kCompression = 3;                                        // of 9: depth images gain little beyond
 
-/// Length, type, data, CRC of type and data.
-void AppendChunk(const char* type, const std::string& data, std::string& png) {
-  AppendBig(static_cast<std::uint32_t>(data.size()), png);
-  const std::string body = type + data;
-  png += body;
-  AppendBig(
-      static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()))),
-      png);
-}
+/// libpng reports an error by a jump to the last setjmp, past destructors. So every call of libpng stands in a member
+/// function that sets the jump and has no objects of its own.
+class PngReader {
+ public:
+  explicit PngReader(std::string_view bytes)
+      : next_(reinterpret_cast<png_const_bytep>(bytes.data())),
+        left_(bytes.size()),
+        png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, this, OnError, OnWarning)),
+        info_(png_ == nullptr ? nullptr : png_create_info_struct(png_)) {}
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+  ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
-/// Each row behind its filter: 2, the difference to the row above byte by byte, modulo 256.
-std::string FilteredRows(const DepthImage& image) {
-  const auto width = static_cast<std::size_t>(image.width);
-  std::string rows;
-  rows.reserve((2 * width + 1) * static_cast<std::size_t>(image.height));
-  for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y) {
-    rows += '\2';
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::uint16_t value = image.values[y * width + x];
-      const std::uint16_t above = y > 0 ? image.values[(y - 1) * width + x] : std::uint16_t{0};
-      rows += static_cast<char>((value >> 8) - (above >> 8));
-      rows += static_cast<char>((value & 0xFF) - (above & 0xFF));
+  /// The header alone: bytes are pushed, so libpng does not miss those behind it. False: see Failure.
+  bool ReadHeader() {
+    if (info_ == nullptr || setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_progressive_read_fn(png_, nullptr, nullptr, nullptr, nullptr);
+    png_process_data(png_, info_, const_cast<png_bytep>(next_), std::min(left_, kPngHeaderBytes));
+    if (png_get_image_width(png_, info_) == 0) png_error(png_, "the file ends within its header");
+    return true;
+  }
+
+  /// What stands before the pixels. `most`: pixels along a side.
+  bool Begin(png_uint_32 most) {
+    if (info_ == nullptr || setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_read_fn(png_, this, OnRead);
+    png_set_user_limits(png_, most, most);
+    png_set_crc_action(png_, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
+    png_set_benign_errors(png_, 0);
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // colour profiles, texts, times
+    png_read_info(png_, info_);
+    png_set_expand(png_);
+    png_set_swap(png_);
+    passes_ = png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    return true;
+  }
+
+  bool ReadRow(std::uint8_t* row) {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    in_rows_ = true;
+    png_read_row(png_, row, nullptr);
+    return true;
+  }
+
+  bool End() {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    in_rows_ = false;
+    png_read_end(png_, nullptr);
+    return true;
+  }
+
+  int passes() const { return passes_; }
+  std::size_t row_bytes() const { return png_get_rowbytes(png_, info_); }
+  PngHeader header() const {
+    return {static_cast<int>(png_get_image_width(png_, info_)), static_cast<int>(png_get_image_height(png_, info_)),
+            png_get_bit_depth(png_, info_), png_get_channels(png_, info_)};
+  }
+
+  tl::unexpected<Error> Failure(const std::string& name) const {
+    return Fail(ErrorCode::kMalformed, std::string("the image is damaged or cut off (libpng: ") + message_.data() + ")",
+                name + Chunk(), "copy it again");
+  }
+
+ private:
+  static PngReader* Of(void* reader) { return static_cast<PngReader*>(reader); }
+  [[noreturn]] static void OnError(png_structp png, png_const_charp message) {
+    std::snprintf(Of(png_get_error_ptr(png))->message_.data(), sizeof message_, "%s", message);
+    png_longjmp(png, 1);
+  }
+  static void OnWarning(png_structp, png_const_charp) {}
+  static void OnRead(png_structp png, png_bytep out, std::size_t count) {
+    PngReader* const reader = Of(png_get_io_ptr(png));
+    reader->is_cut_ = count > reader->left_;
+    if (reader->is_cut_) png_error(png, "the file ends too early");
+    std::memcpy(out, reader->next_, count);
+    reader->next_ += count;
+    reader->left_ -= count;
+  }
+
+  /// ":IDAT"; empty where the file is no PNG.
+  std::string Chunk() const {
+    const bool no_chunk = is_cut_ && (png_get_io_state(png_) & PNG_IO_MASK_LOC) == PNG_IO_CHUNK_HDR;
+    if (no_chunk) return ":IEND";
+    if (in_rows_) return ":IDAT";
+    const png_uint_32 type = png_ == nullptr ? 0 : png_get_io_chunk_type(png_);
+    if (type == 0) return "";
+    std::string text;
+    for (int shift = 24; shift >= 0; shift -= 8) text += static_cast<char>((type >> shift) & 0xFF);
+    return ":" + ShownText(text);
+  }
+
+  png_const_bytep next_;
+  std::size_t left_;
+  bool is_cut_ = false, in_rows_ = false;
+  int passes_ = 1;
+  std::array<char, 128> message_ = {"no memory"};
+  png_structp png_;
+  png_infop info_;
+};
+
+/// All rows into `rows`, or each over the one before if `keep` is false.
+Status ReadRows(PngReader& reader, const std::string& name, bool keep, std::vector<std::uint8_t>& rows) {
+  const std::size_t size = reader.row_bytes();
+  const auto height = static_cast<std::size_t>(reader.header().height);
+  rows.resize(keep ? size * height : size);
+  for (int pass = 0; pass < reader.passes(); ++pass) {
+    for (std::size_t y = 0; y < height; ++y) {
+      if (!reader.ReadRow(rows.data() + (keep ? y * size : 0))) return reader.Failure(name);
     }
   }
-  return rows;
+  return reader.End() ? Status() : reader.Failure(name);
 }
 
-std::uint32_t BigAt(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value = (value << 8) | static_cast<unsigned char>(bytes[at + i]);
-  return value;
-}
-
-const Bytef* Data(std::string_view bytes) { return reinterpret_cast<const Bytef*>(bytes.data()); }
-
-/// Bytes of the rows with their filters; 0: interlaced or of no known kind, and not to be told in advance.
-std::uint64_t RowBytes(std::string_view header) {
-  constexpr std::array<int, 7> kSamples = {1, 0, 3, 1, 2, 0, 4};
-  const auto colour = static_cast<unsigned char>(header[9]);
-  if (header[12] != 0 || colour >= kSamples.size()) return 0;
-  const std::uint64_t bits = static_cast<std::uint64_t>(BigAt(header, 0)) * static_cast<unsigned char>(header[8]) *
-                             static_cast<std::uint64_t>(kSamples[colour]);
-  return BigAt(header, 4) * (1 + (bits + 7) / 8);
-}
-
-struct Unpacked {
-  std::uint64_t bytes = 0, nonzero = 0;
-};
-
-/// How many bytes packed data hold; nothing where they are damaged or cut off. Nothing is kept.
-std::optional<Unpacked> UnpackedBytes(std::string_view packed) {
-  z_stream stream = {};
-  if (inflateInit(&stream) != Z_OK) return std::nullopt;
-  std::array<Bytef, 1 << 15> buffer;
-  stream.next_in = const_cast<Bytef*>(Data(packed));
-  stream.avail_in = static_cast<uInt>(packed.size());
-  int state = Z_OK;
-  Unpacked unpacked;
-  while (state == Z_OK) {
-    stream.next_out = buffer.data();
-    stream.avail_out = static_cast<uInt>(buffer.size());
-    state = inflate(&stream, Z_NO_FLUSH);
-    unpacked.nonzero +=
-        static_cast<std::uint64_t>(std::count_if(buffer.data(), stream.next_out, [](Bytef byte) { return byte != 0; }));
+/// Writes to a string; jumps as in PngReader.
+class PngWriter {
+ public:
+  PngWriter() : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, OnError, OnWarning)) {
+    if (png_ != nullptr) info_ = png_create_info_struct(png_);
   }
-  unpacked.bytes = stream.total_out;
-  inflateEnd(&stream);
-  if (state != Z_STREAM_END) return std::nullopt;
-  return unpacked;
-}
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
+  ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
 
-/// Of a whole image. `rows`: of its height.
-struct Contents {
-  Unpacked unpacked;
-  std::uint64_t rows = 0;
-};
-
-Expected<Contents> ReadContents(std::string_view bytes, const std::string& name) {
-  constexpr std::size_t kSignature = 8, kAround = 12, kHeader = 13;
-  const char* whole = "the image is damaged or cut off: copy it again";
-  if (bytes.substr(0, kSignature) != std::string_view("\x89PNG\r\n\x1a\n", kSignature))
-    return Fail(ErrorCode::kMalformed, "the file does not begin as a PNG does", name, whole);
-  std::string_view header;
-  std::string packed;
-  for (std::size_t at = kSignature;;) {
-    if (bytes.size() < at + kAround)
-      return Fail(ErrorCode::kMalformed, "the file ends before the end mark", name + ":IEND", whole);
-    const std::uint64_t length = BigAt(bytes, at);
-    const std::string type(bytes.substr(at + 4, 4));
-    const std::string where = name + ":" + ShownText(type);
-    if (length > bytes.size() - at - kAround)
-      return Fail(ErrorCode::kMalformed, "the chunk announces more bytes than the file holds", where, whole);
-    const std::string_view body = bytes.substr(at + 4, 4 + static_cast<std::size_t>(length));
-    at += kAround + static_cast<std::size_t>(length);
-    if (crc32(0, Data(body), static_cast<uInt>(body.size())) != BigAt(bytes, at - 4))
-      return Fail(ErrorCode::kMalformed, "the chunk does not agree with its checksum", where, whole);
-    if (type == "IHDR") header = body.substr(4);
-    if (type == "IDAT") packed.append(body.substr(4));
-    if (type == "IEND") break;
+  bool Write(const DepthImage& image, std::string& bytes) {
+    if (info_ == nullptr || setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_write_fn(png_, &bytes, OnWrite, nullptr);
+    png_set_IHDR(png_, info_, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 16,
+                 PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+    png_set_compression_level(png_, kCompression);
+    png_set_compression_strategy(png_, 0);  // zlib's default
+    png_write_info(png_, info_);
+    png_set_swap(png_);
+    for (int y = 0; y < image.height; ++y) {
+      const std::uint16_t* const row = image.values.data() + static_cast<std::ptrdiff_t>(y) * image.width;
+      png_write_row(png_, reinterpret_cast<png_const_bytep>(row));
+    }
+    png_write_end(png_, nullptr);
+    return true;
   }
-  if (header.size() != kHeader) return Fail(ErrorCode::kMalformed, "the header is missing", name + ":IHDR", whole);
-  const std::optional<Unpacked> unpacked = UnpackedBytes(packed);
-  if (!unpacked) return Fail(ErrorCode::kMalformed, "the pixels do not unpack", name + ":IDAT", whole);
-  const std::uint64_t rows = RowBytes(header);
-  if (rows == 0 || rows == unpacked->bytes) return Contents{*unpacked, BigAt(header, 4)};
-  return Fail(
-      ErrorCode::kMalformed,
-      "the header asks for " + std::to_string(rows) + " bytes of pixels, there are " + std::to_string(unpacked->bytes),
-      name + ":IDAT", whole);
-}
+
+ private:
+  [[noreturn]] static void OnError(png_structp png, png_const_charp) { png_longjmp(png, 1); }
+  static void OnWarning(png_structp, png_const_charp) {}
+  static void OnWrite(png_structp png, png_bytep data, std::size_t count) {
+    static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), count);
+  }
+
+  png_structp png_;
+  png_infop info_ = nullptr;
+};
 
 }  // namespace
 
+Expected<PngHeader> ReadPngHeader(std::string_view bytes, const std::string& name) {
+  PngReader reader(bytes);
+  if (!reader.ReadHeader()) return reader.Failure(name);
+  return reader.header();
+}
+
+Expected<PngImage> DecodePng(std::string_view bytes, const std::string& name) {
+  PngReader reader(bytes);
+  if (!reader.Begin(kMostDecoded)) return reader.Failure(name);
+  PngImage image{reader.header(), {}};
+  if (Status read = ReadRows(reader, name, true, image.bytes); !read) return Forward(read);
+  return image;
+}
+
+Expected<DepthImage> DecodeDepthPng(std::string_view bytes, const std::string& name) {
+  const Expected<PngImage> image = DecodePng(bytes, name);
+  if (!image) return Forward(image);
+  const PngHeader& header = image->header;
+  if (header.channels != 1 || header.bits != 16) {
+    return Fail(ErrorCode::kMalformed,
+                std::to_string(header.channels) + " channels of " + std::to_string(header.bits) +
+                    " bits, a depth image has one of 16",
+                name);
+  }
+  DepthImage depth{header.width, header.height, std::vector<std::uint16_t>(image->bytes.size() / 2)};
+  std::memcpy(depth.values.data(), image->bytes.data(), image->bytes.size());
+  return depth;
+}
+
 Status CheckPng(std::string_view bytes, const std::string& name) {
-  const Expected<Contents> contents = ReadContents(bytes, name);
-  return contents ? Status() : Status(Forward(contents));
+  PngReader reader(bytes);
+  if (!reader.Begin(kMostChecked)) return reader.Failure(name);
+  std::vector<std::uint8_t> row;
+  return ReadRows(reader, name, false, row);
 }
 
 bool IsBlankPng(std::string_view bytes) {
-  const Expected<Contents> contents = ReadContents(bytes, "");
-  return contents && contents->unpacked.nonzero <= contents->rows;  // each row begins with the number of its filter
+  const Expected<PngImage> image = DecodePng(bytes, "");
+  return image && std::all_of(image->bytes.begin(), image->bytes.end(), [](std::uint8_t byte) { return byte == 0; });
 }
 
 Expected<std::string> EncodePng(const DepthImage& image) {
@@ -146,22 +216,9 @@ Expected<std::string> EncodePng(const DepthImage& image) {
     return Fail(ErrorCode::kInconsistent, std::to_string(image.values.size()) + " values are no image of " +
                                               std::to_string(image.width) + " x " + std::to_string(image.height));
   }
-  const std::string rows = FilteredRows(image);
-  uLongf size = compressBound(static_cast<uLong>(rows.size()));
-  std::string packed(size, '\0');
-  const int done = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                             reinterpret_cast<const Bytef*>(rows.data()), static_cast<uLong>(rows.size()), 3);
-  if (done != Z_OK) return Fail(ErrorCode::kInternal, "zlib packed no image, error " + std::to_string(done));
-  packed.resize(size);
-  std::string header;
-  AppendBig(static_cast<std::uint32_t>(image.width), header);
-  AppendBig(static_cast<std::uint32_t>(image.height), header);
-  header += std::string("\x10\x00\x00\x00\x00", 5);  // 16 bits, grey, deflate, the usual filters, not interlaced
-  std::string png("\x89PNG\r\n\x1a\n", 8);
-  AppendChunk("IHDR", header, png);
-  AppendChunk("IDAT", packed, png);
-  AppendChunk("IEND", "", png);
-  return png;
+  std::string bytes;
+  if (!PngWriter().Write(image, bytes)) return Fail(ErrorCode::kInternal, "libpng wrote no image");
+  return bytes;
 }
 
 }  // namespace mocurate

@@ -7,14 +7,11 @@
 
 namespace mocurate {
 
-/// Reads a PNG of one 16-bit channel. Errors: kNotFound, kUnreadable for what is no PNG, kMalformed for other pixels.
+/// Reads a PNG of one 16-bit channel. Errors: kNotFound, kUnreadable, kMalformed for a damaged image or other pixels.
 Expected<DepthImage> ReadDepthImage(const std::filesystem::path& path);
 
 /// Reads a mask, an 8-bit PNG or JPEG: inside from 128 up in its first channel (JPEG smears the edge, half way is it).
 /// Errors as ReadDepthImage.
 Expected<PixelMask> ReadPixelMask(const std::filesystem::path& path);
-
-/// Writes a PNG of one 16-bit channel. Error kCannotWrite.
-Status WriteDepthImage(const DepthImage& image, const std::filesystem::path& path);
 
 }  // namespace mocurate

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/formats/png.h"
 #include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/gathered_names.h"
@@ -16,14 +17,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kBitDepthAt = 24;  // in a PNG's header
 constexpr std::size_t kMostImages = 5000;
 
 bool IsDepthPng(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  char head[kBitDepthAt + 2] = {};
-  if (!file.read(head, sizeof(head))) return false;
-  return head[kBitDepthAt] == 16 && head[kBitDepthAt + 1] == 0;
+  std::string head(kPngHeaderBytes, '\0');
+  if (!file.read(head.data(), static_cast<std::streamsize>(head.size()))) return false;
+  const Expected<PngHeader> header = ReadPngHeader(head, "");
+  return header && header->bits == 16 && header->channels == 1;
 }
 
 /// Whether two characters that follow each other belong to one word or one number.

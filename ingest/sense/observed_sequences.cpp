@@ -1,6 +1,7 @@
 #include <string>
 
 #include "core/formats/opencv_storage.h"
+#include "core/formats/png.h"
 #include "ingest/frozen_views.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/keypoint_layout_sense.h"
@@ -9,13 +10,6 @@
 
 namespace mocurate {
 namespace {
-
-/// A number of 4 bytes, most significant first.
-double PngNumber(std::string_view bytes, std::size_t at) {
-  double value = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) value = value * 256.0 + static_cast<unsigned char>(bytes[at + i]);
-  return value;
-}
 
 constexpr long long kMostNumbers = 1'000'000;  // from the first frame's to the last's
 
@@ -103,12 +97,12 @@ void ObservedSequences::AddBeside(const FileBytes& file) {
 
 void ObservedSequences::AddImage(const FileBytes& head, bool png) {
   ObservedCompanion image{FolderOf(head.name), png ? "png" : "jpeg", {}, {{"files", 1.0}}};
-  if (png && head.bytes.size() >= 26) {
-    const auto colour = static_cast<unsigned char>(head.bytes[25]);
-    image.numbers.emplace_back("width", PngNumber(head.bytes, 16));
-    image.numbers.emplace_back("height", PngNumber(head.bytes, 20));
-    image.numbers.emplace_back("bits", static_cast<unsigned char>(head.bytes[24]));
-    image.numbers.emplace_back("channels", colour == 2 ? 3.0 : colour == 4 ? 2.0 : colour == 6 ? 4.0 : 1.0);
+  if (png) {
+    const PngHeader header = ReadPngHeader(head.bytes, head.name).value_or(PngHeader());
+    image.numbers.emplace_back("width", header.width);
+    image.numbers.emplace_back("height", header.height);
+    image.numbers.emplace_back("bits", header.bits);
+    image.numbers.emplace_back("channels", header.channels);
   }
   std::string key = image.format;
   for (std::size_t i = 1; i < image.numbers.size(); ++i) key += " " + std::to_string(image.numbers[i].second);

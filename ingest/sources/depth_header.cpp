@@ -3,36 +3,24 @@
 #include <algorithm>
 
 #include "core/base/file.h"
+#include "core/formats/png.h"
 
 namespace mocurate {
-namespace {
-
-/// A number of 4 bytes, most significant first.
-int HeaderNumber(const std::string& bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value = 256 * value + static_cast<unsigned char>(bytes[at + i]);
-  return static_cast<int>(value & 0x7fffffffu);
-}
-
-}  // namespace
-
 Status SetImageSize(const StageInput& input, Camera& camera) {
   std::string head;
   const Status read = ReadFileInParts(input.path, [&](std::string_view part) {
-    head.append(part.substr(0, 26 - std::min<std::size_t>(26, head.size())));
+    head.append(part.substr(0, kPngHeaderBytes - std::min(kPngHeaderBytes, head.size())));
   });
   if (!read) return read;
-  if (head.size() < 26 || head.rfind("\x89PNG\r\n\x1a\n", 0) != 0) {
-    return Fail(ErrorCode::kMalformed, "the file is no PNG image", input.name, "depth images are 16-bit grey PNG");
-  }
-  if (head[24] != 16 || head[25] != 0) {
+  const Expected<PngHeader> header = ReadPngHeader(head, input.name);
+  if (!header) return Forward(header);
+  if (header->bits != 16 || header->channels != 1) {
     return Fail(ErrorCode::kMalformed,
-                std::to_string(static_cast<int>(head[24])) + " bits of colour type " +
-                    std::to_string(static_cast<int>(head[25])),
-                input.name, "depth images are 16-bit grey PNG (colour type 0)");
+                std::to_string(header->channels) + " channels of " + std::to_string(header->bits) + " bits", input.name,
+                "depth images are 16-bit grey PNG");
   }
-  camera.width = HeaderNumber(head, 16);
-  camera.height = HeaderNumber(head, 20);
+  camera.width = header->width;
+  camera.height = header->height;
   return {};
 }
 

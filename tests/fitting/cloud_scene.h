@@ -12,7 +12,7 @@
 #include "core/formats/depth_sequence.h"
 #include "core/motion/clip.h"
 #include "core/motion/kinematics.h"
-#include "fitting/clouds/depth_image.h"
+#include "tests/support/depth_files.h"
 
 namespace mocurate {
 

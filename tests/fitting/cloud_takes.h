@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "fitting/clouds/depth_image.h"
 #include "ingest/synthetic/body_view.h"
 #include "ingest/synthetic/depth_sensor.h"
 #include "ingest/synthetic/rigs.h"
 #include "tests/fitting/studio_clips.h"
+#include "tests/support/depth_files.h"
 
 namespace mocurate {
 

@@ -10,6 +10,7 @@
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/person_points.h"
 #include "tests/fitting/cloud_scene.h"
+#include "tests/support/depth_files.h"
 
 namespace mocurate {
 namespace {

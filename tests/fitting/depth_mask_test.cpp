@@ -4,50 +4,30 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <png.h>
 
 #include "core/base/sha256.h"
 #include "fitting/clouds/depth_fusion.h"
 #include "tests/fitting/cloud_scene.h"
+#include "tests/support/depth_files.h"
 
 namespace mocurate {
 namespace {
 
 using ::testing::HasSubstr;
 
-std::string BigEndian(std::uint32_t value) {
-  std::string bytes;
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xFF);
-  return bytes;
-}
-
-std::string Chunk(const std::string& name, const std::string& data) {
-  std::uint32_t crc = 0xFFFFFFFFu;
-  for (const char c : name + data) {
-    crc ^= static_cast<unsigned char>(c);
-    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1u) != 0 ? 0xEDB88320u ^ (crc >> 1) : crc >> 1;
-  }
-  return BigEndian(static_cast<std::uint32_t>(data.size())) + name + data + BigEndian(crc ^ 0xFFFFFFFFu);
-}
-
-/// A PNG of one 8-bit channel, not compressed. At most 255 x 255 pixels.
+/// A PNG of one 8-bit channel.
 std::string GreyPng(int width, int height, const std::vector<std::uint8_t>& pixels) {
-  std::string raw;
-  for (int y = 0; y < height; ++y) {
-    raw += '\0';
-    for (int x = 0; x < width; ++x) raw += static_cast<char>(pixels[static_cast<std::size_t>(y) * width + x]);
-  }
-  std::uint32_t a = 1, b = 0;
-  for (const char c : raw) a = (a + static_cast<unsigned char>(c)) % 65521, b = (b + a) % 65521;
-  const auto size = static_cast<std::uint16_t>(raw.size());
-  std::string stored("\x78\x01\x01");
-  for (const std::uint16_t length : {size, static_cast<std::uint16_t>(~size)}) {
-    stored += static_cast<char>(length & 0xFF);
-    stored += static_cast<char>(length >> 8);
-  }
-  stored += raw + BigEndian(b << 16 | a);
-  const std::string header = BigEndian(static_cast<std::uint32_t>(width)) +
-                             BigEndian(static_cast<std::uint32_t>(height)) + std::string("\x08\x00\x00\x00\x00", 5);
-  return "\x89PNG\r\n\x1a\n" + Chunk("IHDR", header) + Chunk("IDAT", stored) + Chunk("IEND", "");
+  png_image image = {};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(width);
+  image.height = static_cast<png_uint_32>(height);
+  image.format = PNG_FORMAT_GRAY;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+  std::string bytes(size, '\0');
+  EXPECT_NE(png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels.data(), 0, nullptr), 0);
+  bytes.resize(size);
+  return bytes;
 }
 
 /// A wall two metres before a camera of 20 x 10 pixels; the person is what the mask says.
@@ -128,7 +108,7 @@ TEST_F(MaskedDepth, AMaskThatChangedOrIsGoneIsRefusedByName) {
   ASSERT_TRUE(WriteFile(view_.masks[0], GreyPng(20, 10, std::vector<std::uint8_t>(200, 200))));
   EXPECT_THAT(Refused(), HasSubstr("mask.png: the file has changed since it was ingested"));
   std::filesystem::remove(view_.masks[0]);
-  EXPECT_THAT(Refused(), HasSubstr("mask.png: the mask does not exist"));
+  EXPECT_THAT(Refused(), HasSubstr("mask.png: no such file"));
   ASSERT_TRUE(WriteDepthImage(DepthImage{20, 10, std::vector<std::uint16_t>(200, 1)}, view_.masks[0]));
   EXPECT_THAT(Refused(), HasSubstr("a mask has channels of 8 bits"));
 }

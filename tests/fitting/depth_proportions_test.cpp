@@ -16,6 +16,7 @@
 #include "fitting/proportions.h"
 #include "fitting/stages.h"
 #include "tests/fitting/cloud_scene.h"
+#include "tests/support/depth_files.h"
 
 namespace mocurate {
 namespace {

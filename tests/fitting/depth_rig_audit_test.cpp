@@ -14,6 +14,7 @@
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/depth_rig_faults.h"
 #include "tests/fitting/noisy_depth_takes.h"
+#include "tests/support/depth_files.h"
 
 namespace mocurate {
 namespace {

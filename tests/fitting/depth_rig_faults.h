@@ -13,6 +13,7 @@
 #include "core/base/random.h"
 #include "core/motion/clip.h"
 #include "fitting/clouds/depth_image.h"
+#include "tests/support/depth_files.h"
 
 namespace mocurate {
 

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "ingest/sources/depth_pixels.h"
+#include "core/formats/png.h"
 #include "tests/ingest/studio_folders.h"
 
 namespace mocurate {
@@ -64,7 +64,7 @@ TEST_F(DepthBeside, IsOneClipOfBothKindsInOneWorld) {
     EXPECT_FALSE(view.files[8].empty());
     EXPECT_TRUE(view.files[9].empty()) << "no image, in its place";
     EXPECT_EQ(view.time_s, evidence.keypoint_views[0].time_s);
-    const auto image = DecodeDepthImage(Bytes("openpose_depth/" + view.files[8].string()), "image");
+    const auto image = DecodeDepthPng(Bytes("openpose_depth/" + view.files[8].string()), "image");
     ASSERT_TRUE(image) << image.error().Message();
     const Vector3d pelvis = motion.joints.at(8, 0);
     const auto pixel = view.camera.ProjectWorld(pelvis);

@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/formats/png.h"
 #include "ingest/sense/inspect.h"
 #include "tests/ingest/sources.h"
 
@@ -35,16 +34,6 @@ TEST(FrozenViews, AStillPersonASlowerCameraAndAnEmptyViewAreNone) {
   EXPECT_THAT(FrozenSpans({moves, {"half the rate", {"a", "a", "c", "c", "e", "e"}}}), ElementsAre());
   EXPECT_THAT(FrozenSpans({moves, {"nobody", {"", "", "", "", "", ""}}}), ElementsAre());
   EXPECT_THAT(FrozenSpans({{"alone", {"a", "b", "b", "b", "b", "c"}}}), ElementsAre());
-}
-
-TEST(FrozenViews, ImagesWithoutDepthAreBlankAndOthersAreNot) {
-  DepthImage image;
-  image.width = 4, image.height = 3;
-  image.values.assign(12, 0);
-  EXPECT_TRUE(IsBlankPng(*EncodePng(image)));
-  for (std::size_t i = 0; i < 12; ++i) image.values[i] = static_cast<std::uint16_t>(1000 + 7 * i * i);
-  EXPECT_FALSE(IsBlankPng(*EncodePng(image)));
-  EXPECT_FALSE(IsBlankPng("no image"));
 }
 
 TEST(FrozenViews, OfKeypointsAreToldByARunAndAnInspection) {

@@ -9,7 +9,7 @@
 
 #include "core/base/random.h"
 #include "core/formats/ntu_skeleton.h"
-#include "ingest/sources/depth_pixels.h"
+#include "core/formats/png.h"
 #include "ingest/synthetic/body_points.h"
 #include "ingest/synthetic/rigs.h"
 #include "tests/ingest/studio_folders.h"
@@ -147,7 +147,7 @@ TEST_F(NtuViews, ArePlacedTimedAndMergedAsTheyReallyWere) {
     ASSERT_EQ(static_cast<int>(view.files.size()), joints.frames);
     EXPECT_LT(std::abs(view.time_s[static_cast<std::size_t>(frame)] - clip.rate.FrameTime(frame)), 0.0168);
     const std::string png = Bytes(view.files[static_cast<std::size_t>(frame)].string());
-    const auto image = DecodeDepthImage(png, "depth");
+    const auto image = DecodeDepthPng(png, "depth");
     ASSERT_TRUE(image);
     const std::vector<Vector3d> cloud = BackProject(*image, view.camera, view.metres_per_unit);
     ASSERT_GT(cloud.size(), 1000u);

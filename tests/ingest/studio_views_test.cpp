@@ -10,8 +10,8 @@
 #include "core/formats/ntu_skeleton.h"
 #include "core/formats/openpose.h"
 #include "core/formats/phspd_text.h"
+#include "core/formats/png.h"
 #include "ingest/sense/inspect.h"
-#include "ingest/sources/depth_pixels.h"
 #include "ingest/synthetic/body_points.h"
 #include "ingest/synthetic/body_view.h"
 #include "ingest/synthetic/rigs.h"
@@ -61,7 +61,7 @@ TEST_F(Layouts, MaskedDepthLiesOnTheBodyThatTheSkeletonIsIn) {
   Write(options);
   const std::string name = "S001C001P001R001A038";
   const std::string bytes = Bytes("nturgb+d_depth_masked/" + name + "/MDepth-00000001.png");
-  const auto image = DecodeDepthImage(bytes, "MDepth-00000001.png");
+  const auto image = DecodeDepthPng(bytes, "MDepth-00000001.png");
   ASSERT_TRUE(image) << image.error().Message();
   EXPECT_EQ(image->width, 512);
   EXPECT_EQ(image->height, 424);
@@ -111,7 +111,7 @@ TEST_F(Layouts, PhspdIsReadBackToTheTruth) {
   for (int view = 1; view <= 3; ++view) {
     const Camera camera = PhspdRig(1)[static_cast<std::size_t>(view)];
     const std::string png = Bytes("phspd/depth/view" + std::to_string(view) + "/" + recording + "/depth_0.png");
-    const auto image = DecodeDepthImage(png, "depth_0.png");
+    const auto image = DecodeDepthPng(png, "depth_0.png");
     ASSERT_TRUE(image);
     DepthImage upright = *image;  // as the set's own code turns it
     for (int y = 0; y < 424; ++y) {
@@ -209,7 +209,7 @@ TEST_F(Layouts, DepthOfASequenceLiesOnTheBodyInItsTruth) {
   const std::vector<PosedCapsule> flesh = body.Capsules(motion, frame);
   for (const DepthView& view : clip.evidence.depth_views) {
     const std::string name = "rendered_seq/" + view.files[static_cast<std::size_t>(frame)].string();
-    const auto image = DecodeDepthImage(Bytes(name), name);
+    const auto image = DecodeDepthPng(Bytes(name), name);
     ASSERT_TRUE(image) << image.error().Message();
     const std::vector<Vector3d> cloud = BackProject(*image, view.camera, view.metres_per_unit);
     ASSERT_GT(cloud.size(), 3000u);

@@ -14,8 +14,8 @@
 #include "ingest/sense/gathered_names.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/sense/source_declaration.h"
-#include "ingest/sources/depth_pixels.h"
 #include "ingest/wanted_files.h"
+#include "tests/ingest/jpeg_masks.h"
 #include "tests/ingest/studio_folders.h"
 
 namespace mocurate {
@@ -31,7 +31,7 @@ class RecordedViews : public ::testing::Test {
 
   /// Reads the first image of a view where its source has it.
   static DepthImage Depth(const IngestOptions& options, const DepthView& view) {
-    const auto image = DecodeDepthImage(*ReadFile(options.path / view.files[0]), "depth");
+    const auto image = DecodeDepthPng(*ReadFile(options.path / view.files[0]), "depth");
     EXPECT_TRUE(image) << image.error().Message();
     return image.value_or(DepthImage{});
   }
@@ -55,9 +55,8 @@ TEST_F(RecordedViews, TheTurntableIsOneFrameOfEightyViewsOfOnePerson) {
     EXPECT_EQ(view.camera.height, 480);
     ASSERT_EQ(view.masks.size(), 1u);
     EXPECT_EQ(view.mask_sha256[0].size(), 64u);
-    const auto mask = DecodeMask(*ReadFile(options.path / view.masks[0]), "mask");
-    ASSERT_TRUE(mask);
-    const std::vector<Vector3d> points = BackProject(Depth(options, view), view.camera, view.metres_per_unit, &*mask);
+    const PixelMask mask = test::JpegMask(*ReadFile(options.path / view.masks[0]));
+    const std::vector<Vector3d> points = BackProject(Depth(options, view), view.camera, view.metres_per_unit, &mask);
     ASSERT_GT(points.size(), 30'000u);
     // README_multiview.md, section 2: x 0.39-0.86, y 0.38-1.01 (down), z 0.70-0.94 m.
     const RigidTransform world_from_camera = Inverse(view.camera.camera_from_world);

@@ -13,7 +13,6 @@
 #include "core/geometry/point_grid.h"
 #include "core/geometry/triangulation.h"
 #include "ingest/sense/calibration_sense.h"
-#include "ingest/sources/depth_pixels.h"
 #include "tests/formats/damage.h"
 
 namespace mocurate {

@@ -89,7 +89,7 @@ const std::map<std::string, std::set<std::string>> kHeavy = {
     {"toml++/", {"core/formats/"}},
     {"hdf5", {"core/store/", "train/", "tests/"}},
     {"zip.h", {"core/formats/"}},
-    {"zlib.h", {"core/formats/"}},
+    {"png.h", {"core/formats/"}},
     {"CLI/", {"app/"}},
 };
 

@@ -4,48 +4,10 @@
 
 #include <algorithm>
 
+#include "tests/support/depth_files.h"
+
 namespace mocurate::test {
 namespace {
-
-std::uint32_t Crc(const std::string& bytes) {
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (const char c : bytes) {
-    crc ^= static_cast<unsigned char>(c);
-    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
-  }
-  return ~crc;
-}
-
-std::string BigEndian(std::uint32_t value) {
-  std::string bytes;
-  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift & 0xFFU);
-  return bytes;
-}
-
-std::string Chunk(const std::string& kind, const std::string& content) {
-  return BigEndian(static_cast<std::uint32_t>(content.size())) + kind + content + BigEndian(Crc(kind + content));
-}
-
-/// zlib with stored blocks.
-std::string Stored(const std::string& bytes) {
-  std::string stream = "\x78\x01";
-  for (std::size_t at = 0; at < bytes.size(); at += 65535) {
-    const std::size_t size = std::min<std::size_t>(65535, bytes.size() - at);
-    stream += static_cast<char>(at + size == bytes.size() ? 1 : 0);
-    for (const std::size_t word : {size, ~size & 0xFFFF}) {
-      stream += static_cast<char>(word & 0xFF);
-      stream += static_cast<char>(word >> 8 & 0xFF);
-    }
-    stream += bytes.substr(at, size);
-  }
-  std::uint32_t a = 1;
-  std::uint32_t b = 0;
-  for (const char c : bytes) {
-    a = (a + static_cast<unsigned char>(c)) % 65521;
-    b = (b + a) % 65521;
-  }
-  return stream + BigEndian(b << 16 | a);
-}
 
 nlohmann::json Measures(double spread, double jerk, double missing) {
   return {{"frames", 40},       {"bone_spread_mm", spread}, {"jerk", jerk}, {"missing_share", missing},
@@ -81,21 +43,6 @@ nlohmann::json Training() {
 }
 
 }  // namespace
-
-std::string DepthPng(const std::vector<float>& depth, int width, int height) {
-  std::string rows;
-  for (int y = 0; y < height; ++y) {
-    rows += '\0';
-    for (int x = 0; x < width; ++x) {
-      const int mm = static_cast<int>(std::lround(1000.0F * depth[static_cast<std::size_t>(y) * width + x]));
-      rows += static_cast<char>(mm >> 8 & 0xFF);
-      rows += static_cast<char>(mm & 0xFF);
-    }
-  }
-  const std::string header = BigEndian(static_cast<std::uint32_t>(width)) +
-                             BigEndian(static_cast<std::uint32_t>(height)) + std::string("\x10\x00\x00\x00\x00", 5);
-  return "\x89PNG\r\n\x1a\n" + Chunk("IHDR", header) + Chunk("IDAT", Stored(rows)) + Chunk("IEND", "");
-}
 
 nlohmann::json FittedClip(const std::string& item, const std::string& label, double residual_mm) {
   return {{"item", item},
@@ -179,7 +126,10 @@ SmallRun::SmallRun(const std::string& label) {
       std::vector<Vector3d> joints;
       for (int j = 0; j < motion.joint_count(); ++j) joints.emplace_back(motion.joints.at(20, j));
       const std::vector<float> depth = RenderDepth(CapsuleBody::Make(skeleton), joints.data(), view.camera);
-      EXPECT_TRUE(WriteFile(folder / "depth.png", DepthPng(depth, view.camera.width, view.camera.height)));
+      DepthImage image{view.camera.width, view.camera.height, {}};
+      for (const float metres : depth)
+        image.values.push_back(static_cast<std::uint16_t>(std::lround(1000.0F * metres)));
+      EXPECT_TRUE(WriteDepthImage(image, folder / "depth.png"));
       view.files.assign(40, "depth/c.png");
       view.sha256.assign(40, std::string(64, '0'));
       for (int f = 0; f < 40; ++f) view.time_s.push_back(motion.rate.FrameTime(f));

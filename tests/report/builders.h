@@ -90,9 +90,6 @@ inline JointTracks NoisyTracks(const Motion& motion) {
   return tracks;
 }
 
-/// Bytes of a PNG of one 16-bit channel, without compression.
-std::string DepthPng(const std::vector<float>& depth, int width, int height);
-
 /// Looks from z = 6 m back at the origin, y up in the world.
 inline Camera FrontCamera() {
   Camera camera;

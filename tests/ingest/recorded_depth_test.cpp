@@ -10,12 +10,13 @@
 #include "core/body/skinned_body.h"
 #include "core/formats/opencv_storage.h"
 #include "core/formats/pcd.h"
+#include "core/formats/png.h"
 #include "core/formats/pose_log.h"
 #include "core/geometry/point_grid.h"
 #include "core/store/body_file.h"
 #include "ingest/sense/calibration_sense.h"
-#include "ingest/sources/depth_pixels.h"
 #include "tests/formats/damage.h"
+#include "tests/ingest/jpeg_masks.h"
 
 namespace mocurate {
 namespace {
@@ -64,12 +65,12 @@ Turntable ReadTurntable(int step) {
     const std::string stem = "rgbd100/views/" + std::string(number);
     const auto view = ReadView(stem + "_camera.xml");
     EXPECT_TRUE(view) << view.error().Message();
-    const auto depth = DecodeDepthImage(RecordedFile(stem + "_depth.png"), "depth.png");
-    const auto mask = DecodeMask(RecordedFile(stem + "_mask.jpg"), "mask.jpg");
-    EXPECT_TRUE(depth && mask);
-    if (!view || !depth || !mask) return set;
+    const auto depth = DecodeDepthPng(RecordedFile(stem + "_depth.png"), "depth.png");
+    const PixelMask mask = test::JpegMask(RecordedFile(stem + "_mask.jpg"));
+    EXPECT_TRUE(depth);
+    if (!view || !depth) return set;
     const Camera camera = CameraOf(*view, PoseReading::kWorldToCamera, 1.0);
-    set.clouds.push_back({set.calibration.views.size(), BackProject(*depth, camera, 0.001, &*mask)});
+    set.clouds.push_back({set.calibration.views.size(), BackProject(*depth, camera, 0.001, &mask)});
     set.calibration.views.push_back(*view);
   }
   return set;
@@ -124,11 +125,11 @@ TEST_F(RecordedDepth, EveryTurntableViewLiesOnTheOthers) {
 TEST_F(RecordedDepth, TheCloudFileHoldsTheMaskedPixels) {
   const std::string stem = "rgbd100/views/0000000050";
   const auto view = ReadView(stem + "_camera.xml");
-  const auto depth = DecodeDepthImage(RecordedFile(stem + "_depth.png"), "depth.png");
-  const auto mask = DecodeMask(RecordedFile(stem + "_mask.jpg"), "mask.jpg");
+  const auto depth = DecodeDepthPng(RecordedFile(stem + "_depth.png"), "depth.png");
+  const PixelMask mask = test::JpegMask(RecordedFile(stem + "_mask.jpg"));
   const auto pcd = ParsePcd(RecordedFile(stem + ".pcd"), "50.pcd");
-  ASSERT_TRUE(view && depth && mask && pcd);
-  const PointGrid own(BackProject(*depth, CameraOf(*view, PoseReading::kWorldToCamera, 1.0), 0.001, &*mask), 0.005);
+  ASSERT_TRUE(view && depth && pcd);
+  const PointGrid own(BackProject(*depth, CameraOf(*view, PoseReading::kWorldToCamera, 1.0), 0.001, &mask), 0.005);
   int same = 0;
   const auto points = PcdPoints(*pcd, "50.pcd");
   for (const Vector3d& point : *points) same += own.Distance(point, 0.002) < 0.001 ? 1 : 0;
@@ -148,7 +149,7 @@ TEST_F(RecordedDepth, TheHandheldScanIsWorldToCameraByItsSurfaces) {
     view.fx = 920.003, view.fy = 919.888, view.cx = 640.124, view.cy = 358.495;
     view.rotation = (*log)[i].rotation;
     view.translation = (*log)[i].translation;
-    const auto depth = DecodeDepthImage(
+    const auto depth = DecodeDepthPng(
         RecordedFile("clouds/handheld_head/depth/A_hat1_depth_frame" + std::to_string(10 * i) + ".png"), "d.png");
     ASSERT_TRUE(depth) << depth.error().Message();
     evidence.clouds.push_back({i, BackProject(*depth, CameraOf(view, PoseReading::kWorldToCamera, 1.0), 0.001)});
@@ -239,8 +240,7 @@ TEST_F(RecordedDepth, NoiseFreeRenderingsLieOnThePosedBody) {
         view.translation[r] = given["t_m"][r];
       }
       const Camera camera = CameraOf(view, PoseReading::kWorldToCamera, 1.0);
-      const auto depth =
-          DecodeDepthImage(RecordedFile("clouds/rendered_body/" + given["file"].get<std::string>()), "d");
+      const auto depth = DecodeDepthPng(RecordedFile("clouds/rendered_body/" + given["file"].get<std::string>()), "d");
       ASSERT_TRUE(depth) << depth.error().Message();
       const RigidTransform world_from_camera = Inverse(camera.camera_from_world);
       const std::vector<Vector3d> points = BackProject(*depth, camera, 0.001);
@@ -270,25 +270,6 @@ TEST_F(RecordedDepth, BodiesOfTheTemplateHaveTheirHeights) {
     EXPECT_LT((male.vertices[v] - (given.vertices[v] - given.joints[0])).norm(), 1e-5);
   }
   EXPECT_THAT(ReadBodyTemplate("nowhere.h5").error().Message(), HasSubstr("nowhere.h5"));
-}
-
-TEST_F(RecordedDepth, DamagedImagesAreRefused) {
-  const std::string png = RecordedFile("clouds/rendered_body/male_tpose_d3.png");
-  const std::string jpeg = RecordedFile("rgbd100/views/0000000000_mask.jpg");
-  ASSERT_FALSE(png.empty() || jpeg.empty());
-  ASSERT_TRUE(DecodeDepthImage(png, "d.png"));
-  for (std::size_t at = 0; at < png.size(); at += 211) {
-    std::string damaged = png;
-    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
-    EXPECT_FALSE(DecodeDepthImage(damaged, "d.png")) << at;
-    EXPECT_FALSE(DecodeDepthImage(png.substr(0, at), "d.png")) << at;
-  }
-  for (std::size_t size = 0; size < jpeg.size() - 80; size += 501)
-    EXPECT_FALSE(DecodeMask(jpeg.substr(0, size), "m.jpg"));
-  EXPECT_THAT(DecodeMask(png, "d.png").error().Message(),
-              HasSubstr("d.png: 1 channels of 16 bits, a mask has one of 8"));
-  EXPECT_THAT(DecodeDepthImage(jpeg, "m.jpg").error().Message(), HasSubstr("a depth image has one of 16"));
-  EXPECT_THAT(DecodeDepthImage("GIF89a", "x.gif").error().Message(), HasSubstr("no PNG or JPEG"));
 }
 
 }  // namespace
