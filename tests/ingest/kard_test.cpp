@@ -4,12 +4,11 @@
 #include <fstream>
 #include <set>
 
+#include "tests/formats/expect_error.h"
 #include "tests/ingest/sources.h"
 
 namespace mocurate {
 namespace {
-
-using ::testing::HasSubstr;
 
 class Kard : public ::testing::Test {
  protected:
@@ -97,12 +96,12 @@ TEST_F(Kard, ARowThatIsMissingRefusesTheFileAndACutAtTheEndDoesNot) {
   EXPECT_TRUE(cut.missing.empty());
 }
 
-/// Codes of what ingest finds in the first clip.
+/// Codes of the findings in the first clip, or of its error.
 std::vector<std::string> Contradictions(const std::vector<std::string>& assignments) {
   const auto discovery = Discover(Declared("kard", assignments));
-  if (!discovery) return {discovery.error().Message()};
+  if (!discovery) return {std::string(Name(discovery.error().code))};
   const Ingested ingested = RunIngest(discovery->items[0], "kard_wrong");
-  if (!ingested.outcome) return {ingested.outcome.error().Message()};
+  if (!ingested.outcome) return {std::string(Name(ingested.outcome.error().code))};
   std::vector<std::string> codes;
   for (const Finding& finding : ingested.outcome->findings) codes.push_back(finding.code);
   return codes;
@@ -114,7 +113,7 @@ TEST_F(Kard, AWrongUnitOrAWrongUpIsContradictedByTheBody) {
   EXPECT_THAT(Contradictions({"ingest.source.units=cm"}), ElementsAre("units_contradiction"));
   EXPECT_THAT(Contradictions({"ingest.source.axes=+x -y +z"}), ElementsAre("up_contradiction"));
   EXPECT_THAT(Contradictions({"ingest.source.units=cm", "ingest.source.on_contradiction=refuse"}),
-              ElementsAre(HasSubstr("14.")));
+              ElementsAre("inconsistent"));
 }
 
 TEST_F(Kard, FirstClipHasItsIdentityAndItsNumbers) {
@@ -138,7 +137,6 @@ TEST_F(Kard, DeclaredRightHandedTheMotionContradictsAndTheClipIsFlaggedNotMirror
   const auto discovery = Discover(Declared("kard", {"ingest.source.axes='+x +y +z'"}));
   ASSERT_TRUE(honest && discovery);
   int flagged = 0, sitting = 0, sitting_flagged = 0;
-  std::string message;
   for (const ItemSpec& item : discovery->items) {
     const bool sits = item.item.find("/a17") != std::string::npos || item.item.find("/a18") != std::string::npos;
     const Ingested ingested = RunIngest(item, "kard_left");
@@ -153,15 +151,12 @@ TEST_F(Kard, DeclaredRightHandedTheMotionContradictsAndTheClipIsFlaggedNotMirror
     EXPECT_EQ(finding.severity, Severity::kError);
     EXPECT_EQ(finding.action, FindingAction::kFlagged);
     EXPECT_EQ(finding.clip, ingested.clip.id());
-    if (sits) message = finding.message;
     EXPECT_GT(ingested.clip.evidence.tracks->positions.at(0, 0).z(), 1.0) << "silently mirrored";
   }
   RecordProperty("flagged", flagged);
   EXPECT_EQ(sitting, 48);
   EXPECT_EQ(sitting_flagged, 45) << "in three hands swing behind the trunk while the person gets up";
   EXPECT_EQ(flagged, 105) << "the others show too little, or hands alone";
-  EXPECT_THAT(message, HasSubstr("knees bend backwards"));
-  EXPECT_THAT(message, HasSubstr("mend ingest.source.axes"));
 }
 
 TEST_F(Kard, AContradictionRefusesTheClipWhereTheConfigSaysSo) {
@@ -171,9 +166,7 @@ TEST_F(Kard, AContradictionRefusesTheClipWhereTheConfigSaysSo) {
   for (const ItemSpec& item : discovery->items) {
     if (item.item != "kard/s01/a17_s01_e01") continue;
     const Ingested ingested = RunIngest(item, "kard_refused");
-    ASSERT_FALSE(ingested.outcome);
-    EXPECT_EQ(ingested.outcome.error().code, ErrorCode::kInconsistent);
-    EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("knees bend backwards"));
+    ExpectError(ingested.outcome, ErrorCode::kInconsistent, "a17_s01_e01_realworld.txt");
     EXPECT_FALSE(std::filesystem::exists(ingested.artifact));
   }
 }
