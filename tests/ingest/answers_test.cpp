@@ -132,9 +132,11 @@ std::string FindingLine(const Finding& finding) {
          std::to_string(finding.frame_end) + " " + finding.joint + " " + Number(finding.value);
 }
 
-void AddOutcome(const std::string& item, const Expected<StageOutcome>& outcome, const fs::path& artifact, Book& book) {
+void AddOutcome(const std::string& item, const Expected<StageOutcome>& outcome, const fs::path& artifact,
+                const fs::path& folder, Book& book) {
   if (!outcome) {
-    book.Add("run " + item + " error " + std::string(Name(outcome.error().code)) + " at " + outcome.error().where);
+    book.Add("run " + item + " error " + std::string(Name(outcome.error().code)) + " at " +
+             Placed(outcome.error().where, folder));
     return;
   }
   std::string line = "run " + item + " " + std::to_string(static_cast<int>(outcome->kind));
@@ -156,11 +158,13 @@ void Ran(const IngestOptions& options, Book& book) {
     return book.Add("run error " + std::string(Name(discovery.error().code)) + " at " +
                     Placed(discovery.error().where, options.path));
   for (const Finding& finding : discovery->findings) book.Add("set " + FindingLine(finding));
-  for (const ItemResult& left_out : discovery->left_out) AddOutcome(left_out.item, left_out.outcome, {}, book);
+  for (const ItemResult& left_out : discovery->left_out)
+    AddOutcome(left_out.item, left_out.outcome, {}, options.path, book);
   for (const ItemSpec& item : discovery->items) {
     const fs::path artifact = fs::path(::testing::TempDir()) / ("answers_" + std::to_string(getpid()) + ".h5");
     fs::remove(artifact);
-    AddOutcome(item.item, IngestStage({"ingest", item.item, item.options, item.inputs, artifact, {}}), artifact, book);
+    AddOutcome(item.item, IngestStage({"ingest", item.item, item.options, item.inputs, artifact, {}}), artifact,
+               options.path, book);
     fs::remove(artifact);
   }
 }

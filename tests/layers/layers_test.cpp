@@ -52,7 +52,6 @@ const std::map<std::string, std::string> kLibraryRooms = {
     {"pipeline", "core/pipeline"},
     {"ingest", "ingest"},
     {"ingest_options", "ingest"},
-    {"ingest_opencv", "ingest"},
     {"ingest_video", "ingest"},
     {"fitting", "fitting"},
     {"fitting_options", "fitting"},
