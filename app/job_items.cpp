@@ -11,7 +11,7 @@
 #include "core/base/version.h"
 #include "core/store/store.h"
 #include "ingest/discover.h"
-#include "ingest/format_facts.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/fault_codes.h"
 
 namespace mocurate {
@@ -173,7 +173,7 @@ void AddHashOfSource(const ItemSpec& spec, ItemResult& failed) {
 class RecordedRotations {
  public:
   bool operator()(const ItemSpec& spec) {
-    const FormatFacts& facts = FactsOf(spec.options.value("format", std::string()));
+    const FormatDriver& facts = DriverOf(spec.options.value("format", std::string()));
     if (facts.format != SourceFormat::kMotions) return facts.rotations;
     const auto input = std::find_if(spec.inputs.begin(), spec.inputs.end(),
                                     [](const StageInput& candidate) { return candidate.role == "source"; });

@@ -6,6 +6,7 @@
 #include "core/quality/axes_changes.h"
 #include "core/quality/checks.h"
 #include "core/quality/unit_changes.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/tree_points.h"
 
 namespace mocurate {
@@ -115,10 +116,8 @@ void SayWhatZerosAre(SourceFormat format, std::vector<Finding>& findings) {
       finding.message = "'" + finding.joint + "' is at 0 0 0 in " +
                         Counted(finding.frame_end - finding.frame_begin, "frame") +
                         ": the file does not say where the body goes";
-    } else if (format == SourceFormat::kNtuSkeleton) {
-      finding.message += "; taken as missing";
-    } else if (format == SourceFormat::kJointTable) {
-      finding.message += "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
+    } else if (const std::string zeros = DriverOf(format).zeros; !zeros.empty()) {
+      finding.message += zeros;
     } else {
       finding.message +=
           "; ingest.source.checks.actions: {" + finding.code + ": missing} takes tracks there as not seen";

@@ -6,6 +6,7 @@
 #include "core/base/text.h"
 #include "core/store/store.h"
 #include "ingest/clip_checks.h"
+#include "ingest/formats/driver.h"
 #include "ingest/frozen_views.h"
 #include "ingest/read_motions.h"
 #include "ingest/sense/comparison.h"
@@ -15,47 +16,6 @@
 
 namespace mocurate {
 namespace {
-
-/// `array`: the clip in a file of arrays.
-Expected<IngestedClip> ReadClip(const SourceFile& file, const std::string& array) {
-  switch (file.source.format) {
-    case SourceFormat::kJointTable:
-      return ReadJointTableClip(file);
-    case SourceFormat::kBvh:
-      return ReadBvhClip(file);
-    case SourceFormat::kNpy:
-      return ReadArraySource(file, array);
-    case SourceFormat::kDepthSequence:
-      return ReadDepthSequenceClip(file);
-    case SourceFormat::kNtuSkeleton:
-      return file.source.views.together ? ReadNtuViewsClip(file) : ReadNtuSkeletonClip(file);
-    case SourceFormat::kAsfAmc:
-      return ReadAsfAmcClip(file);
-    case SourceFormat::kAmass:
-      return ReadAmassClip(file);
-    case SourceFormat::kExpmap:
-      return ReadExpmapClip(file);
-    case SourceFormat::kPhspd:
-      return ReadPhspdClip(file);
-    case SourceFormat::kVibeTracks:
-      return ReadVibeTrackClip(file);
-    case SourceFormat::kUestc:
-      return ReadUestcClip(file);
-    case SourceFormat::kHumanAct12Pickle:
-      return ReadHumanAct12Clip(file);
-    case SourceFormat::kMotions:
-      return ReadMotionsClip(file);
-    case SourceFormat::kOpenPose:
-      return ReadOpenPoseClip(file);
-    case SourceFormat::kDepthViews:
-      return ReadDepthViewsClip(file);
-    case SourceFormat::kPanoptic:
-      return ReadPanopticClip(file);
-    case SourceFormat::kNone:
-      break;
-  }
-  return Fail(ErrorCode::kConfig, "the source does not say its format", "ingest.source.format");
-}
 
 double UnseenShare(const Clip& clip) {
   std::size_t points = 0, unseen = 0;
@@ -293,7 +253,8 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
     file.skeleton_bytes = *std::move(skeleton);
     read += file.skeleton_bytes;
   }
-  Expected<IngestedClip> ingested = ReadClip(file, facts.array);
+  file.array = facts.array;
+  Expected<IngestedClip> ingested = DriverOf(source->format).to_clip(file);
   if (!ingested) {
     Expected<StageOutcome> unusable = Unusable(*source, ingested.error(), request.item);
     if (!unusable) return Forward(unusable);

@@ -10,7 +10,7 @@
 #include "core/formats/camera_files.h"
 #include "core/formats/png.h"
 #include "ingest/discover.h"
-#include "ingest/format_facts.h"
+#include "ingest/formats/driver.h"
 #include "ingest/read_motions.h"
 #include "ingest/sense/check_report.h"
 #include "ingest/sense/clip_report.h"
@@ -197,7 +197,7 @@ void Inspector::AddItem(const ItemSpec& item) {
   if (read->outcome.kind == OutcomeKind::kRefused && read->outcome.findings.empty()) refuse(read->outcome.error);
   if (!kept) return;
   ObservedClip clip = ObserveClip(*source_, read->clip);
-  clip.format = InspectedAs(source_->format);
+  clip.format = DriverOf(source_->format).inspected;
   const std::string file = Below(item.inputs.front().name);
   clip.id = where.size() > file.size() ? where.substr(file.size()) : "";
   Json report = DeclaredReport(clip, IsGathered(source_->format) ? where : file, *source_, findings());

@@ -4,6 +4,7 @@
 #include "ingest/sources/body_check.h"
 
 #include "core/base/text.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/tree_points.h"
 
@@ -60,7 +61,7 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
   observed.skeleton_from = "declared";
   observed.skeleton_confidence = 1.0;
   for (const auto& [key, text] : clip.provenance) observed.facts.emplace_back(key, text);
-  const bool assumed = source.format == SourceFormat::kAmass || source.format == SourceFormat::kExpmap;
+  const FormatDriver& driver = DriverOf(source.format);
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   if (clip.evidence.tracks) {
     const JointTracks& tracks = *clip.evidence.tracks;
@@ -82,13 +83,12 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
   }
   observed.joints = observed.positions.joints;
   observed.units = "m";
-  const bool listed = source.format == SourceFormat::kJointTable || source.format == SourceFormat::kNpy;
-  if (listed && !source.skeleton.empty() && observed.frames >= kFewestBodyFrames) {
+  if (driver.lists_joints && !source.skeleton.empty() && observed.frames >= kFewestBodyFrames) {
     const HandednessPoints points = observed.points;
     DeclareOrder(source, observed);
     observed.points = points;
   }
-  if (assumed) {
+  if (driver.lengths_assumed) {
     observed.lengths_assumed = true;  // the skeleton's: only the path of the root is the file's
     observed.root_scale = MeasureRootScale(observed.positions, observed.points);
   }

@@ -166,7 +166,8 @@ Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, 
   return {ErrorCode::kInconsistent,
           "body " + std::to_string(own) + " of " + std::to_string(wanted) + " is not there: the file holds " +
               Counted(people.chosen.size(), "body id") + " in " + Counted(frames, "frame"),
-          name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies", Reason::kPersonMissing};
+          name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies",
+          Reason::kPersonMissing};
 }
 
 }  // namespace mocurate

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "ingest/format_facts.h"
+#include "ingest/formats/driver.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/sources.h"
 

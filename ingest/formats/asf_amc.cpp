@@ -4,6 +4,7 @@
 #include "core/base/text.h"
 #include "core/formats/amc.h"
 #include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/asf_sense.h"
 #include "ingest/sense/path_sense.h"
@@ -11,10 +12,15 @@
 #include "ingest/sense/tree_points.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
+
+Status CheckSkeletonFiles(const SourceOptions& source) {
+  if (!source.skeleton_files.empty()) return {};
+  return Fail(ErrorCode::kConfig, "source '" + source.name + "' does not say which .asf belongs to an .amc",
+              "ingest.source.skeleton_files", "e.g. '{subject}.asf' where files are '{subject}_{take}.amc'");
+}
 
 /// A tree of fixed bones holds no bone that stretches or moves off its parent.
 Status CheckDof(const Asf& asf, const std::string& name) {
@@ -83,8 +89,8 @@ void LocalRotations(const Asf& asf, const Amc& amc, int frame, const AsfTree& ma
   }
 }
 
-}  // namespace
-
+/// AMC and its ASF -> given motion. A joint stands where its bone starts; rest offsets and lengths are the ASF's. Bones
+/// that stretch or shift are refused.
 Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
@@ -152,6 +158,26 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
   }
   ingested.clip.provenance["skeleton_file"] = file.skeleton_name;
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& AsfAmcFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kAsfAmc;
+    d.name = "asf_amc";
+    d.inspected = "amc";
+    d.kind = FileKind::kAmc;
+    d.ending = ".amc";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.check = CheckSkeletonFiles;
+    d.options = {"skeleton_files"};
+    d.to_clip = ReadAsfAmcClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

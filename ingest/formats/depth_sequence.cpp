@@ -4,11 +4,17 @@
 
 #include "core/base/text.h"
 #include "core/formats/depth_sequence.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sources/depth_header.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
+
+Status CheckDepthFiles(const SourceOptions& source) {
+  if (!source.depth_files.empty()) return {};
+  return Fail(ErrorCode::kConfig, "source '" + source.name + "' does not say where its depth images are",
+              "ingest.source.depth_files", "e.g. 'depth/{view}_{frame:4}.png'");
+}
 
 /// Files by view and frame number.
 using FilesOfView = std::map<long long, const StageInput*>;
@@ -68,8 +74,8 @@ Expected<DepthView> MakeDepthView(const SourceFile& file, const DepthSequence& s
   return made;
 }
 
-}  // namespace
-
+/// JSON and depth images -> depth views by reference (file names below the source's folder), cameras in the canonical
+/// world, annotated segments.
 Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
   if (!axes) return Forward(axes);
@@ -104,6 +110,25 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   if (!sequence->body.empty()) clip.provenance["body"] = sequence->body;
   if (!sequence->floor.empty()) clip.provenance["floor"] = sequence->floor;
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& DepthSequenceFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kDepthSequence;
+    d.name = "depth_sequence";
+    d.inspected = "depth_sequence";
+    d.gives = Gives::kDepthViews;
+    d.unit = UnitOf::kCalibration;
+    d.says_rate = true;
+    d.check = CheckDepthFiles;
+    d.options = {"depth_files", "depth_unit"};
+    d.to_clip = ReadDepthSequenceClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

@@ -1,6 +1,7 @@
+#include "ingest/formats/driver.h"
+#include "ingest/gathered_files.h"
 #include "ingest/sources/depth_header.h"
 #include "ingest/sources/rig_calibration.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -18,8 +19,7 @@ Expected<const StageInput*> At(const std::map<std::string, FilesOfCamera>& camer
               "the other cameras have it; mend ingest.source.files, or complete the folder");
 }
 
-}  // namespace
-
+/// Depth images of one camera each, with calibration and masks -> depth views by reference.
 Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file) {
   IngestedClip ingested;
   Expected<Rig> rig = ReadRig(file);
@@ -61,6 +61,25 @@ Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file) {
   }
   clip.provenance["calibration"] = rig->meaning;
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& DepthViewsFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kDepthViews;
+    d.name = "depth_views";
+    d.inspected = "depth_views";
+    d.gives = Gives::kDepthViews;
+    d.unit = UnitOf::kCalibration;
+    d.gathered = true;
+    d.check = CheckGathered;
+    d.options = {"calibration", "camera_pose", "cameras", "mask_files", "depth_unit"};
+    d.to_clip = ReadDepthViewsClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

@@ -2,8 +2,9 @@
 #include <set>
 
 #include "core/formats/panoptic_bodies.h"
+#include "ingest/formats/driver.h"
+#include "ingest/gathered_files.h"
 #include "ingest/sources/frame_files.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -38,8 +39,7 @@ double ClockRate(const std::vector<PanopticBodies>& frames) {
   return span > 0.0 ? 1000.0 * (last - first) / span : 0.0;
 }
 
-}  // namespace
-
+/// CMU Panoptic body3DScene files, one per frame -> evidence tracks of one of the people, by how long they are there.
 Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
   const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
   if (!axes) return Forward(axes);
@@ -98,6 +98,25 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
   clip.evidence.tracks = std::move(tracks);
   clip.provenance["body_id"] = std::to_string(id);
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& PanopticFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kPanoptic;
+    d.name = "panoptic";
+    d.inspected = "panoptic_bodies";
+    d.gives = Gives::kJointTracks;
+    d.unit = UnitOf::kCentimetres;
+    d.gathered = true;
+    d.check = CheckGathered;
+    d.options = {"subjects"};
+    d.to_clip = ReadPanopticClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

@@ -4,6 +4,7 @@
 #include "core/base/text.h"
 #include "core/formats/bvh.h"
 #include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/observe.h"
@@ -12,7 +13,6 @@
 #include "ingest/sense/tree_points.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -74,8 +74,10 @@ Error UnitsOr(const Error& otherwise, const SourceFile& file) {
   return otherwise;
 }
 
-}  // namespace
-
+/// BVH -> given motion. Local frames are turned with the axes, OFFSETs become rest offsets and bone lengths. The joint
+/// whose position moves carries the translation: it is moved into the root, whose own place is then that joint's place
+/// minus the rest offsets between them (bandai22: joint_Root lies on Hips). Joints that slide along their bones by more
+/// than max_slide are refused.
 Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
@@ -128,6 +130,26 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
     ingested.clip.provenance["translation_from"] = bvh->joints[offsets.carrier].name;
   }
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& BvhFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kBvh;
+    d.name = "bvh";
+    d.inspected = "bvh";
+    d.kind = FileKind::kBvh;
+    d.ending = ".bvh";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.says_rate = true;
+    d.options = {"max_slide"};
+    d.to_clip = ReadBvhClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

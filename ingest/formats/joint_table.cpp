@@ -1,13 +1,72 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/problem_list.h"
 #include "core/base/text.h"
+#include "core/formats/joint_layout.h"
 #include "core/quality/tracked_points.h"
-#include "ingest/sources/source_file.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sources/table_rows.h"
 
 namespace mocurate {
 namespace {
+
+void CheckColumns(const SourceOptions& s, ProblemList& problems) {
+  const std::vector<std::string> known = {"x", "y", "z", "confidence", "skip"};
+  for (const std::string& column : s.columns) {
+    if (std::find(known.begin(), known.end(), column) != known.end()) continue;
+    problems.Add("ingest.source.columns", "unknown column '" + column + "'",
+                 "columns are x, y, z, confidence and skip");
+  }
+  for (const char* needed : {"x", "y", "z"}) {
+    if (std::count(s.columns.begin(), s.columns.end(), needed) == 1) continue;
+    problems.Add("ingest.source.columns", std::string("column '") + needed + "' must stand exactly once");
+  }
+}
+
+/// The names of columns and joints, all that are wrong at once.
+Status CheckTableNames(const SourceOptions& s) {
+  ProblemList problems;
+  if (s.layout.empty()) CheckColumns(s, problems);
+  const Expected<SkeletonPtr> skeleton = s.skeleton.empty() ? SkeletonPtr() : LoadSkeleton(s.skeleton);
+  if (skeleton && *skeleton) CheckJointNames(s, **skeleton, problems);
+  return problems.Result();
+}
+
+Status CheckTable(const SourceOptions& s) {
+  if (s.joints.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not name its joints", "ingest.source.joints",
+                "list the joints in the order of the rows of a frame");
+  }
+  const bool by_columns = s.columns != SourceOptions().columns;
+  if (!s.layout.empty() && by_columns) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' declares both `layout` and `columns`",
+                "ingest.source.layout", "`layout` says all that `columns` says; take one out");
+  }
+  if (Status names = CheckTableNames(s); !names) return names;
+  const Expected<JointLayout> layout = TableLayout(s);
+  if (!layout) return Forward(layout);
+  const int joints = static_cast<int>(s.joints.size());
+  if (layout->Joints() != joints) {
+    return Fail(ErrorCode::kConfig,
+                "the layout has " + std::to_string(layout->Joints()) + " joints, " + std::to_string(joints) +
+                    " are named under ingest.source.joints",
+                "ingest.source.layout", "name each joint of the layout, in its order");
+  }
+  const int rows = RowsPerFrame(s);
+  if (s.layout.empty() && joints % rows != 0) {
+    return Fail(ErrorCode::kConfig,
+                std::to_string(joints) + " joints do not fill " + std::to_string(rows) + " rows per frame",
+                "ingest.source.rows_per_frame", "each row holds the same number of joints");
+  }
+  if (layout->NumbersPerFrame() % rows != 0) {
+    return Fail(ErrorCode::kConfig,
+                std::to_string(layout->NumbersPerFrame()) + " numbers of the layout do not fill " +
+                    std::to_string(rows) + " rows per frame",
+                "ingest.source.rows_per_frame", "each row holds the same count of numbers");
+  }
+  return {};
+}
 
 bool IsMissing(const Vector3d& raw, MissingValue missing) {
   if (!raw.allFinite()) return true;
@@ -46,8 +105,8 @@ void TakeRotations(const JointRows& rows, const SourceFrame& frame, JointTracks&
       Counted(malformed, "recorded rotation") + " marked as sure: the matrix is not orthogonal; taken for missing"));
 }
 
-}  // namespace
-
+/// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is flipped by its axes, never
+/// otherwise.
 Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
@@ -96,6 +155,50 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   NoteEmptyFrames(tracks, ingested.findings);
   ingested.clip.evidence.tracks = std::move(tracks);
   return ingested;
+}
+
+}  // namespace
+
+int RowsPerFrame(const SourceOptions& s) {
+  if (s.rows_per_frame > 0) return static_cast<int>(s.rows_per_frame);
+  return s.layout.empty() ? static_cast<int>(s.joints.size()) : 1;
+}
+
+Expected<JointLayout> TableLayout(const SourceOptions& s) {
+  if (!s.layout.empty()) return ParseJointLayout(s.layout, "ingest.source.layout");
+  ProblemList problems;
+  CheckColumns(s, problems);
+  if (Status known = problems.Result(); !known) return Forward(known);
+  JointGroup group;
+  group.count = static_cast<int>(s.joints.size());
+  for (const std::string& column : s.columns) {
+    group.columns.push_back(column == "x"            ? JointColumn::kX
+                            : column == "y"          ? JointColumn::kY
+                            : column == "z"          ? JointColumn::kZ
+                            : column == "confidence" ? JointColumn::kConfidence
+                                                     : JointColumn::kSkip);
+  }
+  JointLayout layout;
+  layout.groups.push_back(std::move(group));
+  return layout;
+}
+
+const FormatDriver& JointTableFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kJointTable;
+    d.name = "joint_table";
+    d.inspected = "joint_table";
+    d.kind = FileKind::kNumbers;
+    d.gives = Gives::kJointTracks;
+    d.lists_joints = true;
+    d.zeros = "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
+    d.check = CheckTable;
+    d.options = {"rows_per_frame", "columns", "layout", "end_word", "least_confidence", "missing"};
+    d.to_clip = ReadJointTableClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

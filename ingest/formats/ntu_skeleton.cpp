@@ -1,11 +1,49 @@
 #include <algorithm>
 
 #include "core/base/text.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sources/ntu_people.h"
 
 namespace mocurate {
+namespace {
 
+constexpr long long kMostBodiesTogether = 3;
+
+Status CheckViews(const SourceOptions& s) {
+  const ViewOptions& views = s.views;
+  if (!views.together) return {};
+  if (s.view.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which camera a file is of",
+                "ingest.source.view", "e.g. view: 'C{camera}'");
+  }
+  for (const auto& [label, text] : s.bodies) {
+    if (ParseInteger(text).value_or(0) <= kMostBodiesTogether) continue;
+    return Fail(ErrorCode::kConfig, "label '" + label + "' has '" + text + "' people", "ingest.source.bodies",
+                "at most 3 are told apart between several cameras");
+  }
+  if (s.depth_files.empty()) return {};
+  if (views.intrinsics.size() != 4 || views.intrinsics[0] == 0.0 || views.intrinsics[1] == 0.0) {
+    return Fail(ErrorCode::kConfig, "the depth images have no intrinsics", "ingest.source.views.intrinsics",
+                "four numbers, fx, fy, cx and cy; a Kinect v2 has about [-366, 366, 256, 208] px");
+  }
+  if (views.image_size.size() != 2) {
+    return Fail(ErrorCode::kConfig, "the depth images have no size", "ingest.source.views.image_size",
+                "width and height; a Kinect v2 has [512, 424] px");
+  }
+  return {};
+}
+
+Status CheckNtu(const SourceOptions& source) {
+  if (Status bodies = CheckBodies(source); !bodies) return bodies;
+  return CheckViews(source);
+}
+
+/// NTU .skeleton -> evidence tracks of one of its people in metres and canonical axes. People are told apart by the
+/// sensor's ids: those there in at least half as many frames as the longest come before the others, by how much they
+/// move; given in the order in which they appear. Ids beyond those asked for are a finding "bodies_left_out"; a person
+/// asked for who is not there is refused.
 Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
+  if (file.source.views.together) return ReadNtuViewsClip(file);
   const SourceOptions& source = file.source;
   Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, file.name, source.damaged_rows);
   if (!skeleton) return Forward(skeleton);
@@ -49,6 +87,27 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   ingested.clip.provenance["body_id"] = body.Name();
   ingested.clip.evidence.tracks = std::move(tracks);
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& NtuSkeletonFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kNtuSkeleton;
+    d.name = "ntu_skeleton";
+    d.inspected = "ntu_skeleton";
+    d.kind = FileKind::kNtuSkeleton;
+    d.ending = ".skeleton";
+    d.gives = Gives::kJointTracks;
+    d.unit = UnitOf::kMetres;
+    d.zeros = "; taken as missing";
+    d.check = CheckNtu;
+    d.options = {"bodies", "people", "views", "inferred_confidence", "depth_files", "depth_unit"};
+    d.to_clip = ReadNtuSkeletonClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

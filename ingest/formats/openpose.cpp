@@ -3,11 +3,12 @@
 
 #include "core/base/text.h"
 #include "core/formats/openpose.h"
+#include "ingest/formats/driver.h"
+#include "ingest/gathered_files.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/keypoint_numbers.h"
 #include "ingest/sources/depth_beside.h"
 #include "ingest/sources/frame_files.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -182,8 +183,11 @@ void NoteMissingPeople(const SourceFile& file, const Evidence& evidence, std::ve
                                    FindingAction::kFlagged));
 }
 
-}  // namespace
-
+/// JSON files of a detector, one per camera and frame, and the calibration of the cameras -> keypoint views in the
+/// canonical world, everybody who is seen. Frames without a file, or with one that cannot be read, are frames in which
+/// nobody is seen: findings "frames_missing", "unreadable_frames" per camera. "camera_not_calibrated",
+/// "camera_without_files": files and calibration that do not belong together by name. The order of the points is
+/// declared or measured; "keypoints_contradiction" where the bones speak against the declaration.
 Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   IngestedClip ingested;
   Expected<Rig> rig = ReadRig(file);
@@ -235,6 +239,25 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   clip.provenance["calibration"] = rig->meaning;
   if (Status checked = CheckKeypoints(clip.evidence); !checked) return Forward(checked);
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& OpenPoseFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kOpenPose;
+    d.name = "openpose";
+    d.inspected = "openpose";
+    d.gives = Gives::kKeypoints;
+    d.unit = UnitOf::kCalibration;
+    d.gathered = true;
+    d.check = CheckGathered;
+    d.options = {"calibration", "camera_pose", "cameras", "keypoints", "subjects", "depth_files", "depth_unit"};
+    d.to_clip = ReadOpenPoseClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

@@ -1,12 +1,14 @@
 #include "core/base/text.h"
 #include "core/formats/phspd_text.h"
 #include "core/quality/tracked_points.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sources/phspd_tracks.h"
 #include "ingest/sources/smpl_motion.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
+namespace {
 
+/// PHSPD's pose.txt -> evidence tracks on SMPL's joints. Frames that nobody annotated are missing, in their place.
 Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
@@ -41,6 +43,24 @@ Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
   ingested.clip.provenance["first_frame"] = std::to_string(read->first_frame);
   ingested.clip.evidence.tracks = std::move(tracks);
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& PhspdFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kPhspd;
+    d.name = "phspd";
+    d.inspected = "phspd_pose";
+    d.kind = FileKind::kNumbers;
+    d.ending = "pose.txt";
+    d.gives = Gives::kJointTracks;
+    d.unit = UnitOf::kMetres;
+    d.to_clip = ReadPhspdClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

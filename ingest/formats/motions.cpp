@@ -1,8 +1,11 @@
+#include "ingest/formats/driver.h"
 #include "ingest/sources/container.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
+namespace {
 
+/// One clip of a dataset or MotionSet, as it is, with its identity, segments and role: rotations where it has them,
+/// else joints only. Of the declaration only the licence and `labels` have a say.
 Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
   Expected<Clip> clip = ReadMotionsEntry(file.container, file.entry, file.name);
   if (!clip) return Forward(clip);
@@ -27,6 +30,25 @@ Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
   }
   ingested.clip.rate = ingested.clip.motion->rate = rate;
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& MotionsFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kMotions;
+    d.name = "motions";
+    d.inspected = "motions";
+    d.gives = Gives::kMotion;
+    d.unit = UnitOf::kMetres;
+    d.says_rate = true;
+    d.container = Container::kMust;
+    d.options = {"container"};
+    d.to_clip = ReadMotionsClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

@@ -2,8 +2,8 @@
 
 #include "core/formats/expmap_table.h"
 #include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sources/smpl_motion.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -24,8 +24,8 @@ Expected<std::vector<std::size_t>> ColumnsOf(const SourceOptions& source, const 
   return columns;
 }
 
-}  // namespace
-
+/// Exponential maps -> given motion. The file names no joint: `joints` does, in its order. Rotations are those of rows:
+/// a place is multiplied from the left, so that parent_from_joint is the rotation by the negative vector.
 Expected<IngestedClip> ReadExpmapClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<Quaterniond> world_from_file = TurnOf(source.axes);
@@ -64,6 +64,25 @@ Expected<IngestedClip> ReadExpmapClip(const SourceFile& file) {
   ingested.clip.motion =
       MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), {});
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& ExpmapFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kExpmap;
+    d.name = "expmap";
+    d.inspected = "expmap_table";
+    d.kind = FileKind::kNumbers;
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.needs_skeleton = true;
+    d.lengths_assumed = true;
+    d.to_clip = ReadExpmapClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

@@ -3,13 +3,13 @@
 #include "core/base/text.h"
 #include "core/formats/amass.h"
 #include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/pose_sense.h"
 #include "ingest/sense/rate_sense.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/smpl_motion.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -51,8 +51,9 @@ Status AddSegments(const SourceFile& file, Clip& clip, std::size_t frames, std::
   return {};
 }
 
-}  // namespace
-
+/// AMASS -> given motion on SMPL's 24 joints: the body's rotations; hands, jaw and eyes of SMPL-H and SMPL-X are left
+/// out. Without a body model rest offsets are the skeleton's, and the pelvis lies at `trans`: a finding says so. With
+/// `annotations`, BABEL's labels are the segments.
 Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<Quaterniond> world_from_file = TurnOf(source.axes);
@@ -95,6 +96,26 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   if (!amass->surface_model.empty()) clip.provenance["body_model"] = amass->surface_model;
   if (Status added = AddSegments(file, clip, amass->frames, ingested.findings); !added) return Forward(added);
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& AmassFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kAmass;
+    d.name = "amass";
+    d.inspected = "amass";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.unit = UnitOf::kMetres;
+    d.says_rate = true;
+    d.lengths_assumed = true;
+    d.options = {"annotations", "annotation_roles"};
+    d.to_clip = ReadAmassClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

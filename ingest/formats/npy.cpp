@@ -6,11 +6,11 @@
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
 #include "core/quality/tracked_points.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/array_sense.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/mapped_file.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -134,11 +134,8 @@ Expected<NpyArray> JointsOfLie(const NpyArray& array, const Skeleton& skeleton,
   return positions;
 }
 
-}  // namespace
-
-Expected<IngestedClip> ReadNpyClip(const SourceFile& file) { return ReadArraySource(file, ""); }
-
-Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string& id) {
+Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
+  const std::string& id = file.array;
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
   if (!frame) return Forward(frame);
@@ -204,6 +201,25 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string
   NoteEmptyFrames(tracks, ingested.findings);
   ingested.clip.evidence.tracks = std::move(tracks);  // a joints-only motion would need every joint in every frame
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& NpyFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kNpy;
+    d.name = "npy";
+    d.inspected = "npy";
+    d.kind = FileKind::kNpy;
+    d.gives = Gives::kMotion;
+    d.needs_skeleton = true;
+    d.lists_joints = true;
+    d.options = {"lie_bone_lengths"};
+    d.to_clip = ReadArraySource;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

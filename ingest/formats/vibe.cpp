@@ -4,13 +4,13 @@
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
 #include "ingest/people/vibe_people.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sources/body_check.h"
 #include "ingest/sources/container.h"
 #include "ingest/sources/smpl_motion.h"
-#include "ingest/sources/source_file.h"
 #include "ingest/sources/uestc_folder.h"
 
 namespace mocurate {
@@ -137,8 +137,8 @@ Expected<IngestedClip> ClipOfPerson(const UestcPerson& person, const SourceFile&
   return ingested;
 }
 
-}  // namespace
-
+/// One track of VIBE. On a skeleton with SMPL's joints its rotations, with the pelvis where the middle of the hips is;
+/// on another the places of `joints`, without rotations.
 Expected<IngestedClip> ReadVibeTrackClip(const SourceFile& file) {
   const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
   if (!world_from_file) return Forward(world_from_file);
@@ -146,6 +146,8 @@ Expected<IngestedClip> ReadVibeTrackClip(const SourceFile& file) {
   return person ? ClipOfPerson(*person, file, *world_from_file) : Forward(person);
 }
 
+/// One video of UESTC's cache, as VIBE's tracks, moved by the camera's estimate: (tx, ty, 500 / (270 sx)) of ACTOR.
+/// Side 2 is turned back by the view's angle.
 Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
   const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
   if (!world_from_file) return Forward(world_from_file);
@@ -178,6 +180,43 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
   }
   const Quaterniond turned(UestcWorldFromView(video->view, video->side));
   return ClipOfPerson(person, file, *world_from_file * turned);
+}
+
+}  // namespace
+
+const FormatDriver& VibeTracksFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kVibeTracks;
+    d.name = "vibe_tracks";
+    d.inspected = "vibe_tracks";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.unit = UnitOf::kMetres;
+    d.needs_skeleton = true;
+    d.options = {"track", "root_translation", "people"};
+    d.to_clip = ReadVibeTrackClip;
+    return d;
+  }();
+  return driver;
+}
+
+const FormatDriver& UestcFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kUestc;
+    d.name = "uestc";
+    d.inspected = "vibe_cache";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.unit = UnitOf::kMetres;
+    d.needs_skeleton = true;
+    d.container = Container::kMay;
+    d.options = {"container", "root_translation", "people"};
+    d.to_clip = ReadUestcClip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate

@@ -3,12 +3,12 @@
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/posed_joints.h"
 #include "ingest/sources/body_check.h"
 #include "ingest/sources/container.h"
 #include "ingest/sources/smpl_motion.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -53,8 +53,8 @@ void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::ve
   findings.push_back(std::move(finding));
 }
 
-}  // namespace
-
+/// One clip of humanact12poses.pkl: on a skeleton with SMPL's joints its rotations, the bones as long as between the
+/// places recorded; on another the places alone.
 Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<Quaterniond> world_from_file = TurnOf(source.axes);
@@ -91,6 +91,26 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   CheckPoints(source, ObserveHumanAct12Clip(*clip), ingested);
   ingested.content = BytesOf(clip->poses) + BytesOf(clip->joints);
   return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& HumanAct12PickleFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kHumanAct12Pickle;
+    d.name = "humanact12_pickle";
+    d.inspected = "humanact12_pickle";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.unit = UnitOf::kMetres;
+    d.needs_skeleton = true;
+    d.container = Container::kMust;
+    d.options = {"container"};
+    d.to_clip = ReadHumanAct12Clip;
+    return d;
+  }();
+  return driver;
 }
 
 }  // namespace mocurate
