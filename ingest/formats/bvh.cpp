@@ -17,6 +17,23 @@
 namespace mocurate {
 namespace {
 
+/// A file that was read, and what its numbers say against it.
+struct OpenedBvh {
+  Bvh bvh;
+  std::optional<Finding> angles, rate;
+};
+
+Expected<OpenedBvh> OpenBvh(std::string_view bytes, const std::string& name, DamagedRows damaged) {
+  Expected<Bvh> bvh = ParseBvh(bytes, name, damaged);
+  if (!bvh) return Forward(bvh);
+  if (Status bones = CheckBones(*bvh, name); !bones) return Forward(bones);
+  OpenedBvh opened{*std::move(bvh), {}, {}};
+  opened.angles = DoubtAngles(opened.bvh);
+  opened.rate =
+      DoubtRate(opened.bvh.hz(), RateWord::kSecondsPerFrame, name + ":" + std::to_string(opened.bvh.frame_time_line));
+  return opened;
+}
+
 std::string SlideText(double metres) { return FormatDouble(std::round(metres * 1e6) / 1e3) + " mm"; }
 
 /// Joints whose bones change their length: flagged up to `max_slide`, refused beyond.
@@ -84,16 +101,14 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   if (!frame) return Forward(frame);
   const Expected<SkeletonPtr> declared = SourceSkeleton(source);
   if (!declared) return Forward(declared);
-  const Expected<Bvh> bvh = ParseBvh(file.bytes, file.name, source.damaged_rows);
-  if (!bvh) return Forward(bvh);
-  if (Status bones = CheckBones(*bvh, file.name); !bones) return Forward(bones);
+  const Expected<OpenedBvh> opened = OpenBvh(file.bytes, file.name, source.damaged_rows);
+  if (!opened) return Forward(opened);
+  const Bvh* bvh = &opened->bvh;
 
   IngestedClip ingested;
   ingested.findings = bvh->findings;
-  if (auto angles = DoubtAngles(*bvh)) ingested.findings.push_back(*std::move(angles));
-  ingested.clip.rate = RateOfFile(
-      source, bvh->hz(), ingested,
-      DoubtRate(bvh->hz(), RateWord::kSecondsPerFrame, file.name + ":" + std::to_string(bvh->frame_time_line)));
+  if (opened->angles) ingested.findings.push_back(*opened->angles);
+  ingested.clip.rate = RateOfFile(source, bvh->hz(), ingested, opened->rate);
   const Matrix3d& world_from_file = frame->world_from_file;
   const Matrix3d& metres_from_file = frame->metres_from_file;
   const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide, declared->get());
@@ -132,7 +147,61 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   return ingested;
 }
 
+constexpr double kCarriesFrom =
+    0.01;  // of the sum of all bones; the root's children slide less where they carry nothing
+
+/// Places of all joints, of the root where the joint lies that carries the translation: of Bandai's files the hips.
+JointPositions WithCarriedRoot(const Bvh& bvh, JointPositions places) {
+  double bones = 0.0;
+  for (const BvhJoint& joint : bvh.joints) bones += joint.offset.norm();
+  const int carrier = MeasureOffsets(bvh, Matrix3d::Identity(), kCarriesFrom * bones, nullptr).carrier;
+  for (int f = 0; f < places.frames && carrier > 0; ++f) places.at(f, 0) = Vector3d(places.at(f, carrier));
+  return places;
+}
+
 }  // namespace
+
+Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name) {
+  const Expected<OpenedBvh> opened = OpenBvh(bytes, name, DamagedRows::kReport);
+  if (!opened) return Forward(opened);
+  const Bvh* bvh = &opened->bvh;
+  ObservedClip clip;
+  clip.format = "bvh";
+  clip.frames = bvh->frames;
+  clip.joints = static_cast<int>(bvh->joints.size());
+  clip.rate_evidence = "Frame Time of the file";
+  clip.rate_hz = std::round(bvh->hz() * 1000.0) / 1000.0;
+  clip.rate_doubt = opened->rate;
+  for (const BvhJoint& joint : bvh->joints) clip.names.push_back(joint.name);
+  clip.positions = JointPositions(bvh->frames, clip.joints);
+  std::vector<Vector3d> positions;
+  for (int f = 0; f < bvh->frames; ++f) {
+    BvhForward(*bvh, f, positions);
+    for (int j = 0; j < clip.joints; ++j) clip.positions.at(f, j) = positions[static_cast<std::size_t>(j)];
+  }
+  if (!bvh->damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
+  for (const int f : bvh->damaged) {
+    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
+  }
+  std::vector<int> parents;
+  for (const BvhJoint& joint : bvh->joints) parents.push_back(joint.parent);
+  FollowTree(parents, "HIERARCHY with ROOT " + clip.names[0], clip);
+  clip.layout_evidence = "header of the file";
+  if (opened->angles) {
+    clip.remarks.push_back(*opened->angles);
+    clip.positions = JointPositions();
+    clip.confidence.clear();
+    clip.silence = kSpoiledPoses;
+  }
+  if (clip.positions.frames > 0) {
+    const JointPositions carried = WithCarriedRoot(*bvh, clip.positions);
+    if (const auto path = DoubtPath(carried, clip.points)) clip.remarks.push_back(*path);
+  }
+  for (const Finding& finding : bvh->findings) {
+    clip.remarks.push_back(finding);
+  }
+  return std::vector<ObservedClip>{std::move(clip)};
+}
 
 const FormatDriver& BvhFormat() {
   static const FormatDriver driver = [] {
