@@ -115,7 +115,7 @@ Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptio
   source.skeleton = extractor.skeleton;
   source.damaged_rows = DamagedRows::kRefuse;
   // A generator's faults are what metrics measure: no clip is refused, or repaired, for them.
-  for (const auto& [code, meaning] : CheckCodes()) source.checks.actions[code] = "ignore";
+  for (const std::string& code : CheckCodes()) source.checks.actions[code] = "ignore";
   return options;
 }
 

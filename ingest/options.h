@@ -10,7 +10,7 @@
 #include "core/base/options.h"
 #include "core/formats/damaged_rows.h"
 #include "core/pipeline/stage.h"
-#include "ingest/check_options.h"
+#include "ingest/checks/check_options.h"
 #include "ingest/synthetic/tracker_options.h"
 
 namespace mocurate {

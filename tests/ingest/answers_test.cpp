@@ -14,6 +14,7 @@
 
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "ingest/checks/finding_table.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/synthetic/studio_layouts.h"
 #include "tests/ingest/sources.h"
@@ -452,6 +453,7 @@ std::string Kept(const Book& book) {
         std::string code;
         words >> code;
         ++codes[code];
+        EXPECT_NE(FindFindingKind(code), nullptr) << code << " is not in the table of findings";
         break;
       }
     }

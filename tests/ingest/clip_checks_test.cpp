@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "ingest/checks/finding_table.h"
 #include "ingest/known_issues.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/sources/source_file.h"
@@ -37,7 +38,7 @@ std::vector<std::string> Found(const std::string& source, const std::vector<std:
     const auto outcome = IngestStage(request);
     if (!outcome) continue;
     for (const Finding& finding : outcome->findings) {
-      if (CheckCodes().count(finding.code) == 0) continue;
+      if (const FindingKind* kind = FindFindingKind(finding.code); kind == nullptr || !kind->check) continue;
       lines.push_back(item.item.substr(item.item.rfind('/') + 1) + " " + finding.code +
                       (finding.joint.empty() ? "" : " " + finding.joint) + " " + std::to_string(finding.frame_begin) +
                       "-" + std::to_string(finding.frame_end));
@@ -53,7 +54,7 @@ std::vector<std::string> Inspected(const std::string& source) {
   std::vector<std::string> lines;
   const nlohmann::json inspection = InspectPath(options.path, options.source);
   for (const nlohmann::json& finding : inspection.at("findings")) {
-    if (CheckCodes().count(finding.at("code")) == 0) continue;
+    if (const FindingKind* kind = FindFindingKind(finding.at("code")); kind == nullptr || !kind->check) continue;
     const std::string where = finding.at("where");
     if (finding.at("code") == "shared_frames") continue;  // of two clips: what the stage `duplicates` finds
     const std::size_t frames = where.find(" frames "), joint = where.find(" joint ");

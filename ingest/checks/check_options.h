@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "core/base/options.h"
 
@@ -44,7 +45,7 @@ struct CheckOptions {
 };
 
 /// Codes that `actions` may name.
-const std::map<std::string, std::string>& CheckCodes();
+const std::vector<std::string>& CheckCodes();
 
 /// Every code and every action is known. Error kConfig naming it.
 Status CheckActions(const CheckOptions& options);

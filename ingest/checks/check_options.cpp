@@ -1,10 +1,11 @@
-#include "ingest/check_options.h"
+#include "ingest/checks/check_options.h"
 
 #include <algorithm>
 
 #include <vector>
 
 #include "core/base/text.h"
+#include "ingest/checks/finding_table.h"
 
 namespace mocurate {
 namespace {
@@ -19,33 +20,14 @@ const std::map<std::string, OnFinding>& ActionNames() {
 
 }  // namespace
 
-const std::map<std::string, std::string>& CheckCodes() {
-  static const std::map<std::string, std::string> codes = {
-      {"zero_frames", "frames whose joints are all at 0 0 0"},
-      {"zero_joint", "a joint at 0 0 0 among others that are not"},
-      {"joint_never_seen", "a joint that is missing in every frame"},
-      {"collapsed_frames", "frames whose joints lie in one point"},
-      {"frozen_frames", "frames equal to the last digit"},
-      {"repeated_frames", "each frame several times"},
-      {"repeated_stretch", "a section of the clip that stands in it twice"},
-      {"held_joint", "a joint that stands still to the last digit while others move"},
-      {"units_change", "frames in another unit than the others"},
-      {"frozen_view", "a camera that repeats itself while others see somebody move"},
-      {"axes_change", "frames with other axes than the others"},
-      {"teleport", "frames in which the person is elsewhere"},
-      {"body_jump", "a step of the whole body that nobody takes and that it does not take back"},
-      {"joint_far", "a joint far from its body"},
-      {"swapped_sides", "left and right exchanged"},
-      {"rate_doubtful", "bodies in the air that do not fall as bodies do"},
-      {"not_joint_positions", "numbers that are no body"},
-      {"flat_body", "points of a plane"},
-      {"single_frame", "a clip of one frame"},
-      {"lifeless_clip", "nobody moves or is there in nearly all frames"},
-      {"name_contradiction", "the name says something else than the content"},
-      {"duplicate", "the content of another clip, frame for frame"},
-      {"near_duplicate", "another clip's motion"},
-      {"mirrored_duplicate", "another clip's mirror image"},
-      {"shared_frames", "frames of another clip"}};
+const std::vector<std::string>& CheckCodes() {
+  static const std::vector<std::string> codes = [] {
+    std::vector<std::string> checks;
+    for (const FindingKind& kind : FindingKinds()) {
+      if (kind.check) checks.emplace_back(kind.code);
+    }
+    return checks;
+  }();
   return codes;
 }
 
@@ -78,40 +60,28 @@ OnFinding CheckOptions::ActionFor(const std::string& code) const {
     const auto action = ActionNames().find(said->second);
     if (action != ActionNames().end()) return action->second;
   }
-  return code == "not_joint_positions" || code == "lifeless_clip" ? OnFinding::kDrop : OnFinding::kReport;
+  const FindingKind* kind = FindFindingKind(code);
+  return kind == nullptr ? OnFinding::kReport : kind->by_default;
 }
 
 bool CheckOptions::IgnoresAll() const {
   const auto& codes = CheckCodes();
   return std::all_of(codes.begin(), codes.end(),
-                     [&](const auto& code) { return ActionFor(code.first) == OnFinding::kIgnore; });
+                     [&](const std::string& code) { return ActionFor(code) == OnFinding::kIgnore; });
 }
 
 double CheckOptions::Threshold(const std::string& code) const {
-  const std::map<std::string, double> thresholds = {{"zero_frames", 1.0},
-                                                    {"zero_joint", 1.0},
-                                                    {"collapsed_frames", 1.0},
-                                                    {"frozen_frames", static_cast<double>(frozen_frames)},
-                                                    {"held_joint", static_cast<double>(held_frames)},
-                                                    {"teleport", tracker_slack},
-                                                    {"joint_far", reach},
-                                                    {"swapped_sides", swap_ratio},
-                                                    {"not_joint_positions", bone_proportion},
-                                                    {"lifeless_clip", lifeless_share},
-                                                    {"duplicate", duplicate_distance},
-                                                    {"near_duplicate", duplicate_distance},
-                                                    {"mirrored_duplicate", duplicate_distance},
-                                                    {"shared_frames", static_cast<double>(shared_frames)}};
-  const auto found = thresholds.find(code);
-  return found == thresholds.end() ? 0.0 : found->second;
+  const FindingKind* kind = FindFindingKind(code);
+  if (kind == nullptr || *kind->limit == '\0') return 0.0;
+  return OptionsToJson(*this).at(kind->limit).get<double>();
 }
 
 Status CheckActions(const CheckOptions& options) {
-  std::vector<std::string> codes, actions;
-  for (const auto& [code, help] : CheckCodes()) codes.push_back(code);
+  const std::vector<std::string>& codes = CheckCodes();
+  std::vector<std::string> actions;
   for (const auto& [name, action] : ActionNames()) actions.push_back(name);
   for (const auto& [code, action] : options.actions) {
-    if (CheckCodes().count(code) == 0) {
+    if (std::count(codes.begin(), codes.end(), code) == 0) {
       const auto near = Nearest(code, codes);
       return Fail(ErrorCode::kConfig, "'" + code + "' is no code of a check", "ingest.source.checks.actions",
                   near ? "did you mean '" + *near + "'?" : "docs/inspect.md lists them");
