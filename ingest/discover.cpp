@@ -348,6 +348,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));
   NoteUnmatched(source, recordings, discovery.findings);
   NotePassedOver(source, passed_over, discovery.findings);
+  NoteAmbiguous(source, *pattern, names, discovery.findings);
   if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
   if (source.views.together) {
     if (Status together = BringTogether(source, discovery.items); !together) return Forward(together);

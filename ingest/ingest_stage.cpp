@@ -114,7 +114,9 @@ std::string EvidenceHash(const std::string& bytes, const Evidence& evidence) {
   return Sha256Hex(hash);
 }
 
-void Complete(const SourceOptions& source, const NamedFile& named, const std::string& bytes, IngestedClip& ingested) {
+/// `name`: of the file or entry, with its ending; of a clip of many files its recording.
+void Complete(const SourceOptions& source, const NamedFile& named, const std::string& name, const std::string& bytes,
+              IngestedClip& ingested) {
   Clip& clip = ingested.clip;
   if (source.format == SourceFormat::kMotions) {
     if (!source.licence.empty()) clip.identity.licence = source.licence;
@@ -127,7 +129,7 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
   clip.label = named.label;
   clip.fine_label = named.fine_label;
   clip.evidence_sha256 = EvidenceHash(bytes, clip.evidence);
-  clip.provenance["file"] = named.fields.at("file");
+  clip.provenance["file"] = name;
   clip.provenance["source_axes"] = source.axes;
   if (!source.units.empty()) clip.provenance["source_units"] = source.units;
   if (!source.skeleton.empty()) clip.provenance["source_skeleton"] = source.skeleton;
@@ -273,7 +275,8 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   if (!facts.known_issue.empty()) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));
   }
-  Complete(*source, *named, ingested->content.empty() ? read : ingested->content, *ingested);
+  Complete(*source, *named, gathered ? named->identity.recording : name,
+           ingested->content.empty() ? read : ingested->content, *ingested);
   if (!facts.label_text.empty()) ingested->clip.provenance["label_text"] = facts.label_text;
 
   StageOutcome outcome;

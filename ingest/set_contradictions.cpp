@@ -113,7 +113,7 @@ std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vec
   const bool refuse = source.on_contradiction == OnContradiction::kRefuse;
   std::vector<Finding> findings;
   for (const auto& [code, votes] : CountVotes(clips)) {
-    if (votes.told < kFewestVotes || votes.weight_against < kAgreement * votes.weight) continue;
+    if (votes.told < kFewestDenials || votes.weight_against < kAgreement * votes.weight) continue;
     findings.push_back(Together(code, votes, clips.size(), refuse));
   }
   if (std::optional<Finding> rate = RateOfAll(clips, refuse)) findings.push_back(std::move(*rate));

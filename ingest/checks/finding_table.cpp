@@ -118,6 +118,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"unknown_skeleton", "error", "the declared skeleton does not exist"},
       {"config", "error", "the declaration cannot be used"},
       {"name_mismatch", "warning", "the name is not as the source's pattern has it"},
+      {"name_ambiguous", "warning", "names that the pattern may cut in several ways; value: how many"},
       {"name_unmatched", "warning", "the declaration names a recording or label that there is not"},
       {"label_unknown", "error", "the label of the name is not listed"},
       {"label_left_out", "info", "the label is not listed, and such files are left out by rule"},

@@ -329,7 +329,7 @@ TEST_F(Fusion, ADamagedImageIsNamedAndNothingIsPrinted) {
   const auto cloud = FuseViews(views_, 0, FusionOptions());
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
   ASSERT_FALSE(cloud);
-  EXPECT_EQ(cloud.error().code, ErrorCode::kUnreadable);
+  EXPECT_EQ(cloud.error().code, ErrorCode::kMalformed);
   EXPECT_THAT(cloud.error().Message(), HasSubstr("damaged.png"));
 }
 

@@ -3,7 +3,7 @@
 // of an answer is a change of that file, to be read and explained. MOCURATE_REGENERATE=1 writes it anew;
 // MOCURATE_ANSWERS=FOLDER writes all lines, of which the file keeps a digest per clip.
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,8 @@
 #include "ingest/checks/finding_table.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/synthetic/studio_layouts.h"
-#include "tests/ingest/sources.h"
+#include "tests/ingest/runs.h"
+#include "tests/ingest/schema_check.h"
 
 namespace mocurate {
 namespace {
@@ -59,6 +60,8 @@ std::string Placed(std::string where, const fs::path& folder) {
 
 void AddInspection(const fs::path& path, const std::optional<SourceOptions>& source, Book& book) {
   const Json said = InspectPath(path, source);
+  static SchemaCheck schema;
+  EXPECT_THAT(schema.Faults(said), ::testing::IsEmpty()) << path;
   book.Add("format " + said.at("format").get<std::string>());
   for (const Json& clip : said.at("clips")) {
     std::string line = "clip " + clip.at("id").get<std::string>() + " " + Word(clip.at("format"));
@@ -153,21 +156,15 @@ void AddOutcome(const std::string& item, const Expected<StageOutcome>& outcome, 
   for (const std::string& finding : findings) book.Add(finding);
 }
 
-void Ran(const IngestOptions& options, Book& book) {
-  const auto discovery = Discover(options);
-  if (!discovery)
-    return book.Add("run error " + std::string(Name(discovery.error().code)) + " at " +
-                    Placed(discovery.error().where, options.path));
-  for (const Finding& finding : discovery->findings) book.Add("set " + FindingLine(finding));
-  for (const ItemResult& left_out : discovery->left_out)
-    AddOutcome(left_out.item, left_out.outcome, {}, options.path, book);
-  for (const ItemSpec& item : discovery->items) {
-    const fs::path artifact = fs::path(::testing::TempDir()) / ("answers_" + std::to_string(getpid()) + ".h5");
-    fs::remove(artifact);
-    AddOutcome(item.item, IngestStage({"ingest", item.item, item.options, item.inputs, artifact, {}}), artifact,
-               options.path, book);
-    fs::remove(artifact);
-  }
+void AddRun(const SourceRun& run, const fs::path& folder, Book& book) {
+  if (!run.discovery)
+    return book.Add("run error " + std::string(Name(run.discovery.error().code)) + " at " +
+                    Placed(run.discovery.error().where, folder));
+  for (const Finding& finding : run.discovery->findings) book.Add("set " + FindingLine(finding));
+  for (const ItemResult& left_out : run.discovery->left_out)
+    AddOutcome(left_out.item, left_out.outcome, {}, folder, book);
+  for (std::size_t i = 0; i < run.outcomes.size(); ++i)
+    AddOutcome(run.discovery->items[i].item, run.outcomes[i], run.Artifact(i), folder, book);
 }
 
 /// Sources of configs/sources that the test data have files of.
@@ -192,12 +189,12 @@ void AddRecorded(Book& book) {
     book.Open("inspect --source " + name);
     AddInspection(options.path, options.source, book);
     book.Open("run " + name);
-    Ran(options, book);
+    AddRun(RunOnce(options), options.path, book);
   }
   const IngestOptions amass =
       Declared("amass", {"ingest.path=" + (data / "amass_babel").string(), "ingest.source.annotations=[]"});
   book.Open("run amass");
-  Ran(amass, book);
+  AddRun(RunOnce(amass), amass.path, book);
 }
 
 void AddStudio(Book& book) {
@@ -223,7 +220,7 @@ void AddStudio(Book& book) {
       book.Open("studio " + name + ", inspect --source " + source.name);
       AddInspection(folder / source.folder, declared.source, book);
       book.Open("studio " + name + ", run " + source.name);
-      Ran(declared, book);
+      AddRun(SourceRun(declared), declared.path, book);
     }
     fs::remove_all(folder);
   }
@@ -433,7 +430,7 @@ void AddDamaged(Book& book) {
       book.Add("- run");
       IngestOptions there = declared;
       there.path = folder;
-      Ran(there, book);
+      AddRun(SourceRun(there), there.path, book);
       fs::remove_all(folder);
     }
   }
@@ -464,8 +461,7 @@ std::string Kept(const Book& book) {
   return text;
 }
 
-TEST(Answers, AreThoseOfTheFile) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
+TEST_F(RecordedSets, AnswersAreThoseOfTheFile) {
   Book book;
   AddRecorded(book);
   AddStudio(book);

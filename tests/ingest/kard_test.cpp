@@ -4,8 +4,9 @@
 #include <fstream>
 #include <set>
 
+#include "ingest/set_contradictions.h"
 #include "tests/formats/expect_error.h"
-#include "tests/ingest/sources.h"
+#include "tests/ingest/runs.h"
 
 namespace mocurate {
 namespace {
@@ -130,6 +131,21 @@ TEST_F(Kard, FirstClipHasItsIdentityAndItsNumbers) {
   // First row of the file: 133.46135 562.2903 2687.6377 mm; z away from the sensor becomes -z.
   EXPECT_TRUE(tracks.positions.at(0, 0).isApprox(Vector3d(0.13346135, 0.5622903, -2.6876377), 1e-6));
   EXPECT_NEAR(tracks.time_s[1], 1.0 / 30.0, 1e-12);
+}
+
+TEST_F(Kard, ThreeClipsThatAllContradictSpeakForTheOthersOfTheirSet) {
+  const IngestOptions options =
+      Declared("kard", {"ingest.source.axes='+x +y +z'", "ingest.source.files='a{action}_s01_e01_realworld.txt'",
+                        "ingest.source.person=s01", "ingest.source.recording='{action}'"});
+  std::vector<ItemResult> clips = RunAll(options);
+  ASSERT_EQ(clips.size(), 18u);
+  const std::size_t telling = CountCode(clips, "handedness_contradiction");
+  EXPECT_GE(telling, 3u);
+  EXPECT_LT(telling, 5u);
+  const auto together = FindSetContradictions(options.source, clips);
+  ASSERT_EQ(together.size(), 1u);
+  EXPECT_EQ(together[0].code, "handedness_contradiction");
+  EXPECT_EQ(CountCode(clips, "handedness_contradiction"), clips.size());
 }
 
 TEST_F(Kard, DeclaredRightHandedTheMotionContradictsAndTheClipIsFlaggedNotMirrored) {

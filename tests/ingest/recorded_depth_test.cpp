@@ -77,8 +77,8 @@ Turntable ReadTurntable(int step) {
 }
 
 TEST_F(RecordedDepth, TurntableViewsAreCameraToWorldByTheirSurfaces) {
-  const Turntable set = ReadTurntable(2);
-  ASSERT_EQ(set.clouds.size(), 40u);
+  const Turntable set = ReadTurntable(4);
+  ASSERT_EQ(set.clouds.size(), 20u);
   EXPECT_NEAR(static_cast<double>(set.clouds[0].points.size()), 55'000, 15'000);
   const CalibrationSense sense = SenseCalibration(set.calibration, {{}, set.clouds});
   EXPECT_EQ(sense.reading.value, "camera_to_world") << sense.reading.evidence;

@@ -96,8 +96,7 @@ TEST_F(RecordedRigs, EveryNodeOfAnOpenCvFileIsNamedWhenDamaged) {
     damaged.replace(damaged.find(key + ":"), 1, "Z");
     // Rot_ stands in for R_.
     if (key[0] == 'R') e.replace(e.find("Rot_cam03"), 1, "Z");
-    ExpectMalformed(ReadRig(i, e),
-                    (&damaged == &i ? "intri.yml:" : "extri.yml:") + key);
+    ExpectMalformed(ReadRig(i, e), (&damaged == &i ? "intri.yml:" : "extri.yml:") + key);
   }
   std::string turned = extrinsic;
   const std::size_t data = turned.find("[", turned.find("R_cam01")) + 1;
