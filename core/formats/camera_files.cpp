@@ -22,7 +22,8 @@ using nlohmann::json;
 
 constexpr int kMaxCameraSide = 100'000;
 constexpr double kFarthest = 1e9;
-constexpr std::size_t kLongestTomlLine = 4096;
+/// A key a.b.c nests tables as deep as its line is long, and toml++ destroys them by recursion.
+constexpr std::size_t kLongestTomlLine = 1024;
 
 Status SetSize(const JsonPlace& place, const std::string& key, CalibratedView& view) {
   const Expected<JsonPlace> size = place.Key(key);
@@ -180,15 +181,43 @@ json JsonOfToml(const toml::node& node) {
   });
 }
 
-/// A key of a line may be nested as deep as the line is long: tables are taken apart by recursion.
-Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
-  if (Trim(bytes).empty()) return EmptyFile(name);
-  int line = 0;
-  for (const std::string_view text : SplitText(bytes, '\n')) {
-    ++line;
-    if (text.size() <= kLongestTomlLine) continue;
+/// Refuses what toml++ 3.3 cannot take: keys that nest too deeply, and, outside of texts and comments, characters
+/// beyond ASCII, at which its behaviour is undefined.
+Status CheckTomlLine(std::string_view line, const std::string& place) {
+  if (line.size() > kLongestTomlLine) {
     return Fail(ErrorCode::kMalformed, "a line has more than " + std::to_string(kLongestTomlLine) + " characters",
-                name + ":" + std::to_string(line));
+                place);
+  }
+  char quote = '\0';
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quote != '\0') {
+      if (c == quote) quote = '\0';
+      if (c == '\\' && quote == '"') ++i;
+    } else if (c == '#') {
+      break;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (static_cast<unsigned char>(c) >= 128) {
+      return Fail(ErrorCode::kMalformed, "a character outside of texts is not ASCII", place,
+                  "write such names between quotation marks");
+    }
+  }
+  return {};
+}
+
+Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
+  if (Trim(bytes).empty()) return EmptyFile(name);
+  for (const char* quotes : {"\"\"\"", "'''"}) {
+    if (bytes.find(quotes) == std::string_view::npos) continue;
+    return Fail(ErrorCode::kUnsupported, "texts over several lines are not read", name, "write each on one line");
+  }
+  int number = 0;
+  for (const std::string_view line : SplitText(bytes, '\n')) {
+    Status checked = CheckTomlLine(line, name + ":" + std::to_string(++number));
+    if (!checked) return Forward(checked);
   }
   const toml::parse_result parsed = toml::parse(bytes);
   if (parsed) return JsonOfToml(parsed.table());

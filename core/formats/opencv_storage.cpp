@@ -184,12 +184,15 @@ Status AddYaml(const YAML::Node& document, OpenCvStorage& storage) {
 
 Expected<OpenCvStorage> ParseYamlStorage(const std::string& bytes, const std::string& name) {
   if (Status text = CheckMarkup(bytes, name); !text) return Forward(text);
+  // YAML::LoadAll may find documents without end.
+  const std::size_t begin = bytes.find("\n---");
+  if (begin != std::string::npos && bytes.find("\n---", begin + 1) != std::string::npos) {
+    return Fail(ErrorCode::kMalformed, "one YAML document is expected", name);
+  }
   OpenCvStorage storage{name, {}, {}};
   try {
     // yaml-cpp skips the line %YAML:1.0, which is no directive of YAML.
-    const std::vector<YAML::Node> documents = YAML::LoadAll(bytes);
-    if (documents.size() != 1) return Fail(ErrorCode::kMalformed, "one YAML document is expected", name);
-    if (Status added = AddYaml(documents[0], storage); !added) return Forward(added);
+    if (Status added = AddYaml(YAML::Load(bytes), storage); !added) return Forward(added);
   } catch (const YAML::Exception& error) {
     return Fail(ErrorCode::kMalformed, "the file is no YAML: " + error.msg,
                 name + ":" + std::to_string(error.mark.line + 1) + ":" + std::to_string(error.mark.column + 1),
