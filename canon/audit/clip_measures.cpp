@@ -5,10 +5,10 @@
 #include <limits>
 #include <map>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/quality/contacts.h"
 #include "core/quality/measures.h"
-#include "core/quality/median.h"
 #include "core/quality/median_deviation.h"
 
 namespace mocurate {

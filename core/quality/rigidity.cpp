@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/base/pi.h"
-#include "core/quality/median.h"
 #include "core/quality/median_deviation.h"
 
 namespace mocurate {

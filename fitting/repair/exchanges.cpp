@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "core/quality/median.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {

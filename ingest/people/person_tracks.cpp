@@ -5,8 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {

@@ -7,11 +7,11 @@
 #include <map>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/point_grid.h"
 #include "core/geometry/triangulation.h"
-#include "core/quality/median.h"
 
 namespace mocurate {
 namespace {

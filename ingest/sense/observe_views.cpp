@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/median.h"
 #include "core/formats/obj.h"
 #include "core/formats/pcd.h"
 #include "core/formats/ply.h"
@@ -24,12 +25,10 @@ double RateByClock(const std::vector<PanopticBodies>& scenes) {
     last_ms = scene.time_ms;
   }
   if (steps_ms.empty()) return 0.0;
-  std::vector<double> sorted = steps_ms;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual_ms = Median(steps_ms);
   double moments = 0.0, span_ms = 0.0;
   for (const double step : steps_ms) {
-    moments += std::round(step / *middle);
+    moments += std::round(step / usual_ms);
     span_ms += step;
   }
   return 1000.0 * moments / span_ms;

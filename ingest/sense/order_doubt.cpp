@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/sense/point_exchange.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -260,13 +261,8 @@ double Roughness(const ObservedClip& clip) {
     }
   }
   if (steps.empty() || sizes.empty()) return 1.0;
-  const auto median = [](std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
-  const double size = median(sizes);
-  return size > 0.0 ? median(steps) / size : 1.0;
+  const double size = Median(std::move(sizes));
+  return size > 0.0 ? Median(std::move(steps)) / size : 1.0;
 }
 
 std::optional<ObservedClip> KnownReading(const JointTable& rows, const std::vector<RowLayout>& layouts) {
