@@ -244,7 +244,7 @@ Status SetStoredPose(const OpenCvStorage& storage, const std::string& matrix_key
   return {};
 }
 
-/// Half a camera is told by the field that is not there. `part`: a storage with some of it, or null.
+/// Error of a camera that lacks a field, naming it. `part`: a storage with some of it, or null.
 tl::unexpected<Error> MissingField(const OpenCvStorage& part, const std::string& key, const std::string& what) {
   return Fail(
       ErrorCode::kMalformed, "the field is missing: " + what, part.Where(key),

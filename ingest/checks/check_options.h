@@ -11,7 +11,7 @@ namespace mocurate {
 
 /// What is done about something that the checks found.
 enum class OnFinding {
-  kIgnore,   ///< not told
+  kIgnore,   ///< not reported
   kReport,   ///< a finding
   kMissing,  ///< a finding, and the samples are taken as missing (tracks only)
   kDrop,     ///< the clip is left out

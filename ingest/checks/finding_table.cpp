@@ -5,7 +5,7 @@
 namespace mocurate {
 namespace {
 
-constexpr const char* kKinects = "1,040 recorded Kinect clips (KARD, MSR-Action3D, UTKinect, Florence3D)";
+constexpr const char* kKinects = "KARD, MSR-Action3D, UTKinect, Florence3D";
 
 }  // namespace
 
@@ -23,7 +23,7 @@ const std::vector<FindingKind>& FindingKinds() {
        "held_frames", kKinects},
       {"units_change", "error", "frames of a body 10, 100 or 1000 times as large or small; value: the factor", true},
       {"axes_change", "error", "frames turned to other axes, and staying so; value: 1 turned, -1 mirrored", true},
-      {"frozen_view", "warning", "a camera that repeats itself while others see somebody move; value: frames", true},
+      {"frozen_view", "warning", "a camera repeats its frames while others see motion; value: frames", true},
       {"teleport", "warning", "frames in which the person is elsewhere; value: metres", true, "tracker_slack",
        "the largest jumps of bodies that stand in those clips"},
       {"body_jump", "warning", "a step of the whole body that it does not take back; value: metres", true, "top_speed",
@@ -38,9 +38,9 @@ const std::vector<FindingKind>& FindingKinds() {
        "bone_proportion", "recorded bodies are within 1.3, other numbers beyond 1.5", OnFinding::kDrop},
       {"flat_body", "error", "all joints of all frames lie in a plane; value: thickness over width", true},
       {"single_frame", "info", "a clip of one frame: a pose", true},
-      {"lifeless_clip", "error", "nobody moves or is there in nearly all frames; value: their share", true,
+      {"lifeless_clip", "error", "no person, or no motion, in nearly all frames; value: their share", true,
        "lifeless_share", "empty recordings of MSR-Action3D; of given motion it is reported", OnFinding::kDrop},
-      {"name_contradiction", "warning", "the name speaks of fewer frames than the file holds (`frames_in_name`)", true},
+      {"name_contradiction", "warning", "the name declares fewer frames than the file holds (`frames_in_name`)", true},
       {"duplicate", "warning", "the content of another clip, frame for frame", true, "duplicate_distance",
        "copies differ by rounding alone"},
       {"near_duplicate", "warning", "another clip's motion; value: metres", true, "duplicate_distance",
@@ -53,7 +53,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"not_found", "error", "there is no such file or folder"},
       {"unreadable", "error", "the file cannot be read"},
       {"empty_file", "error", "no byte, or blanks alone"},
-      {"malformed", "error", "bytes do not follow their format; the place says where"},
+      {"malformed", "error", "the bytes do not follow their format"},
       {"inconsistent", "error", "parts of the input contradict each other"},
       {"unsupported", "error", "valid, but outside what is read"},
       {"unknown_format", "error; info in a folder", "the content is of no known format"},
@@ -80,7 +80,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"bone_twice", "warning", "a bone stands in a frame twice"},
       {"bone_id_twice", "info", "two bones of an ASF with one id"},
       {"joint_twice", "warning", "two joints of a BVH with one name; value: the second of them, from 0"},
-      {"root_axis_missing", "warning; error where its orientation is not 0", "an ASF whose root says no axis"},
+      {"root_axis_missing", "warning; error where its orientation is not 0", "an ASF whose root declares no axis"},
       {"frames_filled", "info", "frames without a row in a track of VIBE, which are interpolated; value: frames"},
       {"markers_missing", "info", "samples of markers that are missing"},
       {"not_a_rotation", "warning", "recorded rotations that are none: taken for missing"},
@@ -92,8 +92,8 @@ const std::vector<FindingKind>& FindingKinds() {
       {"layout_unknown", "warning", "a table in no known order of joints; value: roughness"},
       {"layout_ambiguous", "warning", "a table that can be read in several orders"},
       {"confidence_guessed", "info", "a number behind x, y, z taken as a confidence; value: share of joints at 0"},
-      {"rate_implausible", "error", "a rate at which nobody records: 1 Hz and less, or more than 2000"},
-      {"angle_unit_contradiction", "error", "angles of another unit than the file says; value: the largest"},
+      {"rate_implausible", "error", "a rate of 1 Hz or less, or of more than 2000 Hz"},
+      {"angle_unit_contradiction", "error", "angles of another unit than the file declares; value: the largest"},
       {"length_unit_contradiction", "error", "an ASF whose rest pose is no person's; value: metres"},
       {"bone_length", "error", "a bone 1.5 times shorter than its partner, or of length 0; value: the ratio"},
       {"bone_direction", "error", "a bone that is no mirror image of its partner but for a sign; value: degrees"},
@@ -109,7 +109,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"units_contradiction", "error", "the body, or its path, is of another unit; value: metres, or the factor"},
       {"up_contradiction", "error", "up is declared otherwise than the body stands; value: how sure"},
       {"handedness_contradiction", "error", "left and right are of a mirrored frame; value: how sure"},
-      {"rate_contradiction", "error", "the file says another rate, Hz"},
+      {"rate_contradiction", "error", "the file declares another rate, Hz"},
       {"layout_contradiction", "error", "an array or a table of another layout than declared"},
       {"joints_contradiction", "error", "the tree is not that of the declared skeleton"},
       {"joint_order_contradiction", "error", "joints in another order than declared; value: misfit of the bones"},
@@ -131,7 +131,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"bodies_left_out", "info", "people of a file beyond those declared"},
       {"people_missing", "warning; error of a file of one person", "fewer people than are declared"},
       {"second_person", "warning", "another person is there nearly as long"},
-      {"ghost_body", "info", "a body that is nobody: short, frozen, furniture, or a double"},
+      {"ghost_body", "info", "a false track: short, without motion, furniture, or a double"},
       // Cameras, keypoints, depth.
       {"frames_missing", "warning", "numbers of frames without a file"},
       {"unreadable_frames", "warning", "files of frames that cannot be read; the first is named"},
@@ -148,14 +148,15 @@ const std::vector<FindingKind>& FindingKinds() {
       {"camera_not_calibrated", "warning", "files of a camera that no calibration names: left out"},
       {"camera_without_files", "warning", "a calibrated camera without files: left out"},
       {"camera_missing", "warning", "a camera of the capture has no file"},
-      {"camera_saw_nobody", "warning", "a camera that saw nobody"},
+      {"camera_saw_nobody", "warning", "a camera without a visible person"},
       {"view_left_out", "warning", "a camera whose joints fit no other"},
       {"views_disagree", "warning", "cameras that disagree; value: mm, median"},
       {"clock_offset", "info; warning when large", "a camera's clock is off, which is taken out; value: ms"},
-      {"clock_offset_unknown", "info", "the motion does not tell whether a camera's clock is off"},
+      {"clock_offset_unknown", "info", "a camera's clock offset cannot be estimated from the motion"},
       {"depth_left_out", "warning", "a camera lacks depth images of some frames: left out"},
       {"depth_images_missing", "info, warning", "frames without a depth image"},
-      {"intrinsics_nominal", "info", "joints do not tell the depth camera's intrinsics: taken as declared"},
+      {"intrinsics_nominal", "info",
+       "intrinsics of the depth camera cannot be estimated from the joints: taken as declared"},
       {"intrinsics_contradiction", "warning", "joints stand at pixels of another camera than declared"},
       {"point_far", "warning, error", "a point of a cloud far from its middle; value: file units"},
       // Skeletons and annotations.
@@ -164,7 +165,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"babel_times", "warning", "a segment of BABEL whose times cannot be"},
       {"annotation_duration", "warning", "a sequence of BABEL lasts otherwise than its motion; value: seconds"},
       {"motion_missing", "warning, info", "a sequence of BABEL whose motion is not there"},
-      {"not_annotated", "info", "no annotation speaks of the motion"},
+      {"not_annotated", "info", "the motion has no annotation"},
       {"category_unknown", "info", "labels of a category beside BABEL's 150 frequent ones"},
       {"label_withheld", "info", "labels of BABEL without a name"},
       {"clip_refused", "error", "a clip of a set that cannot be taken"},
@@ -192,7 +193,7 @@ std::string FindingTables() {
     const std::string limit = *kind.limit == '\0' ? "" : "`" + std::string(kind.limit) + "`: " + kind.source;
     checks += row + " " + limit + " | " + (kind.by_default == OnFinding::kDrop ? "drop" : "report") + " |\n";
   }
-  return "What is wrong with a clip; `checks.actions` says for each code `ignore`, `report`, `missing` or `drop`:\n\n" +
+  return "What is wrong with a clip; `checks.actions` sets for each code `ignore`, `report`, `missing` or `drop`:\n\n" +
          checks + "\nAll else:\n\n" + others;
 }
 

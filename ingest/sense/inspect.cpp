@@ -177,7 +177,7 @@ void Inspector::AddItem(const ItemSpec& item) {
   request.options = item.options;
   request.inputs = item.inputs;
   for (StageInput& input : request.inputs) {
-    if (input.role == "depth") input.sha256 = "not read";  // what an inspection tells does not depend on images
+    if (input.role == "depth") input.sha256 = "not read";  // an inspection reports nothing about images
   }
   const std::string where = Below(PlaceOfClip(item, *source_));
   const Expected<ReadItem> read = ReadSourceItem(request);
@@ -233,7 +233,7 @@ bool IsOfSource(const std::filesystem::path& path, IngestOptions& options) {
     folder = folder.parent_path();
     if (pattern->Match(DisplayPath(file.lexically_relative(folder)))) return true;
   }
-  return !pattern;  // the declaration's error is told
+  return !pattern;  // the declaration's error is reported
 }
 
 /// Where the folder asked for is one below the source's: the files of that one alone.
