@@ -25,7 +25,7 @@ target_link_libraries(mocurate_png INTERFACE ${MOCURATE_PNG_LIBRARY})
 
 find_package(yaml-cpp REQUIRED)
 find_package(pugixml REQUIRED)
-find_path(MOCURATE_TOML_INCLUDE toml++/toml.h REQUIRED)
+find_package(tomlplusplus REQUIRED)
 find_package(BLAS REQUIRED)
 if(NOT MOCURATE_SLICE STREQUAL "learn")
   find_package(CLI11 REQUIRED)

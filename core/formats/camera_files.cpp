@@ -1,15 +1,10 @@
 #include "core/formats/camera_files.h"
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
-
-#define TOML_EXCEPTIONS 0
-#define TOML_ENABLE_FORMATTERS 0
-#define TOML_FLOAT_CHARCONV 1
-#define TOML_MAX_NESTED_VALUES 8
-#include <toml++/toml.h>
 
 #include "core/base/text.h"
 #include "core/formats/json_place.h"
@@ -22,8 +17,8 @@ using nlohmann::json;
 
 constexpr int kMaxCameraSide = 100'000;
 constexpr double kFarthest = 1e9;
-/// A key a.b.c nests tables as deep as its line is long, and toml++ destroys them by recursion.
-constexpr std::size_t kLongestTomlLine = 1024;
+constexpr int kMaxTomlDepth = 16;
+constexpr int kMostTomlDots = 64;
 
 Status SetSize(const JsonPlace& place, const std::string& key, CalibratedView& view) {
   const Expected<JsonPlace> size = place.Key(key);
@@ -161,17 +156,19 @@ Status AddViews(const JsonPlace& list, bool keyed, Read read, Calibration& calib
   return calibration.views.empty() ? list.Bad("at least one camera is expected") : Status();
 }
 
-/// Dates, which no calibration holds, become null.
-json JsonOfToml(const toml::node& node) {
-  return node.visit([](const auto& value) -> json {
+/// Dates, and values nested deeper than any calibration's, become null.
+json JsonOfToml(const toml::node& node, int depth) {
+  return node.visit([&](const auto& value) -> json {
     using Node = std::decay_t<decltype(value)>;
     if constexpr (toml::is_table<Node>) {
       json object = json::object();
-      for (const auto& [key, child] : value) object[std::string(key.str())] = JsonOfToml(child);
+      if (depth == kMaxTomlDepth) return nullptr;
+      for (const auto& [key, child] : value) object[std::string(key.str())] = JsonOfToml(child, depth + 1);
       return object;
     } else if constexpr (toml::is_array<Node>) {
       json array = json::array();
-      for (const toml::node& child : value) array.push_back(JsonOfToml(child));
+      if (depth == kMaxTomlDepth) return nullptr;
+      for (const toml::node& child : value) array.push_back(JsonOfToml(child, depth + 1));
       return array;
     } else if constexpr (toml::is_chronological<Node>) {
       return nullptr;
@@ -181,49 +178,25 @@ json JsonOfToml(const toml::node& node) {
   });
 }
 
-/// Refuses what toml++ 3.3 cannot take: keys that nest too deeply, and, outside of texts and comments, characters
-/// beyond ASCII, at which its behaviour is undefined.
-Status CheckTomlLine(std::string_view line, const std::string& place) {
-  if (line.size() > kLongestTomlLine) {
-    return Fail(ErrorCode::kMalformed, "a line has more than " + std::to_string(kLongestTomlLine) + " characters",
-                place);
-  }
-  char quote = '\0';
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quote != '\0') {
-      if (c == quote) quote = '\0';
-      if (c == '\\' && quote == '"') ++i;
-    } else if (c == '#') {
-      break;
-    } else if (c == '"' || c == '\'') {
-      quote = c;
-    } else if (static_cast<unsigned char>(c) >= 128) {
-      return Fail(ErrorCode::kMalformed, "a character outside of texts is not ASCII", place,
-                  "write such names between quotation marks");
-    }
-  }
-  return {};
-}
-
 Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
   if (Trim(bytes).empty()) return EmptyFile(name);
-  for (const char* quotes : {"\"\"\"", "'''"}) {
-    if (bytes.find(quotes) == std::string_view::npos) continue;
-    return Fail(ErrorCode::kUnsupported, "texts over several lines are not read", name, "write each on one line");
-  }
   int number = 0;
   for (const std::string_view line : SplitText(bytes, '\n')) {
-    Status checked = CheckTomlLine(line, name + ":" + std::to_string(++number));
-    if (!checked) return Forward(checked);
+    ++number;
+    // A key a.b.c nests tables, and toml++ walks over them by recursion.
+    if (std::count(line.begin(), line.end(), '.') <= kMostTomlDots) continue;
+    return Fail(ErrorCode::kMalformed, "a line has more than " + std::to_string(kMostTomlDots) + " dots",
+                name + ":" + std::to_string(number));
   }
-  const toml::parse_result parsed = toml::parse(bytes);
-  if (parsed) return JsonOfToml(parsed.table());
-  const toml::source_position at = parsed.error().source().begin;
-  return Fail(ErrorCode::kMalformed, "the file is no TOML: " + std::string(parsed.error().description()),
-              name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column));
+  try {
+    return JsonOfToml(toml::parse(bytes), 0);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position at = error.source().begin;
+    return Fail(ErrorCode::kMalformed, "the file is no TOML: " + std::string(error.description()),
+                name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column));
+  }
 }
 
 Expected<Calibration> CalibrationFromJson(std::string_view bytes, const std::string& name,
