@@ -75,7 +75,7 @@ Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const
   finding.message = first->place + ": no clip is called '" + first->clip + "'" +
                     (unmatched > 1 ? ", and " + Counted(unmatched - 1, "other span") + " of the table name none" : "") +
                     (near ? "; did you mean '" + *near + "'?" : "; clips are called source/person/recording");
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   findings.push_back(finding);
   return findings;
 }

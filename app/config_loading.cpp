@@ -10,7 +10,7 @@
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
 #include "core/motion/motion.h"
-#include "ingest/format_facts.h"
+#include "ingest/formats/driver.h"
 
 namespace mocurate {
 
@@ -130,7 +130,7 @@ Status CheckValues(const JobOptions& options, const ConfigNode& node) {
     check.Refuse("ingest.source.roles." + person, "there is no role '" + role + "'", HintFor(role, roles));
   }
   if (!options.canon.rate.empty()) check.Needs("canon.rate", FrameRate::Parse(options.canon.rate));
-  const bool own_tree = FactsOf(source.format).gives == Gives::kMotion && options.fitting.method == FitMethod::kNone;
+  const bool own_tree = DriverOf(source.format).gives == Gives::kMotion && options.fitting.method == FitMethod::kNone;
   const bool same =
       options.skeleton == source.skeleton || (source.format == SourceFormat::kAmass && options.skeleton == "smpl24");
   if (own_tree && !same) {

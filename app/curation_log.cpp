@@ -19,7 +19,7 @@ const Finding* RuleOf(const ClipRecord& clip, const ItemResult& stage) {
   const std::vector<Finding>& findings = stage.outcome.findings;
   if (clip.left_out()) return findings.empty() ? nullptr : &findings.back();
   for (const Finding& finding : findings) {
-    if (finding.action == "refused") return &finding;
+    if (finding.action == FindingAction::kRefused) return &finding;
   }
   return nullptr;
 }

@@ -9,7 +9,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/store/dataset_clips.h"
-#include "ingest/check_options.h"
+#include "ingest/checks/check_options.h"
 
 namespace mocurate {
 namespace {
@@ -132,8 +132,8 @@ Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments) {
 /// is no finding.
 std::map<std::string, std::string> ActionsOfChecks() {
   std::map<std::string, std::string> actions = {{"zero_joint", "ignore"}};
-  for (const auto& [code, help] : CheckCodes()) {
-    if (CheckOptions().ActionFor(code) != FindingAction::kReport) actions[code] = "report";
+  for (const std::string& code : CheckCodes()) {
+    if (CheckOptions().ActionFor(code) != OnFinding::kReport) actions[code] = "report";
   }
   return actions;
 }

@@ -29,7 +29,7 @@ std::vector<Finding> FindingsOf(const JobResult& result, const ItemResult& fit) 
 void PrintRepairs(const ItemResult& item) {
   std::map<std::string, std::set<int>> frames;
   for (const Finding& finding : item.outcome.findings) {
-    if (finding.action != "repaired" && finding.action != "taken as missing") continue;
+    if (finding.action != FindingAction::kRepaired && finding.action != FindingAction::kMissing) continue;
     for (int f = finding.frame_begin; f < finding.frame_end; ++f) frames[finding.code].insert(f);
   }
   std::string text;

@@ -4,7 +4,7 @@
 #include "app/job_stage.h"
 #include "ingest/chosen_clips.h"
 #include "ingest/discover.h"
-#include "ingest/format_facts.h"
+#include "ingest/formats/driver.h"
 
 namespace mocurate {
 

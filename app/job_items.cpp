@@ -11,7 +11,7 @@
 #include "core/base/version.h"
 #include "core/store/store.h"
 #include "ingest/discover.h"
-#include "ingest/format_facts.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/fault_codes.h"
 
 namespace mocurate {
@@ -71,7 +71,7 @@ std::string ClipRecord::reason() const {
   const bool ruled = stage->outcome.kind == OutcomeKind::kLeftOut && !stage->outcome.findings.empty();
   if (ruled) return stage->outcome.findings.back().code;
   for (const Finding& finding : stage->outcome.findings) {
-    if (finding.action == "refused") return finding.code;
+    if (finding.action == FindingAction::kRefused) return finding.code;
   }
   if (stage == &evidence && stage->outcome.kind == OutcomeKind::kRefused) {
     return FaultCode(stage->outcome.error, format);
@@ -125,7 +125,7 @@ Finding ComparisonDropped(const std::string& why) {
   Finding finding;
   finding.code = "comparison_dropped";
   finding.message = "no comparison with the raw tracks (trained_on: unfitted): " + why;
-  finding.action = "dropped";
+  finding.action = FindingAction::kDropped;
   return finding;
 }
 
@@ -173,7 +173,7 @@ void AddHashOfSource(const ItemSpec& spec, ItemResult& failed) {
 class RecordedRotations {
  public:
   bool operator()(const ItemSpec& spec) {
-    const FormatFacts& facts = FactsOf(spec.options.value("format", std::string()));
+    const FormatDriver& facts = DriverOf(spec.options.value("format", std::string()));
     if (facts.format != SourceFormat::kMotions) return facts.rotations;
     const auto input = std::find_if(spec.inputs.begin(), spec.inputs.end(),
                                     [](const StageInput& candidate) { return candidate.role == "source"; });
@@ -256,7 +256,7 @@ void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips) {
     StageOutcome& outcome = record->second->evidence.outcome;
     const Finding& finding = found.outcome.findings[i];
     outcome.findings.push_back(finding);
-    if (finding.action != "dropped" || !ItemHasArtifact(record->second->evidence)) continue;
+    if (finding.action != FindingAction::kDropped || !ItemHasArtifact(record->second->evidence)) continue;
     record->second->evidence.artifact.clear();
     outcome.kind = OutcomeKind::kLeftOut;
     outcome.summary["threshold"] = dropped.value(record->first, 0.0);

@@ -8,6 +8,7 @@
 #include "app/config_loading.h"
 #include "app/named_configs.h"
 #include "core/base/file.h"
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/store/store.h"
 #include "ingest/sense/inspect.h"
@@ -115,7 +116,7 @@ Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptio
   source.skeleton = extractor.skeleton;
   source.damaged_rows = DamagedRows::kRefuse;
   // A generator's faults are what metrics measure: no clip is refused, or repaired, for them.
-  for (const auto& [code, meaning] : CheckCodes()) source.checks.actions[code] = "ignore";
+  for (const std::string& code : CheckCodes()) source.checks.actions[code] = "ignore";
   return options;
 }
 
@@ -196,11 +197,7 @@ Expected<std::vector<double>> MedianBoneLengths(const fs::path& path, const Extr
         values.push_back((clip.motion->joints.at(f, j) - clip.motion->joints.at(f, parent)).norm());
       }
     }
-    // numpy's median: the mean of the two middle values of an even number
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    lengths[static_cast<std::size_t>(j)] =
-        values.size() % 2 == 1 ? *middle : 0.5 * (*middle + *std::max_element(values.begin(), middle));
+    lengths[static_cast<std::size_t>(j)] = MeanMedian(std::move(values));  // as numpy's
   }
   return lengths;
 }

@@ -113,7 +113,8 @@ Status WriteWithFindings(const fs::path& from, const nlohmann::json& audit, cons
   auto dataset = ReadDataset(from);
   if (!dataset) return Forward(dataset);
   std::vector<Finding>& all = dataset->findings;
-  all.erase(std::remove_if(all.begin(), all.end(), [](const Finding& found) { return found.action == kAudited; }),
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [](const Finding& found) { return found.action == FindingAction::kAudited; }),
             all.end());
   for (const nlohmann::json& json : audit.at("findings")) {
     Finding finding;
@@ -127,7 +128,7 @@ Status WriteWithFindings(const fs::path& from, const nlohmann::json& audit, cons
     finding.frame_end = json.at("frame_end").get<int>();
     finding.value = json.at("value").get<double>();
     finding.message = json.at("message").get<std::string>();
-    finding.action = kAudited;
+    finding.action = FindingAction::kAudited;
     all.push_back(std::move(finding));
   }
   return WriteDataset(*dataset, to);

@@ -22,7 +22,7 @@
 #include "core/base/version.h"
 #include "core/geometry/axes.h"
 #include "core/store/store.h"
-#include "ingest/format_facts.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/sense/source_declaration.h"
 #include "ingest/unnamed_files.h"
@@ -113,7 +113,7 @@ Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
 
 /// Whether the clips come with rotations. Motions of a store have them or not.
 bool HasRotations(const IngestOptions& ingest) {
-  if (ingest.source.format != SourceFormat::kMotions) return FactsOf(ingest.source.format).rotations;
+  if (ingest.source.format != SourceFormat::kMotions) return DriverOf(ingest.source.format).rotations;
   return HasStoredRotations(ingest.path);
 }
 

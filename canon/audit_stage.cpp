@@ -70,7 +70,7 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
     } else {
       found.finding.message = "labelled '" + clip.label + "', moves like no class that others perform";
     }
-    found.finding.action = "flagged";
+    found.finding.action = FindingAction::kFlagged;
     findings.push_back(std::move(found));
   }
   std::stable_sort(findings.begin(), findings.end(),

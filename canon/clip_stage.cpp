@@ -48,7 +48,7 @@ Finding SameFrames(const Clip& clip, const ActionTriple& triple) {
   finding.frame_end = triple.end_frame();
   finding.message =
       "'" + triple.previous + "' to '" + triple.current + "' is over the same frames as another sample, which was kept";
-  finding.action = "dropped";
+  finding.action = FindingAction::kDropped;
   return finding;
 }
 
@@ -59,7 +59,7 @@ Finding NoAnchor(const Clip& clip, const Error& error) {
   finding.frame_end = clip.motion->frame_count();
   finding.value = clip.motion->frame_count();
   finding.message = error.what + "; " + error.hint;
-  finding.action = "dropped";
+  finding.action = FindingAction::kDropped;
   return finding;
 }
 
@@ -69,7 +69,7 @@ Finding NothingLikeIt(const Clip& clip) {
   finding.code = "no_example_found";
   finding.frame_end = clip.motion->frame_count();
   finding.message = "no span is like the marked ones; trim.by_example.min_confidence decides";
-  finding.action = "dropped";
+  finding.action = FindingAction::kDropped;
   return finding;
 }
 
@@ -78,7 +78,7 @@ std::optional<Finding> SuspectHeading(const FacingOptions& options, const Clip& 
   Finding finding;
   finding.clip = clip.id();
   finding.value = heading.horizontal;
-  finding.action = "kept";
+  finding.action = FindingAction::kKept;
   if (heading.source == YawSource::kForwardAxis) {
     finding.code = "heading_from_forward_axis";
     finding.message = "the hip axis is nearly vertical in the anchor frame; yaw was read from the forward axis";

@@ -14,7 +14,7 @@ Finding UnknownFloor(const std::string& group) {
   finding.code = "floor_unknown";
   finding.message = "the floor under the clips of " + group +
                     " is unknown: no foot ever stands, or the skeleton has no legs; they were not levelled";
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 
@@ -28,7 +28,7 @@ Finding SensorTilt(const std::string& group, const FloorPlane& floor) {
                     RoundedText(degrees(floor.tilt_sigma), 2) + " degrees, the floor " + RoundedText(-floor.height, 3) +
                     " m below it; feet stood " + std::to_string(floor.contacts) + " times in " +
                     Counted(floor.clips, "clip");
-  finding.action = "levelled";
+  finding.action = FindingAction::kRepaired;
   return finding;
 }
 

@@ -232,9 +232,9 @@ void AuditOptions::Declare(OptionVisitor& v) {
            "the same");
 }
 
-StageDeclaration LevelDeclaration() { return {"level", 1, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration CanonDeclaration() { return {"canon", 16, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration AssembleDeclaration() { return {"assemble", 12, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration LevelDeclaration() { return {"level", 2, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration CanonDeclaration() { return {"canon", 17, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration AssembleDeclaration() { return {"assemble", 13, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -273,9 +273,6 @@ inline constexpr const char* kFloorRole = "floor";
 inline constexpr const char* kReviewRole = "review";
 inline constexpr const char* kReviewByIdRole = "review_by_id";
 
-/// Finding::action of what an audit found.
-inline constexpr const char* kAudited = "reported by an audit";
-
 StageDeclaration LevelDeclaration();
 StageDeclaration CanonDeclaration();
 StageDeclaration AssembleDeclaration();

@@ -24,6 +24,8 @@ target_include_directories(mocurate_png SYSTEM INTERFACE ${MOCURATE_PNG_INCLUDE}
 target_link_libraries(mocurate_png INTERFACE ${MOCURATE_PNG_LIBRARY})
 
 find_package(yaml-cpp REQUIRED)
+find_package(pugixml REQUIRED)
+find_package(tomlplusplus REQUIRED)
 find_package(BLAS REQUIRED)
 if(NOT MOCURATE_SLICE STREQUAL "learn")
   find_package(CLI11 REQUIRED)

@@ -45,7 +45,7 @@ Finding OneView(const RayAgreement& rays, const std::string& camera, bool used) 
   finding.message = "camera '" + camera + "' alone has keypoints: it sees the person in " +
                     std::to_string(std::lround(100.0 * rays.share)) + " % of its frames, in the median " +
                     RoundedText(rays.median_px, 3) + " px from where the depth views put the joints";
-  finding.action = used ? "keypoints taken as rays" : "keypoints left out";
+  finding.action = used ? FindingAction::kKept : FindingAction::kLeftOut;
   if (used) finding.severity = Severity::kInfo;
   return finding;
 }

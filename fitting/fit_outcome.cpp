@@ -53,7 +53,7 @@ Finding Doubt(const std::string& code, double value, const std::string& message)
   finding.code = code;
   finding.value = value;
   finding.message = message;
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 
@@ -72,7 +72,7 @@ Finding JointsLeftOut(const std::vector<std::string>& names, const Skeleton& ske
   finding.value = static_cast<double>(names.size());
   finding.message = "skeleton '" + skeleton.name + "' has no";
   for (const std::string& name : names) finding.message += (&name == &names.front() ? " " : ", ") + name;
-  finding.action = "left out";
+  finding.action = FindingAction::kLeftOut;
   return finding;
 }
 
@@ -83,7 +83,8 @@ nlohmann::json RepairCounts(const FitResult& fit) {
   const auto frames = static_cast<std::size_t>(fit.motion.frame_count());
   for (const Finding& finding : fit.findings) {
     if (finding.code == kOutliersRejected) outliers += finding.value;
-    if (finding.code == kOutliersRejected || (finding.action != "repaired" && finding.action != "taken as missing"))
+    if (finding.code == kOutliersRejected ||
+        (finding.action != FindingAction::kRepaired && finding.action != FindingAction::kMissing))
       continue;
     for (const std::string& code : {finding.code, std::string("any")}) {
       std::vector<bool>& of_code = mended.emplace(code, std::vector<bool>(frames, false)).first->second;

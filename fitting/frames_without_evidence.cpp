@@ -4,7 +4,7 @@
 
 namespace mocurate {
 
-void ReportFramesWithout(const std::vector<bool>& without, const std::string& what, const std::string& action,
+void ReportFramesWithout(const std::vector<bool>& without, const std::string& what, FindingAction action,
                          std::vector<Finding>& findings) {
   const auto frames = static_cast<int>(without.size());
   for (int begin = 0; begin < frames; ++begin) {

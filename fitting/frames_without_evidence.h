@@ -11,7 +11,7 @@ namespace mocurate {
 inline constexpr const char* kFramesWithoutEvidence = "frames_without_evidence";
 
 /// One finding per run of frames that are `without` (F): `what` and how many frames, and what was done instead.
-void ReportFramesWithout(const std::vector<bool>& without, const std::string& what, const std::string& action,
+void ReportFramesWithout(const std::vector<bool>& without, const std::string& what, FindingAction action,
                          std::vector<Finding>& findings);
 
 }  // namespace mocurate

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
@@ -17,7 +18,6 @@
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/clouds/kinds_alignment.h"
 #include "fitting/evidence/detector_points.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/keypoint_fit.h"
 
 namespace mocurate {
@@ -34,12 +34,12 @@ constexpr double kNearShare = 0.5;        ///< of the points within reach of the
 constexpr double kUnsure = 0.012;         ///< m, stated of joints; depth alone is about as sure, and tried as a start
 constexpr double kMillimetres = 1e3;
 
-Finding KindsFinding(const char* code, double value, std::string message, std::string action) {
+Finding KindsFinding(const char* code, double value, std::string message, FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.value = value;
   finding.message = std::move(message);
-  finding.action = std::move(action);
+  finding.action = action;
   return finding;
 }
 
@@ -100,7 +100,7 @@ Pairing PairFrames(const Motion& motion, const std::vector<double>& cloud_s, dou
     if (has) shifts.push_back(*nearest - wanted);
   }
   pairing.paired = static_cast<int>(shifts.size());
-  if (!shifts.empty()) pairing.shift_s = Median(shifts);
+  if (!shifts.empty()) pairing.shift_s = MeanMedian(shifts);
   return pairing;
 }
 
@@ -196,7 +196,7 @@ KindsVerdict JudgeKinds(const KindsAlignment& kinds, double step_s, double pose_
                                             "the depth cameras as a whole stand " + Mm(taken.moved) + " and " +
                                                 RoundedText(kDegrees * taken.turned, 2) +
                                                 " degrees off the keypoint cameras' world",
-                                            verdict.move ? "depth points moved" : "flagged"));
+                                            verdict.move ? FindingAction::kRepaired : FindingAction::kFlagged));
   }
   if (late && audit.clocks != AuditAction::kOff) {
     verdict.delay = audit.clocks == AuditAction::kCorrect;
@@ -204,7 +204,7 @@ KindsVerdict JudgeKinds(const KindsAlignment& kinds, double step_s, double pose_
                                             "the depth cameras' clock is " +
                                                 RoundedText(kMillimetres * taken.late_s, 3) +
                                                 " ms off the keypoint cameras' (positive: images are stamped late)",
-                                            verdict.delay ? "depth images taken by the keypoints' clock" : "flagged"));
+                                            verdict.delay ? FindingAction::kRepaired : FindingAction::kFlagged));
   }
   return verdict;
 }
@@ -245,8 +245,8 @@ Expected<std::optional<PoseState>> TrackAlone(const Motion& motion, const std::v
 
 Expected<FitResult> KeypointsAlone(FitResult keypoints, const SkeletonPtr& skeleton, std::string why) {
   keypoints.motion = WithoutDetectorPoints(keypoints.motion, skeleton);
-  keypoints.findings.push_back(
-      KindsFinding(kKindMissing, keypoints.motion.frame_count(), std::move(why), "fitted to the keypoints alone"));
+  keypoints.findings.push_back(KindsFinding(kKindMissing, keypoints.motion.frame_count(),
+                                            std::move(why) + "; fitted to the keypoints alone", FindingAction::kKept));
   return keypoints;
 }
 
@@ -255,8 +255,8 @@ Expected<FitResult> CloudsAlone(const Clip& clip, const SkeletonPtr& skeleton, s
   bone_length.resize(bone_length.empty() ? 0 : skeleton->joints.size());
   Expected<FitResult> fit = FitClouds(clip, skeleton, bone_length, options);
   if (!fit) return fit;
-  fit->findings.push_back(
-      KindsFinding(kKindMissing, fit->motion.frame_count(), std::move(why), "fitted to the depth views alone"));
+  fit->findings.push_back(KindsFinding(kKindMissing, fit->motion.frame_count(),
+                                       std::move(why) + "; fitted to the depth views alone", FindingAction::kKept));
   return fit;
 }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/median.h"
 #include "fitting/evidence/detector_points.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -69,7 +69,7 @@ RayAgreement CompareRays(const KeypointView& view, const std::vector<int>& joint
     for (int p = 0; image >= 0 && p < view.people; ++p) {
       std::vector<double> distances = DistancesFromJoints(view, joint_of, image, p, motion, f, false);
       if (distances.empty()) continue;
-      const double median = Median(distances);
+      const double median = MeanMedian(distances);
       if (median >= least) continue;
       least = median;
       person = p;
@@ -86,8 +86,8 @@ RayAgreement CompareRays(const KeypointView& view, const std::vector<int>& joint
   }
   found.seen = static_cast<int>(all.size());
   found.share = images > 0 ? static_cast<double>(near) / images : 0.0;
-  if (!all.empty()) found.median_px = Median(all);
-  if (!exchanged.empty()) found.median_exchanged_px = Median(exchanged);
+  if (!all.empty()) found.median_px = MeanMedian(all);
+  if (!exchanged.empty()) found.median_exchanged_px = MeanMedian(exchanged);
   return found;
 }
 

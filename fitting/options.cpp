@@ -217,8 +217,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 33, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 34, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 52, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 53, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/limbs.h"
 #include "fitting/association/rig_diagnosis.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/solver/bone_lengths.h"
 #include "fitting/solver/joint_track_fit.h"
 #include "fitting/solver/rest_directions.h"
@@ -45,7 +45,7 @@ Status RefineLengths(const std::vector<SkeletonTracks>& clips, const Proportions
     for (int j = 1; j < joints; ++j) fitted[j].push_back(fit->motion.bone_length[j]);
   }
   for (int j = 1; j < joints; ++j) {
-    if (!fitted[j].empty() && person.samples[j] > 0) person.bone_length[j] = Median(fitted[j]);
+    if (!fitted[j].empty() && person.samples[j] > 0) person.bone_length[j] = MeanMedian(fitted[j]);
   }
   if (options.symmetric) {
     MakeSymmetric(*person.skeleton, std::vector<double>(person.samples.begin(), person.samples.end()),

@@ -28,7 +28,7 @@ Finding NothingFrom(const Clip& clip, const Error& error) {
   finding.clip = clip.id();
   finding.code = "no_proportions_from_clip";
   finding.message = error.Message();
-  finding.action = "left out";
+  finding.action = FindingAction::kLeftOut;
   return finding;
 }
 
@@ -59,7 +59,7 @@ void LeaveOutOtherSizes(PersonClips& clips, std::vector<Finding>& findings) {
     finding.value = sizes[i];
     finding.message = "its bones are " + RoundedText(sizes[i], 3) +
                       " times the rest skeleton's, which is not the size of the person's other clips";
-    finding.action = "left out";
+    finding.action = FindingAction::kLeftOut;
     findings.push_back(std::move(finding));
   }
   clips = std::move(kept);
@@ -124,7 +124,8 @@ Status TakeBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, c
     finding.message = "the body in the depth views is " + RoundedText(ratio, 3) +
                       " times as large as the tracks', its flesh up to " + RoundedText(unusual, 2) +
                       " deviations from usual people's";
-    finding.action = "the tracks' body kept; check depth_unit, cameras and which joints the tracks name";
+    finding.message += "; the tracks' body kept; check depth_unit, cameras and which joints the tracks name";
+    finding.action = FindingAction::kKept;
     findings.push_back(finding);
     return {};
   }

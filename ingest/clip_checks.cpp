@@ -6,6 +6,7 @@
 #include "core/quality/axes_changes.h"
 #include "core/quality/checks.h"
 #include "core/quality/unit_changes.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/tree_points.h"
 
 namespace mocurate {
@@ -115,10 +116,8 @@ void SayWhatZerosAre(SourceFormat format, std::vector<Finding>& findings) {
       finding.message = "'" + finding.joint + "' is at 0 0 0 in " +
                         Counted(finding.frame_end - finding.frame_begin, "frame") +
                         ": the file does not say where the body goes";
-    } else if (format == SourceFormat::kNtuSkeleton) {
-      finding.message += "; taken as missing";
-    } else if (format == SourceFormat::kJointTable) {
-      finding.message += "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
+    } else if (const std::string zeros = DriverOf(format).zeros; !zeros.empty()) {
+      finding.message += zeros;
     } else {
       finding.message +=
           "; ingest.source.checks.actions: {" + finding.code + ": missing} takes tracks there as not seen";
@@ -182,9 +181,9 @@ int FramesLost(const SourceOptions& source, const NamedFile& named, int frames) 
 namespace {
 
 /// A motion that was made may stand still; only what a sensor saw cannot. It is then reported, if nothing else is said.
-FindingAction ActionFor(const CheckOptions& options, const std::string& code, const Clip& clip) {
+OnFinding ActionFor(const CheckOptions& options, const std::string& code, const Clip& clip) {
   const bool unsaid = options.actions.count(code) == 0;
-  if (code == "lifeless_clip" && unsaid && !clip.evidence.tracks) return FindingAction::kReport;
+  if (code == "lifeless_clip" && unsaid && !clip.evidence.tracks) return OnFinding::kReport;
   return options.ActionFor(code);
 }
 
@@ -242,8 +241,7 @@ ClipPoints::ClipPoints(const Clip& clip, const SkeletonPtr& skeleton) {
   }
 }
 
-std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested,
-                                     const std::string& name_doubt) {
+std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested) {
   const CheckOptions& options = source.checks;
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   const ClipPoints points(ingested.clip, skeleton ? *skeleton : nullptr);
@@ -265,25 +263,20 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
   LeaveOutBridged(ingested.clip, findings);
   if (source.rate_hz) BlameDeclaration(findings);
   JudgeName(source, named, points.positions->frames, findings);
-  if (!name_doubt.empty()) findings.push_back(FrameFinding("name_contradiction", 0, 0, "", 0.0, name_doubt));
   std::optional<DroppedClip> dropped;
   for (Finding& finding : findings) {
-    FindingAction action = ActionFor(options, finding.code, ingested.clip);
+    OnFinding action = ActionFor(options, finding.code, ingested.clip);
     // A wrong unit makes any clip look lifeless: it is the declaration that is to be mended.
-    if (contradicted && finding.code == "lifeless_clip" && action == FindingAction::kDrop)
-      action = FindingAction::kReport;
-    if (action == FindingAction::kIgnore) continue;
-    if (action == FindingAction::kMissing && ingested.clip.evidence.tracks) {
+    if (contradicted && finding.code == "lifeless_clip" && action == OnFinding::kDrop) action = OnFinding::kReport;
+    if (action == OnFinding::kIgnore) continue;
+    if (action == OnFinding::kMissing && ingested.clip.evidence.tracks) {
       TakeAsMissing(finding, *ingested.clip.evidence.tracks);
-      finding.action = "taken as missing";
+      finding.action = FindingAction::kMissing;
     }
-    if (action == FindingAction::kDrop) {
-      finding.action = "dropped";
+    if (action == OnFinding::kDrop) {
+      finding.action = FindingAction::kDropped;
       if (!dropped) {
-        const double limit = finding.code == "not_joint_positions"
-                                 ? NoBodyLimit(finding, {options.bone_spread, options.bone_proportion})
-                                 : options.Threshold(finding.code);
-        dropped = DroppedClip{finding, limit};
+        dropped = DroppedClip{finding, finding.limit > 0.0 ? finding.limit : options.Threshold(finding.code)};
       }
     }
     ingested.findings.push_back(finding);

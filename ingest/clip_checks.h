@@ -68,9 +68,7 @@ void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, 
 /// Asks core/quality what is wrong with the clip, which is in metres and canonical axes, and the name whether it agrees
 /// with the content; appends findings and does about them what `source.checks` says: each finding's action tells.
 /// Samples that are to be missing lose their confidence. Returns the first finding that drops the clip. Where the body
-/// contradicts its declared units or axes, "lifeless_clip" drops none. `name_doubt`: what the name, or a file beside
-/// it, contradicts; empty: nothing.
-std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested,
-                                     const std::string& name_doubt = "");
+/// contradicts its declared units or axes, "lifeless_clip" drops none.
+std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested);
 
 }  // namespace mocurate

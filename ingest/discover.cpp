@@ -13,7 +13,6 @@
 #include "ingest/gathered_files.h"
 #include "ingest/known_issues.h"
 #include "ingest/left_out.h"
-#include "ingest/sense/name_sense.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/source_file.h"
@@ -321,7 +320,6 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       }
     }
     if (issue && source.known_issues == KnownIssueAction::kReport) item.options["known_issue"] = TextOf(*issue);
-    if (const auto doubt = DoubtName(file.path)) item.options["name_doubt"] = *doubt;
     if (const IndexedSequence* annotated = babel->Find(file.name)) {
       item.options["annotation"] = EncodeBabel({annotated->sequence});
       const auto role = source.annotation_roles.find(annotated->file);
@@ -350,6 +348,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));
   NoteUnmatched(source, recordings, discovery.findings);
   NotePassedOver(source, passed_over, discovery.findings);
+  NoteAmbiguous(source, *pattern, names, discovery.findings);
   if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
   if (source.views.together) {
     if (Status together = BringTogether(source, discovery.items); !together) return Forward(together);

@@ -72,10 +72,10 @@ Expected<StageOutcome> DuplicatesStage(const StageRequest& request) {
   outcome.summary = {
       {"clips", clips.size()}, {"items", nlohmann::json::array()}, {"dropped", nlohmann::json::object()}};
   for (auto& [clip, finding] : found) {
-    const FindingAction action = options->ActionFor(finding.code);
-    if (action == FindingAction::kIgnore) continue;
-    if (action == FindingAction::kDrop) {
-      finding.action = "dropped";
+    const OnFinding action = options->ActionFor(finding.code);
+    if (action == OnFinding::kIgnore) continue;
+    if (action == OnFinding::kDrop) {
+      finding.action = FindingAction::kDropped;
       outcome.summary["dropped"].emplace(clips[clip].item, options->Threshold(finding.code));
     }
     outcome.summary["items"].push_back(clips[clip].item);

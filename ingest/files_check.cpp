@@ -6,30 +6,18 @@
 #include <optional>
 
 #include "core/base/text.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/file_kind.h"
 
 namespace mocurate {
 namespace {
 
-std::optional<std::pair<SourceFormat, const char*>> FormatOfKind(FileKind kind) {
-  switch (kind) {
-    case FileKind::kBvh:
-      return std::pair(SourceFormat::kBvh, "bvh");
-    case FileKind::kNpy:
-      return std::pair(SourceFormat::kNpy, "npy");
-    case FileKind::kNtuSkeleton:
-      return std::pair(SourceFormat::kNtuSkeleton, "ntu_skeleton");
-    case FileKind::kAmc:
-      return std::pair(SourceFormat::kAsfAmc, "asf_amc");
-    case FileKind::kNumbers:
-      return std::pair(SourceFormat::kJointTable, "tables of numbers (joint_table, expmap, phspd)");
-    default:
-      return std::nullopt;
-  }
-}
-
-bool IsTable(SourceFormat format) {
-  return format == SourceFormat::kJointTable || format == SourceFormat::kExpmap || format == SourceFormat::kPhspd;
+/// The format of files of that kind, by the first that has it; null: none, or not known.
+const FormatDriver* FormatOfKind(FileKind kind) {
+  if (kind == FileKind::kUnknown) return nullptr;
+  const auto& all = FormatDrivers();
+  const auto own = std::find_if(all.begin(), all.end(), [&](const FormatDriver* d) { return d->kind == kind; });
+  return own == all.end() ? nullptr : *own;
 }
 
 }  // namespace
@@ -41,7 +29,7 @@ Finding UnmatchedName(const std::string& option, const std::string& kind, const 
   finding.code = "name_unmatched";
   finding.message = option + ": there is no " + kind + " '" + name + "', so that it has no effect" +
                     (near ? "; did you mean '" + *near + "'?" : "");
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 
@@ -54,11 +42,9 @@ void NoteUnmatched(const SourceOptions& source, const std::set<std::string>& rec
 }
 
 bool EndsAsMotion(const SourceOptions& source, const std::string& name) {
-  const std::string ending = std::filesystem::path(name).extension().string();
-  return (source.format == SourceFormat::kNtuSkeleton && ending == ".skeleton") ||
-         (source.format == SourceFormat::kBvh && ending == ".bvh") ||
-         (source.format == SourceFormat::kAsfAmc && ending == ".amc") ||
-         (source.format == SourceFormat::kPhspd && std::filesystem::path(name).filename() == "pose.txt");
+  const std::string ending = DriverOf(source.format).ending;
+  const std::filesystem::path path(name);
+  return !ending.empty() && (path.extension() == ending || path.filename() == ending);
 }
 
 void NotePassedOver(const SourceOptions& source, const std::vector<std::string>& names,
@@ -70,25 +56,53 @@ void NotePassedOver(const SourceOptions& source, const std::vector<std::string>&
   finding.message = Counted(static_cast<long long>(names.size()), "file") + " that could be of this source, e.g. '" +
                     names.front() + "': the pattern '" + source.files + "' does not match " +
                     (names.size() == 1 ? "it" : "them");
-  finding.action = "not read";
+  finding.action = FindingAction::kLeftOut;
+  findings.push_back(std::move(finding));
+}
+
+void NoteAmbiguous(const SourceOptions& source, const NamePattern& pattern, const std::vector<std::string>& names,
+                   std::vector<Finding>& findings) {
+  Finding finding;
+  for (const std::string& name : names) {
+    const std::optional<NameFields> read = pattern.Match(name);
+    const std::optional<NameFields> other = read ? pattern.OtherMatch(name) : std::nullopt;
+    if (!other) continue;
+    const auto listed = [&](const NameFields& fields) {
+      return source.labels.count(FillFields(source.label, fields)) != 0;
+    };
+    if (listed(*read) && !listed(*other)) continue;  // `labels` says which is meant
+    for (const std::string& text : {source.person, source.label, source.session, source.view, source.style}) {
+      if (FillFields(text, *read) == FillFields(text, *other)) continue;
+      finding.value += 1.0;
+      if (finding.message.empty())
+        finding.message = "'" + name + "' is read as '" + FillFields(text, *read) + "' by '" + text +
+                          "', and could be '" + FillFields(text, *other) + "'";
+      break;
+    }
+  }
+  if (finding.message.empty()) return;
+  finding.code = "name_ambiguous";
+  finding.message += ": " + Counted(static_cast<long long>(finding.value), "name") + " may be read by '" +
+                     source.files +
+                     "' in several ways; give a field its width, e.g. {person:3}, or write what stands between";
+  finding.action = FindingAction::kFlagged;
   findings.push_back(std::move(finding));
 }
 
 Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& items) {
-  const char* other = nullptr;
+  const FileKind declared = DriverOf(source.format).kind;
+  const FormatDriver* other = nullptr;
   for (const std::size_t at : {std::size_t{0}, items.size() / 2, items.size() - 1}) {
     std::ifstream file(items[at].inputs[0].path, std::ios::binary);
     std::string head(kKindHead, '\0');
     file.read(head.data(), static_cast<std::streamsize>(head.size()));
     head.resize(static_cast<std::size_t>(file.gcount()));
-    const auto found = FormatOfKind(KindOf(head));
-    const bool same = !found || found->first == source.format || (IsTable(found->first) && IsTable(source.format)) ||
-                      (other != nullptr && other != found->second);
-    if (same) return {};
-    other = found->second;
+    const FormatDriver* found = FormatOfKind(KindOf(head));
+    if (found == nullptr || found->kind == declared || (other != nullptr && other != found)) return {};
+    other = found;
   }
   return Fail(ErrorCode::kConfig,
-              "the source is declared " + FormatName(source.format) + ", its files are " + other + ", e.g. '" +
+              "the source is declared " + FormatName(source.format) + ", its files are " + other->name + ", e.g. '" +
                   items[0].inputs[0].name + "'",
               "ingest.source.format", "write what they are, or mend ingest.source.files or ingest.path");
 }

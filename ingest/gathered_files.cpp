@@ -26,6 +26,59 @@ NameFields Only(const std::vector<std::string>& names, const NameFields& fields)
 
 }  // namespace
 
+Status CheckGathered(const SourceOptions& s) {
+  const std::vector<std::string> fields = FieldsOf(s.files);
+  const auto has = [](const std::vector<std::string>& list, const char* field) {
+    return std::find(list.begin(), list.end(), field) != list.end();
+  };
+  const bool views = s.format != SourceFormat::kPanoptic;
+  if ((views && !has(fields, "camera")) || (s.format != SourceFormat::kDepthViews && !has(fields, "frame"))) {
+    return Fail(
+        ErrorCode::kConfig, "'" + s.files + "' does not say which camera and which frame a file is of",
+        "ingest.source.files",
+        views ? "e.g. '{recording}/{camera}_json/{camera}.{frame}.json'" : "e.g. '{recording}/body_{frame}.json'");
+  }
+  if (!views && has(fields, "camera")) {
+    return Fail(ErrorCode::kConfig, "'" + s.files + "' names {camera}, but panoptic files are of all cameras together",
+                "ingest.source.files",
+                "one file per frame; what else differs in their names is e.g. {recording}, or {-}");
+  }
+  const std::pair<const char*, const std::string*> texts[] = {{"recording", &s.recording}, {"person", &s.person},
+                                                              {"label", &s.label},         {"session", &s.session},
+                                                              {"view", &s.view},           {"style", &s.style}};
+  for (const auto& [option, text] : texts) {
+    for (const char* field : {"camera", "frame", "file"}) {
+      if (!has(FieldsOf(*text), field)) continue;
+      return Fail(ErrorCode::kConfig,
+                  "'" + *text + "' names {" + field + "}, which differs between the files of one clip",
+                  std::string("ingest.source.") + option,
+                  "name what the files of a clip have in common, e.g. {recording}, or write a fixed name");
+    }
+  }
+  if (views && s.calibration.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where the cameras stand",
+                "ingest.source.calibration", "e.g. 'Calib.toml', or [intri.yml, extri.yml]");
+  }
+  const Expected<NamePattern> depth = NamePattern::Parse(s.depth_files, "ingest.source.depth_files");
+  if (!depth) return Forward(depth);
+  const std::vector<std::string> of_depth = depth->FieldNames();
+  if (HasDepthBeside(s) && (!has(of_depth, "camera") || !has(of_depth, "frame"))) {
+    return Fail(ErrorCode::kConfig, "'" + s.depth_files + "' does not say which camera and which frame an image is of",
+                "ingest.source.depth_files", "e.g. '{recording}/depth/{camera}_{frame}.png'");
+  }
+  bool known = s.keypoints == "measured";
+  std::string names;
+  for (const KeypointLayout& layout : KeypointLayouts()) {
+    known = known || layout.name == s.keypoints;
+    names += layout.name + ", ";
+  }
+  if (!known) {
+    return Fail(ErrorCode::kConfig, "'" + s.keypoints + "' is no known layout of keypoints", "ingest.source.keypoints",
+                "known are " + names + "and measured");
+  }
+  return CheckBodies(s);
+}
+
 int GatheredFiles::Depth(const SourceOptions& source) {
   int depth = std::max(DepthOf(source.mask_files), DepthOf(source.depth_files));
   for (const std::string& file : source.calibration) depth = std::max(depth, DepthOf(file));

@@ -44,4 +44,7 @@ class GatheredFiles {
   std::map<NameFields, std::vector<const FolderFile*>> depth_;
 };
 
+/// Of a declaration of such files: which fields tell them apart, and what else is needed. Error kConfig.
+Status CheckGathered(const SourceOptions& source);
+
 }  // namespace mocurate

@@ -4,9 +4,9 @@
 #include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
-#include "core/formats/header_count.h"
 #include "core/store/store.h"
 #include "ingest/clip_checks.h"
+#include "ingest/formats/driver.h"
 #include "ingest/frozen_views.h"
 #include "ingest/read_motions.h"
 #include "ingest/sense/comparison.h"
@@ -16,54 +16,6 @@
 
 namespace mocurate {
 namespace {
-
-/// `array`: the clip in a file of arrays.
-Expected<IngestedClip> ReadClip(const SourceFile& file, const std::string& array) {
-  switch (file.source.format) {
-    case SourceFormat::kJointTable:
-      return ReadJointTableClip(file);
-    case SourceFormat::kBvh:
-      return ReadBvhClip(file);
-    case SourceFormat::kNpy:
-      return ReadArraySource(file, array);
-    case SourceFormat::kDepthSequence:
-      return ReadDepthSequenceClip(file);
-    case SourceFormat::kNtuSkeleton:
-      return file.source.views.together ? ReadNtuViewsClip(file) : ReadNtuSkeletonClip(file);
-    case SourceFormat::kAsfAmc:
-      return ReadAsfAmcClip(file);
-    case SourceFormat::kAmass:
-      return ReadAmassClip(file);
-    case SourceFormat::kExpmap:
-      return ReadExpmapClip(file);
-    case SourceFormat::kPhspd:
-      return ReadPhspdClip(file);
-    case SourceFormat::kVibeTracks:
-      return ReadVibeTrackClip(file);
-    case SourceFormat::kUestc:
-      return ReadUestcClip(file);
-    case SourceFormat::kHumanAct12Pickle:
-      return ReadHumanAct12Clip(file);
-    case SourceFormat::kMotions:
-      return ReadMotionsClip(file);
-    case SourceFormat::kOpenPose:
-      return ReadOpenPoseClip(file);
-    case SourceFormat::kDepthViews:
-      return ReadDepthViewsClip(file);
-    case SourceFormat::kPanoptic:
-      return ReadPanopticClip(file);
-    case SourceFormat::kNone:
-      break;
-  }
-  return Fail(ErrorCode::kConfig, "the source does not say its format", "ingest.source.format");
-}
-
-int FrameCount(const Clip& clip) {
-  if (clip.evidence.tracks) return clip.evidence.tracks->positions.frames;
-  if (clip.motion) return clip.motion->frame_count();
-  if (!clip.evidence.depth_views.empty()) return static_cast<int>(clip.evidence.depth_views[0].files.size());
-  return clip.evidence.keypoint_views.empty() ? 0 : clip.evidence.keypoint_views[0].frames();
-}
 
 double UnseenShare(const Clip& clip) {
   std::size_t points = 0, unseen = 0;
@@ -104,7 +56,7 @@ bool RefuseUnit(std::vector<Finding>& findings) {
   bool refused = false;
   for (Finding& finding : findings) {
     if (finding.code != "units_contradiction") continue;
-    finding.action = "refused";
+    finding.action = FindingAction::kRefused;
     refused = true;
   }
   return refused;
@@ -128,7 +80,6 @@ struct ItemFacts {
   std::string label_text;            ///< what the table of labels says
   std::string role;                  ///< of the file of annotations
   std::string known_issue;           ///< what a list says of the recording
-  std::string name_doubt;            ///< what the name contradicts
 };
 
 /// Takes them out of the item's options: the declaration is left.
@@ -144,9 +95,8 @@ ItemFacts TakeFacts(nlohmann::json& options) {
   facts.label_text = options.value("label_text", std::string());
   facts.role = options.value("annotation_role", std::string());
   facts.known_issue = options.value("known_issue", std::string());
-  facts.name_doubt = options.value("name_doubt", std::string());
   for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "label_text",
-                          "annotation_role", "known_issue", "name_doubt", "array"}) {
+                          "annotation_role", "known_issue", "array"}) {
     options.erase(key);
   }
   return facts;
@@ -164,7 +114,9 @@ std::string EvidenceHash(const std::string& bytes, const Evidence& evidence) {
   return Sha256Hex(hash);
 }
 
-void Complete(const SourceOptions& source, const NamedFile& named, const std::string& bytes, IngestedClip& ingested) {
+/// `name`: of the file or entry, with its ending; of a clip of many files its recording.
+void Complete(const SourceOptions& source, const NamedFile& named, const std::string& name, const std::string& bytes,
+              IngestedClip& ingested) {
   Clip& clip = ingested.clip;
   if (source.format == SourceFormat::kMotions) {
     if (!source.licence.empty()) clip.identity.licence = source.licence;
@@ -177,7 +129,7 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
   clip.label = named.label;
   clip.fine_label = named.fine_label;
   clip.evidence_sha256 = EvidenceHash(bytes, clip.evidence);
-  clip.provenance["file"] = named.fields.at("file");
+  clip.provenance["file"] = name;
   clip.provenance["source_axes"] = source.axes;
   if (!source.units.empty()) clip.provenance["source_units"] = source.units;
   if (!source.skeleton.empty()) clip.provenance["source_skeleton"] = source.skeleton;
@@ -204,8 +156,7 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
 
 /// A file that cannot be used. A header that contradicts what follows is a finding as well.
 Expected<StageOutcome> Unusable(const SourceOptions& source, const Error& error, const std::string& item) {
-  const std::optional<double> announced = AnnouncedCount(error);
-  if (!announced) return tl::unexpected<Error>(error);
+  if (error.reason != Reason::kCount) return tl::unexpected<Error>(error);
   StageOutcome outcome;
   outcome.kind = OutcomeKind::kRefused;
   outcome.error = error;
@@ -218,9 +169,9 @@ Expected<StageOutcome> Unusable(const SourceOptions& source, const Error& error,
   finding.clip = item;
   finding.code = "count_contradiction";
   finding.severity = Severity::kError;
-  finding.value = *announced;
+  finding.value = error.number;
   finding.message = error.where + ": " + error.what;
-  finding.action = "refused";
+  finding.action = FindingAction::kRefused;
   outcome.findings.push_back(std::move(finding));
   return outcome;
 }
@@ -280,8 +231,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   const bool whole = source->container.empty() && !gathered && source->format != SourceFormat::kNpy;
   const Expected<std::string> bytes = whole ? ReadFile(input->path) : std::string();
   if (!bytes) return Forward(bytes);
-  if (whole && Trim(*bytes).empty())
-    return Fail(ErrorCode::kMalformed, "the file is empty", name, "was it copied whole?");
+  if (whole && Trim(*bytes).empty()) return EmptyFile(name);
   SourceFile file{*source, *named, name, *bytes, {}};
   file.annotation = facts.annotation;
   file.container = input->path;
@@ -305,7 +255,8 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
     file.skeleton_bytes = *std::move(skeleton);
     read += file.skeleton_bytes;
   }
-  Expected<IngestedClip> ingested = ReadClip(file, facts.array);
+  file.array = facts.array;
+  Expected<IngestedClip> ingested = DriverOf(source->format).to_clip(file);
   if (!ingested) {
     Expected<StageOutcome> unusable = Unusable(*source, ingested.error(), request.item);
     if (!unusable) return Forward(unusable);
@@ -314,18 +265,18 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   const bool checks = !source->checks.IgnoresAll();
   if (checks && !SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
   if (Status near = CheckExtent(ingested->clip, name); !near && !RefuseUnit(ingested->findings)) return Forward(near);
-  if (source->checks.ActionFor("frozen_view") != FindingAction::kIgnore) {
+  if (source->checks.ActionFor("frozen_view") != OnFinding::kIgnore) {
     std::map<std::string, std::filesystem::path> images;
     for (const StageInput& image : file.depth_files) images.emplace(image.name, image.path);
     for (Finding& frozen : FindFrozenViews(ingested->clip.evidence, images))
       ingested->findings.push_back(std::move(frozen));
   }
-  const std::optional<DroppedClip> dropped =
-      checks ? CheckClip(*source, *named, *ingested, facts.name_doubt) : std::nullopt;
+  const std::optional<DroppedClip> dropped = checks ? CheckClip(*source, *named, *ingested) : std::nullopt;
   if (!facts.known_issue.empty()) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));
   }
-  Complete(*source, *named, ingested->content.empty() ? read : ingested->content, *ingested);
+  Complete(*source, *named, gathered ? named->identity.recording : name,
+           ingested->content.empty() ? read : ingested->content, *ingested);
   if (!facts.label_text.empty()) ingested->clip.provenance["label_text"] = facts.label_text;
 
   StageOutcome outcome;
@@ -336,10 +287,10 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   for (const auto& [code, shown] : ingested->shown) {
     outcome.summary["shown"][code] = {{"contradicts", shown.contradicts}, {"weight", shown.weight}};
   }
-  if (dropped) return ReadItem{{}, LeftOut(*dropped, input->name, std::move(outcome))};
+  if (dropped) return ReadItem{std::move(ingested->clip), LeftOut(*dropped, input->name, std::move(outcome))};
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
-    if (finding.action != "refused") continue;
+    if (finding.action != FindingAction::kRefused) continue;
     outcome.kind = OutcomeKind::kRefused;
     outcome.summary["threshold"] = ContradictionThreshold(finding.code, finding.value, *source);
     outcome.error = Error{ErrorCode::kInconsistent, finding.message, name,
@@ -348,7 +299,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
                               : "captures reach at most 1000 m from the origin"};
     // Its message says the place and the ways out.
     if (finding.code == "rate_implausible") outcome.error = {ErrorCode::kInconsistent, finding.message, "", ""};
-    return ReadItem{{}, std::move(outcome)};
+    break;
   }
   return ReadItem{std::move(ingested->clip), std::move(outcome)};
 }

@@ -55,7 +55,7 @@ ItemResult LeftOutFile(const std::string& name, const SourceOptions& source, boo
   finding.code = by_rule ? "label_left_out" : matches ? "label_unknown" : "name_mismatch";
   finding.severity = failed ? Severity::kError : by_rule ? Severity::kInfo : Severity::kWarning;
   finding.message = why.what + (why.hint.empty() || by_rule ? "" : " (" + why.hint + ")");
-  finding.action = "left out";
+  finding.action = FindingAction::kLeftOut;
   ItemResult file;
   file.item = name;
   file.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
@@ -72,7 +72,7 @@ ItemResult ExcludedFile(const std::string& item, const std::string& file, const 
   finding.code = code;
   finding.severity = Severity::kInfo;
   finding.message = why;
-  finding.action = "left out";
+  finding.action = FindingAction::kLeftOut;
   ItemResult result;
   result.item = item;
   result.outcome.kind = OutcomeKind::kLeftOut;
@@ -87,7 +87,7 @@ ItemResult RefusedFile(const std::string& item, const char* code, const Error& w
   finding.code = code;
   finding.severity = Severity::kError;
   finding.message = why.what;
-  finding.action = "left out";
+  finding.action = FindingAction::kLeftOut;
   ItemResult result;
   result.item = item;
   result.outcome.kind = OutcomeKind::kRefused;
@@ -113,7 +113,7 @@ ItemResult NotLookedAt(const std::string& folder, std::size_t files, bool named_
   finding.value = static_cast<double>(files);
   finding.message = "not looked at: " + count + "; the pattern '" + source.files + "' names files" +
                     (named_so ? ", this is a folder" : " in another place");
-  finding.action = "left out";
+  finding.action = FindingAction::kLeftOut;
   ItemResult result;
   result.item = folder;
   result.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
@@ -172,7 +172,7 @@ ItemResult WithoutMotion(const BabelIndex& babel, const std::vector<std::string>
   finding.value = static_cast<double>(unused.size());
   finding.message = std::to_string(unused.size()) + " of " + std::to_string(babel.size()) +
                     " annotated motions are not in the folder, e.g. '" + unused.front() + "'";
-  finding.action = "left out";
+  finding.action = FindingAction::kLeftOut;
   ItemResult result;
   result.item = files.front();
   result.outcome.kind = OutcomeKind::kLeftOut;

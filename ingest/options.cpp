@@ -220,9 +220,9 @@ void MotionsOptions::Declare(OptionVisitor& v) {
   v.Texts("classes", classes, "a motion without a label takes the one that its file's or folder's name begins with");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 37, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration MotionsDeclaration() { return {"motions", 1, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration DuplicatesDeclaration() { return {"duplicates", 5, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 39, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration MotionsDeclaration() { return {"motions", 2, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration DuplicatesDeclaration() { return {"duplicates", 6, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }
 

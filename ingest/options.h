@@ -10,7 +10,7 @@
 #include "core/base/options.h"
 #include "core/formats/damaged_rows.h"
 #include "core/pipeline/stage.h"
-#include "ingest/check_options.h"
+#include "ingest/checks/check_options.h"
 #include "ingest/synthetic/tracker_options.h"
 
 namespace mocurate {
@@ -209,6 +209,9 @@ std::string FormatName(SourceFormat format);
 
 /// Rules that go beyond single values: what the format needs and does not say itself. Error kConfig naming the option.
 Status CheckSource(const SourceOptions& source);
+
+/// The people of a file: counts under `bodies`, and names that tell them apart. Error kConfig.
+Status CheckBodies(const SourceOptions& source);
 
 /// Text that stands where a value has to be written: "FILL_IN: why it is not known". Refused by CheckSource.
 inline constexpr const char* kFillIn = "FILL_IN";

@@ -311,7 +311,7 @@ Expected<StageOutcome> MotionsStage(const StageRequest& request) {
     finding.code = "clip_refused";
     finding.severity = Severity::kError;
     finding.message = refused.error.Message();
-    finding.action = "refused";
+    finding.action = FindingAction::kRefused;
     outcome.findings.push_back(std::move(finding));
   }
   outcome.summary = {{"clips", read->set.clips.size()}, {"refused", read->refused.size()}};

@@ -11,7 +11,8 @@
 
 namespace mocurate {
 
-/// One clip of a source in memory, and what was found about it. The clip counts where the outcome has an artifact.
+/// One clip of a source in memory, and what was found about it. The clip counts where the outcome has an artifact; one
+/// that a finding refuses or leaves out is there to be looked at.
 struct ReadItem {
   Clip clip;
   StageOutcome outcome;

@@ -49,7 +49,7 @@ Finding Together(const std::string& code, const Votes& votes, std::size_t clips,
   finding.message = "the whole source contradicts its declaration: " + std::to_string(votes.against) + " of the " +
                     Counted(static_cast<long long>(votes.told), "clip") + " that tell, of " + std::to_string(clips) +
                     " in all (" + RoundedText(100.0 * share) + " % of what they say); the first: " + votes.message;
-  finding.action = refuse ? "all are refused" : "flagged";
+  finding.action = refuse ? FindingAction::kRefused : FindingAction::kFlagged;
   return finding;
 }
 
@@ -73,7 +73,7 @@ std::optional<Finding> RateOfAll(const std::vector<ItemResult>& clips, bool refu
   finding.value = std::round(denials.Share() * 1e4) / 1e4;
   finding.message =
       "the motions of the whole source speak against its rate: " + denials.Words() + "; the first: " + first;
-  finding.action = refuse ? "all are refused" : "flagged";
+  finding.action = refuse ? FindingAction::kRefused : FindingAction::kFlagged;
   return finding;
 }
 
@@ -95,7 +95,7 @@ void Blame(const Finding& of_the_set, bool refuse, std::vector<ItemResult>& clip
       if (!of_itself) told.push_back(std::move(own));
       continue;
     }
-    own.action = "refused";
+    own.action = FindingAction::kRefused;
     clip.outcome.summary["threshold"] =
         own.code == "rate_doubtful" ? 1.0 / static_cast<double>(kLeastDenials) : kAgreement;
     clip.outcome.kind = OutcomeKind::kRefused;
@@ -113,7 +113,7 @@ std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vec
   const bool refuse = source.on_contradiction == OnContradiction::kRefuse;
   std::vector<Finding> findings;
   for (const auto& [code, votes] : CountVotes(clips)) {
-    if (votes.told < kFewestVotes || votes.weight_against < kAgreement * votes.weight) continue;
+    if (votes.told < kFewestDenials || votes.weight_against < kAgreement * votes.weight) continue;
     findings.push_back(Together(code, votes, clips.size(), refuse));
   }
   if (std::optional<Finding> rate = RateOfAll(clips, refuse)) findings.push_back(std::move(*rate));

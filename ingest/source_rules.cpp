@@ -1,16 +1,18 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/problem_list.h"
 #include "core/base/text.h"
-#include "core/formats/joint_layout.h"
-#include "core/formats/openpose.h"
+#include "ingest/formats/driver.h"
 #include "ingest/options.h"
 #include "ingest/sources/pattern.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
+
+constexpr long long kMostBodies = 6;  // what a Kinect follows
 
 const std::vector<std::pair<std::string, double>>& Units() {
   static const std::vector<std::pair<std::string, double>> units = {
@@ -21,20 +23,18 @@ const std::vector<std::pair<std::string, double>>& Units() {
 std::string OptionPlace(const char* option) { return std::string("ingest.source.") + option; }
 
 Status CheckSourceUnits(const SourceOptions& s) {
-  const bool by_definition = s.format == SourceFormat::kNtuSkeleton || s.format == SourceFormat::kAmass ||
-                             s.format == SourceFormat::kPhspd || s.format == SourceFormat::kVibeTracks ||
-                             s.format == SourceFormat::kUestc || s.format == SourceFormat::kHumanAct12Pickle ||
-                             s.format == SourceFormat::kMotions;
+  const UnitOf unit = DriverOf(s.format).unit;
+  const bool by_definition = unit == UnitOf::kMetres;
   if (by_definition && !s.units.empty() && s.units != "m") {
     return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but " + FormatName(s.format) + " files are in metres",
                 OptionPlace("units"), "take `units` out");
   }
-  if (s.format == SourceFormat::kPanoptic && !s.units.empty() && s.units != "cm") {
-    return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but panoptic files are in centimetres",
+  if (unit == UnitOf::kCentimetres && !s.units.empty() && s.units != "cm") {
+    return Fail(ErrorCode::kConfig,
+                "units are '" + s.units + "', but " + FormatName(s.format) + " files are in centimetres",
                 OptionPlace("units"), "take `units` out");
   }
-  const bool by_calibration = IsGathered(s.format) || s.format == SourceFormat::kDepthSequence;
-  if (s.units.empty() && !by_calibration && !by_definition) {
+  if (s.units.empty() && unit == UnitOf::kDeclaration) {
     return Fail(
         ErrorCode::kConfig,
         "source '" + s.name + "' does not say its unit of length, and " + FormatName(s.format) + " files do not either",
@@ -43,62 +43,6 @@ Status CheckSourceUnits(const SourceOptions& s) {
   if (s.units.empty()) return {};
   const Expected<double> scale = MetresPerUnit(s.units);
   if (!scale) return Forward(scale);
-  return {};
-}
-
-void CheckColumns(const SourceOptions& s, ProblemList& problems) {
-  const std::vector<std::string> known = {"x", "y", "z", "confidence", "skip"};
-  for (const std::string& column : s.columns) {
-    if (std::find(known.begin(), known.end(), column) != known.end()) continue;
-    problems.Add(OptionPlace("columns"), "unknown column '" + column + "'", "columns are x, y, z, confidence and skip");
-  }
-  for (const char* needed : {"x", "y", "z"}) {
-    if (std::count(s.columns.begin(), s.columns.end(), needed) == 1) continue;
-    problems.Add(OptionPlace("columns"), std::string("column '") + needed + "' must stand exactly once");
-  }
-}
-
-/// The names of columns and joints, all that are wrong at once.
-Status CheckTableNames(const SourceOptions& s) {
-  ProblemList problems;
-  if (s.layout.empty()) CheckColumns(s, problems);
-  const Expected<SkeletonPtr> skeleton = s.skeleton.empty() ? SkeletonPtr() : LoadSkeleton(s.skeleton);
-  if (skeleton && *skeleton) CheckJointNames(s, **skeleton, problems);
-  return problems.Result();
-}
-
-Status CheckTable(const SourceOptions& s) {
-  if (s.joints.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not name its joints", OptionPlace("joints"),
-                "list the joints in the order of the rows of a frame");
-  }
-  const bool by_columns = s.columns != SourceOptions().columns;
-  if (!s.layout.empty() && by_columns) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' declares both `layout` and `columns`",
-                OptionPlace("layout"), "`layout` says all that `columns` says; take one out");
-  }
-  if (Status names = CheckTableNames(s); !names) return names;
-  const Expected<JointLayout> layout = TableLayout(s);
-  if (!layout) return Forward(layout);
-  const int joints = static_cast<int>(s.joints.size());
-  if (layout->Joints() != joints) {
-    return Fail(ErrorCode::kConfig,
-                "the layout has " + std::to_string(layout->Joints()) + " joints, " + std::to_string(joints) +
-                    " are named under ingest.source.joints",
-                OptionPlace("layout"), "name each joint of the layout, in its order");
-  }
-  const int rows = RowsPerFrame(s);
-  if (s.layout.empty() && joints % rows != 0) {
-    return Fail(ErrorCode::kConfig,
-                std::to_string(joints) + " joints do not fill " + std::to_string(rows) + " rows per frame",
-                OptionPlace("rows_per_frame"), "each row holds the same number of joints");
-  }
-  if (layout->NumbersPerFrame() % rows != 0) {
-    return Fail(ErrorCode::kConfig,
-                std::to_string(layout->NumbersPerFrame()) + " numbers of the layout do not fill " +
-                    std::to_string(rows) + " rows per frame",
-                OptionPlace("rows_per_frame"), "each row holds the same count of numbers");
-  }
   return {};
 }
 
@@ -132,8 +76,38 @@ Status CheckFilledIn(const SourceOptions& s) {
   return problems.Result();
 }
 
-constexpr long long kMostBodies = 6;  // what a Kinect follows
-constexpr long long kMostBodiesTogether = 3;
+/// An option of other formats that is set. Error kConfig naming it and the formats that have it.
+Status CheckOwnOptions(const SourceOptions& s, const FormatDriver& driver) {
+  const nlohmann::json said = OptionsToJson(s);
+  static const nlohmann::json unsaid = OptionsToJson(SourceOptions());
+  std::map<std::string, std::string> formats;  // of each option
+  for (const FormatDriver* format : FormatDrivers()) {
+    for (const std::string& option : format->options)
+      formats[option] += (formats[option].empty() ? "" : ", ") + std::string(format->name);
+  }
+  for (const auto& [option, of] : formats) {
+    const bool own = std::find(driver.options.begin(), driver.options.end(), option) != driver.options.end();
+    if (own || said.at(option) == unsaid.at(option)) continue;
+    return Fail(ErrorCode::kConfig, "format " + std::string(driver.name) + " has no option '" + option + "'",
+                OptionPlace(option.c_str()), "it is of " + of + ": take it out, or mend ingest.source.format");
+  }
+  return {};
+}
+
+Status CheckPeople(const SourceOptions& s) {
+  const bool by_boxes = s.people.rule == TrackRule::kUestcReleased || s.people.rule == TrackRule::kUestcCorrected;
+  if (!by_boxes) return {};
+  if (s.format != SourceFormat::kVibeTracks && s.format != SourceFormat::kUestc) {
+    return Fail(ErrorCode::kConfig, "UESTC's rule reads boxes in an image, which " + FormatName(s.format) + " has not",
+                OptionPlace("people.rule"), "motion, official, presence or nearest");
+  }
+  if (s.people.start_px.size() == 2) return {};
+  return Fail(ErrorCode::kConfig,
+              "the performer's first place has " + std::to_string(s.people.start_px.size()) + " numbers",
+              OptionPlace("people.start"), "two: pixels across and down");
+}
+
+}  // namespace
 
 Status CheckBodies(const SourceOptions& s) {
   for (const auto& [label, text] : s.bodies) {
@@ -150,106 +124,6 @@ Status CheckBodies(const SourceOptions& s) {
                 "write {body} into ingest.source.person, e.g. person: 'P{person}{body}'");
   }
   return {};
-}
-
-/// A clip of many files: which fields tell its files apart, and what else is needed.
-Status CheckGathered(const SourceOptions& s) {
-  const std::vector<std::string> fields = FieldsOf(s.files);
-  const auto has = [](const std::vector<std::string>& list, const char* field) {
-    return std::find(list.begin(), list.end(), field) != list.end();
-  };
-  const bool views = s.format != SourceFormat::kPanoptic;
-  if ((views && !has(fields, "camera")) || (s.format != SourceFormat::kDepthViews && !has(fields, "frame"))) {
-    return Fail(
-        ErrorCode::kConfig, "'" + s.files + "' does not say which camera and which frame a file is of",
-        OptionPlace("files"),
-        views ? "e.g. '{recording}/{camera}_json/{camera}.{frame}.json'" : "e.g. '{recording}/body_{frame}.json'");
-  }
-  if (!views && has(fields, "camera")) {
-    return Fail(ErrorCode::kConfig, "'" + s.files + "' names {camera}, but panoptic files are of all cameras together",
-                OptionPlace("files"),
-                "one file per frame; what else differs in their names is e.g. {recording}, or {-}");
-  }
-  const std::pair<const char*, const std::string*> texts[] = {{"recording", &s.recording}, {"person", &s.person},
-                                                              {"label", &s.label},         {"session", &s.session},
-                                                              {"view", &s.view},           {"style", &s.style}};
-  for (const auto& [option, text] : texts) {
-    for (const char* field : {"camera", "frame", "file"}) {
-      if (!has(FieldsOf(*text), field)) continue;
-      return Fail(
-          ErrorCode::kConfig, "'" + *text + "' names {" + field + "}, which differs between the files of one clip",
-          OptionPlace(option), "name what the files of a clip have in common, e.g. {recording}, or write a fixed name");
-    }
-  }
-  if (views && s.calibration.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where the cameras stand",
-                OptionPlace("calibration"), "e.g. 'Calib.toml', or [intri.yml, extri.yml]");
-  }
-  const Expected<NamePattern> depth = NamePattern::Parse(s.depth_files, OptionPlace("depth_files"));
-  if (!depth) return Forward(depth);
-  const std::vector<std::string> of_depth = depth->FieldNames();
-  if (HasDepthBeside(s) && (!has(of_depth, "camera") || !has(of_depth, "frame"))) {
-    return Fail(ErrorCode::kConfig, "'" + s.depth_files + "' does not say which camera and which frame an image is of",
-                OptionPlace("depth_files"), "e.g. '{recording}/depth/{camera}_{frame}.png'");
-  }
-  bool known = s.keypoints == "measured";
-  std::string names;
-  for (const KeypointLayout& layout : KeypointLayouts()) {
-    known = known || layout.name == s.keypoints;
-    names += layout.name + ", ";
-  }
-  if (!known) {
-    return Fail(ErrorCode::kConfig, "'" + s.keypoints + "' is no known layout of keypoints", OptionPlace("keypoints"),
-                "known are " + names + "and measured");
-  }
-  return CheckBodies(s);
-}
-
-Status CheckPeople(const SourceOptions& s) {
-  const bool by_boxes = s.people.rule == TrackRule::kUestcReleased || s.people.rule == TrackRule::kUestcCorrected;
-  if (!by_boxes) return {};
-  if (s.format != SourceFormat::kVibeTracks && s.format != SourceFormat::kUestc) {
-    return Fail(ErrorCode::kConfig, "UESTC's rule reads boxes in an image, which " + FormatName(s.format) + " has not",
-                OptionPlace("people.rule"), "motion, official, presence or nearest");
-  }
-  if (s.people.start_px.size() == 2) return {};
-  return Fail(ErrorCode::kConfig,
-              "the performer's first place has " + std::to_string(s.people.start_px.size()) + " numbers",
-              OptionPlace("people.start"), "two: pixels across and down");
-}
-
-Status CheckViews(const SourceOptions& s) {
-  const ViewOptions& views = s.views;
-  if (!views.together) return {};
-  if (s.format != SourceFormat::kNtuSkeleton) {
-    return Fail(ErrorCode::kConfig, FormatName(s.format) + " files are not brought together",
-                OptionPlace("views.together"), "ntu_skeleton is the format of which several cameras can be one clip");
-  }
-  if (s.view.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which camera a file is of",
-                OptionPlace("view"), "e.g. view: 'C{camera}'");
-  }
-  for (const auto& [label, text] : s.bodies) {
-    if (ParseInteger(text).value_or(0) <= kMostBodiesTogether) continue;
-    return Fail(ErrorCode::kConfig, "label '" + label + "' has '" + text + "' people", OptionPlace("bodies"),
-                "at most 3 are told apart between several cameras");
-  }
-  if (s.depth_files.empty()) return {};
-  if (views.intrinsics.size() != 4 || views.intrinsics[0] == 0.0 || views.intrinsics[1] == 0.0) {
-    return Fail(ErrorCode::kConfig, "the depth images have no intrinsics", OptionPlace("views.intrinsics"),
-                "four numbers, fx, fy, cx and cy; a Kinect v2 has about [-366, 366, 256, 208] px");
-  }
-  if (views.image_size.size() != 2) {
-    return Fail(ErrorCode::kConfig, "the depth images have no size", OptionPlace("views.image_size"),
-                "width and height; a Kinect v2 has [512, 424] px");
-  }
-  return {};
-}
-
-}  // namespace
-
-bool IsGathered(SourceFormat format) {
-  return format == SourceFormat::kOpenPose || format == SourceFormat::kDepthViews || format == SourceFormat::kPanoptic;
 }
 
 bool HasDepthBeside(const SourceOptions& source) {
@@ -277,41 +151,20 @@ int BodiesOf(const SourceOptions& s, const std::string& label) {
   return static_cast<int>(std::clamp(ParseInteger(bodies->second).value_or(1), 1LL, kMostBodies));
 }
 
-int RowsPerFrame(const SourceOptions& s) {
-  if (s.rows_per_frame > 0) return static_cast<int>(s.rows_per_frame);
-  return s.layout.empty() ? static_cast<int>(s.joints.size()) : 1;
-}
-
-Expected<JointLayout> TableLayout(const SourceOptions& s) {
-  if (!s.layout.empty()) return ParseJointLayout(s.layout, OptionPlace("layout"));
-  ProblemList problems;
-  CheckColumns(s, problems);
-  if (Status known = problems.Result(); !known) return Forward(known);
-  JointGroup group;
-  group.count = static_cast<int>(s.joints.size());
-  for (const std::string& column : s.columns) {
-    group.columns.push_back(column == "x"            ? JointColumn::kX
-                            : column == "y"          ? JointColumn::kY
-                            : column == "z"          ? JointColumn::kZ
-                            : column == "confidence" ? JointColumn::kConfidence
-                                                     : JointColumn::kSkip);
-  }
-  JointLayout layout;
-  layout.groups.push_back(std::move(group));
-  return layout;
-}
-
 Status CheckSource(const SourceOptions& s) {
   if (Status written = CheckFilledIn(s); !written) return written;
   if (s.name.empty()) return Fail(ErrorCode::kConfig, "the source has no name", OptionPlace("name"));
   if (s.name.find_first_of("/#") != std::string::npos) {
     return Fail(ErrorCode::kConfig, "the name '" + s.name + "' holds '/' or '#'", OptionPlace("name"));
   }
+  const FormatDriver& driver = DriverOf(s.format);
   if (s.format == SourceFormat::kNone) {
-    return Fail(
-        ErrorCode::kConfig, "source '" + s.name + "' does not say its format", OptionPlace("format"),
-        "joint_table, bvh, npy, depth_sequence, ntu_skeleton, asf_amc, amass, expmap, phspd, vibe_tracks, uestc, "
-        "humanact12_pickle, motions, openpose, depth_views or panoptic");
+    std::string names;
+    for (const FormatDriver* known : FormatDrivers()) {
+      if (known->format != SourceFormat::kNone) names += (names.empty() ? "" : ", ") + std::string(known->name);
+    }
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its format", OptionPlace("format"),
+                "one of " + names);
   }
   if (s.files.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' has no pattern of file names", OptionPlace("files"),
@@ -322,47 +175,25 @@ Status CheckSource(const SourceOptions& s) {
                 "write where its x, y and z point, e.g. axes: '+x +y +z' (right-handed, y up, a person faces +z)");
   }
   if (Status units = CheckSourceUnits(s); !units) return units;
-  const bool rate_known = s.format == SourceFormat::kBvh || s.format == SourceFormat::kDepthSequence ||
-                          s.format == SourceFormat::kAmass || s.format == SourceFormat::kMotions;
-  if (!rate_known && !s.rate_hz) {
+  if (!driver.says_rate && !s.rate_hz) {
     return Fail(
         ErrorCode::kConfig,
         "source '" + s.name + "' does not say its frame rate, and " + FormatName(s.format) + " files do not either",
         OptionPlace("rate"), "write e.g. `rate: 30 Hz`");
   }
-  if (s.format == SourceFormat::kJointTable) {
-    if (Status table = CheckTable(s); !table) return table;
+  if (Status own = CheckOwnOptions(s, driver); !own) return own;
+  if (driver.check != nullptr) {
+    if (Status rules = driver.check(s); !rules) return rules;
   }
-  if (IsGathered(s.format)) {
-    if (Status gathered = CheckGathered(s); !gathered) return gathered;
-  }
-  if (s.format == SourceFormat::kNtuSkeleton) {
-    if (Status bodies = CheckBodies(s); !bodies) return bodies;
-  }
-  if (Status views = CheckViews(s); !views) return views;
   if (Status people = CheckPeople(s); !people) return people;
   if (Status actions = CheckActions(s.checks); !actions) return actions;
-  if (s.format == SourceFormat::kAsfAmc && s.skeleton_files.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which .asf belongs to an .amc",
-                OptionPlace("skeleton_files"), "e.g. '{subject}.asf' where files are '{subject}_{take}.amc'");
-  }
-  const bool names_no_joint = s.format == SourceFormat::kNpy || s.format == SourceFormat::kExpmap ||
-                              s.format == SourceFormat::kVibeTracks || s.format == SourceFormat::kUestc ||
-                              s.format == SourceFormat::kHumanAct12Pickle;
-  if (names_no_joint && s.skeleton.empty()) {
+  if (driver.needs_skeleton && s.skeleton.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", OptionPlace("skeleton"),
                 "an array needs one, e.g. humanact12");
   }
-  const bool all_in_one = s.format == SourceFormat::kHumanAct12Pickle || s.format == SourceFormat::kMotions;
-  if (all_in_one != !s.container.empty() && s.format != SourceFormat::kUestc) {
-    return Fail(ErrorCode::kConfig,
-                all_in_one ? "source '" + s.name + "' does not say which file holds its clips"
-                           : FormatName(s.format) + " files hold one clip each, not all in '" + s.container + "'",
-                OptionPlace("container"), all_in_one ? "e.g. 'humanact12poses.pkl'" : "take `container` out");
-  }
-  if (s.format == SourceFormat::kDepthSequence && s.depth_files.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where its depth images are",
-                OptionPlace("depth_files"), "e.g. 'depth/{view}_{frame:4}.png'");
+  if (driver.container == Container::kMust && s.container.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which file holds its clips",
+                OptionPlace("container"), "e.g. 'humanact12poses.pkl'");
   }
   return {};
 }

@@ -220,7 +220,7 @@ std::string RepairsHtml(const ClipPageInput& input) {
     if (findings.rows.size() >= kMostRepairs) break;
     const bool all = finding.frame_end <= finding.frame_begin;
     findings.rows.push_back({all ? "–" : FramesText(finding.frame_begin, finding.frame_end), EscapeHtml(finding.code),
-                             EscapeHtml(finding.joint), EscapeHtml(finding.message), EscapeHtml(finding.action)});
+                             EscapeHtml(finding.joint), EscapeHtml(finding.message), EscapeHtml(Name(finding.action))});
   }
   if (!findings.rows.empty()) html += findings.Html();
   const std::string map = StateMapSvg(*fitted.motion);

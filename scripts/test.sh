@@ -16,6 +16,11 @@ fi
 cmake --preset test
 cmake --build --preset test
 
+export TMPDIR="$PWD/build/test/tmp" TEST_TMPDIR="$PWD/build/test/tmp/"  # what tests leave goes with the folder
+rm -rf "$TMPDIR"
+mkdir -p "$TMPDIR"
+trap 'rm -rf "$TMPDIR"' EXIT
+
 log=build/test/ctest.log
 status=0
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1  # tests run side by side

@@ -156,7 +156,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
       finding.code = "split_leak";
       finding.severity = Severity::kError;
       finding.message = "split '" + split->name + "': " + split->leak_check;
-      finding.action = "flagged";
+      finding.action = FindingAction::kFlagged;
       outcome.findings.push_back(finding);
     }
     dataset.splits.push_back(std::move(*split));

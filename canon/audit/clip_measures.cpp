@@ -5,10 +5,10 @@
 #include <limits>
 #include <map>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/quality/contacts.h"
 #include "core/quality/measures.h"
-#include "core/quality/median.h"
 #include "core/quality/median_deviation.h"
 
 namespace mocurate {
@@ -131,7 +131,7 @@ std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector
       found.finding.message = std::string(kind.name) + " is " + RoundedText(measures[i][k], 3) + unit + ", of " +
                               (by_class ? "'" + clip.label + "'" : "all classes") + " it is " + RoundedText(median, 3) +
                               unit + " in the middle: " + RoundedText(away, 1) + " robust standard deviations";
-      found.finding.action = "flagged";
+      found.finding.action = FindingAction::kFlagged;
     }
   }
   for (AuditFinding& found : of_clip) {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/quality/median.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -15,7 +15,7 @@ AuditFinding OfSet(const char* code, const std::string& message) {
   AuditFinding found;
   found.finding.code = code;
   found.finding.message = message;
-  found.finding.action = "flagged";
+  found.finding.action = FindingAction::kFlagged;
   return found;
 }
 

@@ -57,7 +57,7 @@ Finding RejectedTriple(const char* code, const LabelledSpan& a, const LabelledSp
   finding.frame_end = b.end;
   finding.value = frames;
   finding.message = "'" + a.label + "' to '" + b.label + "': " + Counted(frames, "frame") + ", " + rule;
-  finding.action = "dropped";
+  finding.action = FindingAction::kDropped;
   return finding;
 }
 

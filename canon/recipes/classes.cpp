@@ -30,7 +30,7 @@ Finding NotListed(const Clip& clip, const std::vector<ClassOptions>& classes) {
   finding.message = "label '" + clip.label + "' is of none of the " + std::to_string(classes.size()) +
                     (classes.size() == 1 ? " class" : " classes") + " of the recipe" +
                     (near ? "; the nearest is '" + *near + "'" : "");
-  finding.action = "excluded from the dataset";
+  finding.action = FindingAction::kLeftOut;
   return finding;
 }
 
@@ -56,7 +56,8 @@ void CollectFineLabels(Dataset& dataset, std::vector<Finding>& findings) {
     finding.code = "fine_label_of_two_classes";
     finding.message = "fine label '" + clip.fine_label + "' is of class '" + parent + "', the clip is of '" +
                       clip.label + "'; give it another name";
-    finding.action = "fine label removed";
+    finding.message += "; fine label removed";
+    finding.action = FindingAction::kKept;
     findings.push_back(finding);
     clip.fine_label.clear();
   }
@@ -69,7 +70,7 @@ void Compare(const std::string& what, const std::optional<double>& expected, std
   finding.code = "count_not_expected";
   finding.value = static_cast<double>(found);
   finding.message = what + ": " + std::to_string(found) + ", the recipe expects " + RoundedText(*expected, 9);
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   findings.push_back(std::move(finding));
 }
 
@@ -152,7 +153,7 @@ std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Data
   finding.message = std::to_string(empty) + " of the " + std::to_string(options.classes.size()) +
                     " classes of assemble.classes without a clip: " + names +
                     "; their indices stay, so that networks and recognisers of the recipe fit";
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return {finding};
 }
 

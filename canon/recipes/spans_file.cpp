@@ -20,7 +20,7 @@ double FirstFrame(const Clip& clip) {
   return static_cast<double>(clip.identity.begin_frame + before);
 }
 
-Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Severity severity, const char* action) {
+Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Severity severity, FindingAction action) {
   Finding finding;
   finding.clip = clip.id();
   finding.code = "span_outside";
@@ -30,7 +30,7 @@ Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Se
                     RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " is not all in the clip, " +
                     RoundedText(FirstFrame(clip) / RecordedRate(clip).hz(), 6) + " to " +
                     RoundedText(FirstFrame(clip) / RecordedRate(clip).hz() + clip.motion->duration(), 6) +
-                    " s of its recording; " + action;
+                    " s of its recording";
   finding.action = action;
   return finding;
 }
@@ -77,11 +77,11 @@ std::vector<int> ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, st
     const double frame_s = clip.rate.FrameTime(1);
     const double beyond = segment.end_s - duration_s;
     if (segment.begin_s >= duration_s - 0.5 * frame_s || segment.end_s <= 0.5 * frame_s) {
-      findings.push_back(SpanOutside(clip, span, beyond, Severity::kError, "dropped"));
+      findings.push_back(SpanOutside(clip, span, beyond, Severity::kError, FindingAction::kDropped));
       continue;
     }
     if (beyond > 0.5 * frame_s)
-      findings.push_back(SpanOutside(clip, span, beyond, Severity::kWarning, "cut at its end"));
+      findings.push_back(SpanOutside(clip, span, beyond, Severity::kWarning, FindingAction::kKept));
     segment.end_s = std::min(segment.end_s, duration_s);
     segments.push_back(std::move(segment));
   }

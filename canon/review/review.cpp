@@ -93,7 +93,7 @@ Status Check(const Review& review, const std::filesystem::path& path) {
       contradicts ? "leave one of two decisions that contradict each other" : "docs/review.md tells the fields");
 }
 
-Finding About(const Clip& clip, const char* code, const char* action, const std::string& message,
+Finding About(const Clip& clip, const char* code, FindingAction action, const std::string& message,
               const Decision& decision) {
   Finding finding;
   finding.clip = clip.id();
@@ -110,7 +110,7 @@ Finding Stale(const Decision& decision, const std::string& why) {
   finding.clip = decision.clip;
   finding.code = "review_stale";
   finding.message = decision.place + ": " + VerdictName(decision.verdict) + " was not carried out: " + why;
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 
@@ -128,7 +128,7 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
   const bool said = std::find(row.cuts.begin(), row.cuts.end(), span) != row.cuts.end();
   if (row.dropped || (decision.verdict == Verdict::kCut && said)) return {};
   if (decision.verdict == Verdict::kDrop) {
-    applied.findings.push_back(About(clip, kReviewDrop, "dropped", "dropped by a review", decision));
+    applied.findings.push_back(About(clip, kReviewDrop, FindingAction::kDropped, "dropped by a review", decision));
     row.dropped = true;
   } else if (decision.verdict == Verdict::kRelabel) {
     if (dataset.LabelIndex(decision.label) < 0) {
@@ -137,7 +137,7 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
                   near ? "did you mean '" + *near + "'?" : "add it to assemble.classes");
     }
     if (decision.label == clip.label) return {};
-    applied.findings.push_back(About(clip, "review_relabel", "relabelled",
+    applied.findings.push_back(About(clip, "review_relabel", FindingAction::kRepaired,
                                      "'" + clip.label + "' became '" + decision.label + "' by a review", decision));
     clip.label = decision.label;
     const int fine = dataset.FineLabelIndex(clip.fine_label);
@@ -156,7 +156,7 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
     }
     if (decision.begin == 0 && decision.end == frames) return {};
     Finding done = About(
-        clip, "review_cut", "cut",
+        clip, "review_cut", FindingAction::kRepaired,
         "cut to frames " + std::to_string(decision.begin) + " to " + std::to_string(decision.end) + " by a review",
         decision);
     auto cut = Cut(clip, static_cast<int>(decision.begin), static_cast<int>(decision.end));

@@ -14,7 +14,7 @@ bool Contains(const std::vector<std::string>& list, const std::string& value) {
   return std::find(list.begin(), list.end(), value) != list.end();
 }
 
-Finding SplitFinding(const SplitOptions& options, const char* code, std::string message, const char* action) {
+Finding SplitFinding(const SplitOptions& options, const char* code, std::string message, FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.message = "split '" + options.name + "': " + std::move(message);
@@ -128,7 +128,7 @@ Expected<MetGroups> MeetGroups(const SplitOptions& options, const std::set<std::
     const std::string hint = (near ? "did you mean '" + *near + "'? " : "") + known;
     const std::string what = std::string("no clip has the ") + NameOf(options.by) + " '" + JoinNames(absent) + "'";
     if (options.absent == AbsentGroups::kRefuse) return tl::unexpected<Error>(Impossible(options, what, hint));
-    findings.push_back(SplitFinding(options, "split_name_absent", what + " (" + hint + ")", "flagged"));
+    findings.push_back(SplitFinding(options, "split_name_absent", what + " (" + hint + ")", FindingAction::kFlagged));
   }
   const bool tests = options.test.empty() || !met.test.empty();
   const bool selects = options.validation.empty() || !met.validation.empty();
@@ -152,7 +152,7 @@ Expected<MetGroups> MeetGroups(const SplitOptions& options, const std::set<std::
                                : message + " " + JoinNames(met.test) + " tests";
   if (!selects && !met.validation.empty()) message += (tests ? " " : ", ") + JoinNames(met.validation) + " selects";
   if (tests && met.validation.empty()) message = "nothing selects: all others test or train";
-  findings.push_back(SplitFinding(options, "split_drawn", message, "replaced"));
+  findings.push_back(SplitFinding(options, "split_drawn", message, FindingAction::kRepaired));
   return MetGroups{met, true};
 }
 

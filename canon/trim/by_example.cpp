@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "canon/trim/body_description.h"
-#include "core/quality/median.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {

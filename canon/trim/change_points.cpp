@@ -6,7 +6,7 @@
 
 #include "canon/trim/body_description.h"
 #include "canon/trim/rest_posture.h"
-#include "core/quality/median.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {

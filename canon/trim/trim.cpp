@@ -20,7 +20,7 @@ Finding Dropped(const Clip& clip, const char* code, int begin, int end, double v
   finding.frame_end = end;
   finding.value = value;
   finding.message = std::move(message);
-  finding.action = "dropped";
+  finding.action = FindingAction::kDropped;
   return finding;
 }
 
@@ -95,7 +95,7 @@ std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, s
                               static_cast<double>(motion.frame_count() - (span.end - span.begin)),
                               "still frames at the ends were cut; the frames named here were kept");
     finding.severity = Severity::kInfo;
-    finding.action = "trimmed";
+    finding.action = FindingAction::kDropped;
     findings.push_back(finding);
   }
   return {span};

@@ -84,7 +84,7 @@ Finding RepeatedClip(const std::string& id, std::size_t count, const std::string
   finding.severity = Severity::kInfo;
   finding.value = static_cast<double>(count);
   finding.message = "the same in " + first + " and " + others;
-  finding.action = "kept once";
+  finding.action = FindingAction::kDropped;
   return finding;
 }
 

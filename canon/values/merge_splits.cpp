@@ -52,7 +52,7 @@ std::vector<std::string> InTwoParts(GroupKind kind, std::vector<int> parts, cons
 }
 
 Finding AboutSplit(const char* code, Severity severity, double value, const std::string& message,
-                   const std::string& action) {
+                   FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.severity = severity;
@@ -129,7 +129,7 @@ void ReportAbsent(const std::vector<MergePart>& parts, const std::vector<SplitOf
     findings.push_back(AboutSplit("split_incomplete", Severity::kWarning, static_cast<double>(clips),
                                   "split '" + name + "' is none of " + parts[p].name + ", whose " +
                                       Counted(static_cast<long long>(clips), "clip") + " are in no part of it",
-                                  "flagged"));
+                                  FindingAction::kFlagged));
   }
 }
 
@@ -162,8 +162,8 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
           Finding finding =
               AboutSplit("split_part_differs", Severity::kWarning, 2.0,
                          "split '" + name + "': " + kPartNames[part_of_row[at]] + " in " + parts[decided_by[at]].name +
-                             ", " + kPartNames[own[row]] + " in " + parts[p].name,
-                         std::string("kept in ") + kPartNames[part_of_row[at]]);
+                             ", " + kPartNames[own[row]] + " in " + parts[p].name + "; kept in the first",
+                         FindingAction::kKept);
           finding.clip = clips[at].id();
           findings.push_back(std::move(finding));
         }
@@ -178,8 +178,8 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
     }
     split.leak_check = CheckUnited(parts, splits, part_of_row, clips, *contents);
     if (split.leak_check.rfind("ok", 0) != 0) {
-      findings.push_back(
-          AboutSplit("split_leak", Severity::kError, 0.0, "split '" + name + "': " + split.leak_check, "flagged"));
+      findings.push_back(AboutSplit("split_leak", Severity::kError, 0.0, "split '" + name + "': " + split.leak_check,
+                                    FindingAction::kFlagged));
     }
     united.push_back(std::move(split));
   }

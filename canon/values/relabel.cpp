@@ -16,7 +16,7 @@ bool IsNamed(const std::vector<std::string>& names, const std::string& name) {
 }
 
 Finding AboutLabel(const char* code, Severity severity, std::size_t value, const std::string& message,
-                   const char* action) {
+                   FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.severity = severity;
@@ -55,9 +55,10 @@ Status ReportUnknown(const RelabelMap& map, const Dataset& dataset, std::vector<
       ++fitting;
       continue;
     }
-    findings.push_back(AboutLabel(
-        "unknown_label", Severity::kWarning, 0,
-        "no clip has the label '" + label + "' of " + map.name + MeantText(Nearest(label, known)), "passed over"));
+    findings.push_back(
+        AboutLabel("unknown_label", Severity::kWarning, 0,
+                   "no clip has the label '" + label + "' of " + map.name + MeantText(Nearest(label, known)),
+                   FindingAction::kLeftOut));
   }
   std::vector<std::string> unknown;
   for (const auto& [clip, label] : map.table) {
@@ -70,7 +71,7 @@ Status ReportUnknown(const RelabelMap& map, const Dataset& dataset, std::vector<
         AboutLabel("unknown_clip", Severity::kWarning, unknown.size(),
                    "the dataset has no clip '" + unknown[0] + "' of " + map.name + MeantText(near) +
                        (unknown.size() > 1 ? ", nor " + std::to_string(unknown.size() - 1) + " others" : ""),
-                   "passed over"));
+                   FindingAction::kLeftOut));
   }
   if (fitting > 0) return {};
   return Fail(ErrorCode::kConfig, "nothing in it fits the dataset: " + findings.front().message, map.name,
@@ -174,18 +175,18 @@ void ReportChanges(RelabelledDataset& relabelled, const std::map<std::string, st
     const std::string count = Counted(static_cast<long long>(clips), "clip");
     relabelled.findings.push_back(AboutLabel("relabelled", Severity::kInfo, clips,
                                              "'" + labels.first + "' became '" + labels.second + "': " + count,
-                                             "relabelled"));
+                                             FindingAction::kRepaired));
   }
   for (const auto& [label, clips] : dropped) {
     relabelled.findings.push_back(AboutLabel("dropped", Severity::kInfo, clips,
                                              "label '" + label + "': " + Counted(static_cast<long long>(clips), "clip"),
-                                             "dropped"));
+                                             FindingAction::kDropped));
   }
   if (cleared > 0) {
     relabelled.findings.push_back(AboutLabel(
         "fine_label_cleared", Severity::kInfo, cleared,
         Counted(static_cast<long long>(cleared), "clip") + " had a fine label of another class than the new one",
-        "cleared"));
+        FindingAction::kRepaired));
   }
 }
 

@@ -33,7 +33,7 @@ Finding OtherSkeleton(const Clip& clip, double apart, const std::string& message
   finding.severity = Severity::kError;
   finding.value = apart;
   finding.message = message;
-  finding.action = "left out of the dataset";
+  finding.action = FindingAction::kLeftOut;
   return finding;
 }
 
@@ -101,7 +101,7 @@ void FindMixedRates(const Dataset& dataset, std::vector<Finding>& findings) {
     finding.message += " " + RoundedText(rate, 6) + " Hz (" + std::to_string(count) + ")";
   }
   finding.message += " stand together: windows of equal frames last differently; canon.rate brings them to one";
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   findings.push_back(finding);
 }
 

@@ -26,7 +26,7 @@ Finding EmptyPart(const Split& split, const char* part, std::size_t before) {
   finding.value = static_cast<double>(before);
   finding.message = "split '" + split.name + "': none of the " + Counted(static_cast<long long>(before), "clip") +
                     " of its part " + part + " is left";
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 

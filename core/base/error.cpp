@@ -44,7 +44,8 @@ std::string Error::Message() const {
 }
 
 bool operator==(const Error& a, const Error& b) {
-  return a.code == b.code && a.what == b.what && a.where == b.where && a.hint == b.hint;
+  return a.code == b.code && a.reason == b.reason && a.number == b.number && a.what == b.what && a.where == b.where &&
+         a.hint == b.hint;
 }
 
 std::string_view Name(ErrorCode code) { return FactsOf(code).name; }

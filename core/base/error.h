@@ -35,13 +35,26 @@ enum class ExitCode : int {
   kInterrupted = 75,
 };
 
+/// What a failure is about, where code has to know more than the ErrorCode.
+enum class Reason {
+  kNone,
+  kEmptyFile,      ///< no byte, or blanks alone
+  kCount,          ///< a header whose count what follows contradicts; `number` was announced
+  kUnsafePickle,   ///< a pickle that names more than plain data
+  kNobodySeen,     ///< no joint is seen in any frame
+  kPersonMissing,  ///< a file holds fewer people than are declared
+  kOtherTree,      ///< joints that are not those of the declared skeleton
+};
+
 /// One failure, in facts: `what` names the value and the broken rule, `where` the place (file:line:column or dataset
-/// path), `hint` the way out.
+/// path), `hint` the way out. What code has to know of it are `code`, `reason` and `number`: the texts are for people.
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
   std::string what;
   std::string where;
   std::string hint;
+  Reason reason = Reason::kNone;
+  double number = 0.0;
 
   /// "where: what (hint)" on one line, parts that are empty left out.
   std::string Message() const;
@@ -55,8 +68,14 @@ using Expected = tl::expected<T, Error>;
 using Status = Expected<void>;
 
 /// `return Fail(ErrorCode::kMalformed, "12 columns, header announces 14", "clip.trc:8", "...");`
-inline tl::unexpected<Error> Fail(ErrorCode code, std::string what, std::string where = {}, std::string hint = {}) {
-  return tl::unexpected<Error>(Error{code, std::move(what), std::move(where), std::move(hint)});
+inline tl::unexpected<Error> Fail(ErrorCode code, std::string what, std::string where = {}, std::string hint = {},
+                                  Reason reason = Reason::kNone, double number = 0.0) {
+  return tl::unexpected<Error>(Error{code, std::move(what), std::move(where), std::move(hint), reason, number});
+}
+
+/// Of a file without a byte, or of blanks alone.
+inline tl::unexpected<Error> EmptyFile(std::string name) {
+  return Fail(ErrorCode::kMalformed, "the file is empty", std::move(name), "was it copied whole?", Reason::kEmptyFile);
 }
 
 /// Passes the error of another result on.

@@ -18,11 +18,43 @@ std::string_view Name(Severity severity) {
   return "warning";
 }
 
+namespace {
+
+constexpr std::pair<FindingAction, std::string_view> kActions[] = {{FindingAction::kFlagged, "flagged"},
+                                                                   {FindingAction::kKept, "kept"},
+                                                                   {FindingAction::kDropped, "dropped"},
+                                                                   {FindingAction::kMissing, "taken as missing"},
+                                                                   {FindingAction::kInterpolated, "interpolated"},
+                                                                   {FindingAction::kRepaired, "repaired"},
+                                                                   {FindingAction::kLeftOut, "left out"},
+                                                                   {FindingAction::kRefused, "refused"},
+                                                                   {FindingAction::kAudited, "reported by an audit"}};
+
+}  // namespace
+
+std::string_view Name(FindingAction action) { return kActions[static_cast<std::size_t>(action)].second; }
+
+FindingAction FindingActionFromName(std::string_view name) {
+  for (const auto& [action, text] : kActions) {
+    if (text == name) return action;
+  }
+  return FindingAction::kFlagged;
+}
+
+Finding MakeFinding(std::string code, Severity severity, double value, std::string message) {
+  Finding finding;
+  finding.code = std::move(code);
+  finding.severity = severity;
+  finding.value = value;
+  finding.message = std::move(message);
+  return finding;
+}
+
 bool operator==(const Finding& a, const Finding& b) {
   const bool same_value = a.value == b.value || (std::isnan(a.value) && std::isnan(b.value));
   return same_value && a.clip == b.clip && a.code == b.code && a.severity == b.severity &&
-         a.frame_begin == b.frame_begin && a.frame_end == b.frame_end && a.joint == b.joint && a.message == b.message &&
-         a.action == b.action;
+         a.frame_begin == b.frame_begin && a.frame_end == b.frame_end && a.joint == b.joint && a.limit == b.limit &&
+         a.message == b.message && a.action == b.action;
 }
 
 void to_json(nlohmann::json& json, const Finding& finding) {
@@ -34,7 +66,8 @@ void to_json(nlohmann::json& json, const Finding& finding) {
           {"joint", finding.joint},
           {"value", finding.value},
           {"message", finding.message},
-          {"action", finding.action}};
+          {"action", std::string(Name(finding.action))}};
+  if (finding.limit != 0.0) json["limit"] = finding.limit;
   if (!std::isfinite(finding.value)) json["value"] = nullptr;  // JSON has no other way to say it
 }
 
@@ -48,8 +81,9 @@ void from_json(const nlohmann::json& json, Finding& finding) {
   json.at("joint").get_to(finding.joint);
   const nlohmann::json& value = json.at("value");
   finding.value = value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+  finding.limit = json.value("limit", 0.0);
   json.at("message").get_to(finding.message);
-  json.at("action").get_to(finding.action);
+  finding.action = FindingActionFromName(json.at("action").get<std::string>());
 }
 
 }  // namespace mocurate

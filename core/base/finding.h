@@ -13,9 +13,26 @@ enum class Severity { kInfo, kWarning, kError };
 
 std::string_view Name(Severity severity);
 
-/// Something wrong or doubtful about a clip. `value` is the measured number that `message` explains; `action` says what
-/// was done about it ("kept", "dropped", "flagged", "interpolated"). Frames are [frame_begin, frame_end) of the clip;
-/// an empty span (0, 0) means the whole clip. `joint` is empty when no single joint is meant.
+/// What was done about a finding. Its text, Name(action), stands in JSON and in datasets.
+enum class FindingAction {
+  kFlagged,       ///< nothing: it is reported
+  kKept,          ///< what it is about is used as it is
+  kDropped,       ///< frames are lost, or a clip is left out, for it
+  kMissing,       ///< samples are taken as not seen
+  kInterpolated,  ///< samples come from the frames beside them
+  kRepaired,      ///< samples or labels were changed
+  kLeftOut,       ///< a file, a camera, a person or a label is not used
+  kRefused,       ///< the clip is refused
+  kAudited,       ///< reported by `mocurate audit`, which replaces what it reported before
+};
+
+std::string_view Name(FindingAction action);
+/// Inverse of Name; kFlagged for another text, as files of former versions have.
+FindingAction FindingActionFromName(std::string_view name);
+
+/// Something wrong or doubtful about a clip. `value` is the measured number that `message` explains. Frames are
+/// [frame_begin, frame_end) of the clip; an empty span (0, 0) means the whole clip. `joint` is empty when no single
+/// joint is meant.
 struct Finding {
   std::string clip;
   std::string code;  ///< stable text, e.g. "handedness_contradiction"
@@ -24,9 +41,13 @@ struct Finding {
   int frame_end = 0;
   std::string joint;
   double value = 0.0;
+  double limit = 0.0;  ///< that `value` crossed; 0: none
   std::string message;
-  std::string action;
+  FindingAction action = FindingAction::kFlagged;
 };
+
+/// One about a whole file or clip, flagged.
+Finding MakeFinding(std::string code, Severity severity, double value, std::string message);
 
 bool operator==(const Finding& a, const Finding& b);
 

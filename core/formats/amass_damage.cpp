@@ -66,7 +66,7 @@ void TellDamaged(const DamagedPoses& damaged, const std::string& name, Amass& am
     finding.frame_end = frame + 1;
     finding.value = static_cast<double>(numbers);
     finding.message = damaged.first.at(frame);
-    finding.action = "dropped";
+    finding.action = FindingAction::kDropped;
     amass.findings.push_back(std::move(finding));
   }
   for (Finding& finding : amass.findings) {

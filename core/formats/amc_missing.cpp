@@ -16,7 +16,7 @@ void NoteMissing(const std::string& bone, std::size_t begin, std::size_t end, st
   finding.frame_end = static_cast<int>(end);
   finding.value = static_cast<double>(frames);
   finding.message = message;
-  finding.action = end > begin ? "dropped" : "kept";
+  finding.action = end > begin ? FindingAction::kDropped : FindingAction::kKept;
 }
 
 }  // namespace

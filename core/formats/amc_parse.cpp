@@ -81,7 +81,7 @@ class AmcParser {
     finding.frame_end = finding.frame_begin + 1;
     finding.value = value;
     finding.message = std::move(message);
-    finding.action = damage ? "dropped" : "kept";
+    finding.action = damage ? FindingAction::kDropped : FindingAction::kKept;
     return &finding;
   }
 
@@ -321,7 +321,7 @@ class AmcParser {
     LeaveOutLast();
     if (Finding* told = Report("cut_off", "", lacking, what, last)) {
       told->severity = Severity::kError;
-      told->action = "dropped";
+      told->action = FindingAction::kDropped;
     }
     return {};
   }

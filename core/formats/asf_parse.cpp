@@ -38,7 +38,7 @@ class AsfParser {
 
   Expected<Asf> Run() {
     std::string_view line = Next();
-    if (line.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", lines_.name(), "copy it again");
+    if (line.empty()) return EmptyFile(lines_.name());
     while (!line.empty()) {
       if (line.front() != ':') {
         return Bad("an ASF file consists of sections that begin with ':', not '" + Shown(line) + "'");
@@ -254,7 +254,8 @@ class AsfParser {
 
   void Report(const char* code, Severity severity, std::string joint, double value, std::string message) {
     if (asf_.findings.size() < 100)
-      asf_.findings.push_back({"", code, severity, 0, 0, std::move(joint), value, std::move(message), "kept"});
+      asf_.findings.push_back(
+          {"", code, severity, 0, 0, std::move(joint), value, 0.0, std::move(message), FindingAction::kKept});
   }
 
   void ReportId(const AsfBone& bone) {

@@ -186,7 +186,7 @@ ordered_json ToJson(const std::vector<BabelAnnotation>& annotations, bool timed,
 }  // namespace
 
 Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const std::string& name) {
-  if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name, "copy it again");
+  if (bytes.empty()) return EmptyFile(name);
   ordered_json root;
   try {
     root = ordered_json::parse(bytes);

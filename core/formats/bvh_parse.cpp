@@ -43,7 +43,7 @@ class BvhParser {
 
   Expected<Bvh> Run() {
     const std::string_view first = lines_.Next();
-    if (first.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name_, "copy it again");
+    if (first.empty()) return EmptyFile(name_);
     if (!SameWord(first, "HIERARCHY")) {
       const bool wide = first.substr(0, 2) == "\xFF\xFE" || first.substr(0, 2) == "\xFE\xFF";
       return Bad("a BVH file begins with HIERARCHY, not '" + Shown(first) + "'", 0,
@@ -241,12 +241,13 @@ class BvhParser {
     bvh_.values.resize(begin);
     for (std::size_t c = 0; c < wide; ++c) bvh_.values.push_back(begin == 0 ? 0.0 : bvh_.values[begin - wide + c]);
     bvh_.damaged.push_back(static_cast<int>(std::min<long long>(row, std::numeric_limits<int>::max() - 1)));
+    if (first_damage_.what.empty()) first_damage_ = {ErrorCode::kMalformed, what, PlaceOfLine(line), ""};
     constexpr std::size_t kMostFindings = 1000;
     if (bvh_.findings.size() >= kMostFindings) return;
     Report(code, value, line, row, what);
     bvh_.findings.back().severity = Severity::kWarning;
     bvh_.findings.back().frame_end = bvh_.findings.back().frame_begin + 1;
-    bvh_.findings.back().action = "dropped";
+    bvh_.findings.back().action = FindingAction::kDropped;
   }
 
   /// Where every row has the same count of numbers, and it is the hierarchy that has another; else empty.
@@ -267,14 +268,9 @@ class BvhParser {
     const auto wide = static_cast<std::size_t>(bvh_.channel_count);
     const auto damaged = static_cast<long long>(bvh_.damaged.size());
     if (rows > announced_ || (joined_ && rows != announced_) || 2 * damaged > rows) {
-      const Finding& first = *std::find_if(bvh_.findings.begin(), bvh_.findings.end(),
-                                           [](const Finding& finding) { return finding.code != "joint_twice"; });
-      if (const std::string hint = HintOfChannels(); 2 * damaged > rows && !hint.empty()) {
-        return Fail(ErrorCode::kMalformed, first.message.substr(first.message.find(": ") + 2),
-                    first.message.substr(0, first.message.find(": ")), hint);
-      }
-      return Fail(ErrorCode::kMalformed, first.message.substr(first.message.find(": ") + 2),
-                  first.message.substr(0, first.message.find(": ")),
+      if (const std::string hint = HintOfChannels(); 2 * damaged > rows && !hint.empty())
+        return Fail(ErrorCode::kMalformed, first_damage_.what, first_damage_.where, hint);
+      return Fail(ErrorCode::kMalformed, first_damage_.what, first_damage_.where,
                   2 * damaged > rows ? "more rows are damaged than whole: repair the file, or leave it out"
                                      : "the header announces " + std::to_string(announced_) + " frames, the file has " +
                                            std::to_string(rows) +
@@ -375,13 +371,16 @@ class BvhParser {
     finding.frame_begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
     finding.frame_end = frame > 0 ? finding.frame_begin + 1 : 0;
     finding.value = value;
-    finding.message = name_ + ":" + std::to_string(line) + ": " + what;
-    finding.action = frame > 0 ? "dropped" : "kept";
+    finding.message = PlaceOfLine(line) + ": " + what;
+    finding.action = frame > 0 ? FindingAction::kDropped : FindingAction::kKept;
     bvh_.findings.push_back(std::move(finding));
   }
 
+  std::string PlaceOfLine(int line) const { return name_ + ":" + std::to_string(line); }
+
   LineReader lines_;
   const std::string& name_;
+  Error first_damage_;
   bool reports_;
   Bvh bvh_;
   std::vector<int> stack_;

@@ -1,5 +1,6 @@
 #include "core/formats/camera_files.h"
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +9,6 @@
 #include "core/base/text.h"
 #include "core/formats/json_place.h"
 #include "core/formats/qualisys.h"
-#include "core/formats/toml.h"
 
 namespace mocurate {
 namespace {
@@ -17,6 +17,8 @@ using nlohmann::json;
 
 constexpr int kMaxCameraSide = 100'000;
 constexpr double kFarthest = 1e9;
+constexpr int kMaxTomlDepth = 16;
+constexpr int kMostTomlDots = 64;
 
 Status SetSize(const JsonPlace& place, const std::string& key, CalibratedView& view) {
   const Expected<JsonPlace> size = place.Key(key);
@@ -152,6 +154,49 @@ Status AddViews(const JsonPlace& list, bool keyed, Read read, Calibration& calib
     calibration.views.push_back(std::move(view));
   }
   return calibration.views.empty() ? list.Bad("at least one camera is expected") : Status();
+}
+
+/// Dates, and values nested deeper than any calibration's, become null.
+json JsonOfToml(const toml::node& node, int depth) {
+  return node.visit([&](const auto& value) -> json {
+    using Node = std::decay_t<decltype(value)>;
+    if constexpr (toml::is_table<Node>) {
+      json object = json::object();
+      if (depth == kMaxTomlDepth) return nullptr;
+      for (const auto& [key, child] : value) object[std::string(key.str())] = JsonOfToml(child, depth + 1);
+      return object;
+    } else if constexpr (toml::is_array<Node>) {
+      json array = json::array();
+      if (depth == kMaxTomlDepth) return nullptr;
+      for (const toml::node& child : value) array.push_back(JsonOfToml(child, depth + 1));
+      return array;
+    } else if constexpr (toml::is_chronological<Node>) {
+      return nullptr;
+    } else {
+      return *value;
+    }
+  });
+}
+
+Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
+  if (Trim(bytes).empty()) return EmptyFile(name);
+  int number = 0;
+  for (const std::string_view line : SplitText(bytes, '\n')) {
+    ++number;
+    // A key a.b.c nests tables, and toml++ walks over them by recursion.
+    if (std::count(line.begin(), line.end(), '.') <= kMostTomlDots) continue;
+    return Fail(ErrorCode::kMalformed, "a line has more than " + std::to_string(kMostTomlDots) + " dots",
+                name + ":" + std::to_string(number));
+  }
+  try {
+    return JsonOfToml(toml::parse(bytes), 0);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position at = error.source().begin;
+    return Fail(ErrorCode::kMalformed, "the file is no TOML: " + std::string(error.description()),
+                name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column));
+  }
 }
 
 Expected<Calibration> CalibrationFromJson(std::string_view bytes, const std::string& name,

@@ -7,7 +7,6 @@
 
 #include "core/base/text.h"
 #include "core/formats/line_reader.h"
-#include "core/formats/mended_frames.h"
 
 namespace mocurate {
 namespace {
@@ -149,7 +148,7 @@ void CheckFrameNumbers(JointRows& rows, const std::string& name) {
     finding.frame_end = static_cast<int>(f) + 1;
     finding.value = number;
     finding.message = name + ": frame number " + FormatDouble(number) + " follows " + FormatDouble(before);
-    finding.action = "kept";
+    finding.action = FindingAction::kKept;
     rows.findings.push_back(std::move(finding));
     return;  // the first one is enough: what follows may all be shifted
   }
@@ -208,27 +207,13 @@ void KeepGaps(JointRows& rows) {
     finding.value = skipped;
     finding.message = Counted(skipped, "frame") + " without a row: " + FormatDouble(rows.frame_number[f - 1]) +
                       " is followed by " + FormatDouble(rows.frame_number[f]);
-    finding.action = "dropped";
+    finding.action = FindingAction::kDropped;
     rows.findings.push_back(std::move(finding));
   }
   rows.frames = places.back() + 1;
   for (std::vector<double>* values :
        {&rows.position, &rows.confidence, &rows.rotation, &rows.rotation_confidence, &rows.frame_number})
     Spread(places, rows.frames, *values);
-}
-
-/// Rows of one joint each, in the order of the joints; nothing for other tables.
-std::optional<JointPerRow> RowsOfJoints(const JointLayout& layout, const JointTable& table) {
-  if (table.rows_per_frame < 2 || layout.groups.size() != 1 || !layout.groups[0].IsJoint()) return std::nullopt;
-  if (layout.groups[0].count != table.rows_per_frame) return std::nullopt;
-  JointPerRow rows;
-  rows.columns = table.columns;
-  int at = 0;
-  for (const JointColumn column : layout.groups[0].columns) {
-    if (column <= JointColumn::kZ) rows.xyz[static_cast<int>(column)] = at;
-    at += Width(column);
-  }
-  return rows;
 }
 
 }  // namespace
@@ -283,7 +268,7 @@ Expected<JointLayout> ParseJointLayout(std::string_view text, const std::string&
 }
 
 Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& layout, JointTableLayout table,
-                                   const std::string& name, OddFrame odd) {
+                                   const std::string& name) {
   const int numbers = layout.NumbersPerFrame();
   if (table.rows_per_frame < 1 || numbers < 1 || numbers % table.rows_per_frame != 0) {
     return Fail(ErrorCode::kUsage,
@@ -295,13 +280,10 @@ Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& la
   table.column_names = ColumnNames(layout, table.columns);
   Expected<JointTable> read = ParseJointTable(bytes, table, name);
   if (!read) return Forward(read);
-  if (const std::optional<JointPerRow> in_rows = RowsOfJoints(layout, *read)) {
-    if (Status mended = MendFrames(*in_rows, odd, bytes, table, name, *read); !mended) return Forward(mended);
-  }
   JointRows rows;
   rows.frames = read->frames;
   rows.joints = layout.Joints();
-  rows.rows_left_over = static_cast<int>(read->left_over.size()) / table.columns;
+  rows.rows_left_over = read->rows_left_over;
   rows.findings = std::move(read->findings);
   const std::size_t frames = static_cast<std::size_t>(rows.frames);
   const std::size_t joints = frames * static_cast<std::size_t>(rows.joints);

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/formats/joint_table.h"
-#include "core/formats/mended_frames.h"
 
 namespace mocurate {
 
@@ -44,16 +43,13 @@ struct JointRows {
   std::vector<double> rotation_confidence;  ///< (frames, joints); 0 where a joint has no rotation; empty: none
   std::vector<double> frame_number;         ///< (frames); empty: none declared
   std::vector<Finding> findings;            ///< those of the table; "frame_number": does not follow the one before;
-                                            ///< "time_gap": frames without a row, which are NaN in their place;
-                                            ///< "frame_rows": a frame with a row too few or too many
+                                            ///< "time_gap": frames without a row, which are NaN in their place
 };
 
 /// `table` says how the text is cut into rows (separator, missing, END, damaged rows); its rows_per_frame must divide
 /// the numbers of a frame; its columns and names follow from the layout. Errors are those of ParseJointTable, and
-/// kUsage for a layout that does not fit rows_per_frame. Where each joint has a row of its own, a row that is missing
-/// or too many is found by where the joints go on (row_frames.h): with DamagedRows::kReport its frame is NaN, in its
-/// place, with a finding, else an error.
+/// kUsage for a layout that does not fit rows_per_frame.
 Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& layout, JointTableLayout table,
-                                   const std::string& name, OddFrame odd = OddFrame::kLast);
+                                   const std::string& name);
 
 }  // namespace mocurate

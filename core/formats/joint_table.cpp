@@ -152,7 +152,7 @@ class JointTableParser {
                " before the first row of numbers: a header, passed over");
       table_.findings.back().frame_end = 0;
       table_.findings.back().severity = Severity::kInfo;
-      table_.findings.back().action = "passed over";
+      table_.findings.back().action = FindingAction::kLeftOut;
       return {};
     }
     if (table_.columns == 0) table_.columns = row.numbers;
@@ -245,7 +245,7 @@ class JointTableParser {
              "; a point is taken for missing where one of its numbers is" + way);
     table_.findings.back().frame_end =
         static_cast<int>(std::min<long long>(left_out.last_frame, std::numeric_limits<int>::max() - 1)) + 1;
-    table_.findings.back().action = "missing";
+    table_.findings.back().action = FindingAction::kMissing;
   }
 
   /// Of damaged rows the first thousand are told one by one.
@@ -262,7 +262,7 @@ class JointTableParser {
     finding.frame_end = finding.frame_begin + 1;
     finding.value = value;
     finding.message = std::move(message);
-    finding.action = "dropped";
+    finding.action = FindingAction::kDropped;
     table_.findings.push_back(std::move(finding));
   }
 
@@ -298,7 +298,7 @@ class JointTableParser {
     const std::size_t size =
         static_cast<std::size_t>(layout_.rows_per_frame) * static_cast<std::size_t>(table_.columns);
     const auto whole = table_.values.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(frames) * size);
-    table_.left_over.assign(whole, table_.values.end());
+    table_.rows_left_over = static_cast<int>(left_over);
     table_.values.erase(whole, table_.values.end());
     for (const long long frame : damaged_) {
       if (frame < frames) std::fill_n(table_.values.begin() + static_cast<std::ptrdiff_t>(frame * size), size, kNan);

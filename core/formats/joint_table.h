@@ -29,8 +29,8 @@ struct JointTable {
   int frames = 0;
   int rows_per_frame = 0;
   int columns = 0;
-  std::vector<double> values;     ///< NaN: not a finite number, or a damaged frame
-  std::vector<double> left_over;  ///< with DamagedRows::kReport: rows after the last whole frame
+  std::vector<double> values;  ///< NaN: not a finite number, or a damaged frame
+  int rows_left_over = 0;      ///< with DamagedRows::kReport: after the last whole frame
   std::vector<Finding>
       findings;  ///< with DamagedRows::kReport: "row_length", "not_a_number", "number_too_large", "cut_off"
 

@@ -174,7 +174,7 @@ std::string RotationFault(const Matrix3d& matrix, double tolerance) {
 Expected<json> ParseJson(std::string_view bytes, const std::string& name) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
-  if (Trim(bytes).empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+  if (Trim(bytes).empty()) return EmptyFile(name);
   json value = json::parse(bytes.begin(), bytes.end(), nullptr, false);
   if (value.is_discarded()) value = json::parse(WithNoNumbersAsTexts(bytes), nullptr, false);
   if (value.is_discarded()) return Fail(ErrorCode::kMalformed, "the file is not valid JSON", name);

@@ -124,7 +124,7 @@ tl::unexpected<Error> CutHeader(std::string_view bytes, const std::string& name)
 }
 
 Expected<Parts> Split(std::string_view bytes, const std::string& name) {
-  if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+  if (bytes.empty()) return EmptyFile(name);
   const bool begins = bytes.substr(0, kNpyMagic.size()) == kNpyMagic.substr(0, bytes.size());
   if (!begins) {
     return Fail(ErrorCode::kMalformed, "the file does not begin as a numpy array", name,

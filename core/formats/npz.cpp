@@ -58,7 +58,7 @@ Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const Np
       member.array = std::move(*array);
     } else if (array.error().code == ErrorCode::kUnsupported) {
       member.skipped = array.error().what;
-      if (NamesForeignClass(array.error())) npz.unsafe.push_back(array.error());
+      if (array.error().reason == Reason::kUnsafePickle) npz.unsafe.push_back(array.error());
     } else {
       return Forward(array);
     }
@@ -71,7 +71,7 @@ Finding UnsafeMember(const Error& unsafe) {
   Finding finding;
   finding.code = "unsafe_pickle";
   finding.message = unsafe.Message() + "; the member is left out";
-  finding.action = "left out";
+  finding.action = FindingAction::kLeftOut;
   return finding;
 }
 

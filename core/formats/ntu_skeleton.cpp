@@ -73,7 +73,7 @@ class NtuParser {
       Report("count_contradiction", *frames, line, contradiction.value().what);
       skeleton_.findings.back().severity = Severity::kError;
       skeleton_.findings.back().frame_end = 0;
-      skeleton_.findings.back().action = "kept";
+      skeleton_.findings.back().action = FindingAction::kKept;
     }
     return std::move(skeleton_);
   }
@@ -101,7 +101,7 @@ class NtuParser {
     if (joint_ >= 0) finding.joint = std::to_string(joint_);
     finding.value = value;
     finding.message = name_ + ":" + std::to_string(line) + ": " + what + Where();
-    finding.action = "dropped";
+    finding.action = FindingAction::kDropped;
     skeleton_.findings.push_back(std::move(finding));
   }
 
@@ -340,11 +340,8 @@ std::optional<NtuName> ParseNtuName(std::string_view file_name) {
     const std::string_view part = file_name.substr(std::min(i * 4, file_name.size()), 4);
     if (part.size() != 4 || !SameWord(part.substr(0, 1), kLetters.substr(i, 1))) return std::nullopt;
     int number = 0;
-    for (const char c : part.substr(1)) {
-      if (c < '0' || c > '9') return std::nullopt;
-      number = number * 10 + (c - '0');
-    }
-    if (number == 0) return std::nullopt;
+    const auto [stop, error] = std::from_chars(part.begin() + 1, part.end(), number);
+    if (error != std::errc() || stop != part.end() || number < 1) return std::nullopt;
     *numbers[i] = number;
   }
   const bool longer_number = file_name.size() > 20 && file_name[20] >= '0' && file_name[20] <= '9';

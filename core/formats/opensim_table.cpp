@@ -17,7 +17,7 @@ class OpenSimParser {
   OpenSimParser(std::string_view bytes, const std::string& name) : lines_(bytes, name) {}
 
   Expected<OpenSimTable> Run() {
-    if (lines_.Peek().empty()) return Fail(ErrorCode::kMalformed, "the file is empty", lines_.name(), "copy it again");
+    if (lines_.Peek().empty()) return EmptyFile(lines_.name());
     if (Status read = Header(); !read) return Forward(read);
     if (Status read = Labels(); !read) return Forward(read);
     if (Status read = Rows(); !read) return Forward(read);

@@ -39,7 +39,7 @@ class PcdParser {
   PcdParser(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   Expected<Pcd> Parse() {
-    if (bytes_.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name_);
+    if (bytes_.empty()) return EmptyFile(name_);
     if (Status header = Header(); !header) return Forward(header);
     Status body = pcd_.encoding == Pcd::Encoding::kAscii ? Ascii() : Binary();
     if (!body) return Forward(body);

@@ -55,7 +55,7 @@ Expected<JointTable> Rows(std::string_view bytes, std::vector<std::string> names
   Expected<JointTable> table = ParseJointTable(bytes, layout, name);
   if (!table) return table;
   const auto headers = std::count_if(table->findings.begin(), table->findings.end(),
-                                     [](const Finding& finding) { return finding.action == "passed over"; });
+                                     [](const Finding& finding) { return finding.action == FindingAction::kLeftOut; });
   for (int row = 0; row < table->frames; ++row) {
     const double frame = table->at(row, 0, 0);
     if (std::isnan(frame)) continue;

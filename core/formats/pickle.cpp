@@ -282,7 +282,7 @@ Expected<SparseMatrix> PickleRef::Sparse() const {
 }
 
 Expected<Pickle> ParsePickle(std::string_view bytes, const std::string& name, const PickleLimits& limits) {
-  if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+  if (bytes.empty()) return EmptyFile(name);
   if (const char* packing = Packing(bytes)) {
     return Fail(ErrorCode::kUnsupported, std::string("the file is packed (") + packing + ")", name,
                 "unpack it, or write it with joblib.dump(..., compress=0)");

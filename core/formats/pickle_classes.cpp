@@ -8,8 +8,6 @@
 namespace mocurate {
 namespace {
 
-constexpr const char* kNoPlainData = "', which is no plain data";
-
 constexpr PickleClassName kClasses[] = {
     {"collections OrderedDict", PickleClass::kOrderedDict, nullptr},
     {"numpy.core.multiarray _reconstruct", PickleClass::kReconstruct, nullptr},
@@ -73,23 +71,19 @@ const PickleClassName* FindPickleClass(const std::string& name) {
   return nullptr;
 }
 
-bool NamesForeignClass(const Error& error) {
-  const auto says = [&](const char* words) { return error.what.find(words) != std::string::npos; };
-  return error.code == ErrorCode::kUnsupported && (says(kNoPlainData) || says(kNoPlainOpcode));
-}
-
 std::optional<Error> ForeignClassIn(std::string_view bytes, const std::string& name) {
   const Expected<int> read = PickleMachine(bytes, name, PickleLimits(), true).Read();
-  return !read && NamesForeignClass(read.error()) ? std::optional<Error>(read.error()) : std::nullopt;
+  return !read && read.error().reason == Reason::kUnsafePickle ? std::optional<Error>(read.error()) : std::nullopt;
 }
 
 Status PickleMachine::PushClass(const std::string& name) {
   const PickleClassName* known = FindPickleClass(name);
   if (known == nullptr) {
     return Fail(
-        ErrorCode::kUnsupported, "the file names '" + DisplayPath(name) + kNoPlainData,
+        ErrorCode::kUnsupported, "the file names '" + DisplayPath(name) + "', which is no plain data",
         pickle_.name + ": byte " + std::to_string(position_),
-        "save arrays, lists and dictionaries alone; nothing else is read, and nothing of a file is ever executed");
+        "save arrays, lists and dictionaries alone; nothing else is read, and nothing of a file is ever executed",
+        Reason::kUnsafePickle);
   }
   PickleValue value;
   value.kind = PickleKind::kClass;

@@ -1,6 +1,7 @@
 #include "core/formats/pickle_machine.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 
 namespace mocurate {
@@ -74,11 +75,8 @@ Status PickleMachine::StepMemo(unsigned char opcode) {
     const Expected<std::string_view> line = TakeLine("a memo number");
     if (!line) return Forward(line);
     std::uint64_t slot = 0;
-    if (line->empty() || line->size() > 10) return Bad("a memo number that is none");
-    for (const char digit : *line) {
-      if (digit < '0' || digit > '9') return Bad("a memo number that is none");
-      slot = slot * 10 + static_cast<std::uint64_t>(digit - '0');
-    }
+    const auto [stop, error] = std::from_chars(line->begin(), line->end(), slot);
+    if (error != std::errc() || stop != line->end()) return Bad("a memo number that is none");
     return put ? Remember(slot) : Recall(slot);
   }
   const Expected<std::uint64_t> slot = TakeUnsigned(opcode == 'q' || opcode == 'h' ? 1 : 4);
@@ -262,7 +260,8 @@ Status PickleMachine::Unknown(unsigned char opcode) {
   for (const Named& named : kNames) {
     if (named.opcode != opcode) continue;
     --position_;
-    return Bad(what + " (" + named.name + kNoPlainOpcode, ErrorCode::kUnsupported);
+    return Bad(what + " (" + named.name + ") is not among those of plain data", ErrorCode::kUnsupported,
+               Reason::kUnsafePickle);
   }
   --position_;
   return Bad(what + " is not among those of plain data", ErrorCode::kUnsupported);

@@ -46,7 +46,6 @@ struct PickleClassName {
 };
 
 /// Said of an opcode whose name stands before it; a byte that is no opcode at all is damage.
-inline constexpr const char* kNoPlainOpcode = ") is not among those of plain data";
 
 /// Null when the name is none of the list.
 const PickleClassName* FindPickleClass(const std::string& name);
@@ -72,8 +71,9 @@ class PickleMachine {
   /// Whether what hangs from `root` is free of cycles, not too deep, and not too large when written out.
   Status Check(int root) const;
 
-  tl::unexpected<Error> Bad(const std::string& what, ErrorCode code = ErrorCode::kMalformed) const {
-    return Fail(code, what, pickle_.name + ": byte " + std::to_string(position_));
+  tl::unexpected<Error> Bad(const std::string& what, ErrorCode code = ErrorCode::kMalformed,
+                            Reason reason = Reason::kNone) const {
+    return Fail(code, what, pickle_.name + ": byte " + std::to_string(position_), "", reason);
   }
   bool Take(std::size_t count, std::string_view* data) {
     if (count > bytes_.size() - position_) return false;

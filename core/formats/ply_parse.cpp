@@ -47,7 +47,7 @@ class PlyParser {
   PlyParser(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   Expected<Ply> Parse() {
-    if (bytes_.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name_);
+    if (bytes_.empty()) return EmptyFile(name_);
     if (Status header = Header(); !header) return Forward(header);
     if (Status sizes = CheckSizes(); !sizes) return Forward(sizes);
     Status body = ply_.encoding == Ply::Encoding::kAscii ? Ascii() : Binary();

@@ -25,27 +25,6 @@ std::vector<Vector3d> Directions(const std::array<const Column*, 3>& columns,
   return directions;
 }
 
-/// Sums of the normals of the triangles at each point, by their areas, out of the mesh whichever way its corners run;
-/// none where a sum is zero.
-std::vector<Vector3d> NormalsOfTriangles(const std::vector<Vector3d>& points,
-                                         const std::vector<std::array<int, 3>>& triangles) {
-  Vector3d middle = Vector3d::Zero();
-  for (const Vector3d& point : points) middle += point / static_cast<double>(points.size());
-  std::vector<Vector3d> normals(points.size(), Vector3d::Zero());
-  double volume = 0.0;
-  for (const std::array<int, 3>& corners : triangles) {
-    const auto corner = [&](std::size_t k) { return points[static_cast<std::size_t>(corners[k])]; };
-    const Vector3d across = (corner(1) - corner(0)).cross(corner(2) - corner(0));
-    volume += across.dot(corner(0) - middle);
-    for (const int i : corners) normals[static_cast<std::size_t>(i)] += across;
-  }
-  for (Vector3d& normal : normals) {
-    if (normal.norm() == 0.0) return {};
-    normal = (volume < 0.0 ? -1.0 : 1.0) * normal.normalized();
-  }
-  return normals;
-}
-
 Expected<PointCloud> FromPly(std::string_view bytes, const std::string& name) {
   const auto ply = ParsePly(bytes, name);
   if (!ply) return Forward(ply);
@@ -60,7 +39,6 @@ Expected<PointCloud> FromPly(std::string_view bytes, const std::string& name) {
   }
   PointCloud cloud{std::move(*points), {}, triangles->size()};
   cloud.normals = Directions(columns, std::vector<std::uint8_t>(cloud.points.size(), 0));
-  if (cloud.normals.empty()) cloud.normals = NormalsOfTriangles(cloud.points, *triangles);
   return cloud;
 }
 

@@ -13,7 +13,7 @@ namespace mocurate {
 /// Points of a cloud, or vertices of a mesh, in file units.
 struct PointCloud {
   std::vector<Vector3d> points;
-  std::vector<Vector3d> normals;  ///< (points) unit, of the file, else of its triangles; none where a point has none
+  std::vector<Vector3d> normals;  ///< (points) unit, of the file; none where a point has none
   std::size_t triangles = 0;
 };
 

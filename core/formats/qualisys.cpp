@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <pugixml.hpp>
 
 #include "core/base/text.h"
 #include "core/formats/binary_numbers.h"
@@ -13,22 +14,25 @@ namespace {
 
 constexpr double kUnitsPerPixel = 64.0;
 
-/// Attributes of one element of a camera.
-struct Attributes {
-  const XmlElement& element;
+/// An element of the file, for messages with its line.
+struct QualisysElement {
+  pugi::xml_node node;
+  std::string_view bytes;
   const std::string& file;
 
-  std::string Where(const std::string& key) const {
-    return file + ":" + std::to_string(element.line) + ":" + element.name + "/" + key;
+  QualisysElement With(const pugi::xml_node& other) const { return {other, bytes, file}; }
+  std::string Line() const { return XmlPlace(bytes, file, node); }
+  std::string Where(const std::string& key) const { return Line() + ":" + node.name() + "/" + key; }
+  Expected<QualisysElement> Child(const char* name) const {
+    if (const pugi::xml_node child = node.child(name)) return With(child);
+    return Fail(ErrorCode::kMalformed, "the camera has no element '" + std::string(name) + "'", Line());
   }
   Expected<double> Number(const std::string& key) const {
-    const auto found = element.attributes.find(key);
-    if (found == element.attributes.end()) return Fail(ErrorCode::kMalformed, "the attribute is missing", Where(key));
-    const std::optional<double> number = ParseDouble(Trim(found->second));
-    if (!number || !std::isfinite(*number)) {
-      return Fail(ErrorCode::kMalformed, "'" + ShownText(found->second) + "' is not a finite number", Where(key));
-    }
-    return *number;
+    const pugi::xml_attribute attribute = node.attribute(key.c_str());
+    if (!attribute) return Fail(ErrorCode::kMalformed, "the attribute is missing", Where(key));
+    const std::optional<double> number = ParseDouble(Trim(attribute.value()));
+    if (number && std::isfinite(*number)) return *number;
+    return Fail(ErrorCode::kMalformed, "'" + ShownText(attribute.value()) + "' is not a finite number", Where(key));
   }
   Expected<std::vector<double>> Numbers(const std::vector<std::string>& keys) const {
     std::vector<double> numbers;
@@ -41,36 +45,24 @@ struct Attributes {
   }
 };
 
-Expected<Attributes> Child(const XmlElement& camera, const std::string& child, const std::string& file) {
-  const XmlElement* found = camera.Find(child);
-  if (found != nullptr) return Attributes{*found, file};
-  return Fail(ErrorCode::kMalformed, "the camera has no element '" + child + "'",
-              file + ":" + std::to_string(camera.line));
-}
-
 /// What is not read holds numbers as well: a file that is damaged there is not trusted elsewhere.
-Status CheckNumbers(const XmlElement& camera, const std::string& file) {
-  for (const XmlElement& element : camera.children) {
-    const bool numbers =
-        element.name.rfind("fov_", 0) == 0 || element.name == "transform" || element.name == "intrinsic";
-    if (!numbers) continue;
-    for (const auto& [key, text] : element.attributes) {
-      if (const Expected<double> number = Attributes{element, file}.Number(key); !number) return Forward(number);
+Status CheckNumbers(const QualisysElement& camera) {
+  for (const pugi::xml_node node : camera.node.children()) {
+    const std::string_view name = node.name();
+    if (name.substr(0, 4) != "fov_" && name != "transform" && name != "intrinsic") continue;
+    for (const pugi::xml_attribute attribute : node.attributes()) {
+      if (const auto number = camera.With(node).Number(attribute.name()); !number) return Forward(number);
     }
   }
   return {};
 }
 
-Expected<CalibratedView> ParseCamera(const XmlElement& camera, const std::string& file) {
+Expected<CalibratedView> ParseCamera(const QualisysElement& camera) {
   CalibratedView view;
-  const auto serial = camera.attributes.find("serial");
-  if (serial == camera.attributes.end() || serial->second.empty()) {
-    return Fail(ErrorCode::kMalformed, "the camera has no attribute 'serial'",
-                file + ":" + std::to_string(camera.line));
-  }
-  view.name = serial->second;
-  if (Status numbers = CheckNumbers(camera, file); !numbers) return Forward(numbers);
-  const Expected<Attributes> video = Child(camera, "fov_video", file);
+  view.name = camera.node.attribute("serial").value();
+  if (view.name.empty()) return Fail(ErrorCode::kMalformed, "the camera has no attribute 'serial'", camera.Line());
+  if (Status numbers = CheckNumbers(camera); !numbers) return Forward(numbers);
+  const Expected<QualisysElement> video = camera.Child("fov_video");
   if (!video) return Forward(video);
   const auto fov = video->Numbers({"left", "top", "right", "bottom"});
   if (!fov) return Forward(fov);
@@ -91,7 +83,7 @@ Expected<CalibratedView> ParseCamera(const XmlElement& camera, const std::string
   view.width = static_cast<int>((*fov)[2]) + 1;
   view.height = static_cast<int>((*fov)[3]) + 1;
 
-  const Expected<Attributes> intrinsic = Child(camera, "intrinsic", file);
+  const Expected<QualisysElement> intrinsic = camera.Child("intrinsic");
   if (!intrinsic) return Forward(intrinsic);
   const auto k = intrinsic->Numbers({"focalLengthU", "focalLengthV", "centerPointU", "centerPointV", "skew"});
   if (!k) return Forward(k);
@@ -113,7 +105,7 @@ Expected<CalibratedView> ParseCamera(const XmlElement& camera, const std::string
   if (!lens) return Forward(lens);
   view.distortion = {(*lens)[0], (*lens)[1], (*lens)[2], (*lens)[3], (*lens)[4]};
 
-  const Expected<Attributes> transform = Child(camera, "transform", file);
+  const Expected<QualisysElement> transform = camera.Child("transform");
   if (!transform) return Forward(transform);
   const auto r = transform->Numbers({"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"});
   if (!r) return Forward(r);
@@ -131,22 +123,23 @@ Expected<CalibratedView> ParseCamera(const XmlElement& camera, const std::string
 }  // namespace
 
 Expected<Calibration> ParseQualisys(std::string_view bytes, const std::string& name) {
-  const Expected<XmlElement> root = ParseXml(bytes, name);
-  if (!root) return Forward(root);
-  const XmlElement* cameras = root->Find("cameras");
-  if (root->name != "calibration" || cameras == nullptr || cameras->children.empty()) {
+  pugi::xml_document document;
+  if (Status parsed = ParseXml(bytes, name, document); !parsed) return Forward(parsed);
+  const pugi::xml_node cameras = document.child("calibration").child("cameras");
+  if (!cameras.first_child()) {
     return Fail(ErrorCode::kMalformed, "the file is no Qualisys calibration (calibration/cameras/camera)", name);
   }
   Calibration calibration;
   calibration.dialect = "qualisys";
   calibration.reading = PoseReading::kCentre;
   calibration.metres_per_unit = 0.001;
-  for (const XmlElement& camera : cameras->children) {
-    if (camera.name != "camera") {
-      return Fail(ErrorCode::kMalformed, "'" + ShownText(camera.name) + "' is no camera",
-                  name + ":" + std::to_string(camera.line));
+  for (const pugi::xml_node node : cameras) {
+    if (node.type() != pugi::node_element) continue;
+    const QualisysElement camera{node, bytes, name};
+    if (std::string_view(node.name()) != "camera") {
+      return Fail(ErrorCode::kMalformed, "'" + ShownText(node.name()) + "' is no camera", camera.Line());
     }
-    Expected<CalibratedView> view = ParseCamera(camera, name);
+    Expected<CalibratedView> view = ParseCamera(camera);
     if (!view) return Forward(view);
     calibration.views.push_back(std::move(*view));
   }

@@ -1,27 +1,25 @@
 #pragma once
 
-#include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/base/error.h"
 
+namespace pugi {
+class xml_document;
+class xml_node;
+}  // namespace pugi
+
 namespace mocurate {
 
-/// An element of an XML file: attributes and elements; text between them is passed over.
-struct XmlElement {
-  std::string name;
-  int line = 0;  ///< where it begins
-  std::map<std::string, std::string> attributes;
-  std::vector<XmlElement> children;
+/// Error kMalformed "name:line" for bytes that are not UTF-8 and for control characters.
+Status CheckMarkup(std::string_view bytes, const std::string& name);
 
-  /// The first child of this name; null when there is none.
-  const XmlElement* Find(std::string_view child) const;
-};
+/// Parses a file of one root element into `document`. Document types are skipped, entities beside the five of XML stay
+/// as they are. Error kMalformed "name:line", also for text beside the root and an attribute that stands twice.
+Status ParseXml(std::string_view bytes, const std::string& name, pugi::xml_document& document);
 
-/// The root element. Comments, processing instructions and CDATA are passed over; the five entities and &#n; below 128
-/// are replaced. Error kMalformed "name:line"; kUnsupported for a DOCTYPE. Elements are nested 64 deep at most.
-Expected<XmlElement> ParseXml(std::string_view bytes, const std::string& name);
+/// "name:line" of an element of a document that was parsed from `bytes`.
+std::string XmlPlace(std::string_view bytes, const std::string& name, const pugi::xml_node& element);
 
 }  // namespace mocurate

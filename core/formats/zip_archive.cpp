@@ -33,7 +33,7 @@ ZipArchive& ZipArchive::operator=(ZipArchive&&) noexcept = default;
 ZipArchive::~ZipArchive() = default;
 
 Expected<ZipArchive> ZipArchive::Open(std::string_view bytes, const std::string& name, const ZipLimits& limits) {
-  if (bytes.empty()) return Fail(ErrorCode::kMalformed, "the file is empty", name);
+  if (bytes.empty()) return EmptyFile(name);
   zip_error_t error;
   zip_error_init(&error);
   zip_source_t* source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);

@@ -1,4 +1,5 @@
 #include "core/geometry/robust_alignment.h"
+#include "core/base/median.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -25,9 +26,7 @@ double MedianWhereWeighed(const std::vector<double>& distances, const Eigen::Vec
   for (std::size_t i = 0; i < distances.size(); ++i) {
     if (weights[static_cast<Eigen::Index>(i)] > 0.0) weighed.push_back(distances[i]);
   }
-  const auto middle = weighed.begin() + static_cast<std::ptrdiff_t>(weighed.size() / 2);
-  std::nth_element(weighed.begin(), middle, weighed.end());
-  return *middle;
+  return Median(std::move(weighed));
 }
 
 double SpreadOf(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& weights) {

@@ -99,8 +99,12 @@ OutcomeKind KindFromName(const std::string& name) {
 }
 
 Error ReadError(const json& value) {
-  return Error{ErrorCodeFromName(value.at("code").get<std::string>()), value.at("what").get<std::string>(),
-               value.at("where").get<std::string>(), value.at("hint").get<std::string>()};
+  return Error{ErrorCodeFromName(value.at("code").get<std::string>()),
+               value.at("what").get<std::string>(),
+               value.at("where").get<std::string>(),
+               value.at("hint").get<std::string>(),
+               static_cast<Reason>(value.value("reason", 0)),
+               value.value("number", 0.0)};
 }
 
 }  // namespace
@@ -114,7 +118,12 @@ Expected<json> FromCanonicalText(std::string_view text) {
 }
 
 json ToJson(const Error& error) {
-  return {{"code", Name(error.code)}, {"what", error.what}, {"where", error.where}, {"hint", error.hint}};
+  return {{"code", Name(error.code)},
+          {"what", error.what},
+          {"where", error.where},
+          {"hint", error.hint},
+          {"reason", static_cast<int>(error.reason)},
+          {"number", error.number}};
 }
 
 json ToJson(const StageOutcome& outcome) {

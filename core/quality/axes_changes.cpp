@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/quality/median.h"
+#include "core/base/median.h"
 #include "core/quality/swaps.h"
 
 namespace mocurate {

@@ -1,4 +1,5 @@
 #include "core/quality/body_path.h"
+#include "core/base/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,9 +39,7 @@ bool OnePace(const std::vector<double>& time_s) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
   if (steps.empty()) return false;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  const double usual = *middle;
+  const double usual = Median(steps);
   return std::all_of(steps.begin(), steps.end(),
                      [&](double step) { return std::abs(step - usual) <= kPace * usual && usual > 0.0; });
 }
@@ -48,9 +47,7 @@ bool OnePace(const std::vector<double>& time_s) {
 double MedianDistance(const CentrePath& a, const CentrePath& b) {
   std::vector<double> lengths;
   for (std::size_t f = 0; f < a.size(); ++f) lengths.push_back((a[f] - b[f]).norm());
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  return Median(std::move(lengths));
 }
 
 void AddSole(const CentrePath& path, BodyPath& body) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/median.h"
 #include "core/geometry/rotation.h"
 #include "core/motion/limbs.h"
 
@@ -83,9 +84,7 @@ std::optional<double> FloorPenetration(const Motion& motion, const ContactLimits
     }
   }
   if (standing_heights.empty()) return std::nullopt;
-  const auto middle = standing_heights.begin() + static_cast<std::ptrdiff_t>(standing_heights.size() / 2);
-  std::nth_element(standing_heights.begin(), middle, standing_heights.end());
-  const double floor = *middle;
+  const double floor = Median(std::move(standing_heights));
   double sum = 0.0;
   for (int f = 0; f < motion.frame_count(); ++f) {
     double lowest = floor;

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/base/median.h"
 #include "core/quality/swaps.h"
 
 namespace mocurate {
@@ -89,10 +90,8 @@ double ToNaturalSize(const TrackedPoints& points) {
   for (int f = 0; f < points.frames(); ++f) {
     if (const auto size = points.Extent(f, 2)) sizes.push_back(*size);
   }
-  if (sizes.empty()) return 1.0;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle > 0.0 ? std::pow(10.0, std::round(std::log10(kPerson / *middle))) : 1.0;
+  const double size = Median(std::move(sizes));
+  return size > 0.0 ? std::pow(10.0, std::round(std::log10(kPerson / size))) : 1.0;
 }
 
 std::uint64_t Mixed(std::uint64_t hash, std::uint64_t value) {

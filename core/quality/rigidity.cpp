@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/base/pi.h"
-#include "core/quality/median.h"
 #include "core/quality/median_deviation.h"
 
 namespace mocurate {
@@ -49,13 +49,7 @@ bool LooksLikeRotations(const TrackedPoints& points) {
   return true;
 }
 
-constexpr const char* kSpreadWords = "bones change";
-
 }  // namespace
-
-double NoBodyLimit(const Finding& finding, const RigidityLimits& limits) {
-  return finding.message.rfind(kSpreadWords, 0) == 0 ? limits.spread : std::exp(limits.proportion);
-}
 
 std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimits& limits) {
   if (points.parents.empty()) return {};
@@ -80,7 +74,7 @@ std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimit
                               ? "bone lengths depart from the skeleton's proportions by a factor of " +
                                     Digits(std::exp(proportion)) + " (mean), a person's by at most " +
                                     Digits(std::exp(limits.proportion))
-                              : kSpreadWords + std::string(" their length by ") + Digits(spread) +
+                              : "bones change their length by " + Digits(spread) +
                                     " of it (median), a person's at most " + Digits(limits.spread);
   Finding finding =
       FrameFinding("not_joint_positions", 0, 0, "", proportion > limits.proportion ? std::exp(proportion) : spread,
@@ -88,6 +82,7 @@ std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimit
                               ? ": joints in another order, or rotations such as Lie parameters in their place"
                               : ": joints in another order, or no joint positions"));
   finding.severity = Severity::kError;
+  finding.limit = proportion > limits.proportion ? std::exp(limits.proportion) : limits.spread;
   return {finding};
 }
 

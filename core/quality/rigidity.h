@@ -16,7 +16,4 @@ struct RigidityLimits {
 /// `parents` with three bones, `rest_lengths` for the proportions, and 8 frames for the spread; else nothing is said.
 std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimits& limits = {});
 
-/// The limit that such a finding is beyond: of `proportion` or of `spread`.
-double NoBodyLimit(const Finding& finding, const RigidityLimits& limits);
-
 }  // namespace mocurate

@@ -1,4 +1,5 @@
 #include "core/quality/swaps.h"
+#include "core/base/median.h"
 
 #include <algorithm>
 #include <cctype>
@@ -23,9 +24,7 @@ double FastestStep(const TrackedPoints& points, const std::vector<BodyCentre>& c
     const double seconds = points.time_s[f] - points.time_s[f - 1];
     if (here.seen && before.seen && seconds > 0.0) speeds.push_back((here.place - before.place).norm() / seconds);
   }
-  if (speeds.empty()) return kHasty;
-  std::nth_element(speeds.begin(), speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2), speeds.end());
-  return std::max(kHasty, kTimes * speeds[speeds.size() / 2]);
+  return std::max(kHasty, kTimes * Median(std::move(speeds)));
 }
 
 std::string Plain(const std::string& name) {

@@ -4,7 +4,7 @@
 #include <map>
 #include <optional>
 
-#include "core/quality/median.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {

@@ -4,19 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 
 namespace mocurate {
 namespace {
 
 constexpr int kFewestCentrePoints = 3;
-
-double Middle(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));  // the same along the axis turned round
-}
 
 }  // namespace
 
@@ -56,7 +50,7 @@ std::vector<BodyCentre> BodyCentres(const TrackedPoints& points) {
     BodyCentre& centre = centres[static_cast<std::size_t>(f)];
     centre.seen =
         static_cast<int>(values[0].size()) >= std::min(kFewestCentrePoints, points.count()) && !values[0].empty();
-    for (int i = 0; centre.seen && i < 3; ++i) centre.place[i] = Middle(values[i]);
+    for (int i = 0; centre.seen && i < 3; ++i) centre.place[i] = MeanMedian(values[i]);
   }
   return centres;
 }
@@ -70,7 +64,7 @@ std::optional<Vector3d> BodyStep(const TrackedPoints& points, int from, int to) 
   }
   if (static_cast<int>(values[0].size()) < std::min(kFewestCentrePoints, points.count()) || values[0].empty())
     return {};
-  return Vector3d(Middle(values[0]), Middle(values[1]), Middle(values[2]));
+  return Vector3d(MeanMedian(values[0]), MeanMedian(values[1]), MeanMedian(values[2]));
 }
 
 Finding FrameFinding(const char* code, int begin, int end, const std::string& joint, double value,
@@ -82,7 +76,7 @@ Finding FrameFinding(const char* code, int begin, int end, const std::string& jo
   finding.joint = joint;
   finding.value = value;
   finding.message = std::move(message);
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/quality/median.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {

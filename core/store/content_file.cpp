@@ -27,15 +27,16 @@ constexpr std::uint64_t kOnDisk = 4u << 20;  // bytes of a file that is not made
 std::uint64_t BytesOf(const Content& content) {
   std::uint64_t bytes = 0;
   for (const auto& [path, array] : content.fields) {
+    const std::uint64_t count = array.count();
     bytes += std::visit(
-        [&](const auto& held) -> std::uint64_t {
+        [count](const auto& held) -> std::uint64_t {
           using Value = typename std::decay_t<decltype(held)>::value_type;
-          if constexpr (!std::is_same_v<Value, std::string>) return array.count() * sizeof(Value);
+          if constexpr (!std::is_same_v<Value, std::string>) return count * sizeof(Value);
           std::uint64_t longest = 0;
           if constexpr (std::is_same_v<Value, std::string>) {
             for (const std::string& text : held) longest = std::max<std::uint64_t>(longest, text.size());
           }
-          return array.count() * longest;
+          return count * longest;
         },
         array.values);
   }

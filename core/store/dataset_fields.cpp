@@ -62,7 +62,7 @@ void PackFindings(const std::vector<Finding>& findings, Content& content) {
   texts("severity", [](const Finding& f) { return std::string(Name(f.severity)); });
   content.Put("/findings/value", {N}, std::move(value));
   texts("message", [](const Finding& f) { return f.message; });
-  texts("action", [](const Finding& f) { return f.action; });
+  texts("action", [](const Finding& f) { return std::string(Name(f.action)); });
 }
 
 std::vector<Finding> UnpackFindings(const Content& content) {
@@ -82,7 +82,7 @@ std::vector<Finding> UnpackFindings(const Content& content) {
     finding.joint = text("joint");
     finding.value = content.Values<double>("/findings/value")[i];
     finding.message = text("message");
-    finding.action = text("action");
+    finding.action = FindingActionFromName(text("action"));
   }
   return findings;
 }

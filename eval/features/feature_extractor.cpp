@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/base/file.h"
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/motion/limbs.h"
 
@@ -44,12 +45,6 @@ void TakeFromCheckpoint(const Recogniser& recogniser, Extractor& extractor) {
     extractor.rules.root_rotation = recogniser.input_size() == 6 * recogniser.skeleton()->joint_count();
   }
   if (options.name.empty()) options.name = "own";
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 int HighestOfTrunk(const Skeleton& skeleton) {

@@ -5,8 +5,8 @@
 #include <deque>
 #include <utility>
 
+#include "core/base/median.h"
 #include "fitting/association/propose.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -36,7 +36,7 @@ std::vector<double> MedianLengthsOfTrack(const Track& track) {
   std::vector<double> lengths;
   for (const std::deque<double>& samples : track.measured) {
     std::vector<double> sorted(samples.begin(), samples.end());
-    lengths.push_back(Median(sorted));
+    lengths.push_back(MeanMedian(sorted));
   }
   return lengths;
 }
@@ -55,7 +55,7 @@ double ShapeDistance(const std::vector<double>& a, const std::vector<double>& b)
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i] > 0.0 && b[i] > 0.0) logs.push_back(std::abs(std::log(a[i] / b[i])));
   }
-  return Median(logs);
+  return MeanMedian(logs);
 }
 
 class PeopleFollower {
@@ -100,7 +100,7 @@ class PeopleFollower {
     const std::vector<double>& time = take_.time_s;
     std::vector<double> steps;
     for (std::size_t f = 1; f < time.size(); ++f) steps.push_back(time[f] - time[f - 1]);
-    const double reach = steps.empty() ? kNoMatch : 0.5 * Median(steps) + 1e-9;
+    const double reach = steps.empty() ? kNoMatch : 0.5 * MeanMedian(steps) + 1e-9;
     for (const RigView& view : rig_) {
       std::vector<int> nearest(time.size(), -1);
       std::size_t at = 0;
@@ -207,7 +207,7 @@ class PeopleFollower {
       const ShapeMatch shape = CompareShape(MedianLengthsOfTrack(track), lengths_);
       if (shape.scale > 0.0) scales.push_back(shape.scale);
     }
-    const double usual_scale = Median(scales);
+    const double usual_scale = MeanMedian(scales);
     for (const std::vector<Sight>& sights : ProposePeople(rig_, FreeEntries(frame), lengths_, usual_scale)) {
       Track started;
       for (const RigView& view : rig_) started.entry.emplace_back(view.time_s.size(), -1);

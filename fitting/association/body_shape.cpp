@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -68,7 +68,7 @@ ShapeMatch CompareShape(const std::vector<double>& measured, const std::vector<K
   ShapeMatch match;
   match.lengths = static_cast<int>(logs.size());
   if (logs.empty()) return match;
-  const double middle = Median(logs);
+  const double middle = MeanMedian(logs);
   match.scale = std::exp(middle);
   for (const double value : logs) match.mismatch += std::min(std::abs(value - middle), 1.0) / match.lengths;
   return match;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -42,7 +42,7 @@ Bracket FramesAround(const std::vector<double>& time, double step, double moment
 double UsualStep(const std::vector<double>& time) {
   std::vector<double> steps;
   for (std::size_t f = 1; f < time.size(); ++f) steps.push_back(time[f] - time[f - 1]);
-  return Median(steps);
+  return MeanMedian(steps);
 }
 
 void ReadBetweenFrames(const RigView& view, const std::vector<int>& entry, double step, double moment,

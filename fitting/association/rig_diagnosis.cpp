@@ -5,10 +5,10 @@
 #include <string>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "fitting/audit/rig_fault.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -107,8 +107,8 @@ Error WhyNobody(const std::vector<RigView>& rig) {
                        Counted(static_cast<long long>(entries), "detection"),
                    "compare the time stamps of the views");
   }
-  const double angle = Median(all.angle);
-  const double px = Median(all.px);
+  const double angle = MeanMedian(all.angle);
+  const double px = MeanMedian(all.px);
   const double behind = static_cast<double>(all.behind) / all.count;
   if (angle < kParallelAngle) {
     return Because("the cameras look at the person along nearly the same line: rays of neighbouring views differ by " +

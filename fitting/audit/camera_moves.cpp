@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 #include "fitting/triangulation/camera_refit.h"
 
 namespace mocurate {
@@ -34,7 +34,7 @@ std::vector<Vector2d> MedianErrors(const ViewKeypoints& view, const Triangulated
       v.push_back(error.y());
     }
     const bool enough = u.size() >= kLeastDetectionsOfMoment;
-    medians.emplace_back(enough ? Median(u) : std::nan(""), enough ? Median(v) : std::nan(""));
+    medians.emplace_back(enough ? MeanMedian(u) : std::nan(""), enough ? MeanMedian(v) : std::nan(""));
   }
   return medians;
 }
@@ -47,7 +47,7 @@ double Spread(const std::vector<Vector2d>& errors, std::size_t begin, std::size_
     for (std::size_t i = begin; i < end; ++i) {
       if (std::isfinite(errors[i][axis])) values.push_back(errors[i][axis]);
     }
-    const double median = Median(values);
+    const double median = MeanMedian(values);
     for (const double value : values) sum += std::abs(value - median);
   }
   return sum;
@@ -81,7 +81,7 @@ double MedianErrorOfView(const ViewKeypoints& view, const TriangulatedTracks& po
     if (points.confidence[i] <= 0.0 || view.confidence[i] <= 0.0) continue;
     errors.push_back(PixelError(view, i, Eigen::Map<const Vector3d>(points.positions.xyz.data() + 3 * i)).norm());
   }
-  return Median(errors);
+  return MeanMedian(errors);
 }
 
 /// The camera refitted in one or two parts to the points of the others.
@@ -134,7 +134,7 @@ SeenMove MoveAtPoints(const Camera& was, const Camera& is, const TriangulatedTra
     px.push_back(is.fx * off);
     m.push_back(after.z() * off);
   }
-  return {Median(px), Median(m)};
+  return {MeanMedian(px), MeanMedian(m)};
 }
 
 double ConfidenceOfPart(const RigSamples& samples, const std::vector<CameraPart>& parts, std::size_t part,

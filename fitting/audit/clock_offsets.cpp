@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -212,7 +212,7 @@ std::vector<double> ChangeOfClocks(const RigSamples& samples, const RigModel& mo
     for (std::size_t v = 0; v < views; ++v) {
       if (std::isfinite(clocks.sigma_s[v])) differences.push_back(clocks.clock_s[v] - model.clock_s[v]);
     }
-    const double common_s = Median(differences);
+    const double common_s = MeanMedian(differences);
     for (std::size_t v = 0; v < views; ++v) {
       if (!std::isfinite(clocks.sigma_s[v])) continue;
       change[v] = std::max(change[v], std::abs(clocks.clock_s[v] - model.clock_s[v] - common_s));

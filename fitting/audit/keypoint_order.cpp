@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "fitting/association/body_shape.h"
 #include "fitting/audit/rig_samples.h"
 #include "fitting/evidence/detector_points.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -75,7 +75,7 @@ bool HasLengthsOfPerson(const JointPositions& points, const std::vector<double>&
       if (confidence[first + length.from] <= 0.0 || confidence[first + length.to] <= 0.0) continue;
       samples.push_back((points.at(f, length.from) - points.at(f, length.to)).norm());
     }
-    medians.push_back(Median(samples));
+    medians.push_back(MeanMedian(samples));
   }
   if (CompareShape(medians, lengths).mismatch > kOfAPerson) return false;
   for (std::size_t a = 0; a < lengths.size(); ++a) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -71,7 +71,7 @@ Matrix3d ShiftBetween(const RigSamples& samples, const RigModel& one, const RigM
                         Eigen::Map<const Vector3d>(there.positions.xyz.data() + 3 * i));
     lengths.push_back(shifts.back().norm());
   }
-  const double gross = kGrossShift * Median(lengths);
+  const double gross = kGrossShift * MeanMedian(lengths);
   Matrix3d sum = Matrix3d::Zero();
   double count = 0.0;
   for (const Vector3d& shift : shifts) {

@@ -15,7 +15,9 @@ Finding FindingOf(const RigFault& fault) {
   finding.frame_end = fault.frame_end;
   finding.value = fault.value;
   finding.message = fault.message + "; sure to " + RoundedText(100.0 * fault.confidence, 4) + " %";
-  finding.action = !fault.corrected ? "flagged" : fault.code == kContradictingView ? "left out" : "corrected";
+  finding.action = !fault.corrected                   ? FindingAction::kFlagged
+                   : fault.code == kContradictingView ? FindingAction::kLeftOut
+                                                      : FindingAction::kRepaired;
   return finding;
 }
 

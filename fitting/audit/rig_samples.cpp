@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/median.h"
 #include "fitting/association/person_views.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -140,7 +140,7 @@ std::vector<std::vector<double>> ResidualMap(const RigSamples& samples, const Ri
           PixelError(view, i, Eigen::Map<const Vector3d>(points.positions.xyz.data() + 3 * i)).norm());
     }
     map.emplace_back();
-    for (std::vector<double>& span : spans) map.back().push_back(Median(span));
+    for (std::vector<double>& span : spans) map.back().push_back(MeanMedian(span));
   }
   return map;
 }

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/body/capsule_body.h"
 #include "core/quality/median_deviation.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -57,7 +57,7 @@ std::vector<CloudMatch> MatchPoints(const FleshBody& body, const PoseState& stat
 double RobustSigma(std::vector<double> distances) {
   if (distances.empty()) return kLeastSurfaceSigma;
   for (double& distance : distances) distance = std::abs(distance);
-  return std::max(kLeastSurfaceSigma, kMadToSigma * Median(distances));
+  return std::max(kLeastSurfaceSigma, kMadToSigma * MeanMedian(distances));
 }
 
 void CalibrateRadii(const std::vector<FusedCloud>& clouds, const PoseState& state, int begin, int end,
@@ -74,7 +74,7 @@ void CalibrateRadii(const std::vector<FusedCloud>& clouds, const PoseState& stat
   for (std::size_t c = 0; c < radii.size(); ++c) {
     if (radii[c].empty()) continue;
     const auto count = static_cast<double>(radii[c].size());
-    const double median = Median(radii[c]);
+    const double median = MeanMedian(radii[c]);
     body.capsules[c].radius += (median - body.capsules[c].radius) * count / (count + kPriorPoints);
   }
 }

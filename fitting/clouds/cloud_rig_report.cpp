@@ -37,7 +37,8 @@ std::vector<Finding> FindingsOf(const DepthRigReport& report) {
     finding.value = report.without_person[v];
     finding.message = "depth camera " + report.cameras[v] + " shows nobody in " +
                       RoundedText(100.0 * report.without_person[v], 3) + " % of the frames in which others do";
-    finding.action = "fitted without it there";
+    finding.message += "; fitted without it there";
+    finding.action = FindingAction::kKept;
     findings.push_back(std::move(finding));
   }
   if (report.not_audited.empty()) return findings;
@@ -46,7 +47,8 @@ std::vector<Finding> FindingsOf(const DepthRigReport& report) {
   finding.severity = Severity::kWarning;
   finding.value = static_cast<double>(report.cameras.size());
   finding.message = report.not_audited;
-  finding.action = "taken as given";
+  finding.message += "; taken as given";
+  finding.action = FindingAction::kKept;
   findings.push_back(std::move(finding));
   return findings;
 }

@@ -7,10 +7,10 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/median.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/limb_search.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/stop_request.h"
 
 namespace mocurate {
@@ -61,7 +61,7 @@ double HeightOfRestBody(const SkeletonPtr& skeleton) {
 double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size) {
   std::vector<double> heights;
   for (const FusedCloud& cloud : clouds) heights.push_back(HeightOfPerson(cloud, voxel_size));
-  return std::clamp(Median(heights) / HeightOfRestBody(skeleton), kSmallestAgainstRest, kLargestAgainstRest);
+  return std::clamp(MeanMedian(heights) / HeightOfRestBody(skeleton), kSmallestAgainstRest, kLargestAgainstRest);
 }
 
 class SizeSearch {
@@ -337,7 +337,7 @@ Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const Sk
   if (HasTemplateFlesh(*skeleton)) return FitShape(chosen, skeleton, std::move(person), quick);
   if (few) return person;
   std::vector<double> ratios = search.HeightRatios(*best);
-  if (!ratios.empty()) person.scale *= Median(ratios);
+  if (!ratios.empty()) person.scale *= MeanMedian(ratios);
   return person;
 }
 

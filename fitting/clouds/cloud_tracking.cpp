@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
+#include "core/base/median.h"
 #include "fitting/clouds/cloud_files.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/person_points.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/stop_request.h"
 
 namespace mocurate {
@@ -161,7 +161,7 @@ FrameCosts CostsOf(const PointCloudOptions& options, CloudTrack& track) {
     costs.of_frame[f] = CostPerPoint(f, options, track);
     known.push_back(costs.of_frame[f]);
   }
-  if (known.size() >= 3) costs.median = Median(known);
+  if (known.size() >= 3) costs.median = MeanMedian(known);
   return costs;
 }
 

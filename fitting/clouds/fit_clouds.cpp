@@ -106,7 +106,8 @@ Status AddUncertainty(CloudTrack& track, const Shown& shown, const PointCloudOpt
 void ReportUntrackedFrames(const CloudTrack& track, FitResult& result) {
   std::vector<bool> without;
   for (const auto& outcome : track.outcomes) without.push_back(outcome.iterations == 0);
-  ReportFramesWithout(without, "too few depth points", "pose of the frame before, or after, kept", result.findings);
+  ReportFramesWithout(without, "too few depth points, the pose of the frame before, or after, kept",
+                      FindingAction::kInterpolated, result.findings);
 }
 
 /// Tells of arms and legs that the views hardly ever show: what a fit says of them is a guess, and of what they hang
@@ -135,7 +136,8 @@ void ReportUnseenLimbs(const Shown& shown, FitResult& result) {
   finding.message = "the views hardly ever show " + names +
                     " and what hangs from there: that is a guess, what it hangs from is unsure, and the person may be "
                     "taller than this body";
-  finding.action = "inferred; tell fitting.point_clouds.height and start.posture where they are known";
+  finding.message += "; inferred; tell fitting.point_clouds.height and start.posture where they are known";
+  finding.action = FindingAction::kKept;
   result.findings.push_back(finding);
 }
 
@@ -152,7 +154,7 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
     far +=
         cloud.size() - static_cast<double>(MatchPoints(track.body, track.state, f, cloud, options.max_distance).size());
   }
-  const auto report = [&](double points, double share, const char* code, const char* message, const char* action) {
+  const auto report = [&](double points, double share, const char* code, const char* message, FindingAction action) {
     if (points <= share * all) return;
     Finding finding;
     finding.code = code;
@@ -162,8 +164,9 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
     result.findings.push_back(finding);
   };
   report(room, kNotableRoom, "points_of_the_room", " % of the depth points are floor or stand apart from the person",
-         "left out");
-  report(far, kNotableFar, "points_off_the_body", " % of the person's points lie far from the fitted body", "flagged");
+         FindingAction::kLeftOut);
+  report(far, kNotableFar, "points_off_the_body", " % of the person's points lie far from the fitted body",
+         FindingAction::kFlagged);
   if (!options.height || far <= kContradictingShare * all) return;
   Finding finding;
   finding.code = "height_contradicted";
@@ -171,7 +174,8 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
   finding.value = *options.height;
   finding.message = "a body of the height that is told, " + RoundedText(*options.height, 3) + " m, leaves " +
                     std::to_string(std::lround(100.0 * far / all)) + " % of the person's points unexplained";
-  finding.action = "flagged; check fitting.point_clouds.height, or leave it out";
+  finding.message += "; flagged; check fitting.point_clouds.height, or leave it out";
+  finding.action = FindingAction::kKept;
   result.findings.push_back(finding);
 }
 
@@ -183,7 +187,8 @@ void ReportDoubt(const CloudTrack& track, FitResult& result) {
   finding.value = *track.start.margin;
   finding.message = "a first pose that faces another way explains the points almost as well: its cost is " +
                     std::to_string(std::lround(100.0 * *track.start.margin)) + " % higher";
-  finding.action = "the cheaper one kept; tell fitting.point_clouds.start.facing where it is known";
+  finding.message += "; the cheaper one kept; tell fitting.point_clouds.start.facing where it is known";
+  finding.action = FindingAction::kKept;
   result.findings.push_back(finding);
 }
 
@@ -194,7 +199,8 @@ void ReportContradiction(const CloudTrack& track, FitResult& result) {
   finding.value = *track.start.off_facing;
   finding.message = "every first pose that explains the points faces another way than told: the cheapest by " +
                     std::to_string(std::lround(kDegrees * *track.start.off_facing)) + " degrees";
-  finding.action = "the cheapest one kept; check fitting.point_clouds.start.facing";
+  finding.message += "; the cheapest one kept; check fitting.point_clouds.start.facing";
+  finding.action = FindingAction::kKept;
   result.findings.push_back(finding);
 }
 

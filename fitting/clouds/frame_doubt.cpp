@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -51,8 +51,9 @@ void ReportLittleSeen(const std::vector<double>& error, std::vector<Finding>& fi
   finding.message =
       "in " + Counted(static_cast<long long>(guesses.size()), "frame") +
       " the views show a part of the person, or one side as flat as from afar: joints there may be off by " +
-      std::to_string(std::lround(1e2 * Median(guesses))) + " cm an axis";
-  finding.action = "inferred; stated deviations, where they are computed, widened";
+      std::to_string(std::lround(1e2 * MeanMedian(guesses))) + " cm an axis";
+  finding.message += "; inferred; stated deviations, where they are computed, widened";
+  finding.action = FindingAction::kKept;
   findings.push_back(std::move(finding));
 }
 
@@ -78,10 +79,11 @@ void ReportPoorlyExplained(const std::vector<double>& residual, std::vector<Find
   finding.code = kPoorlyExplained;
   finding.value = static_cast<double>(poor.size());
   finding.message = "in " + Counted(static_cast<long long>(poor.size()), "frame") + " points lie " +
-                    std::to_string(std::lround(1e3 * Median(poor))) + " mm off the body, in the best quarter " +
+                    std::to_string(std::lround(1e3 * MeanMedian(poor))) + " mm off the body, in the best quarter " +
                     std::to_string(std::lround(1e3 * known[known.size() / 4])) +
                     ": is it the same person, do all views show them, and does nothing else touch them?";
-  finding.action = "kept; stated deviations, where they are computed, widened";
+  finding.message += "; kept; stated deviations, where they are computed, widened";
+  finding.action = FindingAction::kKept;
   findings.push_back(std::move(finding));
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/geometry/symmetric.h"
 #include "fitting/clouds/cloud_uncertainty.h"
@@ -13,7 +14,6 @@
 #include "fitting/clouds/frame_doubt.h"
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/costs/huber.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/stop_request.h"
 #include "fitting/uncertainty/body_spread.h"
 #include "fitting/uncertainty/frame_spread.h"
@@ -113,9 +113,9 @@ Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedClou
   }
   if (apart.empty()) return 1.0;
   const double least = unknown * usual;
-  double real = std::max({Median(apart) - Median(of_tracks), 0.1 * Median(apart), least});
-  if (alone != nullptr) real = std::min(real, kMostBlame * usual + Median(unseen));
-  return std::clamp(std::sqrt(Median(claimed) / real), kLeastTrust, 1.0);
+  double real = std::max({MeanMedian(apart) - MeanMedian(of_tracks), 0.1 * MeanMedian(apart), least});
+  if (alone != nullptr) real = std::min(real, kMostBlame * usual + MeanMedian(unseen));
+  return std::clamp(std::sqrt(MeanMedian(claimed) / real), kLeastTrust, 1.0);
 }
 
 /// Factor on the variance of each joint of tracks that poses of the clouds alone contradict: where a joint lies farther
@@ -139,7 +139,7 @@ std::vector<double> Overclaimed(const Motion& motion, const std::vector<FusedClo
       const Vector3d apart = alone.position(f, j) - motion.joints.at(f, j);
       squares.push_back(apart.dot(both.ldlt().solve(apart)));
     }
-    factor[static_cast<std::size_t>(j)] = std::max(1.0, Median(squares) / kContradictingSquare);
+    factor[static_cast<std::size_t>(j)] = std::max(1.0, MeanMedian(squares) / kContradictingSquare);
   }
   return factor;
 }
@@ -148,7 +148,7 @@ std::vector<double> Overclaimed(const Motion& motion, const std::vector<FusedClo
 double FleshVariance(const Skeleton& skeleton, double scale) {
   std::vector<double> squares;
   for (const double error : BodyErrors(skeleton, scale)) squares.push_back(3.0 * error * error);
-  return Median(squares);
+  return MeanMedian(squares);
 }
 
 /// What a pose costs with points and joints, weighted alike for all poses.
@@ -202,7 +202,8 @@ void ReportDisagreement(const std::vector<double>& factor, FitResult& result) {
   finding.value = static_cast<double>(clear);
   finding.message = std::to_string(clear) + " of " + std::to_string(factor.size()) +
                     " joints lie elsewhere in the depth views than the other evidence says, by more than both explain";
-  finding.action = "depth views followed there";
+  finding.message += "; depth views followed there";
+  finding.action = FindingAction::kKept;
   result.findings.push_back(std::move(finding));
 }
 
@@ -216,7 +217,8 @@ void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result)
   finding.value = static_cast<double>(without);
   finding.message = "too few depth points in " + std::to_string(without) + " of " +
                     Counted(static_cast<long long>(clouds.size()), "frame");
-  finding.action = "fitted to the other evidence alone there";
+  finding.message += "; fitted to the other evidence alone there";
+  finding.action = FindingAction::kKept;
   result.findings.push_back(std::move(finding));
 }
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/geometry/rotation.h"
 #include "fitting/clouds/cloud_match.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -203,8 +203,8 @@ KindsAlignment AlignKinds(const FleshBody& body, const PoseState& state, const s
     far.push_back(way.norm());
     sizes.push_back(MeanSpread(points) / std::max(1e-9, MeanSpread(joints)));
   }
-  found.apart = Median(far);
-  found.size_ratio = Median(sizes);
+  found.apart = MeanMedian(far);
+  found.size_ratio = MeanMedian(sizes);
   const Aligner::Explained given = aligner.Explain({}, reach);
   found.near = found.near_after = given.near;
   found.loss = given.loss;
@@ -229,7 +229,7 @@ KindsAlignment AlignKinds(const FleshBody& body, const PoseState& state, const s
     return taken;
   };
   Placement still;
-  if (found.apart > kFarApart) still.move = Vector3d(Median(apart[0]), Median(apart[1]), Median(apart[2]));
+  if (found.apart > kFarApart) still.move = Vector3d(MeanMedian(apart[0]), MeanMedian(apart[1]), MeanMedian(apart[2]));
   found.moved = settle({true, false}, kWide, still);
   Placement late, both = still;
   late.late_s = FirstDelay(aligner, late, step_s, longest_s, reach);

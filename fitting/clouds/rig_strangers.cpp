@@ -4,9 +4,9 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "fitting/audit/confidence.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -104,7 +104,7 @@ std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views) {
     return may;
   }
   std::vector<double> sorted = loss;
-  const double usual = Median(sorted);
+  const double usual = MeanMedian(sorted);
   std::vector<std::pair<double, std::size_t>> odd;
   for (std::size_t v = 0; v < loss.size(); ++v) {
     if (loss[v] > kOddLoss * usual) odd.emplace_back(-loss[v], v);

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {
@@ -31,7 +31,7 @@ double HeightIn(const SeenRig& rig) {
       heights.push_back(height.maxCoeff() - height.minCoeff());
     }
   }
-  return heights.empty() ? 0.0 : Median(heights);
+  return heights.empty() ? 0.0 : MeanMedian(heights);
 }
 
 bool HasHeightOfPerson(double height) { return height > kLowestSeen && height < kTallestSeen; }

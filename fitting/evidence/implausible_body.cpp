@@ -5,13 +5,13 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/rotation.h"
 #include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
 #include "fitting/costs/huber.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/proportions.h"
 
 namespace mocurate {
@@ -54,18 +54,16 @@ struct Bone {
   double median = 0.0;
 };
 
-double MedianOf(std::vector<double> values) { return Median(values); }
-
 double SpreadOfValues(std::vector<double> values) {
-  const double centre = MedianOf(values);
+  const double centre = MeanMedian(values);
   for (double& value : values) value = std::abs(value - centre);
-  return kMadToSigma * Median(values);
+  return kMadToSigma * MeanMedian(values);
 }
 
 /// Median of how far lengths are from one.
 double DepartureFrom(double length, std::vector<double> lengths) {
   for (double& seen : lengths) seen = std::abs(seen - length);
-  return Median(lengths);
+  return MeanMedian(lengths);
 }
 
 /// Distances between two joints.
@@ -78,7 +76,7 @@ Bone BoneBetween(const SkeletonTracks& tracks, int joint, int parent) {
     bone.length.push_back((tracks.positions.at(f, joint) - tracks.positions.at(f, parent)).norm());
     bone.time_s.push_back(tracks.time_s[static_cast<std::size_t>(f)]);
   }
-  bone.median = MedianOf(bone.length);
+  bone.median = MeanMedian(bone.length);
   return bone;
 }
 
@@ -101,7 +99,7 @@ class BodyJudge {
     for (const Bone& bone : bones_) {
       if (bone.rest >= kLongBone) ratios.push_back(bone.median / bone.rest);
     }
-    scale_ = ratios.size() >= 3 ? Median(ratios) : 0.0;
+    scale_ = ratios.size() >= 3 ? MeanMedian(ratios) : 0.0;
   }
 
   std::vector<Finding> Findings() {
@@ -123,7 +121,7 @@ class BodyJudge {
     if (joint >= 0) finding.joint = Name(joint);
     finding.value = value;
     finding.message = std::move(message);
-    finding.action = "flagged";
+    finding.action = FindingAction::kFlagged;
     findings_.push_back(std::move(finding));
   }
 
@@ -255,7 +253,7 @@ class BodyJudge {
       if (std::any_of(parts.begin(), parts.end(),
                       [](const auto& part) { return part.size() < kFewestBodyFrames / kParts; }))
         continue;
-      for (std::size_t p = 0; p < parts.size(); ++p) part_sizes[p].push_back(std::log(Median(parts[p])));
+      for (std::size_t p = 0; p < parts.size(); ++p) part_sizes[p].push_back(std::log(MeanMedian(parts[p])));
       grow += part_sizes.back().back() > part_sizes.front().back() ? 1 : 0;
       ++all;
     }
@@ -263,7 +261,7 @@ class BodyJudge {
     std::vector<double> size, growths;
     for (std::size_t b = 0; b < part_sizes.front().size(); ++b)
       growths.push_back(part_sizes.back()[b] - part_sizes.front()[b]);
-    for (auto& part : part_sizes) size.push_back(Median(part));
+    for (auto& part : part_sizes) size.push_back(MeanMedian(part));
     const double growth = size.back() - size.front();
     const double share = static_cast<double>(growth > 0.0 ? grow : all - grow) / all;
     bool steady = true;
@@ -311,7 +309,7 @@ std::optional<Finding> FindDoubtfulSize(double stature, double scale) {
             "tells how tall they are"
           : ". Are two people close together, is something between camera and person or touching them, or is "
             "the unit of depths or calibration another? Masks of the person (ingest.source) leave others out";
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 
@@ -325,7 +323,7 @@ std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const J
       away.push_back(tracks.precision.empty() ? off.norm() : std::sqrt(off.dot(tracks.precision_at(f, j) * off)));
     }
     const std::size_t frames = away.size();
-    const double median = Median(away);
+    const double median = MeanMedian(away);
     if (frames < kFewestUnexplained || median <= kUnexplained) continue;
     const std::string& name = tracks.skeleton->joints[static_cast<std::size_t>(j)].name;
     Finding finding = FrameFinding(
@@ -357,7 +355,7 @@ std::vector<Finding> FindJointsBeyondLimits(const Motion& motion) {
       beyond.push_back(excess.norm());
     }
     const std::size_t frames = beyond.size();
-    const double median = Median(beyond);
+    const double median = MeanMedian(beyond);
     if (frames < kFewestUnexplained || median <= kFarBeyondLimits) continue;
     const double degrees = std::round(10.0 * kDegrees * median) / 10.0;
     findings.push_back(FrameFinding("joint_beyond_limits", 0, 0, joint.name, degrees,

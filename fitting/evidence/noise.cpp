@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/quality/median_deviation.h"
 
 namespace mocurate {
@@ -24,11 +25,11 @@ constexpr double kUnmeasuredSigma = 0.02;
 /// Standard deviation from absolute departures, by their median. Gross errors would shift it: what lies beyond four
 /// standard deviations is left out.
 double SigmaOf(std::vector<double> departures) {
-  double sigma = kMadToSigma * Median(departures);
+  double sigma = kMadToSigma * MeanMedian(departures);
   for (int i = 0; i < 3; ++i) {
     const auto gross = [&](double departure) { return departure > 4.0 * sigma; };
     departures.erase(std::remove_if(departures.begin(), departures.end(), gross), departures.end());
-    sigma = kMadToSigma * Median(departures);
+    sigma = kMadToSigma * MeanMedian(departures);
   }
   return sigma;
 }
@@ -86,7 +87,7 @@ double BoneSigma(const SkeletonTracks& tracks, int joint, const std::vector<doub
   }
   if (lengths.size() < kEnoughSamples) return 0.0;
   std::vector<double> departures = lengths;
-  const double centre = bone_length.empty() ? Median(departures) : bone_length[joint];
+  const double centre = bone_length.empty() ? MeanMedian(departures) : bone_length[joint];
   departures.clear();
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     if (variances[i] > 0.0) departures.push_back(std::abs(lengths[i] - centre) / std::sqrt(variances[i]));
@@ -99,14 +100,6 @@ double BoneSigma(const SkeletonTracks& tracks, int joint, const std::vector<doub
 Matrix3d UnitCovariance(const SkeletonTracks& tracks, int frame, int joint) {
   if (tracks.precision.empty()) return Matrix3d::Identity();
   return tracks.precision_at(frame, joint).inverse();
-}
-
-double Median(std::vector<double>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
 NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<double>& bone_length) {

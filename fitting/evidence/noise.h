@@ -25,7 +25,4 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
 /// Covariance of a seen sample in units of sigma^2: its precision's inverse; the identity where tracks have none.
 Matrix3d UnitCovariance(const SkeletonTracks& tracks, int frame, int joint);
 
-/// Median of numbers; 0 of none. Reorders them.
-double Median(std::vector<double>& values);
-
 }  // namespace mocurate

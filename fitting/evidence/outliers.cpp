@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -37,7 +37,7 @@ Vector3d MedianOver(const SkeletonTracks& tracks, const std::vector<int>& frames
   for (int i = 0; i < 3; ++i) {
     std::vector<double> values;
     for (const int f : frames) values.push_back(tracks.positions.at(f, joint)[i]);
-    median[i] = Median(values);
+    median[i] = MeanMedian(values);
   }
   return median;
 }
@@ -52,7 +52,7 @@ double StepNearby(const SkeletonTracks& tracks, std::vector<int> frames, int fra
     const double step = (tracks.positions.at(frames[i + 1], joint) - tracks.positions.at(frames[i], joint)).norm();
     steps.push_back(frames[i] < frame && frame < frames[i + 1] ? 0.5 * step : step);
   }
-  return Median(steps);
+  return MeanMedian(steps);
 }
 
 }  // namespace

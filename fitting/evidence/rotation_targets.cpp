@@ -65,7 +65,7 @@ Finding TooFew(int joints) {
   finding.value = joints;
   finding.message = "rotations of " + Counted(joints, "joint") + " are recorded in fewer than " +
                     std::to_string(kFewest) + " frames: too few to tell how the recorded frames lie in the joints";
-  finding.action = "not used";
+  finding.action = FindingAction::kLeftOut;
   return finding;
 }
 
@@ -76,7 +76,7 @@ Finding Disagreement(const std::string& joint, double sigma) {
   finding.value = sigma * 180.0 / kPi;
   finding.message = "the recorded rotations do not turn with the joint: they scatter by " +
                     FormatDouble(std::round(finding.value)) + " degrees";
-  finding.action = "not used";
+  finding.action = FindingAction::kLeftOut;
   return finding;
 }
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -167,7 +167,8 @@ class ExchangeSearch {
       for (int i = 0; i < 3; ++i) ways[i].push_back(way[i]);
     }
     Vector3d moved = Vector3d::Zero();
-    if (ways[0].size() >= 3) moved = Vector3d(Median(ways[0]), Median(ways[1]), Median(ways[2]));
+    if (ways[0].size() >= 3)
+      moved = Vector3d(Median(std::move(ways[0])), Median(std::move(ways[1])), Median(std::move(ways[2])));
     return moved_.emplace(from, moved).first->second;
   }
 

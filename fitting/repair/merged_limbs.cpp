@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -44,7 +44,7 @@ class MergeSearch {
       }
       const bool lasts = tracks_.time_s[last] - tracks_.time_s[f] >= kShortestMerged_s;
       if (lasts && static_cast<int>(apart.size()) >= kFewestMergedFrames)
-        found.push_back(Merged(f, last + 1, found.empty() ? 0 : found.back().frame_end, Median(apart)));
+        found.push_back(Merged(f, last + 1, found.empty() ? 0 : found.back().frame_end, Median(std::move(apart))));
       f = lasts && !found.empty() ? std::max(last, found.back().frame_end - 1) : last;
     }
     return found;

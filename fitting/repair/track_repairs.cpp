@@ -135,7 +135,7 @@ class Repairs {
     }
     repair.joints = merged.joints;
     result_.told.push_back(FindingsOf({repair}, *result_.tracks.skeleton).front());
-    result_.told.back().action = "flagged";
+    result_.told.back().action = FindingAction::kFlagged;
   }
 
   void Exchange(const LimbExchange& limb) {
@@ -159,7 +159,7 @@ class Repairs {
     finding.value = body.confidence;
     finding.message = "left and right are exchanged throughout, or the axes are mirrored: " + body.evidence +
                       "; mend the names of the joints or the axes of the source";
-    finding.action = "flagged";
+    finding.action = FindingAction::kFlagged;
     result_.told.push_back(std::move(finding));
   }
 
@@ -174,7 +174,7 @@ class Repairs {
         Counted(limb.frame_end - limb.frame_begin, "frame") +
         "; but knees, feet, hands or shoulders would then point backwards: left as it is, front and back of these "
         "frames or of the others are in doubt";
-    finding.action = "flagged";
+    finding.action = FindingAction::kFlagged;
     result_.told.push_back(std::move(finding));
   }
 
@@ -354,7 +354,8 @@ std::vector<Finding> FindingsOf(const std::vector<TrackRepair>& repairs, const S
     if (!whole) finding.joint = skeleton.joints[repair.joints.front()].name;
     finding.value = repair.value;
     finding.message = repair.message;
-    finding.action = repair.action == TrackRepair::Action::kExchanged ? "repaired" : "taken as missing";
+    finding.action =
+        repair.action == TrackRepair::Action::kExchanged ? FindingAction::kRepaired : FindingAction::kMissing;
     findings.push_back(std::move(finding));
   }
   return findings;

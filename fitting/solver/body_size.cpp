@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 #include "fitting/association/rig_diagnosis.h"
@@ -63,7 +64,7 @@ double SizeAgainst(const SkeletonTracks& clip, const std::vector<double>& bone_l
     const BoneDistance seen = DistanceOver({clip}, white, j, joint.parent);
     if (seen.samples > 0) ratios.push_back(seen.length / bone_length[j]);
   }
-  return Median(ratios);
+  return MeanMedian(ratios);
 }
 
 std::vector<bool> OfThePersonsSize(const std::vector<double>& sizes) {
@@ -120,13 +121,13 @@ Status CheckBody(const SkeletonTracks& clip, const std::string& where) {
   const auto bodies = static_cast<long long>(thickness.size());
   if (frames > 0 && bodies == 0) {
     return Fail(ErrorCode::kInconsistent,
-                "nobody is there: all joints lie in one point (to " + RoundedText(Tenths(Median(length)), 3) +
+                "nobody is there: all joints lie in one point (to " + RoundedText(Tenths(MeanMedian(length)), 3) +
                     " mm in the median) in all of " + Counted(frames, "frame"),
                 where, "drop the clip; where it stands for \"not seen\", say so with ingest.source.missing: zero");
   }
   if (flat < kFewestFlatFrames || flat < kNearlyAlways * static_cast<double>(bodies)) return {};
   return Fail(ErrorCode::kInconsistent,
-              "flat_body: all joints lie in one plane (to " + RoundedText(Tenths(Median(thickness)), 3) +
+              "flat_body: all joints lie in one plane (to " + RoundedText(Tenths(MeanMedian(thickness)), 3) +
                   " mm in the median) in " + std::to_string(flat) + " of " + Counted(bodies, "frame") +
                   ": 2-D points without depth are no joint tracks; the pose across the plane is not known",
               where, "give positions with their depth, or the 2-D points of two calibrated cameras (keypoints)");

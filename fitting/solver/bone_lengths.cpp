@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/quality/median_deviation.h"
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
@@ -88,7 +89,7 @@ BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::v
   distance.length = WeightedMedian(lengths);
   std::vector<double> departures;
   for (const auto& [length, weight] : lengths) departures.push_back(std::abs(length - distance.length));
-  distance.spread = kMadToSigma * Median(departures);
+  distance.spread = kMadToSigma * MeanMedian(departures);
   return distance;
 }
 
@@ -175,7 +176,7 @@ void FitUnseenChains(const std::vector<SkeletonTracks>& clips, const std::vector
   constexpr double kStiff = 0.06;  // of the distance, standard deviation over frames without noise
   constexpr double kDistanceSigma = 0.002;
   std::vector<double> noises = white;
-  const double noise = 2.0 * Square(Median(noises));
+  const double noise = 2.0 * Square(MeanMedian(noises));
   const std::vector<bool> swings = SwingingJoints(skeleton);
   std::vector<std::vector<double>> ratios(skeleton.joints.size());
   std::vector<UnseenChain> chains;
@@ -283,7 +284,7 @@ BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const
     bones.spread[j] = distance.spread;
     if (rest > 0.1) ratios.push_back(distance.length / rest);
   }
-  if (!ratios.empty()) bones.scale = Median(ratios);
+  if (!ratios.empty()) bones.scale = MeanMedian(ratios);
   for (int j = 1; j < joints; ++j) {
     if (bones.samples[j] == 0) bones.length[j] *= bones.scale;
   }

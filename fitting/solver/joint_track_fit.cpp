@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "fitting/contacts/standing_feet.h"
@@ -117,7 +118,7 @@ void MeasureResiduals(const SkeletonTracks& tracks, const std::vector<double>& j
     }
   }
   if (residuals.empty()) return;
-  result.residual_median = Median(residuals);
+  result.residual_median = MeanMedian(residuals);
   if (2 * used.size() < residuals.size()) used = residuals;
   double square = 0.0;
   for (const double residual : used) square += residual * residual;
@@ -146,7 +147,7 @@ void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejec
     finding.joint = tracks.skeleton->joints[j].name;
     finding.value = count;
     finding.message = Counted(count, "sample") + " far from the neighbours in time";
-    finding.action = "taken as missing";
+    finding.action = FindingAction::kMissing;
     result.findings.push_back(finding);
   }
 }
@@ -157,7 +158,7 @@ void ReportAssumedNoise(int frames, double sigma, FitResult& result) {
   finding.value = 1e3 * sigma;
   finding.message = Counted(frames, "frame") + " of tracks do not show their noise: " + RoundedText(1e3 * sigma, 3) +
                     " mm are assumed, and the stated uncertainty follows from that";
-  finding.action = "flagged";
+  finding.action = FindingAction::kFlagged;
   result.findings.push_back(finding);
 }
 
@@ -244,7 +245,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   MeasureResiduals(tracks, joint_sigma, rejected, result);
   std::vector<bool> unseen = tracks.SeenFrames();
   unseen.flip();
-  ReportFramesWithout(unseen, "no joint is seen", "interpolated", result.findings);
+  ReportFramesWithout(unseen, "no joint is seen", FindingAction::kInterpolated, result.findings);
   ReportOutliers(tracks, rejected, result);
   if (!noise.measured) ReportAssumedNoise(given.frames(), noise.sigma, result);
   return result;

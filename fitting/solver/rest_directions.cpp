@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/median.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/rest_spreads.h"
 #include "fitting/solver/trunk_turn.h"
@@ -270,7 +271,7 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
   std::vector<double> white;
   for (const SkeletonTracks& clip : clips) white.push_back(EstimateNoise(clip, {}).white);
   std::vector<double> noises = white;
-  const double noise = Median(noises);
+  const double noise = MeanMedian(noises);
   auto own = std::make_shared<Skeleton>(*skeleton);
   const std::vector<std::vector<int>> children = skeleton->Children();
   const std::vector<bool> seen = ShownJoints(clips);

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/geometry/rigid.h"
 #include "core/geometry/rotation.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/solver/bone_lengths.h"
 
 namespace mocurate {
@@ -95,7 +95,7 @@ Eigen::Matrix3Xd TurnedToTrunk(const StarOfBones& star, const std::vector<int>& 
     }
   }
   if (cosines.empty()) return star.offsets;
-  const double pitch = std::atan2(Median(sines), Median(cosines));
+  const double pitch = std::atan2(MeanMedian(sines), MeanMedian(cosines));
   return Eigen::AngleAxisd(-pitch, *axis).toRotationMatrix() * star.offsets;
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -37,7 +37,7 @@ double MedianErrorOfPose(const Camera& camera, const RigidTransform& pose, const
     const Vector2d error = ErrorOf(camera, pose, seen, at);
     errors.push_back(at.z() > kNearest ? error.norm() : 1e6);
   }
-  return Median(errors);
+  return MeanMedian(errors);
 }
 
 }  // namespace

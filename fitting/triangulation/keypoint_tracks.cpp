@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "fitting/association/associate.h"
 #include "fitting/association/person_views.h"
@@ -14,7 +15,6 @@
 #include "fitting/audit/rig_audit.h"
 #include "fitting/audit/view_sides.h"
 #include "fitting/evidence/detector_points.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/triangulation/odd_cameras.h"
 
 namespace mocurate {
@@ -39,7 +39,7 @@ Status CheckViews(const Evidence& evidence) {
 }
 
 Finding Tell(const std::string& code, Severity severity, double value, const std::string& message,
-             const std::string& action) {
+             FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.severity = severity;
@@ -64,7 +64,7 @@ void TellOfPeople(const std::vector<RigView>& rig, const Association& take, std:
     findings.push_back(Tell("other_people", Severity::kInfo, static_cast<double>(take.people.size()),
                             "views agree on " + Counted(static_cast<long long>(take.people.size()), "person") +
                                 "; this is number " + std::to_string(subject) + " by presence",
-                            "kept apart"));
+                            FindingAction::kKept));
   }
   std::string where;
   int left_out = 0;
@@ -76,7 +76,7 @@ void TellOfPeople(const std::vector<RigView>& rig, const Association& take, std:
   }
   if (left_out == 0) return;
   findings.push_back(Tell("bystanders_left_out", Severity::kInfo, left_out,
-                          "people or false finds that no second view confirms: " + where, "left out"));
+                          "people or false finds that no second view confirms: " + where, FindingAction::kLeftOut));
 }
 
 /// Whether most views that show somebody show somebody else.
@@ -97,7 +97,7 @@ void TellOfContradiction(const std::vector<RigView>& rig, const AssociatedPerson
   found.findings.push_back(Tell("views_contradict", Severity::kWarning, agreeing,
                                 "of " + RoundedText(showing, 2) + " views that show somebody only " +
                                     RoundedText(agreeing, 2) + " agree on this person (mean over the frames)",
-                                "flagged"));
+                                FindingAction::kFlagged));
 }
 
 /// Share of the keypoints that three views and more detect of which no two detections meet in a point.
@@ -122,7 +122,7 @@ void TellOfContradictedPoints(double share, KeypointTracks& found) {
   found.findings.push_back(Tell("keypoints_contradict", Severity::kWarning, share,
                                 "of the keypoints that three views and more detect " + std::to_string(Percent(share)) +
                                     " % meet in no point: do all cameras show the same take of the same person?",
-                                "flagged"));
+                                FindingAction::kFlagged));
 }
 
 void TellOfPoints(const TriangulatedTracks& points, KeypointTracks& found) {
@@ -135,13 +135,14 @@ void TellOfPoints(const TriangulatedTracks& points, KeypointTracks& found) {
   }
   if (!never.empty()) {
     findings.push_back(Tell("keypoints_never_found", Severity::kInfo, 0.0,
-                            "too few views agree on " + never + " in nearly all frames", "inferred"));
+                            "too few views agree on " + never + " in nearly all frames", FindingAction::kInterpolated));
   }
   if (report.triangulated < kPoorPoints) {
     report.doubtful = true;
-    findings.push_back(Tell(
-        "few_points", Severity::kWarning, report.triangulated,
-        "only " + std::to_string(Percent(report.triangulated)) + " % of the keypoints are found in 3-D", "flagged"));
+    findings.push_back(
+        Tell("few_points", Severity::kWarning, report.triangulated,
+             "only " + std::to_string(Percent(report.triangulated)) + " % of the keypoints are found in 3-D",
+             FindingAction::kFlagged));
   }
   std::vector<double> uneven;
   for (std::size_t i = 0; i < points.confidence.size(); ++i) {
@@ -149,14 +150,14 @@ void TellOfPoints(const TriangulatedTracks& points, KeypointTracks& found) {
     const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(points.precision[i], Eigen::EigenvaluesOnly);
     uneven.push_back(std::sqrt(axes.eigenvalues()[2] / std::max(axes.eigenvalues()[0], 1e-300)));
   }
-  const double ratio = Median(uneven);
+  const double ratio = MeanMedian(uneven);
   if (ratio <= kUnevenDepth) return;
   report.doubtful = true;
   findings.push_back(Tell("views_close_together", Severity::kWarning, ratio,
                           "points are " + RoundedText(ratio, 3) +
                               " times as uncertain along their worst direction as along their best: the views that see "
                               "them stand close together, or opposite each other",
-                          "flagged"));
+                          FindingAction::kFlagged));
 }
 
 KeypointReport ReportOf(const Evidence& evidence, const std::vector<RigView>& rig, const Association& take,
@@ -195,7 +196,7 @@ std::vector<double> MedianLengthsOfPoints(const TriangulatedTracks& points, cons
       if (points.confidence[first + length.from] <= 0.0 || points.confidence[first + length.to] <= 0.0) continue;
       samples.push_back((points.positions.at(f, length.from) - points.positions.at(f, length.to)).norm());
     }
-    medians.push_back(Median(samples));
+    medians.push_back(MeanMedian(samples));
   }
   return medians;
 }
@@ -361,7 +362,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   }
   if (!audited.not_audited.empty()) {
     found.findings.push_back(Tell("rig_not_audited", Severity::kInfo, static_cast<double>(rig.size()),
-                                  audited.not_audited, "taken as given"));
+                                  audited.not_audited, FindingAction::kKept));
   }
   found.report.faults = std::move(faults);
   found.report.residual_px = audited.residual_px;
@@ -398,9 +399,9 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   if (!wrong) return Triangulated(as_seen, skeleton, options, std::move(faults));
   Expected<KeypointTracks> found = Triangulated(as_seen, skeleton, WithoutAudit(options), std::move(faults));
   if (found) {
-    found->findings.push_back(
-        Tell("rig_not_audited", Severity::kInfo, static_cast<double>(as_seen.keypoint_views.size()),
-             "clocks, places and sides of cameras are not judged by files that are not as given", "taken as given"));
+    found->findings.push_back(Tell(
+        "rig_not_audited", Severity::kInfo, static_cast<double>(as_seen.keypoint_views.size()),
+        "clocks, places and sides of cameras are not judged by files that are not as given", FindingAction::kKept));
   }
   return found;
 }

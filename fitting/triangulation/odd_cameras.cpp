@@ -13,7 +13,7 @@ constexpr double kSeldomShown = 0.5;    ///< of a camera's frames without the pe
 constexpr double kNotableShare = 0.15;  ///< of a camera's keypoints left out, and
 constexpr double kNotableRatio = 4.0;   ///< times that of any other camera: worth a warning
 
-Finding WarningOfCamera(const std::string& code, double value, const std::string& message, const std::string& action) {
+Finding WarningOfCamera(const std::string& code, double value, const std::string& message, FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.severity = Severity::kWarning;
@@ -46,10 +46,10 @@ void TellOfCameras(const KeypointReport& report, const std::vector<double>& unse
     const CameraAgreement& camera = report.cameras[v];
     const std::string& name = report.camera_names[v];
     if (unseen[v] >= kSeldomShown) {
-      findings.push_back(WarningOfCamera(
-          "camera_without_person", unseen[v],
-          "camera " + name + " shows nothing of the person in " + PercentOf(unseen[v]) + " % of its frames",
-          "fitted without it there"));
+      findings.push_back(WarningOfCamera("camera_without_person", unseen[v],
+                                         "camera " + name + " shows nothing of the person in " + PercentOf(unseen[v]) +
+                                             " % of its frames" + "; fitted without it there",
+                                         FindingAction::kKept));
     }
     const double share = camera.left_out_share();
     const double others = MostLeftOutElsewhere(report.cameras, v);
@@ -59,7 +59,7 @@ void TellOfCameras(const KeypointReport& report, const std::vector<double>& unse
                                              " % of its keypoints lie more than " + RoundedText(outlier, 3) +
                                              " px off, of another one at most " + PercentOf(others) +
                                              " %; does it show the same take of the same person, all along?",
-                                         "those left out"));
+                                         FindingAction::kLeftOut));
     }
     if (!camera.disagrees) continue;
     findings.push_back(WarningOfCamera("camera_disagrees", camera.median_px,
@@ -67,7 +67,7 @@ void TellOfCameras(const KeypointReport& report, const std::vector<double>& unse
                                            " % of its keypoints lie more than " + RoundedText(outlier, 3) +
                                            " px off, " + RoundedText(camera.median_px, 3) +
                                            " px in the median; was it moved, or is its clock off?",
-                                       "left out of this clip"));
+                                       FindingAction::kLeftOut));
   }
 }
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <iterator>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 #include "fitting/triangulation/normal_equations3.h"
 
 namespace mocurate {
@@ -172,7 +172,7 @@ std::optional<TriangulatedPoint> JudgePoint(const Rays& rays, const Refined& ref
 void ConfidenceOfPrecision(std::vector<double>& sigma) {
   std::vector<double> found;
   std::copy_if(sigma.begin(), sigma.end(), std::back_inserter(found), [](double value) { return value > 0.0; });
-  const double median = Median(found);
+  const double median = MeanMedian(found);
   for (double& value : sigma) value = value > 0.0 ? std::min(median / value, 1.0) : 0.0;
 }
 
@@ -183,7 +183,7 @@ std::vector<Matrix3d> RelativePrecision(const std::vector<Matrix3d>& covariance,
   for (std::size_t i = 0; i < covariance.size(); ++i) {
     if (confidence[i] > 0.0) variance.push_back(covariance[i].trace() / 3.0);
   }
-  const double typical = Median(variance);
+  const double typical = MeanMedian(variance);
   std::vector<Matrix3d> precision(covariance.size(), Matrix3d::Identity());
   for (std::size_t i = 0; i < covariance.size(); ++i) {
     if (confidence[i] > 0.0) precision[i] = typical * covariance[i].inverse();
@@ -289,7 +289,7 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
       tracks.cameras[ray.index].left_out += error > options.outlier ? 1 : 0;
     }
   }
-  for (std::size_t v = 0; v < views.size(); ++v) tracks.cameras[v].median_px = Median(errors[v]);
+  for (std::size_t v = 0; v < views.size(); ++v) tracks.cameras[v].median_px = MeanMedian(errors[v]);
   tracks.precision = RelativePrecision(covariance, tracks.confidence);
   ConfidenceOfPrecision(tracks.confidence);
   NameTheOddOnes(tracks.cameras);

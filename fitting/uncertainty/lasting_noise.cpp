@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
@@ -29,7 +29,7 @@ std::vector<std::vector<double>> DeparturesOfBones(const TrackWindow& whole) {
     }
     departures.push_back(std::move(of_bone));
   }
-  const double most = kGross * Median(sizes);
+  const double most = kGross * MeanMedian(sizes);
   for (std::vector<double>& of_bone : departures) {
     for (double& value : of_bone) value = std::clamp(value, -most, most);
   }

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 #include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
 
@@ -157,7 +157,7 @@ void NoteOthers(const People& people, std::size_t wanted, std::vector<Finding>& 
                                  "the file holds " + std::to_string(left + people.chosen.size()) +
                                      " people, ingest.source.bodies asks for " + std::to_string(wanted) + "; " +
                                      std::to_string(left) + " not taken: " + which);
-  finding.action = "left out";
+  finding.action = FindingAction::kLeftOut;
   findings.push_back(std::move(finding));
 }
 
@@ -217,7 +217,7 @@ People ChoosePeople(std::vector<PersonTrack> tracks, std::size_t wanted, TrackRu
                                    "", static_cast<double>(people.ghosts[i].frames.size()),
                                    "body " + people.ghosts[i].Name() + " is nobody (" + reasons[i] + "), in " +
                                        Counted(static_cast<long long>(people.ghosts[i].frames.size()), "frame"));
-    finding.action = taken ? "taken, for want of a better one" : "left out";
+    finding.action = taken ? FindingAction::kKept : FindingAction::kLeftOut;
     people.findings.push_back(std::move(finding));
     (taken ? people.chosen : ghosts).push_back(std::move(people.ghosts[i]));
   }

@@ -99,27 +99,28 @@ void NoteUsed(const CameraPeople& camera, const std::string& reference, const Vi
   const double ms = 1e3 * view.offset_s;
   if (!view.offset_known) {
     NoteCapture(findings, "clock_offset_unknown", Severity::kInfo, 1e3 * view.offset_sigma_s,
-                "too little moves to tell how the clock of " + camera.view + " differs from that of " + reference,
-                "taken as 0");
+                "too little moves to tell how the clock of " + camera.view + " differs from that of " + reference +
+                    "; taken as 0",
+                FindingAction::kKept);
   } else if (std::abs(view.offset_s) >= kLateFrames / rate_hz) {
     NoteCapture(findings, "clock_offset", std::abs(view.offset_s) > kVeryLate_s ? Severity::kWarning : Severity::kInfo,
                 ms,
                 camera.view + " began " + Digits(std::abs(ms)) + " ms " + (ms > 0.0 ? "after " : "before ") +
-                    reference + ", give or take " + Digits(1e3 * view.offset_sigma_s) + " ms",
-                "taken out");
+                    reference + ", give or take " + Digits(1e3 * view.offset_sigma_s) + " ms" + "; taken out",
+                FindingAction::kKept);
   }
   if (view.median > kDoubtful * options.max_disagreement) {
     NoteCapture(findings, "views_disagree", Severity::kWarning, 1e3 * view.median,
                 "the joints of " + camera.view + " and " + reference + " lie " + DigitsOfMillimetres(view.median) +
                     " apart when aligned (median of " + std::to_string(view.pairs) + ")",
-                "flagged");
+                FindingAction::kFlagged);
   }
 }
 
 }  // namespace
 
 void NoteCapture(std::vector<Finding>& findings, const char* code, Severity severity, double value, std::string message,
-                 const char* action) {
+                 FindingAction action) {
   Finding finding = FrameFinding(code, 0, 0, "", value, std::move(message));
   finding.severity = severity;
   finding.action = action;
@@ -139,7 +140,8 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
       continue;
     }
     NoteCapture(placed.findings, "camera_saw_nobody", Severity::kWarning, cameras[i].frames,
-                cameras[i].view + " saw nobody in its " + std::to_string(cameras[i].frames) + " frames", "left out");
+                cameras[i].view + " saw nobody in its " + std::to_string(cameras[i].frames) + " frames",
+                FindingAction::kLeftOut);
   }
   if (seeing.empty()) {
     return Fail(ErrorCode::kInconsistent, "no camera saw anybody", where, "the trackers lost the person: leave it out");
@@ -181,9 +183,10 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
     }
     const Pair pair = AlignPair(reference, cameras[i], slots, rate_hz, options);
     if (!Agrees(pair, options)) {
-      NoteCapture(
-          placed.findings, "view_left_out", Severity::kWarning, pair.alignment ? 1e3 * pair.alignment->median : 0.0,
-          cameras[i].view + " is not taken, beside " + reference.view + ": " + WhyNot(pair, options), "left out");
+      NoteCapture(placed.findings, "view_left_out", Severity::kWarning,
+                  pair.alignment ? 1e3 * pair.alignment->median : 0.0,
+                  cameras[i].view + " is not taken, beside " + reference.view + ": " + WhyNot(pair, options),
+                  FindingAction::kLeftOut);
       continue;
     }
     view.used = true;

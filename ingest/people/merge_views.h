@@ -38,7 +38,7 @@ struct PlaceOptions {
 
 /// Appends a finding about a whole capture.
 void NoteCapture(std::vector<Finding>& findings, const char* code, Severity severity, double value, std::string message,
-                 const char* action);
+                 FindingAction action);
 
 /// Aligns the cameras pair by pair (people of two cameras in the order that fits best, at most three each). The
 /// reference is the camera that agrees with most others, the first of equal ones; what does not agree with it is left

@@ -5,8 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
@@ -86,7 +86,7 @@ void NoteStitch(const PersonTrack& a, const PersonTrack& b, const char* how, std
                                      Counted(between, "frame") + " between them: " + how);
   if (finding.frame_end <= finding.frame_begin) finding.frame_begin = finding.frame_end = 0;
   finding.severity = Severity::kInfo;
-  finding.action = "stitched";
+  finding.action = FindingAction::kRepaired;
   findings.push_back(std::move(finding));
 }
 

@@ -157,7 +157,7 @@ void NoteFilled(UestcPerson& person) {
         FrameFinding("frames_filled", static_cast<int>(begin), static_cast<int>(f), "", static_cast<double>(f - begin),
                      std::to_string(f - begin) + " frames without the person are interpolated");
     finding.severity = Severity::kInfo;
-    finding.action = "interpolated";
+    finding.action = FindingAction::kInterpolated;
     person.findings.push_back(std::move(finding));
   }
 }
@@ -203,7 +203,7 @@ Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, con
             FrameFinding("other_person", static_cast<int>(Begin(track)), static_cast<int>(End(track)) + 1, "", distance,
                          "track " + std::to_string(track.id) + " begins " + Digits(distance) +
                              " pixels from where the person was, who is " + Digits(size) + " high: somebody else"));
-        person.findings.back().action = "left out";
+        person.findings.back().action = FindingAction::kLeftOut;
         remaining.erase(std::find(remaining.begin(), remaining.end(), taken));
         continue;
       }

@@ -138,7 +138,7 @@ DamagedNumbers DamagedNumbersOf(const double* xyz, int frames, int joints, const
                      name + ": " + Counted(tally.numbers, "number") + " in " + std::to_string(tally.frames) + " of " +
                          Counted(frames, "frame") + (tally.numbers == 1 ? one : many) +
                          (tally.numbers == 1 ? ", in " : ", the first in ") + tally.place);
-    finding.action = "dropped";
+    finding.action = FindingAction::kDropped;
     damaged.findings.push_back(std::move(finding));
   };
   tell("not_a_number", not_finite, " is not finite", " are not finite");
@@ -149,7 +149,7 @@ DamagedNumbers DamagedNumbersOf(const double* xyz, int frames, int joints, const
 tl::unexpected<Error> NobodySeen(std::size_t numbers, const std::string& name) {
   return Fail(ErrorCode::kMalformed,
               "all " + std::to_string(numbers) + " numbers are NaN or infinite, or beyond any person: no joint is seen",
-              name, "leave the file out");
+              name, "leave the file out", Reason::kNobodySeen);
 }
 
 }  // namespace mocurate

@@ -7,11 +7,11 @@
 #include <map>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/point_grid.h"
 #include "core/geometry/triangulation.h"
-#include "core/quality/median.h"
 
 namespace mocurate {
 namespace {
@@ -234,18 +234,19 @@ class Judge {
     if (calibration_.reading != PoseReading::kUnknown) {
       const std::string declared(Name(calibration_.reading));
       if (declared != reading.value && reading.confidence > kContradiction) {
-        sense.remarks.push_back({"calibration_contradiction", Severity::kWarning, reading.confidence,
-                                 "the format says " + declared + ", but " + reading.evidence + " (" +
-                                     RoundedText(100.0 * reading.confidence, 3) + " % sure)"});
+        sense.remarks.push_back(MakeFinding("calibration_contradiction", Severity::kWarning, reading.confidence,
+                                            "the format says " + declared + ", but " + reading.evidence + " (" +
+                                                RoundedText(100.0 * reading.confidence, 3) + " % sure)"));
       }
       return {declared, 1.0, "the format says so; " + Words(scores_[IndexOf(declared)])};
     }
     const ReadingScore& score = scores_[best];
     const bool seen = score.subject_share || !score.cloud_distance.empty();
     if (!seen && !score.miss.empty() && 2 * score.behind >= score.miss.size()) {
-      sense.remarks.push_back({"calibration_contradiction", Severity::kError, static_cast<double>(score.behind),
-                               "in no reading do most cameras look at one point before them: " + reading.evidence +
-                                   "; are signs of rotations or translations exchanged?"});
+      sense.remarks.push_back(
+          MakeFinding("calibration_contradiction", Severity::kError, static_cast<double>(score.behind),
+                      "in no reading do most cameras look at one point before them: " + reading.evidence +
+                          "; are signs of rotations or translations exchanged?"));
       return {"", 0.0, reading.evidence};
     }
     if (reading.confidence < kSureOfCalibration) reading.value.clear();
@@ -259,20 +260,20 @@ class Judge {
     constexpr double kTallestPixel = 2.0;  // anamorphic lenses; of television 1.5
     for (const CalibratedView& view : calibration_.views) {
       if (const double aspect = std::max(view.fx / view.fy, view.fy / view.fx); aspect > kTallestPixel) {
-        sense.remarks.push_back({"calibration_contradiction", Severity::kError, aspect,
-                                 "camera '" + view.name + "': focal lengths of " + ThreeDigits(view.fx) + " and " +
-                                     ThreeDigits(view.fy) + " px make pixels " + ThreeDigits(aspect) +
-                                     " times as long as wide: mend one of them"});
+        sense.remarks.push_back(MakeFinding("calibration_contradiction", Severity::kError, aspect,
+                                            "camera '" + view.name + "': focal lengths of " + ThreeDigits(view.fx) +
+                                                " and " + ThreeDigits(view.fy) + " px make pixels " +
+                                                ThreeDigits(aspect) + " times as long as wide: mend one of them"));
       }
       const double half = view.width > 0 ? 0.5 * view.width : view.cx;
       if (!(half > 1.0) || !(view.fx > 0.0)) continue;
       const double sees = std::atan2(half, view.fx);
       if (sees <= kWidest) continue;
-      sense.remarks.push_back({"calibration_contradiction", Severity::kError, view.fx,
-                               "camera '" + view.name + "': a focal length of " + ThreeDigits(view.fx) +
-                                   " px beside a middle at " + ThreeDigits(half) + " px sees " +
-                                   ThreeDigits(2.0 * sees * 180.0 / kPi) +
-                                   " degrees: is it in millimetres, or divided by the image's size?"});
+      sense.remarks.push_back(MakeFinding("calibration_contradiction", Severity::kError, view.fx,
+                                          "camera '" + view.name + "': a focal length of " + ThreeDigits(view.fx) +
+                                              " px beside a middle at " + ThreeDigits(half) + " px sees " +
+                                              ThreeDigits(2.0 * sees * 180.0 / kPi) +
+                                              " degrees: is it in millimetres, or divided by the image's size?"));
     }
   }
 
@@ -297,12 +298,12 @@ class Judge {
       const auto [farthest, outermost] = distances.back();
       const double next = distances[distances.size() - 2].first;
       if (!(next > 0.0) || farthest < kFarther * next) continue;
-      sense.remarks.push_back({"calibration_contradiction", Severity::kError, farthest / next,
-                               "camera '" + calibration_.views[outermost].name + "'" +
-                                   (world.empty() ? "" : " of '" + world + "'") + " stands " +
-                                   ThreeDigits(farthest / next) +
-                                   " times as far from the middle of all cameras as any other: mend its translation, "
-                                   "or leave it out"});
+      sense.remarks.push_back(
+          MakeFinding("calibration_contradiction", Severity::kError, farthest / next,
+                      "camera '" + calibration_.views[outermost].name + "'" +
+                          (world.empty() ? "" : " of '" + world + "'") + " stands " + ThreeDigits(farthest / next) +
+                          " times as far from the middle of all cameras as any other: mend its translation, "
+                          "or leave it out"));
     }
   }
 
@@ -340,9 +341,9 @@ class Judge {
         if (metres == calibration_.metres_per_unit) declared = name;
       }
       if (!unit.value.empty() && unit.value != declared && unit.confidence > kContradiction) {
-        sense.remarks.push_back({"calibration_contradiction", Severity::kWarning, unit.confidence,
-                                 "the file says " + declared + ", but " + unit.evidence + " (" +
-                                     RoundedText(100.0 * unit.confidence, 3) + " % sure)"});
+        sense.remarks.push_back(MakeFinding("calibration_contradiction", Severity::kWarning, unit.confidence,
+                                            "the file says " + declared + ", but " + unit.evidence + " (" +
+                                                RoundedText(100.0 * unit.confidence, 3) + " % sure)"));
       }
       return {declared, 1.0, "the file or its format says so; " + unit.evidence};
     }

@@ -29,7 +29,7 @@ struct CalibrationSense {
   Measured up;                  ///< "+z": where the top of the images points, in world axes; empty is no obstacle
   std::vector<Camera> cameras;  ///< of every view, in order, metres
   /// "calibration_contradiction": what the file says is not what its numbers look like, or they are of no camera.
-  std::vector<Remark> remarks;
+  std::vector<Finding> remarks;
 };
 
 /// Below this probability a decision is unknown.

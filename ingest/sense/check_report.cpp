@@ -59,7 +59,7 @@ void LeaveOutIdleRoot(const ObservedClip& clip, std::vector<double>& confidence)
 
 bool Remarked(const ObservedClip& clip, const std::string& code) {
   return std::any_of(clip.remarks.begin(), clip.remarks.end(),
-                     [&](const Remark& remark) { return remark.code == code; });
+                     [&](const Finding& remark) { return remark.code == code; });
 }
 
 SourceFormat FormatOf(const ObservedClip& clip) {
@@ -137,35 +137,27 @@ RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const 
   return metres.known ? MeasureRate(metres.view(clip)) : RateMeasure();
 }
 
-void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& source, const std::string& units,
-                  const std::string& up, int lost_frames, const std::string& where, nlohmann::json& findings) {
+void ReportChecks(const ObservedClip& clip, const std::string& units, const std::string& up, const std::string& where,
+                  nlohmann::json& findings) {
   if (clip.positions.empty() || units == "px") return;
-  const bool declared = source && source->rate_hz;
-  const std::optional<double> rate = declared ? source->rate_hz : clip.rate_doubt ? std::nullopt : clip.rate_hz;
+  const std::optional<double> rate = clip.rate_doubt ? std::nullopt : clip.rate_hz;
   ClipInMetres metres(clip, units, up, rate.value_or(kUsualRate));
   metres.confidence = CheckedConfidence(clip);
   std::vector<Finding> unseen = FindNeverSeen(metres.view(clip));
   LeaveOutIdleRoot(clip, metres.confidence);
-  const CheckOptions options = source ? source->checks : CheckOptions();
-  std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known,
-                                           rate ? lost_frames : std::max(lost_frames, kLostWithoutRate));
+  const CheckOptions options;
+  std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known, rate ? 0 : kLostWithoutRate);
   SayWhatZerosAre(FormatOf(clip), found);
   found.insert(found.end(), std::make_move_iterator(unseen.begin()), std::make_move_iterator(unseen.end()));
   CheckPath(clip, options, metres, up, found);
   if (!Remarked(clip, "no_joint_seen")) {
-    std::vector<Finding> told;
-    for (const Remark& remark : clip.remarks) {
-      Finding finding = FrameFinding(remark.code.c_str(), remark.frame_begin, remark.frame_end, "", 0.0, "");
-      finding.action = "dropped";
-      told.push_back(std::move(finding));
-    }
+    std::vector<Finding> told = clip.remarks;
     const auto before = static_cast<std::ptrdiff_t>(told.size());
     NoteEmptyFrames(metres.confidence, metres.positions.frames, told);
     found.insert(found.end(), told.begin() + before, told.end());
   }
-  if (declared) BlameDeclaration(found);
   for (const Finding& finding : found) {
-    if (options.ActionFor(finding.code) == FindingAction::kIgnore || Remarked(clip, finding.code)) continue;
+    if (options.ActionFor(finding.code) == OnFinding::kIgnore || Remarked(clip, finding.code)) continue;
     // A tree's joint may lie at its origin, and a root whose path is not there does.
     if (finding.code == "zero_joint" && (!clip.parents.empty() || Remarked(clip, "path_missing"))) continue;
     findings.push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, where),

@@ -19,11 +19,10 @@ MotionSignature SignatureShown(const ObservedClip& clip, const std::string& unit
 /// "walk.bvh frames 3-5 joint head": where a finding is.
 std::string PlaceOf(const Finding& finding, const std::string& where);
 
-/// Appends what is wrong with a clip, by FindDefects, as `mocurate run` finds it: with the limits of the source, or
-/// those of none. Where unit or up is not known, only what needs neither is asked, of images nothing; without a rate
-/// speeds are those of 30 Hz, and frames may have been left out. `lost_frames`: those that the file's name speaks of
-/// and that it does not hold.
-void ReportChecks(const ObservedClip& clip, const std::optional<SourceOptions>& source, const std::string& units,
-                  const std::string& up, int lost_frames, const std::string& where, nlohmann::json& findings);
+/// Appends what is wrong with a clip that no source declares, by FindDefects, as `mocurate run` finds it. Where unit or
+/// up is not known, only what needs neither is asked, of images nothing; without a rate speeds are those of 30 Hz, and
+/// frames may have been left out.
+void ReportChecks(const ObservedClip& clip, const std::string& units, const std::string& up, const std::string& where,
+                  nlohmann::json& findings);
 
 }  // namespace mocurate

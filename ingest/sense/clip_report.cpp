@@ -5,12 +5,8 @@
 
 #include "core/base/text.h"
 #include "core/quality/rate.h"
-#include "ingest/clip_checks.h"
-#include "ingest/format_facts.h"
 #include "ingest/sense/check_report.h"
 #include "ingest/sense/comparison.h"
-#include "ingest/sources/pattern.h"
-#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -30,27 +26,6 @@ Json DeclaredValue(Json value, const std::string& who, const Measured& measured)
         {"value", measured.value}, {"confidence", FourDecimals(measured.confidence)}, {"evidence", measured.evidence}};
   }
   return json;
-}
-
-/// A declared unit that is none.
-void TellUnknownUnits(const Statements& said, const std::string& where, Json& findings) {
-  const auto declared = MetresPerUnit(said.units);
-  if (declared) return;
-  findings.push_back(InspectionFinding("units_unknown", Severity::kError, where, 0.0, declared.error().Message()));
-}
-
-/// A file of another format than the source declares.
-void CompareFormat(const ObservedClip& clip, const SourceOptions& source, const std::string& where, Json& findings) {
-  if (Reads(source.format, clip.format)) return;
-  findings.push_back(
-      InspectionFinding("format_contradiction", Severity::kError, where, 0.0,
-                        "the format is declared " + FormatName(source.format) + ", the file is " + clip.format));
-}
-
-void CompareRates(const ObservedClip& clip, const SourceOptions& source, const std::string& where, Json& findings) {
-  const auto differs = clip.rate_hz ? CompareRate(source, *clip.rate_hz) : std::nullopt;
-  if (!differs) return;
-  findings.push_back(InspectionFinding(differs->code, Severity::kError, where, differs->value, differs->message));
 }
 
 std::string JoinedText(const std::string& first, const std::string& second) {
@@ -106,26 +81,6 @@ Json FirstFrame(const ObservedClip& clip) {
   return ReportValue(std::move(points), "declared", 1.0, "in the file's own unit and axes");
 }
 
-/// Returns how many frames the name speaks of that the clip does not hold.
-int AddNameFields(const ObservedClip& clip, const SourceOptions& source, const std::string& file,
-                  const std::string& declared_name, Json& json, Json& findings) {
-  const auto named = ReadName(source, declared_name);
-  if (!named) {
-    TellUnread(source, file, named.error(), findings);
-    return 0;
-  }
-  std::vector<Finding> contradictions;
-  JudgeName(source, *named, clip.frames, contradictions);
-  for (const Finding& finding : contradictions) {
-    findings.push_back(
-        InspectionFinding(finding.code, finding.severity, file + clip.id, finding.value, finding.message));
-  }
-  json["item"] = named->item();
-  json["person"] = ReportValue(named->identity.person, "declared", 1.0, "name of the file");
-  json["label"] = ReportValue(named->label, "declared", 1.0, "name of the file");
-  return FramesLost(source, *named, clip.frames);
-}
-
 Json ReportedMissingShare(const ObservedClip& clip, const ClipMeasures& m) {
   if (clip.missing_share) {
     const bool told = !clip.missing_evidence.empty();
@@ -165,31 +120,16 @@ Json InspectionFinding(const std::string& code, Severity severity, const std::st
   return {{"code", code}, {"severity", Name(severity)}, {"where", where}, {"value", value}, {"message", message}};
 }
 
-void TellUnread(const SourceOptions& source, const std::string& file, const Error& why, Json& findings) {
-  const auto pattern = NamePattern::Parse(source.files, "ingest.source.files");
-  if (pattern && why.code == ErrorCode::kInconsistent && pattern->Match(why.where)) {
-    const bool by_rule = source.other_labels == OtherLabels::kLeaveOut;
-    findings.push_back(InspectionFinding(by_rule ? "label_left_out" : "label_unknown",
-                                         by_rule ? Severity::kInfo : Severity::kWarning, file, 0.0, why.Message()));
-    return;
-  }
-  if (source.other_files == OtherFiles::kIgnore) return;
-  findings.push_back(InspectionFinding("name_mismatch", Severity::kWarning, file, 0.0, why.Message()));
-}
+namespace {
 
-Json ClipReport(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
-                const std::string& declared_name, Json& findings) {
-  const ClipMeasures m = MeasuresOf(clip);
-  const Statements said = StatementsOf(clip, source);
-  const std::string where = file + clip.id;
-  Json json = {{"id", where}, {"file", file}, {"format", clip.format}};
-  const bool by_name = source && !declared_name.empty();
-  const int lost_frames = by_name ? AddNameFields(clip, *source, file, declared_name, json, findings) : 0;
+/// All of the answer but findings.
+Json FactsOfClip(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
+                 const ClipMeasures& m, const Statements& said) {
+  Json json = {{"id", file + clip.id}, {"file", file}, {"format", clip.format}};
   json["frames"] = ReportValue(clip.frames, "measured", 1.0, clip.layout_evidence);
-  const bool has_joints = clip.joints > 0;
-  json["joints"] = ReportValue(
-      has_joints ? Json(clip.joints) : Json(), clip.format == "joint_table" && !source ? "measured" : "declared",
-      clip.format == "joint_table" && !source ? clip.skeleton_confidence : 1.0, clip.layout_evidence);
+  const bool guessed = clip.format == "joint_table" && !source;
+  json["joints"] = ReportValue(clip.joints > 0 ? Json(clip.joints) : Json(), guessed ? "measured" : "declared",
+                               guessed ? clip.skeleton_confidence : 1.0, clip.layout_evidence);
   json["people"] = ReportValue(clip.people, "declared", 1.0, clip.people_evidence);
   json["people_per_frame"] =
       ReportValue(Json{{"min", clip.fewest_people}, {"max", clip.people}}, "declared", 1.0, clip.people_evidence);
@@ -207,43 +147,77 @@ Json ClipReport(const ObservedClip& clip, const std::string& file, const std::op
     for (const auto& [key, text] : clip.facts) facts[key] = text;
     json["facts"] = std::move(facts);
   }
+  return json;
+}
 
-  for (const Remark& remark : clip.remarks) {
+void TellMissing(const ClipMeasures& m, const std::string& where, Json& findings) {
+  if (m.missing_share <= kManyMissing) return;
+  findings.push_back(
+      InspectionFinding("many_missing", Severity::kWarning, where, FourDecimals(m.missing_share),
+                        FormatDouble(FourDecimals(100.0 * m.missing_share)) + " % of the joints are missing"));
+}
+
+/// What is left of a unit and an up once what contradicts them is known.
+struct Believed {
+  std::string units, up;
+  bool contradicted = false;  ///< nothing is told of speeds then
+};
+
+Believed BelievedOf(const Statements& said, const ClipMeasures& m, bool units_doubted) {
+  Believed believed{said.units.empty() ? m.units.value : said.units, said.up.empty() ? m.up.value : said.up,
+                    units_doubted};
+  if (units_doubted) believed.units = "";
+  for (const Comparison& comparison : CompareFrame(said, m)) {
+    if (!comparison.contradicts) continue;
+    const bool units = comparison.code == "units_contradiction", up = comparison.code == "up_contradiction";
+    if (units) believed.units = m.units.value;
+    if (up) believed.up = m.up.value;
+    believed.contradicted = believed.contradicted || units || up;
+  }
+  return believed;
+}
+
+}  // namespace
+
+Json DeclaredReport(const ObservedClip& clip, const std::string& file, const SourceOptions& source, Json& findings) {
+  const ClipMeasures m = MeasuresOf(clip);
+  TellMissing(m, file + clip.id, findings);
+  const Statements said = StatementsOf(clip, source);
+  Json json = FactsOfClip(clip, file, source, m, said);
+  const Believed believed = BelievedOf(said, m, false);
+  json["rate_hz"] = ReportedRate(clip, source, m, RateShown(clip, believed.units, believed.up));
+  return json;
+}
+
+Json ClipReport(const ObservedClip& clip, const std::string& file, Json& findings) {
+  const ClipMeasures m = MeasuresOf(clip);
+  const Statements said = StatementsOf(clip, std::nullopt);
+  const std::string where = file + clip.id;
+  Json json = FactsOfClip(clip, file, std::nullopt, m, said);
+  const auto remarked = [&](const char* code) {
+    return std::any_of(clip.remarks.begin(), clip.remarks.end(),
+                       [&](const Finding& remark) { return remark.code == code; });
+  };
+  for (const Finding& remark : clip.remarks) {
     findings.push_back(
         InspectionFinding(remark.code, remark.severity, where, FourDecimals(remark.value), remark.message));
   }
-  if (clip.rate_doubt && !(source && source->rate_hz)) {
+  if (clip.rate_doubt) {
     const Finding& doubt = *clip.rate_doubt;
     findings.push_back(InspectionFinding(doubt.code, doubt.severity, where, doubt.value, doubt.message));
   }
-  if (m.missing_share > kManyMissing) {
-    findings.push_back(
-        InspectionFinding("many_missing", Severity::kWarning, where, FourDecimals(m.missing_share),
-                          FormatDouble(FourDecimals(100.0 * m.missing_share)) + " % of the joints are missing"));
-  }
-  const bool pixels = clip.positions.empty() && clip.units == "px" && said.units == "px";
-  if (!said.units.empty() && !pixels && (source || !clip.positions.empty())) TellUnknownUnits(said, where, findings);
-  std::string units = said.units.empty() ? m.units.value : said.units;
-  std::string up = said.up.empty() ? m.up.value : said.up;
-  bool contradicted = std::any_of(clip.remarks.begin(), clip.remarks.end(),
-                                  [](const Remark& remark) { return remark.code == "units_contradiction"; });
-  if (contradicted) units = "";  // the path is of another unit than the body: nothing is told of its speed
+  TellMissing(m, where, findings);
   for (const Comparison& comparison : CompareFrame(said, m)) {
     if (!comparison.contradicts) continue;
-    // Otherwise one wrong word would make a defect of every frame.
-    contradicted = contradicted || comparison.code == std::string("units_contradiction") ||
-                   comparison.code == std::string("up_contradiction");
-    if (comparison.code == std::string("units_contradiction")) units = m.units.value;
-    if (comparison.code == std::string("up_contradiction")) up = m.up.value;
     findings.push_back(
         InspectionFinding(comparison.code, Severity::kError, where, comparison.value, comparison.message));
   }
-  if (source) CompareFormat(clip, *source, where, findings);
-  if (source) CompareRates(clip, *source, where, findings);
-  const bool no_body = std::any_of(clip.remarks.begin(), clip.remarks.end(),
-                                   [](const Remark& remark) { return remark.code == "not_joint_positions"; });
-  json["rate_hz"] = ReportedRate(clip, source, m, no_body ? RateMeasure() : RateShown(clip, units, up));
-  ReportChecks(clip, source, contradicted ? "" : units, contradicted ? "" : up, lost_frames, where, findings);
+  const Believed believed = BelievedOf(said, m, remarked("units_contradiction"));
+  const bool body = !remarked("not_joint_positions");
+  json["rate_hz"] =
+      ReportedRate(clip, std::nullopt, m, body ? RateShown(clip, believed.units, believed.up) : RateMeasure());
+  const bool known = !believed.contradicted;
+  ReportChecks(clip, known ? believed.units : "", known ? believed.up : "", where, findings);
   return json;
 }
 

@@ -8,15 +8,15 @@
 
 namespace mocurate {
 
-/// One clip as it stands in the answer of InspectPath. With a source, its statements are the values and the measured
-/// ones stand beside them; contradictions and remarks are appended to `findings`. `declared_name`: the file below the
-/// source's folder, for what its name says; empty where names say nothing of files (a container's clips, those of many
-/// files).
-nlohmann::json ClipReport(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
-                          const std::string& declared_name, nlohmann::json& findings);
+/// One clip as it stands in the answer of InspectPath, without a source; what is wrong with it is appended to
+/// `findings`.
+nlohmann::json ClipReport(const ObservedClip& clip, const std::string& file, nlohmann::json& findings);
 
-/// What a run says of a file whose name the source does not read: nothing where other files are to be ignored.
-void TellUnread(const SourceOptions& source, const std::string& file, const Error& why, nlohmann::json& findings);
+/// The same of a clip that a run of `source` gives (ObserveClip): its statements are the values, and the measured ones
+/// stand beside them. What is wrong with it are the run's findings;
+/// "many_missing" is appended.
+nlohmann::json DeclaredReport(const ObservedClip& clip, const std::string& file, const SourceOptions& source,
+                              nlohmann::json& findings);
 
 /// {"value", "from", "confidence", "evidence"}; "unknown" where the value is null or an empty text.
 nlohmann::json ReportValue(nlohmann::json value, const char* from, double confidence, const std::string& evidence);

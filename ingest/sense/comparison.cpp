@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/rate_sense.h"
 
 namespace mocurate {
@@ -85,7 +86,7 @@ Statements StatementsOf(const ObservedClip& clip, const std::optional<SourceOpti
 
 double ContradictionThreshold(const std::string& code, double value, const SourceOptions& source) {
   if (code == "units_contradiction") {
-    const bool path = source.format == SourceFormat::kAmass || source.format == SourceFormat::kExpmap;
+    const bool path = DriverOf(source.format).lengths_assumed;
     if (path) return value > 1.0 ? kPathSlack : 1.0 / kPathSlack;
     return FourDecimals(value > kTallestBody ? kLongestBody : kLeastBody);
   }

@@ -61,6 +61,9 @@ inline constexpr double kPlausibleOrder = 0.12;
 
 /// Clips of one source or folder that tell, before the others are told by them, and the least share of their votes.
 inline constexpr std::size_t kFewestVotes = 5;
+/// The same against a declaration: no clip of KARD, MSR-Action3D, UTKinect and Florence3D
+/// contradicts a correct one.
+inline constexpr std::size_t kFewestDenials = 3;
 inline constexpr double kAgreement = 0.95;
 
 /// As many as a report says.

@@ -8,11 +8,13 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "ingest/sense/file_names.h"
-#include "ingest/sense/name_sense.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {
 namespace {
+
+/// Of NTU RGB+D, 1 to 120.
+bool IsNtuActionOfTwo(long long action) { return (action >= 50 && action <= 60) || (action >= 106 && action <= 120); }
 
 using Json = nlohmann::json;
 

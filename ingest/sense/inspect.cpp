@@ -8,10 +8,10 @@
 
 #include "core/base/file.h"
 #include "core/formats/camera_files.h"
-#include "core/formats/header_count.h"
-#include "core/formats/pickle.h"
 #include "core/formats/png.h"
-#include "ingest/format_facts.h"
+#include "ingest/discover.h"
+#include "ingest/formats/driver.h"
+#include "ingest/read_motions.h"
 #include "ingest/sense/check_report.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/comparison.h"
@@ -21,11 +21,10 @@
 #include "ingest/sense/inspect_duplicates.h"
 #include "ingest/sense/inspect_files.h"
 #include "ingest/sense/inspect_groups.h"
-#include "ingest/sense/reader_check.h"
 #include "ingest/sense/scene_report.h"
+#include "ingest/sources/body_check.h"
 #include "ingest/sources/pattern.h"
-#include "ingest/sources/source_file.h"
-#include "ingest/sources/table_rows.h"
+#include "ingest/unnamed_files.h"
 
 namespace mocurate {
 namespace {
@@ -57,6 +56,8 @@ class Inspector {
   Inspector(const std::optional<SourceOptions>& source, bool folder, const VideoProbe& probe)
       : source_(source), folder_(folder), probe_(probe) {}
 
+  /// What a run of the source makes of the path. Files that it reads are not looked at again.
+  void ReadDeclared(const std::filesystem::path& path, const std::vector<FileToInspect>& files);
   void Look(const FileToInspect& file);
   /// Clips of several files, and what belongs to the whole.
   void Finish(const std::string& path);
@@ -73,18 +74,18 @@ class Inspector {
   Status Read(const FileToInspect& file, FileKind kind);
   void Refuse(const FileToInspect& file, FileKind kind, const Error& error);
   Status AddStoragesBeside(const FileToInspect& file);
-  bool IsDeclared(const FileToInspect& file) const;
-  std::string DeclaredName(const FileToInspect& file) const;
-  void AddSaidByRun(const FileBytes& file, FileKind kind, std::size_t before);
-  void AddClips(const FileToInspect& file, bool declared, const std::vector<ObservedClip>& clips);
+  std::string Below(const std::string& name) const;
+  void AddItem(const ItemSpec& item);
+  void AddLeftOut(const std::filesystem::path& folder, const ItemResult& file);
+  void AddClips(const std::string& file, const std::vector<ObservedClip>& clips);
   void AddRest(const ObservedFile& file, const std::string& name);
   void AddSequence(const ObservedFile& file, const std::string& name);
   void AddVideos();
   Json& findings() { return inspection["findings"]; }
 
   const std::optional<SourceOptions>& source_;
-  const std::optional<SourceOptions> none_;
-  bool any_declared_ = false;
+  std::set<std::filesystem::path> read_, refused_by_run_;
+  std::string below_;  ///< the folder asked for, from that of the source on
   bool folder_;
   const VideoProbe& probe_;
   std::vector<FileToInspect> videos_;
@@ -120,33 +121,11 @@ Status Inspector::Read(const FileToInspect& file, FileKind kind) {
     if (Status added = sequences_.AddOpenCv(content); !added) return added;
     return folder_ ? Status() : AddStoragesBeside(file);
   }
-  const bool declared = IsDeclared(file);
-  const Expected<ObservedFile> observed = ObserveFile(content, declared ? source_ : none_);
+  const Expected<ObservedFile> observed = ObserveFile(content);
   if (!observed) return Forward(observed);
-  const std::size_t before = findings().size();
-  AddClips(file, declared, observed->clips);
+  AddClips(file.name, observed->clips);
   AddRest(*observed, file.name);
-  if (declared) AddSaidByRun(content, kind, before);
   return {};
-}
-
-/// What a run says of the file, as far as no finding from `before` on says it.
-void Inspector::AddSaidByRun(const FileBytes& file, FileKind kind, std::size_t before) {
-  std::set<std::string> codes, severities;
-  for (std::size_t i = before; i < findings().size(); ++i) {
-    codes.insert(findings()[i].at("code").get<std::string>());
-    severities.insert(findings()[i].at("severity").get<std::string>());
-  }
-  const auto said = SaidByRun(source_, DeclaredName({file.name, file.path, true}), file);
-  if (!said) {
-    if (severities.count("error") == 0) AddError(said.error(), file.name, CodeOf(said.error(), kind), findings());
-    return;
-  }
-  for (const Finding& finding : *said) {
-    if (finding.severity == Severity::kInfo || codes.count(finding.code) != 0) continue;
-    findings().push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, file.name),
-                                           FourDecimals(finding.value), finding.message));
-  }
 }
 
 /// A rig is two storages, intri and extri: asked for one of them, the other is looked for where it lies.
@@ -170,59 +149,158 @@ Status Inspector::AddStoragesBeside(const FileToInspect& file) {
   return {};
 }
 
-/// The name below the source's folder. Of a file in a folder of the pattern, that folder may be the one asked for: then
-/// its path says the rest.
-std::string Inspector::DeclaredName(const FileToInspect& file) const {
-  const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
-  if (!pattern || pattern->Match(file.name)) return file.name;
-  std::error_code unknown;
-  const std::filesystem::path whole = std::filesystem::absolute(file.path, unknown).lexically_normal();
-  const std::vector<std::filesystem::path> parts(whole.begin(), whole.end());
-  const auto own = static_cast<std::size_t>(std::count(file.name.begin(), file.name.end(), '/')) + 1;
-  const auto most = static_cast<std::size_t>(pattern->depth()) + 1;
-  for (std::size_t count = own + 1; count <= most && count < parts.size(); ++count) {
-    std::filesystem::path tail;
-    for (std::size_t i = parts.size() - count; i < parts.size(); ++i) tail /= parts[i];
-    if (pattern->Match(DisplayPath(tail))) return DisplayPath(tail);
-  }
-  return file.name;
-}
-
-/// Whether the declaration speaks of the file. What is asked for by itself is compared whatever it is called.
-bool Inspector::IsDeclared(const FileToInspect& file) const {
-  if (!source_) return false;
-  if (!folder_ || source_->files.empty()) return true;
-  if (!source_->container.empty()) {
-    const std::filesystem::path container(source_->container);
-    return file.name == source_->container || file.name == DisplayPath(container.filename());
-  }
-  const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
-  return !pattern || pattern->Match(DeclaredName(file)).has_value();
-}
-
-void Inspector::AddClips(const FileToInspect& file, bool declared, const std::vector<ObservedClip>& clips) {
-  const bool named = declared && source_->container.empty() && !source_->files.empty();
-  const std::string name = named ? DeclaredName(file) : "";
-  any_declared_ = any_declared_ || declared;
+void Inspector::AddClips(const std::string& file, const std::vector<ObservedClip>& clips) {
   for (const ObservedClip& clip : clips) {
-    inspection["clips"].push_back(ClipReport(clip, file.name, declared ? source_ : none_, name, findings()));
-    if (!source_ || declared) motions_.Add(clip, inspection["clips"].back());
+    inspection["clips"].push_back(ClipReport(clip, file, findings()));
+    if (!source_) motions_.Add(clip, inspection["clips"].back());
   }
-  if (!source_ || declared || clips.empty() || !source_->container.empty() || IsGathered(source_->format)) return;
-  const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
-  // Of what lies deeper a run says nothing file by file.
-  if (!pattern || std::count(file.name.begin(), file.name.end(), '/') > pattern->depth()) return;
-  const auto read = ReadName(*source_, file.name);
-  if (!read) TellUnread(*source_, file.name, read.error(), findings());
 }
 
-/// Clips of many files: the names of those are no names of clips.
-void Inspector::AddSequence(const ObservedFile& file, const std::string& name) {
-  for (const ObservedClip& clip : file.clips) {
-    const bool declared = source_ && (!folder_ || source_->files.empty() || Reads(source_->format, clip.format));
-    any_declared_ = any_declared_ || declared;
-    inspection["clips"].push_back(ClipReport(clip, name, declared ? source_ : none_, "", findings()));
+/// The place of a clip: its file, and where it stands in a file of several.
+std::string PlaceOfClip(const ItemSpec& item, const SourceOptions& source) {
+  const std::string name = IsGathered(source.format) ? FolderOf(item.inputs.front().name) : item.inputs.front().name;
+  if (item.options.contains("array")) return name + item.options.at("array").get<std::string>();
+  if (item.options.contains("entry")) return name + "[" + std::to_string(item.options.at("entry").get<int>()) + "]";
+  return item.options.contains("body") ? name + "[" + std::to_string(item.options.at("body").get<int>() - 1) + "]"
+                                       : name;
+}
+
+/// The name of a file in the folder asked for, of one below the source's.
+std::string Inspector::Below(const std::string& name) const {
+  return name.rfind(below_, 0) == 0 ? name.substr(below_.size()) : name;
+}
+
+void Inspector::AddItem(const ItemSpec& item) {
+  StageRequest request;
+  request.stage = "ingest";
+  request.item = item.item;
+  request.options = item.options;
+  request.inputs = item.inputs;
+  for (StageInput& input : request.inputs) {
+    if (input.role == "depth") input.sha256 = "not read";  // an inspection reports nothing about images
   }
+  const std::string where = Below(PlaceOfClip(item, *source_));
+  const Expected<ReadItem> read = ReadSourceItem(request);
+  const bool kept = read && (read->clip.motion || !read->clip.evidence.empty());
+  for (const StageInput& input : request.inputs) {
+    if (input.role == "source") (kept ? read_ : refused_by_run_).insert(input.path);
+  }
+  const auto refuse = [&](Error error) {
+    error.where = Below(error.where);
+    AddError(error, where, FaultCode(error, FormatName(source_->format)), findings());
+  };
+  if (!read) return refuse(read.error());
+  for (const Finding& finding : read->outcome.findings) {
+    findings().push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, where),
+                                           FourDecimals(finding.value), finding.message));
+  }
+  if (read->outcome.kind == OutcomeKind::kRefused && read->outcome.findings.empty()) refuse(read->outcome.error);
+  if (!kept) return;
+  ObservedClip clip = ObserveClip(*source_, read->clip);
+  clip.format = DriverOf(source_->format).inspected;
+  const std::string file = Below(item.inputs.front().name);
+  clip.id = where.size() > file.size() ? where.substr(file.size()) : "";
+  Json report = DeclaredReport(clip, IsGathered(source_->format) ? where : file, *source_, findings());
+  report["item"] = item.item;
+  report["person"] = ReportValue(read->clip.identity.person, "declared", 1.0, "the source");
+  report["label"] = ReportValue(read->clip.label, "declared", 1.0, "the source");
+  motions_.Add(clip, report);
+  inspection["clips"].push_back(std::move(report));
+}
+
+/// What a rule leaves out is not looked at.
+void Inspector::AddLeftOut(const std::filesystem::path& folder, const ItemResult& file) {
+  const std::string code = file.outcome.findings.empty() ? std::string() : file.outcome.findings.front().code;
+  if (code == "excluded" || code == "known_issue") read_.insert(folder / file.outcome.error.where);
+  for (const Finding& finding : file.outcome.findings) {
+    findings().push_back(
+        InspectionFinding(finding.code, finding.severity, Below(file.item), finding.value, finding.message));
+  }
+}
+
+/// Whether a file that is asked for by itself is one of the source: by its name, or, of sources whose clips are single
+/// files, whatever it is called.
+bool IsOfSource(const std::filesystem::path& path, IngestOptions& options) {
+  if (!options.source.container.empty()) {
+    return path.filename() == std::filesystem::path(options.source.container).filename();
+  }
+  TakeUnnamed(false, options);
+  const auto pattern = NamePattern::Parse(options.source.files, "ingest.source.files");
+  std::error_code unknown;
+  std::filesystem::path folder = std::filesystem::absolute(path, unknown).lexically_normal();
+  const std::filesystem::path file = folder;
+  for (int level = 0; pattern && level <= pattern->depth(); ++level) {
+    folder = folder.parent_path();
+    if (pattern->Match(DisplayPath(file.lexically_relative(folder)))) return true;
+  }
+  return !pattern;  // the declaration's error is reported
+}
+
+/// Where the folder asked for is one below the source's: the files of that one alone.
+Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<FileToInspect>& files, int depth,
+                                  std::string& below) {
+  const std::filesystem::path asked = options.path;
+  Expected<Discovery> found = Discover(options);
+  if (found) return found;
+  std::error_code unknown;
+  options.path = std::filesystem::absolute(options.path, unknown).lexically_normal();
+  if (options.path.filename().empty()) options.path = options.path.parent_path();
+  for (int up = 0; up < depth && found.error().code == ErrorCode::kNotFound; ++up) {
+    below = DisplayPath(options.path.filename()) + "/" + below;
+    options.path = options.path.parent_path();
+    std::set<std::string> names;
+    for (const FileToInspect& file : files) names.insert(below + file.name);
+    Expected<Discovery> above = Discover(options, names);
+    if (above) return above;
+  }
+  below.clear();
+  options.path = asked;
+  return found;
+}
+
+void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vector<FileToInspect>& files) {
+  IngestOptions options;
+  options.path = path;
+  options.source = *source_;
+  if (!folder_ && !IsOfSource(path, options)) {
+    findings().push_back(InspectionFinding("name_mismatch", Severity::kWarning, DisplayPath(path.filename()), 0.0,
+                                           "the file is not what the source declares, '" +
+                                               (source_->container.empty() ? source_->files : source_->container) +
+                                               "': looked at without the source"));
+    return;
+  }
+  const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
+  const Expected<Discovery> found = DiscoverAbove(options, files, folder_ && pattern ? pattern->depth() : 0, below_);
+  if (!found) {
+    const Error& error = found.error();
+    const auto about = [&](const char* option) {
+      return error.code == ErrorCode::kConfig && error.where == std::string("ingest.source.") + option;
+    };
+    const char* code = about("format")     ? "format_contradiction"
+                       : about("units")    ? "units_unknown"
+                       : about("skeleton") ? "unknown_skeleton"
+                                           : nullptr;
+    if (code == nullptr && error.code == ErrorCode::kNotFound) {
+      findings().push_back(
+          InspectionFinding("name_mismatch", Severity::kWarning, DisplayPath(path.filename()), 0.0, error.Message()));
+    } else {
+      AddError(error, DisplayPath(path.filename()), code != nullptr ? code : std::string(Name(error.code)), findings());
+    }
+    return;
+  }
+  for (const Finding& finding : found->findings) {
+    findings().push_back(InspectionFinding(finding.code, finding.severity, DisplayPath(path.filename()), finding.value,
+                                           finding.message));
+  }
+  if (!folder_ && source_->container.empty() && !found->items.empty())
+    below_ = FolderOf(found->items[0].inputs[0].name);
+  if (!folder_ && !below_.empty()) below_ += "/";
+  for (const ItemResult& file : found->left_out) AddLeftOut(options.path, file);
+  for (const ItemSpec& item : found->items) AddItem(item);
+}
+
+void Inspector::AddSequence(const ObservedFile& file, const std::string& name) {
+  AddClips(name, file.clips);
   AddRest(file, name);
 }
 
@@ -230,12 +308,12 @@ void Inspector::AddRest(const ObservedFile& file, const std::string& name) {
   for (const Calibration& calibration : file.calibrations) {
     ReportCameras(calibration, name, inspection["cameras"], findings());
   }
-  for (const ObservedCloud& cloud : file.clouds) inspection["clouds"].push_back(CloudReport(cloud, name));
+  for (const ObservedCloud& cloud : file.clouds) inspection["clouds"].push_back(CloudReport(cloud, name, findings()));
   for (const ObservedCompanion& companion : file.companions) {
     inspection["companions"].push_back(CompanionReport(companion));
   }
   annotated_.insert(annotated_.end(), file.annotated.begin(), file.annotated.end());
-  for (const Remark& remark : file.remarks) {
+  for (const Finding& remark : file.remarks) {
     findings().push_back(InspectionFinding(remark.code, remark.severity, name, remark.value, remark.message));
   }
 }
@@ -266,6 +344,7 @@ void Inspector::AddVideos() {
 
 /// Files of unknown content are errors where they are asked for, and counted in a folder.
 void Inspector::Look(const FileToInspect& file) {
+  if (read_.count(file.path) != 0) return;
   if (!file.regular) {
     findings().push_back(InspectionFinding("no_regular_file", folder_ ? Severity::kWarning : Severity::kError,
                                            file.name, 0.0, "is no regular file: not read"));
@@ -278,8 +357,7 @@ void Inspector::Look(const FileToInspect& file) {
   FileKind kind = IsUestcInfo(file.path) ? FileKind::kUestcInfo : KindOf(*head);
   const bool of_no_format = kind == FileKind::kUnknown || kind == FileKind::kNumbers;
   if (of_no_format && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
-  const bool table = source_ && source_->format == SourceFormat::kJointTable && IsDeclared(file);
-  if (folder_ && kind == FileKind::kUnknown && !table) {
+  if (folder_ && kind == FileKind::kUnknown) {
     refused_.push_back({file, kind, {ErrorCode::kUnsupported, "is of no known format", file.name, "copy it again"}});
     return;
   }
@@ -304,13 +382,7 @@ void Inspector::Look(const FileToInspect& file) {
 }
 
 void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& error) {
-  const bool table = source_ && source_->format == SourceFormat::kJointTable && IsDeclared(file);
-  if (kind == FileKind::kUnknown && table) {  // by its name it is one: what a run says of it
-    const Expected<std::string> bytes = ReadFile(file.path);
-    const Expected<JointRows> rows = bytes ? ReadTableRows(*source_, *bytes, file.name) : Forward(bytes);
-    const Error& told = rows ? error : rows.error();
-    return AddError(told, file.name, FaultCode(told, "joint_table"), findings());
-  }
+  if (refused_by_run_.count(file.path) != 0) return;
   if (folder_ && kind == FileKind::kUnknown) {
     others_.push_back(file.name);
     return;
@@ -325,15 +397,14 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
     const bool babel = bytes && kind == FileKind::kJson && JsonKindOf(*bytes) == JsonKind::kBabel;
     common = !bytes || (!babel && !SpeaksOfCameras(*bytes));
   }
-  if (folder_ && (code == ErrorCode::kUnsupported || common) && !NamesForeignClass(error)) {
+  if (folder_ && (code == ErrorCode::kUnsupported || common) && error.reason != Reason::kUnsafePickle) {
     others_.push_back(file.name);
     if (code != ErrorCode::kUnsupported) reasons_[error.what].push_back(file.name);
     return;
   }
   const std::size_t before = findings().size();
   AddError(error, file.name, CodeOf(error, kind), findings());
-  const std::optional<double> announced = AnnouncedCount(error);
-  if (announced && findings().size() > before) findings().back()["value"] = *announced;
+  if (error.reason == Reason::kCount && findings().size() > before) findings().back()["value"] = error.number;
 }
 
 std::string FormatTold(const Json& inspection) {
@@ -367,13 +438,6 @@ void Inspector::Finish(const std::string& path) {
                           std::to_string(others_.size()) + (others_.size() == 1 ? " file is" : " files are") +
                               " of no known format" + CommonReason(reasons_)));
   }
-  if (source_ && folder_ && !any_declared_ && !inspection["clips"].empty()) {
-    const std::string wanted =
-        source_->container.empty() ? "the pattern '" + source_->files + "'" : "'" + source_->container + "'";
-    findings().push_back(InspectionFinding("name_mismatch", Severity::kWarning, path, 0.0,
-                                           "no file with motion is what the source declares, " + wanted +
-                                               ": mend ingest.source.files, or inspect the source's own folder"));
-  }
   TellByGroup(inspection["clips"], findings());
   TellAnnotations(annotated_, inspection["clips"], findings());
   motions_.Tell(source_ ? source_->checks : CheckOptions(), findings());
@@ -404,6 +468,7 @@ Json InspectPath(const std::filesystem::path& path, const std::optional<SourceOp
     AddError(listed.error(), "", "unreadable", inspector.inspection["findings"]);
     return inspector.inspection;
   }
+  if (source) inspector.ReadDeclared(path, files);
   for (std::size_t i = 0; i < files.size(); ++i) {
     inspector.Look(files[i]);
     if (progress) progress(i + 1, files.size());

@@ -19,7 +19,7 @@ void SeenMotions::Tell(const CheckOptions& options, nlohmann::json& findings) co
   const DuplicateLimits limits{options.duplicate_distance, static_cast<int>(options.shared_frames)};
   for (const Duplicate& pair : FindDuplicates(signatures_, limits)) {
     const Finding finding = DuplicateFinding(pair, ids_[pair.first], signatures_[pair.first], signatures_[pair.second]);
-    if (options.ActionFor(finding.code) == FindingAction::kIgnore) continue;
+    if (options.ActionFor(finding.code) == OnFinding::kIgnore) continue;
     findings.push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, ids_[pair.second]),
                                          finding.value, finding.message));
   }

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 #include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/options.h"

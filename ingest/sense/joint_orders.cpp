@@ -5,7 +5,7 @@
 #include <map>
 #include <mutex>
 
-#include "core/quality/median.h"
+#include "core/base/median.h"
 #include "core/quality/median_deviation.h"
 #include "ingest/sense/point_exchange.h"
 #include "ingest/synthetic/tracker.h"

@@ -6,8 +6,8 @@
 #include <map>
 #include <optional>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 
 namespace mocurate {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 
@@ -60,7 +61,7 @@ std::optional<Finding> LeaveOut(Finding finding, const std::vector<std::string>&
   if (count == 0) return std::nullopt;
   if (count > 1) finding.message += "; " + Counted(static_cast<long long>(count - 1), "more point");
   finding.message += "; taken as not seen";
-  finding.action = "taken as not seen";
+  finding.action = FindingAction::kMissing;
   return finding;
 }
 
@@ -116,9 +117,7 @@ std::optional<Finding> LeaveOutUnlikelyConfidences(const std::vector<std::string
   const auto sure = [](const DetectedKeypoint& point) { return point.confidence; };
   std::vector<double> confidences = OfDetected(frames, sure);
   if (confidences.size() < kFewestKeypoints) return std::nullopt;
-  const auto middle = confidences.begin() + static_cast<std::ptrdiff_t>(confidences.size() / 2);
-  std::nth_element(confidences.begin(), middle, confidences.end());
-  if (*middle > kMostConfidence) return std::nullopt;  // all are of another range
+  if (Median(std::move(confidences)) > kMostConfidence) return std::nullopt;  // all are of another range
   const auto says = [](const DetectedKeypoint& point) {
     return "has the confidence " + FormatDouble(point.confidence) + ", which is to be 0 to 1";
   };

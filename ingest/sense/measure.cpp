@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
 #include "core/quality/axes_changes.h"
 #include "core/quality/checks.h"
-#include "core/quality/median.h"
 #include "ingest/sense/length_units.h"
 
 namespace mocurate {

@@ -3,7 +3,6 @@
 
 #include "core/base/text.h"
 #include "ingest/sense/comparison.h"
-#include "ingest/sense/limb_doubt.h"
 #include "ingest/sense/observed_clip.h"
 #include "ingest/sense/order_doubt.h"
 
@@ -36,8 +35,7 @@ std::optional<std::string> NameInOrder(const OrderScore& order, ObservedClip& cl
   const Skeleton& skeleton = **KnownSkeleton(order.order->skeleton);
   clip.names = order.order->joints;
   clip.points = PointsByName(clip.names, skeleton);
-  if (auto doubt = DoubtOrder(clip, order.score, BonesOf(clip.names, skeleton))) return doubt;
-  return DoubtSides(clip, order.score);
+  return DoubtOrder(clip, order.score, BonesOf(clip.names, skeleton));
 }
 
 }  // namespace
@@ -99,13 +97,14 @@ void DoubtPositions(ObservedClip& clip) {
   const double rigidity = Rigidity(clip.positions, clip.confidence);
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
   if (rigidity > kRigid) {
-    clip.remarks.push_back({"not_joint_positions", Severity::kError, rigidity,
-                            "no two points keep their distance (it changes by " + ThreeDecimals(100.0 * rigidity) +
-                                " % for the most rigid pairs): these numbers are no joint positions"});
+    clip.remarks.push_back(MakeFinding("not_joint_positions", Severity::kError, rigidity,
+                                       "no two points keep their distance (it changes by " +
+                                           ThreeDecimals(100.0 * rigidity) +
+                                           " % for the most rigid pairs): these numbers are no joint positions"));
   } else if (!scores.empty()) {
-    clip.remarks.push_back({"not_joint_positions", Severity::kError, scores[0].score.proportion,
-                            "in no known order do the points make a body (" + Words(scores[0]) +
-                                "): rotations, or an order that is not known"});
+    clip.remarks.push_back(MakeFinding("not_joint_positions", Severity::kError, scores[0].score.proportion,
+                                       "in no known order do the points make a body (" + Words(scores[0]) +
+                                           "): rotations, or an order that is not known"));
   }
 }
 
@@ -116,16 +115,16 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   clip.names = source.joints;
   const auto skeleton = KnownSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
   if (!skeleton) {
-    clip.remarks.push_back({"unknown_skeleton", Severity::kError, 0.0, skeleton.error().Message()});
+    clip.remarks.push_back(MakeFinding("unknown_skeleton", Severity::kError, 0.0, skeleton.error().Message()));
     return;
   }
   if (clip.names.empty()) {
     for (const Joint& joint : (*skeleton)->joints) clip.names.push_back(joint.name);
   }
   if (static_cast<int>(clip.names.size()) != clip.joints) {
-    clip.remarks.push_back({"layout_contradiction", Severity::kError, static_cast<double>(clip.joints),
-                            "the file has " + std::to_string(clip.joints) + " joints, the declaration " +
-                                std::to_string(clip.names.size())});
+    clip.remarks.push_back(MakeFinding("layout_contradiction", Severity::kError, static_cast<double>(clip.joints),
+                                       "the file has " + std::to_string(clip.joints) + " joints, the declaration " +
+                                           std::to_string(clip.names.size())));
     clip.names.clear();
     return;
   }
@@ -141,9 +140,9 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   if (const auto doubt = why.empty() ? DoubtOrder(clip, score, BonesOf(clip.names, **skeleton)) : std::nullopt)
     why = *doubt;
   if (clip.frames < kFewestNamedFrames || why.empty()) return;
-  clip.remarks.push_back({"joint_order_contradiction", Severity::kError, score.total(),
-                          "read in the declared order, " + clip.skeleton_evidence + " (" + RoundedText(score.total()) +
-                              ", the spread and half of that); " + why});
+  clip.remarks.push_back(MakeFinding("joint_order_contradiction", Severity::kError, score.total(),
+                                     "read in the declared order, " + clip.skeleton_evidence + " (" +
+                                         RoundedText(score.total()) + ", the spread and half of that); " + why));
 }
 
 void FollowFormat(const std::string& skeleton, const std::vector<std::string>& joints, const std::string& evidence,

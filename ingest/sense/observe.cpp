@@ -3,8 +3,6 @@
 #include "core/formats/bandai_label.h"
 #include "core/formats/camera_files.h"
 #include "ingest/sense/file_kind.h"
-#include "ingest/sense/name_sense.h"
-#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -14,16 +12,6 @@ Expected<ObservedFile> Clips(Expected<std::vector<ObservedClip>> clips) {
   ObservedFile file;
   file.clips = std::move(*clips);
   return file;
-}
-
-/// Motions on a tree, which a source of `format` has to know.
-Expected<ObservedFile> Trees(Expected<std::vector<ObservedClip>> clips, const std::optional<SourceOptions>& source,
-                             SourceFormat format) {
-  if (!clips) return Forward(clips);
-  for (ObservedClip& clip : *clips) {
-    if (source && source->format == format) CompareTree(*source, clip);
-  }
-  return Clips(std::move(clips));
 }
 
 Expected<ObservedFile> Cloud(Expected<ObservedCloud> cloud) {
@@ -50,8 +38,6 @@ Expected<ObservedFile> BandaiLabelIn(const FileBytes& file) {
        "bandai_label",
        {},
        {{"content", static_cast<double>(label->content)}, {"style", static_cast<double>(label->style)}}});
-  if (const auto doubt = DoubtBandaiLabel(file.path, *label))
-    observed.remarks.push_back({"name_contradiction", Severity::kWarning, 0.0, *doubt});
   return observed;
 }
 
@@ -73,51 +59,32 @@ Expected<ObservedFile> JsonIn(const FileBytes& file) {
   return CalibrationIn(file);
 }
 
-Expected<ObservedFile> TableIn(const FileBytes& file, const std::optional<SourceOptions>& source) {
-  if (IsOfPhspd(file.path) || (source && source->format == SourceFormat::kPhspd)) return ObservePhspd(file);
-  return Clips(ObserveTable(file.bytes, file.name, source));
+Expected<ObservedFile> TableIn(const FileBytes& file) {
+  if (IsOfPhspd(file.path)) return ObservePhspd(file);
+  return Clips(ObserveTable(file.bytes, file.name));
 }
 
 }  // namespace
 
-Remark RemarkOf(const Finding& finding) {
-  const bool lost = finding.action == "dropped";
-  return {finding.code,
-          finding.severity,
-          finding.value,
-          finding.message,
-          lost ? finding.frame_begin : 0,
-          lost ? finding.frame_end : 0};
-}
-
-void AddRemarks(const std::vector<Finding>& findings, ObservedClip& clip, int rows) {
-  for (const Finding& finding : findings) {
-    Remark remark = RemarkOf(finding);
-    remark.frame_begin /= rows;
-    remark.frame_end = (remark.frame_end + rows - 1) / rows;
-    clip.remarks.push_back(std::move(remark));
-  }
-}
-
-Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<SourceOptions>& source) {
+Expected<ObservedFile> ObserveFile(const FileBytes& file) {
   if (IsUestcInfo(file.path)) return ObserveUestcInfo(file);
   switch (KindOf(file.bytes)) {
     case FileKind::kBvh:
-      return Trees(ObserveBvh(file.bytes, file.name), source, SourceFormat::kBvh);
+      return Clips(ObserveBvh(file.bytes, file.name));
     case FileKind::kNpy:
-      return Clips(ObserveNpy(file.bytes, file.name, source));
+      return Clips(ObserveNpy(file.bytes, file.name));
     case FileKind::kNumbers:
-      return TableIn(file, source);
+      return TableIn(file);
     case FileKind::kNtuSkeleton:
-      return Clips(ObserveNtu(file, source));
+      return Clips(ObserveNtu(file));
     case FileKind::kAsf:
       return ObserveAsf(file);
     case FileKind::kAmc:
-      return Trees(ObserveAmc(file), source, SourceFormat::kAsfAmc);
+      return Clips(ObserveAmc(file));
     case FileKind::kOpenSim:
       return Clips(ObserveOpenSim(file.bytes, file.name));
     case FileKind::kZip:
-      return ObserveNpz(file, source);
+      return ObserveNpz(file);
     case FileKind::kPickle:
       return ObservePickle(file);
     case FileKind::kPly:
@@ -130,7 +97,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
     case FileKind::kJson:
       return JsonIn(file);
     case FileKind::kEmpty:
-      return Fail(ErrorCode::kMalformed, "the file is empty", file.name, "was it copied whole?");
+      return EmptyFile(file.name);
     case FileKind::kOpenCvYaml:
     case FileKind::kPng:
     case FileKind::kJpeg:
@@ -140,9 +107,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<So
       break;
   }
   // Too little is left to tell the format by: of no frames, or cut off behind the count.
-  if (file.path.extension() == ".skeleton") return Clips(ObserveNtu(file, source));
-  // What is declared as a table is read as one, as a run does.
-  if (source && source->format == SourceFormat::kJointTable) return Clips(ObserveTable(file.bytes, file.name, source));
+  if (file.path.extension() == ".skeleton") return Clips(ObserveNtu(file));
   return Fail(ErrorCode::kUnsupported, "the content is none of the known formats", file.name,
               "docs/inspect.md lists them");
 }

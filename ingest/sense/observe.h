@@ -50,7 +50,7 @@ struct ObservedFile {
   std::vector<Calibration> calibrations;
   std::vector<ObservedCompanion> companions;
   std::vector<AnnotatedMotion> annotated;
-  std::vector<Remark> remarks;
+  std::vector<Finding> remarks;
 };
 
 /// Bytes of a file. `name` for messages, `path` for what lies beside it.
@@ -98,35 +98,30 @@ class ObservedSequences {
   std::map<std::string, Folder> folders_;
 };
 
-/// One file of any format but those of ObservedSequences. A source of the same format says the layout of a table;
-/// without one it is measured. Errors of the formats; kUnsupported for content that is no motion.
-Expected<ObservedFile> ObserveFile(const FileBytes& file, const std::optional<SourceOptions>& source);
+/// One file of any format but those of ObservedSequences. Errors of the formats; kUnsupported for content that is no
+/// motion.
+Expected<ObservedFile> ObserveFile(const FileBytes& file);
 
 Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name);
-Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name,
-                                               const std::optional<SourceOptions>& source);
+Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name);
 /// Joints of an array (frames, joints, 3), (frames, joints * 3), or a batch of them; kUnsupported for others.
-Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name,
-                                                 const std::optional<SourceOptions>& source);
-Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name,
-                                                 const std::optional<SourceOptions>& source);
+Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name);
+Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name);
 /// The joints of a file of `mocurate export`, as it names them.
-Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std::string& name,
-                                       const std::optional<SourceOptions>& source);
+Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std::string& name);
 /// Whether the file is of a recording of PHSPD by its path, ".../subject03_group2_time4/pose.txt" or shape_smpl.txt.
 bool IsOfPhspd(const std::filesystem::path& path);
 /// Poses, of which damaged rows are told and left out; shapes, which are only named.
 Expected<ObservedFile> ObservePhspd(const FileBytes& file);
 /// The table as exponential maps, where its numbers are such; nothing otherwise.
 std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::string& name);
-/// A clip per body. With a source of the format remarks say whom of them a run takes: "bodies_left_out",
-/// "people_missing" where the name speaks of more people, and so on.
-Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file, const std::optional<SourceOptions>& source);
+/// A clip per body.
+Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file);
 /// With the .asf beside the file or a folder above whose name begins the file's; without one a remark says so.
 Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file);
 Expected<ObservedFile> ObserveAsf(const FileBytes& file);
 /// AMASS, and archives of arrays.
-Expected<ObservedFile> ObserveNpz(const FileBytes& file, const std::optional<SourceOptions>& source);
+Expected<ObservedFile> ObserveNpz(const FileBytes& file);
 /// HumanAct12, tracks and caches of VIBE, rigs of PHSPD, body models (which are only named).
 Expected<ObservedFile> ObservePickle(const FileBytes& file);
 /// What the joints of a track say; `format` is "vibe_tracks" or "vibe_cache".
@@ -150,8 +145,5 @@ Expected<ObservedCloud> ObserveCloud(std::string_view bytes, const std::string& 
 ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const std::vector<OpenPosePerson>& everybody);
 /// A clip per body of a scene.
 std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& scenes);
-/// Text of OpenCV's FileStorage, as far as calibrations need it: rigs of intri and extri, or one file per view. Error
-/// kMalformed names the field that is missing or of another size ("intri.yml:K_cam02"), kUnsupported: no calibration.
-Expected<Calibration> ObserveOpenCv(const std::vector<std::pair<std::string, std::string>>& storages);
 
 }  // namespace mocurate

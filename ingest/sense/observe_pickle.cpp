@@ -12,7 +12,6 @@
 #include "ingest/sense/fault_codes.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/posed_joints.h"
-#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -34,14 +33,14 @@ Expected<ObservedFile> HumanAct12In(const FileBytes& file) {
   for (std::size_t i = 0; i < archive->size(); ++i) {
     const Expected<HumanAct12Clip> entry = archive->Clip(i);
     if (!entry) {  // costs a run one clip
-      observed.remarks.push_back({FaultCode(entry.error(), "humanact12_pickle"), Severity::kError,
-                                  static_cast<double>(i), entry.error().Message()});
+      observed.remarks.push_back(MakeFinding(FaultCode(entry.error(), "humanact12_pickle"), Severity::kError,
+                                             static_cast<double>(i), entry.error().Message()));
       continue;
     }
     observed.clips.push_back(ObserveHumanAct12Clip(*entry));
     ObservedClip& clip = observed.clips.back();
     clip.id = "[" + std::to_string(i) + "]";
-    if (const auto spoiled = DoubtRotations(*entry)) clip.remarks.push_back(RemarkOf(*spoiled));
+    if (const auto spoiled = DoubtRotations(*entry)) clip.remarks.push_back(*spoiled);
   }
   if (!observed.clips.empty() || archive->size() == 0) return observed;
   return Forward(archive->Clip(0));
@@ -88,9 +87,10 @@ void RemarkGaps(const VibeTrack& track, ObservedClip& clip) {
   for (std::size_t row = 1; row < track.frame_ids.size(); ++row) {
     const std::int64_t last = track.frame_ids[row - 1], next = track.frame_ids[row];
     if (next <= last + 1) continue;
-    clip.remarks.push_back({"frames_filled", Severity::kInfo, static_cast<double>(next - last - 1),
-                            Counted(next - last - 1, "frame") + " without the person: " + std::to_string(last) +
-                                " is followed by " + std::to_string(next) + "; an ingest interpolates them"});
+    clip.remarks.push_back(MakeFinding("frames_filled", Severity::kInfo, static_cast<double>(next - last - 1),
+                                       Counted(next - last - 1, "frame") +
+                                           " without the person: " + std::to_string(last) + " is followed by " +
+                                           std::to_string(next) + "; an ingest interpolates them"));
   }
 }
 
@@ -129,10 +129,10 @@ ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format)
   clip.units = "m";
   clip.facts.emplace_back("track", std::to_string(track.id));
   if (const std::optional<Finding> spoiled = DoubtAngles(track)) {
-    clip.remarks.push_back({spoiled->code, spoiled->severity, spoiled->value, spoiled->message});
+    clip.remarks.push_back(MakeFinding(spoiled->code, spoiled->severity, spoiled->value, spoiled->message));
   }
   if (const auto places = CameraPlaces(track.original_camera); !places) {
-    clip.remarks.push_back({"malformed", Severity::kError, 0.0, places.error().Message()});
+    clip.remarks.push_back(MakeFinding("malformed", Severity::kError, 0.0, places.error().Message()));
   }
   if (track.joints == 49) {
     clip.skeleton = "spin49";
@@ -142,10 +142,10 @@ ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format)
     clip.points = PointsOfSpin();
   }
   if (track.joints != 49 && track.joints != 0) {
-    clip.remarks.push_back({"layout_unknown", Severity::kWarning, static_cast<double>(track.joints),
-                            "joints3d has " + Counted(static_cast<long long>(track.joints), "joint") +
-                                " a frame, VIBE and SPIN write 49: name them in their order under "
-                                "ingest.source.joints, or write the file anew"});
+    clip.remarks.push_back(MakeFinding("layout_unknown", Severity::kWarning, static_cast<double>(track.joints),
+                                       "joints3d has " + Counted(static_cast<long long>(track.joints), "joint") +
+                                           " a frame, VIBE and SPIN write 49: name them in their order under "
+                                           "ingest.source.joints, or write the file anew"));
   }
   if (track.joints == 0) {
     clip.joints = static_cast<int>(track.pose.size() / std::max<std::size_t>(1, track.frames) / 3);

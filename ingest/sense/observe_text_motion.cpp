@@ -9,7 +9,6 @@
 #include "core/quality/tracked_points.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
-#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -86,14 +85,14 @@ std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::str
   clip.silence = "rotations of a skeleton that is not in the file";
   clip.rate_evidence = "the file does not say it";
   clip.missing_share = static_cast<double>(rows - whole.size()) / static_cast<double>(rows);
-  AddRemarks(table->findings, clip);
+  clip.AddRemarks(table->findings);
   const auto told = [&](std::size_t f) {
     return std::any_of(table->findings.begin(), table->findings.end(), [&](const Finding& finding) {
       return finding.frame_begin <= static_cast<int>(f) && static_cast<int>(f) < finding.frame_end;
     });
   };
   for (std::size_t f = 0; f < rows; ++f) {
-    if (!std::binary_search(whole.begin(), whole.end(), f) && !told(f)) clip.remarks.push_back(RemarkOf(TooLarge(f)));
+    if (!std::binary_search(whole.begin(), whole.end(), f) && !told(f)) clip.remarks.push_back(TooLarge(f));
   }
   return clip;
 }
@@ -113,9 +112,9 @@ Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const
       longest = std::max(longest, table->time_s[i] - table->time_s[i - 1]);
     }
     if (longest * rate > 1.5) {
-      clip.remarks.push_back({"time_gap", Severity::kWarning, longest,
-                              "the longest step between rows is " + FormatDouble(longest) + " s, the mean one " +
-                                  FormatDouble(std::round(1e6 / rate) / 1e6) + " s"});
+      clip.remarks.push_back(MakeFinding("time_gap", Severity::kWarning, longest,
+                                         "the longest step between rows is " + FormatDouble(longest) +
+                                             " s, the mean one " + FormatDouble(std::round(1e6 / rate) / 1e6) + " s"));
     }
   }
   clip.layout_evidence = std::to_string(table->labels.size()) + " columns beside time";
@@ -124,7 +123,7 @@ Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const
   clip.missing_share = 0.0;
   clip.facts.emplace_back("coordinates", std::to_string(table->labels.size()));
   if (table->in_degrees) clip.facts.emplace_back("angles", *table->in_degrees ? "degrees" : "radians");
-  if (const auto doubt = DoubtAngles(*table)) clip.remarks.push_back(RemarkOf(*doubt));
+  if (const auto doubt = DoubtAngles(*table)) clip.remarks.push_back(*doubt);
   clip.units = table->components == 1 ? "m" : "";
   return std::vector<ObservedClip>{std::move(clip)};
 }
@@ -159,17 +158,18 @@ void TellCategories(const std::map<std::string, RareCategory>& rare, ObservedFil
   for (const auto& [category, told] : rare) {
     const std::string words = told.sequence + ": category '" + category + "' of " + Counted(told.labels, "label");
     if (const std::optional<std::string> meant = Nearest(category, known)) {
-      observed.remarks.push_back({"category_unknown", Severity::kInfo, static_cast<double>(told.labels),
-                                  words + " is none of BABEL's 150 frequent ones: did you mean '" + *meant + "'?"});
+      observed.remarks.push_back(
+          MakeFinding("category_unknown", Severity::kInfo, static_cast<double>(told.labels),
+                      words + " is none of BABEL's 150 frequent ones: did you mean '" + *meant + "'?"));
     } else if (others++ == 0) {
       first = words;
     }
   }
   if (others == 0) return;
   observed.remarks.push_back(
-      {"category_unknown", Severity::kInfo, static_cast<double>(others),
-       std::to_string(others) + (others == 1 ? " category" : " categories") +
-           " beside BABEL's 150 frequent ones, which may be of its rare ones; the first: " + first});
+      MakeFinding("category_unknown", Severity::kInfo, static_cast<double>(others),
+                  std::to_string(others) + (others == 1 ? " category" : " categories") +
+                      " beside BABEL's 150 frequent ones, which may be of its rare ones; the first: " + first));
 }
 
 }  // namespace
@@ -193,7 +193,8 @@ Expected<ObservedFile> ObserveBabel(const FileBytes& file) {
       }
     }
     for (const BabelProblem& problem : FindBabelProblems(sequence)) {
-      observed.remarks.push_back({"babel_times", Severity::kWarning, 0.0, problem.where + ": " + problem.what});
+      observed.remarks.push_back(
+          MakeFinding("babel_times", Severity::kWarning, 0.0, problem.where + ": " + problem.what));
     }
   }
   TellCategories(doubts, observed);

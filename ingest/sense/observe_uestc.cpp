@@ -5,7 +5,6 @@
 #include "core/base/text.h"
 #include "ingest/sense/inspect_files.h"
 #include "ingest/sense/observe.h"
-#include "ingest/sense/remark.h"
 #include "ingest/sources/uestc_folder.h"
 
 namespace mocurate {
@@ -59,15 +58,15 @@ void CompareUestcInfo(const std::filesystem::path& cache, ObservedFile& observed
   if (!std::filesystem::is_directory(folder / "info", unknown)) return;
   const Expected<UestcFolder> info = ReadUestcFolder(folder);
   if (!info) {
-    observed.remarks.push_back({"malformed", Severity::kError, 0.0, info.error().Message()});
+    observed.remarks.push_back(MakeFinding("malformed", Severity::kError, 0.0, info.error().Message()));
     return;
   }
   const std::size_t videos = info->videos.size();
   if (videos != observed.clips.size()) {
-    observed.remarks.push_back({"count_contradiction", Severity::kError, static_cast<double>(videos),
-                                "info/names.txt names " + std::to_string(videos) + " videos, the cache holds " +
-                                    std::to_string(observed.clips.size()) +
-                                    ": which name is whose is not known; copy both from one place again"});
+    observed.remarks.push_back(MakeFinding("count_contradiction", Severity::kError, static_cast<double>(videos),
+                                           "info/names.txt names " + std::to_string(videos) +
+                                               " videos, the cache holds " + std::to_string(observed.clips.size()) +
+                                               ": which name is whose is not known; copy both from one place again"));
     return;
   }
   for (std::size_t i = 0; i < videos; ++i) {
@@ -75,7 +74,7 @@ void CompareUestcInfo(const std::filesystem::path& cache, ObservedFile& observed
     clip.facts.emplace_back("video", info->videos[i].Name());
     clip.facts.emplace_back("label", info->actions[static_cast<std::size_t>(info->videos[i].action)]);
     const auto doubt = DoubtFrameCount(info->frames[i], static_cast<std::size_t>(clip.frames), static_cast<int>(i));
-    if (doubt) clip.remarks.push_back(RemarkOf(*doubt));
+    if (doubt) clip.remarks.push_back(*doubt);
   }
 }
 

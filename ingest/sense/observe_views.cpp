@@ -3,11 +3,11 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/median.h"
 #include "core/formats/point_cloud.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/keypoint_numbers.h"
 #include "ingest/sense/observe.h"
-#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -23,12 +23,10 @@ double RateByClock(const std::vector<PanopticBodies>& scenes) {
     last_ms = scene.time_ms;
   }
   if (steps_ms.empty()) return 0.0;
-  std::vector<double> sorted = steps_ms;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual_ms = Median(steps_ms);
   double moments = 0.0, span_ms = 0.0;
   for (const double step : steps_ms) {
-    moments += std::round(step / *middle);
+    moments += std::round(step / usual_ms);
     span_ms += step;
   }
   return 1000.0 * moments / span_ms;
@@ -84,16 +82,16 @@ ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const st
   clip.skeleton_evidence = layout.evidence;
   std::vector<OpenPosePerson> here;
   for (const OpenPoseFrame& frame : frames) here.insert(here.end(), frame.people.begin(), frame.people.end());
-  for (const Finding& doubt : DoubtKeypointNumbers(here)) clip.remarks.push_back(RemarkOf(doubt));
+  for (const Finding& doubt : DoubtKeypointNumbers(here)) clip.remarks.push_back(doubt);
   if (odd > 0) {
-    clip.remarks.push_back({"keypoint_count", Severity::kWarning, static_cast<double>(odd),
-                            std::to_string(odd) + (odd == 1 ? " person has" : " people have") +
-                                " another number of keypoints than " + std::to_string(joints) +
-                                ": a run takes them as not seen"});
+    clip.remarks.push_back(MakeFinding("keypoint_count", Severity::kWarning, static_cast<double>(odd),
+                                       std::to_string(odd) + (odd == 1 ? " person has" : " people have") +
+                                           " another number of keypoints than " + std::to_string(joints) +
+                                           ": a run takes them as not seen"));
   }
   if (without > 0) {
-    clip.remarks.push_back({"empty_person", Severity::kInfo, static_cast<double>(without),
-                            std::to_string(without) + " entries of people hold no keypoints"});
+    clip.remarks.push_back(MakeFinding("empty_person", Severity::kInfo, static_cast<double>(without),
+                                       std::to_string(without) + " entries of people hold no keypoints"));
   }
   return clip;
 }

@@ -6,21 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/finding.h"
 #include "ingest/options.h"
 #include "ingest/sense/joint_orders.h"
 #include "ingest/sense/root_scale.h"
 
 namespace mocurate {
-
-/// Something doubtful about a file or clip; `where` and the file are filled in by the caller.
-struct Remark {
-  std::string code;
-  Severity severity = Severity::kWarning;
-  double value = 0.0;
-  std::string message;
-  int frame_begin = 0;  ///< frames that are missing for it
-  int frame_end = 0;
-};
 
 /// One clip as it stands in a file: file units, file axes.
 struct ObservedClip {
@@ -64,7 +55,9 @@ struct ObservedClip {
   std::string up;
   std::string handedness;
   std::string axes;  ///< as a source says them
-  std::vector<Remark> remarks;
+  std::vector<Finding> remarks;
+
+  void AddRemarks(const std::vector<Finding>& more) { remarks.insert(remarks.end(), more.begin(), more.end()); }
 };
 
 /// Names the points by the best known order and says how sure that is and what else fits; false if none fits.
@@ -80,8 +73,5 @@ void FollowFormat(const std::string& skeleton, const std::vector<std::string>& j
 /// A tree with names: a skeleton of configs/skeletons if all its names are that one's, else one of the file's own.
 /// Names and their number must be set; points are set.
 void FollowTree(const std::vector<int>& parents, const std::string& evidence, ObservedClip& clip);
-/// A remark "joints_contradiction" where the tree of the clip is not that of the source's skeleton, as ingest would
-/// need it: joints that are missing, joints that it does not have, joints that hang elsewhere.
-void CompareTree(const SourceOptions& source, ObservedClip& clip);
 
 }  // namespace mocurate

@@ -1,12 +1,12 @@
 #include <string>
 
+#include "core/formats/opencv_storage.h"
 #include "core/formats/png.h"
 #include "ingest/frozen_views.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/keypoint_numbers.h"
 #include "ingest/sense/observe.h"
-#include "ingest/sense/remark.h"
 
 namespace mocurate {
 namespace {
@@ -123,7 +123,7 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
   std::map<std::string, std::vector<Finding>> frozen = FrozenFolders();
   for (const auto& [name, folder] : folders_) {
     ObservedFile file;
-    for (const Finding& finding : frozen[name]) file.remarks.push_back(RemarkOf(finding));
+    for (const Finding& finding : frozen[name]) file.remarks.push_back(finding);
     if (!folder.keypoints.empty()) {
       file.clips.push_back(ObserveKeypoints(folder.keypoints, everybody[FolderOf(name)]));
       std::vector<ImagePoses> poses;
@@ -131,38 +131,39 @@ std::map<std::string, ObservedFile> ObservedSequences::Finish(bool of_folder) co
         poses.emplace_back();
         for (const OpenPosePerson& person : frame.people) poses.back().push_back(person.pose);
       }
-      if (const auto far = LeaveOutFarKeypoints(folder.keypoint_files, poses)) file.remarks.push_back(RemarkOf(*far));
+      if (const auto far = LeaveOutFarKeypoints(folder.keypoint_files, poses)) file.remarks.push_back(*far);
       const auto odd = LeaveOutUnlikelyConfidences(folder.keypoint_files, poses);
-      if (odd) file.remarks.push_back(RemarkOf(*odd));
+      if (odd) file.remarks.push_back(*odd);
     }
     for (ObservedClip& clip : ObservePanoptic(folder.scenes)) file.clips.push_back(std::move(clip));
     const auto beside = folder.keypoints.empty() ? std::vector<const FrameNames*>() : FramesBeside(name);
-    for (const Finding& finding : folder.frames.Lacking(beside)) file.remarks.push_back(RemarkOf(finding));
+    for (const Finding& finding : folder.frames.Lacking(beside)) file.remarks.push_back(finding);
     if (folder.unsure.points > 0) {
-      file.remarks.push_back({"unsure_points", Severity::kWarning, static_cast<double>(folder.unsure.points),
-                              UnsurePointsWords(folder.unsure)});
+      file.remarks.push_back(MakeFinding("unsure_points", Severity::kWarning, static_cast<double>(folder.unsure.points),
+                                         UnsurePointsWords(folder.unsure)));
     }
     if (folder.not_finite.points > 0) {
-      file.remarks.push_back({"keypoints_not_finite", Severity::kWarning, static_cast<double>(folder.not_finite.points),
-                              NotFiniteWords(folder.not_finite)});
+      file.remarks.push_back(MakeFinding("keypoints_not_finite", Severity::kWarning,
+                                         static_cast<double>(folder.not_finite.points),
+                                         NotFiniteWords(folder.not_finite)));
     }
     for (const auto& [key, image] : folder.images) file.companions.push_back(image);
     if (!folder.storages.empty()) {
-      Expected<Calibration> calibration = ObserveOpenCv(folder.storages);
+      Expected<Calibration> calibration = ParseOpenCvCalibration(folder.storages);
       for (std::size_t i = 0; !calibration && i < folder.beside.size(); ++i) {
         auto storages = folder.storages;
         storages.push_back(folder.beside[i]);
         // Together they may lack another field than one alone.
-        auto together = ObserveOpenCv(storages);
+        auto together = ParseOpenCvCalibration(storages);
         if (together || together.error().where != calibration.error().where) calibration = std::move(together);
       }
       if (calibration) {
         file.calibrations.push_back(std::move(*calibration));
       } else {
         const bool other = calibration.error().code == ErrorCode::kUnsupported;
-        file.remarks.push_back({other ? "unknown_format" : "malformed",
-                                other && of_folder ? Severity::kInfo : Severity::kError, 0.0,
-                                calibration.error().Message()});
+        file.remarks.push_back(MakeFinding(other ? "unknown_format" : "malformed",
+                                           other && of_folder ? Severity::kInfo : Severity::kError, 0.0,
+                                           calibration.error().Message()));
       }
     }
     files.emplace(name, std::move(file));

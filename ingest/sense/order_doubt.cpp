@@ -4,10 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
-#include "ingest/sense/limb_doubt.h"
 #include "ingest/sense/point_exchange.h"
 
 namespace mocurate {
@@ -53,7 +52,6 @@ std::optional<std::string> DoubtOrder(const ObservedClip& clip, const BodyScore&
     return "the head would lie below the shoulders, on the side of the hips (cosine " + Digits(*head) +
            " in the median frame)";
   }
-  if (auto limb = DoubtLimbs(clip, bones)) return limb;
   const std::optional<PointExchange> exchange = BestExchange(clip.positions, clip.confidence, bones);
   if (!exchange) return std::nullopt;
   const double total = exchange->score.total();

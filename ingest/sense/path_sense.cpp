@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "core/quality/tracked_points.h"
-#include "ingest/sense/path_axes.h"
 #include "ingest/sense/root_scale.h"
 
 namespace mocurate {
@@ -21,19 +20,6 @@ std::optional<Finding> DoubtPath(const JointPositions& places, const HandednessP
                                  "the path of the root and the lengths of the bones are of two units (" +
                                      scale->evidence + "): multiply the positions of the root by " +
                                      Digits(scale->factor) + ", or give the bones the unit of the path");
-  finding.severity = Severity::kError;
-  return finding;
-}
-
-std::optional<Finding> DoubtPathAxes(const JointPositions& places, const HandednessPoints& body) {
-  const std::optional<PathAxes> axes = MeasurePathAxes(places, body);
-  if (!axes || axes->words.empty()) return std::nullopt;
-  Finding finding = FrameFinding("path_contradiction", 0, 0, "", std::round(axes->share * 1e4) / 1e4,
-                                 "the path of the root is in other axes than the body that it carries: with its axes "
-                                 "read as '" +
-                                     axes->words + "' a foot stands on " + Digits(100.0 * axes->share) +
-                                     " % of the way that tells, as they are written on hardly any; exchange the "
-                                     "components of the root's positions");
   finding.severity = Severity::kError;
   return finding;
 }

@@ -12,8 +12,4 @@ namespace mocurate {
 /// are of two units, as that path is at least 8 times too long or too short for the body's steps (MeasureRootScale).
 std::optional<Finding> DoubtPath(const JointPositions& places, const HandednessPoints& body);
 
-/// "path_contradiction", an error whose value is the share: the path of the root is in other axes than the body
-/// (MeasurePathAxes), as where y and z of it are exchanged.
-std::optional<Finding> DoubtPathAxes(const JointPositions& places, const HandednessPoints& body);
-
 }  // namespace mocurate

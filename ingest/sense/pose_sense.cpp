@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {

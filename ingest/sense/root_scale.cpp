@@ -5,10 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 #include "core/quality/tracked_points.h"
-#include "ingest/sense/path_axes.h"
 
 namespace mocurate {
 namespace {
@@ -18,12 +17,6 @@ constexpr double kLeastStep = 0.005;    // of the body against the standing foot
 constexpr double kAgainst = 0.8;        // least cosine between the step of the root and that of the body
 constexpr std::size_t kFewestSteps = 20;
 constexpr double kLeastShare = 0.5;
-constexpr double kTells = 0.5;    // of a step, that it differs by in other axes
-constexpr double kStands = 0.25;  // of a step, that a foot may slide by and still stand
-// Of the way that tells, on which feet stand in other axes, and of that, on which they stand as the path is written. Of
-// no recorded motion (BVH, AMC, AMASS) does more stand in other axes; of two of the studio with y and z exchanged 0.52
-// and 0.38, as written 0.002 and 0.005 of it.
-constexpr double kLeastVotes = 0.2, kFewVotes = 0.1;
 constexpr double kHighestFloor = 10.0;  // lengths of a leg
 constexpr double kHeightSure = 0.6;
 
@@ -101,31 +94,6 @@ std::optional<RootScale> ByHeight(const JointPositions& places, const int (&feet
                    "the feet are " + Digits(over_floor / reach) + " lengths of a leg above the zero of the frame"};
 }
 
-/// All exchanges and reversals of axes but none: 47.
-std::vector<Matrix3d> AxisExchanges() {
-  std::vector<Matrix3d> all;
-  std::array<int, 3> order = {0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      Matrix3d turn = Matrix3d::Zero();
-      for (int i = 0; i < 3; ++i) turn(i, order[static_cast<std::size_t>(i)]) = (signs >> i & 1) != 0 ? -1.0 : 1.0;
-      if (!turn.isIdentity()) all.push_back(turn);
-    }
-  } while (std::next_permutation(order.begin(), order.end()));
-  return all;
-}
-
-/// "+x +z +y": where x, y and z of the body stand in the path.
-std::string WordsOfTurn(const Matrix3d& turn) {
-  std::string words;
-  for (int i = 0; i < 3; ++i) {
-    int at = 0;
-    turn.row(i).cwiseAbs().maxCoeff(&at);
-    words += std::string(i > 0 ? " " : "") + (turn(i, at) < 0.0 ? "-" : "+") + "xyz"[at];
-  }
-  return words;
-}
-
 }  // namespace
 
 std::optional<RootScale> MeasureRootScale(const JointPositions& places, const HandednessPoints& body) {
@@ -153,36 +121,6 @@ std::optional<RootScale> MeasureRootScale(const JointPositions& places, const Ha
                          " on a standing foot agree: where the root moves by 1, the body moves by " + Digits(factor)};
   }
   return best ? best : ByHeight(places, standing->feet, standing->up, standing->reach);
-}
-
-std::optional<PathAxes> MeasurePathAxes(const JointPositions& places, const HandednessPoints& body) {
-  const std::optional<StandingBody> standing = StandingBody::Of(places, body);
-  if (!standing) return std::nullopt;
-  std::vector<RootStep> steps;
-  for (const int lag : kLags) {
-    const std::vector<RootStep> more = standing->Steps(lag);
-    steps.insert(steps.end(), more.begin(), more.end());
-  }
-  PathAxes axes;
-  double most = 0.0;
-  for (const Matrix3d& turn : AxisExchanges()) {
-    double as_written = 0.0, exchanged = 0.0, all = 0.0;
-    std::size_t moments = 0;
-    for (const RootStep& step : steps) {
-      const double way = step.own.norm();
-      const Vector3d turned = turn * step.root;
-      if ((turned - step.root).norm() < kTells * way) continue;
-      all += way;
-      if ((step.root - step.own).norm() < kStands * way) as_written += way;
-      if ((turned - step.own).norm() < kStands * way) exchanged += way, ++moments;
-    }
-    const bool denied = moments >= kFewestSteps && exchanged > kLeastVotes * all && as_written < kFewVotes * exchanged;
-    if (!denied || exchanged <= most) continue;
-    most = exchanged;
-    axes.share = exchanged / all;
-    axes.words = WordsOfTurn(turn);
-  }
-  return axes;
 }
 
 }  // namespace mocurate

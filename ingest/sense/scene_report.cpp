@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
+#include "core/quality/tracked_points.h"
 #include "ingest/sense/calibration_sense.h"
 #include "ingest/sense/clip_report.h"
 #include "ingest/sense/comparison.h"
@@ -17,6 +19,7 @@ using Json = nlohmann::json;
 constexpr double kShortestPerson = 1.2, kTallestPerson = 2.1;  // metres, of a person from sole to crown
 constexpr double kThinnest = 0.08, kThickest = 0.35;           // a person's depth against the height
 constexpr double kStray = 0.005;                               // share of points on each side that may be junk
+constexpr double kFarRadii = 20.0;                             // of most points of a cloud
 
 /// Declared where the format says it, else as measured.
 Json Decided(const Measured& measured, bool declared) {
@@ -54,6 +57,28 @@ Json UnitsOf(std::array<double, 3> extent) {
                      "the format does not say it, and no usual unit makes the shape as high and as flat as a person");
 }
 
+/// "point_far": points 20 times as far from the middle (the median of each axis) as nine in ten are. Depth cameras have
+/// a number of their own for nothing seen.
+void ReportFarPoints(const ObservedCloud& cloud, const std::string& file, Json& findings) {
+  Vector3d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Vector3d& point : cloud.points) values.push_back(point[axis]);
+    middle[axis] = Median(std::move(values));
+  }
+  std::vector<double> distances;
+  for (const Vector3d& point : cloud.points) distances.push_back((point - middle).norm());
+  std::sort(distances.begin(), distances.end());
+  const double radius = distances.empty() ? 0.0 : distances[distances.size() * 9 / 10];
+  const auto far = std::upper_bound(distances.begin(), distances.end(), kFarRadii * radius);
+  if (far == distances.end() || radius == 0.0) return;
+  findings.push_back(InspectionFinding(
+      "point_far", Severity::kWarning, file, FourDecimals(distances.back()),
+      Counted(distances.end() - far, "point") + " up to " + Digits(distances.back()) +
+          " from the middle of the cloud, within " + Digits(radius) +
+          " of which nine in ten are: no part of what was scanned; leave them out, or export the file again"));
+}
+
 }  // namespace
 
 void ReportCameras(const Calibration& calibration, const std::string& file, Json& cameras, Json& findings) {
@@ -76,14 +101,15 @@ void ReportCameras(const Calibration& calibration, const std::string& file, Json
     }
     cameras.push_back(std::move(camera));
   }
-  for (const Remark& remark : sense.remarks) {
+  for (const Finding& remark : sense.remarks) {
     findings.push_back(
         InspectionFinding(remark.code, remark.severity, file, FourDecimals(remark.value), remark.message));
   }
 }
 
-Json CloudReport(const ObservedCloud& cloud, const std::string& file) {
+Json CloudReport(const ObservedCloud& cloud, const std::string& file, Json& findings) {
   const Json units = UnitsOf(BoxSides(cloud.points, kStray));
+  ReportFarPoints(cloud, file, findings);
   const std::array<double, 3> extent = BoxSides(cloud.points, 0.0);
   return {{"id", file},
           {"file", file},

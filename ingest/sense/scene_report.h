@@ -12,7 +12,7 @@ void ReportCameras(const Calibration& calibration, const std::string& file, nloh
                    nlohmann::json& findings);
 
 /// Points, triangles, extent, and the unit if the shape is as high as a person.
-nlohmann::json CloudReport(const ObservedCloud& cloud, const std::string& file);
+nlohmann::json CloudReport(const ObservedCloud& cloud, const std::string& file, nlohmann::json& findings);
 
 nlohmann::json CompanionReport(const ObservedCompanion& companion);
 

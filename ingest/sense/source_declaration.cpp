@@ -10,7 +10,7 @@
 #include "core/base/text.h"
 #include "core/motion/skeleton.h"
 #include "ingest/chosen_clips.h"
-#include "ingest/format_facts.h"
+#include "ingest/formats/driver.h"
 #include "ingest/options.h"
 #include "ingest/sense/clip_votes.h"
 #include "ingest/sense/declaration_writer.h"
@@ -137,7 +137,7 @@ std::string SkeletonOfRotations(const ClipVotes& source, const std::string& form
 
 /// Rotations that the files hold are kept, where a job by itself fits others to the joints, on smpl24.
 void WriteRecordedRotations(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
-  if (!FactsOf(format).rotations) return;
+  if (!DriverOf(format).rotations) return;
   if (const std::string skeleton = SkeletonOfRotations(source, format); !skeleton.empty()) {
     writer.Line("# Of the dataset: the skeleton of the files.");
     writer.Line("skeleton: " + skeleton);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -119,11 +120,11 @@ void TellGaps(ObservedClip& clip) {
       first = FormatDouble(clip.frame_numbers[f - 1]) + " is followed by " + FormatDouble(clip.frame_numbers[f]);
   }
   if (first.empty()) return;
-  clip.remarks.push_back({"time_gap", Severity::kWarning, skipped,
-                          Counted(static_cast<long long>(skipped), "frame") + " of those that are numbered from " +
-                              FormatDouble(clip.frame_numbers.front()) + " to " +
-                              FormatDouble(clip.frame_numbers.back()) + " have no row, at most " +
-                              FormatDouble(longest) + " on end; the first: " + first});
+  clip.remarks.push_back(
+      MakeFinding("time_gap", Severity::kWarning, skipped,
+                  Counted(static_cast<long long>(skipped), "frame") + " of those that are numbered from " +
+                      FormatDouble(clip.frame_numbers.front()) + " to " + FormatDouble(clip.frame_numbers.back()) +
+                      " have no row, at most " + FormatDouble(longest) + " on end; the first: " + first));
 }
 
 /// CAD-60: frame number; 11 joints with 9 orientation values, their confidence, x y z, confidence; 4 joints without.
@@ -260,13 +261,8 @@ double Roughness(const ObservedClip& clip) {
     }
   }
   if (steps.empty() || sizes.empty()) return 1.0;
-  const auto median = [](std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
-  const double size = median(sizes);
-  return size > 0.0 ? median(steps) / size : 1.0;
+  const double size = Median(std::move(sizes));
+  return size > 0.0 ? Median(std::move(steps)) / size : 1.0;
 }
 
 std::optional<ObservedClip> KnownReading(const JointTable& rows, const std::vector<RowLayout>& layouts) {
@@ -283,10 +279,10 @@ std::optional<ObservedClip> KnownReading(const JointTable& rows, const std::vect
     if (better) best = std::move(clip);
   }
   if (best && !others.empty()) {
-    best->remarks.push_back({"layout_ambiguous", Severity::kWarning, best->skeleton_confidence,
-                             "the row count also allows " + others +
-                                 " joints, and bone lengths do not exclude it; this reading is " +
-                                 RoundedText(100.0 * best->skeleton_confidence, 3) + " % sure"});
+    best->remarks.push_back(MakeFinding("layout_ambiguous", Severity::kWarning, best->skeleton_confidence,
+                                        "the row count also allows " + others +
+                                            " joints, and bone lengths do not exclude it; this reading is " +
+                                            RoundedText(100.0 * best->skeleton_confidence, 3) + " % sure"));
   }
   return best;
 }

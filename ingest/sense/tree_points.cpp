@@ -1,7 +1,6 @@
 #include "ingest/sense/tree_points.h"
 
 #include <algorithm>
-#include <set>
 
 #include "core/motion/joint_namespace.h"
 #include "core/motion/limbs.h"
@@ -9,18 +8,6 @@
 #include "ingest/sense/observed_clip.h"
 
 namespace mocurate {
-namespace {
-
-/// The first few of a list.
-std::string FirstNames(const std::vector<std::string>& names) {
-  constexpr std::size_t kShown = 5;
-  std::string list;
-  for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i) list += (i > 0 ? ", " : "") + names[i];
-  return list + (names.size() > kShown ? ", ..." : "");
-}
-
-}  // namespace
-
 HandednessPoints PointsOfTree(const std::vector<std::string>& whole_names, const std::vector<int>& parents) {
   const std::vector<std::string> names = WithoutNamespace(whole_names);
   Skeleton tree;
@@ -71,44 +58,6 @@ HandednessPoints PointsOfBody(const std::vector<std::string>& names, const Skele
     const std::optional<int> point = find(name);
     return point || name != "head" ? point : find("nose");
   });
-}
-
-void CompareTree(const SourceOptions& source, ObservedClip& clip) {
-  if (source.skeleton.empty() || clip.parents.empty()) return;
-  const auto skeleton = KnownSkeleton(source.skeleton);
-  if (!skeleton) {
-    clip.remarks.push_back({"unknown_skeleton", Severity::kError, 0.0, skeleton.error().Message()});
-    return;
-  }
-  const std::vector<std::string> names = NamesIn(**skeleton, clip.names);
-  std::vector<std::string> missing, others, elsewhere;
-  std::vector<int> joint_of(clip.names.size(), -1);
-  std::set<int> found;
-  for (std::size_t j = 0; j < clip.names.size(); ++j) {
-    const std::optional<int> joint = (*skeleton)->FindJoint(names[j]);
-    if (!joint || !found.insert(*joint).second) {
-      others.push_back(clip.names[j]);
-      continue;
-    }
-    joint_of[j] = *joint;
-    const int parent = clip.parents[j] < 0 ? -1 : joint_of[clip.parents[j]];
-    if ((*skeleton)->joints[*joint].parent != parent) elsewhere.push_back(clip.names[j]);
-  }
-  for (int j = 0; j < (*skeleton)->joint_count(); ++j) {
-    if (found.count(j) == 0) missing.push_back((*skeleton)->joints[j].name);
-  }
-  std::string message;
-  const auto say = [&](const std::vector<std::string>& joints, const std::string& what) {
-    if (joints.empty()) return;
-    message += (message.empty() ? "" : "; ") + std::to_string(joints.size()) + " " + what + ": " + FirstNames(joints);
-  };
-  say(missing, "of its " + std::to_string((*skeleton)->joint_count()) + " joints are not in the file");
-  say(others, "of the file's " + std::to_string(clip.joints) + " are not in it");
-  if (missing.empty() && others.empty()) say(elsewhere, "hang from another joint");
-  if (message.empty()) return;
-  clip.remarks.push_back({"joints_contradiction", Severity::kError,
-                          static_cast<double>(missing.size() + others.size() + elsewhere.size()),
-                          "the tree is not that of the declared skeleton '" + source.skeleton + "': " + message});
 }
 
 /// Whether every joint hangs from the same joint as its namesake.

@@ -54,8 +54,4 @@ struct ArrayOfClip {
 /// Errors of the formats; kInconsistent where there is no such clip.
 Expected<ArrayOfClip> ReadArrayClip(std::string_view bytes, const std::string& id, const std::string& name);
 
-/// One clip of an .npy or .npz of joint positions (frames, joints, 3) or (frames, joints * 3) -> joints-only motion.
-/// `file.container` is the file.
-Expected<IngestedClip> ReadArraySource(const SourceFile& file, const std::string& id);
-
 }  // namespace mocurate

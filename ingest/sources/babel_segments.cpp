@@ -35,7 +35,7 @@ std::string Newer(std::string name) {
   return name;
 }
 
-Finding Found(const char* code, double value, std::string message, const char* action) {
+Finding Found(const char* code, double value, std::string message, FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.value = value;
@@ -116,8 +116,9 @@ std::optional<Finding> DoubtDuration(double annotated_s, double duration_s) {
   if (std::abs(annotated_s - duration_s) <= kMostOff_s + kMostOff * duration_s) return std::nullopt;
   return Found("annotation_duration", annotated_s,
                "the annotation is of a sequence of " + RoundedText(annotated_s) + " s, the motion lasts " +
-                   RoundedText(duration_s) + " s: is it the file that feat_p names, whole, and its rate?",
-               "its labels are kept where they can be");
+                   RoundedText(duration_s) + " s: is it the file that feat_p names, whole, and its rate?" +
+                   "; its labels are kept where they can be",
+               FindingAction::kKept);
 }
 
 std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s, double frame_s,
@@ -127,9 +128,10 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
   std::vector<Segment> segments;
   if (annotations.empty()) return segments;
   if (annotations.size() > 1) {
-    findings.push_back(Found("annotators", static_cast<double>(annotations.size()),
-                             std::to_string(annotations.size()) + " annotators labelled the sequence",
-                             "the first one's labels are taken"));
+    findings.push_back(Found(
+        "annotators", static_cast<double>(annotations.size()),
+        std::to_string(annotations.size()) + " annotators labelled the sequence" + "; the first one's labels are taken",
+        FindingAction::kKept));
   }
   if (auto doubt = DoubtDuration(sequence.dur, duration_s)) findings.push_back(*std::move(doubt));
   int withheld = 0;
@@ -145,19 +147,20 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
       findings.push_back(Found("segment_times", begin,
                                "'" + name + "' from " + RoundedText(begin) + " s to " + RoundedText(end) +
                                    " s cannot be in a motion of " + RoundedText(duration_s) + " s",
-                               "left out"));
+                               FindingAction::kLeftOut));
       continue;
     }
     if (end > duration_s + frame_s) {
-      findings.push_back(Found(
-          "segment_times", end - duration_s,
-          "'" + name + "' ends " + FormatDouble(std::round((end - duration_s) * 1e3) / 1e3) + " s after the motion",
-          "cut at its end"));
+      findings.push_back(Found("segment_times", end - duration_s,
+                               "'" + name + "' ends " + FormatDouble(std::round((end - duration_s) * 1e3) / 1e3) +
+                                   " s after the motion" + "; cut at its end",
+                               FindingAction::kKept));
     }
     segments.push_back({begin, std::min(end, duration_s), name, CategoryOf(label), "annotated"});
   }
   if (withheld > 0) {
-    findings.push_back(Found("label_withheld", withheld, Counted(withheld, "label") + " without a name", "left out"));
+    findings.push_back(
+        Found("label_withheld", withheld, Counted(withheld, "label") + " without a name", FindingAction::kLeftOut));
   }
   std::stable_sort(segments.begin(), segments.end(),
                    [](const Segment& a, const Segment& b) { return a.begin_s < b.begin_s; });

@@ -4,9 +4,8 @@
 #include "ingest/sources/body_check.h"
 
 #include "core/base/text.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/comparison.h"
-#include "ingest/sense/path_sense.h"
-#include "ingest/sense/remark.h"
 #include "ingest/sense/tree_points.h"
 
 namespace mocurate {
@@ -28,44 +27,6 @@ JointPositions InFile(const SourceOptions& source, JointPositions positions) {
   return positions;
 }
 
-/// Whether files of the format hold a path of the root beside the body's own poses.
-bool PathIsRead(SourceFormat format) {
-  return format == SourceFormat::kAmass || format == SourceFormat::kExpmap || format == SourceFormat::kBvh ||
-         format == SourceFormat::kAsfAmc;
-}
-
-/// The clip as an inspection of its file would see it; nothing where it has no joints.
-std::optional<ObservedClip> Observed(const SourceOptions& source, const Clip& clip) {
-  ObservedClip observed;
-  const bool listed = source.format == SourceFormat::kJointTable || source.format == SourceFormat::kNpy;
-  if (clip.evidence.tracks) {
-    observed.positions = InFile(source, clip.evidence.tracks->positions);
-    observed.confidence = clip.evidence.tracks->confidence;
-  } else if (clip.motion) {
-    observed.positions = InFile(source, clip.motion->joints);
-  } else {
-    return std::nullopt;
-  }
-  observed.frames = observed.positions.frames;
-  observed.joints = observed.positions.joints;
-  observed.rate_hz = clip.rate.hz();
-  if (listed && !source.skeleton.empty() && observed.frames >= kFewestBodyFrames) DeclareOrder(source, observed);
-  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
-  observed.points = clip.evidence.tracks
-                        ? PointsOfBody(clip.evidence.tracks->names, skeleton ? skeleton->get() : nullptr)
-                        : PointsOfBody(*clip.motion->skeleton);
-  if (source.format == SourceFormat::kAmass || source.format == SourceFormat::kExpmap) {
-    observed.lengths_assumed = true;  // the skeleton's: only the path of the root is the file's
-    observed.root_scale = MeasureRootScale(observed.positions, observed.points);
-  }
-  if (PathIsRead(source.format)) {
-    if (const auto path = DoubtPathAxes(observed.positions, observed.points))
-      observed.remarks.push_back(RemarkOf(*path));
-  }
-  if (observed.units.empty()) observed.units = "m";
-  return observed;
-}
-
 /// What to do about a contradiction, in the words of the declaration.
 std::string Advice(const SourceOptions& source, const Comparison& comparison) {
   if (comparison.code == "units_contradiction" && source.units.empty())
@@ -78,7 +39,61 @@ std::string Advice(const SourceOptions& source, const Comparison& comparison) {
          "-handed, or left and right are exchanged; mend ingest.source.axes";
 }
 
+/// Where positions are in no frame of the clip.
+void SilenceOf(const Clip& clip, ObservedClip& observed) {
+  observed.joints = static_cast<int>(clip.evidence.keypoint_names.size());
+  observed.units = clip.evidence.keypoint_views.empty() ? "m" : "px";
+  observed.silence =
+      clip.evidence.keypoint_views.empty() ? "depth views, no joints" : "keypoints: no depth of their own";
+  const std::size_t views = clip.evidence.keypoint_views.size() + clip.evidence.depth_views.size();
+  observed.layout_evidence = Counted(static_cast<long long>(views), "view");
+}
+
 }  // namespace
+
+ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
+  ObservedClip observed;
+  observed.frames = FrameCount(clip);
+  observed.rate_hz = clip.rate.hz();
+  observed.rate_evidence = "of the clip";
+  observed.layout_evidence = "as the source declares";
+  observed.skeleton = source.skeleton;
+  observed.skeleton_from = "declared";
+  observed.skeleton_confidence = 1.0;
+  for (const auto& [key, text] : clip.provenance) observed.facts.emplace_back(key, text);
+  const FormatDriver& driver = DriverOf(source.format);
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  if (clip.evidence.tracks) {
+    const JointTracks& tracks = *clip.evidence.tracks;
+    observed.positions = InFile(source, tracks.positions);
+    observed.confidence = tracks.confidence;
+    observed.names = tracks.names;
+    observed.points = PointsOfBody(tracks.names, skeleton ? skeleton->get() : nullptr);
+  } else if (clip.motion) {
+    observed.positions = InFile(source, clip.motion->joints);
+    for (const Joint& joint : clip.motion->skeleton->joints) {
+      observed.names.push_back(joint.name);
+      observed.parents.push_back(joint.parent);
+    }
+    observed.points = PointsOfBody(*clip.motion->skeleton);
+    if (source.skeleton.empty()) observed.skeleton = "own tree of " + std::to_string(observed.names.size()) + " joints";
+  } else {
+    SilenceOf(clip, observed);
+    return observed;
+  }
+  observed.joints = observed.positions.joints;
+  observed.units = "m";
+  if (driver.lists_joints && !source.skeleton.empty() && observed.frames >= kFewestBodyFrames) {
+    const HandednessPoints points = observed.points;
+    DeclareOrder(source, observed);
+    observed.points = points;
+  }
+  if (driver.lengths_assumed) {
+    observed.lengths_assumed = true;  // the skeleton's: only the path of the root is the file's
+    observed.root_scale = MeasureRootScale(observed.positions, observed.points);
+  }
+  return observed;
+}
 
 void CheckPoints(const SourceOptions& source, const ObservedClip& observed, IngestedClip& ingested) {
   const auto contradict = [&](const std::string& code, double value, std::string message) {
@@ -87,7 +102,8 @@ void CheckPoints(const SourceOptions& source, const ObservedClip& observed, Inge
     finding.severity = Severity::kError;
     finding.value = value;
     finding.message = std::move(message);
-    finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    finding.action =
+        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
     ingested.findings.push_back(finding);
   };
   for (const Comparison& comparison : CompareFrame(StatementsOf(observed, source), Measure(observed))) {
@@ -96,20 +112,18 @@ void CheckPoints(const SourceOptions& source, const ObservedClip& observed, Inge
     ingested.shown[comparison.code] = {comparison.contradicts, comparison.weight};
     if (comparison.contradicts) contradict(comparison.code, comparison.value, Advice(source, comparison));
   }
-  for (const Remark& remark : observed.remarks) {
-    if (remark.code == "path_contradiction") contradict(remark.code, remark.value, remark.message);
+  for (const Finding& remark : observed.remarks) {
     if (remark.code != "joint_order_contradiction") continue;
     contradict(remark.code, remark.value, remark.message + "; mend ingest.source.joints");
   }
 }
 
 void CheckBody(const SourceOptions& source, IngestedClip& ingested) {
-  const std::optional<ObservedClip> observed = Observed(source, ingested.clip);
-  if (!observed) return;
-  CheckPoints(source, *observed, ingested);
-  if (observed->skeleton_from == "declared" && !observed->skeleton_evidence.empty()) {
-    ingested.shown["joint_order_contradiction"] = {!observed->remarks.empty(), 1.0};
-  }
+  if (!ingested.clip.evidence.tracks && !ingested.clip.motion) return;
+  const ObservedClip observed = ObserveClip(source, ingested.clip);
+  CheckPoints(source, observed, ingested);
+  if (!observed.skeleton_evidence.empty())
+    ingested.shown["joint_order_contradiction"] = {!observed.remarks.empty(), 1.0};
 }
 
 }  // namespace mocurate

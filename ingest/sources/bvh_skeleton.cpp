@@ -97,21 +97,22 @@ Expected<std::vector<int>> Targets(const Bvh& bvh, const Skeleton& skeleton, con
                   "joint '" + name + (found ? "' stands for a joint of skeleton '" : "' is unknown to skeleton '") +
                       skeleton.name + (found ? "' that another one stands for already" : "'"),
                   file,
-                  near ? "did you mean '" + *near + "'?" : "name another skeleton, or none to take the file's own");
+                  near ? "did you mean '" + *near + "'?" : "name another skeleton, or none to take the file's own",
+                  Reason::kOtherTree);
     }
     target[j] = *found;
     const int parent = bvh.joints[j].parent;
     if (skeleton.joints[*found].parent != (parent < 0 ? -1 : target[parent])) {
       return Fail(ErrorCode::kInconsistent,
                   "joint '" + name + "' hangs from another joint than in skeleton '" + skeleton.name + "'", file,
-                  "name another skeleton, or none to take the file's own");
+                  "name another skeleton, or none to take the file's own", Reason::kOtherTree);
     }
   }
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     if (used.count(j) != 0) continue;
     return Fail(ErrorCode::kInconsistent,
                 "joint '" + skeleton.joints[j].name + "' of skeleton '" + skeleton.name + "' is not in the file", file,
-                "name another skeleton, or none to take the file's own");
+                "name another skeleton, or none to take the file's own", Reason::kOtherTree);
   }
   return target;
 }

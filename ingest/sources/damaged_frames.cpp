@@ -67,9 +67,9 @@ void MarkBridged(const std::vector<DamagedFrame>& bridged, Motion& motion, std::
   }
   for (Finding& finding : findings) {
     const int end = finding.frame_end;
-    bool all = finding.action == "dropped" && finding.frame_begin < end && end <= motion.frame_count();
+    bool all = finding.action == FindingAction::kDropped && finding.frame_begin < end && end <= motion.frame_count();
     for (int f = finding.frame_begin; all && f < end; ++f) all = is_bridged[static_cast<std::size_t>(f)];
-    if (all) finding.action = "interpolated";
+    if (all) finding.action = FindingAction::kInterpolated;
   }
 }
 

@@ -37,8 +37,8 @@ Status AddDepthBeside(const SourceFile& file, const Rig& rig, const std::map<std
                       IngestedClip& ingested) {
   if (!HasDepthBeside(file.source)) return {};
   if (depth.empty()) {
-    ingested.findings.push_back(
-        CameraFinding(kMissing, span.frames, "the clip has no depth images", "keypoints alone taken"));
+    ingested.findings.push_back(CameraFinding(
+        kMissing, span.frames, "the clip has no depth images; keypoints alone taken", FindingAction::kKept));
     return {};
   }
   std::vector<Finding> findings;
@@ -71,7 +71,7 @@ Status AddDepthBeside(const SourceFile& file, const Rig& rig, const std::map<std
       Finding finding = CameraFinding(kMissing, missing,
                                       "camera '" + name + "' has no depth image of " + std::to_string(missing) +
                                           " of " + std::to_string(span.frames) + " frames",
-                                      "taken as not seen");
+                                      FindingAction::kMissing);
       finding.severity = Severity::kInfo;
       ingested.findings.push_back(std::move(finding));
     }

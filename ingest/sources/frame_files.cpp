@@ -12,7 +12,7 @@ void NoteLackingFrames(const std::string& camera, const FrameSpan& span, const L
                        std::vector<Finding>& findings) {
   constexpr std::size_t kNamed = 5;  // files that are named
   const auto note = [&](const std::vector<int>& frames, const char* code, const std::string& what) {
-    Finding finding = CameraFinding(code, static_cast<double>(frames.size()), what, "nobody is seen there");
+    Finding finding = CameraFinding(code, static_cast<double>(frames.size()), what, FindingAction::kMissing);
     finding.frame_begin = frames.front();
     finding.frame_end = frames.back() + 1;
     findings.push_back(std::move(finding));

@@ -14,9 +14,8 @@ Expected<std::shared_ptr<const MappedFile>> MappedFile::Open(const std::filesyst
   struct stat facts {};
   if (file < 0 || fstat(file, &facts) != 0 || facts.st_size == 0) {
     if (file >= 0) close(file);
-    return Fail(file < 0 ? ErrorCode::kUnreadable : ErrorCode::kMalformed,
-                file < 0 ? "the file cannot be opened" : "the file is empty", DisplayPath(path),
-                "was it copied whole?");
+    if (file >= 0) return EmptyFile(DisplayPath(path));
+    return Fail(ErrorCode::kUnreadable, "the file cannot be opened", DisplayPath(path), "was it copied whole?");
   }
   const auto size = static_cast<std::size_t>(facts.st_size);
   void* bytes = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median.h"
 #include "core/quality/repeats.h"
 #include "core/quality/tracked_points.h"
 
@@ -138,10 +138,27 @@ void NoteZeroJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::v
   }
   for (Finding& finding : FindBlanks({positions, followed, time_s, NtuJointNames()})) {
     if (finding.code != "zero_joint") continue;
-    finding.action = "taken as missing";
+    finding.action = FindingAction::kMissing;
     finding.message += "; taken as missing";
     findings.push_back(std::move(finding));
   }
+}
+
+void NoteInferredJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::vector<Finding>& findings) {
+  constexpr double kManyInferred = 0.3;
+  int present = 0, inferred = 0;
+  for (const std::vector<NtuBody>& frame : skeleton.frames) {
+    for (const NtuBody& person : frame) {
+      if (std::find(body.ids.begin(), body.ids.end(), person.id) == body.ids.end()) continue;
+      ++present;
+      for (const NtuJoint& joint : person.joints) inferred += joint.tracking == 1 ? 1 : 0;
+    }
+  }
+  if (inferred == 0) return;
+  const double share = static_cast<double>(inferred) / (present * kNtuJoints);
+  findings.push_back(MakeFinding("inferred_joints", share > kManyInferred ? Severity::kWarning : Severity::kInfo, share,
+                                 "the sensor inferred " + FormatDouble(std::round(1000.0 * share) / 10.0) +
+                                     " % of the joints (tracking state 1) instead of seeing them"));
 }
 
 Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
@@ -149,7 +166,8 @@ Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, 
   return {ErrorCode::kInconsistent,
           "body " + std::to_string(own) + " of " + std::to_string(wanted) + " is not there: the file holds " +
               Counted(people.chosen.size(), "body id") + " in " + Counted(frames, "frame"),
-          name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies"};
+          name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies",
+          Reason::kPersonMissing};
 }
 
 }  // namespace mocurate

@@ -73,12 +73,22 @@ std::optional<NameFields> NamePattern::Match(std::string_view name) const {
   return fields;
 }
 
-bool NamePattern::MatchFrom(std::size_t part, std::string_view rest, NameFields& fields, int& budget) const {
-  if (part == parts_.size()) return rest.empty();
+std::optional<NameFields> NamePattern::OtherMatch(std::string_view name) const {
+  const std::optional<NameFields> first = Match(name);
+  NameFields fields;
+  int budget = kMatchBudget;
+  if (!first || !MatchFrom(0, name, fields, budget, &*first)) return std::nullopt;
+  return fields;
+}
+
+bool NamePattern::MatchFrom(std::size_t part, std::string_view rest, NameFields& fields, int& budget,
+                            const NameFields* other_than) const {
+  if (part == parts_.size()) return rest.empty() && (other_than == nullptr || fields != *other_than);
   if (--budget < 0) return false;
   const Part& p = parts_[part];
   if (!p.is_field) {
-    return rest.substr(0, p.text.size()) == p.text && MatchFrom(part + 1, rest.substr(p.text.size()), fields, budget);
+    return rest.substr(0, p.text.size()) == p.text &&
+           MatchFrom(part + 1, rest.substr(p.text.size()), fields, budget, other_than);
   }
   const std::size_t slash = std::min(rest.find('/'), rest.size());
   const std::size_t first = p.width > 0 ? p.width : 1;
@@ -92,13 +102,13 @@ bool NamePattern::MatchFrom(std::size_t part, std::string_view rest, NameFields&
     if (before && *before != value) continue;
     if (p.folder && length != slash) continue;
     fields[p.text] = value;
-    if (MatchFrom(part + 1, rest.substr(p.folder ? length + 1 : length), fields, budget)) return true;
+    if (MatchFrom(part + 1, rest.substr(p.folder ? length + 1 : length), fields, budget, other_than)) return true;
   }
   if (before)
     fields[p.text] = *before;
   else
     fields.erase(p.text);
-  return p.folder && MatchFrom(part + 1, rest, fields, budget);
+  return p.folder && MatchFrom(part + 1, rest, fields, budget, other_than);
 }
 
 std::vector<std::string> NamePattern::FieldNames() const {

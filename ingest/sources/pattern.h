@@ -23,6 +23,10 @@ class NamePattern {
   /// The fields of a name; empty when it does not match.
   std::optional<NameFields> Match(std::string_view name) const;
 
+  /// Another way to read a name that matches; empty where there is one only. "old_female_punch" is of "{person}_{pose}"
+  /// person `old` by Match, `old_female` by this.
+  std::optional<NameFields> OtherMatch(std::string_view name) const;
+
   /// Number of folders in the pattern: with those that may be missing, and without.
   int depth() const { return depth_; }
   int least_depth() const { return least_depth_; }
@@ -36,7 +40,9 @@ class NamePattern {
     std::size_t width = 0;  ///< of a field; 0: any
     bool folder = false;    ///< with its '/', and may be missing
   };
-  bool MatchFrom(std::size_t part, std::string_view rest, NameFields& fields, int& budget) const;
+  /// Whether `rest` is read by the parts from `part` on, otherwise than as `other_than`.
+  bool MatchFrom(std::size_t part, std::string_view rest, NameFields& fields, int& budget,
+                 const NameFields* other_than = nullptr) const;
   std::vector<Part> parts_;
   std::string text_;
   int depth_ = 0;

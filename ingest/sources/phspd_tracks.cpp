@@ -16,14 +16,15 @@ void NoteGaps(const PhspdPose& pose, std::vector<Finding>& findings) {
   for (std::size_t i = 1; i < pose.frame.size(); ++i) {
     const int first = pose.frame.front(), before = pose.frame[i - 1], after = pose.frame[i];
     const auto damaged = std::count_if(findings.begin(), findings.end(), [&](const Finding& finding) {
-      return finding.action == "dropped" && finding.frame_begin > before - first && finding.frame_begin < after - first;
+      return finding.action == FindingAction::kDropped && finding.frame_begin > before - first &&
+             finding.frame_begin < after - first;
     });
     const int skipped = after - before - 1 - static_cast<int>(damaged);
     if (skipped <= 0) continue;
     findings.push_back(FrameFinding("time_gap", before + 1 - first, after - first, "", skipped,
                                     Counted(skipped, "frame") + " without a row: " + std::to_string(before) +
                                         " is followed by " + std::to_string(after)));
-    findings.back().action = "dropped";
+    findings.back().action = FindingAction::kDropped;
   }
 }
 

@@ -7,8 +7,8 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/camera_files.h"
+#include "core/formats/opencv_storage.h"
 #include "ingest/sense/calibration_sense.h"
-#include "ingest/sense/observe.h"
 
 namespace mocurate {
 namespace {
@@ -40,7 +40,7 @@ Expected<Calibration> ReadCameraFiles(const std::vector<std::pair<std::string, s
                                       const NamePattern& pattern) {
   Calibration all;
   for (const auto& [name, bytes] : files) {
-    Expected<Calibration> one = ObserveOpenCv({{name, bytes}});
+    Expected<Calibration> one = ParseOpenCvCalibration({{name, bytes}});
     if (!one) return Forward(one);
     const std::optional<NameFields> fields = pattern.Match(name);
     if (!fields || one->views.size() != 1) {
@@ -71,7 +71,7 @@ Expected<Calibration> ReadFiles(const SourceFile& file, std::string& content) {
     if (!pattern) return Forward(pattern);
     return ReadCameraFiles(files, *pattern);
   }
-  if (IsOpenCv(files[0].second)) return ObserveOpenCv(files);
+  if (IsOpenCv(files[0].second)) return ParseOpenCvCalibration(files);
   if (files.size() > 1) {
     return Fail(ErrorCode::kConfig, std::to_string(files.size()) + " files calibrate the cameras", files[1].first,
                 "only OpenCV's intri and extri are two; mend ingest.source.calibration");
@@ -91,7 +91,8 @@ Status Declare(const SourceOptions& source, Calibration& calibration, std::vecto
     finding.code = "calibration_contradiction";
     finding.severity = Severity::kError;
     finding.message = message;
-    finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "the declaration is used";
+    finding.action =
+        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
     findings.push_back(std::move(finding));
   };
   if (pose != PoseReading::kUnknown) {
@@ -138,7 +139,8 @@ void CheckUp(const SourceOptions& source, const AxisConvention& axes, const Meas
                     "' the cameras lie on their sides or heads: the top of their images " + "points to " + up.value +
                     ", " + RoundedText(100.0 * up.confidence, 3) + " % sure (" + up.evidence +
                     "); mend ingest.source.axes";
-  finding.action = source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+  finding.action =
+      source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
   findings.push_back(std::move(finding));
 }
 
@@ -183,13 +185,14 @@ Expected<Rig> ReadRig(const SourceFile& file) {
   }
   rig.meaning = ToldMeasure("pose", sense.reading, pose_given) + ", " +
                 ToldMeasure("unit", sense.unit, calibration->metres_per_unit > 0.0);
-  for (const Remark& remark : sense.remarks) {
+  for (const Finding& remark : sense.remarks) {
     Finding finding;
     finding.code = remark.code;
     finding.severity = Severity::kError;
     finding.value = remark.value;
     finding.message = remark.message;
-    finding.action = file.source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged";
+    finding.action =
+        file.source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
     rig.findings.push_back(std::move(finding));
   }
   CheckUp(file.source, *axes, sense.up, rig.findings);
@@ -269,11 +272,12 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
     findings.push_back(CameraFinding("camera_not_calibrated", static_cast<double>(uncalibrated.size()),
                                      "no calibration is named as the files of " + ListedCameras(uncalibrated) +
                                          "; ingest.source.cameras says which is theirs",
-                                     "left out"));
+                                     FindingAction::kLeftOut));
   }
   if (!unused.empty()) {
     findings.push_back(CameraFinding("camera_without_files", static_cast<double>(unused.size()),
-                                     "there are no files of the calibrated " + ListedCameras(unused), "left out"));
+                                     "there are no files of the calibrated " + ListedCameras(unused),
+                                     FindingAction::kLeftOut));
   }
   if (partners.empty()) {
     return Fail(ErrorCode::kInconsistent,
@@ -284,7 +288,7 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
   return partners;
 }
 
-Finding CameraFinding(const std::string& code, double value, const std::string& message, const std::string& action) {
+Finding CameraFinding(const std::string& code, double value, const std::string& message, FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.value = value;

@@ -50,6 +50,6 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
                               const std::map<std::string, FilesOfCamera>& others = {});
 
 /// A finding about one camera that lacks files or images.
-Finding CameraFinding(const std::string& code, double value, const std::string& message, const std::string& action);
+Finding CameraFinding(const std::string& code, double value, const std::string& message, FindingAction action);
 
 }  // namespace mocurate

@@ -65,6 +65,13 @@ Expected<std::string> LabelOf(const SourceOptions& source, const std::string& te
               name, near ? "did you mean '" + *near + "'?" : "add it, or repair the file name");
 }
 
+int FrameCount(const Clip& clip) {
+  if (clip.evidence.tracks) return clip.evidence.tracks->positions.frames;
+  if (clip.motion) return clip.motion->frame_count();
+  if (!clip.evidence.depth_views.empty()) return static_cast<int>(clip.evidence.depth_views[0].files.size());
+  return clip.evidence.keypoint_views.empty() ? 0 : clip.evidence.keypoint_views[0].frames();
+}
+
 std::string BytesOf(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
@@ -180,7 +187,7 @@ Status AddDepthImage(const StageInput& image, double time_s, DepthView& view) {
 FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested,
                      std::optional<Finding> doubt) {
   if (!source.rate_hz && doubt) {
-    doubt->action = "refused";
+    doubt->action = FindingAction::kRefused;
     ingested.findings.push_back(*std::move(doubt));
   }
   if (!source.rate_hz) return FrameRate::FromHz(file_hz);
@@ -193,7 +200,7 @@ FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& 
     finding.value = differs->value;
     finding.message = differs->message + "; mend ingest.source.rate, or leave it out where the files are right";
     finding.action =
-        source.on_contradiction == OnContradiction::kRefuse ? "refused" : "flagged; the declared rate is used";
+        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
     ingested.findings.push_back(std::move(finding));
   }
   return FrameRate::FromHz(*source.rate_hz);
@@ -213,7 +220,7 @@ void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vec
   // Frames whose rows were damaged are told of already.
   std::vector<char> told(static_cast<std::size_t>(frames), 0);
   for (const Finding& finding : findings) {
-    if (finding.action != "dropped") continue;
+    if (finding.action != FindingAction::kDropped) continue;
     for (int f = std::max(0, finding.frame_begin); f < std::min(frames, finding.frame_end); ++f)
       told[static_cast<std::size_t>(f)] = 1;
   }
@@ -227,7 +234,7 @@ void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vec
     finding.value = finding.frame_end - finding.frame_begin;
     finding.message = "no joint is seen in " + std::to_string(finding.frame_end - finding.frame_begin) + " of " +
                       Counted(frames, "frame");
-    finding.action = "taken as missing";
+    finding.action = FindingAction::kMissing;
     findings.push_back(std::move(finding));
   }
 }

@@ -55,6 +55,9 @@ struct IngestedClip {
       {};  ///< by the code that a contradiction has; what the clip does not show lacks
 };
 
+/// Of its tracks, motion, depth views or keypoints.
+int FrameCount(const Clip& clip);
+
 /// The bytes of numbers, as they lie in memory.
 std::string BytesOf(const std::vector<double>& values);
 
@@ -81,83 +84,9 @@ struct SourceFile {
   std::filesystem::path container = {};  ///< the file that holds this clip among others; `bytes` is empty then
   int entry = -1;                        ///< which of them
   int most_frames = 0;                   ///< of the clip; 0: all
+  std::string array = {};                ///< npy: the clip in a file of arrays, sources/array_clips.h
   std::vector<ViewFile> views = {};      ///< ntu_skeleton with views.together: all of them, the first is the file too
 };
-
-/// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is flipped by its axes, never
-/// otherwise.
-Expected<IngestedClip> ReadJointTableClip(const SourceFile& file);
-
-/// BVH -> given motion. Local frames are turned with the axes, OFFSETs become rest offsets and bone lengths. The joint
-/// whose position moves carries the translation: it is moved into the root, whose own place is then that joint's place
-/// minus the rest offsets between them (bandai22: joint_Root lies on Hips). Joints that slide along their bones by more
-/// than max_slide are refused.
-Expected<IngestedClip> ReadBvhClip(const SourceFile& file);
-
-/// (frames, joints, 3) or (frames, joints * 3) -> joints-only motion.
-Expected<IngestedClip> ReadNpyClip(const SourceFile& file);
-
-/// JSON and depth images -> depth views by reference (file names below the source's folder), cameras in the canonical
-/// world, annotated segments.
-Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file);
-
-/// NTU .skeleton -> evidence tracks of one of its people in metres and canonical axes. People are told apart by the
-/// sensor's ids: those there in at least half as many frames as the longest come before the others, by how much they
-/// move; given in the order in which they appear. Ids beyond those asked for are a finding "bodies_left_out"; a person
-/// asked for who is not there is refused.
-Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file);
-
-/// The .skeleton files of one performance, one per camera -> evidence tracks of one of its people, merged in the world
-/// of one of the cameras, and depth views. The cameras' places and clocks, which nobody publishes, are found from the
-/// joints that they follow (core/quality/view_alignment.h): provenance says each number and how sure it is. A
-/// camera that saw nobody, whose joints fit no other or only mirrored is left out with a finding. Refused are a clip
-/// that nobody saw and one of which no two cameras agree while two contradict each other.
-Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file);
-
-/// AMC and its ASF -> given motion. A joint stands where its bone starts; rest offsets and lengths are the ASF's. Bones
-/// that stretch or shift are refused.
-Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file);
-
-/// AMASS -> given motion on SMPL's 24 joints: the body's rotations; hands, jaw and eyes of SMPL-H and SMPL-X are left
-/// out. Without a body model rest offsets are the skeleton's, and the pelvis lies at `trans`: a finding says so. With
-/// `annotations`, BABEL's labels are the segments.
-Expected<IngestedClip> ReadAmassClip(const SourceFile& file);
-
-/// Exponential maps -> given motion. The file names no joint: `joints` does, in its order. Rotations are those of rows:
-/// a place is multiplied from the left, so that parent_from_joint is the rotation by the negative vector.
-Expected<IngestedClip> ReadExpmapClip(const SourceFile& file);
-
-/// PHSPD's pose.txt -> evidence tracks on SMPL's joints. Frames that nobody annotated are missing, in their place.
-Expected<IngestedClip> ReadPhspdClip(const SourceFile& file);
-
-/// One track of VIBE. On a skeleton with SMPL's joints its rotations, with the pelvis where the middle of the hips is;
-/// on another the places of `joints`, without rotations.
-Expected<IngestedClip> ReadVibeTrackClip(const SourceFile& file);
-
-/// One video of UESTC's cache, as VIBE's tracks, moved by the camera's estimate: (tx, ty, 500 / (270 sx)) of ACTOR.
-/// Side 2 is turned back by the view's angle.
-Expected<IngestedClip> ReadUestcClip(const SourceFile& file);
-
-/// One clip of humanact12poses.pkl: on a skeleton with SMPL's joints its rotations, the bones as long as between the
-/// places recorded; on another the places alone.
-Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file);
-
-/// One clip of a dataset or MotionSet, as it is, with its identity, segments and role: rotations where it has them,
-/// else joints only. Of the declaration only the licence and `labels` have a say.
-Expected<IngestedClip> ReadMotionsClip(const SourceFile& file);
-
-/// JSON files of a detector, one per camera and frame, and the calibration of the cameras -> keypoint views in the
-/// canonical world, everybody who is seen. Frames without a file, or with one that cannot be read, are frames in which
-/// nobody is seen: findings "frames_missing", "unreadable_frames" per camera. "camera_not_calibrated",
-/// "camera_without_files": files and calibration that do not belong together by name. The order of the points is
-/// declared or measured; "keypoints_contradiction" where the bones speak against the declaration.
-Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file);
-
-/// Depth images of one camera each, with calibration and masks -> depth views by reference.
-Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file);
-
-/// CMU Panoptic body3DScene files, one per frame -> evidence tracks of one of the people, by how long they are there.
-Expected<IngestedClip> ReadPanopticClip(const SourceFile& file);
 
 /// The rate of a clip whose file says one: the declared rate if there is one. Where they differ that is a finding
 /// (error) "rate_contradiction". `doubt`: what is wrong with the file's (sense/rate_sense.h); without a declared one

@@ -13,22 +13,23 @@ namespace {
 
 constexpr int kFewestTableFrames = 8;  // fewer tell nothing about the order of joints
 
-constexpr double kMuchBetterReading = 0.7;  // of two readings of one table, before the less usual one is believed
-
-/// How body-like the rows are in the declared order; nothing where the declaration or the rows do not tell.
-std::optional<BodyScore> ScoreRows(const JointRows& rows, const SourceOptions& source) {
+/// Whether the last whole frames are a body in the declared order, as the others are. What does not tell is none.
+bool EndsAsBody(const JointRows& rows, const SourceOptions& source) {
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
-  if (!skeleton || rows.frames < kFewestTableFrames) return std::nullopt;
-  if (static_cast<int>(source.joints.size()) != rows.joints) return std::nullopt;
-  JointPositions positions(rows.frames, rows.joints);
-  std::vector<double> confidence(static_cast<std::size_t>(rows.frames) * static_cast<std::size_t>(rows.joints), 0.0);
-  for (std::size_t at = 0; at < confidence.size(); ++at) {
-    const Vector3d point(rows.position[at * 3], rows.position[at * 3 + 1], rows.position[at * 3 + 2]);
-    if (!point.allFinite() || point.isZero(0.0)) continue;
-    confidence[at] = 1.0;
-    positions.at(static_cast<int>(at) / rows.joints, static_cast<int>(at) % rows.joints) = point;
+  if (!skeleton || !*skeleton || rows.frames < kFewestTableFrames) return true;
+  const std::vector<ObservedBone> bones = BonesOf(source.joints, **skeleton);
+  for (const int frames : {rows.frames, kFewestTableFrames}) {
+    JointPositions positions(frames, rows.joints);
+    std::vector<double> confidence;
+    const std::size_t first = static_cast<std::size_t>(rows.frames - frames) * static_cast<std::size_t>(rows.joints);
+    for (std::size_t at = 0; at < positions.xyz.size() / 3; ++at) {
+      const Vector3d point(&rows.position[3 * (first + at)]);
+      confidence.push_back(point.allFinite() && !point.isZero(0.0) ? 1.0 : 0.0);
+      if (confidence.back() > 0.0) std::copy_n(point.data(), 3, &positions.xyz[3 * at]);
+    }
+    if (!ScoreBody(positions, confidence, bones).IsBody()) return false;
   }
-  return ScoreBody(positions, confidence, BonesOf(source.joints, **skeleton));
+  return true;
 }
 
 std::string CountWords(const JointRows& rows, int per_frame) {
@@ -45,7 +46,7 @@ Finding DecimalCommas() {
   Finding finding =
       FrameFinding("decimal_comma", 0, 0, "", 0.0, "numbers have a decimal comma (1,5): it is read as a point");
   finding.severity = Severity::kInfo;
-  finding.action = "read as points";
+  finding.action = FindingAction::kRepaired;
   return finding;
 }
 
@@ -64,15 +65,10 @@ Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view 
   table.end_word = source.end_word;
   Expected<JointRows> rows = ParseJointRows(bytes, *layout, table, name);
   if (!rows || rows->rows_left_over == 0) return rows;
-  const std::optional<BodyScore> cut = ScoreRows(*rows, source);
-  if (!cut) return rows;
-  Expected<JointRows> odd_first = ParseJointRows(bytes, *layout, table, name, OddFrame::kFirst);
-  if (!odd_first) return rows;
-  const std::optional<BodyScore> first = ScoreRows(*odd_first, source);
-  if (first && first->IsBody() && first->total() < kMuchBetterReading * cut->total()) return odd_first;
-  if (cut->IsBody()) return rows;
+  // A file that is cut off is a body to its end; after a row that is lost or stands twice joints have other names.
+  if (EndsAsBody(*rows, source)) return rows;
   return Fail(ErrorCode::kInconsistent, CountWords(*rows, table.rows_per_frame), name,
-              "neither where joints go on nor the lengths of bones tell which: compare the file with its source, or "
+              "the file is not cut off at its end, where joints are no body any more: compare it with its source, or "
               "mend ingest.source.rows_per_frame and joints");
 }
 

@@ -43,7 +43,7 @@ std::optional<Finding> DoubtFrameCount(int announced, std::size_t frames, int en
   finding.message = std::string(kCounts) + ":" + std::to_string(entry + 1) + " announces " + std::to_string(announced) +
                     " frames, VIBE's track of the video has " + std::to_string(frames) +
                     ": those are taken; correct the line, or copy info/ and the cache again if others differ too";
-  finding.action = "kept";
+  finding.action = FindingAction::kKept;
   return finding;
 }
 

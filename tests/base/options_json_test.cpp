@@ -76,7 +76,7 @@ TEST(OptionsJson, WrongShapesAreRefused) {
 }
 
 TEST(Finding, SurvivesJson) {
-  Finding finding{"clip_1", "jerk", Severity::kError, 3, 9, "knee", 0.25, "too fast", "dropped"};
+  Finding finding{"clip_1", "jerk", Severity::kError, 3, 9, "knee", 0.25, 0.0, "too fast", FindingAction::kDropped};
   EXPECT_EQ(nlohmann::json(finding).get<Finding>(), finding);
   finding.value = std::numeric_limits<double>::quiet_NaN();
   finding.severity = Severity::kInfo;

@@ -11,10 +11,10 @@
 #include <ctime>
 #include <map>
 
+#include "core/base/median.h"
 #include "core/base/random.h"
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/view_registration.h"
-#include "fitting/evidence/noise.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/benchmarks/given_takes.h"
 #include "tests/fitting/cloud_scene.h"
@@ -167,7 +167,7 @@ int main(int argc, char** argv) {
       "\"others_told\": %d, "
       "\"loss\": %.4f, \"loss_after\": %.4f, \"person_off_mm\": %.1f, \"after_mm\": %.1f, \"worst_after_mm\": %.1f, "
       "\"turned_deg\": %.2f, \"after_deg\": %.2f, \"worst_after_deg\": %.2f, \"seconds_per_clip\": %.4f}\n",
-      takes.size(), refused, audited_clips, faulty, found, wrong, Median(loss), Median(loss_after), Median(before_mm),
-      Median(after_mm), worst(after_mm), Median(before_deg), Median(after_deg), worst(after_deg),
-      seconds / static_cast<double>(takes.size()));
+      takes.size(), refused, audited_clips, faulty, found, wrong, MeanMedian(loss), MeanMedian(loss_after),
+      MeanMedian(before_mm), MeanMedian(after_mm), worst(after_mm), MeanMedian(before_deg), MeanMedian(after_deg),
+      worst(after_deg), seconds / static_cast<double>(takes.size()));
 }

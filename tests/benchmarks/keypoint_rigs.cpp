@@ -13,7 +13,7 @@
 #include <optional>
 #include <string>
 
-#include "fitting/evidence/noise.h"
+#include "core/base/median.h"
 #include "fitting/keypoint_fit.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/fitting/keypoint_faults.h"
@@ -37,7 +37,7 @@ double ErrorOf(const SkeletonTracks& tracks, const Motion& truth) {
       if (tracks.seen(f, j)) off.push_back((tracks.positions.at(f, j) - truth.joints.at(f, j)).norm());
     }
   }
-  return Median(off);
+  return MeanMedian(off);
 }
 
 std::vector<RigTake> TrialTakes(int frames, int every) {
@@ -117,7 +117,7 @@ int main(int argc, char** argv) {
     for (const auto& [what, once] : of_take) told[what] += once;
   }
   std::printf("{\"name\": \"keypoint_rigs\", \"takes\": %zu, \"median_off_mm\": %.1f, \"wrong\": %d", takes.size(),
-              1e3 * Median(error_m), wrong);
+              1e3 * MeanMedian(error_m), wrong);
   for (const auto& [what, count] : told) std::printf(", \"%s\": %d", what.c_str(), count);
   std::printf("}\n");
 }

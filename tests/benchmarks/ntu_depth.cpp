@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <map>
 
+#include "core/base/median.h"
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/clouds/view_registration.h"
 #include "fitting/evidence/motion_tracks.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "ingest/synthetic/body_points.h"
@@ -174,6 +174,7 @@ int main(int argc, char** argv) {
       "{\"name\": \"ntu_depth\", \"clips\": %zu, \"camera_mm\": %.1f, \"after_mm\": %.1f, \"camera_deg\": %.2f, "
       "\"after_deg\": %.2f, \"median_mm\": %.1f, \"median_after_mm\": %.1f, \"moved_told\": %d, \"clocks_told\": %d, "
       "\"others_told\": %d, \"tracks_mm\": %.1f, \"both_as_ingested_mm\": %.1f, \"both_audited_mm\": %.1f}\n",
-      discovery->items.size(), mean(before_mm), mean(after_mm), mean(before_deg), mean(after_deg), Median(before_mm),
-      Median(after_mm), moved, clocks, others, mean(tracks_mm), mean(given_mm), mean(audited_mm));
+      discovery->items.size(), mean(before_mm), mean(after_mm), mean(before_deg), mean(after_deg),
+      MeanMedian(before_mm), MeanMedian(after_mm), moved, clocks, others, mean(tracks_mm), mean(given_mm),
+      mean(audited_mm));
 }

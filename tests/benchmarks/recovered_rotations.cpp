@@ -10,11 +10,11 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/formats/joint_table.h"
 #include "core/motion/kinematics.h"
 #include "eval/metrics/fit_error.h"
-#include "fitting/evidence/noise.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "tests/benchmarks/real_people.h"
@@ -94,7 +94,7 @@ int Recovered(const std::string& source, const SkeletonPtr& skeleton, double noi
   const double mean = std::accumulate(axes.degrees.begin(), axes.degrees.end(), 0.0) / axes.degrees.size();
   std::printf("| %s | %.0f | %d | %d | %.1f | %.1f | %.1f | %.1f, %.1f | %.0f | %.1f, %.1f |\n", source.c_str(),
               noise_mm, clips_done, sum.frames, noisy / n, sum.joint_mm / n, sum.bone_direction_deg / n, mean,
-              Median(axes.degrees), 100.0 * axes.degrees.size() / axes.axes, 100.0 * one / n, 100.0 * two / n);
+              MeanMedian(axes.degrees), 100.0 * axes.degrees.size() / axes.axes, 100.0 * one / n, 100.0 * two / n);
   return 0;
 }
 
@@ -175,10 +175,10 @@ int Cad60(const SkeletonPtr& skeleton) {
     }
     const std::size_t count = turned.size();
     std::vector<double> bone = angles[k].bone;
-    const double middle = Median(turned);
+    const double middle = MeanMedian(turned);
     std::sort(turned.begin(), turned.end());
     std::printf("| %s | %zu | %s | %.1f | %.1f | %.1f | %.1f |\n", kJoints[k], count,
-                bone.empty() ? "-" : RoundedText(Median(bone)).c_str(), Median(whole),
+                bone.empty() ? "-" : RoundedText(MeanMedian(bone)).c_str(), MeanMedian(whole),
                 kDegrees * AngleBetween(offset, Quaterniond::Identity()), middle, turned[count * 95 / 100]);
   }
   return 0;

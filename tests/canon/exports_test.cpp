@@ -55,7 +55,7 @@ class ExportFolder {
 };
 
 struct Written {
-  std::map<std::string, std::size_t> clip_of;  ///< file without its ending, '/' as '.' -> position
+  std::map<std::string, std::size_t> clip_of;  ///< file, or name in the lists -> position
   std::vector<std::string> refused;            ///< ids
   std::vector<std::string> notes;
   std::vector<std::string> files;
@@ -69,7 +69,7 @@ Written WriteExport(const std::string& layout, const Dataset& dataset, const fs:
   set.labels = dataset.labels;
   set.splits = dataset.splits;
   set.folder = folder;
-  for (const auto& [code, meaning] : CheckCodes()) set.check_actions[code] = "ignore";
+  for (const std::string& code : CheckCodes()) set.check_actions[code] = "ignore";
   Written written;
   const auto write = [&](const std::vector<ExportedFile>& files) {
     for (const ExportedFile& file : files) {
@@ -93,9 +93,7 @@ Written WriteExport(const std::string& layout, const Dataset& dataset, const fs:
       written.clip_of[name] = i;
       continue;
     }
-    std::string name = fs::path(files->front().path).replace_extension().generic_string();
-    std::replace(name.begin(), name.end(), '/', '.');
-    written.clip_of[name] = i;
+    written.clip_of[files->front().path] = i;
   }
   const auto tables = writer->Finish(written.notes);
   EXPECT_TRUE(tables) << tables.error().Message();
@@ -119,8 +117,9 @@ std::map<std::size_t, Clip> ReadBack(const Written& written, const fs::path& fol
   if (!read) return clips;
   for (const RefusedClip& refused : read->refused) ADD_FAILURE() << refused.item << ": " << refused.error.Message();
   for (const Clip& clip : read->set.clips) {
-    const auto own = written.clip_of.find(clip.provenance.at("file"));
-    EXPECT_NE(own, written.clip_of.end()) << clip.provenance.at("file");
+    const std::string& file = clip.provenance.at("file");
+    const auto own = written.clip_of.find(file);
+    EXPECT_NE(own, written.clip_of.end()) << file;
     if (own != written.clip_of.end()) clips[own->second] = clip;
   }
   return clips;
@@ -299,11 +298,11 @@ TEST(ExportedHumanAct12, KeepsNamesOfTheSetAndMakesOthers) {
   const Written written = WriteExport("humanact12", dataset, folder.path());
   std::map<std::size_t, std::string> names;
   for (const auto& [name, position] : written.clip_of) names[position] = name;
-  EXPECT_EQ(names[0], "P02G01R03F0010T0039A0102") << "the set's own name";
-  EXPECT_EQ(names[1], "P02G01R01F0000T0029A0200") << "its name says another class";
-  EXPECT_EQ(names[2], "P01G01R01F0005T0024A0200");
-  EXPECT_EQ(names[3], "P03G01R01F0005T0024A0200");
-  const auto array = ParseNpy(ReadFile(folder.path() / (names[0] + ".npy")).value(), "clip");
+  EXPECT_EQ(names[0], "P02G01R03F0010T0039A0102.npy") << "the set's own name";
+  EXPECT_EQ(names[1], "P02G01R01F0000T0029A0200.npy") << "its name says another class";
+  EXPECT_EQ(names[2], "P01G01R01F0005T0024A0200.npy");
+  EXPECT_EQ(names[3], "P03G01R01F0005T0024A0200.npy");
+  const auto array = ParseNpy(ReadFile(folder.path() / names[0]).value(), "clip");
   ASSERT_TRUE(array) << array.error().Message();
   EXPECT_EQ(array->dtype, "<f8");
   const Vector3d head = dataset.clips[0].motion->joints.at(0, 15);

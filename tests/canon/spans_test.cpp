@@ -61,7 +61,7 @@ TEST(ListedSpans, OutsideTheClipAreCutOrDroppedAndReported) {
   EXPECT_EQ(findings[0].code, "span_outside");
   EXPECT_EQ(findings[0].severity, Severity::kWarning);
   EXPECT_EQ(findings[1].severity, Severity::kError);
-  EXPECT_EQ(findings[1].action, "dropped");
+  EXPECT_EQ(findings[1].action, FindingAction::kDropped);
 }
 
 TEST(ListedSpans, WithFineLabelsGiveClassAndFineClass) {

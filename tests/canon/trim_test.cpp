@@ -26,7 +26,7 @@ TEST(Trim, CutsStillFramesFromBothEndsAndKeepsTheMargin) {
   EXPECT_NEAR(spans[0].end, 87, 4);
   EXPECT_GE(spans[0].end, 84);
   ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].action, "trimmed");
+  EXPECT_EQ(findings[0].action, FindingAction::kDropped);
 }
 
 TEST(Trim, AClipThatNeverMovesIsDroppedWithItsFastestSpeed) {

@@ -345,7 +345,7 @@ TEST_F(TracksAndClouds, FramesWithoutPointsStayWithTheTracks) {
   ASSERT_NE(told, both->findings.end());
   EXPECT_EQ(told->value, 1.0);
   EXPECT_EQ(told->severity, Severity::kInfo) << "the tracks are evidence there";
-  EXPECT_EQ(told->action, "fitted to the other evidence alone there");
+  EXPECT_EQ(told->action, FindingAction::kKept);
 }
 
 TEST_F(TracksAndClouds, CloudsWithoutAnyPointsAreRefused) {

@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <utility>
 
+#include "core/base/median.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/fit_clouds.h"
-#include "fitting/evidence/noise.h"
 #include "tests/fitting/depth_rig_faults.h"
 #include "tests/fitting/view_agreement.h"
 
@@ -33,7 +33,7 @@ TEST_F(Turntable, EveryViewLiesOnTheOthers) {
   auto rms = ViewAgreement(clip_.evidence.depth_views, 0.03, 7);
   ASSERT_TRUE(rms) << rms.error().Message();
   ASSERT_EQ(rms->size(), 80u);
-  const double median = Median(*rms);
+  const double median = MeanMedian(*rms);
   RecordProperty("median_rms_mm", std::to_string(1e3 * median));
   EXPECT_LT(median, 0.0016);
   EXPECT_LT(*std::max_element(rms->begin(), rms->end()), 0.0065);

@@ -62,7 +62,7 @@ TEST_F(DepthStrangers, AViewOfAnotherMomentIsLeftOut) {
     EXPECT_EQ(audited->report.faults[0].code, "views_disagree");
     EXPECT_EQ(audited->report.faults[0].camera, views[v].camera.name);
     EXPECT_FALSE(audited->report.IsDoubtful());
-    EXPECT_EQ(FindingsOf(audited->report)[0].action, "left out");
+    EXPECT_EQ(FindingsOf(audited->report)[0].action, FindingAction::kLeftOut);
     views.erase(views.begin() + static_cast<std::ptrdiff_t>(v));
     ASSERT_EQ(audited->views.size(), 2u);
     for (std::size_t left = 0; left < 2; ++left) EXPECT_EQ(audited->views[left].files, views[left].files);
@@ -80,7 +80,7 @@ TEST_F(DepthStrangers, WhereItIsOnlyToldTheClipIsInDoubt) {
     ASSERT_TRUE(told) << told.error().Message();
     EXPECT_EQ(told->views.size(), 3u);
     EXPECT_TRUE(told->report.IsDoubtful()) << Told(told->report);
-    EXPECT_EQ(FindingsOf(told->report)[0].action, "flagged");
+    EXPECT_EQ(FindingsOf(told->report)[0].action, FindingAction::kFlagged);
   }
 }
 

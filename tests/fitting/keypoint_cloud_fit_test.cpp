@@ -282,7 +282,7 @@ TEST_F(MixedTakes, OneKeypointCameraOfAnotherWorldIsLeftOutAndTold) {
   const auto fit = Both(ClipOf(0, mixed), options);
   ASSERT_TRUE(fit) << fit.error().Message();
   ASSERT_NE(Find(*fit, kOneKeypointView), nullptr);
-  EXPECT_EQ(Find(*fit, kOneKeypointView)->action, "keypoints left out");
+  EXPECT_EQ(Find(*fit, kOneKeypointView)->action, FindingAction::kLeftOut);
 }
 
 TEST_F(MixedTakes, KindsOfDifferentWorldsAreRefusedWithNumbers) {

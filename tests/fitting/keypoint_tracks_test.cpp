@@ -1,13 +1,13 @@
 // People in the keypoints of several calibrated views: who is who, where they are, and what is said when nobody is.
 
 #include "fitting/triangulation/keypoint_tracks.h"
+#include "core/base/median.h"
 
 #include <gmock/gmock.h>
 
 #include <cstdlib>
 #include <map>
 
-#include "fitting/evidence/noise.h"
 #include "tests/fitting/keypoint_takes.h"
 
 namespace mocurate {
@@ -111,7 +111,7 @@ TEST(KeypointTracks, NameACameraThatWasMovedAndPutItWhereItStands) {
   const Finding* moved = FindingWithCode(*found, "camera_moved");
   ASSERT_NE(moved, nullptr);
   EXPECT_THAT(moved->message, HasSubstr("cam3"));
-  EXPECT_EQ(moved->action, "corrected");
+  EXPECT_EQ(moved->action, FindingAction::kRepaired);
   EXPECT_NEAR(moved->value, 250.0, 15.0);  // mm
   EXPECT_GT(found->report.views, 4.9);
   EXPECT_LT(MeanError(found->tracks, person), 0.02);
@@ -173,7 +173,7 @@ TEST(KeypointTracks, AreNotFoundFromACameraThatDisagreesAndOneOther) {
   const Finding* told = FindingWithCode(*found, "camera_disagrees");
   ASSERT_NE(told, nullptr);
   EXPECT_THAT(told->message, HasSubstr("cam2"));
-  EXPECT_EQ(told->action, "left out of this clip");
+  EXPECT_EQ(told->action, FindingAction::kLeftOut);
   double worst = 0.0;
   for (int f = 0; f < found->tracks.positions.frames; ++f) {
     const auto at = static_cast<std::size_t>(f) * keypoints + wrist;
@@ -334,7 +334,7 @@ class Pose2Sim : public testing::Test {
                          found.tracks.positions.at(f, static_cast<int>(index(b))))
                             .norm());
     }
-    return Median(lengths);
+    return MeanMedian(lengths);
   }
 
   static void ExpectLimbs(const KeypointTracks& found, const std::vector<double>& table, double tolerance) {
@@ -367,7 +367,7 @@ TEST_F(Pose2Sim, SubjectOfTheSingleTrialIsFoundAmongBystanders) {
   const Finding* moved = FindingWithCode(*found, "camera_moved");
   ASSERT_NE(moved, nullptr);
   EXPECT_THAT(moved->message, HasSubstr("cam03"));
-  EXPECT_EQ(moved->action, "corrected");
+  EXPECT_EQ(moved->action, FindingAction::kRepaired);
   EXPECT_NE(FindingWithCode(*found, "bystanders_left_out"), nullptr);
   ExpectLimbs(*found, adult_, 0.01);
 }

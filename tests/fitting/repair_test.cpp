@@ -82,7 +82,7 @@ TEST_P(ExchangedLimbs, AreExchangedBackAndSaidSo) {
       EXPECT_EQ(finding.frame_begin, 40);
       EXPECT_EQ(finding.frame_end, 40 + frames);
       EXPECT_GT(finding.value, RepairOptions{}.swap_margin);
-      EXPECT_EQ(finding.action, "repaired");
+      EXPECT_EQ(finding.action, FindingAction::kRepaired);
     }
     for (int f = 0; f < 90; ++f) {
       for (int j = 0; j < take.tracks.joints(); ++j) {
@@ -200,7 +200,7 @@ TEST(Repair, TakesALimbThatWentOverToTheOtherForMissing) {
   EXPECT_EQ(findings[0].frame_end, 60);
   EXPECT_EQ(findings[0].joint, "right_elbow");
   EXPECT_LT(findings[0].value, 5.0 * kNoise);
-  EXPECT_EQ(findings[0].action, "taken as missing");
+  EXPECT_EQ(findings[0].action, FindingAction::kMissing);
   for (int f = 30; f < 60; ++f) {
     for (const int left : {4, 5}) EXPECT_EQ(StateAt(fit, f, left), JointState::kObserved) << f;
     for (const int right : {7, 8}) EXPECT_NE(StateAt(fit, f, right), JointState::kObserved) << f;
@@ -222,7 +222,7 @@ TEST(Repair, OnlyTellsOfLimbsInOnePlaceMostOfTheTime) {
   MergeArms(take, 0, 90);
   const FitResult fit = FitRepaired(take);
   ASSERT_EQ(OfCode(fit, "limbs_in_one_place").size(), 1u);
-  EXPECT_EQ(OfCode(fit, "limbs_in_one_place")[0].action, "flagged");
+  EXPECT_EQ(OfCode(fit, "limbs_in_one_place")[0].action, FindingAction::kFlagged);
   EXPECT_EQ(StateAt(fit, 45, 8), JointState::kObserved);
 }
 
@@ -296,7 +296,7 @@ TEST(Repair, AStepOfTheBodyThatNobodyTakesIsToldWhereTheyDoNotGoBack) {
   EXPECT_TRUE(OfCode(stays, "teleport").empty());
   ASSERT_EQ(OfCode(stays, "body_jump").size(), 1u);
   EXPECT_EQ(OfCode(stays, "body_jump")[0].frame_begin, 39);
-  EXPECT_EQ(OfCode(stays, "body_jump")[0].action, "flagged");
+  EXPECT_EQ(OfCode(stays, "body_jump")[0].action, FindingAction::kFlagged);
   EXPECT_EQ(StateAt(stays, 42, 0), JointState::kObserved);
 }
 
@@ -315,7 +315,7 @@ TEST(Repair, TakesAHandThatIsThrownElsewhereForMissing) {
     EXPECT_EQ(findings[0].joint, "left_wrist");
     EXPECT_EQ(findings[0].frame_begin, 40);
     EXPECT_EQ(findings[0].frame_end, 50);
-    EXPECT_EQ(findings[0].action, "taken as missing");
+    EXPECT_EQ(findings[0].action, FindingAction::kMissing);
     for (int f = 0; f < 90; ++f) EXPECT_EQ(StateAt(fit, f, wrist) == JointState::kObserved, f < 40 || f >= 50) << f;
   }
   EXPECT_TRUE(OfCode(FitRepaired(TurningTake(90)), "joint_torn_off").empty());

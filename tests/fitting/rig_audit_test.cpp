@@ -221,7 +221,7 @@ TEST(RigAudit, StandsInOneLineOfProvenance) {
   EXPECT_EQ(FaultsText({fault}),
             R"([{"camera":"cam02","code":"camera_clock_off","confidence":0.999,"corrected":true,"frames":[0,0],)"
             R"("value":33.3}])");
-  EXPECT_EQ(FindingOf(fault).action, "corrected");
+  EXPECT_EQ(FindingOf(fault).action, FindingAction::kRepaired);
 }
 
 /// The recorded single trial, altered.

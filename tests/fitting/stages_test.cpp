@@ -182,7 +182,7 @@ TEST_F(FittingStages, SayWhichDepthViewsWereLeftOutAndWhy) {
   left_out.clip = clip_.id();
   left_out.code = "depth_left_out";
   left_out.message = "C001 lacks the depth images of 63 of 71 frames";
-  left_out.action = "left out";
+  left_out.action = FindingAction::kLeftOut;
   Finding nobody = left_out;
   nobody.code = "camera_saw_nobody";
   nobody.message = "C002 saw nobody in its 71 frames";

@@ -1,6 +1,5 @@
 #include "core/formats/amass.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,12 +11,10 @@
 #include "core/base/file.h"
 #include "core/formats/array_fields.h"
 #include "core/formats/npz.h"
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
-
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 Amass SmallAmass(Amass::Layout layout, std::size_t columns) {
   Amass amass;
@@ -51,10 +48,7 @@ NpyArray& At(Npz& npz, const std::string& name) {
   throw std::logic_error("no member " + name);
 }
 
-std::string AmassFails(const Npz& npz) {
-  const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
-  return amass ? "parsed" : amass.error().Message();
-}
+Expected<Amass> AmassOf(const Npz& npz) { return ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz"); }
 
 TEST(Amass, BothLayoutsAreWrittenAndReadAgain) {
   for (const auto& [layout, columns] : {std::pair{Amass::Layout::kLegacy, 156}, std::pair{Amass::Layout::kSplit, 156},
@@ -81,7 +75,7 @@ TEST(Amass, TheSplitKeysAloneGiveTheSamePoses) {
   const Amass amass = SmallAmass(Amass::Layout::kSplit, 165);
   Npz npz = AmassMembers(amass);
   npz.members.erase(npz.members.begin());  // poses
-  const auto again = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
+  const auto again = AmassOf(npz);
   ASSERT_TRUE(again) << again.error().Message();
   EXPECT_EQ(again->poses, amass.poses);
 }
@@ -92,7 +86,7 @@ TEST(Amass, GenderIsReadAsBytesTextOrPrintedBytes) {
     Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
     At(npz, "gender").dtype = dtype;
     At(npz, "gender").texts = {text};
-    const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
+    const auto amass = AmassOf(npz);
     ASSERT_TRUE(amass) << amass.error().Message();
     EXPECT_EQ(amass->gender, "male");
   }
@@ -103,11 +97,7 @@ TEST(Amass, PosesUnderAnotherNameAreMissingByTheirs) {
   for (NpzMember& member : npz.members) {
     if (member.name == "poses") member.name = "pose";
   }
-  const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
-  ASSERT_FALSE(amass);
-  EXPECT_EQ(amass.error().code, ErrorCode::kMalformed) << "no other file beside the motions";
-  EXPECT_THAT(amass.error().Message(), ::testing::HasSubstr("neither 'poses' nor 'root_orient'"));
-  EXPECT_THAT(amass.error().Message(), ::testing::HasSubstr("it has "));
+  ExpectMalformed(AmassOf(npz), "m.npz:poses");
 }
 
 TEST(Amass, ArraysOfDifferentLengthsDisagreeAndTheOneThatAloneDiffersIsNamed) {
@@ -116,25 +106,22 @@ TEST(Amass, ArraysOfDifferentLengthsDisagreeAndTheOneThatAloneDiffersIsNamed) {
     NpyArray& array = At(npz, key);
     array.values.resize(array.values.size() / 2);
     array.shape[0] = 1;
-    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("m.npz:") + key + ": the arrays disagree about the frames: "));
-    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("'") + key + "' has 1"));
-    EXPECT_THAT(AmassFails(npz), HasSubstr("'marker_data' has 2"));
-    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("'") + key + "' is cut off"));
+    ExpectError(AmassOf(npz), ErrorCode::kInconsistent, std::string("m.npz:") + key);
   }
 }
 
-TEST(Amass, PosesOfAnotherShapeAreToldTheWayBack) {
+TEST(Amass, PosesOfAnotherShapeAreRefused) {
   Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
-  At(npz, "poses").shape = {156, 2};
-  EXPECT_THAT(AmassFails(npz), HasSubstr("poses.T"));
-  At(npz, "poses").shape = {2, 52, 3};
-  EXPECT_THAT(AmassFails(npz), HasSubstr("poses.reshape(len(poses), -1)"));
+  for (const std::vector<std::size_t>& shape : {std::vector<std::size_t>{156, 2}, {2, 52, 3}}) {
+    At(npz, "poses").shape = shape;
+    ExpectError(AmassOf(npz), ErrorCode::kInconsistent, "m.npz:poses");
+  }
 }
 
 TEST(Amass, BetasWithAnAxisOfOnePersonAreTheSame) {
   Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   At(npz, "betas").shape = {1, 2};
-  const auto amass = ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz");
+  const auto amass = AmassOf(npz);
   ASSERT_TRUE(amass) << amass.error().Message();
   EXPECT_EQ(amass->betas, SmallAmass(Amass::Layout::kLegacy, 156).betas);
 }
@@ -144,7 +131,9 @@ TEST(Amass, AnyCorruptedFieldIsNamed) {
   struct Case {
     const char* key;
     std::function<void(NpyArray&)> corrupt;
+    ErrorCode code = ErrorCode::kMalformed;
   };
+  constexpr ErrorCode kDisagrees = ErrorCode::kInconsistent;
   const auto cut = [](NpyArray& array) {
     array.values.resize(array.values.size() / array.shape[0]);
     array.shape[0] = 1;
@@ -154,7 +143,7 @@ TEST(Amass, AnyCorruptedFieldIsNamed) {
                           [&](NpyArray& a) {
                             a = MakeArray({2, 100}, std::vector<double>(200, 0.0));
                           }},
-                         {"trans", cut},
+                         {"trans", cut, kDisagrees},
                          {"trans", [&](NpyArray& a) { a.values[4] = nan; }},
                          {"betas", [&](NpyArray& a) { a.values[1] = nan; }},
                          {"betas",
@@ -169,46 +158,46 @@ TEST(Amass, AnyCorruptedFieldIsNamed) {
                           }},
                          {"gender", [](NpyArray& a) { a = MakeTextArray("mole"); }},
                          {"gender", [](NpyArray& a) { a = MakeArray({}, {1}); }},
-                         {"dmpls", cut},
-                         {"marker_data", cut},
-                         {"marker_labels", [](NpyArray& a) { a.texts.pop_back(), a.shape = {1}; }}};
+                         {"dmpls", cut, kDisagrees},
+                         {"marker_data", cut, kDisagrees},
+                         {"marker_labels", [](NpyArray& a) { a.texts.pop_back(), a.shape = {1}; }, kDisagrees}};
   for (const Case& c : legacy) {
     Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
     c.corrupt(At(npz, c.key));
-    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("m.npz:") + c.key + ": ")) << c.key;
+    ExpectError(AmassOf(npz), c.code, std::string("m.npz:") + c.key);
   }
-  const Case split[] = {{"root_orient", cut},
-                        {"pose_body", [](NpyArray& a) { a.values[7] += 0.1; }},
+  const Case split[] = {{"root_orient", cut, kDisagrees},
+                        {"pose_body", [](NpyArray& a) { a.values[7] += 0.1; }, kDisagrees},
                         {"pose_jaw", [&](NpyArray& a) { a.values[1] = nan; }},
-                        {"pose_eye", cut},
-                        {"pose_hand", cut},
+                        {"pose_eye", cut, kDisagrees},
+                        {"pose_hand", cut, kDisagrees},
                         {"mocap_frame_rate", [](NpyArray& a) { a.values[0] = -30; }}};
   for (const Case& c : split) {
     Npz npz = AmassMembers(SmallAmass(Amass::Layout::kSplit, 165));
     c.corrupt(At(npz, c.key));
-    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("m.npz:") + c.key + ": ")) << c.key;
+    ExpectError(AmassOf(npz), c.code, std::string("m.npz:") + c.key);
   }
   for (const char* key : {"trans", "betas", "mocap_framerate"}) {
     Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
     for (NpzMember& member : npz.members) member.name = member.name == key ? "other" : member.name;
-    EXPECT_THAT(AmassFails(npz), HasSubstr(std::string("m.npz:") + key + ": ")) << key;
+    ExpectMalformed(AmassOf(npz), std::string("m.npz:") + key);
   }
 }
 
 TEST(Amass, RatesThatContradictEachOtherOrTheLengthAreRefused) {
   Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   npz.members.push_back({"mocap_frame_rate", MakeArray({}, {60}), ""});
-  EXPECT_THAT(AmassFails(npz), HasSubstr("the rate differs"));
+  ExpectError(AmassOf(npz), ErrorCode::kInconsistent, "m.npz:mocap_frame_rate");
   npz = AmassMembers(SmallAmass(Amass::Layout::kSplit, 165));
   npz.members.push_back({"mocap_time_length", MakeArray({}, {10}), ""});
-  EXPECT_THAT(AmassFails(npz), HasSubstr("m.npz:mocap_time_length: 10 s, but 2 frames"));
+  ExpectError(AmassOf(npz), ErrorCode::kInconsistent, "m.npz:mocap_time_length");
 }
 
 TEST(Amass, AShapeFileHoldsNoMotion) {
   Npz npz;
   npz.members.push_back({"betas", MakeArray({2}, {1, 2}), ""});
   npz.members.push_back({"gender", MakeTextArray("male"), ""});
-  EXPECT_THAT(AmassFails(npz), HasSubstr("the file holds no motion"));
+  ExpectError(AmassOf(npz), ErrorCode::kUnsupported, "m.npz");
 }
 
 TEST(Amass, ThePublishedSampleIsReadWhole) {

@@ -9,7 +9,6 @@ namespace mocurate {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 Expected<Amc> ReadStray(const std::string& frames) {
   return ParseAmc(":DEGREES\n" + frames, {nullptr, DamagedRows::kReport}, "wave.amc");
@@ -23,7 +22,9 @@ TEST(AmcStrayLines, AWordBeforeTheNumberOfAFrameBeginsNoFrameOfItsOwn) {
   EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 4));
   EXPECT_TRUE(amc->damaged.empty());
   ASSERT_EQ(amc->findings.size(), 1u);
-  EXPECT_THAT(amc->findings[0].message, HasSubstr("wave.amc:8: 'pause' stands where frame number 3 is expected"));
+  EXPECT_EQ(amc->findings[0].code, "frame_number");
+  EXPECT_EQ(amc->findings[0].frame_begin, 2);
+  EXPECT_EQ(amc->findings[0].value, 3.0);
 }
 
 TEST(AmcStrayLines, AWordInTheNumbersPlaceIsTheFrameItself) {

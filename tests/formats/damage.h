@@ -25,32 +25,12 @@ inline std::string RecordedFile(const std::string& path) {
   const std::string variable = ::mocurate::test::RecordedFile(path); \
   if (variable.empty()) GTEST_SKIP() << "MOCURATE_DATA has no " << (path)
 
-/// The message of a failed parse; "parsed" when it did not fail.
-using MessageOf = std::function<std::string(const std::string& bytes)>;
-
-/// Replaces each word of a text file in turn: every one must be refused with its line.
-inline void EachWordIsRefusedWhenDamaged(const std::string& text, const std::string& name,
-                                         const MessageOf& message_of) {
-  ASSERT_EQ(message_of(text), "parsed");
-  int line = 1;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t begin = text.find_first_not_of(" \n", at);
-    if (begin == std::string::npos) break;
-    for (; at < begin; ++at) line += text[at] == '\n' ? 1 : 0;
-    const std::size_t end = std::min(text.find_first_of(" \n", begin), text.size());
-    std::string damaged = text;
-    damaged.replace(begin, end - begin, "1?");
-    const std::string message = message_of(damaged);
-    EXPECT_THAT(message, ::testing::HasSubstr(name)) << "line " << line << ": " << text.substr(begin, end - begin);
-    at = end;
-  }
-}
-
 /// Replaces each number, text and boolean of a JSON document in turn by an object and then takes its key away: every
-/// time the message must name the place. `optional` says which paths need not be there.
-inline void EachFieldIsRefusedWhenDamaged(const nlohmann::json& document, const MessageOf& message_of,
+/// time the error must be at its place, or at that of its parent. `optional` says which paths need not be there.
+inline void EachFieldIsRefusedWhenDamaged(const nlohmann::json& document,
+                                          const std::function<Status(const std::string& bytes)>& read,
                                           const std::function<bool(const std::string& path)>& optional = {}) {
-  ASSERT_EQ(message_of(document.dump()), "parsed");
+  ASSERT_TRUE(read(document.dump())) << read(document.dump()).error().Message();
   const nlohmann::json flat = document.flatten();
   for (const auto& leaf : flat.items()) {
     const nlohmann::json::json_pointer place(leaf.key());
@@ -58,7 +38,9 @@ inline void EachFieldIsRefusedWhenDamaged(const nlohmann::json& document, const 
     if (optional && optional(leaf.key())) continue;
     nlohmann::json damaged = document;
     damaged[place] = nlohmann::json::object();
-    EXPECT_THAT(message_of(damaged.dump()), ::testing::HasSubstr(leaf.key()));
+    Status refused = read(damaged.dump());
+    ASSERT_FALSE(refused) << leaf.key() << " damaged";
+    EXPECT_THAT(refused.error().where, ::testing::HasSubstr(leaf.key()));
     damaged = document;
     nlohmann::json& parent = damaged[place.parent_pointer()];
     if (parent.is_array()) {
@@ -66,9 +48,9 @@ inline void EachFieldIsRefusedWhenDamaged(const nlohmann::json& document, const 
     } else {
       parent.erase(place.back());
     }
-    const std::string message = message_of(damaged.dump());
-    EXPECT_NE(message, "parsed") << leaf.key() << " taken away";
-    EXPECT_THAT(message, ::testing::HasSubstr(place.parent_pointer().to_string()));
+    refused = read(damaged.dump());
+    ASSERT_FALSE(refused) << leaf.key() << " taken away";
+    EXPECT_THAT(refused.error().where, ::testing::HasSubstr(place.parent_pointer().to_string()));
   }
 }
 

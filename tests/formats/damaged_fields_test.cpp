@@ -1,5 +1,5 @@
 // One field of a small file damaged at a time: the error names the field, or the line that holds it. And counts of
-// headers that what follows contradicts: the error says what was announced and what the file holds.
+// headers that what follows contradicts.
 
 #include "core/formats/bvh.h"
 #include "core/formats/depth_sequence.h"
@@ -12,11 +12,10 @@
 #include "core/formats/ply.h"
 #include "corruption.h"
 #include "damage.h"
+#include "expect_error.h"
 
 namespace mocurate {
 namespace {
-
-using ::testing::HasSubstr;
 
 constexpr const char* kBvh =
     "HIERARCHY\nROOT Hips\n{\n OFFSET 1 2 3\n CHANNELS 3 Xposition Yposition Zposition\n JOINT Knee\n {\n  OFFSET 0 5 "
@@ -24,19 +23,9 @@ constexpr const char* kBvh =
     "  CHANNELS 3 Zrotation Xrotation Yrotation\n  End Site\n  {\n   OFFSET 0 1 0\n  }\n }\n}\nMOTION\nFrames: 2\n"
     "Frame Time: 0.5\n1 2 3 4 5 6\n7 8 9 1 2 3\n";
 
-template <class T>
-Status StatusOfDamaged(const Expected<T>& read) {
-  return read ? Status() : Status(Forward(read));
-}
-
-template <class T>
-std::string MessageOfDamaged(const Expected<T>& read) {
-  return read ? "parsed" : read.error().Message();
-}
-
 TEST(DamagedFields, OfABvhAreNamedWithTheirLine) {
   ExpectEveryDamagedWordIsNamed(
-      kBvh, [](const std::string& text) { return StatusOfDamaged(ParseBvh(text, "file")); },
+      kBvh, [](const std::string& text) { return StatusOf(ParseBvh(text, "file")); },
       [](std::string_view, std::string_view word) { return word == "Hips" || word == "Knee"; });
 }
 
@@ -45,8 +34,7 @@ TEST(DamagedFields, OfATableOfNumbersAreNamedWithTheirLine) {
   layout.rows_per_frame = 2;
   for (const char* text : {"1 2 3\n4 5 6\n7 8 9\n1 2 3\n", "1,2,3\n4,5,6\n7,8,9\n1,2,3\n"}) {
     ExpectEveryDamagedWordIsNamed(
-        text, [&](const std::string& damaged) { return StatusOfDamaged(ParseJointTable(damaged, layout, "file")); },
-        nullptr);
+        text, [&](const std::string& damaged) { return StatusOf(ParseJointTable(damaged, layout, "file")); }, nullptr);
   }
 }
 
@@ -58,38 +46,37 @@ TEST(DamagedFields, OfADepthSequenceAreNamedWithTheirPath) {
   test::EachFieldIsRefusedWhenDamaged(
       document,
       [](const std::string& bytes) {
-        const auto sequence = ParseDepthSequence(bytes, "s.json");
-        return sequence ? MessageOfDamaged(ParseDepthSequenceTruth(bytes, "s.json")) : MessageOfDamaged(sequence);
+        const Status sequence = StatusOf(ParseDepthSequence(bytes, "s.json"));
+        return sequence ? StatusOf(ParseDepthSequenceTruth(bytes, "s.json")) : sequence;
       },
       [](const std::string& path) { return path == "/body"; });
 }
 
-TEST(DamagedFields, OfTheHeaderOfAnArrayAreNamed) {
+TEST(DamagedFields, OfTheHeaderOfAnArrayAreRefused) {
   NpyArray array;
   array.shape = {2, 3};
   array.dtype = "<f8";
   array.values.assign(6, 1.0);
   const std::string good = WriteNpy(array);
-  const auto message = [&](const std::string& from, const std::string& to) {
-    return MessageOfDamaged(ParseNpy(Replaced(good, from, to), "a.npy"));
+  const auto read = [&](const std::string& from, const std::string& to) {
+    return ParseNpy(Replaced(good, from, to), "a.npy");
   };
-  EXPECT_EQ(message("NUMPY", "NUMPY"), "parsed");
-  EXPECT_THAT(message("NUMPY", "NUMPX"), HasSubstr("does not begin as a numpy array"));
-  EXPECT_THAT(message(std::string("\x01\x00", 2), std::string("\x04\x00", 2)), HasSubstr("format version 4"));
-  EXPECT_THAT(message("'<f8'", "<f8,,"), HasSubstr("the type in quotes"));
-  EXPECT_THAT(message("'<f8'", "'<f9'"), HasSubstr("arrays of type '<f9' are not read"));
-  EXPECT_THAT(message("'descr'", "'desc?'"), HasSubstr("descr, fortran_order or shape"));
-  EXPECT_THAT(message("False", "Falsy"), HasSubstr("True or False"));
-  EXPECT_THAT(message("'fortran_order'", "'fortran_orde?'"), HasSubstr("descr, fortran_order or shape"));
-  EXPECT_THAT(message("(2, 3)", "(2, x)"), HasSubstr("the shape in parentheses"));
-  EXPECT_THAT(message("(2, 3)", "(2, 4)"), HasSubstr("shape (2, 4) announces 8, the file holds 6"));
+  EXPECT_TRUE(read("NUMPY", "NUMPY"));
+  ExpectMalformed(read("NUMPY", "NUMPX"), "a.npy");
+  ExpectError(read(std::string("\x01\x00", 2), std::string("\x04\x00", 2)), ErrorCode::kUnsupported, "a.npy");
+  ExpectMalformed(read("'<f8'", "<f8,,"), "a.npy:byte 10");
+  ExpectError(read("'<f8'", "'<f9'"), ErrorCode::kUnsupported, "a.npy");
+  ExpectMalformed(read("'descr'", "'desc?'"), "a.npy:byte 9");
+  ExpectMalformed(read("False", "Falsy"), "a.npy:byte 34");
+  ExpectMalformed(read("'fortran_order'", "'fortran_orde?'"), "a.npy:byte 33");
+  ExpectMalformed(read("(2, 3)", "(2, x)"), "a.npy:byte 54");
+  ExpectError(read("(2, 3)", "(2, 4)"), ErrorCode::kInconsistent, "a.npy");
 }
 
 struct Contradiction {
   const char* name;
   Status read;
   double announced;
-  const char* held;
   const char* place;
 };
 
@@ -117,38 +104,33 @@ std::string SkeletonText(const std::string& count) {
   return count + WriteNtuSkeleton(scene).substr(1);
 }
 
-TEST(HeaderCounts, ThatContradictWhatFollowsAreToldWithBothNumbersAndTheirPlace) {
-  const Contradiction cases[] = {
-      {"BVH, more", StatusOfDamaged(ParseBvh(BvhOf("3"), "f")), 3, "Frames announces 3, the file holds 2", "f:17"},
-      {"BVH, fewer", StatusOfDamaged(ParseBvh(BvhOf("1"), "f")), 1, "Frames announces 1, the file holds 2", "f:17"},
-      {"NTU, more", StatusOfDamaged(ParseNtuSkeleton(SkeletonText("7"), "f")), 7,
-       "the frame count announces 7, the file holds 2", "f:1"},
-      {"NTU, fewer", StatusOfDamaged(ParseNtuSkeleton(SkeletonText("1"), "f")), 1, "the file holds 2", "f:1"},
-      {"PLY text, more", StatusOfDamaged(ParsePly(PlyText("3", false), "f")), 3,
-       "element vertex announces 3, the file holds 2", "f:9"},
-      {"PLY text, fewer", StatusOfDamaged(ParsePly(PlyText("1", false), "f")), 1, "the file holds 2", "f:8"},
-      {"PLY binary, more", StatusOfDamaged(ParsePly(PlyText("3", true), "f")), 3, "the file holds 2", "f:6"},
-      {"PLY binary, fewer", StatusOfDamaged(ParsePly(PlyText("1", true), "f")), 1, "the file holds 2", "f"},
-      {"PCD text, more", StatusOfDamaged(ParsePcd(PcdText("3", false), "f")), 3, "POINTS announces 3, the file holds 2",
-       "f:10"},
-      {"PCD text, fewer", StatusOfDamaged(ParsePcd(PcdText("1", false), "f")), 1, "the file holds 2", "f:10"},
-      {"PCD binary, more", StatusOfDamaged(ParsePcd(PcdText("3", true), "f")), 3, "the file holds 2", "f:10"},
-      {"PCD binary, fewer", StatusOfDamaged(ParsePcd(PcdText("1", true), "f")), 1, "the file holds 2", "f:10"},
-      {"rows", StatusOfDamaged(ParseOpenSimTable(Mot("3", "2"), "f")), 3, "nRows announces 3, the file holds 2", "f:2"},
-      {"columns", StatusOfDamaged(ParseOpenSimTable(Mot("2", "4"), "f")), 4, "nColumns announces 4, the file holds 2",
-       "f:3"}};
+TEST(HeaderCounts, ThatContradictWhatFollowsAreRefusedAtTheirPlace) {
+  const Contradiction cases[] = {{"BVH, more", StatusOf(ParseBvh(BvhOf("3"), "f")), 3, "f:17"},
+                                 {"BVH, fewer", StatusOf(ParseBvh(BvhOf("1"), "f")), 1, "f:17"},
+                                 {"NTU, more", StatusOf(ParseNtuSkeleton(SkeletonText("7"), "f")), 7, "f:1"},
+                                 {"NTU, fewer", StatusOf(ParseNtuSkeleton(SkeletonText("1"), "f")), 1, "f:1"},
+                                 {"PLY text, more", StatusOf(ParsePly(PlyText("3", false), "f")), 3, "f:9"},
+                                 {"PLY text, fewer", StatusOf(ParsePly(PlyText("1", false), "f")), 1, "f:8"},
+                                 {"PLY binary, more", StatusOf(ParsePly(PlyText("3", true), "f")), 3, "f:6"},
+                                 {"PLY binary, fewer", StatusOf(ParsePly(PlyText("1", true), "f")), 1, "f"},
+                                 {"PCD text, more", StatusOf(ParsePcd(PcdText("3", false), "f")), 3, "f:10"},
+                                 {"PCD text, fewer", StatusOf(ParsePcd(PcdText("1", false), "f")), 1, "f:10"},
+                                 {"PCD binary, more", StatusOf(ParsePcd(PcdText("3", true), "f")), 3, "f:10"},
+                                 {"PCD binary, fewer", StatusOf(ParsePcd(PcdText("1", true), "f")), 1, "f:10"},
+                                 {"rows", StatusOf(ParseOpenSimTable(Mot("3", "2"), "f")), 3, "f:2"},
+                                 {"columns", StatusOf(ParseOpenSimTable(Mot("2", "4"), "f")), 4, "f:3"}};
   for (const Contradiction& c : cases) {
-    ASSERT_FALSE(c.read) << c.name;
-    EXPECT_THAT(c.read.error().what, HasSubstr(c.held)) << c.name;
-    EXPECT_EQ(c.read.error().where, c.place) << c.name;
-    EXPECT_EQ(AnnouncedCount(c.read.error()), c.announced) << c.name;
+    SCOPED_TRACE(c.name);
+    ExpectError(c.read, ErrorCode::kInconsistent, c.place);
+    EXPECT_EQ(c.read.error().reason, Reason::kCount);
+    EXPECT_EQ(c.read.error().number, c.announced);
   }
-  EXPECT_EQ(AnnouncedCount(ParseBvh(Replaced(kBvh, "1 2 3 4", "1 2 x 4"), "f").error()), std::nullopt);
+  EXPECT_EQ(ParseBvh(Replaced(kBvh, "1 2 3 4", "1 2 x 4"), "f").error().reason, Reason::kNone);
 }
 
 TEST(HeaderCounts, OfABvhAreAFindingWhereThatIsAskedForAndNoRowMoves) {
   const Bvh right = ParseBvh(kBvh, "f").value();
-  for (const char* count : {"1", "3", "99999999999"}) {
+  for (const char* count : {"0", "-5", "1", "3", "99999999999"}) {
     const auto bvh = ParseBvh(BvhOf(count), "f", DamagedRows::kReport);
     ASSERT_TRUE(bvh) << bvh.error().Message();
     EXPECT_EQ(bvh->values, right.values);
@@ -156,7 +138,6 @@ TEST(HeaderCounts, OfABvhAreAFindingWhereThatIsAskedForAndNoRowMoves) {
     ASSERT_EQ(bvh->findings.size(), 1u);
     EXPECT_EQ(bvh->findings[0].code, "count_contradiction");
     EXPECT_EQ(bvh->findings[0].value, std::stod(count));
-    EXPECT_THAT(bvh->findings[0].message, HasSubstr("f:17: Frames announces"));
   }
   EXPECT_TRUE(ParseBvh(kBvh, "f", DamagedRows::kReport)->findings.empty());
 }
@@ -187,7 +168,8 @@ TEST(HeaderCounts, ADamagedRowOfABvhKeepsItsPlaceUnlessRowsMayHaveMoved) {
     EXPECT_EQ(bvh->value(1, 0), 7.0);
     ASSERT_EQ(bvh->findings.size(), 1u);
     EXPECT_EQ(bvh->findings[0].code, code);
-    EXPECT_THAT(bvh->findings[0].message, HasSubstr("f:19: "));
+    EXPECT_EQ(bvh->findings[0].frame_begin, 0);
+    EXPECT_EQ(bvh->findings[0].frame_end, 1);
   }
   EXPECT_FALSE(ParseBvh(Replaced(kBvh, "3 4 5", "3\n4 5"), "f", DamagedRows::kReport)) << "split: rows would move";
   EXPECT_FALSE(ParseBvh(Replaced(kBvh, "6\n7", "6 7"), "f", DamagedRows::kReport)) << "joined: rows would move";

@@ -1,12 +1,12 @@
 #include "core/formats/depth_sequence.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/formats/corruption.h"
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
-
-using ::testing::HasSubstr;
 
 constexpr const char* kSequence = R"({"body": "male", "fps": 12, "frames": 2, "floor": "y = 0.75 m",
   "labels": [{"action": "idle", "first": 0, "last": 1}],
@@ -15,13 +15,11 @@ constexpr const char* kSequence = R"({"body": "male", "fps": 12, "frames": 2, "f
   "frames_data": [{"rotvec24": [[0, 0, 0], [0, 0, 1]], "translation_added": [0, 1, 0], "joints_m": [[1, 2, 3], [4, 5, 6]]},
                   {"rotvec24": [[0, 0, 0], [0, 0, 2]], "translation_added": [0, 1, 0], "joints_m": [[1, 2, 3], [4, 5, 6]]}]})";
 
-std::string SequenceFails(const std::string& from, const std::string& to) {
-  std::string text = kSequence;
-  text.replace(text.find(from), from.size(), to);
-  const auto sequence = ParseDepthSequence(text, "s.json");
-  if (!sequence) return sequence.error().Message();
-  const auto truth = ParseDepthSequenceTruth(text, "s.json");
-  return truth ? "parsed" : truth.error().Message();
+/// The sequence and its truth with one piece of their text replaced.
+Status AlteredSequence(const std::string& from, const std::string& to) {
+  const std::string text = Replaced(kSequence, from, to);
+  const Status sequence = StatusOf(ParseDepthSequence(text, "s.json"));
+  return sequence ? StatusOf(ParseDepthSequenceTruth(text, "s.json")) : sequence;
 }
 
 TEST(DepthSequence, CamerasLabelsAndTruthAreReadApart) {
@@ -40,21 +38,18 @@ TEST(DepthSequence, CamerasLabelsAndTruthAreReadApart) {
   EXPECT_EQ(truth->rotation_vector[3].z(), 2.0);
 }
 
-TEST(DepthSequence, BadInputIsRefusedWithTheKey) {
-  EXPECT_EQ(ParseDepthSequence("", "s.json").error().Message(), "s.json: the file is empty");
-  EXPECT_THAT(ParseDepthSequence("{\"fps\": 12", "s.json").error().Message(), HasSubstr("not valid JSON"));
-  EXPECT_THAT(ParseDepthSequence("[]", "s.json").error().Message(), HasSubstr("the key 'fps' is missing"));
-  EXPECT_THAT(SequenceFails("\"fps\": 12", "\"fps\": 0"),
-              HasSubstr("s.json:/fps: the frame rate must be from 1e-6 to 1e6 Hz"));
-  EXPECT_THAT(SequenceFails("[0, -1, 0]", "[0, 1, 0]"),
-              HasSubstr("s.json:/views/d1/R_p_to_d: the matrix is no rotation"));
-  EXPECT_THAT(SequenceFails("[1, 2, 3],", "[1, 2],"), HasSubstr("/views/d1/t_m: 3 numbers are expected"));
-  EXPECT_THAT(SequenceFails("\"last\": 1", "\"last\": 2"), HasSubstr("/labels/0/last: a whole number from 0 to 1"));
-  EXPECT_THAT(SequenceFails("[512, 424]", "[512, 0]"), HasSubstr("image size"));
-  EXPECT_THAT(SequenceFails("[[0, 0, 0], [0, 0, 2]]", "[[0, 0, 0]]"),
-              HasSubstr("/frames_data/1/rotvec24: 2 rows are expected"));
-  EXPECT_THAT(SequenceFails("\"frames\": 2", "\"frames\": 3"), HasSubstr("frames_data does not hold the 3 frames"));
-  EXPECT_THAT(SequenceFails("frames_data", "frames_dat"), HasSubstr("carries no truth"));
+TEST(DepthSequence, BadInputIsRefusedAtItsKey) {
+  ExpectMalformed(ParseDepthSequence("", "s.json"), "s.json");
+  ExpectMalformed(ParseDepthSequence("{\"fps\": 12", "s.json"), "s.json");
+  ExpectMalformed(ParseDepthSequence("[]", "s.json"), "s.json:");
+  ExpectMalformed(AlteredSequence("\"fps\": 12", "\"fps\": 0"), "s.json:/fps");
+  ExpectError(AlteredSequence("[0, -1, 0]", "[0, 1, 0]"), ErrorCode::kInconsistent, "s.json:/views/d1/R_p_to_d");
+  ExpectMalformed(AlteredSequence("[1, 2, 3],", "[1, 2],"), "s.json:/views/d1/t_m");
+  ExpectMalformed(AlteredSequence("\"last\": 1", "\"last\": 2"), "s.json:/labels/0/last");
+  ExpectMalformed(AlteredSequence("[512, 424]", "[512, 0]"), "s.json:/views/d1");
+  ExpectMalformed(AlteredSequence("[[0, 0, 0], [0, 0, 2]]", "[[0, 0, 0]]"), "s.json:/frames_data/1/rotvec24");
+  ExpectError(AlteredSequence("\"frames\": 2", "\"frames\": 3"), ErrorCode::kInconsistent, "s.json:/frames_data");
+  ExpectError(AlteredSequence("frames_data", "frames_dat"), ErrorCode::kNotFound, "s.json");
 }
 
 }  // namespace

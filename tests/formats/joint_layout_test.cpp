@@ -8,13 +8,13 @@
 #include "core/base/text.h"
 #include "core/geometry/rotation.h"
 #include "tests/formats/corruption.h"
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
 
 using ::testing::Each;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
 
@@ -36,22 +36,10 @@ TEST(JointLayout, ADeclarationSaysWhatEachNumberIs) {
 }
 
 TEST(JointLayout, ADeclarationThatCannotBeMeantIsRefused) {
-  for (const auto& [text, message] : {std::pair{"15*(x y zz)", "'zz' is no column of a joint"},
-                                      {"15*(x y)", "needs all of x, y and z"},
-                                      {"15*(x y z", "a bracket is not closed"},
-                                      {"15(x y z)", "'*(' is expected after 15"},
-                                      {"15*(x y z x)", "a joint has 'x' twice"},
-                                      {"frame", "has no joint"},
-                                      {"", "has no joint"},
-                                      {"confidence 2*(x y z)", "'confidence' stands in a group without x, y, z"},
-                                      {"3*(frame) 2*(x y z)", "outside of the joints, once"},
-                                      {"0*(x y z)", "a group of 0 joints"},
-                                      {"99999*(x y z)", "more than 100000 numbers"},
-                                      {"2*() 1*(x y z)", "has no columns"},
-                                      {"2*(x y z confidenc)", "did you mean 'confidence'?"}}) {
-    const auto layout = ParseJointLayout(text, "layout");
-    ASSERT_FALSE(layout) << text;
-    EXPECT_THAT(layout.error().Message(), HasSubstr(message));
+  for (const char* text :
+       {"15*(x y zz)", "15*(x y)", "15*(x y z", "15(x y z)", "15*(x y z x)", "frame", "", "confidence 2*(x y z)",
+        "3*(frame) 2*(x y z)", "0*(x y z)", "99999*(x y z)", "2*() 1*(x y z)", "2*(x y z confidenc)"}) {
+    ExpectError(ParseJointLayout(text, "layout"), ErrorCode::kConfig, "layout");
   }
 }
 
@@ -80,8 +68,7 @@ TEST(JointRows, NumbersGoWhereTheDeclarationPutsThem) {
 TEST(JointRows, ARowOfWrongLengthIsReportedAndKeepsItsPlaceInTime) {
   const JointLayout layout = Layout("2*(x y z)");
   const std::string text = "1 2 3\n4 5 6\n7 8\n10 11 12\n13 14 15\n16 17 18\n";
-  EXPECT_THAT(ParseJointRows(text, layout, LayoutRows(2), "a.txt").error().Message(),
-              HasSubstr("a.txt:3: row has 2 numbers, not 3"));
+  ExpectMalformed(ParseJointRows(text, layout, LayoutRows(2), "a.txt"), "a.txt:3");
   const auto rows = ParseJointRows(text, layout, LayoutRows(2, DamagedRows::kReport), "a.txt");
   ASSERT_TRUE(rows) << rows.error().Message();
   ASSERT_EQ(rows->frames, 3);
@@ -91,7 +78,6 @@ TEST(JointRows, ARowOfWrongLengthIsReportedAndKeepsItsPlaceInTime) {
   EXPECT_EQ(rows->findings[0].code, "row_length");
   EXPECT_EQ(rows->findings[0].frame_begin, 1);
   EXPECT_EQ(rows->findings[0].value, 2.0);
-  EXPECT_THAT(rows->findings[0].message, HasSubstr("a.txt:3"));
 }
 
 TEST(JointRows, WordsAndALastHalfFrameAreReportedToo) {
@@ -102,22 +88,20 @@ TEST(JointRows, WordsAndALastHalfFrameAreReportedToo) {
   EXPECT_EQ(rows->frames, 2);
   EXPECT_EQ(rows->position[6], 7.0);
   ASSERT_EQ(rows->findings.size(), 2u);
-  EXPECT_THAT(rows->findings[0].message, HasSubstr("a:2: 'oops' is not a number (column 2, 'y')"));
+  EXPECT_EQ(rows->findings[0].code, "not_a_number");
+  EXPECT_EQ(rows->findings[0].frame_begin, 0);
   EXPECT_EQ(rows->findings[1].code, "cut_off");
   std::string other;
   for (int i = 0; i < 100; ++i) other += "1 2 3 4\n";
-  EXPECT_THAT(ParseJointRows(other, layout, LayoutRows(2, DamagedRows::kReport), "a").error().Message(),
-              HasSubstr("more rows are damaged than whole"));
+  ExpectMalformed(ParseJointRows(other, layout, LayoutRows(2, DamagedRows::kReport), "a"), "a:1");
 }
 
 TEST(JointRows, TheEndIsTheEnd) {
   JointTableLayout table = LayoutRows(1);
   table.end_word = "END";
   EXPECT_TRUE(ParseJointRows("1 2 3\n", Layout("1*(x y z)"), table, "a"));
-  EXPECT_THAT(ParseJointRows("1 2 3\nEND\n4 5 6\n", Layout("1*(x y z)"), table, "a").error().Message(),
-              HasSubstr("a:3: '4' stands after END"));
-  EXPECT_THAT(ParseJointRows("1 2 3\nEND\n", Layout("1*(x y z)"), LayoutRows(1), "a").error().Message(),
-              HasSubstr("a:2: 'END' is not a number"));
+  ExpectMalformed(ParseJointRows("1 2 3\nEND\n4 5 6\n", Layout("1*(x y z)"), table, "a"), "a:3");
+  ExpectMalformed(ParseJointRows("1 2 3\nEND\n", Layout("1*(x y z)"), LayoutRows(1), "a"), "a:2");
 }
 
 TEST(JointRows, FramesThatNumbersLeaveOutAreWithoutAPoint) {
@@ -157,13 +141,10 @@ TEST(JointRows, FrameNumbersThatDoNotCountAreReportedAndKept) {
 TEST(JointRows, EveryDamagedFieldIsNamedWithItsLine) {
   ExpectEveryDamagedWordIsNamed(
       "1,1,2,3\n2,4,5,6\n",
-      [](const std::string& text) -> Status {
-        const auto rows = ParseJointRows(text, Layout("frame 1*(x y z)"), LayoutRows(1), "file");
-        return rows ? Status() : Forward(rows);
+      [](const std::string& text) {
+        return StatusOf(ParseJointRows(text, Layout("frame 1*(x y z)"), LayoutRows(1), "file"));
       },
       nullptr);
-  EXPECT_THAT(ParseJointRows("1,1,2,x\n", Layout("frame 1*(x y z)"), LayoutRows(1), "a").error().Message(),
-              HasSubstr("column 4, 'joint 0 z'"));
 }
 
 // Recorded files.

@@ -2,16 +2,14 @@
 
 #include "core/formats/mdm_results.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/formats/pickle_writer.h"
+#include "tests/formats/expect_error.h"
 #include "tests/formats/pickle_samples.h"
 
 namespace mocurate {
 namespace {
-
-using ::testing::HasSubstr;
 
 TEST(MdmResults, OfNumpyItselfAreReadFramesFirstAndCutToTheirLengths) {
   const std::string bytes = FromHex(kMdmResults);
@@ -97,14 +95,12 @@ TEST(MdmResults, ThatDoNotFitAreRefusedByTheirKey) {
   none.lengths = {4, 0};
   uneven.lengths = {4};
   few.texts = {"walk"};
-  const std::pair<MdmDictionary, std::string> cases[] = {{no_motion, "motion"}, {flat, "motion"},
-                                                         {long_one, "lengths"}, {none, "lengths"},
-                                                         {uneven, "lengths"},   {few, "text"}};
-  for (const auto& [written, key] : cases) {
+  const std::pair<MdmDictionary, const char*> cases[] = {
+      {no_motion, "results.npy:/"},  {flat, "results.npy:/motion"},    {long_one, "results.npy:lengths"},
+      {none, "results.npy:lengths"}, {uneven, "results.npy:/lengths"}, {few, "results.npy:/text"}};
+  for (const auto& [written, where] : cases) {
     const std::string bytes = written.Npy();
-    const auto results = MdmResults::Open(bytes, "results.npy");
-    ASSERT_FALSE(results) << key;
-    EXPECT_THAT(results.error().Message(), HasSubstr(key));
+    ExpectMalformed(MdmResults::Open(bytes, "results.npy"), where);
   }
 }
 

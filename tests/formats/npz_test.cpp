@@ -10,23 +10,18 @@
 #include "core/base/file.h"
 #include "core/formats/array_fields.h"
 #include "core/formats/pickle.h"
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 Npz SmallNpz() {
   Npz npz;
   npz.members.push_back({"poses", MakeArray({2, 3}, {1, 2, 3, 4, 5, 6}, "<f4"), ""});
   npz.members.push_back({"gender", MakeTextArray("m\xc3\xa4le"), ""});
   return npz;
-}
-
-std::string NpzFails(const std::string& bytes, const NpzLimits& limits = {}) {
-  const auto npz = ParseNpz(bytes, "a.npz", limits);
-  return npz ? "parsed" : npz.error().Message();
 }
 
 TEST(Npz, WrittenAndReadAgainIsTheSameAndTheBytesAreTheSame) {
@@ -66,7 +61,7 @@ TEST(Npz, MembersOfObjectsAreSkippedAndForeignFilesIgnored) {
       "a.npz");
   ASSERT_TRUE(npz) << npz.error().Message();
   ASSERT_EQ(npz->members.size(), 2u);
-  EXPECT_THAT(npz->members[0].skipped, HasSubstr("|O"));
+  EXPECT_FALSE(npz->members[0].skipped.empty());
   EXPECT_EQ(npz->Find("vids"), nullptr);
   EXPECT_THAT(npz->Find("a")->values, ElementsAre(7));
 }
@@ -78,26 +73,24 @@ std::string ObjectsOf(const std::string& pickle) {
   return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size()) + '\0' + header + pickle;
 }
 
-TEST(Npz, AMemberThatNamesAClassBesidePlainDataIsToldWithItAndTheOthersAreRead) {
+TEST(Npz, AMemberThatNamesAClassBesidePlainDataIsToldAndTheOthersAreRead) {
   const char* const kEvil = "cos\nsystem\n(S'touch evil'\ntR.";
   const std::string plain = WriteNpy(MakeArray({1}, {7}));
-  for (const auto& [member, content, told] :
-       {std::tuple<std::string, std::string, std::string>{"a.npy", ObjectsOf(kEvil),
-                                                          "a.npz:a: byte 11: the file names 'os system'"},
-        {"archive/data.pkl", kEvil, "a.npz:archive/data.pkl: byte 11: the file names 'os system'"},
-        {"a.npy", ObjectsOf("(ios\nsystem\n."),
-         "a.npz:a: byte 1: opcode 0x69 (INST) is not among those of plain data"}}) {
+  for (const auto& [member, content, where] :
+       {std::tuple<std::string, std::string, std::string>{"a.npy", ObjectsOf(kEvil), "a.npz:a: byte 11"},
+        {"archive/data.pkl", kEvil, "a.npz:archive/data.pkl: byte 11"},
+        {"a.npy", ObjectsOf("(ios\nsystem\n."), "a.npz:a: byte 1"}}) {
     const auto npz = ParseNpz(WriteStoredZip({{member, content}, {"b.npy", plain}}, "z").value(), "a.npz");
     ASSERT_TRUE(npz) << npz.error().Message();
     EXPECT_THAT(npz->Find("b")->values, ElementsAre(7));
     ASSERT_EQ(npz->unsafe.size(), 1u) << member;
-    EXPECT_TRUE(NamesForeignClass(npz->unsafe[0]));
-    EXPECT_THAT(npz->unsafe[0].Message(), HasSubstr(told));
+    EXPECT_EQ(npz->unsafe[0].reason, Reason::kUnsafePickle);
+    EXPECT_EQ(npz->unsafe[0].where, where);
   }
   const auto ragged = ParseNpz(WriteStoredZip({{"a.npy", ObjectsOf("(lI1\na.")}}, "z").value(), "a.npz");
   ASSERT_TRUE(ragged);
   EXPECT_TRUE(ragged->unsafe.empty()) << "lists and numbers are plain data";
-  EXPECT_THAT(ParseNpy(ObjectsOf(kEvil), "a.npy").error().Message(), HasSubstr("'os system'"));
+  ExpectError(ParseNpy(ObjectsOf(kEvil), "a.npy"), ErrorCode::kUnsupported, "a.npy: byte 11");
   EXPECT_FALSE(std::filesystem::exists("evil"));
 }
 
@@ -105,24 +98,24 @@ TEST(Npz, ABadMemberIsNamed) {
   const std::string good = EncodeNpz(SmallNpz(), "a.npz").value();
   std::string damaged = good;
   damaged[damaged.find("NUMPY") + 130] ^= 1;  // a value of poses: the checksum tells
-  EXPECT_THAT(NpzFails(damaged), HasSubstr("a.npz:poses"));
-  EXPECT_THAT(NpzFails(good.substr(0, good.size() - 30)), HasSubstr("a.npz: no zip archive"));
-  EXPECT_THAT(NpzFails(""), HasSubstr("the file is empty"));
-  EXPECT_THAT(NpzFails(WriteStoredZip({{"trans.npy", "x"}}, "z").value()), HasSubstr("a.npz:trans"));
-  EXPECT_THAT(NpzFails(WriteStoredZip({{"trans.npy", WriteNpy(MakeArray({1}, {7})).substr(0, 130)}}, "z").value()),
-              HasSubstr("a.npz:trans: shape (1,) announces 1, the file holds 0"));
+  const std::string cut = WriteNpy(MakeArray({1}, {7})).substr(0, 130);
+  ExpectMalformed(ParseNpz(damaged, "a.npz"), "a.npz:poses.npy");
+  ExpectMalformed(ParseNpz(good.substr(0, good.size() - 30), "a.npz"), "a.npz");
+  ExpectMalformed(ParseNpz("", "a.npz"), "a.npz");
+  ExpectMalformed(ParseNpz(WriteStoredZip({{"trans.npy", "x"}}, "z").value(), "a.npz"), "a.npz:trans");
+  ExpectError(ParseNpz(WriteStoredZip({{"trans.npy", cut}}, "z").value(), "a.npz"), ErrorCode::kInconsistent,
+              "a.npz:trans");
 }
 
 TEST(Npz, WhatIsUnpackedIsBounded) {
-  NpzLimits limits;
-  limits.zip.bytes = 100;
-  EXPECT_THAT(NpzFails(EncodeNpz(SmallNpz(), "a.npz").value(), limits), HasSubstr("more than 100 bytes when unpacked"));
-  limits = {};
-  limits.numbers = 5;
-  EXPECT_THAT(NpzFails(EncodeNpz(SmallNpz(), "a.npz").value(), limits), HasSubstr("more than 5 numbers"));
-  limits = {};
-  limits.zip.members = 1;
-  EXPECT_THAT(NpzFails(EncodeNpz(SmallNpz(), "a.npz").value(), limits), HasSubstr("2 members"));
+  const std::string bytes = EncodeNpz(SmallNpz(), "a.npz").value();
+  NpzLimits few_bytes, few_numbers, few_members;
+  few_bytes.zip.bytes = 100;
+  few_numbers.numbers = 5;
+  few_members.zip.members = 1;
+  ExpectError(ParseNpz(bytes, "a.npz", few_bytes), ErrorCode::kUnsupported, "a.npz:poses.npy");
+  ExpectError(ParseNpz(bytes, "a.npz", few_numbers), ErrorCode::kUnsupported, "a.npz:poses");
+  ExpectError(ParseNpz(bytes, "a.npz", few_members), ErrorCode::kUnsupported, "a.npz");
 }
 
 TEST(Npz, APackedArchiveIsRead) {

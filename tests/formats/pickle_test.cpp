@@ -10,17 +10,12 @@
 #include "core/formats/array_fields.h"
 #include "core/formats/pickle_writer.h"
 #include "pickle_samples.h"
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-
-std::string PickleFails(const std::string& bytes) {
-  const auto pickle = ParsePickle(bytes, "p.pkl");
-  return pickle ? "parsed" : pickle.error().Message();
-}
 
 class EveryProtocol : public ::testing::TestWithParam<const char*> {};
 
@@ -76,7 +71,7 @@ TEST(Pickle, AJoblibFileHoldsItsArraysBetweenTheOpcodes) {
   const PickleRef objects = *pickle->top().Key("o");
   EXPECT_EQ(objects.Layout()->dtype, "|O");
   EXPECT_FALSE(objects.Array());
-  EXPECT_THAT(PickleFails("\x78\x9c packed"), HasSubstr("the file is packed (zlib)"));
+  ExpectError(ParsePickle("\x78\x9c packed", "p.pkl"), ErrorCode::kUnsupported, "p.pkl");
 }
 
 TEST(Pickle, SparseMatricesGiveTheirEntries) {
@@ -103,9 +98,7 @@ TEST(Pickle, ASparseMatrixWithAnEntryOutsideIsRefusedByItsPart) {
   bytes[at] = 9;
   const auto pickle = ParsePickle(bytes, "p.pkl");
   ASSERT_TRUE(pickle) << pickle.error().Message();
-  const auto matrix = pickle->top().Sparse();
-  ASSERT_FALSE(matrix);
-  EXPECT_THAT(matrix.error().Message(), HasSubstr("p.pkl:/indices: entry 0 lies outside"));
+  ExpectMalformed(pickle->top().Sparse(), "p.pkl:/indices");
 }
 
 TEST(Pickle, AChumpyArrayIsItsNumbers) {
@@ -117,58 +110,64 @@ TEST(Pickle, AChumpyArrayIsItsNumbers) {
   }
 }
 
-TEST(Pickle, AClassThatIsNoDataIsNamedAndNothingRuns) {
-  EXPECT_THAT(PickleFails("cposix\nsystem\n(S'touch evil'\ntR."), HasSubstr("'posix system'"));
-  EXPECT_THAT(PickleFails(std::string("\x80\x04\x8c\x02os\x8c\x06system\x93\x8c\x04"
-                                      "echo\x85R.")),
-              HasSubstr("'os system'"));
-  EXPECT_THAT(PickleFails("c__builtin__\neval\n."), HasSubstr("'__builtin__ eval'"));
-  EXPECT_THAT(PickleFails("cnumpy\nload\n."), HasSubstr("'numpy load'"));
+TEST(Pickle, AClassOrOpcodeThatIsNoDataIsRefusedAndNothingRuns) {
+  for (const auto& [bytes, where] :
+       {std::pair<std::string, const char*>{"cposix\nsystem\n(S'touch evil'\ntR.", "p.pkl: byte 14"},
+        {"\x80\x04\x8c\x02os\x8c\x06system\x93\x8c\x04"
+         "echo\x85R.",
+         "p.pkl: byte 15"},
+        {"c__builtin__\neval\n.", "p.pkl: byte 18"},
+        {"cnumpy\nload\n.", "p.pkl: byte 12"},
+        {"cnumpy\nndarray\n)R.", "p.pkl: byte 17"},
+        {"(iposix\nsystem\n.", "p.pkl: byte 1"},
+        {"\x80\x02\x82\x01.", "p.pkl: byte 2"},
+        {"\x80\x05\x97.", "p.pkl: byte 2"},
+        {"\x80\x02K\x01Q.", "p.pkl: byte 5"},
+        {"\x80\x09N.", "p.pkl: byte 2"}}) {
+    ExpectError(ParsePickle(bytes, "p.pkl"), ErrorCode::kUnsupported, where);
+  }
+  EXPECT_EQ(ParsePickle("(iposix\nsystem\n.", "p").error().reason, Reason::kUnsafePickle) << "an opcode that makes one";
   EXPECT_FALSE(std::filesystem::exists("evil"));
-  EXPECT_THAT(PickleFails("cnumpy\nndarray\n)R."), HasSubstr("'numpy ndarray' is called"));
-  EXPECT_TRUE(NamesForeignClass(ParsePickle("(iposix\nsystem\n.", "p").error())) << "an opcode that makes one";
-  EXPECT_THAT(PickleFails("(iposix\nsystem\n."), HasSubstr("opcode 0x69 (INST)"));
-  EXPECT_THAT(PickleFails("\x80\x02\x82\x01."), HasSubstr("opcode 0x82 (EXT1)"));
-  EXPECT_THAT(PickleFails("\x80\x05\x97."), HasSubstr("opcode 0x97 (NEXT_BUFFER)"));
-  EXPECT_THAT(PickleFails("\x80\x02K\x01Q."), HasSubstr("BINPERSID"));
-  EXPECT_THAT(PickleFails("\x80\x09N."), HasSubstr("pickle protocol 9"));
 }
 
-TEST(Pickle, WhatContradictsItselfIsRefusedWithItsPlace) {
-  EXPECT_THAT(PickleFails(""), HasSubstr("the file is empty"));
-  EXPECT_THAT(PickleFails("\x80\x02K"), HasSubstr("the file ends inside a number"));
-  EXPECT_THAT(PickleFails("\x80\x02K\x01"), HasSubstr("ends before its pickle"));
-  EXPECT_THAT(PickleFails("h\x05."), HasSubstr("object 5 is used before it is defined"));
-  EXPECT_THAT(PickleFails("\x80\x02X\xff\xff\xff\x7f."), HasSubstr("a text of 2147483647 bytes"));
-  EXPECT_THAT(PickleFails(std::string("\x80\x02X\x01\0\0\0\xff.", 9)), HasSubstr("no UTF-8"));
-  EXPECT_THAT(PickleFails("Ixyz\n."), HasSubstr("'xyz' is no integer"));
-  EXPECT_THAT(PickleFails("(."), HasSubstr("a container is never ended"));
-  EXPECT_THAT(PickleFails("."), HasSubstr("a pickle without a result"));
-  std::string shape = FromHex(kPickleP2);
-  shape.replace(shape.find("K\x01K\x02\x86"), 5, "K\x01K\x03\x86");
-  EXPECT_THAT(PickleFails(shape), HasSubstr("the shape (1, 3) of an array contradicts its 8 bytes"));
-  std::string type = FromHex(kPickleP2);
-  type.replace(type.find("f4"), 2, "c8");
-  EXPECT_THAT(PickleFails(type), HasSubstr("arrays of the type 'c8'"));
+TEST(Pickle, WhatContradictsItselfIsRefusedAtItsPlace) {
+  const auto altered = [](const std::string& from, const std::string& to) {
+    const std::string bytes = FromHex(kPickleP2);
+    return std::string(bytes).replace(bytes.find(from), from.size(), to);
+  };
+  for (const auto& [bytes, where] : {std::pair<std::string, const char*>{"", "p.pkl"},
+                                     {"\x80\x02K", "p.pkl: byte 3"},
+                                     {"\x80\x02K\x01", "p.pkl: byte 4"},
+                                     {"h\x05.", "p.pkl: byte 2"},
+                                     {"\x80\x02X\xff\xff\xff\x7f.", "p.pkl: byte 7"},
+                                     {std::string("\x80\x02X\x01\0\0\0\xff.", 9), "p.pkl: byte 8"},
+                                     {"Ixyz\n.", "p.pkl: byte 5"},
+                                     {"(.", "p.pkl: byte 2"},
+                                     {".", "p.pkl: byte 1"},
+                                     {altered("K\x01K\x02\x86", "K\x01K\x03\x86"), "p.pkl: byte 229"}}) {
+    ExpectMalformed(ParsePickle(bytes, "p.pkl"), where);
+  }
+  ExpectError(ParsePickle(altered("f4", "c8"), "p.pkl"), ErrorCode::kUnsupported, "p.pkl: byte 165");
 }
 
 TEST(Pickle, ContainersThatHoldThemselvesExplodeOrNestWithoutEndAreRefused) {
-  EXPECT_THAT(PickleFails(std::string("]q\0h\0a.", 7)), HasSubstr("holds itself"));
   std::string bomb = "]q";
   bomb += '\0';
   for (char i = 1; i < 40; ++i) {  // each list holds the one before it twice
     bomb += std::string("](h") + static_cast<char>(i - 1) + "h" + static_cast<char>(i - 1) + "eq" + i;
   }
-  EXPECT_THAT(PickleFails(bomb + "."), HasSubstr("repeated too often"));
-  EXPECT_THAT(PickleFails(std::string(")") + std::string(100000, '\x85') + "."), HasSubstr("nested deeper than 64"));
-  EXPECT_THAT(PickleFails(std::string(5000000, ')') + "."), HasSubstr("more than 4194304 objects"));
   std::string copies = "(lp0\n(";  // a set made of one long list, a thousand times
   copies += std::string(100000, 'N') + "e";
   for (int i = 0; i < 1000; ++i) copies += "c__builtin__\nset\n(g0\ntR";
-  EXPECT_THAT(PickleFails(copies + "."), HasSubstr("more work than"));
   std::string texts = "Vx\np0\n0V" + std::string(1000000, 'y') + "\np1\n0Vlatin1\np2\n0";
   for (int i = 0; i < 1000; ++i) texts += "c_codecs\nencode\n(g1\ng2\ntR0";
-  EXPECT_THAT(PickleFails(texts + "N."), HasSubstr("the same bytes are repeated too often"));
+  ExpectError(ParsePickle(std::string("]q\0h\0a.", 7), "p.pkl"), ErrorCode::kUnsupported, "p.pkl: byte 7");
+  for (const std::string& bytes : {bomb + ".", ")" + std::string(100000, '\x85') + ".", std::string(5000000, ')') + ".",
+                                   copies + ".", texts + "N."}) {
+    const auto pickle = ParsePickle(bytes, "p.pkl");
+    ASSERT_FALSE(pickle) << bytes.size() << " bytes";
+    EXPECT_EQ(pickle.error().code, ErrorCode::kUnsupported);
+  }
 }
 
 TEST(Pickle, WhatTheWriterWritesIsReadAgain) {
@@ -238,20 +237,19 @@ TEST(Pickle, AnArrayCostsTheIndexFewValuesHoweverManyThereAre) {
 TEST(Pickle, TheWriterRefusesWhatDoesNotFit) {
   PickleWriter writer;
   writer.Array(MakeArray({3}, {1}));
-  EXPECT_THAT(writer.Finish("p.pkl").error().Message(), HasSubstr("shape (3,)"));
+  ExpectError(writer.Finish("p.pkl"), ErrorCode::kInconsistent, "p.pkl");
   PickleWriter open;
   open.BeginList();
-  EXPECT_THAT(open.Finish("p.pkl").error().Message(), HasSubstr("not ended"));
+  ExpectError(open.Finish("p.pkl"), ErrorCode::kInconsistent, "p.pkl");
 }
 
 TEST(Pickle, AMissingKeyOrAWrongKindIsNamedByItsPath) {
   const std::string bytes = FromHex(kPickleP2);
   const auto pickle = ParsePickle(bytes, "p.pkl");
   ASSERT_TRUE(pickle);
-  EXPECT_THAT(pickle->top().Key("pose").error().Message(), HasSubstr("p.pkl:/: the key 'pose' is missing"));
-  EXPECT_THAT(pickle->top().Key("t")->Array().error().Message(),
-              HasSubstr("p.pkl:/t: an array is expected, not a text"));
-  EXPECT_THAT(pickle->top().Key("n")->Item(4).Text().error().Message(), HasSubstr("p.pkl:/n/4: a text is expected"));
+  ExpectMalformed(pickle->top().Key("pose"), "p.pkl:/");
+  ExpectMalformed(pickle->top().Key("t")->Array(), "p.pkl:/t");
+  ExpectMalformed(pickle->top().Key("n")->Item(4).Text(), "p.pkl:/n/4");
 }
 
 TEST(Pickle, TheCamerasOfPhspdAreRead) {

@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/base/random.h"
 #include "core/formats/zip_archive.h"
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
@@ -75,17 +76,12 @@ TEST(TorchPickle, ATinyStorageCannotBeBlownUpBeyondTheLimit) {
 
 TEST(TorchPickle, AClassThatIsNoDataIsNamedAndNothingRuns) {
   const std::string evil = TorchFile("cposix\nsystem\n" + PickledText("touch evil") + "\x85R");
-  const Expected<TorchTable> table = ParseTorchPickle(evil, "evil.tar");
-  ASSERT_FALSE(table);
-  EXPECT_EQ(table.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(table.error().what.find("posix system"), std::string::npos) << table.error().what;
+  ExpectError(ParseTorchPickle(evil, "evil.tar"), ErrorCode::kUnsupported, "evil.tar: byte 61");
   EXPECT_FALSE(std::filesystem::exists("evil"));
 }
 
-TEST(TorchPickle, AnUnknownOpcodeIsNamed) {
-  const Expected<TorchTable> table = ParseTorchPickle(TorchFile("\x82\x01"), "t.tar");
-  ASSERT_FALSE(table);
-  EXPECT_NE(table.error().what.find("0x82 (EXT1)"), std::string::npos) << table.error().what;
+TEST(TorchPickle, AnUnknownOpcodeIsRefusedAtItsByte) {
+  ExpectError(ParseTorchPickle(TorchFile("\x82\x01"), "t.tar"), ErrorCode::kUnsupported, "t.tar: byte 47");
 }
 
 TEST(TorchPickle, ScalarsAreListedByTheirPath) {
@@ -135,16 +131,11 @@ TEST(TorchPickle, TheZipFormHoldsTheSameTensors) {
 }
 
 TEST(TorchPickle, ADamagedZipFormIsRefusedByItsMember) {
-  const auto fails = [](const std::string& bytes) {
-    const Expected<TorchTable> table = ParseTorchPickle(bytes, "t.pt");
-    return table ? std::string("read") : table.error().Message();
-  };
-  EXPECT_NE(fails("PK\x03\x04zip").find("no zip archive"), std::string::npos);
-  EXPECT_NE(fails(ZipFile(TensorObject(6, 0, 2, 3, 1, 2), {0, 1, 2})).find("archive/data/7"), std::string::npos);
-  EXPECT_NE(fails(WriteStoredZip({{"archive/data.pkl", PickleBytes(TensorObject(6, 0, 2, 3, 1, 2))}}, "t").value())
-                .find("lacks the numbers 'archive/data/7'"),
-            std::string::npos);
-  EXPECT_NE(fails(WriteStoredZip({{"a.npy", ""}}, "t").value()).find("no data.pkl"), std::string::npos);
+  const std::string object = TensorObject(6, 0, 2, 3, 1, 2);
+  ExpectMalformed(ParseTorchPickle("PK\x03\x04zip", "t.pt"), "t.pt");
+  ExpectMalformed(ParseTorchPickle(ZipFile(object, {0, 1, 2}), "t.pt"), "t.pt:archive/data/7");
+  for (const auto& [member, bytes] : {std::pair{"archive/data.pkl", PickleBytes(object)}, {"a.npy", std::string()}})
+    ExpectMalformed(ParseTorchPickle(WriteStoredZip({{member, bytes}}, "t").value(), "t.pt"), "t.pt");
 }
 
 TEST(TorchPickle, NoMutationOfAFileBreaksTheReader) {
@@ -176,7 +167,6 @@ TEST(TorchPickle, NoMutationOfAFileBreaksTheReader) {
     const Expected<TorchTable> table = ParseTorchPickle(bytes, "mutant");
     if (!table) {
       ++refused;
-      EXPECT_FALSE(table.error().what.empty());
       EXPECT_FALSE(table.error().where.empty());
     }
   }

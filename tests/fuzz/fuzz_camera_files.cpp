@@ -2,13 +2,21 @@
 #include <cstdint>
 
 #include "core/formats/camera_files.h"
+#include "core/formats/opencv_storage.h"
 
+/// One file of any dialect; or, for OpenCV, one or two files apart by a zero byte.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  const std::string bytes(reinterpret_cast<const char*>(data), size);
   const auto calibration = mocurate::ParseCalibration(bytes, "fuzz");
-  if (!calibration) return 0;
-  for (const mocurate::CalibratedView& view : calibration->views) {
-    (void)mocurate::CameraOf(view, mocurate::PoseReading::kCentre, 0.01);
+  if (calibration) {
+    for (const mocurate::CalibratedView& view : calibration->views) {
+      (void)mocurate::CameraOf(view, mocurate::PoseReading::kCentre, 0.01);
+    }
   }
+  std::vector<std::pair<std::string, std::string>> storages;
+  const std::size_t zero = bytes.find('\0');
+  storages.emplace_back("intri", bytes.substr(0, zero));
+  if (zero != std::string::npos) storages.emplace_back("extri", bytes.substr(zero + 1));
+  (void)mocurate::ParseOpenCvCalibration(storages);
   return 0;
 }

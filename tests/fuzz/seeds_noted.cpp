@@ -82,10 +82,23 @@ radialDistortion2="0" radialDistortion3="0" tangentalDistortion1="0" tangentalDi
        toml, xml}) {
     seeds.push_back({"camera_files", text});
   }
-  seeds.push_back({"toml", toml});
-  seeds.push_back({"toml", "a.b = 1_000 # x\n\"d e\" = 'x\\y'\nt = { f = [1,\n 2], g.h = true }\n[[l]]\nk = 1e3\n"});
-  seeds.push_back({"xml", xml});
-  seeds.push_back({"xml", "<a><!-- c --><b x='1'/><![CDATA[ < ]]><?p?>&#65;</a>"});
+  seeds.push_back(
+      {"camera_files", "a.b = 1_000 # x\n\"d e\" = 'x\\y'\nt = { f = [1,\n 2], g.h = true }\n[[l]]\nk = 1979-05-27\n"});
+  seeds.push_back({"camera_files", "<a><!-- c --><b x='1'/><![CDATA[ < ]]><?p?>&#65;</a>"});
+  const std::string nine = "3\n   cols: 3\n   dt: d\n   data: [ 1000, 0, 500, 0, 1000, 400,\n       0, 0, 1. ]\n";
+  const std::string three = ": !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 0, 0.5, 1 ]\n";
+  const std::string names = "%YAML:1.0\n---\nnames:\n   - \"1\"\n";
+  seeds.push_back({"camera_files", names + "K_1: !!opencv-matrix\n   rows: " + nine +
+                                       "dist_1: {rows: 1, cols: 4, data: [0, 0, 0, 0]}\nW_1: 640\n" +
+                                       std::string(1, '\0') + names + "R_1" + three + "T_1" + three});
+  const auto matrix = [](const std::string& key, const std::string& shape, const std::string& numbers) {
+    return "<" + key + " type_id=\"opencv-matrix\">" + shape + "<data>" + numbers + "</data></" + key + ">\n";
+  };
+  const std::string square = "<rows>3</rows><cols>3</cols><dt>f</dt>";
+  seeds.push_back({"camera_files", "<?xml version=\"1.0\"?>\n<opencv_storage>\n" +
+                                       matrix("intrinsic", square, "525. 0. 320. 0. 525. 240. 0. 0. 1.") +
+                                       matrix("R", square, "1 0 0 0 1 0 0 0 1") +
+                                       matrix("t", "<rows>3</rows><cols>1</cols>", "1 2 3") + "</opencv_storage>\n"});
 }
 
 void AddConfigurations(FuzzSeeds& seeds) {

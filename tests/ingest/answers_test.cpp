@@ -3,7 +3,7 @@
 // of an answer is a change of that file, to be read and explained. MOCURATE_REGENERATE=1 writes it anew;
 // MOCURATE_ANSWERS=FOLDER writes all lines, of which the file keeps a digest per clip.
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +14,11 @@
 
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "ingest/checks/finding_table.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/synthetic/studio_layouts.h"
-#include "tests/ingest/sources.h"
+#include "tests/ingest/runs.h"
+#include "tests/ingest/schema_check.h"
 
 namespace mocurate {
 namespace {
@@ -56,8 +58,10 @@ std::string Placed(std::string where, const fs::path& folder) {
   return where;
 }
 
-void Inspected(const fs::path& path, const std::optional<SourceOptions>& source, Book& book) {
+void AddInspection(const fs::path& path, const std::optional<SourceOptions>& source, Book& book) {
   const Json said = InspectPath(path, source);
+  static SchemaCheck schema;
+  EXPECT_THAT(schema.Faults(said), ::testing::IsEmpty()) << path;
   book.Add("format " + said.at("format").get<std::string>());
   for (const Json& clip : said.at("clips")) {
     std::string line = "clip " + clip.at("id").get<std::string>() + " " + Word(clip.at("format"));
@@ -132,9 +136,11 @@ std::string FindingLine(const Finding& finding) {
          std::to_string(finding.frame_end) + " " + finding.joint + " " + Number(finding.value);
 }
 
-void AddOutcome(const std::string& item, const Expected<StageOutcome>& outcome, const fs::path& artifact, Book& book) {
+void AddOutcome(const std::string& item, const Expected<StageOutcome>& outcome, const fs::path& artifact,
+                const fs::path& folder, Book& book) {
   if (!outcome) {
-    book.Add("run " + item + " error " + std::string(Name(outcome.error().code)) + " at " + outcome.error().where);
+    book.Add("run " + item + " error " + std::string(Name(outcome.error().code)) + " at " +
+             Placed(outcome.error().where, folder));
     return;
   }
   std::string line = "run " + item + " " + std::to_string(static_cast<int>(outcome->kind));
@@ -150,19 +156,15 @@ void AddOutcome(const std::string& item, const Expected<StageOutcome>& outcome, 
   for (const std::string& finding : findings) book.Add(finding);
 }
 
-void Ran(const IngestOptions& options, Book& book) {
-  const auto discovery = Discover(options);
-  if (!discovery)
-    return book.Add("run error " + std::string(Name(discovery.error().code)) + " at " +
-                    Placed(discovery.error().where, options.path));
-  for (const Finding& finding : discovery->findings) book.Add("set " + FindingLine(finding));
-  for (const ItemResult& left_out : discovery->left_out) AddOutcome(left_out.item, left_out.outcome, {}, book);
-  for (const ItemSpec& item : discovery->items) {
-    const fs::path artifact = fs::path(::testing::TempDir()) / ("answers_" + std::to_string(getpid()) + ".h5");
-    fs::remove(artifact);
-    AddOutcome(item.item, IngestStage({"ingest", item.item, item.options, item.inputs, artifact, {}}), artifact, book);
-    fs::remove(artifact);
-  }
+void AddRun(const SourceRun& run, const fs::path& folder, Book& book) {
+  if (!run.discovery)
+    return book.Add("run error " + std::string(Name(run.discovery.error().code)) + " at " +
+                    Placed(run.discovery.error().where, folder));
+  for (const Finding& finding : run.discovery->findings) book.Add("set " + FindingLine(finding));
+  for (const ItemResult& left_out : run.discovery->left_out)
+    AddOutcome(left_out.item, left_out.outcome, {}, folder, book);
+  for (std::size_t i = 0; i < run.outcomes.size(); ++i)
+    AddOutcome(run.discovery->items[i].item, run.outcomes[i], run.Artifact(i), folder, book);
 }
 
 /// Sources of configs/sources that the test data have files of.
@@ -180,19 +182,19 @@ void AddRecorded(Book& book) {
   const fs::path data(TestData());
   for (const std::string& folder : kFolders) {
     book.Open("inspect " + folder);
-    Inspected(data / folder, std::nullopt, book);
+    AddInspection(data / folder, std::nullopt, book);
   }
   for (const std::string& name : kRecorded) {
     const IngestOptions options = Declared(name);
     book.Open("inspect --source " + name);
-    Inspected(options.path, options.source, book);
+    AddInspection(options.path, options.source, book);
     book.Open("run " + name);
-    Ran(options, book);
+    AddRun(RunOnce(options), options.path, book);
   }
   const IngestOptions amass =
       Declared("amass", {"ingest.path=" + (data / "amass_babel").string(), "ingest.source.annotations=[]"});
   book.Open("run amass");
-  Ran(amass, book);
+  AddRun(RunOnce(amass), amass.path, book);
 }
 
 void AddStudio(Book& book) {
@@ -214,11 +216,11 @@ void AddStudio(Book& book) {
     for (const WrittenSource& source : SourcesOf(layout, false)) {
       const IngestOptions declared = Declared(source.name, {"ingest.path=" + (folder / source.folder).string()});
       book.Open("studio " + name + ", inspect " + source.folder);
-      Inspected(folder / source.folder, std::nullopt, book);
+      AddInspection(folder / source.folder, std::nullopt, book);
       book.Open("studio " + name + ", inspect --source " + source.name);
-      Inspected(folder / source.folder, declared.source, book);
+      AddInspection(folder / source.folder, declared.source, book);
       book.Open("studio " + name + ", run " + source.name);
-      Ran(declared, book);
+      AddRun(SourceRun(declared), declared.path, book);
     }
     fs::remove_all(folder);
   }
@@ -249,7 +251,7 @@ struct Text {
 bool IsSeparator(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\r'; }
 
 /// Every number of a line by its place among them.
-std::string Changed(const std::string& line, const std::function<double(std::size_t, double)>& change) {
+std::string ChangedNumbers(const std::string& line, const std::function<double(std::size_t, double)>& change) {
   std::string out, word;
   std::size_t place = 0;
   const auto flush = [&]() {
@@ -288,7 +290,8 @@ std::vector<std::pair<std::string, Damage>> Damages() {
   };
   const auto numbers = [&](double from, double to, const std::function<double(std::size_t, double)>& change) {
     return lines([from, to, change](Text& text) {
-      for (std::size_t i = text.Middle(from); i < text.Middle(to); ++i) text.lines[i] = Changed(text.lines[i], change);
+      for (std::size_t i = text.Middle(from); i < text.Middle(to); ++i)
+        text.lines[i] = ChangedNumbers(text.lines[i], change);
     });
   };
   return {
@@ -351,7 +354,7 @@ std::vector<std::pair<std::string, Damage>> Damages() {
   };
 }
 
-struct Damaged {
+struct DamagedFile {
   std::string source;  ///< of configs/sources
   std::string file;    ///< below its folder
   std::vector<std::string> beside = {};
@@ -359,7 +362,7 @@ struct Damaged {
   std::string folder = "";  ///< below the data; empty: the declared one
 };
 
-const std::vector<Damaged> kDamaged = {
+const std::vector<DamagedFile> kDamaged = {
     {"kard", "a09_s01_e01_realworld.txt"},
     {"msr_action3d", "a06_s01_e01_skeleton3D.txt"},
     {"utkinect", "walk_s01_e01.txt"},
@@ -383,7 +386,7 @@ const std::vector<Damaged> kDamaged = {
      {},
      {"ingest.source.files='{recording}.npy'", "ingest.source.recording='{recording}'", "ingest.source.person=x",
       "ingest.source.session=''", "ingest.source.label=''", "ingest.source.fine_label=''",
-      "ingest.source.frames_in_name=''", "ingest.source.labels={}", "ingest.source.axes='+x +y +z'",
+      "ingest.source.frames_in_name=''", "ingest.source.other_labels=keep", "ingest.source.axes='+x +y +z'",
       "ingest.source.skeleton=smpl24",
       "ingest.source.joints=[pelvis, left_hip, right_hip, spine1, left_knee, right_knee, spine2, left_ankle, "
       "right_ankle, spine3, left_foot, right_foot, neck, left_collar, right_collar, head, left_shoulder, "
@@ -405,7 +408,7 @@ const std::vector<Damaged> kDamaged = {
 
 void AddDamaged(Book& book) {
   const fs::path data(TestData());
-  for (const Damaged& of : kDamaged) {
+  for (const DamagedFile& of : kDamaged) {
     const IngestOptions declared = of.source.empty() ? IngestOptions() : Declared(of.source, of.assignments);
     const fs::path from = !of.folder.empty() ? data / of.folder : of.source.empty() ? data : declared.path;
     const auto bytes = ReadFile(from / of.file);
@@ -419,14 +422,14 @@ void AddDamaged(Book& book) {
       for (const std::string& name : of.beside) Put(folder / name, ReadFile(from / name).value_or(""));
       book.Open("damaged " + of.source + " " + of.file + ", " + damage);
       book.Add("- inspect");
-      Inspected(folder / of.file, std::nullopt, book);
+      AddInspection(folder / of.file, std::nullopt, book);
       if (of.source.empty()) continue;
       book.Add("- inspect --source");
-      Inspected(folder / of.file, declared.source, book);
+      AddInspection(folder / of.file, declared.source, book);
       book.Add("- run");
       IngestOptions there = declared;
       there.path = folder;
-      Ran(there, book);
+      AddRun(SourceRun(there), there.path, book);
       fs::remove_all(folder);
     }
   }
@@ -446,6 +449,7 @@ std::string Kept(const Book& book) {
         std::string code;
         words >> code;
         ++codes[code];
+        EXPECT_NE(FindFindingKind(code), nullptr) << code << " is not in the table of findings";
         break;
       }
     }
@@ -456,8 +460,7 @@ std::string Kept(const Book& book) {
   return text;
 }
 
-TEST(Answers, AreThoseOfTheFile) {
-  if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
+TEST_F(RecordedSets, AnswersAreThoseOfTheFile) {
   Book book;
   AddRecorded(book);
   AddStudio(book);

@@ -71,7 +71,7 @@ TEST_F(DamagedFrames, ADamagedRowOfABvhKeepsItsPlaceAndIsTakenFromItsNeighboursI
     const Finding& told = damaged.outcome->findings.at(0);
     EXPECT_EQ(told.code, code);
     EXPECT_EQ(told.frame_begin, kFrame);
-    EXPECT_EQ(told.action, "interpolated");
+    EXPECT_EQ(told.action, FindingAction::kInterpolated);
     const Motion &before = *whole.clip.motion, &after = *damaged.clip.motion;
     ASSERT_EQ(after.frame_count(), before.frame_count());
     for (int f = 0; f < after.frame_count(); ++f) {
@@ -170,7 +170,7 @@ TEST_F(DamagedFrames, NumbersBeyondAnyPersonCostTheirFrameOfAnArray) {
   ASSERT_FALSE(clips[0].outcome.findings.empty()) << clips[0].outcome.error.Message();
   EXPECT_EQ(clips[0].outcome.findings[0].code, "number_too_large");
   EXPECT_EQ(clips[0].outcome.findings[0].frame_begin, 10);
-  EXPECT_EQ(clips[0].outcome.findings[0].action, "interpolated");
+  EXPECT_EQ(clips[0].outcome.findings[0].action, FindingAction::kInterpolated);
   for (const Finding& finding : clips[0].outcome.findings) EXPECT_TRUE(std::isfinite(finding.value)) << finding.code;
   // The same clip with its first two axes exchanged.
   Written("walk.npy", WriteNpy(Transposed(wide, {1, 0, 2})));

@@ -201,7 +201,7 @@ TEST_F(DamagedAcclaim, ARowThatIsMissingWithinAFrameIsBridgedAndTold) {
       ASSERT_FALSE(after.outcome->findings.empty());
       const Finding& told = after.outcome->findings[0];
       EXPECT_EQ(told.code, *row == '\0' ? "bone_missing" : "bone_unknown");
-      EXPECT_EQ(told.action, "interpolated");
+      EXPECT_EQ(told.action, FindingAction::kInterpolated);
       EXPECT_EQ(told.frame_begin, 299);
       const int joints = before.clip.motion->joint_count();
       for (int f = 290; f < 310; ++f) {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "ingest/format_facts.h"
+#include "ingest/formats/driver.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/sources.h"
 
@@ -78,11 +78,16 @@ TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {
   SourceOptions source;
   source.name = "made";
   source.format = SourceFormat::kNpy;
+  source.files = "{take}.bvh";
   source.units = "m";
   source.axes = "+x +y +z";
+  source.rate_hz = 30.0;
+  source.skeleton = "smpl24";
   for (int take = 10; take < 50; ++take) Written("take" + std::to_string(take) + ".bvh", kDeclaredBvh);
   EXPECT_THAT(Codes(InspectPath(folder_, source), "error"), ::testing::Contains("format_contradiction"));
   source.format = SourceFormat::kBvh;
+  source.skeleton = "";
+  source.rate_hz.reset();
   const auto declared = InspectPath(folder_, source);
   EXPECT_THAT(Codes(declared, "error"), ::testing::Not(::testing::Contains("format_contradiction")));
   const std::string text = InspectionText(declared);
@@ -106,6 +111,8 @@ TEST_F(WrittenFormats, InspectedWithADeclarationFilesOfOtherNamesAreNotAccused) 
   source.files = "{take}.npy";
   source.units = "m";
   source.axes = "+x +y +z";
+  source.rate_hz = 30.0;
+  source.skeleton = "smpl24";
   Written("take.bvh", kDeclaredBvh);
   const auto told = InspectPath(folder_, source);
   EXPECT_THAT(Codes(told, "error"), ::testing::Not(::testing::Contains("format_contradiction")));
@@ -113,14 +120,6 @@ TEST_F(WrittenFormats, InspectedWithADeclarationFilesOfOtherNamesAreNotAccused) 
   source.other_files = OtherFiles::kIgnore;
   source.files = "{take}.bvh";
   EXPECT_THAT(Codes(InspectPath(folder_, source), "error"), ::testing::Contains("format_contradiction"));
-}
-
-TEST(Declaration, AFormatReadsWhatAnInspectionCallsOtherwise) {
-  EXPECT_TRUE(Reads(SourceFormat::kDepthSequence, "depth_still"));
-  EXPECT_TRUE(Reads(SourceFormat::kAsfAmc, "amc"));
-  EXPECT_TRUE(Reads(SourceFormat::kPhspd, "phspd_pose"));
-  EXPECT_TRUE(Reads(SourceFormat::kNone, "bvh"));
-  EXPECT_FALSE(Reads(SourceFormat::kJointTable, "bvh"));
 }
 
 }  // namespace

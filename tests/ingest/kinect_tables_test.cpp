@@ -1,4 +1,3 @@
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,12 +5,11 @@
 #include <set>
 
 #include "ingest/sense/inspect.h"
+#include "tests/formats/expect_error.h"
 #include "tests/ingest/sources.h"
 
 namespace mocurate {
 namespace {
-
-using ::testing::HasSubstr;
 
 /// What ingesting a whole source gives.
 struct Whole {
@@ -104,7 +102,6 @@ TEST_F(KinectTables, WhatIsMissingIsCountedOrUnknownWhereAConfidenceMayTellIt) {
   const auto msr = share("msr_action3d/a12_s04_e03_skeleton3D.txt");
   EXPECT_TRUE(msr.at("value").is_null());
   EXPECT_EQ(msr.at("from"), "unknown");
-  EXPECT_THAT(msr.at("evidence"), ::testing::HasSubstr("is 0 for 26.1 % of the joints"));
   EXPECT_EQ(share("msr_action3d/a12_s04_e03_skeleton3D.txt", "msr_action3d").at("value"), 0.0) << "trunks are followed";
   EXPECT_EQ(share("cad60/0512165327.txt").at("value"), 0.0164);
   EXPECT_EQ(share("cad60/0512165327.txt", "cad60").at("value"), 0.0164);
@@ -207,16 +204,15 @@ TEST(JointTableLayout, WhatDoesNotFitTheLayoutNamesTheOption) {
   const Ingested ingested = RunIngest(Discover(options)->items.at(0), "layout");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
   EXPECT_EQ(ingested.clip.evidence.tracks->confidence, (std::vector<double>{1, 1, 1, 0}));
-  options.source.layout = "frame 3*(x y z)";
-  EXPECT_THAT(RefusalOf(options, "layout"),
-              HasSubstr("ingest.source.layout: the layout has 3 joints, 2 are named under ingest.source.joints"));
-  options.source.layout = "frame 2*(x y)";
-  EXPECT_THAT(RefusalOf(options, "layout"), HasSubstr("ingest.source.layout"));
+  for (const char* layout : {"frame 3*(x y z)", "frame 2*(x y)"}) {
+    options.source.layout = layout;
+    ExpectError(IngestOnly(options, "layout"), ErrorCode::kConfig, "ingest.source.layout");
+  }
   options.source.layout = "frame 2*(x y z)";
   options.source.rows_per_frame = 2;
-  EXPECT_THAT(RefusalOf(options, "layout"), HasSubstr("7 numbers of the layout do not fill 2 rows per frame"));
+  ExpectError(IngestOnly(options, "layout"), ErrorCode::kConfig, "ingest.source.rows_per_frame");
   options.source.columns = {"x", "y", "z", "skip"};
-  EXPECT_THAT(RefusalOf(options, "layout"), HasSubstr("declares both `layout` and `columns`"));
+  ExpectError(IngestOnly(options, "layout"), ErrorCode::kConfig, "ingest.source.layout");
 }
 
 TEST(JointTableDamage, ADamagedRowRefusesTheFileOrCostsItsFrame) {
@@ -224,7 +220,7 @@ TEST(JointTableDamage, ADamagedRowRefusesTheFileOrCostsItsFrame) {
   Put(folder / "a1_s2.txt", "1 2 3\n4 5 6\n1 2\n4 5 6\n1 2 3\n4 5 6\n");
   IngestOptions options = SmallTable(folder);
   options.source.damaged_rows = DamagedRows::kRefuse;
-  EXPECT_THAT(RefusalOf(options, "damage"), HasSubstr("a1_s2.txt:3"));
+  ExpectMalformed(IngestOnly(options, "damage"), "a1_s2.txt:3");
   options.source.damaged_rows = SmallTable(folder).source.damaged_rows;
   const Ingested ingested = RunIngest(Discover(options)->items.at(0), "damage");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();

@@ -3,16 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/formats/expect_error.h"
+#include "tests/ingest/sources.h"
+
 namespace mocurate {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::Pair;
 
 NameFields Match(const std::string& pattern, const std::string& name) {
   const auto parsed = NamePattern::Parse(pattern, "files");
-  if (!parsed) return {{"error", parsed.error().what}};
+  if (!parsed) return {{"no", "pattern"}};
   return parsed->Match(name).value_or(NameFields{{"no", "match"}});
 }
 
@@ -26,6 +28,19 @@ TEST(NamePattern, FieldsTakeWhatTheLiteralsLeave) {
   EXPECT_THAT(Match("{a:2}{b}.x", "12345.x"), ElementsAre(Pair("a", "12"), Pair("b", "345")));
 }
 
+TEST(NamePattern, ANameThatMayBeCutInTwoWaysHasAnotherMatch) {
+  const auto other = [](const std::string& pattern, const std::string& name) {
+    return NamePattern::Parse(pattern, "files")->OtherMatch(name);
+  };
+  const auto cut = other("{person}_{pose}.bvh", "old_female_punch.bvh");
+  ASSERT_TRUE(cut);
+  EXPECT_THAT(*cut, ElementsAre(Pair("person", "old_female"), Pair("pose", "punch")));
+  EXPECT_FALSE(other("{person}_{pose}.bvh", "old_punch.bvh"));
+  EXPECT_FALSE(other("{person:3}_{pose}.bvh", "old_female_punch.bvh"));
+  EXPECT_FALSE(other("{take?/}seq_{person}.json", "a/seq_b.json"));
+  EXPECT_FALSE(other("a{n}.txt", "b.txt")) << "no match at all";
+}
+
 TEST(NamePattern, WhatDoesNotFitDoesNotMatch) {
   const NameFields none{{"no", "match"}};
   EXPECT_EQ(Match("a{n}.txt", "a1.txt.bak"), none);
@@ -34,6 +49,28 @@ TEST(NamePattern, WhatDoesNotFitDoesNotMatch) {
   EXPECT_EQ(Match("a{n}.txt", "a1/2.txt"), none);
   EXPECT_EQ(Match("{s}/a_{s}.txt", "x/a_y.txt"), none);
   EXPECT_THAT(Match("{s}/a_{s}.txt", "x/a_x.txt"), ElementsAre(Pair("s", "x")));
+}
+
+TEST(NamePattern, ANameThatNamesSomebodyElseInAnotherReadingIsAWarningOfTheSource) {
+  const std::filesystem::path folder = FreshFolder("ambiguous");
+  IngestOptions options = Declared("bandai2");
+  options.path = folder;
+  options.source.files = "{person}_{pose}.bvh";
+  options.source.person = "{person}";
+  options.source.label.clear();
+  options.source.labels.clear();
+  options.source.label_table.clear();
+  options.source.style.clear();
+  options.source.recording = "{file}";
+  for (const bool ambiguous : {false, true}) {
+    Put(folder / (ambiguous ? "old_female_punch.bvh" : "old_punch.bvh"), "HIERARCHY\n");
+    const auto found = Discover(options);
+    ASSERT_TRUE(found) << found.error().Message();
+    ASSERT_EQ(found->findings.size(), ambiguous ? 1u : 0u);
+    if (!ambiguous) continue;
+    EXPECT_EQ(found->findings[0].code, "name_ambiguous");
+    EXPECT_EQ(found->findings[0].value, 1.0);
+  }
 }
 
 TEST(NamePattern, AFolderMayBeMissing) {
@@ -52,11 +89,8 @@ TEST(NamePattern, AFolderMayBeMissing) {
 }
 
 TEST(NamePattern, APatternThatCannotBeReadIsRefused) {
-  EXPECT_THAT(Match("a{n.txt", "")["error"], HasSubstr("'{' without '}'"));
-  EXPECT_THAT(Match("a}n.txt", "")["error"], HasSubstr("was not opened"));
-  EXPECT_THAT(Match("a{}.txt", "")["error"], HasSubstr("without a name"));
-  EXPECT_THAT(Match("{a}{b}", "")["error"], HasSubstr("cannot be told apart"));
-  EXPECT_THAT(Match("{a:0}", "")["error"], HasSubstr("no width"));
+  for (const char* pattern : {"a{n.txt", "a}n.txt", "a{}.txt", "{a}{b}", "{a:0}"})
+    ExpectError(NamePattern::Parse(pattern, "files"), ErrorCode::kConfig, "files");
 }
 
 TEST(NamePattern, AHostileNameCostsABoundedTime) {

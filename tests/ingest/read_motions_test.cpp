@@ -35,7 +35,7 @@ class OtherPrograms : public ::testing::Test {
     source.rate_hz = 20;
     source.skeleton = skeleton;
     source.damaged_rows = DamagedRows::kRefuse;
-    for (const auto& [code, meaning] : CheckCodes()) source.checks.actions[code] = "ignore";
+    for (const std::string& code : CheckCodes()) source.checks.actions[code] = "ignore";
     options.classes = {"walk", "sit", "jump"};
     return options;
   }

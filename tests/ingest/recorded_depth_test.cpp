@@ -9,13 +9,12 @@
 #include <sstream>
 
 #include "core/body/skinned_body.h"
-#include "core/formats/calibration.h"
+#include "core/formats/opencv_storage.h"
 #include "core/formats/pcd.h"
 #include "core/formats/png.h"
 #include "core/geometry/point_grid.h"
 #include "core/store/body_file.h"
 #include "ingest/sense/calibration_sense.h"
-#include "ingest/sources/opencv_calibration.h"
 #include "tests/formats/damage.h"
 #include "tests/ingest/jpeg_masks.h"
 
@@ -44,6 +43,12 @@ double Rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
+Expected<CalibratedView> ReadView(const std::string& file) {
+  const auto calibration = ParseOpenCvCalibration({{"camera.xml", RecordedFile(file)}});
+  if (!calibration) return Forward(calibration);
+  return calibration->views.at(0);
+}
+
 /// The masked person of every recorded view, in the camera's frame.
 struct Turntable {
   Calibration calibration;
@@ -58,7 +63,7 @@ Turntable ReadTurntable(int step) {
     char number[16];
     std::snprintf(number, sizeof number, "%010d", i);
     const std::string stem = "rgbd100/views/" + std::string(number);
-    const auto view = ReadOpenCvView(RecordedFile(stem + "_camera.xml"), "camera.xml");
+    const auto view = ReadView(stem + "_camera.xml");
     EXPECT_TRUE(view) << view.error().Message();
     const auto depth = DecodeDepthPng(RecordedFile(stem + "_depth.png"), "depth.png");
     const PixelMask mask = test::JpegMask(RecordedFile(stem + "_mask.jpg"));
@@ -72,8 +77,8 @@ Turntable ReadTurntable(int step) {
 }
 
 TEST_F(RecordedDepth, TurntableViewsAreCameraToWorldByTheirSurfaces) {
-  const Turntable set = ReadTurntable(2);
-  ASSERT_EQ(set.clouds.size(), 40u);
+  const Turntable set = ReadTurntable(4);
+  ASSERT_EQ(set.clouds.size(), 20u);
   EXPECT_NEAR(static_cast<double>(set.clouds[0].points.size()), 55'000, 15'000);
   const CalibrationSense sense = SenseCalibration(set.calibration, {{}, set.clouds});
   EXPECT_EQ(sense.reading.value, "camera_to_world") << sense.reading.evidence;
@@ -119,7 +124,7 @@ TEST_F(RecordedDepth, EveryTurntableViewLiesOnTheOthers) {
 
 TEST_F(RecordedDepth, TheCloudFileHoldsTheMaskedPixels) {
   const std::string stem = "rgbd100/views/0000000050";
-  const auto view = ReadOpenCvView(RecordedFile(stem + "_camera.xml"), "camera.xml");
+  const auto view = ReadView(stem + "_camera.xml");
   const auto depth = DecodeDepthPng(RecordedFile(stem + "_depth.png"), "depth.png");
   const PixelMask mask = test::JpegMask(RecordedFile(stem + "_mask.jpg"));
   const auto pcd = ParsePcd(RecordedFile(stem + ".pcd"), "50.pcd");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,44 @@ inline std::vector<ItemResult> RunAll(const IngestOptions& options) {
   }
   return results;
 }
+
+/// The stage `ingest` of a whole source, its artifacts in a folder that goes with the value.
+struct SourceRun {
+  Expected<Discovery> discovery;
+  std::vector<Expected<StageOutcome>> outcomes;  ///< of each item of `discovery`
+  std::filesystem::path folder;
+
+  explicit SourceRun(const IngestOptions& options) : discovery(Discover(options)) {
+    static int runs = 0;
+    folder = FreshFolder("source_run_" + std::to_string(runs++));
+    for (std::size_t i = 0; discovery && i < discovery->items.size(); ++i) {
+      const ItemSpec& item = discovery->items[i];
+      outcomes.push_back(IngestStage({"ingest", item.item, item.options, item.inputs, Artifact(i), {}}));
+    }
+  }
+  SourceRun(const SourceRun&) = delete;
+  SourceRun& operator=(const SourceRun&) = delete;
+  ~SourceRun() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder, ignored);
+  }
+
+  std::filesystem::path Artifact(std::size_t item) const { return folder / (std::to_string(item) + ".h5"); }
+};
+
+/// A recorded source, run once in a process.
+inline const SourceRun& RunOnce(const IngestOptions& options) {
+  static std::map<std::string, SourceRun> runs;
+  return runs.try_emplace(options.path.string() + OptionsToJson(options).dump(), options).first->second;
+}
+
+/// The recorded sets, whose runs cases share.
+class RecordedSets : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
+  }
+};
 
 /// Codes of the findings of severity error.
 inline std::vector<std::string> ErrorCodes(const StageOutcome& outcome) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -13,6 +14,7 @@
 #include "core/formats/uestc_info.h"
 #include "core/formats/vibe_pickle.h"
 #include "core/motion/kinematics.h"
+#include "tests/formats/expect_error.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/smpl_people.h"
 #include "tests/ingest/sources.h"
@@ -20,7 +22,10 @@
 namespace mocurate {
 namespace {
 
-using ::testing::HasSubstr;
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::Not;
 
 double WorstAngle(const Motion& a, const Motion& b) {
   double worst = 0.0;
@@ -84,16 +89,16 @@ TEST(HumanAct12Pickle, BonesThatRestElsewhereAreToldAndRotationsKept) {
   EXPECT_LT(WorstAngle(*ingested.clip.motion, truth), 1e-6);
 }
 
-/// What a run and an inspection tell of a file of these clips, by code; the run's findings first.
-std::pair<std::string, std::string> Told(const std::vector<HumanAct12Clip>& clips) {
+/// Codes of the findings of a run and of an inspection of a file of these clips; the run's first.
+std::array<std::vector<std::string>, 2> Told(const std::vector<HumanAct12Clip>& clips) {
   const std::filesystem::path folder = FreshFolder("humanact12_told");
   Put(folder / "humanact12poses.pkl", *EncodeHumanAct12Pickle(clips, "x"));
   const IngestOptions options = Recipe("humanact12_poses", folder);
-  std::string run, inspection;
+  std::vector<std::string> run, inspection;
   const Ingested ingested = RunIngest(Discover(options)->items.at(0), "humanact12_told");
-  for (const Finding& finding : ingested.outcome->findings) run += finding.code + " ";
+  for (const Finding& finding : ingested.outcome->findings) run.push_back(finding.code);
   const nlohmann::json told = InspectPath(folder, options.source);
-  for (const auto& finding : told.at("findings")) inspection += finding.at("code").get<std::string>() + " ";
+  for (const auto& finding : told.at("findings")) inspection.push_back(finding.at("code"));
   return {run, inspection};
 }
 
@@ -103,11 +108,10 @@ TEST(HumanAct12Pickle, PosesInDegreesAndPosesThatAreHeldAreToldByBothAsWhatTheyA
   HumanAct12Clip degrees = sound, held = sound;
   for (double& angle : degrees.poses) angle *= 57.29577951308232;
   for (std::size_t i = 72; i < held.poses.size(); ++i) held.poses[i] = held.poses[i % 72];
-  EXPECT_THAT(Told({degrees}).first, HasSubstr("angle_unit_contradiction"));
-  EXPECT_THAT(Told({degrees}).second, HasSubstr("angle_unit_contradiction"));
-  EXPECT_THAT(Told({held}).first, ::testing::AllOf(HasSubstr("frozen_pose"), ::testing::Not(HasSubstr("displaced"))));
-  EXPECT_THAT(Told({held}).second, HasSubstr("frozen_pose"));
-  EXPECT_THAT(Told({sound}).second, ::testing::Not(HasSubstr("frozen_pose")));
+  EXPECT_THAT(Told({degrees}), Each(Contains("angle_unit_contradiction")));
+  EXPECT_THAT(Told({held}), Each(Contains("frozen_pose")));
+  EXPECT_THAT(Told({held})[0], Not(Contains("joints_displaced")));
+  EXPECT_THAT(Told({sound})[1], Not(Contains("frozen_pose")));
 }
 
 TEST(HumanAct12Pickle, RotationsThatAreNotThoseOfTheJointsAreToldByBoth) {
@@ -119,11 +123,9 @@ TEST(HumanAct12Pickle, RotationsThatAreNotThoseOfTheJointsAreToldByBoth) {
   for (std::size_t f = 0; f < 30; ++f) std::fill_n(still.poses.begin() + static_cast<std::ptrdiff_t>(72 * f), 3, 0.0);
   for (std::size_t i = 0; i < mirrored.joints.size(); i += 3) mirrored.joints[i] *= -1.0;
   for (const HumanAct12Clip& clip : {other, rolled, still, mirrored}) {
-    EXPECT_THAT(Told({clip}).first, HasSubstr("pose_contradiction"));
-    EXPECT_THAT(Told({clip}).second, HasSubstr("pose_contradiction"));
+    EXPECT_THAT(Told({clip}), Each(Contains("pose_contradiction")));
   }
-  EXPECT_THAT(Told({sound}).first, ::testing::Not(HasSubstr("pose_contradiction")));
-  EXPECT_THAT(Told({sound}).second, ::testing::Not(HasSubstr("pose_contradiction")));
+  EXPECT_THAT(Told({sound}), Each(Not(Contains("pose_contradiction"))));
 }
 
 TEST(HumanAct12Pickle, AnEntryThatIsBrokenCostsAnInspectionOneClipAsItDoesARun) {
@@ -135,11 +137,11 @@ TEST(HumanAct12Pickle, AnEntryThatIsBrokenCostsAnInspectionOneClipAsItDoesARun) 
   Put(folder / "humanact12poses.pkl", *EncodeHumanAct12Pickle({sound, broken, sound}, "x"));
   const nlohmann::json told = InspectPath(folder, Recipe("humanact12_poses", folder).source);
   EXPECT_EQ(told.at("clips").size(), 2u);
-  std::string errors;
+  std::vector<std::string> places;
   for (const auto& finding : told.at("findings")) {
-    if (finding.at("severity") == "error") errors += finding.at("message").get<std::string>();
+    if (finding.at("severity") == "error") places.push_back(finding.at("where"));
   }
-  EXPECT_THAT(errors, HasSubstr("joints3D/1"));
+  EXPECT_THAT(places, ElementsAre(::testing::HasSubstr("joints3D/1")));
 }
 
 TEST(Uestc, VideosAreTurnedBackByTheirViewAndMovedByTheCamera) {
@@ -164,7 +166,6 @@ TEST(Uestc, VideosAreTurnedBackByTheirViewAndMovedByTheCamera) {
   ASSERT_EQ(discovery->items.size(), 3u);
   ASSERT_EQ(discovery->left_out.size(), 1u);
   EXPECT_EQ(discovery->left_out[0].outcome.kind, OutcomeKind::kLeftOut);
-  EXPECT_THAT(discovery->left_out[0].outcome.error.what, HasSubstr("the second camera moves"));
   for (std::size_t i = 0; i < 2; ++i) {
     const Ingested ingested = RunIngest(discovery->items[i], "uestc");
     ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
@@ -191,9 +192,9 @@ TEST(Uestc, VideosAreTurnedBackByTheirViewAndMovedByTheCamera) {
 
 TEST(Uestc, WithoutWhatStandsBesideItTheFileThatIsMissingIsNamed) {
   const std::filesystem::path folder = FreshFolder("uestc_bare");
-  EXPECT_THAT(Discover(Recipe("uestc", folder)).error().Message(), HasSubstr("vibe_cache_refined.pkl"));
+  ExpectError(Discover(Recipe("uestc", folder)), ErrorCode::kNotFound, (folder / "vibe_cache_refined.pkl").string());
   Put(folder / "vibe_cache_refined.pkl", *EncodeVibeCache({SmplTrack(Somebody(4, 1), kHalfTurn)}, "cache"));
-  EXPECT_THAT(Discover(Recipe("uestc", folder)).error().Message(), HasSubstr("info/names.txt"));
+  ExpectError(Discover(Recipe("uestc", folder)), ErrorCode::kNotFound, "info/names.txt");
   Put(folder / "info/names.txt", WriteUestcNames({{0, 0, 1, 1}, {1, 0, 1, 1}}));
   Put(folder / "info/num_frames_min.txt", WriteUestcFrameCounts({4, 4}));
   std::string classes;
@@ -201,9 +202,8 @@ TEST(Uestc, WithoutWhatStandsBesideItTheFileThatIsMissingIsNamed) {
   Put(folder / "info/action_classes.txt", classes);
   const auto discovery = Discover(Recipe("uestc", folder));
   ASSERT_TRUE(discovery) << discovery.error().Message();
-  const Ingested ingested = RunIngest(discovery->items.at(1), "uestc_bare");
-  ASSERT_FALSE(ingested.outcome);
-  EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("clip 1 is asked for, the file holds 1"));
+  ExpectError(RunIngest(discovery->items.at(1), "uestc_bare").outcome, ErrorCode::kInconsistent,
+              "a1_d0_p001_c1_color.avi");
 }
 
 TEST(Uestc, RotationsInDegreesAreToldByARunAndAnInspection) {
@@ -224,7 +224,7 @@ TEST(Uestc, RotationsInDegreesAreToldByARunAndAnInspection) {
   EXPECT_TRUE(std::any_of(found.begin(), found.end(),
                           [](const Finding& finding) { return finding.code == "angle_unit_contradiction"; }));
   const nlohmann::json told = InspectPath(folder, Recipe("uestc", folder).source);
-  EXPECT_THAT(told.at("findings").dump(), HasSubstr("angle_unit_contradiction"));
+  EXPECT_THAT(Codes(told, "error"), Contains("angle_unit_contradiction"));
 }
 
 TEST(Ntu13Vibe, EighteenPointsInThePapersOrderAndThirteenActions) {
@@ -244,7 +244,6 @@ TEST(Ntu13Vibe, EighteenPointsInThePapersOrderAndThirteenActions) {
   ASSERT_EQ(discovery->items.size(), 4u);
   ASSERT_EQ(discovery->left_out.size(), 1u);
   EXPECT_EQ(discovery->left_out[0].outcome.findings.at(0).code, "label_left_out");
-  EXPECT_EQ(discovery->left_out[0].outcome.error.hint, "as ingest.source.other_labels asks");
   EXPECT_EQ(discovery->left_out[0].outcome.kind, OutcomeKind::kLeftOut);
   const Ingested ingested = RunIngest(discovery->items[0], "ntu13");
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
@@ -258,10 +257,8 @@ TEST(Ntu13Vibe, EighteenPointsInThePapersOrderAndThirteenActions) {
     const Vector3d file(track.joints3d[at], track.joints3d[at + 1], track.joints3d[at + 2]);
     EXPECT_LT((motion.joints.at(1, j) - kHalfTurn * file).norm(), 1e-6) << j;
   }
-  const Ingested without = RunIngest(discovery->items[3], "ntu13_without");
-  ASSERT_FALSE(without.outcome);
-  EXPECT_THAT(without.outcome.error().Message(), HasSubstr("the file has no track 1"));
-  EXPECT_THAT(without.outcome.error().Message(), HasSubstr("its tracks are 4"));
+  ExpectError(RunIngest(discovery->items[3], "ntu13_without").outcome, ErrorCode::kInconsistent,
+              "S001C002P003R002A006.pkl");
 }
 
 TEST(Ntu13Vibe, OnSmplsTreeItsRotationsAreRead) {
@@ -346,8 +343,7 @@ TEST(Phspd, AShortRowCostsItsFrameAlone) {
     ASSERT_TRUE(discovery) << discovery.error().Message();
     const Ingested ingested = RunIngest(discovery->items.at(0), "phspd_short");
     if (refuse) {
-      ASSERT_FALSE(ingested.outcome);
-      EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("pose.txt:3: row has 3 numbers"));
+      ExpectMalformed(ingested.outcome, "pose/subject03_group2_time4/pose.txt:3");
       continue;
     }
     ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
@@ -361,7 +357,6 @@ TEST(Phspd, AShortRowCostsItsFrameAlone) {
     ASSERT_EQ(ingested.outcome->findings.size(), 1u);
     EXPECT_EQ(ingested.outcome->findings[0].code, "row_length");
     EXPECT_EQ(ingested.outcome->findings[0].frame_begin, 2);
-    EXPECT_THAT(ingested.outcome->findings[0].message, HasSubstr("pose.txt:3: "));
   }
 }
 

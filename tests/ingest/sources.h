@@ -96,12 +96,18 @@ inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
   return result;
 }
 
-/// Ingests the only file of a small source and gives its error, or "done".
-inline std::string RefusalOf(const IngestOptions& options, const std::string& name) {
+/// Ingests the only file of a small source: its error, if any.
+inline Status IngestOnly(const IngestOptions& options, const std::string& name) {
   const auto discovery = Discover(options);
-  if (!discovery) return discovery.error().Message();
+  if (!discovery) return Forward(discovery);
   const Ingested result = RunIngest(discovery->items.at(0), name);
-  return result.outcome ? "done" : result.outcome.error().Message();
+  return result.outcome ? Status() : Status(Forward(result.outcome));
+}
+
+/// The same as text; "done" without an error.
+inline std::string RefusalOf(const IngestOptions& options, const std::string& name) {
+  const Status status = IngestOnly(options, name);
+  return status ? "done" : status.error().Message();
 }
 
 }  // namespace mocurate

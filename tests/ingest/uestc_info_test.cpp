@@ -11,10 +11,8 @@ namespace mocurate {
 namespace {
 
 using Json = nlohmann::json;
-using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
@@ -63,9 +61,8 @@ TEST_F(UestcInfo, ACountOfMoreFramesThanTheTrackHasIsAFindingOfThatClipAndLine) 
     for (const Finding& finding : clip.outcome.findings) {
       if (finding.code != "count_contradiction") continue;
       told = true;
-      EXPECT_THAT(clip.item, HasSubstr(third));
+      EXPECT_NE(clip.item.find(third), std::string::npos) << clip.item;
       EXPECT_EQ(finding.value, 9999);
-      EXPECT_THAT(finding.message, HasSubstr("info/num_frames_min.txt:3 announces 9999 frames"));
     }
   }
   EXPECT_TRUE(told);
@@ -88,12 +85,11 @@ TEST_F(UestcInfo, ACameraWithoutAPositiveScaleIsAnErrorOfItsVideo) {
   videos[1].original_camera[4 * 7] *= -1.0;
   Put(name, *EncodeVibeCache(videos, name));
   const Json inspection = InspectPath(folder / "uestc", std::nullopt);
-  std::vector<std::string> told;
+  std::vector<std::string> places;
   for (const Json& finding : inspection.at("findings")) {
-    if (finding.at("severity") == "error")
-      told.push_back(finding.at("where").get<std::string>() + ": " + finding.at("message").get<std::string>());
+    if (finding.at("severity") == "error") places.push_back(finding.at("where"));
   }
-  EXPECT_THAT(told, ElementsAre(AllOf(HasSubstr(name + "[1]"), HasSubstr("scale"), HasSubstr("in frame 7"))));
+  EXPECT_THAT(places, ElementsAre(name + "[1]"));
 }
 
 TEST_F(UestcInfo, AnInspectionKnowsTheListsAndWhoseVideoIsWhose) {
@@ -113,7 +109,6 @@ TEST_F(UestcInfo, AnInspectionTellsTheContradictionOfTheFolderAndOfTheCacheAlone
     ASSERT_EQ(found.size(), 1u) << path;
     EXPECT_EQ(found[0].at("where"), "vibe_cache_refined.pkl[1]");
     EXPECT_EQ(found[0].at("value"), 9999);
-    EXPECT_THAT(found[0].at("message"), HasSubstr("info/num_frames_min.txt:2"));
   }
 }
 
@@ -124,10 +119,9 @@ TEST_F(UestcInfo, ListsThatAreDamagedOrOfOtherVideosAreTold) {
   const std::vector<Json> found = Contradictions();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].at("value"), 3);
-  EXPECT_THAT(found[0].at("message"), HasSubstr("names 3 videos, the cache holds 4"));
   Announce(2, "many");
   const Json inspection = InspectPath(folder / "uestc", std::nullopt);
-  EXPECT_THAT(inspection.at("findings").dump(), HasSubstr("'many' is no count of frames"));
+  EXPECT_THAT(Codes(inspection, "error"), ElementsAre("malformed", "malformed"));
 }
 
 }  // namespace

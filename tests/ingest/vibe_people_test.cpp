@@ -9,6 +9,7 @@
 #include "ingest/synthetic/performance.h"
 #include "ingest/synthetic/script.h"
 #include "ingest/synthetic/vibe_track.h"
+#include "tests/formats/expect_error.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/studio_folders.h"
 
@@ -17,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using ::testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::SizeIs;
 
 constexpr const char* kVideo = "a4_d0_p001_c1_color/vibe_output.pkl";
 
@@ -102,12 +104,13 @@ class VibePeople : public Layouts {
     return worst;
   }
 
-  static std::string Found(const mocurate::Ingested& ingested, const std::string& code) {
-    std::string messages;
+  /// Values of the findings of a code.
+  static std::vector<double> Found(const mocurate::Ingested& ingested, const std::string& code) {
+    std::vector<double> values;
     for (const Finding& finding : ingested.outcome->findings) {
-      if (finding.code == code) messages += finding.message + "\n";
+      if (finding.code == code) values.push_back(finding.value);
     }
-    return messages;
+    return values;
   }
 
   Motion motion, other;
@@ -136,7 +139,7 @@ TEST_F(VibePeople, AnIdThatChangesIsOnePersonAndTheGapIsFilled) {
     ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
     EXPECT_EQ(ingested.clip.provenance.at("tracks"), "1+7");
     EXPECT_LT(ErrorOf(ingested.clip), 0.1) << "three frames are between two";
-    EXPECT_THAT(Found(ingested, "frames_filled"), HasSubstr("3 frames"));
+    EXPECT_THAT(Found(ingested, "frames_filled"), ElementsAre(3.0));
   }
 }
 
@@ -152,7 +155,7 @@ TEST_F(VibePeople, APosterIsAGhost) {
       Read({poster, Piece(performer, 1, 0, performer.frames - 8)}, {"ingest.source.people.rule=presence"});
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
   EXPECT_EQ(ingested.clip.provenance.at("tracks"), "1") << "though the poster is there for longer";
-  EXPECT_THAT(Found(ingested, "ghost_body"), HasSubstr("frozen"));
+  EXPECT_THAT(Found(ingested, "ghost_body"), ElementsAre(static_cast<double>(poster.frames)));
 }
 
 TEST_F(VibePeople, WhoIsFarAwayIsTakenAsReleasedAndLeftOutAsCorrected) {
@@ -166,7 +169,7 @@ TEST_F(VibePeople, WhoIsFarAwayIsTakenAsReleasedAndLeftOutAsCorrected) {
   const mocurate::Ingested corrected = Read(tracks, {"ingest.source.people.rule=uestc_corrected"});
   ASSERT_TRUE(corrected.outcome) << corrected.outcome.error().Message();
   EXPECT_EQ(corrected.clip.provenance.at("tracks"), "1");
-  EXPECT_THAT(Found(corrected, "other_person"), HasSubstr("somebody else"));
+  EXPECT_THAT(Found(corrected, "other_person"), SizeIs(1));
 }
 
 TEST_F(VibePeople, FramesNumberedFarBeyondTheRowsAreRefusedByEveryRule) {
@@ -178,13 +181,7 @@ TEST_F(VibePeople, FramesNumberedFarBeyondTheRowsAreRefusedByEveryRule) {
   for (const char* rule : {"uestc_released", "uestc_corrected", "presence", "nearest"}) {
     for (const std::int64_t id : {std::int64_t{40000000}, (std::int64_t{1} << 32) - 1, std::int64_t{1} << 40}) {
       SCOPED_TRACE(rule + (" " + std::to_string(id)));
-      const mocurate::Ingested ingested = read(id, rule);
-      ASSERT_FALSE(ingested.outcome);
-      EXPECT_EQ(ingested.outcome.error().code, ErrorCode::kInconsistent);
-      const std::string message = ingested.outcome.error().Message();
-      EXPECT_THAT(message, HasSubstr("vibe_output.pkl"));
-      EXPECT_THAT(message, HasSubstr("from 0 (track 1) to " + std::to_string(id) + " (track 1)"));
-      EXPECT_THAT(message, HasSubstr("15 frames together"));
+      ExpectError(read(id, rule).outcome, ErrorCode::kInconsistent, kVideo);
     }
   }
 }
@@ -221,16 +218,13 @@ TEST_F(VibePeople, TheRootStaysOrMovesByTheCameraAsIsAskedFor) {
 
 TEST_F(VibePeople, ARuleThatTheFilesCannotServeIsRefused) {
   IngestOptions ntu = Declared("ntu", {"ingest.source.people.rule=uestc_released"});
-  const Status refused = CheckSource(ntu.source);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().where, "ingest.source.people.rule");
+  ExpectError(CheckSource(ntu.source), ErrorCode::kConfig, "ingest.source.people.rule");
   VibeTrack without = performer;
   without.original_camera.clear();
   VibeTrack second = without;
   second.id = 3;
-  const mocurate::Ingested ingested = Read({without, second}, {"ingest.source.people.rule=presence"});
-  ASSERT_FALSE(ingested.outcome);
-  EXPECT_THAT(ingested.outcome.error().Message(), HasSubstr("has no 'orig_cam'"));
+  ExpectError(Read({without, second}, {"ingest.source.people.rule=presence"}).outcome, ErrorCode::kInconsistent,
+              kVideo);
 }
 
 TEST_F(VibePeople, JointsThatContradictTheDeclarationAreToldByARunAsByAnInspection) {

@@ -28,11 +28,11 @@ const std::map<std::string, std::set<std::string>> kHeavyLinks = {
     {"Ceres::", {"mocurate_fitting"}},
     {"Open3D::", {"mocurate_fitting_clouds"}},
     {"opencv_",
-     {"mocurate_ingest_opencv", "mocurate_ingest_video", "mocurate_fitting", "mocurate_fitting_clouds",
-      "mocurate_report", "mocurate_report_video"}},
+     {"mocurate_ingest_video", "mocurate_fitting", "mocurate_fitting_clouds", "mocurate_report",
+      "mocurate_report_video"}},
     {"mocurate_torch", {"mocurate_recognisers", "mocurate_train", "mocurate_eval"}},
     {"${TORCH_LIBRARIES}", {"mocurate_torch"}},
-    {"yaml-cpp", {"mocurate_config"}},
+    {"yaml-cpp", {"mocurate_config", "mocurate_formats"}},
     {"CLI11::", {"mocurate"}},
 };
 

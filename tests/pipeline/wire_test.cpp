@@ -68,7 +68,8 @@ TEST(Wire, RequestsAndOutcomesKeepAllTheirParts) {
 
   StageOutcome outcome;
   outcome.kind = OutcomeKind::kRefused;
-  outcome.findings.push_back({"clip", "frozen", Severity::kError, 2, 5, "knee", 0.25, "stands still", "flagged"});
+  outcome.findings.push_back(
+      {"clip", "frozen", Severity::kError, 2, 5, "knee", 0.25, 0.0, "stands still", FindingAction::kFlagged});
   outcome.summary["rms_mm"] = 1.25;
   outcome.error = {ErrorCode::kMalformed, "what", "where", "hint"};
   const Expected<StageOutcome> read = OutcomeFromJson(*FromCanonicalText(CanonicalText(ToJson(outcome))));

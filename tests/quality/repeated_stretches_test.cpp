@@ -34,8 +34,6 @@ TEST(RepeatedStretches, FramesCopiedOverOthersAreFoundFrameForFrame) {
     EXPECT_EQ(found[0].frame_begin, 100);
     EXPECT_EQ(found[0].frame_end, 100 + length);
     EXPECT_EQ(found[0].value, length);
-    EXPECT_NE(found[0].message.find("repeat frames 40 to " + std::to_string(39 + length)), std::string::npos)
-        << found[0].message;
   }
 }
 

@@ -141,9 +141,11 @@ inline Dataset MakeDataset() {
   dataset.fine_labels = {{"jog", 1}, {"stroll", 2}};
   dataset.splits = {{"by_person", {0, 1}, {}, {2}, "persons p1 | p2", "ok: no person in two parts"},
                     {"fold 2", {2}, {1}, {0}, "drawn", "p1 in two parts"}};
-  dataset.findings = {{"KARD/p1/a#5-12", "skate", Severity::kWarning, 1, 3, "left_knee", 0.25, "slides 0.25 m", "kept"},
-                      {"KARD/p9/z#0-1", "too_short", Severity::kError, 0, 0, "", 1.0, "1 frame", "dropped"},
-                      {"KARD/p2/a#5-10", "rate", Severity::kInfo, 0, 0, "", 120, "by file name", "kept"}};
+  dataset.findings = {
+      {"KARD/p1/a#5-12", "skate", Severity::kWarning, 1, 3, "left_knee", 0.25, 0.0, "slides 0.25 m",
+       FindingAction::kKept},
+      {"KARD/p9/z#0-1", "too_short", Severity::kError, 0, 0, "", 1.0, 0.0, "1 frame", FindingAction::kDropped},
+      {"KARD/p2/a#5-10", "rate", Severity::kInfo, 0, 0, "", 120, 0.0, "by file name", FindingAction::kKept}};
   dataset.recipe = "ingest:\n  path: data\n";
   dataset.created_by = "mocurate 0.1.0";
   return dataset;

@@ -49,7 +49,8 @@ inline Dataset FixedDataset(int clips, int frames, bool joints_only = false) {
   split.rule = "test: p1";
   split.leak_check = "ok: no person in two parts";
   dataset.splits = {split};
-  dataset.findings = {{dataset.clips[0].id(), "skate", Severity::kWarning, 1, 3, "left_knee", 0.25, "slides", "kept"}};
+  dataset.findings = {{dataset.clips[0].id(), "skate", Severity::kWarning, 1, 3, "left_knee", 0.25, 0.0, "slides",
+                       FindingAction::kKept}};
   dataset.recipe = "fixed\n";
   dataset.created_by = "tests";
   return dataset;

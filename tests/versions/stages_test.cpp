@@ -323,7 +323,7 @@ TEST_F(StageVersions, MotionsOfAFile) {
   source.axes = "+x -y -z";
   source.rate_hz = 15.0;
   source.skeleton = "humanact12";
-  for (const auto& [code, meaning] : CheckCodes()) source.checks.actions[code] = "ignore";
+  for (const std::string& code : CheckCodes()) source.checks.actions[code] = "ignore";
   Judge(MotionsDeclaration(), "motions",
         {"motions/two", OptionsToJson(options), {Input("source", "two.npy", "two.npy")}}, kComputed);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/file.h"
+#include "core/base/median.h"
 #include "core/store/dataset_clips.h"
 
 namespace mocurate {
@@ -22,9 +23,7 @@ std::vector<Vector3d> MedianOffsets(const std::vector<SkeletonPtr>& skeletons, s
     for (int k = 0; k < 3; ++k) {
       std::vector<double> values;
       for (const SkeletonPtr& skeleton : skeletons) values.push_back(skeleton->joints[j].rest_offset[k]);
-      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      offsets[j][k] = *middle;
+      offsets[j][k] = Median(std::move(values));
     }
   }
   return offsets;
@@ -136,9 +135,7 @@ std::vector<double> MedianBoneLengths(const TrainingSet& set) {
       values.push_back(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
     }
     if (values.empty()) continue;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    lengths[j] = *middle;
+    lengths[j] = Median(std::move(values));
   }
   return lengths;
 }

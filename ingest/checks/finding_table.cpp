@@ -1,0 +1,200 @@
+#include "ingest/checks/finding_table.h"
+
+#include <algorithm>
+
+namespace mocurate {
+namespace {
+
+constexpr const char* kKinects = "KARD, MSR-Action3D, UTKinect, Florence3D";
+
+}  // namespace
+
+const std::vector<FindingKind>& FindingKinds() {
+  static const std::vector<FindingKind> kinds = {
+      // Checks of a clip.
+      {"zero_frames", "warning", "frames whose joints are all at 0 0 0; value: frames", true},
+      {"zero_joint", "warning", "a joint at 0 0 0 among others that are not; value: frames", true},
+      {"joint_never_seen", "info", "joints that are missing in every frame; value: how many", true},
+      {"collapsed_frames", "warning", "frames whose joints lie in one point; value: frames", true},
+      {"frozen_frames", "warning", "frames equal to the last digit; value: frames", true, "frozen_frames", kKinects},
+      {"repeated_frames", "warning", "each frame several times; value: how often", true},
+      {"repeated_stretch", "warning", "a section that stands in the clip twice; value: frames", true},
+      {"held_joint", "warning", "a joint that stands still to the last digit while others move; value: frames", true,
+       "held_frames", kKinects},
+      {"units_change", "error", "frames of a body 10, 100 or 1000 times as large or small; value: the factor", true},
+      {"axes_change", "error", "frames turned to other axes, and staying so; value: 1 turned, -1 mirrored", true},
+      {"frozen_view", "warning", "a camera repeats its frames while others see motion; value: frames", true},
+      {"teleport", "warning", "frames in which the person is elsewhere; value: metres", true, "tracker_slack",
+       "the largest jumps of bodies that stand in those clips"},
+      {"body_jump", "warning", "a step of the whole body that it does not take back; value: metres", true, "top_speed",
+       "above the fastest sprint, 12.4 m/s"},
+      {"joint_far", "warning", "a joint far from its body; value: metres", true, "reach",
+       "farther than anybody reaches"},
+      {"swapped_sides", "warning", "left and right are exchanged; value: ratio of squared steps", true, "swap_ratio",
+       kKinects},
+      {"rate_doubtful", "warning; error where the source declares the rate, and of a whole source or folder",
+       "bodies fall or tip otherwise than at that rate; value: the nearest rate, Hz, or the share of clips", true},
+      {"not_joint_positions", "error", "numbers of the right shape that are no body; value: factor or spread", true,
+       "bone_proportion", "recorded bodies are within 1.3, other numbers beyond 1.5", OnFinding::kDrop},
+      {"flat_body", "error", "all joints of all frames lie in a plane; value: thickness over width", true},
+      {"single_frame", "info", "a clip of one frame: a pose", true},
+      {"lifeless_clip", "error", "no person, or no motion, in nearly all frames; value: their share", true,
+       "lifeless_share", "empty recordings of MSR-Action3D; of given motion it is reported", OnFinding::kDrop},
+      {"name_contradiction", "warning", "the name declares fewer frames than the file holds (`frames_in_name`)", true},
+      {"duplicate", "warning", "the content of another clip, frame for frame", true, "duplicate_distance",
+       "copies differ by rounding alone"},
+      {"near_duplicate", "warning", "another clip's motion; value: metres", true, "duplicate_distance",
+       "copies differ by rounding alone"},
+      {"mirrored_duplicate", "warning", "another clip's mirror image; value: metres", true, "duplicate_distance",
+       "copies differ by rounding alone"},
+      {"shared_frames", "warning", "frames of another clip; value: how many", true, "shared_frames",
+       "two recordings share fewer by chance"},
+      // What a file is.
+      {"not_found", "error", "there is no such file or folder"},
+      {"unreadable", "error", "the file cannot be read"},
+      {"empty_file", "error", "no byte, or blanks alone"},
+      {"malformed", "error", "the bytes do not follow their format"},
+      {"inconsistent", "error", "parts of the input contradict each other"},
+      {"unsupported", "error", "valid, but outside what is read"},
+      {"unknown_format", "error; info in a folder", "the content is of no known format"},
+      {"no_motion", "error", "the file holds no motion that is read"},
+      {"too_large", "error", "a file of more than 1 GiB"},
+      {"unsafe_pickle", "error; warning beside members that are read",
+       "a pickle that names more than plain data: it is not read, and nothing of it is executed"},
+      {"no_clips", "error", "nothing in the folder is known"},
+      {"no_regular_file", "warning; error where it is asked for", "a pipe, a device or a link that leads nowhere"},
+      {"other_files", "info", "files of no known format, with the most common reason; value: how many"},
+      {"count_contradiction", "error", "a header announces `value` items, the file holds another count"},
+      {"cut_off", "error", "the file ends within a frame: the whole frames before it are kept"},
+      {"ids_stitched", "info", "a person whose number changed on the way, put together; value: frames lost"},
+      {"other_person", "warning", "tracks beside the actor, which are passed over; value: metres"},
+      {"segment_times", "warning; error where they are impossible", "times of a label lie outside its clip"},
+      {"row_length", "warning", "a row with another count of numbers: its frame is missing"},
+      {"not_a_number", "warning; info of a header", "words, or numbers that are not finite, among numbers"},
+      {"number_too_large", "warning", "numbers that are no coordinate of a person"},
+      {"decimal_comma", "info", "numbers with a decimal comma, which is read as a point"},
+      {"frame_number", "warning", "a frame's number does not follow the one before"},
+      {"time_gap", "warning", "numbers or times of frames leave some out: they are missing, in their place"},
+      {"bone_missing", "warning", "a frame of an AMC lacks a bone that most frames have"},
+      {"bone_unknown", "warning", "a bone of an AMC that its skeleton does not have"},
+      {"bone_twice", "warning", "a bone stands in a frame twice"},
+      {"bone_id_twice", "info", "two bones of an ASF with one id"},
+      {"joint_twice", "warning", "two joints of a BVH with one name; value: the second of them, from 0"},
+      {"root_axis_missing", "warning; error where its orientation is not 0", "an ASF whose root declares no axis"},
+      {"frames_filled", "info", "frames without a row in a track of VIBE, which are interpolated; value: frames"},
+      {"markers_missing", "info", "samples of markers that are missing"},
+      {"not_a_rotation", "warning", "recorded rotations that are none: taken for missing"},
+      {"bone_slides", "warning", "a bone of a BVH changes its length; value: metres"},
+      // What numbers say of themselves.
+      {"no_joint_seen", "warning; error for all frames", "frames in which no joint is seen; value: frames"},
+      {"many_missing", "warning", "more than a fifth of the samples are missing; value: their share"},
+      {"inferred_joints", "info; warning above 0.3", "joints that the sensor inferred; value: their share"},
+      {"layout_unknown", "warning", "a table in no known order of joints; value: roughness"},
+      {"layout_ambiguous", "warning", "a table that can be read in several orders"},
+      {"confidence_guessed", "info", "a number behind x, y, z taken as a confidence; value: share of joints at 0"},
+      {"rate_implausible", "error", "a rate of 1 Hz or less, or of more than 2000 Hz"},
+      {"angle_unit_contradiction", "error", "angles of another unit than the file declares; value: the largest"},
+      {"length_unit_contradiction", "error", "an ASF whose rest pose is no person's; value: metres"},
+      {"bone_length", "error", "a bone 1.5 times shorter than its partner, or of length 0; value: the ratio"},
+      {"bone_direction", "error", "a bone that is no mirror image of its partner but for a sign; value: degrees"},
+      {"pose_contradiction", "warning", "rotations and joints of one clip are not of one motion; value: degrees"},
+      {"frozen_pose", "warning; error from half of the clip on", "rotations that are held while the body goes on"},
+      {"path_missing", "warning", "the root is at 0 0 0 in every frame while the body turns; value: frames"},
+      {"units_outlier", "error", "a clip a power of ten (value) of the others of its folder"},
+      {"axes_outlier", "warning", "a person who is among the others of the folder with two axes exchanged alone"},
+      {"handedness_outlier", "warning", "a clip of another handedness than its folder; value: how sure"},
+      {"joints_displaced", "info", "joints recorded lie off those of the rotations; value: metres, median"},
+      {"bones_not_the_subjects", "info", "bone lengths are the skeleton's: the body's shape is not in the file"},
+      // Declarations against data.
+      {"units_contradiction", "error", "the body, or its path, is of another unit; value: metres, or the factor"},
+      {"up_contradiction", "error", "up is declared otherwise than the body stands; value: how sure"},
+      {"handedness_contradiction", "error", "left and right are of a mirrored frame; value: how sure"},
+      {"rate_contradiction", "error", "the file declares another rate, Hz"},
+      {"layout_contradiction", "error", "an array or a table of another layout than declared"},
+      {"joints_contradiction", "error", "the tree is not that of the declared skeleton"},
+      {"joint_order_contradiction", "error", "joints in another order than declared; value: misfit of the bones"},
+      {"format_contradiction", "error", "files are of another format than declared"},
+      {"units_unknown", "error", "the declared unit is none"},
+      {"unknown_skeleton", "error", "the declared skeleton does not exist"},
+      {"config", "error", "the declaration cannot be used"},
+      {"name_mismatch", "warning", "the name is not as the source's pattern has it"},
+      {"name_ambiguous", "warning", "names that the pattern may cut in several ways; value: how many"},
+      {"name_unmatched", "warning", "the declaration names a recording or label that there is not"},
+      {"label_unknown", "error", "the label of the name is not listed"},
+      {"label_left_out", "info", "the label is not listed, and such files are left out by rule"},
+      {"other_joints", "info", "an array of another number of joints than the source's"},
+      {"excluded", "info", "the declaration leaves the recording out"},
+      {"known_issue", "info", "a list of known issues names the recording"},
+      {"folder_not_read", "warning", "files where the pattern does not look; value: how many"},
+      {"unreadable_file", "error", "a file that is declared cannot be read"},
+      // People.
+      {"bodies_left_out", "info", "people of a file beyond those declared"},
+      {"people_missing", "warning; error of a file of one person", "fewer people than are declared"},
+      {"second_person", "warning", "another person is there nearly as long"},
+      {"ghost_body", "info", "a false track: short, without motion, furniture, or a double"},
+      // Cameras, keypoints, depth.
+      {"frames_missing", "warning", "numbers of frames without a file"},
+      {"unreadable_frames", "warning", "files of frames that cannot be read; the first is named"},
+      {"empty_person", "info", "entries of people without keypoints"},
+      {"keypoint_far", "warning", "a keypoint 20 times as far from the image's corner as nine in ten; value: px"},
+      {"keypoint_count", "warning", "people with another number of keypoints: taken as not seen"},
+      {"keypoints_not_finite", "warning", "keypoints that are no numbers: taken as not seen; value: how many"},
+      {"keypoints_not_pixels", "error", "keypoints that are shares of the image; value: the largest"},
+      {"confidence_range", "error; warning of single points", "confidences beyond 1.5; value: the largest"},
+      {"unsure_points", "warning", "keypoints with a place and confidence 0: taken as not seen; value: how many"},
+      {"keypoints_contradiction", "error", "bones are of another order of keypoints; value: how sure"},
+      {"calibration_contradiction", "warning, error", "a calibration that its numbers deny"},
+      {"calibration_missing", "error", "the calibration that is declared is not there"},
+      {"camera_not_calibrated", "warning", "files of a camera that no calibration names: left out"},
+      {"camera_without_files", "warning", "a calibrated camera without files: left out"},
+      {"camera_missing", "warning", "a camera of the capture has no file"},
+      {"camera_saw_nobody", "warning", "a camera without a visible person"},
+      {"view_left_out", "warning", "a camera whose joints fit no other"},
+      {"views_disagree", "warning", "cameras that disagree; value: mm, median"},
+      {"clock_offset", "info; warning when large", "a camera's clock is off, which is taken out; value: ms"},
+      {"clock_offset_unknown", "info", "a camera's clock offset cannot be estimated from the motion"},
+      {"depth_left_out", "warning", "a camera lacks depth images of some frames: left out"},
+      {"depth_images_missing", "info, warning", "frames without a depth image"},
+      {"intrinsics_nominal", "info",
+       "intrinsics of the depth camera cannot be estimated from the joints: taken as declared"},
+      {"intrinsics_contradiction", "warning", "joints stand at pixels of another camera than declared"},
+      {"point_far", "warning, error", "a point of a cloud far from its middle; value: file units"},
+      // Skeletons and annotations.
+      {"skeleton_missing", "warning", "a motion without its skeleton file: lengths stay unknown"},
+      {"skeleton_file_missing", "error", "the skeleton file of a motion is not in the folder"},
+      {"babel_times", "warning", "a segment of BABEL whose times cannot be"},
+      {"annotation_duration", "warning", "a sequence of BABEL lasts otherwise than its motion; value: seconds"},
+      {"motion_missing", "warning, info", "a sequence of BABEL whose motion is not there"},
+      {"not_annotated", "info", "the motion has no annotation"},
+      {"category_unknown", "info", "labels of a category beside BABEL's 150 frequent ones"},
+      {"label_withheld", "info", "labels of BABEL without a name"},
+      {"clip_refused", "error", "a clip of a set that cannot be taken"},
+  };
+  return kinds;
+}
+
+const FindingKind* FindFindingKind(const std::string& code) {
+  const auto& kinds = FindingKinds();
+  const auto own = std::find_if(kinds.begin(), kinds.end(), [&](const FindingKind& kind) { return code == kind.code; });
+  return own == kinds.end() ? nullptr : &*own;
+}
+
+std::string FindingTables() {
+  std::string checks =
+      "| code | severity | meaning | limit (`ingest.source.checks`), measured on | by default "
+      "|\n|---|---|---|---|---|\n";
+  std::string others = "| code | severity | meaning |\n|---|---|---|\n";
+  for (const FindingKind& kind : FindingKinds()) {
+    const std::string row = "| `" + std::string(kind.code) + "` | " + kind.severity + " | " + kind.help + " |";
+    if (!kind.check) {
+      others += row + "\n";
+      continue;
+    }
+    const std::string limit = *kind.limit == '\0' ? "" : "`" + std::string(kind.limit) + "`: " + kind.source;
+    checks += row + " " + limit + " | " + (kind.by_default == OnFinding::kDrop ? "drop" : "report") + " |\n";
+  }
+  return "What is wrong with a clip; `checks.actions` sets for each code `ignore`, `report`, `missing` or `drop`:\n\n" +
+         checks + "\nAll else:\n\n" + others;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,296 @@
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/amass.h"
+#include "core/formats/npz.h"
+#include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
+#include "ingest/sense/angle_sense.h"
+#include "ingest/sense/observe.h"
+#include "ingest/sense/pose_sense.h"
+#include "ingest/sense/rate_sense.h"
+#include "ingest/sense/tree_points.h"
+#include "ingest/sources/babel_segments.h"
+#include "ingest/sources/damaged_frames.h"
+#include "ingest/sources/smpl_motion.h"
+
+namespace mocurate {
+namespace {
+
+/// What the numbers of a file say against it; the first may be that its angles are no radians.
+struct AmassDoubts {
+  bool spoiled = false;
+  std::vector<Finding> findings;
+  std::optional<Finding> rate;
+};
+
+AmassDoubts DoubtsOfAmass(const Amass& amass, const std::string& name) {
+  AmassDoubts doubts;
+  doubts.findings = amass.findings;
+  if (auto angles = DoubtAngles(amass)) {
+    doubts.spoiled = true;
+    doubts.findings.push_back(*std::move(angles));
+  }
+  for (Finding& frozen : DoubtPoses(amass)) doubts.findings.push_back(std::move(frozen));
+  if (auto places = DoubtPlaces(amass)) doubts.findings.push_back(*std::move(places));
+  doubts.rate = DoubtRate(amass.rate_hz, RateWord::kFramesPerSecond, name + ":mocap_framerate");
+  return doubts;
+}
+
+constexpr int kBodyJoints = 22;  // what SMPL, SMPL-H and SMPL-X share
+
+Finding NotTheSubject(const Skeleton& skeleton) {
+  Finding finding;
+  finding.code = "bones_not_the_subjects";
+  finding.severity = Severity::kInfo;
+  finding.message =
+      "the file gives the body's shape as numbers of a body model that is not here: bone lengths are those "
+      "of skeleton '" +
+      skeleton.name +
+      "', and the pelvis lies at `trans`, which the model's rest pelvis (0.2 to 0.4 m, constant over the "
+      "clip) is missing from";
+  finding.message += "; rest offsets of the skeleton used";
+  finding.action = FindingAction::kKept;
+  return finding;
+}
+
+Status AddSegments(const SourceFile& file, Clip& clip, std::size_t frames, std::vector<Finding>& findings) {
+  if (file.source.annotations.empty()) return {};
+  if (file.annotation.empty()) {
+    Finding finding;
+    finding.code = "not_annotated";
+    finding.severity = Severity::kInfo;
+    finding.message = "no annotation file speaks of this motion";
+    finding.message += "; kept without labels";
+    finding.action = FindingAction::kKept;
+    findings.push_back(std::move(finding));
+    return {};
+  }
+  const Expected<std::vector<BabelSequence>> sequences = ParseBabel(file.annotation, file.name + " (annotation)");
+  if (!sequences) return Forward(sequences);
+  const double frame_s = clip.rate.FrameTime(1);
+  clip.segments = SegmentsOf(sequences->at(0), static_cast<double>(frames) * frame_s, frame_s, findings);
+  clip.provenance["babel_sid"] = std::to_string(sequences->at(0).babel_sid);
+  return {};
+}
+
+/// AMASS -> given motion on SMPL's 24 joints: the body's rotations; hands, jaw and eyes of SMPL-H and SMPL-X are left
+/// out. Without a body model rest offsets are the skeleton's, and the pelvis lies at `trans`: a finding says so. With
+/// `annotations`, BABEL's labels are the segments.
+Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<Quaterniond> world_from_file = TurnOf(source.axes);
+  if (!world_from_file) return Forward(world_from_file);
+  Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  if (skeleton && !*skeleton) skeleton = LoadSkeleton("smpl24");
+  if (!skeleton) return Forward(skeleton);
+  const Expected<Amass> amass = ParseAmass(file.bytes, file.name, source.damaged_rows);
+  if (!amass) return Forward(amass);
+  const int joints_in_file = amass->pose_columns == 3 * kSmplJoints ? kSmplJoints : kBodyJoints;
+  if (amass->frames == 0) return Fail(ErrorCode::kInconsistent, "the file has no frame", file.name);
+  const SmplRotations rotations{amass->poses, amass->frames, amass->pose_columns, joints_in_file};
+  Expected<std::vector<Quaterniond>> rotation = SmplLocalRotations(**skeleton, rotations, *world_from_file);
+  if (!rotation) return Forward(rotation);
+  std::vector<Vector3d> root_translation;
+  for (std::size_t f = 0; f < amass->frames; ++f) {
+    const double* trans = &amass->translation_m[f * 3];
+    root_translation.push_back(*world_from_file * Vector3d(trans[0], trans[1], trans[2]));
+  }
+
+  IngestedClip ingested;
+  Clip& clip = ingested.clip;
+  const AmassDoubts doubts = DoubtsOfAmass(*amass, file.name);
+  clip.rate = RateOfFile(source, amass->rate_hz, ingested, doubts.rate);
+  const auto bridged = BridgeFrames(amass->damaged, static_cast<int>(amass->frames), clip.rate.hz(), file.name);
+  if (!bridged) return Forward(bridged);
+  const int joints = (*skeleton)->joint_count();
+  Bridge(*bridged, joints, root_translation, *rotation);
+  for (int j = 0; j < joints && !bridged->empty(); ++j) {
+    MakeSignContinuous(rotation->data() + j, amass->frames, static_cast<std::size_t>(joints));
+  }
+  clip.motion = MakeMotion(*skeleton, clip.rate, std::move(root_translation), *std::move(rotation), {});
+  ingested.findings.insert(ingested.findings.end(), doubts.findings.begin(), doubts.findings.end());
+  MarkBridged(*bridged, *clip.motion, ingested.findings);
+  ingested.findings.push_back(NotTheSubject(**skeleton));
+  if (!amass->gender.empty()) clip.provenance["gender"] = amass->gender;
+  if (!amass->surface_model.empty()) clip.provenance["body_model"] = amass->surface_model;
+  if (Status added = AddSegments(file, clip, amass->frames, ingested.findings); !added) return Forward(added);
+  return ingested;
+}
+
+/// Markers of the usual sets (Vicon's names) that lie on the points of a body; the joints within are near.
+HandednessPoints PointsOfMarkers(const std::vector<std::string>& labels) {
+  const auto find = [&](const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+      for (std::size_t m = 0; m < labels.size(); ++m) {
+        if (labels[m] == name) return static_cast<int>(m);
+      }
+    }
+    return -1;
+  };
+  HandednessPoints points;
+  points.head = find({"LFHD", "RFHD", "ARIEL"});
+  for (int side = 0; side < 2; ++side) {
+    const std::string s = side == 0 ? "L" : "R";
+    points.hip[side] = find({s + "FWT", s + "ASI", s + "BWT", s + "PSI"});
+    points.knee[side] = find({s + "KNE"});
+    points.ankle[side] = find({s + "ANK", s + "HEE", s + "HEL"});
+    points.toe[side] = find({s + "TOE", s + "MT5", s + "MT1"});
+    points.shoulder[side] = find({s + "SHO", s + "FSH", s + "BSH"});
+    points.wrist[side] = find({s + "WRA", s + "IWR", s + "WRB", s + "OWR"});
+  }
+  return points;
+}
+
+constexpr int kJointsBesideHands = 22;  // of SMPL-H and SMPL-X; SMPL's two hands are their fingers
+
+/// The rotations on SMPL's tree, which is the same for every body: joints of standard proportions, that are upright
+/// where the person is, bend as the person does, and say nothing of lengths.
+Expected<Motion> PoseTree(const Amass& amass) {
+  const Expected<SkeletonPtr> skeleton = KnownSkeleton("smpl24");
+  if (!skeleton) return Forward(skeleton);
+  const SmplRotations rotations{amass.poses, amass.frames, amass.pose_columns,
+                                amass.pose_columns == 3 * kSmplJoints ? kSmplJoints : kJointsBesideHands};
+  Expected<std::vector<Quaterniond>> local = SmplLocalRotations(**skeleton, rotations, Quaterniond::Identity());
+  if (!local) return Forward(local);
+  std::vector<Vector3d> pelvis;
+  for (std::size_t f = 0; f < amass.frames; ++f)
+    pelvis.push_back(Eigen::Map<const Vector3d>(&amass.translation_m[3 * f]));
+  const FrameRate rate = FrameRate::FromHz(amass.rate_hz > 0.0 ? amass.rate_hz : 1.0);
+  const auto bridged = BridgeFrames(amass.damaged, static_cast<int>(amass.frames), rate.hz(), "");
+  if (bridged) Bridge(*bridged, (*skeleton)->joint_count(), pelvis, *local);
+  return MakeMotion(*skeleton, rate, std::move(pelvis), std::move(*local), {});
+}
+
+void StandOnTree(const Motion& motion, const std::vector<int>& damaged, ObservedClip& clip) {
+  clip.positions = motion.joints;
+  if (!damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
+  for (const int f : damaged) {
+    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.positions.joints, clip.positions.joints,
+                0.0);
+  }
+  const std::string declared = clip.skeleton, evidence = clip.skeleton_evidence;
+  std::vector<std::string> names;
+  for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
+  FollowFormat("smpl24", names, evidence + "; posed on SMPL's tree with standard proportions", clip);
+  clip.skeleton = declared;
+  clip.lengths_assumed = true;
+}
+
+ObservedClip AmassClip(const Amass& amass, const std::string& name) {
+  ObservedClip clip;
+  clip.format = "amass";
+  clip.frames = static_cast<int>(amass.frames);
+  clip.joints = static_cast<int>(amass.pose_columns / 3);
+  clip.rate_hz = amass.rate_hz;
+  clip.rate_evidence =
+      amass.layout == Amass::Layout::kSplit ? "mocap_frame_rate of the file" : "mocap_framerate of the file";
+  const AmassDoubts doubts = DoubtsOfAmass(amass, name);
+  clip.rate_doubt = doubts.rate;
+  clip.layout_evidence = std::to_string(amass.pose_columns) + " pose numbers a frame";
+  clip.skeleton = !amass.surface_model.empty() ? amass.surface_model
+                  : amass.pose_columns == 156  ? "smplh"
+                  : amass.pose_columns == 165  ? "smplx"
+                                               : "smpl";
+  clip.skeleton_from = "declared";
+  clip.skeleton_confidence = 1.0;
+  clip.skeleton_evidence = clip.layout_evidence;
+  clip.units = "m";
+  clip.facts.emplace_back("gender", amass.gender.empty() ? "unknown" : amass.gender);
+  clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
+  clip.facts.emplace_back("markers", std::to_string(amass.markers));
+  clip.missing_share = 0.0;
+  clip.AddRemarks(doubts.findings);
+  // Poses of another unit show nothing; markers beside them do.
+  const Expected<Motion> posed = doubts.spoiled ? Fail(ErrorCode::kInconsistent, kSpoiledPoses, name) : PoseTree(amass);
+  if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
+  const std::optional<Finding> unit = posed && amass.markers > 0 ? DoubtMarkers(amass, posed->joints) : std::nullopt;
+  if (unit) clip.remarks.push_back(*unit);
+  if (unit || amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
+    if (posed)
+      StandOnTree(*posed, amass.damaged, clip);
+    else
+      clip.silence = posed.error().what;
+    return clip;
+  }
+  if (posed) clip.posed = posed->joints;
+  clip.positions = JointPositions(clip.frames, static_cast<int>(amass.markers));
+  clip.names = amass.marker_labels;
+  clip.confidence.assign(amass.marker_seen.begin(), amass.marker_seen.end());
+  std::size_t unseen = 0;
+  for (std::size_t i = 0; i < amass.marker_seen.size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) clip.positions.xyz[3 * i + axis] = amass.marker_data_m[3 * i + axis];
+    if (amass.marker_seen[i] == 0) ++unseen;
+  }
+  clip.points = PointsOfMarkers(amass.marker_labels);
+  if (unseen > 0) {
+    clip.remarks.push_back(MakeFinding("markers_missing", Severity::kInfo, static_cast<double>(unseen),
+                                       Counted(unseen, "sample") + " of markers missing"));
+  }
+  return clip;
+}
+
+}  // namespace
+
+Expected<ObservedFile> ObserveNpz(const FileBytes& file) {
+  const Expected<Npz> archive = ParseNpz(file.bytes, file.name);
+  if (!archive) return Forward(archive);
+  ObservedFile observed;
+  if (const auto exported = ExportedMotionIn(*archive)) {
+    Expected<ObservedClip> clip = ObserveExported(*exported, file.name);
+    if (!clip) return Forward(clip);
+    observed.clips.push_back(*std::move(clip));
+    return observed;
+  }
+  if (archive->Find("trans") != nullptr || archive->Find("poses") != nullptr || archive->Find("pose_body") != nullptr) {
+    const Expected<Amass> amass = ParseAmass(file.bytes, file.name, DamagedRows::kReport);
+    if (!amass) return Forward(amass);
+    observed.clips.push_back(AmassClip(*amass, file.name));
+    return observed;
+  }
+  if (archive->Find("v_template") != nullptr) {
+    observed.companions.push_back({file.name, "body_model", {}, {}});
+    return observed;
+  }
+  for (const Error& unsafe : archive->unsafe) observed.remarks.push_back(UnsafeMember(unsafe));
+  std::optional<Error> exchanged;
+  for (const NpzMember& member : archive->members) {
+    if (!member.skipped.empty()) continue;
+    auto clips = ObserveArray(member.array, file.name + ":" + member.name);
+    // Other arrays may stand beside those of joints.
+    if (!clips && clips.error().code == ErrorCode::kInconsistent) exchanged = clips.error();
+    if (!clips) continue;
+    for (ObservedClip& clip : *clips) {
+      clip.id = "[" + member.name + "]" + clip.id;
+      clip.format = "npz";
+      observed.clips.push_back(std::move(clip));
+    }
+  }
+  if (observed.clips.empty() && !archive->unsafe.empty()) return tl::unexpected<Error>(archive->unsafe.front());
+  if (observed.clips.empty() && exchanged) return tl::unexpected<Error>(*exchanged);
+  if (observed.clips.empty()) {
+    return Fail(ErrorCode::kUnsupported, "no array of the archive is a sequence of joint positions", file.name,
+                "wanted: (frames, joints, 3), or AMASS");
+  }
+  return observed;
+}
+
+const FormatDriver& AmassFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kAmass;
+    d.name = "amass";
+    d.inspected = "amass";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.unit = UnitOf::kMetres;
+    d.says_rate = true;
+    d.lengths_assumed = true;
+    d.options = {"annotations", "annotation_roles"};
+    d.to_clip = ReadAmassClip;
+    return d;
+  }();
+  return driver;
+}
+
+}  // namespace mocurate

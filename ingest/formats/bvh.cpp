@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/bvh.h"
+#include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
+#include "ingest/sense/angle_sense.h"
+#include "ingest/sense/comparison.h"
+#include "ingest/sense/observe.h"
+#include "ingest/sense/path_sense.h"
+#include "ingest/sense/rate_sense.h"
+#include "ingest/sense/tree_points.h"
+#include "ingest/sources/bvh_skeleton.h"
+#include "ingest/sources/damaged_frames.h"
+
+namespace mocurate {
+namespace {
+
+/// A file that was read, and what its numbers say against it.
+struct OpenedBvh {
+  Bvh bvh;
+  std::optional<Finding> angles, rate;
+};
+
+Expected<OpenedBvh> OpenBvh(std::string_view bytes, const std::string& name, DamagedRows damaged) {
+  Expected<Bvh> bvh = ParseBvh(bytes, name, damaged);
+  if (!bvh) return Forward(bvh);
+  if (Status bones = CheckBones(*bvh, name); !bones) return Forward(bones);
+  OpenedBvh opened{*std::move(bvh), {}, {}};
+  opened.angles = DoubtAngles(opened.bvh);
+  opened.rate =
+      DoubtRate(opened.bvh.hz(), RateWord::kSecondsPerFrame, name + ":" + std::to_string(opened.bvh.frame_time_line));
+  return opened;
+}
+
+std::string SlideText(double metres) { return FormatDouble(std::round(metres * 1e6) / 1e3) + " mm"; }
+
+/// Joints whose bones change their length: flagged up to `max_slide`, refused beyond.
+Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide, const std::string& name,
+                    std::vector<Finding>& findings) {
+  for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
+    const double slide = offsets.joints[j].slide;
+    if (slide <= BvhOffsets::kConstant || offsets.joints[j].above_carrier) continue;
+    if (slide > max_slide) {
+      return Fail(ErrorCode::kUnsupported,
+                  "joint '" + bvh.joints[j].name + "' slides along its bone by " + SlideText(slide) +
+                      ", more than the " + SlideText(max_slide) + " of max_slide",
+                  name,
+                  "a tree of fixed bones cannot hold it; raise ingest.source.max_slide to use the middle of its range");
+    }
+    Finding finding;
+    finding.code = "bone_slides";
+    finding.joint = bvh.joints[j].name;
+    finding.value = slide;
+    finding.message = "the bone changes its length by " + RoundedText(slide, 3) + " m over the clip";
+    finding.message += "; middle of its range used";
+    finding.action = FindingAction::kKept;
+    findings.push_back(finding);
+  }
+  return {};
+}
+
+/// World place of the carrier in one frame, and of the root so that the carrier lies there with fixed bones.
+Vector3d RootPlace(const Bvh& bvh, int frame, const BvhOffsets& offsets, const BvhSkeleton& fit,
+                   const Matrix3d& metres_from_file, const Matrix3d& world_from_file) {
+  Vector3d place = Vector3d::Zero();      // of the current joint, file frame
+  Vector3d from_root = Vector3d::Zero();  // of the current joint with fixed bones, world axes, metres
+  Matrix3d global = Matrix3d::Identity();
+  for (const int j : offsets.Path(bvh)) {
+    place += global * BvhLocalPosition(bvh, frame, j);
+    if (bvh.joints[j].parent >= 0) {
+      from_root += world_from_file * global * world_from_file.transpose() * fit.offset[j];
+    }
+    global = global * BvhLocalRotation(bvh, frame, j);
+  }
+  return metres_from_file * place - from_root;
+}
+
+/// A body of metres that are none breaks the rules of a skeleton: what is wrong then is the declared unit.
+Error UnitsOr(const Error& otherwise, const SourceFile& file) {
+  const Expected<std::vector<ObservedClip>> observed = ObserveBvh(file.bytes, file.name);
+  if (!observed || observed->empty()) return otherwise;
+  const ClipMeasures measures = Measure(observed->front());
+  for (const Comparison& comparison : CompareFrame(StatementsOf(observed->front(), file.source), measures)) {
+    if (comparison.code != "units_contradiction" || !comparison.contradicts) continue;
+    return {ErrorCode::kInconsistent, comparison.message, file.name,
+            "mend ingest.source.units" +
+                (comparison.measured.empty() ? std::string() : ": write `units: " + comparison.measured + "`")};
+  }
+  return otherwise;
+}
+
+/// BVH -> given motion. Local frames are turned with the axes, OFFSETs become rest offsets and bone lengths. The joint
+/// whose position moves carries the translation: it is moved into the root, whose own place is then that joint's place
+/// minus the rest offsets between them (bandai22: joint_Root lies on Hips). Joints that slide along their bones by more
+/// than max_slide are refused.
+Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<SourceFrame> frame = FrameOf(source);
+  if (!frame) return Forward(frame);
+  const Expected<SkeletonPtr> declared = SourceSkeleton(source);
+  if (!declared) return Forward(declared);
+  const Expected<OpenedBvh> opened = OpenBvh(file.bytes, file.name, source.damaged_rows);
+  if (!opened) return Forward(opened);
+  const Bvh* bvh = &opened->bvh;
+
+  IngestedClip ingested;
+  ingested.findings = bvh->findings;
+  if (opened->angles) ingested.findings.push_back(*opened->angles);
+  ingested.clip.rate = RateOfFile(source, bvh->hz(), ingested, opened->rate);
+  const Matrix3d& world_from_file = frame->world_from_file;
+  const Matrix3d& metres_from_file = frame->metres_from_file;
+  const BvhOffsets offsets = MeasureOffsets(*bvh, metres_from_file, source.max_slide, declared->get());
+  if (Status ok = CheckSliding(offsets, *bvh, source.max_slide, file.name, ingested.findings); !ok) return Forward(ok);
+  const Expected<BvhSkeleton> fit = MakeBvhSkeleton(*bvh, offsets, *declared, source.name, file.name);
+  if (!fit) return tl::unexpected<Error>(UnitsOr(fit.error(), file));
+
+  const int joints = fit->skeleton->joint_count();
+  std::vector<Vector3d> root_translation;
+  std::vector<Quaterniond> rotation(static_cast<std::size_t>(bvh->frames) * joints);
+  for (int f = 0; f < bvh->frames; ++f) {
+    root_translation.push_back(RootPlace(*bvh, f, offsets, *fit, metres_from_file, world_from_file));
+    for (int j = 0; j < joints; ++j) {
+      const Matrix3d local = BvhLocalRotation(*bvh, f, j);
+      rotation[static_cast<std::size_t>(f) * joints + fit->target[j]] =
+          Quaterniond(Matrix3d(world_from_file * local * world_from_file.transpose())).normalized();
+    }
+  }
+  const auto bridged = BridgeFrames(bvh->damaged, bvh->frames, ingested.clip.rate.hz(), file.name);
+  if (!bridged) return Forward(bridged);
+  Bridge(*bridged, joints, root_translation, rotation);
+  for (int j = 0; j < joints; ++j) {
+    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(bvh->frames), static_cast<std::size_t>(joints));
+  }
+  ingested.clip.motion =
+      MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
+  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
+  if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
+    path->action =
+        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
+    ingested.findings.push_back(*std::move(path));
+  }
+  if (offsets.carrier > 0) {
+    ingested.clip.provenance["translation_from"] = bvh->joints[offsets.carrier].name;
+  }
+  return ingested;
+}
+
+constexpr double kCarriesFrom =
+    0.01;  // of the sum of all bones; the root's children slide less where they carry nothing
+
+/// Places of all joints, of the root where the joint lies that carries the translation: of Bandai's files the hips.
+JointPositions WithCarriedRoot(const Bvh& bvh, JointPositions places) {
+  double bones = 0.0;
+  for (const BvhJoint& joint : bvh.joints) bones += joint.offset.norm();
+  const int carrier = MeasureOffsets(bvh, Matrix3d::Identity(), kCarriesFrom * bones, nullptr).carrier;
+  for (int f = 0; f < places.frames && carrier > 0; ++f) places.at(f, 0) = Vector3d(places.at(f, carrier));
+  return places;
+}
+
+}  // namespace
+
+Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name) {
+  const Expected<OpenedBvh> opened = OpenBvh(bytes, name, DamagedRows::kReport);
+  if (!opened) return Forward(opened);
+  const Bvh* bvh = &opened->bvh;
+  ObservedClip clip;
+  clip.format = "bvh";
+  clip.frames = bvh->frames;
+  clip.joints = static_cast<int>(bvh->joints.size());
+  clip.rate_evidence = "Frame Time of the file";
+  clip.rate_hz = std::round(bvh->hz() * 1000.0) / 1000.0;
+  clip.rate_doubt = opened->rate;
+  for (const BvhJoint& joint : bvh->joints) clip.names.push_back(joint.name);
+  clip.positions = JointPositions(bvh->frames, clip.joints);
+  std::vector<Vector3d> positions;
+  for (int f = 0; f < bvh->frames; ++f) {
+    BvhForward(*bvh, f, positions);
+    for (int j = 0; j < clip.joints; ++j) clip.positions.at(f, j) = positions[static_cast<std::size_t>(j)];
+  }
+  if (!bvh->damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
+  for (const int f : bvh->damaged) {
+    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
+  }
+  std::vector<int> parents;
+  for (const BvhJoint& joint : bvh->joints) parents.push_back(joint.parent);
+  FollowTree(parents, "HIERARCHY with ROOT " + clip.names[0], clip);
+  clip.layout_evidence = "header of the file";
+  if (opened->angles) {
+    clip.remarks.push_back(*opened->angles);
+    clip.positions = JointPositions();
+    clip.confidence.clear();
+    clip.silence = kSpoiledPoses;
+  }
+  if (clip.positions.frames > 0) {
+    const JointPositions carried = WithCarriedRoot(*bvh, clip.positions);
+    if (const auto path = DoubtPath(carried, clip.points)) clip.remarks.push_back(*path);
+  }
+  for (const Finding& finding : bvh->findings) {
+    clip.remarks.push_back(finding);
+  }
+  return std::vector<ObservedClip>{std::move(clip)};
+}
+
+const FormatDriver& BvhFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kBvh;
+    d.name = "bvh";
+    d.inspected = "bvh";
+    d.kind = FileKind::kBvh;
+    d.ending = ".bvh";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.says_rate = true;
+    d.options = {"max_slide"};
+    d.to_clip = ReadBvhClip;
+    return d;
+  }();
+  return driver;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
+#include "ingest/sense/observe.h"
+#include "ingest/sense/posed_joints.h"
+#include "ingest/sources/body_check.h"
+#include "ingest/sources/container.h"
+#include "ingest/sources/smpl_motion.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kFits = 1e-3;  // metres; as far as the places that were recorded may lie off those of the rotations
+
+/// Median distance of each joint from its parent.
+std::vector<double> FileBoneLengths(const JointPositions& joints, const Skeleton& skeleton) {
+  std::vector<double> lengths(skeleton.joints.size(), 0.0);
+  for (int j = 1; j < skeleton.joint_count(); ++j) {
+    std::vector<double> frames;
+    for (int f = 0; f < joints.frames; ++f) {
+      frames.push_back((joints.at(f, j) - joints.at(f, skeleton.joints[j].parent)).norm());
+    }
+    const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
+    std::nth_element(frames.begin(), middle, frames.end());
+    lengths[j] = *middle;
+  }
+  return lengths;
+}
+
+/// SMPL's bones point elsewhere at rest than the skeleton's: the places of the file come out displaced.
+void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::vector<Finding>& findings) {
+  std::vector<double> distances;
+  for (int f = 0; f < recorded.frames; ++f) {
+    for (int j = 0; j < recorded.joints; ++j) {
+      distances.push_back((recorded.at(f, j) - motion.joints.at(f, j)).norm());
+    }
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  if (*middle <= kFits) return;
+  Finding finding;
+  finding.code = "joints_displaced";
+  finding.severity = Severity::kInfo;
+  finding.value = *middle;
+  finding.message = "joints lie " + RoundedText(*middle, 3) +
+                    " m (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
+                    "the subject's body";
+  finding.message += "; rotations kept; the skeleton of joints alone (npy) keeps the places";
+  finding.action = FindingAction::kKept;
+  findings.push_back(std::move(finding));
+}
+
+/// One clip of humanact12poses.pkl: on a skeleton with SMPL's joints its rotations, the bones as long as between the
+/// places recorded; on another the places alone.
+Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<Quaterniond> world_from_file = TurnOf(source.axes);
+  if (!world_from_file) return Forward(world_from_file);
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  if (!skeleton) return Forward(skeleton);
+  const Expected<std::vector<int>> columns = SmplColumns(**skeleton, kSmplJoints);
+  if (!columns) return Forward(columns);
+  const Expected<HumanAct12Clip> clip = ReadHumanAct12Entry(file.container, file.entry, file.name);
+  if (!clip) return Forward(clip);
+
+  JointPositions joints(static_cast<int>(clip->frames), (*skeleton)->joint_count());
+  std::vector<Vector3d> root_translation;
+  for (int f = 0; f < joints.frames; ++f) {
+    for (int j = 0; j < joints.joints; ++j) {
+      const double* place = &clip->joints[static_cast<std::size_t>(f) * 3 * kSmplJoints + (*columns)[j]];
+      joints.at(f, j) = *world_from_file * Vector3d(place[0], place[1], place[2]);
+    }
+    root_translation.push_back(joints.at(f, 0));
+  }
+  const SmplRotations rotations{clip->poses, clip->frames};
+  Expected<std::vector<Quaterniond>> rotation = SmplLocalRotations(**skeleton, rotations, *world_from_file);
+  if (!rotation) return Forward(rotation);
+  IngestedClip ingested;
+  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  ingested.clip.motion = MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(rotation),
+                                    FileBoneLengths(joints, **skeleton));
+  std::optional<Finding> spoiled = DoubtRotations(*clip);
+  if (spoiled)
+    ingested.findings.push_back(*std::move(spoiled));
+  else
+    NoteDisplaced(joints, *ingested.clip.motion, ingested.findings);
+  // The joints of the file, beside the rotations that the clip keeps: an inspection reads them.
+  CheckPoints(source, ObserveHumanAct12Clip(*clip), ingested);
+  ingested.content = BytesOf(clip->poses) + BytesOf(clip->joints);
+  return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& HumanAct12PickleFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kHumanAct12Pickle;
+    d.name = "humanact12_pickle";
+    d.inspected = "humanact12_pickle";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.unit = UnitOf::kMetres;
+    d.needs_skeleton = true;
+    d.container = Container::kMust;
+    d.options = {"container"};
+    d.to_clip = ReadHumanAct12Clip;
+    return d;
+  }();
+  return driver;
+}
+
+}  // namespace mocurate

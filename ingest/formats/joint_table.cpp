@@ -1,0 +1,204 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/problem_list.h"
+#include "core/base/text.h"
+#include "core/formats/joint_layout.h"
+#include "core/quality/tracked_points.h"
+#include "ingest/formats/driver.h"
+#include "ingest/sources/table_rows.h"
+
+namespace mocurate {
+namespace {
+
+void CheckColumns(const SourceOptions& s, ProblemList& problems) {
+  const std::vector<std::string> known = {"x", "y", "z", "confidence", "skip"};
+  for (const std::string& column : s.columns) {
+    if (std::find(known.begin(), known.end(), column) != known.end()) continue;
+    problems.Add("ingest.source.columns", "unknown column '" + column + "'",
+                 "columns are x, y, z, confidence and skip");
+  }
+  for (const char* needed : {"x", "y", "z"}) {
+    if (std::count(s.columns.begin(), s.columns.end(), needed) == 1) continue;
+    problems.Add("ingest.source.columns", std::string("column '") + needed + "' must stand exactly once");
+  }
+}
+
+/// The names of columns and joints, all that are wrong at once.
+Status CheckTableNames(const SourceOptions& s) {
+  ProblemList problems;
+  if (s.layout.empty()) CheckColumns(s, problems);
+  const Expected<SkeletonPtr> skeleton = s.skeleton.empty() ? SkeletonPtr() : LoadSkeleton(s.skeleton);
+  if (skeleton && *skeleton) CheckJointNames(s, **skeleton, problems);
+  return problems.Result();
+}
+
+Status CheckTable(const SourceOptions& s) {
+  if (s.joints.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not name its joints", "ingest.source.joints",
+                "list the joints in the order of the rows of a frame");
+  }
+  const bool by_columns = s.columns != SourceOptions().columns;
+  if (!s.layout.empty() && by_columns) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' declares both `layout` and `columns`",
+                "ingest.source.layout", "`layout` says all that `columns` says; take one out");
+  }
+  if (Status names = CheckTableNames(s); !names) return names;
+  const Expected<JointLayout> layout = TableLayout(s);
+  if (!layout) return Forward(layout);
+  const int joints = static_cast<int>(s.joints.size());
+  if (layout->Joints() != joints) {
+    return Fail(ErrorCode::kConfig,
+                "the layout has " + std::to_string(layout->Joints()) + " joints, " + std::to_string(joints) +
+                    " are named under ingest.source.joints",
+                "ingest.source.layout", "name each joint of the layout, in its order");
+  }
+  const int rows = RowsPerFrame(s);
+  if (s.layout.empty() && joints % rows != 0) {
+    return Fail(ErrorCode::kConfig,
+                std::to_string(joints) + " joints do not fill " + std::to_string(rows) + " rows per frame",
+                "ingest.source.rows_per_frame", "each row holds the same number of joints");
+  }
+  if (layout->NumbersPerFrame() % rows != 0) {
+    return Fail(ErrorCode::kConfig,
+                std::to_string(layout->NumbersPerFrame()) + " numbers of the layout do not fill " +
+                    std::to_string(rows) + " rows per frame",
+                "ingest.source.rows_per_frame", "each row holds the same count of numbers");
+  }
+  return {};
+}
+
+bool IsMissing(const Vector3d& raw, MissingValue missing) {
+  if (!raw.allFinite()) return true;
+  return missing == MissingValue::kZero && raw.isZero(0.0);
+}
+
+constexpr double kNoRotation = 1e-2;  ///< departure of a written rotation's product with itself from the identity
+
+/// The rotations that the file records, of points that it records one for. What is marked as sure and is no rotation is
+/// taken for missing, with a finding.
+void TakeRotations(const JointRows& rows, const SourceFrame& frame, JointTracks& tracks,
+                   std::vector<Finding>& findings) {
+  if (rows.rotation.empty()) return;
+  tracks.rotation.assign(tracks.confidence.size(), Quaterniond::Identity());
+  tracks.rotation_confidence.assign(tracks.confidence.size(), 0.0);
+  const Matrix3d turn = frame.world_from_file;
+  int malformed = 0;
+  int first = 0;
+  for (std::size_t at = 0; at < tracks.confidence.size(); ++at) {
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> written(rows.rotation.data() + 9 * at);
+    const double confidence = rows.rotation_confidence.empty() ? 1.0 : rows.rotation_confidence[at];
+    if (!(confidence > 0.0) || written.isZero(0.0) || written.hasNaN()) continue;  // NaN is told of its row
+    const bool rotation = written.allFinite() && written.determinant() > 0.0 &&
+                          (written.transpose() * written - Matrix3d::Identity()).cwiseAbs().maxCoeff() < kNoRotation;
+    if (!rotation) {
+      if (malformed++ == 0) first = static_cast<int>(at) / rows.joints;
+      continue;
+    }
+    // A mirrored file mirrors the points' own frames too: which way these lie is the source's convention.
+    tracks.rotation[at] = Quaterniond(Matrix3d(turn * written * turn.transpose())).normalized();
+    tracks.rotation_confidence[at] = std::min(confidence, 1.0);
+  }
+  if (malformed == 0) return;
+  findings.push_back(FrameFinding(
+      "not_a_rotation", first, first + 1, "", malformed,
+      Counted(malformed, "recorded rotation") + " marked as sure: the matrix is not orthogonal; taken for missing"));
+}
+
+/// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is flipped by its axes, never
+/// otherwise.
+Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<SourceFrame> frame = FrameOf(source);
+  if (!frame) return Forward(frame);
+  Expected<JointRows> rows = ReadTableRows(source, file.bytes, file.name);
+  if (!rows) return Forward(rows);
+
+  IngestedClip ingested;
+  ingested.findings = std::move(rows->findings);
+  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  JointTracks tracks;
+  tracks.names = source.joints;
+  tracks.positions = JointPositions(rows->frames, rows->joints);
+  tracks.confidence.assign(static_cast<std::size_t>(rows->frames) * rows->joints, 0.0);
+  std::size_t zeros = 0;
+  for (int f = 0; f < rows->frames; ++f) {
+    tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
+    for (int j = 0; j < rows->joints; ++j) {
+      const std::size_t at = static_cast<std::size_t>(f) * rows->joints + j;
+      const Vector3d raw(rows->position[at * 3], rows->position[at * 3 + 1], rows->position[at * 3 + 2]);
+      double confidence = rows->confidence.empty() ? 1.0 : rows->confidence[at];
+      if (confidence < 0.0 || confidence > 1.0) {
+        return Fail(ErrorCode::kInconsistent,
+                    "confidence " + FormatDouble(confidence) + " of joint '" +
+                        source.joints[static_cast<std::size_t>(j)] + "' in frame " + std::to_string(f) +
+                        " is not in 0..1",
+                    file.name, "write `skip` for that column, or bring it to 0..1 first");
+      }
+      confidence = std::max(confidence, source.least_confidence);
+      if (std::isnan(confidence) || IsMissing(raw, source.missing)) confidence = 0.0;
+      tracks.confidence[at] = confidence;
+      zeros += confidence > 0.0 && raw.isZero(0.0) ? 1 : 0;
+      if (confidence > 0.0) tracks.positions.at(f, j) = frame->metres_from_file * raw;
+    }
+  }
+  TakeRotations(*rows, *frame, tracks, ingested.findings);
+  if (zeros == tracks.confidence.size()) {
+    return Fail(ErrorCode::kInconsistent, "every joint of every frame is 0 0 0: no joint is seen", file.name,
+                "the tracker never saw the person: leave the file out", Reason::kNobodySeen);
+  }
+  const bool any = std::any_of(tracks.confidence.begin(), tracks.confidence.end(), [](double c) { return c > 0.0; });
+  if (!any) {
+    return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(rows->frames, "frame"), file.name,
+                "the tracker lost the person: leave the file out", Reason::kNobodySeen);
+  }
+  NoteEmptyFrames(tracks, ingested.findings);
+  ingested.clip.evidence.tracks = std::move(tracks);
+  return ingested;
+}
+
+}  // namespace
+
+int RowsPerFrame(const SourceOptions& s) {
+  if (s.rows_per_frame > 0) return static_cast<int>(s.rows_per_frame);
+  return s.layout.empty() ? static_cast<int>(s.joints.size()) : 1;
+}
+
+Expected<JointLayout> TableLayout(const SourceOptions& s) {
+  if (!s.layout.empty()) return ParseJointLayout(s.layout, "ingest.source.layout");
+  ProblemList problems;
+  CheckColumns(s, problems);
+  if (Status known = problems.Result(); !known) return Forward(known);
+  JointGroup group;
+  group.count = static_cast<int>(s.joints.size());
+  for (const std::string& column : s.columns) {
+    group.columns.push_back(column == "x"            ? JointColumn::kX
+                            : column == "y"          ? JointColumn::kY
+                            : column == "z"          ? JointColumn::kZ
+                            : column == "confidence" ? JointColumn::kConfidence
+                                                     : JointColumn::kSkip);
+  }
+  JointLayout layout;
+  layout.groups.push_back(std::move(group));
+  return layout;
+}
+
+const FormatDriver& JointTableFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kJointTable;
+    d.name = "joint_table";
+    d.inspected = "joint_table";
+    d.kind = FileKind::kNumbers;
+    d.gives = Gives::kJointTracks;
+    d.lists_joints = true;
+    d.zeros = "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
+    d.check = CheckTable;
+    d.options = {"rows_per_frame", "columns", "layout", "end_word", "least_confidence", "missing"};
+    d.to_clip = ReadJointTableClip;
+    return d;
+  }();
+  return driver;
+}
+
+}  // namespace mocurate

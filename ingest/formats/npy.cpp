@@ -1,0 +1,316 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/text.h"
+#include "core/formats/largest_number.h"
+#include "core/formats/npy.h"
+#include "core/motion/kinematics.h"
+#include "core/quality/tracked_points.h"
+#include "ingest/formats/driver.h"
+#include "ingest/sense/array_sense.h"
+#include "ingest/sense/observe.h"
+#include "ingest/sources/array_clips.h"
+#include "ingest/sources/damaged_frames.h"
+#include "ingest/sources/mapped_file.h"
+
+namespace mocurate {
+namespace {
+
+std::string ShapeWords(const NpyArray& array) {
+  std::string text = "(";
+  for (std::size_t i = 0; i < array.shape.size(); ++i) text += (i ? ", " : "") + std::to_string(array.shape[i]);
+  return text + ")";
+}
+
+/// Joints of the skeleton that the file lists, and where in a frame each stands.
+struct FileOrder {
+  std::vector<int> joint;
+  std::vector<int> place;
+};
+
+/// By the declared names, or in the skeleton's own order.
+Expected<FileOrder> OrderOf(const SourceOptions& source, const Skeleton& skeleton) {
+  std::vector<int> place(skeleton.joints.size(), -1);
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    if (source.joints.empty()) place[j] = j;
+  }
+  for (std::size_t k = 0; k < source.joints.size(); ++k) {
+    if (const auto joint = skeleton.FindJoint(source.joints[k])) place[*joint] = static_cast<int>(k);
+  }
+  FileOrder order;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    if (place[j] < 0) continue;
+    order.joint.push_back(j);
+    order.place.push_back(place[j]);
+  }
+  if (order.joint.empty()) {
+    return Fail(ErrorCode::kConfig, "the source names no joint of skeleton '" + skeleton.name + "'",
+                "ingest.source.joints", "name each joint of the file in its order, '-' for one that is passed over");
+  }
+  return order;
+}
+
+/// Where the file names its joints: error kInconsistent for one that is declared as another.
+Status CheckNamesOfFile(const std::vector<std::string>& names, const FileOrder& order, const Skeleton& skeleton,
+                        const std::string& file) {
+  for (std::size_t k = 0; !names.empty() && k < order.joint.size(); ++k) {
+    const std::string& named = names[static_cast<std::size_t>(order.place[k])];
+    const auto joint = skeleton.FindJoint(named);
+    if (!joint || static_cast<int>(*joint) == order.joint[k]) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "joint_names says '" + named + "' where '" + skeleton.joints[order.joint[k]].name + "' is declared",
+                file, "list the file's joints under ingest.source.joints, in its order");
+  }
+  return {};
+}
+
+/// Positions as joint tracks, in metres in the world; a point with a number that is no coordinate of a person is
+/// missing.
+JointTracks TracksOfArray(const NpyArray& array, std::size_t wide, const FileOrder& order, const Skeleton& skeleton,
+                          const Matrix3d& metres_from_file, const FrameRate& rate) {
+  const int joints = static_cast<int>(order.joint.size());
+  JointTracks tracks;
+  tracks.positions = JointPositions(static_cast<int>(array.shape[0]), joints);
+  for (const int joint : order.joint) tracks.names.push_back(skeleton.joints[joint].name);
+  for (int f = 0; f < tracks.positions.frames; ++f) {
+    tracks.time_s.push_back(rate.FrameTime(f));
+    for (int k = 0; k < joints; ++k) {
+      const Eigen::Map<const Vector3d> raw(array.values.data() +
+                                           (static_cast<std::size_t>(f) * wide + order.place[k]) * 3);
+      const bool sound = raw.allFinite() && raw.cwiseAbs().maxCoeff() <= kLargestNumber;
+      tracks.confidence.push_back(sound ? 1.0 : 0.0);
+      if (sound) tracks.positions.at(f, k) = metres_from_file * raw;
+    }
+  }
+  return tracks;
+}
+
+/// Joints-only motion in which points that are missing come from whole frames beside theirs.
+Motion Bridged(const JointTracks& tracks, const std::vector<DamagedFrame>& bridged, const SkeletonPtr& skeleton,
+               const FrameRate& rate) {
+  JointPositions positions = tracks.positions;
+  const auto seen = [&](int frame, int joint) {
+    return tracks.confidence[static_cast<std::size_t>(frame) * skeleton->joints.size() + joint] > 0.0;
+  };
+  for (const DamagedFrame& at : bridged) {
+    for (int j = 0; j < positions.joints; ++j) {
+      if (seen(at.frame, j)) continue;
+      positions.at(at.frame, j) =
+          (1.0 - at.share) * Vector3d(positions.at(at.before, j)) + at.share * Vector3d(positions.at(at.after, j));
+    }
+  }
+  Motion motion = MakeJointsOnly(skeleton, rate, std::move(positions));
+  std::vector<Finding> none;
+  MarkBridged(bridged, motion, none);
+  for (const DamagedFrame& at : bridged) {
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      if (!seen(at.frame, j)) continue;
+      motion.state[static_cast<std::size_t>(at.frame) * skeleton->joints.size() + j] = JointState::kObserved;
+    }
+  }
+  return motion;
+}
+
+/// Action2Motion's raw outputs, root translation and a rotation vector per joint, as positions by its released
+/// kinematics (a2m_actor.md B.3).
+Expected<NpyArray> JointsOfLie(const NpyArray& array, const Skeleton& skeleton,
+                               const std::vector<double>& bone_lengths) {
+  const auto joints = static_cast<std::size_t>(skeleton.joint_count());
+  if (!skeleton.lie || bone_lengths.size() != joints) {
+    return Fail(ErrorCode::kConfig,
+                std::to_string(bone_lengths.size()) + " bone lengths, skeleton '" + skeleton.name + "' has " +
+                    std::to_string(joints) + " joints" + (skeleton.lie ? "" : " and no Lie chains"),
+                "ingest.source.lie_bone_lengths", "one per joint, 0 for the root, of a skeleton with lie_chains");
+  }
+  NpyArray positions = array;
+  std::vector<Vector3d> frame(joints);
+  for (std::size_t f = 0; f < array.shape[0]; ++f) {
+    const double* parameters = array.values.data() + f * joints * 3;
+    if (!std::all_of(parameters, parameters + joints * 3, [](double value) { return std::isfinite(value); })) continue;
+    LieForward(skeleton, parameters, bone_lengths, LieExp::kReleased, frame.data());
+    for (std::size_t j = 0; j < joints; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) positions.values[(f * joints + j) * 3 + k] = frame[j][static_cast<int>(k)];
+    }
+  }
+  return positions;
+}
+
+Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
+  const std::string& id = file.array;
+  const SourceOptions& source = file.source;
+  const Expected<SourceFrame> frame = FrameOf(source);
+  if (!frame) return Forward(frame);
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  if (!skeleton) return Forward(skeleton);
+  const Expected<FileOrder> order = OrderOf(source, **skeleton);
+  if (!order) return Forward(order);
+  const auto mapped = MappedFile::Open(file.container);
+  if (!mapped) return Forward(mapped);
+  const Expected<ArrayOfClip> read = ReadArrayClip((*mapped)->bytes(), id, file.name);
+  if (!read) return Forward(read);
+  const NpyArray* array = &read->array;
+
+  const std::size_t wide = source.joints.empty() ? (*skeleton)->joints.size() : source.joints.size();
+  const bool cube = array->shape.size() == 3 && array->shape[1] == wide && array->shape[2] == 3;
+  const bool flat = array->shape.size() == 2 && array->shape[1] == wide * 3;
+  if (!array->texts.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the array holds texts, joint positions are needed", file.name);
+  }
+  if (const std::string other = OtherThanJoints(array->shape); !cube && !flat && !other.empty()) {
+    return Fail(ErrorCode::kInconsistent, "an array of shape " + ShapeWords(*array) + " holds " + other, file.name);
+  }
+  if (const auto axes = ExchangedAxes(*array, wide); axes && !cube) {
+    return Fail(ErrorCode::kInconsistent, "the array has shape " + ShapeWords(*array) + ": " + axes->words, file.name,
+                axes->way_out);
+  }
+  if ((!cube && !flat) || array->shape[0] == 0) {
+    return Fail(ErrorCode::kInconsistent,
+                "the array has shape " + ShapeWords(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
+                file.name, "skeleton '" + source.skeleton + "' has " + std::to_string(wide) + " joints");
+  }
+  if (Status named = CheckNamesOfFile(read->names, *order, **skeleton, file.name); !named) return Forward(named);
+  const int frames = static_cast<int>(array->shape[0]);
+  NpyArray positions;
+  if (!source.lie_bone_lengths.empty()) {
+    Expected<NpyArray> forward = JointsOfLie(*array, **skeleton, source.lie_bone_lengths);
+    if (!forward) return Forward(forward);
+    positions = std::move(*forward);
+    array = &positions;
+  }
+  IngestedClip ingested;
+  DamagedNumbers damaged = DamagedNumbersOf(array->values.data(), frames, static_cast<int>(wide), file.name);
+  ingested.findings = std::move(damaged.findings);
+  if (!ingested.findings.empty() && source.damaged_rows == DamagedRows::kRefuse) {
+    return Fail(ErrorCode::kMalformed, ingested.findings[0].message, file.name,
+                "repair the file, or give a source declaration with damaged_rows: report");
+  }
+  ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
+  ingested.clip.rate =
+      read->rate_hz ? RateOfFile(source, *read->rate_hz, ingested) : FrameRate::FromHz(*source.rate_hz);
+  JointTracks tracks = TracksOfArray(*array, wide, *order, **skeleton, frame->metres_from_file, ingested.clip.rate);
+  if (std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0) ==
+      static_cast<std::ptrdiff_t>(tracks.confidence.size())) {
+    return NobodySeen(array->values.size(), file.name);
+  }
+  const auto bridged = BridgeFrames(damaged.frames, frames, *source.rate_hz, file.name);
+  if (bridged && order->joint.size() == (*skeleton)->joints.size()) {
+    ingested.clip.motion = Bridged(tracks, *bridged, *skeleton, ingested.clip.rate);
+    for (Finding& finding : ingested.findings) finding.action = FindingAction::kInterpolated;
+    return ingested;
+  }
+  for (Finding& finding : ingested.findings) finding.action = FindingAction::kMissing;
+  NoteEmptyFrames(tracks, ingested.findings);
+  ingested.clip.evidence.tracks = std::move(tracks);  // a joints-only motion would need every joint in every frame
+  return ingested;
+}
+
+void RemarkDamaged(const DamagedNumbers& damaged, ObservedClip& clip) {
+  for (const Finding& finding : damaged.findings)  // its frames reach from the first to the last such number
+    clip.remarks.push_back(MakeFinding(finding.code, finding.severity, finding.value, finding.message));
+}
+
+bool IsCoordinate(double value) { return std::isfinite(value) && std::abs(value) <= kLargestNumber; }
+
+/// The places of one clip of an array; what is no coordinate is missing.
+ObservedClip PlacesIn(const NpyArray& array, const ArrayShape& held, std::size_t number, const std::string& name) {
+  ObservedClip clip;
+  clip.frames = static_cast<int>(held.frames);
+  clip.joints = static_cast<int>(held.joints);
+  clip.positions = JointPositions(clip.frames, clip.joints);
+  clip.confidence.assign(held.frames * held.joints, 1.0);
+  const double* values = array.values.data() + number * clip.positions.xyz.size();
+  for (std::size_t i = 0; i < clip.positions.xyz.size(); ++i) {
+    clip.positions.xyz[i] = IsCoordinate(values[i]) ? values[i] : 0.0;
+    if (!IsCoordinate(values[i])) clip.confidence[i / 3] = 0.0;
+  }
+  RemarkDamaged(DamagedNumbersOf(values, clip.frames, clip.joints, name), clip);
+  return clip;
+}
+
+}  // namespace
+
+Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name) {
+  const Expected<NpyArray> array = ParseNpy(bytes, name);
+  if (!array) return Forward(array);
+  return ObserveArray(*array, name);
+}
+
+Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name) {
+  std::string shape;
+  for (const std::size_t size : array.shape) shape += (shape.empty() ? "(" : ", ") + std::to_string(size);
+  shape += ")";
+  if (const auto axes = ExchangedAxes(array, 0)) {
+    return Fail(ErrorCode::kInconsistent, "the array has shape " + shape + ": " + axes->words, name, axes->way_out);
+  }
+  const std::optional<ArrayShape> held = ShapeOfJoints(array.shape);
+  if (!held || array.values.empty()) {
+    const std::string other = OtherThanJoints(array.shape);
+    if (!other.empty()) return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " holds " + other, name);
+    return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is no sequence of joint positions", name,
+                "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
+  }
+  if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
+    return NobodySeen(array.values.size(), name);
+  std::vector<ObservedClip> observed;
+  for (std::size_t c = 0; c < held->clips; ++c) {
+    ObservedClip clip = PlacesIn(array, *held, c, name);
+    clip.id = held->batch ? "[" + std::to_string(c) + "]" : "";
+    clip.format = "npy";
+    clip.layout_evidence = "shape " + shape + " of " + array.dtype;
+    if (std::none_of(clip.confidence.begin(), clip.confidence.end(), [](double seen) { return seen > 0.0; }))
+      clip.remarks.push_back(
+          MakeFinding("no_joint_seen", Severity::kError, static_cast<double>(clip.frames),
+                      "no joint is seen in " + std::to_string(clip.frames) + " of " + Counted(clip.frames, "frame")));
+    else if (!RecogniseOrder(clip))
+      DoubtPositions(clip);
+    observed.push_back(std::move(clip));
+  }
+  return observed;
+}
+
+Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std::string& name) {
+  const NpyArray& array = *exported.joints;
+  if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
+    return NobodySeen(array.values.size(), name);
+  ArrayShape shape;
+  shape.frames = array.shape[0];
+  shape.joints = array.shape[1];
+  ObservedClip clip = PlacesIn(array, shape, 0, name);
+  clip.format = "npz";
+  clip.layout_evidence = "array 'joints' of a file of `mocurate export`";
+  clip.rate_hz = exported.rate_hz;
+  clip.rate_evidence = "mocap_frame_rate of the file";
+  clip.units = "m";
+  clip.up = "+y";
+  clip.handedness = "right";
+  clip.axes = "+x +y +z";
+  const auto known = KnownSkeleton(exported.skeleton);
+  const bool all = known && std::all_of(exported.names.begin(), exported.names.end(), [&](const std::string& joint) {
+                     return (*known)->FindJoint(joint).has_value();
+                   });
+  clip.names = exported.names;
+  if (all)
+    FollowFormat(exported.skeleton, exported.names, "joint_names of the file", clip);
+  else
+    FollowTree(exported.parents, "joint_names and parents of the file", clip);
+  return clip;
+}
+
+const FormatDriver& NpyFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kNpy;
+    d.name = "npy";
+    d.inspected = "npy";
+    d.kind = FileKind::kNpy;
+    d.gives = Gives::kMotion;
+    d.needs_skeleton = true;
+    d.lists_joints = true;
+    d.options = {"lie_bone_lengths"};
+    d.to_clip = ReadArraySource;
+    return d;
+  }();
+  return driver;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,200 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/formats/ntu_skeleton.h"
+#include "ingest/formats/driver.h"
+#include "ingest/sense/observe.h"
+#include "ingest/sources/ntu_people.h"
+
+namespace mocurate {
+namespace {
+
+constexpr long long kMostBodiesTogether = 3;
+
+Status CheckViews(const SourceOptions& s) {
+  const ViewOptions& views = s.views;
+  if (!views.together) return {};
+  if (s.view.empty()) {
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which camera a file is of",
+                "ingest.source.view", "e.g. view: 'C{camera}'");
+  }
+  for (const auto& [label, text] : s.bodies) {
+    if (ParseInteger(text).value_or(0) <= kMostBodiesTogether) continue;
+    return Fail(ErrorCode::kConfig, "label '" + label + "' has '" + text + "' people", "ingest.source.bodies",
+                "at most 3 are told apart between several cameras");
+  }
+  if (s.depth_files.empty()) return {};
+  if (views.intrinsics.size() != 4 || views.intrinsics[0] == 0.0 || views.intrinsics[1] == 0.0) {
+    return Fail(ErrorCode::kConfig, "the depth images have no intrinsics", "ingest.source.views.intrinsics",
+                "four numbers, fx, fy, cx and cy; a Kinect v2 has about [-366, 366, 256, 208] px");
+  }
+  if (views.image_size.size() != 2) {
+    return Fail(ErrorCode::kConfig, "the depth images have no size", "ingest.source.views.image_size",
+                "width and height; a Kinect v2 has [512, 424] px");
+  }
+  return {};
+}
+
+Status CheckNtu(const SourceOptions& source) {
+  if (Status bodies = CheckBodies(source); !bodies) return bodies;
+  return CheckViews(source);
+}
+
+/// NTU .skeleton -> evidence tracks of one of its people in metres and canonical axes. People are told apart by the
+/// sensor's ids: those there in at least half as many frames as the longest come before the others, by how much they
+/// move; given in the order in which they appear. Ids beyond those asked for are a finding "bodies_left_out"; a person
+/// asked for who is not there is refused.
+Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
+  if (file.source.views.together) return ReadNtuViewsClip(file);
+  const SourceOptions& source = file.source;
+  Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, file.name, source.damaged_rows);
+  if (!skeleton) return Forward(skeleton);
+  const std::size_t wanted = static_cast<std::size_t>(std::max(1, file.named.bodies));
+  const Expected<People> people = NtuPeople(*skeleton, source, wanted);
+  if (!people) return Forward(people);
+  const std::size_t own = static_cast<std::size_t>(std::max(1, file.named.body)) - 1;
+  if (own >= people->chosen.size()) {
+    return tl::unexpected<Error>(PersonNotThere(own + 1, wanted, *people, skeleton->frames.size(), file.name));
+  }
+  const PersonTrack& body = people->chosen[own];
+
+  IngestedClip ingested;
+  ingested.findings = std::move(skeleton->findings);
+  ingested.findings.insert(ingested.findings.end(), people->findings.begin(), people->findings.end());
+  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  const int frames = static_cast<int>(skeleton->frames.size());
+  JointTracks tracks;
+  tracks.names = NtuJointNames();
+  tracks.positions = JointPositions(frames, kNtuJoints);
+  tracks.confidence.assign(static_cast<std::size_t>(frames) * kNtuJoints, 0.0);
+  for (int f = 0; f < frames; ++f) tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
+  bool seen = false;
+  for (std::size_t row = 0; row < body.frames.size(); ++row) {
+    for (int j = 0; j < kNtuJoints; ++j) {
+      if (!body.sees(row, j)) continue;
+      seen = true;
+      const int f = body.frames[row];
+      const double confidence = body.confidence[row * kNtuJoints + static_cast<std::size_t>(j)];
+      tracks.confidence[static_cast<std::size_t>(f) * kNtuJoints + static_cast<std::size_t>(j)] = confidence;
+      tracks.positions.at(f, j) = body.positions.at(static_cast<int>(row), j);
+    }
+  }
+  if (!seen) {
+    return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(frames, "frame"), file.name,
+                "the tracker lost the person: leave the file out", Reason::kNobodySeen);
+  }
+  NoteInferredJoints(*skeleton, body, ingested.findings);
+  NoteZeroJoints(*skeleton, body, ingested.findings);
+  NoteEmptyFrames(tracks, ingested.findings);
+  ingested.clip.provenance["body_id"] = body.Name();
+  ingested.clip.evidence.tracks = std::move(tracks);
+  return ingested;
+}
+
+const std::vector<std::string>& KinectJoints() {
+  for (const JointOrder& order : KnownJointOrders()) {
+    if (order.name == "kinect2") return order.joints;
+  }
+  static const std::vector<std::string> none;
+  return none;
+}
+
+/// The frames of one body: missing where the sensor does not follow the joint, or the body is not there.
+ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
+  ObservedClip clip;
+  clip.format = "ntu_skeleton";
+  clip.frames = static_cast<int>(skeleton.frames.size());
+  clip.joints = kNtuJoints;
+  clip.positions = JointPositions(clip.frames, clip.joints);
+  clip.confidence.assign(static_cast<std::size_t>(clip.frames) * kNtuJoints, 0.0);
+  int present = 0;
+  for (int f = 0; f < clip.frames; ++f) {
+    for (const NtuBody& body : skeleton.frames[static_cast<std::size_t>(f)]) {
+      if (body.id != id) continue;
+      ++present;
+      for (int j = 0; j < kNtuJoints; ++j) {
+        const NtuJoint& joint = body.joints[static_cast<std::size_t>(j)];
+        if (joint.tracking == 0) continue;
+        clip.positions.at(f, j) = Vector3d(joint.x_m, joint.y_m, joint.z_m);
+        clip.confidence[static_cast<std::size_t>(f) * kNtuJoints + static_cast<std::size_t>(j)] =
+            joint.tracking == 1 ? 0.5 : 1.0;
+      }
+    }
+  }
+  clip.facts.emplace_back("body", std::to_string(id));
+  clip.layout_evidence = "counts of the file; the body is in " + Counted(present, "frame");
+  return clip;
+}
+
+}  // namespace
+
+Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file) {
+  const std::string& name = file.name;
+  Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, name, DamagedRows::kReport);
+  if (!skeleton) {
+    Error error = skeleton.error();
+    error.code = ErrorCode::kMalformed;  // kInconsistent is said of takes without a person
+    return tl::unexpected<Error>(std::move(error));
+  }
+  std::vector<std::uint64_t> ids;
+  std::size_t most = 0, fewest = skeleton->frames.empty() ? 0 : skeleton->frames[0].size();
+  for (const std::vector<NtuBody>& frame : skeleton->frames) {
+    most = std::max(most, frame.size());
+    fewest = std::min(fewest, frame.size());
+    for (const NtuBody& body : frame) {
+      if (std::find(ids.begin(), ids.end(), body.id) == ids.end()) ids.push_back(body.id);
+    }
+  }
+  if (skeleton->frames.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the file holds 0 frames", name, "leave the file out");
+  }
+  if (ids.empty()) {
+    return Fail(ErrorCode::kInconsistent, "there is no body in any frame: the set's files with missing skeletons", name,
+                "leave the file out");
+  }
+  std::vector<ObservedClip> clips;
+  for (const std::uint64_t id : ids) {
+    ObservedClip clip = BodyClip(*skeleton, id);
+    NoteInferredJoints(*skeleton, PersonTrack{{id}, {}, {}, {}}, clip.remarks);
+    clip.id = ids.size() > 1 ? "[" + std::to_string(clips.size()) + "]" : "";
+    clip.people = static_cast<int>(most);
+    clip.fewest_people = static_cast<int>(fewest);
+    clip.people_evidence = "bodies of the file's frames; " + std::to_string(ids.size()) + " in all";
+    clip.rate_evidence = "the file does not say it";
+    clip.set_rate_hz = 30.0;
+    clip.set_says = "the format is of the Kinect v2, which follows people at 30 Hz (Shahroudy et al. 2016)";
+    clip.units = "m";
+    clip.up = "+y";
+    clip.handedness = "right";
+    FollowFormat("ntu25", KinectJoints(), "25 joints of the Kinect v2", clip);
+    clips.push_back(std::move(clip));
+  }
+  for (const Finding& finding : skeleton->findings) {
+    clips[0].remarks.push_back(finding);
+  }
+  return clips;
+}
+
+const FormatDriver& NtuSkeletonFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kNtuSkeleton;
+    d.name = "ntu_skeleton";
+    d.inspected = "ntu_skeleton";
+    d.kind = FileKind::kNtuSkeleton;
+    d.ending = ".skeleton";
+    d.gives = Gives::kJointTracks;
+    d.unit = UnitOf::kMetres;
+    d.zeros = "; taken as missing";
+    d.check = CheckNtu;
+    d.options = {"bodies", "people", "views", "inferred_confidence", "depth_files", "depth_unit"};
+    d.to_clip = ReadNtuSkeletonClip;
+    return d;
+  }();
+  return driver;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <set>
+
+#include "core/formats/panoptic_bodies.h"
+#include "ingest/formats/driver.h"
+#include "ingest/gathered_files.h"
+#include "ingest/sources/frame_files.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kLeastConfidence = 1e-6;  // of a joint that is there: files give a confidence of 0 to some
+
+/// The ids in the files, those that are there longest first.
+std::vector<int> RankedIds(const std::vector<PanopticBodies>& frames) {
+  std::map<int, int> presence;
+  for (const PanopticBodies& frame : frames) {
+    std::set<int> ids;
+    for (const PanopticBody& body : frame.bodies) {
+      if (ids.insert(body.id).second) ++presence[body.id];
+    }
+  }
+  std::vector<int> ids;
+  for (const auto& [id, count] : presence) ids.push_back(id);
+  std::stable_sort(ids.begin(), ids.end(), [&](int a, int b) { return presence.at(a) > presence.at(b); });
+  return ids;
+}
+
+/// Frames per second by the files' own clock, between the first and the last that have one.
+double ClockRate(const std::vector<PanopticBodies>& frames) {
+  int first = -1, last = -1;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (frames[f].time_ms <= 0.0) continue;
+    if (first < 0) first = static_cast<int>(f);
+    last = static_cast<int>(f);
+  }
+  if (last <= first) return 0.0;
+  const double span = frames[static_cast<std::size_t>(last)].time_ms - frames[static_cast<std::size_t>(first)].time_ms;
+  return span > 0.0 ? 1000.0 * (last - first) / span : 0.0;
+}
+
+/// CMU Panoptic body3DScene files, one per frame -> evidence tracks of one of the people, by how long they are there.
+Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
+  const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
+  if (!axes) return Forward(axes);
+  const auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.frame_files);
+  if (!cameras) return Forward(cameras);
+  const Expected<FrameSpan> span = SpanOf(*cameras, file.name);
+  if (!span) return Forward(span);
+  IngestedClip ingested;
+  std::vector<PanopticBodies> frames(static_cast<std::size_t>(span->frames));
+  const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
+    Expected<PanopticBodies> frame = ParsePanopticBodies(bytes, name);
+    if (!frame) return Forward(frame);
+    frames[static_cast<std::size_t>(f)] = std::move(*frame);
+    return {};
+  };
+  ReadFrameFiles("", cameras->begin()->second, *span, take, ingested);
+  const std::vector<int> ids = RankedIds(frames);
+  if (file.named.body > static_cast<int>(ids.size())) {
+    return Fail(ErrorCode::kInconsistent,
+                "person " + std::to_string(file.named.body) + " is asked for, the files hold " +
+                    std::to_string(ids.size()) + " bodies",
+                file.name, "ingest.source.subjects says how many");
+  }
+  if (static_cast<int>(ids.size()) > file.named.bodies) {
+    ingested.findings.push_back(CameraFinding("bodies_left_out", static_cast<double>(ids.size()),
+                                              "the files hold " + std::to_string(ids.size()) + " bodies, " +
+                                                  std::to_string(file.named.bodies) + " are asked for" +
+                                                  "; those that are there longest are taken",
+                                              FindingAction::kKept));
+  }
+  const int id = ids[static_cast<std::size_t>(file.named.body - 1)];
+  std::size_t joints = 0;
+  for (const PanopticBodies& frame : frames) {
+    for (const PanopticBody& body : frame.bodies) joints = std::max(joints, body.position_cm.size());
+  }
+  JointTracks tracks;
+  const auto& names = PanopticJointNames();
+  tracks.names.assign(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(joints));
+  tracks.positions = JointPositions(span->frames, static_cast<int>(joints));
+  tracks.confidence.assign(static_cast<std::size_t>(span->frames) * joints, 0.0);
+  Clip& clip = ingested.clip;
+  clip.rate = FrameRate::FromHz(*file.source.rate_hz);
+  for (int f = 0; f < span->frames; ++f) {
+    tracks.time_s.push_back(clip.rate.FrameTime(f));
+    for (const PanopticBody& body : frames[static_cast<std::size_t>(f)].bodies) {
+      for (std::size_t j = 0; body.id == id && j < body.position_cm.size(); ++j) {
+        if (body.confidence[j] < 0.0) continue;
+        tracks.positions.at(f, static_cast<int>(j)) = 0.01 * (axes->canonical_from_source * body.position_cm[j]);
+        tracks.confidence[static_cast<std::size_t>(f) * joints + j] =
+            std::clamp(body.confidence[j], kLeastConfidence, 1.0);
+      }
+    }
+  }
+  if (const double hz = ClockRate(frames); hz > 0.0) RateOfFile(file.source, hz, ingested);
+  NoteEmptyFrames(tracks, ingested.findings);
+  clip.evidence.tracks = std::move(tracks);
+  clip.provenance["body_id"] = std::to_string(id);
+  return ingested;
+}
+
+}  // namespace
+
+const FormatDriver& PanopticFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kPanoptic;
+    d.name = "panoptic";
+    d.inspected = "panoptic_bodies";
+    d.gives = Gives::kJointTracks;
+    d.unit = UnitOf::kCentimetres;
+    d.gathered = true;
+    d.check = CheckGathered;
+    d.options = {"subjects"};
+    d.to_clip = ReadPanopticClip;
+    return d;
+  }();
+  return driver;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,114 @@
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/formats/phspd_text.h"
+#include "core/quality/tracked_points.h"
+#include "ingest/formats/driver.h"
+#include "ingest/sense/observe.h"
+#include "ingest/sources/phspd_tracks.h"
+#include "ingest/sources/smpl_motion.h"
+
+namespace mocurate {
+namespace {
+
+/// PHSPD's pose.txt -> evidence tracks on SMPL's joints. Frames that nobody annotated are missing, in their place.
+Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<SkeletonPtr> skeleton = LoadSkeleton("smpl24");
+  if (!skeleton) return Forward(skeleton);
+  const Expected<std::vector<int>> columns = SmplColumns(**skeleton, kSmplJoints);
+  if (!columns) return Forward(columns);
+  Expected<PhspdTracks> read = ReadPhspdTracks(file.bytes, file.name, source.damaged_rows);
+  if (!read) return Forward(read);
+
+  const int frames = read->positions.frames;
+  IngestedClip ingested;
+  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  ingested.findings = std::move(read->findings);
+  JointTracks tracks;
+  tracks.positions = JointPositions(frames, kPhspdJoints);
+  tracks.confidence.assign(read->confidence.size(), 0.0);
+  for (const Joint& joint : (*skeleton)->joints) tracks.names.push_back(joint.name);
+  for (int f = 0; f < frames; ++f) {
+    tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
+    for (int j = 0; j < kPhspdJoints; ++j) {
+      const int column = (*columns)[static_cast<std::size_t>(j)] / 3;
+      const std::size_t row = static_cast<std::size_t>(f) * kPhspdJoints;
+      const double confidence = read->confidence[row + static_cast<std::size_t>(column)];
+      tracks.confidence[row + static_cast<std::size_t>(j)] = confidence;
+      if (confidence > 0.0)
+        tracks.positions.at(f, j) = axes->canonical_from_source * Vector3d(read->positions.at(f, column));
+    }
+  }
+  NoteEmptyFrames(tracks, ingested.findings);
+  ingested.clip.provenance["first_frame"] = std::to_string(read->first_frame);
+  ingested.clip.evidence.tracks = std::move(tracks);
+  return ingested;
+}
+
+constexpr const char* kPoses = "pose.txt";
+constexpr const char* kShapes = "shape_smpl.txt";
+
+Expected<ObservedFile> ShapesIn(const FileBytes& file) {
+  const Expected<PhspdShape> shape = ParsePhspdShape(file.bytes, file.name);
+  if (!shape) return Forward(shape);
+  ObservedFile observed;
+  observed.companions.push_back({file.name, "phspd_shape", {}, {{"frames", static_cast<double>(shape->frame.size())}}});
+  return observed;
+}
+
+Expected<ObservedClip> PosesIn(const FileBytes& file) {
+  Expected<PhspdTracks> tracks = ReadPhspdTracks(file.bytes, file.name, DamagedRows::kReport);
+  if (!tracks) return Forward(tracks);
+  ObservedClip clip;
+  clip.format = "phspd_pose";
+  clip.frames = tracks->positions.frames;
+  clip.joints = kPhspdJoints;
+  clip.layout_evidence = "rows of 73 numbers, the frame and 24 joints of x, y, z: frames " +
+                         std::to_string(tracks->first_frame) + " to " +
+                         std::to_string(tracks->first_frame + clip.frames - 1);
+  clip.units = "m";
+  clip.positions = std::move(tracks->positions);
+  clip.confidence = std::move(tracks->confidence);
+  for (const JointOrder& order : KnownJointOrders()) {
+    if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
+  }
+  clip.AddRemarks(tracks->findings);
+  return clip;
+}
+
+}  // namespace
+
+bool IsOfPhspd(const std::filesystem::path& path) {
+  const std::filesystem::path file = path.filename();
+  return (file == kPoses || file == kShapes) &&
+         ParsePhspdRecording(DisplayPath(path.parent_path().filename())).has_value();
+}
+
+Expected<ObservedFile> ObservePhspd(const FileBytes& file) {
+  if (file.path.filename() == kShapes) return ShapesIn(file);
+  Expected<ObservedClip> clip = PosesIn(file);
+  if (!clip) return Forward(clip);
+  ObservedFile observed;
+  observed.clips.push_back(*std::move(clip));
+  return observed;
+}
+
+const FormatDriver& PhspdFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kPhspd;
+    d.name = "phspd";
+    d.inspected = "phspd_pose";
+    d.kind = FileKind::kNumbers;
+    d.ending = "pose.txt";
+    d.gives = Gives::kJointTracks;
+    d.unit = UnitOf::kMetres;
+    d.to_clip = ReadPhspdClip;
+    return d;
+  }();
+  return driver;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,222 @@
+// Tracks of VIBE: files of a video's tracks, of which one is the person, and the videos of UESTC's cache.
+
+#include <filesystem>
+
+#include "core/base/text.h"
+#include "core/motion/kinematics.h"
+#include "ingest/formats/driver.h"
+#include "ingest/people/vibe_people.h"
+#include "ingest/sense/angle_sense.h"
+#include "ingest/sense/observe.h"
+#include "ingest/sources/body_check.h"
+#include "ingest/sources/container.h"
+#include "ingest/sources/smpl_motion.h"
+#include "ingest/sources/uestc_folder.h"
+
+namespace mocurate {
+namespace {
+
+constexpr std::size_t kMidHip = 8;  // of VIBE's 49 points
+
+Vector3d JointPlace(const VibeTrack& track, std::size_t frame, std::size_t joint) {
+  const double* xyz = &track.joints3d[(frame * track.joints + joint) * 3];
+  return {xyz[0], xyz[1], xyz[2]};
+}
+
+Status CheckTrack(const VibeTrack& track, const SourceOptions& source, bool rotations, const std::string& name) {
+  if (rotations && track.joints <= kMidHip) {
+    return Fail(ErrorCode::kInconsistent,
+                "the track has " + std::to_string(track.joints) + " joints, the middle of the hips is VIBE's joint 8",
+                name);
+  }
+  if (!rotations && track.joints != source.joints.size()) {
+    return Fail(ErrorCode::kInconsistent,
+                "the track has " + std::to_string(track.joints) + " joints, " + std::to_string(source.joints.size()) +
+                    " are named under ingest.source.joints",
+                name, "name each joint of the file in its order, '-' for one that is passed over");
+  }
+  return {};
+}
+
+/// A track in the world, the file's places moved by `shift` (F) in file axes and turned by `world_from_file`.
+Expected<IngestedClip> MotionOf(const VibeTrack& track, const SourceOptions& source, const Quaterniond& world_from_file,
+                                const std::vector<Vector3d>& shift, const std::string& name) {
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  if (!skeleton) return Forward(skeleton);
+  const bool rotations = HasSmplTree(**skeleton);
+  if (Status fits = CheckTrack(track, source, rotations, name); !fits) return Forward(fits);
+  IngestedClip ingested;
+  ingested.content = BytesOf(track.pose) + BytesOf(track.joints3d) + BytesOf(track.original_camera);
+  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  if (rotations) {
+    std::vector<Vector3d> root_translation;
+    for (std::size_t f = 0; f < track.frames; ++f) {
+      root_translation.push_back(world_from_file * Vector3d(shift[f] + JointPlace(track, f, kMidHip)));
+    }
+    Expected<std::vector<Quaterniond>> local =
+        SmplLocalRotations(**skeleton, SmplRotations{track.pose, track.frames}, world_from_file);
+    if (!local) return Forward(local);
+    ingested.clip.motion =
+        MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(local), {});
+    if (std::optional<Finding> spoiled = DoubtAngles(track)) ingested.findings.push_back(*std::move(spoiled));
+    // Its joints are not kept, but are as much of the file as the rotations: an inspection reads them.
+    CheckPoints(source, ObserveVibeTrack(track, "vibe_tracks"), ingested);
+    return ingested;
+  }
+  JointPositions joints(static_cast<int>(track.frames), (*skeleton)->joint_count());
+  std::vector<bool> told((*skeleton)->joints.size(), false);
+  for (std::size_t k = 0; k < source.joints.size(); ++k) {
+    const std::optional<int> joint = (*skeleton)->FindJoint(source.joints[k]);
+    if (!joint) continue;
+    told[*joint] = true;
+    for (int f = 0; f < joints.frames; ++f) {
+      const auto frame = static_cast<std::size_t>(f);
+      joints.at(f, *joint) = world_from_file * Vector3d(shift[frame] + JointPlace(track, frame, k));
+    }
+  }
+  for (int j = 0; j < joints.joints; ++j) {
+    if (told[j]) continue;
+    return Fail(
+        ErrorCode::kConfig,
+        "joint '" + (*skeleton)->joints[j].name + "' of skeleton '" + (*skeleton)->name + "' is not in the source",
+        "ingest.source.joints", "joints-only motion needs every joint of its skeleton");
+  }
+  ingested.clip.motion = MakeJointsOnly(*skeleton, ingested.clip.rate, std::move(joints));
+  // The source may leave out joints that tell more.
+  CheckPoints(source, ObserveVibeTrack(track, "vibe_tracks"), ingested);
+  return ingested;
+}
+
+void KeepFrames(std::vector<double>& values, std::size_t frames, std::size_t wanted) {
+  if (frames > 0) values.resize(values.size() / frames * wanted);
+}
+
+/// How the root moves in file axes, from where it is in the first frame.
+Expected<std::vector<Vector3d>> ShiftOf(const VibeTrack& track, const SourceOptions& source, const std::string& name) {
+  const bool published = source.root_translation == RootTranslation::kPublished;
+  const bool by_camera =
+      source.root_translation == RootTranslation::kCamera || (published && source.format == SourceFormat::kUestc);
+  if (!by_camera) return std::vector<Vector3d>(track.frames, Vector3d::Zero());
+  if (track.original_camera.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the video has no 'orig_cam'", name,
+                "it says where the person stands: take the file that holds it, or root_translation: still");
+  }
+  Expected<std::vector<Vector3d>> shift = UestcTranslation(track.original_camera);
+  if (shift) return shift;
+  Error error = shift.error();
+  error.where = name;
+  return tl::unexpected<Error>(error);
+}
+
+/// The person of a file of tracks, by name or by `people.rule`.
+Expected<UestcPerson> ChosenPerson(const SourceFile& file, bool by_name) {
+  Expected<std::vector<VibeTrack>> tracks = ParseVibeTracks(file.bytes, file.name);
+  if (!tracks) return Forward(tracks);
+  if (!by_name) return ChooseVibePerson(*tracks, file.source.people, *file.source.rate_hz, file.name);
+  std::string keys;
+  for (const VibeTrack& track : *tracks) {
+    keys += (keys.empty() ? "" : ", ") + std::to_string(track.id);
+    if (std::to_string(track.id) == file.source.track) return NamedVibePerson(track, file.name);
+  }
+  return Fail(ErrorCode::kInconsistent, "the file has no track " + file.source.track, file.name,
+              keys.empty() ? "it has none: nobody was found in the video" : "its tracks are " + keys);
+}
+
+/// The clip of who was chosen.
+Expected<IngestedClip> ClipOfPerson(const UestcPerson& person, const SourceFile& file,
+                                    const Quaterniond& world_from_file) {
+  const Expected<std::vector<Vector3d>> shift = ShiftOf(person.track, file.source, file.name);
+  if (!shift) return Forward(shift);
+  Expected<IngestedClip> ingested = MotionOf(person.track, file.source, world_from_file, *shift, file.name);
+  if (!ingested) return ingested;
+  ingested->findings.insert(ingested->findings.end(), person.findings.begin(), person.findings.end());
+  std::string ids;
+  for (const std::int64_t id : person.chosen) ids += (ids.empty() ? "" : "+") + std::to_string(id);
+  if (!ids.empty()) ingested->clip.provenance["tracks"] = ids;
+  if (file.container.empty() || file.entry < 0) ingested->content.clear();  // the file's bytes are what is read
+  return ingested;
+}
+
+/// One track of VIBE. On a skeleton with SMPL's joints its rotations, with the pelvis where the middle of the hips is;
+/// on another the places of `joints`, without rotations.
+Expected<IngestedClip> ReadVibeTrackClip(const SourceFile& file) {
+  const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
+  if (!world_from_file) return Forward(world_from_file);
+  const Expected<UestcPerson> person = ChosenPerson(file, !file.source.track.empty());
+  return person ? ClipOfPerson(*person, file, *world_from_file) : Forward(person);
+}
+
+/// One video of UESTC's cache, as VIBE's tracks, moved by the camera's estimate: (tx, ty, 500 / (270 sx)) of ACTOR.
+/// Side 2 is turned back by the view's angle.
+Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
+  const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
+  if (!world_from_file) return Forward(world_from_file);
+  // a12_d4_p007_c2_color.avi in the cache; of a file of tracks its own name or that of its folder.
+  const std::filesystem::path path(file.name);
+  Expected<UestcVideo> video = ParseUestcName(path.stem().string(), file.name);
+  if (!video && path.has_parent_path()) {
+    Expected<UestcVideo> of_folder = ParseUestcName(path.parent_path().filename().string(), file.name);
+    if (of_folder) video = std::move(of_folder);
+  }
+  if (!video) return Forward(video);
+  UestcPerson person;
+  if (file.source.container.empty()) {
+    Expected<UestcPerson> chosen = ChosenPerson(file, false);
+    if (!chosen) return Forward(chosen);
+    person = std::move(*chosen);
+  } else {
+    Expected<VibeTrack> track = ReadUestcVideo(file.container, file.entry, file.name);
+    if (!track) return Forward(track);
+    person.track = std::move(*track);
+  }
+  VibeTrack& track = person.track;
+  if (auto doubt = DoubtFrameCount(file.most_frames, track.frames, file.entry)) person.findings.push_back(*doubt);
+  if (file.most_frames > 0 && static_cast<std::size_t>(file.most_frames) < track.frames) {
+    const auto wanted = static_cast<std::size_t>(file.most_frames);
+    KeepFrames(track.pose, track.frames, wanted);
+    KeepFrames(track.joints3d, track.frames, wanted);
+    KeepFrames(track.original_camera, track.frames, wanted);
+    track.frames = wanted;
+  }
+  const Quaterniond turned(UestcWorldFromView(video->view, video->side));
+  return ClipOfPerson(person, file, *world_from_file * turned);
+}
+
+}  // namespace
+
+const FormatDriver& VibeTracksFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kVibeTracks;
+    d.name = "vibe_tracks";
+    d.inspected = "vibe_tracks";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.unit = UnitOf::kMetres;
+    d.needs_skeleton = true;
+    d.options = {"track", "root_translation", "people"};
+    d.to_clip = ReadVibeTrackClip;
+    return d;
+  }();
+  return driver;
+}
+
+const FormatDriver& UestcFormat() {
+  static const FormatDriver driver = [] {
+    FormatDriver d;
+    d.format = SourceFormat::kUestc;
+    d.name = "uestc";
+    d.inspected = "vibe_cache";
+    d.gives = Gives::kMotion;
+    d.rotations = true;
+    d.unit = UnitOf::kMetres;
+    d.needs_skeleton = true;
+    d.container = Container::kMay;
+    d.options = {"container", "root_translation", "people"};
+    d.to_clip = ReadUestcClip;
+    return d;
+  }();
+  return driver;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "core/base/file.h"
+
+namespace mocurate {
+
+/// The keywords of JSON Schema (draft 2020-12) that the document uses; any other is told as a fault of the schema.
+class SchemaCheck {
+ public:
+  SchemaCheck() {
+    const auto bytes = ReadFile(std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs/inspect.schema.json");
+    schema_ = nlohmann::json::parse(bytes ? *bytes : "{}");
+  }
+
+  std::vector<std::string> Faults(const nlohmann::json& document) {
+    faults_.clear();
+    Check(schema_, document, "");
+    return faults_;
+  }
+
+ private:
+  void Fault(const std::string& place, const std::string& what) { faults_.push_back(place + ": " + what); }
+
+  static bool Is(const nlohmann::json& value, const std::string& type) {
+    if (type == "integer") return value.is_number_integer();
+    if (type == "number") return value.is_number();
+    if (type == "string") return value.is_string();
+    if (type == "null") return value.is_null();
+    return type == "array" ? value.is_array() : type == "object" && value.is_object();
+  }
+
+  void CheckObject(const nlohmann::json& schema, const nlohmann::json& value, const std::string& place) {
+    const nlohmann::json own = schema.value("properties", nlohmann::json::object());
+    for (const auto& [key, entry] : value.items()) {
+      const Json* rule = own.contains(key) ? &own.at(key) : nullptr;
+      if (rule == nullptr && schema.contains("additionalProperties")) rule = &schema.at("additionalProperties");
+      if (rule != nullptr) Check(*rule, entry, place + "/" + key);
+    }
+    for (const nlohmann::json& key : schema.value("required", nlohmann::json::array())) {
+      if (!value.contains(key)) Fault(place, "has no " + key.dump());
+    }
+  }
+
+  void CheckNumber(const std::string& keyword, double limit, double value, const std::string& place) {
+    const bool fits = keyword == "minimum"            ? value >= limit
+                      : keyword == "maximum"          ? value <= limit
+                      : keyword == "exclusiveMinimum" ? value > limit
+                                                      : false;
+    if (!fits) Fault(place, keyword + " of " + std::to_string(value));
+  }
+
+  void CheckKeyword(const nlohmann::json& schema, const std::string& keyword, const nlohmann::json& value,
+                    const std::string& place) {
+    static const std::set<std::string> words = {"$schema",     "$defs",    "title",
+                                                "description", "required", "additionalProperties"};
+    const nlohmann::json& said = schema.at(keyword);
+    if (words.count(keyword) != 0) return;
+    if (keyword == "$ref")
+      return Check(schema_.at(nlohmann::json::json_pointer(said.get<std::string>().substr(1))), value, place);
+    if (keyword == "type") {
+      const nlohmann::json types = said.is_array() ? said : nlohmann::json::array({said});
+      const auto is = [&](const nlohmann::json& type) { return Is(value, type); };
+      if (std::none_of(types.begin(), types.end(), is)) Fault(place, value.dump() + " is no " + said.dump());
+    } else if (keyword == "enum") {
+      if (std::find(said.begin(), said.end(), value) == said.end()) Fault(place, value.dump() + " is none of the enum");
+    } else if (keyword == "properties") {
+      if (value.is_object()) CheckObject(schema, value, place);
+    } else if (keyword == "items") {
+      for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) {
+        Check(said, value[i], place + "/" + std::to_string(i));
+      }
+    } else if (keyword == "minItems" || keyword == "maxItems") {
+      const bool least = keyword == "minItems";
+      const auto limit = said.get<std::size_t>();
+      if (value.is_array() && (least ? value.size() < limit : value.size() > limit)) Fault(place, keyword);
+    } else if (keyword == "pattern") {
+      if (value.is_string() && !std::regex_search(value.get<std::string>(), std::regex(said.get<std::string>())))
+        Fault(place, value.dump() + " is not as the pattern");
+    } else if (keyword == "minimum" || keyword == "maximum" || keyword == "exclusiveMinimum") {
+      if (value.is_number()) CheckNumber(keyword, said, value, place);
+    } else {
+      Fault(place, "the schema's keyword " + keyword + " is not known");
+    }
+  }
+
+  void Check(const nlohmann::json& schema, const nlohmann::json& value, const std::string& place) {
+    if (schema.is_boolean()) {
+      if (!schema.get<bool>()) Fault(place, "is not in the schema");
+      return;
+    }
+    if (!schema.contains("properties") && schema.contains("additionalProperties") && value.is_object())
+      CheckObject(schema, value, place);
+    for (const auto& [keyword, said] : schema.items()) CheckKeyword(schema, keyword, value, place);
+  }
+
+  nlohmann::json schema_;
+  std::vector<std::string> faults_;
+};
+
+}  // namespace mocurate
