@@ -258,6 +258,7 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
   if (suits || last < first) return {};
   const char* wanted = gives == Gives::kMotion              ? "none"
                        : gives == Gives::kDepthViews        ? "point_clouds"
+                       : gives == Gives::kPointClouds       ? "point_clouds"
                        : gives == Gives::kKeypoints         ? "keypoints"
                        : gives == Gives::kKeypointsAndDepth ? "keypoints_and_clouds"
                                                             : "joint_tracks";
@@ -272,6 +273,7 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
 FitMethod MethodFor(Gives gives) {
   switch (gives) {
     case Gives::kDepthViews:
+    case Gives::kPointClouds:
       return FitMethod::kPointClouds;
     case Gives::kKeypoints:
       return FitMethod::kKeypoints;

@@ -11,6 +11,7 @@
 #include "core/motion/action_parts.h"
 #include "core/motion/request.h"
 #include "core/store/dataset_clips.h"
+#include "ingest/formats/driver.h"
 #include "train/options.h"
 
 namespace mocurate {
@@ -51,8 +52,9 @@ std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips) {
   const auto drawn = ClipsToDraw(clips, 3);
   if (drawn.empty()) return items;
   const ClipRecord& clip = *drawn[drawn.size() / 2];
+  const bool has_images = !clip.depth.empty() && DriverOf(clip.format).gives != Gives::kPointClouds;
   for (const char* kind : {"clip", "overlay", "cloud"}) {
-    if (clip.depth.empty() && std::string(kind) != "clip") continue;
+    if (!has_images && std::string(kind) != "clip") continue;
     items.push_back({kind, {{"kind", kind}}, {}});
     AddDrawing(clip, true, items.back());
   }

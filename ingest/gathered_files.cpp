@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/base/text.h"
+#include "ingest/formats/driver.h"
 
 namespace mocurate {
 namespace {
@@ -31,7 +32,7 @@ Status CheckGathered(const SourceOptions& s) {
   const auto has = [](const std::vector<std::string>& list, const char* field) {
     return std::find(list.begin(), list.end(), field) != list.end();
   };
-  const bool views = s.format != SourceFormat::kPanoptic;
+  const bool views = s.format != SourceFormat::kPanoptic && s.format != SourceFormat::kClouds;
   if ((views && !has(fields, "camera")) || (s.format != SourceFormat::kDepthViews && !has(fields, "frame"))) {
     return Fail(
         ErrorCode::kConfig, "'" + s.files + "' does not say which camera and which frame a file is of",
@@ -39,7 +40,8 @@ Status CheckGathered(const SourceOptions& s) {
         views ? "e.g. '{recording}/{camera}_json/{camera}.{frame}.json'" : "e.g. '{recording}/body_{frame}.json'");
   }
   if (!views && has(fields, "camera")) {
-    return Fail(ErrorCode::kConfig, "'" + s.files + "' names {camera}, but panoptic files are of all cameras together",
+    return Fail(ErrorCode::kConfig,
+                "'" + s.files + "' names {camera}, but " + FormatName(s.format) + " files are of all cameras together",
                 "ingest.source.files",
                 "one file per frame; what else differs in their names is e.g. {recording}, or {-}");
   }
@@ -155,7 +157,8 @@ Status GatheredFiles::AddInputs(const std::string& first, const NameFields& fiel
   const auto clip = clips_.find(first);
   if (clip == clips_.end()) return {};
   item.inputs.clear();
-  const char* role = source_->format == SourceFormat::kDepthViews ? "depth" : "source";
+  const Gives gives = DriverOf(source_->format).gives;
+  const char* role = gives == Gives::kDepthViews || gives == Gives::kPointClouds ? "depth" : "source";
   for (const FolderFile* file : clip->second) {
     if (file->problem.empty()) item.inputs.push_back({role, file->name, file->path, ""});
   }

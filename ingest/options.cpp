@@ -26,11 +26,12 @@ void SourceOptions::Declare(OptionVisitor& v) {
             {"motions", SourceFormat::kMotions},
             {"openpose", SourceFormat::kOpenPose},
             {"depth_views", SourceFormat::kDepthViews},
-            {"panoptic", SourceFormat::kPanoptic}},
+            {"panoptic", SourceFormat::kPanoptic},
+            {"clouds", SourceFormat::kClouds}},
            "what the files are");
   v.Text("files", files,
          "pattern of the file names with {fields}; {field:4} is four characters wide, {field?/} a folder that may be "
-         "missing; openpose, depth_views, panoptic: "
+         "missing; openpose, depth_views, panoptic, clouds: "
          "files that differ in {camera} and {frame} alone are one clip, {-} is passed over");
   v.Text("container", container,
          "humanact12_pickle, uestc, motions: the one file that holds all clips (uestc without it: a file of VIBE's "

@@ -34,7 +34,8 @@ enum class SourceFormat {
   kMotions,
   kOpenPose,
   kDepthViews,
-  kPanoptic
+  kPanoptic,
+  kClouds
 };
 /// What the rotation and the translation of a calibration mean, where its format does not say it.
 enum class CameraPose { kMeasured, kWorldToCamera, kCentre, kCameraToWorld };

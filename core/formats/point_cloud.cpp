@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
+#include "core/base/median.h"
 #include "core/formats/pcd.h"
 #include "core/formats/ply.h"
 
@@ -19,7 +21,7 @@ std::vector<Vector3d> Directions(const std::array<const Column*, 3>& columns,
   for (std::size_t i = 0; i < missing.size(); ++i) {
     if (missing[i] != 0) continue;
     const Vector3d direction(columns[0]->values[i], columns[1]->values[i], columns[2]->values[i]);
-    if (direction.norm() == 0.0) return {};
+    if (!(direction.norm() > 0.0)) return {};
     directions.push_back(direction.normalized());
   }
   return directions;
@@ -62,6 +64,18 @@ Expected<PointCloud> ParsePointCloud(std::string_view bytes, const std::string& 
   if (begin.substr(0, 3) == "ply") return FromPly(bytes, name);
   if (begin.substr(0, 1) == "#" || begin.substr(0, 7) == "VERSION") return FromPcd(bytes, name);
   return Fail(ErrorCode::kUnsupported, "the file is no PLY or PCD cloud", name);
+}
+
+std::vector<double> DistancesFromMiddle(const std::vector<Vector3d>& points) {
+  Vector3d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Vector3d& point : points) values.push_back(point[axis]);
+    middle[axis] = Median(std::move(values));
+  }
+  std::vector<double> distances;
+  for (const Vector3d& point : points) distances.push_back((point - middle).norm());
+  return distances;
 }
 
 }  // namespace mocurate

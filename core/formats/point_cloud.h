@@ -21,4 +21,7 @@ struct PointCloud {
 /// kUnsupported for another file.
 Expected<PointCloud> ParsePointCloud(std::string_view bytes, const std::string& name);
 
+/// Distances of the points from their middle, the median of each axis.
+std::vector<double> DistancesFromMiddle(const std::vector<Vector3d>& points);
+
 }  // namespace mocurate

@@ -10,7 +10,7 @@
 namespace mocurate {
 
 /// What the clips of a source hold when they are ingested.
-enum class Gives { kNothing, kJointTracks, kDepthViews, kKeypoints, kKeypointsAndDepth, kMotion };
+enum class Gives { kNothing, kJointTracks, kDepthViews, kPointClouds, kKeypoints, kKeypointsAndDepth, kMotion };
 
 /// Who says the unit of length of a file.
 enum class UnitOf { kDeclaration, kMetres, kCentimetres, kCalibration };
@@ -72,5 +72,6 @@ const FormatDriver& MotionsFormat();
 const FormatDriver& OpenPoseFormat();
 const FormatDriver& DepthViewsFormat();
 const FormatDriver& PanopticFormat();
+const FormatDriver& CloudsFormat();
 
 }  // namespace mocurate

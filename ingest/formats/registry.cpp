@@ -22,7 +22,8 @@ const std::vector<const FormatDriver*>& FormatDrivers() {
                                                            &MotionsFormat(),
                                                            &OpenPoseFormat(),
                                                            &DepthViewsFormat(),
-                                                           &PanopticFormat()};
+                                                           &PanopticFormat(),
+                                                           &CloudsFormat()};
   return drivers;
 }
 
@@ -52,6 +53,8 @@ const char* Name(Gives gives) {
       return "joint tracks";
     case Gives::kDepthViews:
       return "depth views";
+    case Gives::kPointClouds:
+      return "point clouds";
     case Gives::kKeypoints:
       return "keypoints of several cameras";
     case Gives::kKeypointsAndDepth:

@@ -182,8 +182,10 @@ void Inspector::AddItem(const ItemSpec& item) {
   const std::string where = Below(PlaceOfClip(item, *source_));
   const Expected<ReadItem> read = ReadSourceItem(request);
   const bool kept = read && (read->clip.motion || !read->clip.evidence.empty());
+  const bool read_clouds = GivesOf(*source_) == Gives::kPointClouds;
   for (const StageInput& input : request.inputs) {
-    if (input.role == "source") (kept ? read_ : refused_by_run_).insert(input.path);
+    const bool read_whole = input.role == "source" || read_clouds;
+    if (read_whole) (kept ? read_ : refused_by_run_).insert(input.path);
   }
   const auto refuse = [&](Error error) {
     error.where = Below(error.where);

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/median.h"
 #include "core/base/text.h"
+#include "core/formats/point_cloud.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/sense/calibration_sense.h"
 #include "ingest/sense/clip_report.h"
@@ -57,17 +57,10 @@ Json UnitsOf(std::array<double, 3> extent) {
                      "the format does not say it, and no usual unit makes the shape as high and as flat as a person");
 }
 
-/// "point_far": points 20 times as far from the middle (the median of each axis) as nine in ten are. Depth cameras have
+/// "point_far": points 20 times as far from the middle as nine in ten are. Depth cameras have
 /// a number of their own for nothing seen.
 void ReportFarPoints(const ObservedCloud& cloud, const std::string& file, Json& findings) {
-  Vector3d middle;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> values;
-    for (const Vector3d& point : cloud.points) values.push_back(point[axis]);
-    middle[axis] = Median(std::move(values));
-  }
-  std::vector<double> distances;
-  for (const Vector3d& point : cloud.points) distances.push_back((point - middle).norm());
+  std::vector<double> distances = DistancesFromMiddle(cloud.points);
   std::sort(distances.begin(), distances.end());
   const double radius = distances.empty() ? 0.0 : distances[distances.size() * 9 / 10];
   const auto far = std::upper_bound(distances.begin(), distances.end(), kFarRadii * radius);

@@ -43,10 +43,11 @@ std::string Advice(const SourceOptions& source, const Comparison& comparison) {
 void SilenceOf(const Clip& clip, ObservedClip& observed) {
   observed.joints = static_cast<int>(clip.evidence.keypoint_names.size());
   observed.units = clip.evidence.keypoint_views.empty() ? "m" : "px";
-  observed.silence =
-      clip.evidence.keypoint_views.empty() ? "depth views, no joints" : "keypoints: no depth of their own";
+  observed.silence = clip.evidence.clouds                   ? "point clouds, no joints"
+                     : clip.evidence.keypoint_views.empty() ? "depth views, no joints"
+                                                            : "keypoints: no depth of their own";
   const std::size_t views = clip.evidence.keypoint_views.size() + clip.evidence.depth_views.size();
-  observed.layout_evidence = Counted(static_cast<long long>(views), "view");
+  observed.layout_evidence = clip.evidence.clouds ? "one file a frame" : Counted(static_cast<long long>(views), "view");
 }
 
 }  // namespace

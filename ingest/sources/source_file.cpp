@@ -68,7 +68,8 @@ Expected<std::string> LabelOf(const SourceOptions& source, const std::string& te
 int FrameCount(const Clip& clip) {
   if (clip.evidence.tracks) return clip.evidence.tracks->positions.frames;
   if (clip.motion) return clip.motion->frame_count();
-  if (!clip.evidence.depth_views.empty()) return static_cast<int>(clip.evidence.depth_views[0].files.size());
+  const std::vector<double>& surface_s = SurfaceTimes(clip.evidence);
+  if (!surface_s.empty()) return static_cast<int>(surface_s.size());
   return clip.evidence.keypoint_views.empty() ? 0 : clip.evidence.keypoint_views[0].frames();
 }
 

@@ -55,7 +55,7 @@ struct IngestedClip {
       {};  ///< by the code that a contradiction has; what the clip does not show lacks
 };
 
-/// Of its tracks, motion, depth views or keypoints.
+/// Of its tracks, motion, depth views, clouds or keypoints.
 int FrameCount(const Clip& clip);
 
 /// The bytes of numbers, as they lie in memory.
