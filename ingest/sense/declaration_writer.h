@@ -119,5 +119,7 @@ bool IsDepthViews(const nlohmann::json& inspection);
 
 /// The lines of ingest.source after name and format of such a folder.
 void WriteDepthViews(const nlohmann::json& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
+/// The same of a folder of point clouds.
+void WriteClouds(const nlohmann::json& inspection, DeclarationWriter& writer);
 
 }  // namespace mocurate

@@ -86,6 +86,16 @@ bool IsBareAmc(const std::vector<std::string_view>& lines) {
   return rows >= kFewestRows;
 }
 
+/// Open3D's trajectories look like tables: three numbers, then a 4 x 4 matrix.
+bool IsTrajectory(const std::vector<std::string_view>& lines) {
+  if (lines.size() < 5 || NumbersIn(lines[0]) != 3 || NumbersIn(lines[1]) != 4) return false;
+  const std::vector<std::string_view> last = SplitBlanks(lines[4]);
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    if (ParseDouble(Trim(last[i])) != (i == 3 ? 1.0 : 0.0)) return false;
+  }
+  return last.size() == 4;
+}
+
 /// Numbers of a line of a table, or how many words where it holds words alone.
 struct LineContent {
   int numbers = 0, words = 0;
@@ -218,6 +228,7 @@ FileKind KindOf(std::string_view bytes) {
   if (bytes.find("opencv-matrix") != std::string_view::npos) return FileKind::kOpenCvYaml;
   if (std::find(lines.begin(), lines.end(), "endheader") != lines.end()) return FileKind::kOpenSim;
   if (IsNtuSkeleton(lines)) return FileKind::kNtuSkeleton;
+  if (IsTrajectory(lines)) return FileKind::kUnknown;
   return IsTableWithHeader(lines) ? FileKind::kNumbers : NumbersKind(bytes);
 }
 

@@ -5,12 +5,32 @@
 
 #include "core/base/file.h"
 #include "ingest/sense/declaration_writer.h"
+#include "ingest/sense/file_names.h"
 #include "ingest/sense/gathered_names.h"
 
 namespace mocurate {
 namespace {
 
 using Json = nlohmann::json;
+
+/// Pattern and recording of clips of many files, from one file of each folder.
+std::optional<GatheredNames> WriteFrames(const std::vector<std::string>& names, bool views, const std::string& prefix,
+                                         DeclarationWriter& writer) {
+  std::optional<GatheredNames> guessed = GuessGathered(names, views);
+  if (guessed && views && guessed->pattern.find("{camera}") == std::string::npos) guessed.reset();
+  if (guessed) {
+    writer.Value("files", Quoted(prefix + guessed->pattern),
+                 "guessed from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
+                     " folders: files that differ in {camera} and {frame} alone are one clip");
+    writer.Value("recording", Quoted(guessed->recording ? "{recording}" : "recording"),
+                 guessed->recording ? "guessed: the folder" : "a choice: all files are one recording");
+  } else {
+    writer.Unknown("files", views ? "the names of the files have no form in common that tells the camera"
+                                  : "the names of the files have no form in common");
+    writer.Unknown("recording", "what the files of a clip have in common");
+  }
+  return guessed;
+}
 
 }  // namespace
 
@@ -106,19 +126,7 @@ void WriteGathered(const ClipVotes& source, const Json& inspection, const std::f
     if (!files.empty()) names.push_back(files.front());
   }
   const bool views = format == "openpose";
-  std::optional<GatheredNames> guessed = GuessGathered(names, views);
-  if (guessed && views && guessed->pattern.find("{camera}") == std::string::npos) guessed.reset();
-  if (guessed) {
-    writer.Value("files", Quoted(prefix + guessed->pattern),
-                 "guessed from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
-                     " folders: files that differ in {camera} and {frame} alone are one clip");
-    writer.Value("recording", Quoted(guessed->recording ? "{recording}" : "recording"),
-                 guessed->recording ? "guessed: the folder" : "a choice: all files are one recording");
-  } else {
-    writer.Unknown("files", views ? "the names of the files have no form in common that tells the camera"
-                                  : "the names of the files have no form in common");
-    writer.Unknown("recording", "what the files of a clip have in common");
-  }
+  const std::optional<GatheredNames> guessed = WriteFrames(names, views, prefix, writer);
   const std::string depth = guessed && views ? GuessDepthBeside(inspection, path, guessed->recording) : std::string();
   if (!depth.empty()) {
     writer.Value("depth_files", Quoted(prefix + depth), "guessed from the names: depth cameras beside the others");
@@ -135,6 +143,28 @@ void WriteGathered(const ClipVotes& source, const Json& inspection, const std::f
   WriteCalibration(inspection, prefix.empty() ? path : path.parent_path(), writer);
   const Vote layout = source.Ask("skeleton");
   writer.Value("keypoints", layout.value.is_string() ? layout.value.get<std::string>() : "measured", layout.comment);
+}
+
+void WriteClouds(const Json& inspection, DeclarationWriter& writer) {
+  std::map<std::string, std::string> first;  // of each folder
+  for (const Json& cloud : inspection.at("clouds")) {
+    const std::string file = cloud.at("file");
+    first.emplace(FolderOf(file), file);
+  }
+  std::vector<std::string> names;
+  for (const auto& [folder, file] : first) names.push_back(file);
+  WriteFrames(names, false, "", writer);
+  writer.Value("person", Quoted("unknown"), "unknown: write who performs");
+  writer.Value("label", Quoted(""), "unknown: the names do not say it");
+  writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
+  writer.Value("licence", "\"\"", "unknown: no file says it");
+  const Json& units = inspection.at("clouds").front().at("units");
+  if (units.at("value").is_null())
+    writer.Unknown("units", units.at("evidence"));
+  else
+    writer.Value("units", units.at("value"), "measured: " + units.at("evidence").get<std::string>());
+  writer.Unknown("axes", "clouds do not say which way is up");
+  writer.Unknown("rate", "clouds do not say it");
 }
 
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/base/text.h"
+#include "ingest/sense/file_names.h"
 #include "ingest/sense/inspect.h"
 
 namespace mocurate {
@@ -88,11 +89,19 @@ std::string SceneText(const Json& inspection) {
   for (const auto& [lines, count] : cameras) {
     text += "\n" + std::to_string(count) + (count == 1 ? " camera of " : " cameras of ") + lines;
   }
+  std::map<std::string, std::size_t> clouds;
   for (const Json& cloud : inspection.at("clouds")) {
+    const std::string folder = FolderOf(cloud.at("file"));
+    if (clouds[folder]++ >= kMostPlaces) continue;
     text += "\n" + cloud.at("id").get<std::string>() + ": " + cloud.at("format").get<std::string>() + ", " +
             Counted(cloud.at("points").get<long long>(), "point") + ", " +
             Counted(cloud.at("triangles").get<long long>(), "triangle") + "\n" +
             FieldText("extent", cloud.at("extent")) + FieldText("units", cloud.at("units"));
+  }
+  for (const auto& [folder, count] : clouds) {
+    if (count > kMostPlaces)
+      text += "\n" + Counted(static_cast<long long>(count), "cloud") + (folder.empty() ? "" : " in " + folder + "/") +
+              " in all\n";
   }
   std::map<std::string, std::vector<const Json*>> companions;
   for (const Json& companion : inspection.at("companions")) {

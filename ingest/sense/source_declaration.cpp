@@ -262,17 +262,20 @@ void WriteSource(const std::filesystem::path& path, const std::string& name, con
   writer.Value("format", format, "declared by the file");
 }
 
-/// Depth images have no clips of their own in an inspection.
-WrittenDeclaration DeclareDepthViews(const Json& inspection, const std::filesystem::path& path,
-                                     const std::string& name) {
+/// Depth images and point clouds have no clips of their own in an inspection.
+WrittenDeclaration DeclareSurfaces(const Json& inspection, const std::filesystem::path& path, const std::string& name) {
+  const bool images = IsDepthViews(inspection);
   WrittenDeclaration written;
   std::error_code unknown;
   written.path = std::filesystem::absolute(path, unknown);
   DeclarationWriter writer(written);
-  WriteHead("depth images of " + Counted(static_cast<long long>(inspection.at("cameras").size()), "calibrated camera"),
-            writer);
-  WriteSource(written.path, name, "depth_views", writer);
-  WriteDepthViews(inspection, path, writer);
+  const auto count = static_cast<long long>(inspection.at(images ? "cameras" : "clouds").size());
+  WriteHead(images ? "depth images of " + Counted(count, "calibrated camera") : Counted(count, "point cloud"), writer);
+  WriteSource(written.path, name, images ? "depth_views" : "clouds", writer);
+  if (images)
+    WriteDepthViews(inspection, path, writer);
+  else
+    WriteClouds(inspection, writer);
   return written;
 }
 
@@ -301,7 +304,8 @@ Expected<WrittenDeclaration> DeclareSource(const Json& inspected, const std::fil
   const std::string observed = FormatToDeclare(inspection);
   std::error_code unknown;
   const bool folder = std::filesystem::is_directory(path, unknown);
-  if (observed.empty() && folder && IsDepthViews(inspection)) return DeclareDepthViews(inspection, path, name);
+  const bool surfaces = IsDepthViews(inspection) || !inspection.at("clouds").empty();
+  if (observed.empty() && folder && surfaces) return DeclareSurfaces(inspection, path, name);
   if (observed.empty()) {
     std::string why = "no file holds motion in a format that a source can declare";
     for (const Json& finding : inspection.at("findings")) {
