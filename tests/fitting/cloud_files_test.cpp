@@ -17,6 +17,8 @@
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/person_points.h"
 #include "fitting/stages.h"
+#include "ingest/discover.h"
+#include "ingest/stages.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/fit_score.h"
 
@@ -35,10 +37,12 @@ std::filesystem::path FolderOfClouds() {
 /// Clouds of the world, metres, in files with axes and a unit of their own.
 class CloudWriter {
  public:
-  CloudWriter(std::string name, double metres_per_unit) : name_(std::move(name)) {
+  CloudWriter(std::string name, double metres_per_unit, const RigidTransform& world_from_file = Turned())
+      : name_(std::move(name)) {
     files_.metres_per_unit = metres_per_unit;
-    files_.world_from_file = {ExpQuaternion(Vector3d(1.2, 0.4, -0.3)), Vector3d(0.4, -1.0, 2.0)};
+    files_.world_from_file = world_from_file;
   }
+  static RigidTransform Turned() { return {ExpQuaternion(Vector3d(1.2, 0.4, -0.3)), Vector3d(0.4, -1.0, 2.0)}; }
 
   void Add(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals, double time_s) {
     PlyElement vertex{"vertex", static_cast<std::size_t>(points.cols()), {}};
@@ -90,8 +94,9 @@ CloudFiles RawClouds(const std::vector<DepthView>& views, const std::string& nam
 }
 
 /// As a program of scans exports them: one point a centimetre, with normals.
-CloudFiles ScannedClouds(const std::vector<DepthView>& views, const std::string& name) {
-  CloudWriter writer(name, -0.01);
+CloudFiles ScannedClouds(const std::vector<DepthView>& views, const std::string& name,
+                         const RigidTransform& world_from_file = CloudWriter::Turned()) {
+  CloudWriter writer(name, -0.01, world_from_file);
   for (std::size_t f = 0; f < views[0].files.size(); ++f) {
     FusionOptions fine;
     fine.voxel_size = 0.01;
@@ -203,20 +208,35 @@ TEST_F(CloudFilesOfStudio, InARoomThePersonIsFoundByNormals) {
   EXPECT_GT(FacingAs(images, scan), 0.95);
 }
 
-/// As a run hands them over: names in the evidence, places of the files beside it.
-TEST_F(CloudFilesOfStudio, AreMeasuredAndFittedByTheStages) {
-  Clip clip;
-  clip.rate = takes_[0].clip.truth.rate;
-  clip.identity = {"studio", "p1", "r1", "", "", "", 0, 5};
-  clip.evidence.clouds = ScannedClouds(takes_[0].evidence.depth_views, "staged_");
+/// As a run hands them over: centimetres in left-handed axes, ingested by a declaration.
+TEST_F(CloudFilesOfStudio, AreIngestedMeasuredAndFittedByTheStages) {
+  IngestOptions ingest;
+  ingest.path = FolderOfClouds();
+  ingest.source.name = "studio";
+  ingest.source.format = SourceFormat::kClouds;
+  ingest.source.files = "staged_{frame}.ply";
+  ingest.source.other_files = OtherFiles::kIgnore;
+  ingest.source.units = "cm";
+  ingest.source.axes = "-x +y +z";
+  ingest.source.rate_hz = takes_[0].clip.truth.rate.hz();
+  ingest.source.person = "p1";
+  ingest.source.recording = "r1";
+  ingest.source.label = "";
+  const RigidTransform half_turn{Quaterniond(0.0, 1.0, 0.0, 0.0), Vector3d::Zero()};
+  const CloudFiles written_files = ScannedClouds(takes_[0].evidence.depth_views, "staged_", half_turn);
+  const auto discovery = Discover(ingest);
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  ASSERT_EQ(discovery->items.size(), 1u);
+  const ItemSpec& item = discovery->items[0];
+  const std::filesystem::path evidence = FolderOfClouds() / "evidence.h5";
+  const auto ingested = IngestStage({"ingest", item.item, item.options, item.inputs, evidence, {}});
+  ASSERT_TRUE(ingested) << ingested.error().Message();
+  const auto clip = ReadEvidence(evidence);
+  ASSERT_TRUE(clip) << clip.error().Message();
+  EXPECT_EQ(clip->evidence.clouds->sha256, written_files.sha256);
   StageRequest request;
-  for (std::filesystem::path& file : clip.evidence.clouds->files) {
-    const std::string name = "clouds/" + file.filename().string();
-    request.inputs.push_back({"depth", name, file, ""});
-    file = name;
-  }
-  ASSERT_TRUE(WriteEvidence(clip, FolderOfClouds() / "evidence.h5"));
-  request.inputs.push_back({"evidence", clip.id(), FolderOfClouds() / "evidence.h5", std::string(64, 'a')});
+  request.inputs = item.inputs;
+  request.inputs.push_back({"evidence", clip->id(), evidence, std::string(64, 'a')});
   request.options = {{"skeleton", "smpl24"}, {"method", "point_clouds"}, {"point_clouds", {{"solver", "banded"}}}};
   request.stage = "proportions";
   request.item = "p1";
@@ -225,7 +245,7 @@ TEST_F(CloudFilesOfStudio, AreMeasuredAndFittedByTheStages) {
   ASSERT_TRUE(measured) << measured.error().Message();
   request.inputs.push_back({"proportions", "p1", request.output, ""});
   request.stage = "fitting";
-  request.item = clip.id();
+  request.item = clip->id();
   request.output = FolderOfClouds() / "fit.h5";
   request.options["point_clouds"]["start"] = {{"facing", takes_[0].told_heading}};
   const auto fitted = FittingStage(request);
