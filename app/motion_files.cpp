@@ -11,6 +11,7 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/store/store.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/sense/source_declaration.h"
 #include "ingest/sources/array_clips.h"
@@ -103,7 +104,7 @@ Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptio
   options.path = fs::absolute(path, unknown).lexically_normal();
   SourceOptions& source = options.source;
   source.name = "motions";
-  source.format = SourceFormat::kNpy;
+  source.format = "npy";
   source.other_files = OtherFiles::kIgnore;  // labels and notes beside the arrays
   source.files = "{recording}.npy";
   for (std::ptrdiff_t i = 1; i < depth; ++i) source.files = "{folder" + std::to_string(i) + "}/" + source.files;
@@ -116,7 +117,7 @@ Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptio
   source.skeleton = extractor.skeleton;
   source.damaged_rows = DamagedRows::kRefuse;
   // A generator's faults are what metrics measure: no clip is refused, or repaired, for them.
-  for (const std::string& code : CheckCodes()) source.checks.actions[code] = "ignore";
+  source.checks.IgnoreAll();
   return options;
 }
 
@@ -156,7 +157,7 @@ Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles
     if (!declared) return Forward(declared);
     motions = std::move(*declared);
   }
-  if (!files.lie_bone_lengths.empty() && motions.ingest.source.format != SourceFormat::kNpy) {
+  if (!files.lie_bone_lengths.empty() && !DriverOf(motions.ingest.source.format).HasOption("lie_bone_lengths")) {
     return Fail(ErrorCode::kUsage, "the file holds no bare array, its values cannot be Lie parameters",
                 DisplayPath(files.path), "leave --values and --bone-lengths out");
   }

@@ -113,7 +113,8 @@ Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
 
 /// Whether the clips come with rotations. Motions of a store have them or not.
 bool HasRotations(const IngestOptions& ingest) {
-  if (ingest.source.format != SourceFormat::kMotions) return DriverOf(ingest.source.format).rotations;
+  const FormatDriver& driver = DriverOf(ingest.source.format);
+  if (!driver.stored) return driver.rotations;
   return HasStoredRotations(ingest.path);
 }
 

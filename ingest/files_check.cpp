@@ -102,7 +102,7 @@ Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& ite
     other = found;
   }
   return Fail(ErrorCode::kConfig,
-              "the source is declared " + FormatName(source.format) + ", its files are " + other->name + ", e.g. '" +
+              "the source is declared " + source.format + ", its files are " + other->name + ", e.g. '" +
                   items[0].inputs[0].name + "'",
               "ingest.source.format", "write what they are, or mend ingest.source.files or ingest.path");
 }

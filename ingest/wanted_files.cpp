@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {
@@ -25,7 +26,8 @@ std::vector<WantedFile> Named(const IngestOptions& ingest) {
     wanted.push_back(std::move(file));
   };
   if (source.container.empty()) {
-    want(source.files, IsGathered(source.format) ? "a clip together, but for {camera} and {frame}" : "a clip each");
+    want(source.files,
+         DriverOf(source.format).gathered() ? "a clip together, but for {camera} and {frame}" : "a clip each");
   }
   for (const std::string& file : source.calibration) want(file, "calibration of the cameras");
   want(source.mask_files, "masks of the person");

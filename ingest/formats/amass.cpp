@@ -278,7 +278,6 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file) {
 const FormatDriver& AmassFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kAmass;
     d.name = "amass";
     d.inspected = "amass";
     d.gives = Gives::kMotion;
@@ -286,6 +285,8 @@ const FormatDriver& AmassFormat() {
     d.unit = UnitOf::kMetres;
     d.says_rate = true;
     d.lengths_assumed = true;
+    d.tree = "smpl24";
+    d.zeros = "; the file does not say where the body goes";
     d.options = {"annotations", "annotation_roles"};
     d.to_clip = ReadAmassClip;
     return d;

@@ -337,7 +337,6 @@ Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
 const FormatDriver& AsfAmcFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kAsfAmc;
     d.name = "asf_amc";
     d.inspected = "amc";
     d.kind = FileKind::kAmc;

@@ -206,7 +206,6 @@ Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std
 const FormatDriver& BvhFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kBvh;
     d.name = "bvh";
     d.inspected = "bvh";
     d.kind = FileKind::kBvh;

@@ -173,12 +173,12 @@ Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, co
 const FormatDriver& DepthSequenceFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kDepthSequence;
     d.name = "depth_sequence";
     d.inspected = "depth_sequence";
     d.gives = Gives::kDepthViews;
     d.unit = UnitOf::kCalibration;
     d.says_rate = true;
+    d.has_truth = true;
     d.check = CheckDepthFiles;
     d.options = {"depth_files", "depth_unit"};
     d.to_clip = ReadDepthSequenceClip;

@@ -186,7 +186,6 @@ Expected<JointLayout> TableLayout(const SourceOptions& s) {
 const FormatDriver& JointTableFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kJointTable;
     d.name = "joint_table";
     d.inspected = "joint_table";
     d.kind = FileKind::kNumbers;

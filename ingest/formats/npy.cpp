@@ -299,13 +299,13 @@ Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std
 const FormatDriver& NpyFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kNpy;
     d.name = "npy";
     d.inspected = "npy";
     d.kind = FileKind::kNpy;
     d.gives = Gives::kMotion;
     d.needs_skeleton = true;
     d.lists_joints = true;
+    d.holds_clips = true;
     d.options = {"lie_bone_lengths"};
     d.to_clip = ReadArraySource;
     return d;

@@ -40,6 +40,10 @@ Status CheckViews(const SourceOptions& s) {
 
 Status CheckNtu(const SourceOptions& source) {
   if (Status bodies = CheckBodies(source); !bodies) return bodies;
+  if (ByBoxes(source.people.rule)) {
+    return Fail(ErrorCode::kConfig, "UESTC's rule reads boxes in an image, which ntu_skeleton has not",
+                "ingest.source.people.rule", "motion, official, presence or nearest");
+  }
   return CheckViews(source);
 }
 
@@ -181,7 +185,6 @@ Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file) {
 const FormatDriver& NtuSkeletonFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kNtuSkeleton;
     d.name = "ntu_skeleton";
     d.inspected = "ntu_skeleton";
     d.kind = FileKind::kNtuSkeleton;

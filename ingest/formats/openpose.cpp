@@ -246,12 +246,11 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
 const FormatDriver& OpenPoseFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kOpenPose;
     d.name = "openpose";
     d.inspected = "openpose";
     d.gives = Gives::kKeypoints;
     d.unit = UnitOf::kCalibration;
-    d.gathered = true;
+    d.gathered_by = {"camera", "frame"};
     d.check = CheckGathered;
     d.options = {"calibration", "camera_pose", "cameras", "keypoints", "subjects", "depth_files", "depth_unit"};
     d.to_clip = ReadOpenPoseClip;

@@ -98,7 +98,6 @@ Expected<ObservedFile> ObservePhspd(const FileBytes& file) {
 const FormatDriver& PhspdFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kPhspd;
     d.name = "phspd";
     d.inspected = "phspd_pose";
     d.kind = FileKind::kNumbers;

@@ -4,33 +4,51 @@
 
 namespace mocurate {
 
-const std::vector<const FormatDriver*>& FormatDrivers() {
+// One a format, each in the file of its name.
+const FormatDriver& JointTableFormat();
+const FormatDriver& BvhFormat();
+const FormatDriver& NpyFormat();
+const FormatDriver& DepthSequenceFormat();
+const FormatDriver& NtuSkeletonFormat();
+const FormatDriver& AsfAmcFormat();
+const FormatDriver& AmassFormat();
+const FormatDriver& ExpmapFormat();
+const FormatDriver& PhspdFormat();
+const FormatDriver& VibeTracksFormat();
+const FormatDriver& UestcFormat();
+const FormatDriver& HumanAct12PickleFormat();
+const FormatDriver& MotionsFormat();
+const FormatDriver& OpenPoseFormat();
+const FormatDriver& DepthViewsFormat();
+const FormatDriver& PanopticFormat();
+
+namespace {
+
+std::vector<const FormatDriver*>& AllFormats() {
   static const FormatDriver none;
-  static const std::vector<const FormatDriver*> drivers = {&none,
-                                                           &JointTableFormat(),
-                                                           &BvhFormat(),
-                                                           &NpyFormat(),
-                                                           &DepthSequenceFormat(),
-                                                           &NtuSkeletonFormat(),
-                                                           &AsfAmcFormat(),
-                                                           &AmassFormat(),
-                                                           &ExpmapFormat(),
-                                                           &PhspdFormat(),
-                                                           &VibeTracksFormat(),
-                                                           &UestcFormat(),
-                                                           &HumanAct12PickleFormat(),
-                                                           &MotionsFormat(),
-                                                           &OpenPoseFormat(),
-                                                           &DepthViewsFormat(),
-                                                           &PanopticFormat()};
+  static std::vector<const FormatDriver*> drivers = {&none,
+                                                     &JointTableFormat(),
+                                                     &BvhFormat(),
+                                                     &NpyFormat(),
+                                                     &DepthSequenceFormat(),
+                                                     &NtuSkeletonFormat(),
+                                                     &AsfAmcFormat(),
+                                                     &AmassFormat(),
+                                                     &ExpmapFormat(),
+                                                     &PhspdFormat(),
+                                                     &VibeTracksFormat(),
+                                                     &UestcFormat(),
+                                                     &HumanAct12PickleFormat(),
+                                                     &MotionsFormat(),
+                                                     &OpenPoseFormat(),
+                                                     &DepthViewsFormat(),
+                                                     &PanopticFormat()};
   return drivers;
 }
 
-const FormatDriver& DriverOf(SourceFormat format) {
-  const auto& all = FormatDrivers();
-  const auto own = std::find_if(all.begin(), all.end(), [&](const FormatDriver* d) { return d->format == format; });
-  return own == all.end() ? *all.front() : **own;
-}
+}  // namespace
+
+const std::vector<const FormatDriver*>& FormatDrivers() { return AllFormats(); }
 
 const FormatDriver& DriverOf(std::string_view name) {
   const auto& all = FormatDrivers();
@@ -38,9 +56,14 @@ const FormatDriver& DriverOf(std::string_view name) {
   return own == all.end() ? *all.front() : **own;
 }
 
-std::string FormatName(SourceFormat format) { return DriverOf(format).name; }
+void AddFormat(const FormatDriver& driver) {
+  AllFormats().push_back(&driver);
+  AddSourceFormat(driver.name);
+}
 
-bool IsGathered(SourceFormat format) { return DriverOf(format).gathered; }
+bool FormatDriver::HasOption(std::string_view option) const {
+  return std::find(options.begin(), options.end(), option) != options.end();
+}
 
 Gives GivesOf(const SourceOptions& source) {
   return HasDepthBeside(source) ? Gives::kKeypointsAndDepth : DriverOf(source.format).gives;

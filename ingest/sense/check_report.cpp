@@ -62,12 +62,6 @@ bool Remarked(const ObservedClip& clip, const std::string& code) {
                      [&](const Finding& remark) { return remark.code == code; });
 }
 
-SourceFormat FormatOf(const ObservedClip& clip) {
-  if (clip.format == "amass") return SourceFormat::kAmass;
-  if (clip.format == "ntu_skeleton") return SourceFormat::kNtuSkeleton;
-  return clip.format == "joint_table" ? SourceFormat::kJointTable : SourceFormat::kNone;
-}
-
 /// A clip in metres with y up.
 struct ClipInMetres {
   ClipInMetres(const ObservedClip& clip, const std::string& units, const std::string& up, double rate_hz);
@@ -147,7 +141,7 @@ void ReportChecks(const ObservedClip& clip, const std::string& units, const std:
   LeaveOutIdleRoot(clip, metres.confidence);
   const CheckOptions options;
   std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known, rate ? 0 : kLostWithoutRate);
-  SayWhatZerosAre(FormatOf(clip), found);
+  SayWhatZerosAre(clip.format, found);
   found.insert(found.end(), std::make_move_iterator(unseen.begin()), std::make_move_iterator(unseen.end()));
   CheckPath(clip, options, metres, up, found);
   if (!Remarked(clip, "no_joint_seen")) {

@@ -158,7 +158,8 @@ void Inspector::AddClips(const std::string& file, const std::vector<ObservedClip
 
 /// The place of a clip: its file, and where it stands in a file of several.
 std::string PlaceOfClip(const ItemSpec& item, const SourceOptions& source) {
-  const std::string name = IsGathered(source.format) ? FolderOf(item.inputs.front().name) : item.inputs.front().name;
+  const std::string name =
+      DriverOf(source.format).gathered() ? FolderOf(item.inputs.front().name) : item.inputs.front().name;
   if (item.options.contains("array")) return name + item.options.at("array").get<std::string>();
   if (item.options.contains("entry")) return name + "[" + std::to_string(item.options.at("entry").get<int>()) + "]";
   return item.options.contains("body") ? name + "[" + std::to_string(item.options.at("body").get<int>() - 1) + "]"
@@ -187,7 +188,7 @@ void Inspector::AddItem(const ItemSpec& item) {
   }
   const auto refuse = [&](Error error) {
     error.where = Below(error.where);
-    AddError(error, where, FaultCode(error, FormatName(source_->format)), findings());
+    AddError(error, where, FaultCode(error, source_->format), findings());
   };
   if (!read) return refuse(read.error());
   for (const Finding& finding : read->outcome.findings) {
@@ -200,7 +201,7 @@ void Inspector::AddItem(const ItemSpec& item) {
   clip.format = DriverOf(source_->format).inspected;
   const std::string file = Below(item.inputs.front().name);
   clip.id = where.size() > file.size() ? where.substr(file.size()) : "";
-  Json report = DeclaredReport(clip, IsGathered(source_->format) ? where : file, *source_, findings());
+  Json report = DeclaredReport(clip, DriverOf(source_->format).gathered() ? where : file, *source_, findings());
   report["item"] = item.item;
   report["person"] = ReportValue(read->clip.identity.person, "declared", 1.0, "the source");
   report["label"] = ReportValue(read->clip.label, "declared", 1.0, "the source");

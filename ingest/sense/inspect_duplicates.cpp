@@ -16,8 +16,7 @@ void SeenMotions::Add(const ObservedClip& clip, const nlohmann::json& report) {
 }
 
 void SeenMotions::Tell(const CheckOptions& options, nlohmann::json& findings) const {
-  const DuplicateLimits limits{options.duplicate_distance, static_cast<int>(options.shared_frames)};
-  for (const Duplicate& pair : FindDuplicates(signatures_, limits)) {
+  for (const Duplicate& pair : FindDuplicates(signatures_, DuplicateLimitsOf(options))) {
     const Finding finding = DuplicateFinding(pair, ids_[pair.first], signatures_[pair.first], signatures_[pair.second]);
     if (options.ActionFor(finding.code) == OnFinding::kIgnore) continue;
     findings.push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, ids_[pair.second]),

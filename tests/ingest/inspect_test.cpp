@@ -77,7 +77,7 @@ class Inspection : public ::testing::Test {
 SourceOptions KardSource() {
   SourceOptions source;
   source.name = "kard";
-  source.format = SourceFormat::kJointTable;
+  source.format = "joint_table";
   source.files = "a{action}_s{person}_e{repetition}_realworld.txt";
   source.units = "mm";
   source.axes = "+x +y -z";
@@ -224,7 +224,7 @@ TEST_F(Inspection, ATreeThatIsNotTheDeclaredOneNamesTheJointsThatDiffer) {
   NEEDS_DATA();
   SourceOptions source;
   source.name = "bandai2";
-  source.format = SourceFormat::kBvh;
+  source.format = "bvh";
   source.files = "{clip}.bvh";
   source.units = "cm";
   source.axes = "+x +y +z";

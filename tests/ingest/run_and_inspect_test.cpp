@@ -102,7 +102,7 @@ class CutFiles : public WrittenFormats {
     IngestOptions options;
     options.path = folder_;
     options.source.name = "cut";
-    options.source.format = SourceFormat::kBvh;
+    options.source.format = "bvh";
     options.source.files = "{action}_{person}.bvh";
     options.source.units = "cm";
     options.source.axes = "+x +y +z";
