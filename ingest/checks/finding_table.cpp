@@ -13,12 +13,12 @@ CheckLimit Frames(double value, const char* help, const char* source, double lea
   return {"frames", value, Unit::kNone, {least, 1e6}, help, source, true};
 }
 
-const char* Name(OnFinding action) {
+const char* ActionText(OnFinding action) {
   if (action == OnFinding::kDrop) return "drop";
   return action == OnFinding::kDropRecorded ? "drop_recorded" : "report";
 }
 
-const char* Symbol(Unit unit) {
+const char* UnitText(Unit unit) {
   if (unit == Unit::kMetre) return " m";
   return unit == Unit::kMetrePerSecond ? " m/s" : "";
 }
@@ -272,9 +272,9 @@ std::string FindingTables() {
     std::string limits;
     for (const CheckLimit& limit : kind.limits) {
       limits += (limits.empty() ? "`" : "; `") + std::string(limit.name) + ": " + FormatDouble(limit.value) +
-                Symbol(limit.unit) + "` " + limit.help + ", " + limit.source;
+                UnitText(limit.unit) + "` " + limit.help + ", " + limit.source;
     }
-    checks += row + " " + limits + " | " + Name(kind.by_default) + " |\n";
+    checks += row + " " + limits + " | " + ActionText(kind.by_default) + " |\n";
   }
   return "What is wrong with a clip; `checks` sets limits and, as `action`, one of `ignore`, `report`, `missing`, "
          "`drop`"
