@@ -192,7 +192,7 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
                   : amass.pose_columns == 156  ? "smplh"
                   : amass.pose_columns == 165  ? "smplx"
                                                : "smpl";
-  clip.skeleton_from = "declared";
+  clip.skeleton_from = Provenance::kDeclared;
   clip.skeleton_confidence = 1.0;
   clip.skeleton_evidence = clip.layout_evidence;
   clip.units = "m";

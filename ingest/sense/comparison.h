@@ -1,12 +1,12 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/geometry/axes.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/measure.h"
 
 namespace mocurate {
@@ -65,8 +65,5 @@ inline constexpr std::size_t kFewestVotes = 5;
 /// contradicts a correct one.
 inline constexpr std::size_t kFewestDenials = 3;
 inline constexpr double kAgreement = 0.95;
-
-/// As many as a report says.
-inline double FourDecimals(double value) { return std::round(value * 1e4) / 1e4; }
 
 }  // namespace mocurate

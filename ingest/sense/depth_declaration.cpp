@@ -4,7 +4,6 @@
 #include <cctype>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
 #include "core/formats/png.h"
@@ -14,8 +13,6 @@
 
 namespace mocurate {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr std::size_t kMostImages = 5000;
 
@@ -60,13 +57,11 @@ std::string CameraPattern(const std::string& name, const std::vector<std::string
   return pattern.substr(0, begin) + "{frame:" + std::to_string(end - begin) + "}" + pattern.substr(end);
 }
 
-std::vector<std::string> CamerasOf(const Json& inspection) {
+std::vector<std::string> CamerasOf(const Inspection& inspection) {
   std::vector<std::string> ids;
-  for (const Json& camera : inspection.at("cameras")) ids.push_back(camera.at("id"));
-  if (!ids.empty() && inspection.at("cameras").front().at("format") == "opencv_views") {
-    return NamesOfCameras(ids).cameras;
-  }
-  return ids;
+  for (const InspectedCamera& camera : inspection.cameras) ids.push_back(camera.id);
+  const bool views = !ids.empty() && inspection.cameras.front().format == "opencv_views";
+  return views ? NamesOfCameras(ids).cameras : ids;
 }
 
 }  // namespace
@@ -113,17 +108,20 @@ std::string GuessImages(const std::vector<std::string>& names, const std::vector
       ->first;
 }
 
-bool IsDepthViews(const Json& inspection) {
-  if (inspection.at("cameras").empty()) return false;
-  const Json& companions = inspection.at("companions");
-  return std::any_of(companions.begin(), companions.end(), [](const Json& companion) {
-    if (companion.at("format") != "png" || !companion.contains("facts")) return false;
-    const Json& facts = companion.at("facts");
-    return facts.value("bits", 0.0) == 16.0 && facts.value("channels", 0.0) == 1.0;
-  });
+bool IsDepthViews(const Inspection& inspection) {
+  const auto is_depth = [](const ObservedCompanion& companion) {
+    const std::map<std::string, double> numbers(companion.numbers.begin(), companion.numbers.end());
+    const auto holds = [&](const char* key, double value) {
+      const auto number = numbers.find(key);
+      return number != numbers.end() && number->second == value;
+    };
+    return companion.format == "png" && holds("bits", 16.0) && holds("channels", 1.0);
+  };
+  return !inspection.cameras.empty() &&
+         std::any_of(inspection.companions.begin(), inspection.companions.end(), is_depth);
 }
 
-std::string GuessDepthBeside(const Json& inspection, const std::filesystem::path& path, bool by_recording) {
+std::string GuessDepthBeside(const Inspection& inspection, const std::filesystem::path& path, bool by_recording) {
   if (!IsDepthViews(inspection)) return "";
   std::string pattern = GuessImages(ImagesBelow(path, true), CamerasOf(inspection), "camera");
   const std::size_t slash = pattern.find('/');
@@ -131,7 +129,7 @@ std::string GuessDepthBeside(const Json& inspection, const std::filesystem::path
   return by_recording ? "{recording}" + pattern.substr(slash) : pattern;
 }
 
-void WriteDepthViews(const Json& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
+void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
   const std::vector<std::string> cameras = CamerasOf(inspection);
   const std::vector<std::string> images = ImagesBelow(path, true);
   const std::string pattern = GuessImages(images, cameras, "camera");

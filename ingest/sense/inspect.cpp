@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
 
@@ -17,6 +16,7 @@
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/fault_codes.h"
 #include "ingest/sense/file_kind.h"
+#include "ingest/sense/file_names.h"
 #include "ingest/sense/inspect_annotations.h"
 #include "ingest/sense/inspect_duplicates.h"
 #include "ingest/sense/inspect_files.h"
@@ -29,14 +29,12 @@
 namespace mocurate {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
 
 /// A fault that several files meet, as motions do their skeleton's, is told once.
-void AddError(const Error& error, const std::string& file, const std::string& code, Json& findings) {
-  Json finding = InspectionFinding(code, Severity::kError, error.where.empty() ? file : error.where, 0.0,
-                                   error.what + (error.hint.empty() ? "" : " (" + error.hint + ")"));
+void AddError(const Error& error, const std::string& file, const std::string& code, std::vector<Finding>& findings) {
+  Finding finding = FindingAt(error.where.empty() ? file : error.where, code, Severity::kError, 0.0,
+                              error.what + (error.hint.empty() ? "" : " (" + error.hint + ")"));
   if (std::find(findings.begin(), findings.end(), finding) == findings.end()) findings.push_back(std::move(finding));
 }
 
@@ -61,14 +59,7 @@ class Inspector {
   void Look(const FileToInspect& file);
   /// Clips of several files, and what belongs to the whole.
   void Finish(const std::string& path);
-  Json inspection = {{"path", ""},
-                     {"format", "unknown"},
-                     {"clips", Json::array()},
-                     {"groups", Json::array()},
-                     {"cameras", Json::array()},
-                     {"clouds", Json::array()},
-                     {"companions", Json::array()},
-                     {"findings", Json::array()}};
+  Inspection inspection;
 
  private:
   Status Read(const FileToInspect& file, FileKind kind);
@@ -77,11 +68,9 @@ class Inspector {
   std::string Below(const std::string& name) const;
   void AddItem(const ItemSpec& item);
   void AddLeftOut(const std::filesystem::path& folder, const ItemResult& file);
-  void AddClips(const std::string& file, const std::vector<ObservedClip>& clips);
-  void AddRest(const ObservedFile& file, const std::string& name);
-  void AddSequence(const ObservedFile& file, const std::string& name);
+  void Add(const ObservedFile& file, const std::string& name);
   void AddVideos();
-  Json& findings() { return inspection["findings"]; }
+  std::vector<Finding>& findings() { return inspection.findings; }
 
   const std::optional<SourceOptions>& source_;
   std::set<std::filesystem::path> read_, refused_by_run_;
@@ -123,8 +112,7 @@ Status Inspector::Read(const FileToInspect& file, FileKind kind) {
   }
   const Expected<ObservedFile> observed = ObserveFile(content);
   if (!observed) return Forward(observed);
-  AddClips(file.name, observed->clips);
-  AddRest(*observed, file.name);
+  Add(*observed, file.name);
   return {};
 }
 
@@ -147,13 +135,6 @@ Status Inspector::AddStoragesBeside(const FileToInspect& file) {
     sequences_.AddBeside({*bytes, DisplayPath(path.filename()), path});
   }
   return {};
-}
-
-void Inspector::AddClips(const std::string& file, const std::vector<ObservedClip>& clips) {
-  for (const ObservedClip& clip : clips) {
-    inspection["clips"].push_back(ClipReport(clip, file, findings()));
-    if (!source_) motions_.Add(clip, inspection["clips"].back());
-  }
 }
 
 /// The place of a clip: its file, and where it stands in a file of several.
@@ -191,8 +172,7 @@ void Inspector::AddItem(const ItemSpec& item) {
   };
   if (!read) return refuse(read.error());
   for (const Finding& finding : read->outcome.findings) {
-    findings().push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, where),
-                                           FourDecimals(finding.value), finding.message));
+    findings().push_back(FindingAt(PlaceOf(finding, where), Rounded(finding)));
   }
   if (read->outcome.kind == OutcomeKind::kRefused && read->outcome.findings.empty()) refuse(read->outcome.error);
   if (!kept) return;
@@ -200,22 +180,19 @@ void Inspector::AddItem(const ItemSpec& item) {
   clip.format = DriverOf(source_->format).inspected;
   const std::string file = Below(item.inputs.front().name);
   clip.id = where.size() > file.size() ? where.substr(file.size()) : "";
-  Json report = DeclaredReport(clip, IsGathered(source_->format) ? where : file, *source_, findings());
-  report["item"] = item.item;
-  report["person"] = ReportValue(read->clip.identity.person, "declared", 1.0, "the source");
-  report["label"] = ReportValue(read->clip.label, "declared", 1.0, "the source");
+  InspectedClip report = DeclaredReport(clip, IsGathered(source_->format) ? where : file, *source_, findings());
+  report.item = item.item;
+  report.person = Report<std::string>(read->clip.identity.person, Provenance::kDeclared, 1.0, "the source");
+  report.label = Report<std::string>(read->clip.label, Provenance::kDeclared, 1.0, "the source");
   motions_.Add(clip, report);
-  inspection["clips"].push_back(std::move(report));
+  inspection.clips.push_back(std::move(report));
 }
 
 /// What a rule leaves out is not looked at.
 void Inspector::AddLeftOut(const std::filesystem::path& folder, const ItemResult& file) {
   const std::string code = file.outcome.findings.empty() ? std::string() : file.outcome.findings.front().code;
   if (code == "excluded" || code == "known_issue") read_.insert(folder / file.outcome.error.where);
-  for (const Finding& finding : file.outcome.findings) {
-    findings().push_back(
-        InspectionFinding(finding.code, finding.severity, Below(file.item), finding.value, finding.message));
-  }
+  for (const Finding& finding : file.outcome.findings) findings().push_back(FindingAt(Below(file.item), finding));
 }
 
 /// Whether a file that is asked for by itself is one of the source: by its name, or, of sources whose clips are single
@@ -262,11 +239,12 @@ void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vecto
   IngestOptions options;
   options.path = path;
   options.source = *source_;
+  const std::string name = DisplayPath(path.filename());
   if (!folder_ && !IsOfSource(path, options)) {
-    findings().push_back(InspectionFinding("name_mismatch", Severity::kWarning, DisplayPath(path.filename()), 0.0,
-                                           "the file is not what the source declares, '" +
-                                               (source_->container.empty() ? source_->files : source_->container) +
-                                               "': looked at without the source"));
+    findings().push_back(FindingAt(name, "name_mismatch", Severity::kWarning, 0.0,
+                                   "the file is not what the source declares, '" +
+                                       (source_->container.empty() ? source_->files : source_->container) +
+                                       "': looked at without the source"));
     return;
   }
   const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
@@ -281,17 +259,13 @@ void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vecto
                        : about("skeleton") ? "unknown_skeleton"
                                            : nullptr;
     if (code == nullptr && error.code == ErrorCode::kNotFound) {
-      findings().push_back(
-          InspectionFinding("name_mismatch", Severity::kWarning, DisplayPath(path.filename()), 0.0, error.Message()));
+      findings().push_back(FindingAt(name, "name_mismatch", Severity::kWarning, 0.0, error.Message()));
     } else {
-      AddError(error, DisplayPath(path.filename()), code != nullptr ? code : std::string(Name(error.code)), findings());
+      AddError(error, name, code != nullptr ? code : std::string(Name(error.code)), findings());
     }
     return;
   }
-  for (const Finding& finding : found->findings) {
-    findings().push_back(InspectionFinding(finding.code, finding.severity, DisplayPath(path.filename()), finding.value,
-                                           finding.message));
-  }
+  for (const Finding& finding : found->findings) findings().push_back(FindingAt(name, finding));
   if (!folder_ && source_->container.empty() && !found->items.empty())
     below_ = FolderOf(found->items[0].inputs[0].name);
   if (!folder_ && !below_.empty()) below_ += "/";
@@ -299,23 +273,16 @@ void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vecto
   for (const ItemSpec& item : found->items) AddItem(item);
 }
 
-void Inspector::AddSequence(const ObservedFile& file, const std::string& name) {
-  AddClips(name, file.clips);
-  AddRest(file, name);
-}
-
-void Inspector::AddRest(const ObservedFile& file, const std::string& name) {
-  for (const Calibration& calibration : file.calibrations) {
-    ReportCameras(calibration, name, inspection["cameras"], findings());
+void Inspector::Add(const ObservedFile& file, const std::string& name) {
+  for (const ObservedClip& clip : file.clips) {
+    inspection.clips.push_back(ClipReport(clip, name, findings()));
+    if (!source_) motions_.Add(clip, inspection.clips.back());
   }
-  for (const ObservedCloud& cloud : file.clouds) inspection["clouds"].push_back(CloudReport(cloud, name, findings()));
-  for (const ObservedCompanion& companion : file.companions) {
-    inspection["companions"].push_back(CompanionReport(companion));
-  }
+  for (const Calibration& calibration : file.calibrations) ReportCameras(calibration, name, inspection);
+  for (const ObservedCloud& cloud : file.clouds) ReportCloud(cloud, name, inspection);
+  inspection.companions.insert(inspection.companions.end(), file.companions.begin(), file.companions.end());
   annotated_.insert(annotated_.end(), file.annotated.begin(), file.annotated.end());
-  for (const Finding& remark : file.remarks) {
-    findings().push_back(InspectionFinding(remark.code, remark.severity, name, remark.value, remark.message));
-  }
+  for (const Finding& remark : file.remarks) findings().push_back(FindingAt(name, remark));
 }
 
 void Inspector::AddVideos() {
@@ -338,7 +305,7 @@ void Inspector::AddVideos() {
                            {"height", facts.height},
                            {"duration_s", facts.frames / facts.rate_hz}};
     }
-    inspection["companions"].push_back(CompanionReport(companion));
+    inspection.companions.push_back(std::move(companion));
   }
 }
 
@@ -346,8 +313,8 @@ void Inspector::AddVideos() {
 void Inspector::Look(const FileToInspect& file) {
   if (read_.count(file.path) != 0) return;
   if (!file.regular) {
-    findings().push_back(InspectionFinding("no_regular_file", folder_ ? Severity::kWarning : Severity::kError,
-                                           file.name, 0.0, "is no regular file: not read"));
+    findings().push_back(FindingAt(file.name, "no_regular_file", folder_ ? Severity::kWarning : Severity::kError, 0.0,
+                                   "is no regular file: not read"));
     return;
   }
   std::error_code unknown;
@@ -404,15 +371,20 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
   }
   const std::size_t before = findings().size();
   AddError(error, file.name, CodeOf(error, kind), findings());
-  if (error.reason == Reason::kCount && findings().size() > before) findings().back()["value"] = error.number;
+  if (error.reason == Reason::kCount && findings().size() > before) findings().back().value = error.number;
 }
 
-std::string FormatTold(const Json& inspection) {
+/// What stands beside clips does not make them mixed.
+std::string FormatOf(const Inspection& inspection) {
   std::set<std::string> formats;
-  for (const char* list : {"clips", "cameras", "clouds", "companions"}) {
-    if (!formats.empty()) break;  // what stands beside clips does not make them mixed
-    for (const Json& entry : inspection.at(list)) formats.insert(entry.at("format").get<std::string>());
-  }
+  const auto add = [&](const auto& entries) {
+    if (!formats.empty()) return;
+    for (const auto& entry : entries) formats.insert(entry.format);
+  };
+  add(inspection.clips);
+  add(inspection.cameras);
+  add(inspection.clouds);
+  add(inspection.companions);
   if (formats.empty()) return "unknown";
   return formats.size() == 1 ? *formats.begin() : "mixed";
 }
@@ -430,43 +402,38 @@ void Inspector::Finish(const std::string& path) {
   for (const Refused& refused : refused_) {
     if (!sequences_.Claim(refused.file.name, refused.error)) Refuse(refused.file, refused.kind, refused.error);
   }
-  for (const auto& [folder, file] : sequences_.Finish(folder_)) AddSequence(file, folder.empty() ? path : folder);
+  for (const auto& [folder, file] : sequences_.Finish(folder_)) Add(file, folder.empty() ? path : folder);
   AddVideos();
   if (!others_.empty()) {
+    findings().push_back(FindingAt(others_.front(), "other_files", Severity::kInfo, static_cast<double>(others_.size()),
+                                   std::to_string(others_.size()) + (others_.size() == 1 ? " file is" : " files are") +
+                                       " of no known format" + CommonReason(reasons_)));
+  }
+  CompareGroups(inspection);
+  CompareAnnotations(annotated_, inspection);
+  motions_.Compare(source_ ? source_->checks : CheckOptions(), findings());
+  inspection.format = FormatOf(inspection);
+  if (folder_ && inspection.format == "unknown") {
     findings().push_back(
-        InspectionFinding("other_files", Severity::kInfo, others_.front(), static_cast<double>(others_.size()),
-                          std::to_string(others_.size()) + (others_.size() == 1 ? " file is" : " files are") +
-                              " of no known format" + CommonReason(reasons_)));
+        FindingAt(path, "no_clips", Severity::kError, 0.0, "no file of the folder holds motion in a known format"));
   }
-  TellByGroup(inspection["clips"], findings());
-  TellCutMeshes(inspection["clouds"], findings());
-  TellAnnotations(annotated_, inspection["clips"], findings());
-  motions_.Tell(source_ ? source_->checks : CheckOptions(), findings());
-  const bool nothing = inspection["clips"].empty() && inspection["cameras"].empty() && inspection["clouds"].empty() &&
-                       inspection["companions"].empty();
-  if (folder_ && nothing) {
-    findings().push_back(InspectionFinding("no_clips", Severity::kError, path, 0.0,
-                                           "no file of the folder holds motion in a known format"));
-  }
-  inspection["format"] = FormatTold(inspection);
-  inspection["groups"] = GroupsOf(inspection["clips"]);
 }
 
 }  // namespace
 
-Json InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source,
-                 const VideoProbe& videos, const InspectProgress& progress) {
+Inspection InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source,
+                       const VideoProbe& videos, const InspectProgress& progress) {
   std::error_code unknown;
   Inspector inspector(source, std::filesystem::is_directory(path, unknown), videos);
-  inspector.inspection["path"] = DisplayPath(path);
+  inspector.inspection.path = DisplayPath(path);
   if (!std::filesystem::exists(path, unknown)) {
     AddError({ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(path), ""}, "", "not_found",
-             inspector.inspection["findings"]);
+             inspector.inspection.findings);
     return inspector.inspection;
   }
   std::vector<FileToInspect> files;
   if (Status listed = ListFiles(path, files); !listed) {
-    AddError(listed.error(), "", "unreadable", inspector.inspection["findings"]);
+    AddError(listed.error(), "", "unreadable", inspector.inspection.findings);
     return inspector.inspection;
   }
   if (source) inspector.ReadDeclared(path, files);

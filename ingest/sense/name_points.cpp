@@ -74,7 +74,7 @@ bool RecogniseOrder(ObservedClip& clip) {
   clip.set_rate_hz = best.order->set_rate_hz;
   clip.set_says = best.order->set_says;
   clip.skeleton = best.order->told.empty() ? best.order->skeleton : best.order->told;
-  clip.skeleton_from = "measured";
+  clip.skeleton_from = Provenance::kMeasured;
   clip.skeleton_evidence = Words(best);
   clip.skeleton_confidence = 1.0 - best.score.total() / BodyScore::kBodyLike;
   if (chosen + 1 < scores.size()) {
@@ -110,7 +110,7 @@ void DoubtPositions(ObservedClip& clip) {
 
 void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   clip.skeleton = source.skeleton;
-  clip.skeleton_from = "declared";
+  clip.skeleton_from = Provenance::kDeclared;
   clip.skeleton_confidence = 1.0;
   clip.names = source.joints;
   const auto skeleton = KnownSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
@@ -148,7 +148,7 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
 void FollowFormat(const std::string& skeleton, const std::vector<std::string>& joints, const std::string& evidence,
                   ObservedClip& clip) {
   clip.skeleton = skeleton;
-  clip.skeleton_from = "declared";
+  clip.skeleton_from = Provenance::kDeclared;
   clip.skeleton_confidence = 1.0;
   clip.skeleton_evidence = evidence;
   clip.names = joints;

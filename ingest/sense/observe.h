@@ -14,6 +14,7 @@
 #include "core/formats/panoptic_bodies.h"
 #include "core/formats/vibe_pickle.h"
 #include "ingest/sense/frame_names.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/observed_clip.h"
 #include "ingest/sources/exported_motion.h"
@@ -26,14 +27,6 @@ struct ObservedCloud {
   std::vector<Vector3d> points;
   std::vector<int> places;  ///< (points) in the file: the line of an OBJ, else the number from 0
   std::size_t triangles = 0;
-};
-
-/// What stands beside motion: a skeleton, labels, poses of a scan, a body model, images.
-struct ObservedCompanion {
-  std::string file;
-  std::string format;
-  std::vector<std::pair<std::string, std::string>> texts;
-  std::vector<std::pair<std::string, double>> numbers;
 };
 
 /// A motion that an annotation file speaks of.

@@ -136,7 +136,7 @@ ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format)
   }
   if (track.joints == 49) {
     clip.skeleton = "spin49";
-    clip.skeleton_from = "declared";
+    clip.skeleton_from = Provenance::kDeclared;
     clip.skeleton_confidence = 1.0;
     clip.skeleton_evidence = "49 joints of VIBE and SPIN";
     clip.points = PointsOfSpin();

@@ -79,7 +79,7 @@ ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const st
   if (points > 0) clip.missing_share = static_cast<double>(missing) / static_cast<double>(points);
   const Measured layout = SenseKeypointLayout(everybody);
   clip.skeleton = layout.value;
-  clip.skeleton_from = layout.value.empty() ? "unknown" : "measured";
+  clip.skeleton_from = layout.value.empty() ? Provenance::kUnknown : Provenance::kMeasured;
   clip.skeleton_confidence = layout.confidence;
   clip.skeleton_evidence = layout.evidence;
   std::vector<OpenPosePerson> here;
@@ -139,7 +139,7 @@ std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& sce
     clip.units = "cm";
     clip.names.assign(PanopticJointNames().begin(), PanopticJointNames().begin() + static_cast<std::ptrdiff_t>(joints));
     clip.skeleton = joints == 19 ? "coco19" : "coco15";
-    clip.skeleton_from = "declared";
+    clip.skeleton_from = Provenance::kDeclared;
     clip.skeleton_confidence = 1.0;
     clip.skeleton_evidence = "joints19 or joints15 of the file";
     clip.points = FindHandednessPoints([&](std::string_view name) -> std::optional<int> {

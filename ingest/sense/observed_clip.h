@@ -8,6 +8,7 @@
 
 #include "core/base/finding.h"
 #include "ingest/options.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/joint_orders.h"
 #include "ingest/sense/root_scale.h"
 
@@ -47,7 +48,7 @@ struct ObservedClip {
   std::vector<std::pair<std::string, std::string>> facts;
 
   std::string skeleton;  ///< known order or tree; empty: unknown
-  std::string skeleton_from = "unknown";
+  Provenance skeleton_from = Provenance::kUnknown;
   double skeleton_confidence = 0.0;
   std::string skeleton_evidence;
   std::string layout_evidence;  ///< how frames and joints were told

@@ -74,7 +74,7 @@ void FollowTree(const std::vector<int>& parents, const std::string& evidence, Ob
   clip.parents = parents;
   clip.points = PointsOfTree(clip.names, parents);
   clip.skeleton = "own tree of " + std::to_string(clip.joints) + " joints";
-  clip.skeleton_from = "declared";
+  clip.skeleton_from = Provenance::kDeclared;
   clip.skeleton_confidence = 1.0;
   clip.skeleton_evidence = evidence;
   for (const char* known : {"bandai22", "cmu31", "smpl24"}) {

@@ -58,7 +58,7 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
   observed.rate_evidence = "of the clip";
   observed.layout_evidence = "as the source declares";
   observed.skeleton = source.skeleton;
-  observed.skeleton_from = "declared";
+  observed.skeleton_from = Provenance::kDeclared;
   observed.skeleton_confidence = 1.0;
   for (const auto& [key, text] : clip.provenance) observed.facts.emplace_back(key, text);
   const FormatDriver& driver = DriverOf(source.format);
