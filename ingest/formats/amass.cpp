@@ -40,30 +40,21 @@ AmassDoubts DoubtsOfAmass(const Amass& amass, const std::string& name) {
 constexpr int kBodyJoints = 22;  // what SMPL, SMPL-H and SMPL-X share
 
 Finding NotTheSubject(const Skeleton& skeleton) {
-  Finding finding;
-  finding.code = "bones_not_the_subjects";
-  finding.severity = Severity::kInfo;
-  finding.message =
-      "the file gives the body's shape as numbers of a body model that is not here: bone lengths are those "
-      "of skeleton '" +
-      skeleton.name +
-      "', and the pelvis lies at `trans`, which the model's rest pelvis (0.2 to 0.4 m, constant over the "
-      "clip) is missing from";
-  finding.message += "; rest offsets of the skeleton used";
-  finding.action = FindingAction::kKept;
-  return finding;
+  return MakeFinding("bones_not_the_subjects", Severity::kInfo, 0.0,
+                     "the file gives the body's shape as numbers of a body model that is not here: bone lengths are "
+                     "those of skeleton '" +
+                         skeleton.name +
+                         "', and the pelvis lies at `trans`, which the model's rest pelvis (0.2 to 0.4 m, constant "
+                         "over the clip) is missing from; rest offsets of the skeleton used",
+                     FindingAction::kKept);
 }
 
 Status AddSegments(const SourceFile& file, Clip& clip, std::size_t frames, std::vector<Finding>& findings) {
   if (file.source.annotations.empty()) return {};
   if (file.annotation.empty()) {
-    Finding finding;
-    finding.code = "not_annotated";
-    finding.severity = Severity::kInfo;
-    finding.message = "no annotation file speaks of this motion";
-    finding.message += "; kept without labels";
-    finding.action = FindingAction::kKept;
-    findings.push_back(std::move(finding));
+    findings.push_back(MakeFinding("not_annotated", Severity::kInfo, 0.0,
+                                   "no annotation file speaks of this motion; kept without labels",
+                                   FindingAction::kKept));
     return {};
   }
   const Expected<std::vector<BabelSequence>> sequences = ParseBabel(file.annotation, file.name + " (annotation)");

@@ -49,14 +49,11 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
                   name,
                   "a tree of fixed bones cannot hold it; raise ingest.source.max_slide to use the middle of its range");
     }
-    Finding finding;
-    finding.code = "bone_slides";
-    finding.joint = bvh.joints[j].name;
-    finding.value = slide;
-    finding.message = "the bone changes its length by " + RoundedText(slide, 3) + " m over the clip";
-    finding.message += "; middle of its range used";
-    finding.action = FindingAction::kKept;
-    findings.push_back(finding);
+    findings.push_back(MakeFinding(
+        "bone_slides", Severity::kWarning, slide,
+        "the bone changes its length by " + RoundedText(slide, 3) + " m over the clip; middle of its range used",
+        FindingAction::kKept));
+    findings.back().joint = bvh.joints[j].name;
   }
   return {};
 }
@@ -137,8 +134,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
       MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
   MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
-    path->action =
-        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
+    path->action = ContradictionAction(source);
     ingested.findings.push_back(*std::move(path));
   }
   if (offsets.carrier > 0) {

@@ -6,6 +6,7 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "ingest/folder_listing.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sources/pattern.h"
 
@@ -73,9 +74,8 @@ std::string OtherTaken(const GuessedNames& guessed, const std::vector<std::strin
     if (pattern && pattern->Match(name) && std::find(names.begin(), names.end(), name) == names.end()) return name;
   }
   const std::filesystem::path beside = (folder / names.front()).parent_path();
-  std::error_code error;
-  for (std::filesystem::directory_iterator at(beside, error), end; !error && at != end; at.increment(error)) {
-    const std::string name = DisplayPath(at->path().lexically_relative(folder));
+  for (const std::filesystem::path& entry : EntriesOf(beside)) {
+    const std::string name = DisplayPath(entry.lexically_relative(folder));
     if (pattern && pattern->Match(name) && std::find(names.begin(), names.end(), name) == names.end()) return name;
   }
   return "";

@@ -7,6 +7,7 @@
 
 #include "core/base/file.h"
 #include "core/formats/png.h"
+#include "ingest/folder_listing.h"
 #include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/gathered_names.h"
@@ -74,17 +75,11 @@ void ReplaceParts(std::string& text, const std::string& from, const std::string&
 
 std::vector<std::string> ImagesBelow(const std::filesystem::path& folder, bool depth, const std::string& part) {
   std::vector<std::string> all;
-  std::error_code error;
-  for (std::filesystem::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    const std::string ending = at->path().extension().string();
+  for (const std::filesystem::path& file : FilesBelow(folder)) {
+    const std::string ending = file.extension().string(), name = file.lexically_relative(folder).native();
     const bool image = ending == ".png" || (!depth && (ending == ".jpg" || ending == ".jpeg"));
-    std::error_code unknown;
-    if (image && at->is_regular_file(unknown)) all.push_back(at->path().lexically_relative(folder).native());
+    if (image && (part.empty() || FindPart(name, part, 0) != std::string::npos)) all.push_back(name);
   }
-  const auto other = [&](const std::string& name) {
-    return !part.empty() && FindPart(name, part, 0) == std::string::npos;
-  };
-  all.erase(std::remove_if(all.begin(), all.end(), other), all.end());
   std::sort(all.begin(), all.end());
   std::vector<std::string> names;
   for (const std::string& name : all) {

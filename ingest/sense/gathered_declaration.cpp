@@ -3,6 +3,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "ingest/folder_listing.h"
 #include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/gathered_names.h"
 
@@ -10,13 +11,10 @@ namespace mocurate {
 std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
                                  const std::set<std::string>& endings) {
   std::vector<std::string> names;
-  std::error_code error;
-  for (std::filesystem::directory_iterator at(path / folder, error), end; !error && at != end; at.increment(error)) {
-    if (endings.count(at->path().extension().string()) == 0) continue;
-    const std::string name = DisplayPath(at->path().filename());
-    names.push_back(folder.empty() ? name : folder + "/" + name);
+  for (const std::filesystem::path& entry : EntriesOf(path / folder)) {
+    const std::string name = DisplayPath(entry.filename());
+    if (endings.count(entry.extension().string()) != 0) names.push_back(folder.empty() ? name : folder + "/" + name);
   }
-  std::sort(names.begin(), names.end());
   return names;
 }
 

@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/png.h"
+#include "ingest/chosen_clips.h"
 #include "ingest/discover.h"
 #include "ingest/formats/driver.h"
 #include "ingest/read_motions.h"
@@ -55,16 +56,16 @@ class Inspector {
       : source_(source), folder_(folder), probe_(probe) {}
 
   /// What a run of the source makes of the path. Files that it reads are not looked at again.
-  void ReadDeclared(const std::filesystem::path& path, const std::vector<FileToInspect>& files);
-  void Look(const FileToInspect& file);
+  void ReadDeclared(const std::filesystem::path& path, const std::vector<FolderFile>& files);
+  void Look(const FolderFile& file);
   /// Clips of several files, and what belongs to the whole.
   void Finish(const std::string& path);
   Inspection inspection;
 
  private:
-  Status Read(const FileToInspect& file, FileKind kind);
-  void Refuse(const FileToInspect& file, FileKind kind, const Error& error);
-  Status AddStoragesBeside(const FileToInspect& file);
+  Status Read(const FolderFile& file, FileKind kind);
+  void Refuse(const FolderFile& file, FileKind kind, const Error& error);
+  Status AddStoragesBeside(const FolderFile& file);
   std::string Below(const std::string& name) const;
   void AddItem(const ItemSpec& item);
   void AddLeftOut(const std::filesystem::path& folder, const ItemResult& file);
@@ -77,13 +78,13 @@ class Inspector {
   std::string below_;  ///< the folder asked for, from that of the source on
   bool folder_;
   const VideoProbe& probe_;
-  std::vector<FileToInspect> videos_;
+  std::vector<FolderFile> videos_;
   ObservedSequences sequences_;
   SeenMotions motions_;
   std::vector<AnnotatedMotion> annotated_;
   /// Files that could not be read, which may be frames of a sequence.
   struct Refused {
-    FileToInspect file;
+    FolderFile file;
     FileKind kind;
     Error error;
   };
@@ -93,7 +94,7 @@ class Inspector {
 };
 
 /// Into the sequences, or at once.
-Status Inspector::Read(const FileToInspect& file, FileKind kind) {
+Status Inspector::Read(const FolderFile& file, FileKind kind) {
   const Expected<std::string> bytes = ReadFile(file.path);
   if (!bytes) return Forward(bytes);
   const FileBytes content{*bytes, file.name, file.path};
@@ -117,16 +118,9 @@ Status Inspector::Read(const FileToInspect& file, FileKind kind) {
 }
 
 /// A rig is two storages, intri and extri: asked for one of them, the other is looked for where it lies.
-Status Inspector::AddStoragesBeside(const FileToInspect& file) {
-  std::vector<std::filesystem::path> beside;
-  std::error_code error;
-  const std::filesystem::path folder = file.path.has_parent_path() ? file.path.parent_path() : ".";
-  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    if (at->path().extension() == file.path.extension() && at->path().filename() != file.path.filename())
-      beside.push_back(at->path());
-  }
-  std::sort(beside.begin(), beside.end());
-  for (const std::filesystem::path& path : beside) {
+Status Inspector::AddStoragesBeside(const FolderFile& file) {
+  for (const std::filesystem::path& path : EntriesOf(file.path.has_parent_path() ? file.path.parent_path() : ".")) {
+    if (path.extension() != file.path.extension() || path.filename() == file.path.filename()) continue;
     const Expected<std::string> head = ReadHead(path);
     if (!head || (KindOf(*head) != FileKind::kOpenCvYaml && head->find("<opencv_storage") == std::string::npos))
       continue;
@@ -140,10 +134,9 @@ Status Inspector::AddStoragesBeside(const FileToInspect& file) {
 /// The place of a clip: its file, and where it stands in a file of several.
 std::string PlaceOfClip(const ItemSpec& item, const SourceOptions& source) {
   const std::string name = IsGathered(source.format) ? FolderOf(item.inputs.front().name) : item.inputs.front().name;
-  if (item.options.contains("array")) return name + item.options.at("array").get<std::string>();
-  if (item.options.contains("entry")) return name + "[" + std::to_string(item.options.at("entry").get<int>()) + "]";
-  return item.options.contains("body") ? name + "[" + std::to_string(item.options.at("body").get<int>() - 1) + "]"
-                                       : name;
+  const std::string place = PlaceInFile(item);
+  if (!place.empty() || !item.options.contains("body")) return name + place;
+  return name + "[" + std::to_string(item.options.at("body").get<int>() - 1) + "]";
 }
 
 /// The name of a file in the folder asked for, of one below the source's.
@@ -214,7 +207,7 @@ bool IsOfSource(const std::filesystem::path& path, IngestOptions& options) {
 }
 
 /// Where the folder asked for is one below the source's: the files of that one alone.
-Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<FileToInspect>& files, int depth,
+Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<FolderFile>& files, int depth,
                                   std::string& below) {
   const std::filesystem::path asked = options.path;
   Expected<Discovery> found = Discover(options);
@@ -226,7 +219,7 @@ Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<File
     below = DisplayPath(options.path.filename()) + "/" + below;
     options.path = options.path.parent_path();
     std::set<std::string> names;
-    for (const FileToInspect& file : files) names.insert(below + file.name);
+    for (const FolderFile& file : files) names.insert(below + file.name);
     Expected<Discovery> above = Discover(options, names);
     if (above) return above;
   }
@@ -235,7 +228,7 @@ Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<File
   return found;
 }
 
-void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vector<FileToInspect>& files) {
+void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vector<FolderFile>& files) {
   IngestOptions options;
   options.path = path;
   options.source = *source_;
@@ -287,7 +280,7 @@ void Inspector::Add(const ObservedFile& file, const std::string& name) {
 
 void Inspector::AddVideos() {
   std::vector<std::filesystem::path> paths;
-  for (const FileToInspect& video : videos_) paths.push_back(video.path);
+  for (const FolderFile& video : videos_) paths.push_back(video.path);
   const std::vector<Expected<VideoFacts>> answers = probe_ ? probe_(paths) : std::vector<Expected<VideoFacts>>();
   for (std::size_t i = 0; i < videos_.size(); ++i) {
     ObservedCompanion companion{videos_[i].name, "video", {}, {}};
@@ -310,9 +303,9 @@ void Inspector::AddVideos() {
 }
 
 /// Files of unknown content are errors where they are asked for, and counted in a folder.
-void Inspector::Look(const FileToInspect& file) {
+void Inspector::Look(const FolderFile& file) {
   if (read_.count(file.path) != 0) return;
-  if (!file.regular) {
+  if (!file.problem.empty()) {
     findings().push_back(FindingAt(file.name, "no_regular_file", folder_ ? Severity::kWarning : Severity::kError, 0.0,
                                    "is no regular file: not read"));
     return;
@@ -348,7 +341,7 @@ void Inspector::Look(const FileToInspect& file) {
     Refuse(file, kind, read.error());
 }
 
-void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& error) {
+void Inspector::Refuse(const FolderFile& file, FileKind kind, const Error& error) {
   if (refused_by_run_.count(file.path) != 0) return;
   if (folder_ && kind == FileKind::kUnknown) {
     others_.push_back(file.name);
@@ -431,15 +424,15 @@ Inspection InspectPath(const std::filesystem::path& path, const std::optional<So
              inspector.inspection.findings);
     return inspector.inspection;
   }
-  std::vector<FileToInspect> files;
-  if (Status listed = ListFiles(path, files); !listed) {
-    AddError(listed.error(), "", "unreadable", inspector.inspection.findings);
+  const Expected<std::vector<FolderFile>> files = FilesToInspect(path);
+  if (!files) {
+    AddError(files.error(), "", "unreadable", inspector.inspection.findings);
     return inspector.inspection;
   }
-  if (source) inspector.ReadDeclared(path, files);
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    inspector.Look(files[i]);
-    if (progress) progress(i + 1, files.size());
+  if (source) inspector.ReadDeclared(path, *files);
+  for (std::size_t i = 0; i < files->size(); ++i) {
+    inspector.Look((*files)[i]);
+    if (progress) progress(i + 1, files->size());
   }
   inspector.Finish(DisplayPath(path.filename().empty() ? path.parent_path().filename() : path.filename()));
   return inspector.inspection;

@@ -45,6 +45,13 @@ struct ObservedFile {
   std::vector<ObservedCompanion> companions;
   std::vector<AnnotatedMotion> annotated;
   std::vector<Finding> remarks;
+
+  /// One that holds a companion and nothing else.
+  static ObservedFile Of(ObservedCompanion companion) {
+    ObservedFile file;
+    file.companions.push_back(std::move(companion));
+    return file;
+  }
 };
 
 /// Bytes of a file. `name` for messages, `path` for what lies beside it.
@@ -130,6 +137,7 @@ Expected<ObservedFile> ObserveUestcInfo(const FileBytes& file);
 /// "count_contradiction" of a video, or of the file where it holds others than are named.
 void CompareUestcInfo(const std::filesystem::path& cache, ObservedFile& observed);
 Expected<ObservedFile> ObserveBabel(const FileBytes& file);
+Expected<ObservedFile> ObserveCalibration(const FileBytes& file);
 Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const std::string& name);
 Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes, const std::string& name);
 Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, const std::string& name);

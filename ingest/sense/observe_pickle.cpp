@@ -3,7 +3,6 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/formats/camera_files.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/pickle.h"
 #include "core/formats/vibe_pickle.h"
@@ -70,15 +69,6 @@ Expected<ObservedFile> VibeCacheIn(const FileBytes& file) {
     observed.clips.back().id = "[" + std::to_string(video) + "]";
   }
   CompareUestcInfo(file.path, observed);
-  return observed;
-}
-
-/// The original pickle of one rig of PHSPD.
-Expected<ObservedFile> PhspdRigIn(const FileBytes& file) {
-  Expected<Calibration> calibration = ParseCalibration(file.bytes, file.name);
-  if (!calibration) return Forward(calibration);
-  ObservedFile observed;
-  observed.calibrations.push_back(std::move(*calibration));
   return observed;
 }
 
@@ -161,12 +151,8 @@ Expected<ObservedFile> ObservePickle(const FileBytes& file) {
   if (!pickle) return Forward(pickle);
   const PickleRef top = pickle->top();
   if (top.Find("joints3D") && top.Find("y")) return HumanAct12In(file);
-  ObservedFile observed;
-  if (top.Find("v_template")) {
-    observed.companions.push_back({file.name, "body_model", {}, {}});
-    return observed;
-  }
-  if (top.Find("param_p") && top.Find("d1p")) return PhspdRigIn(file);
+  if (top.Find("v_template")) return ObservedFile::Of({file.name, "body_model", {}, {}});
+  if (top.Find("param_p") && top.Find("d1p")) return ObserveCalibration(file);
   const std::optional<PickleRef> joints = top.Find("joints3d");
   const std::optional<PickleRef> pose = joints ? joints : top.Find("pose");
   if (pose && (pose->kind() == PickleKind::kList)) return VibeCacheIn(file);

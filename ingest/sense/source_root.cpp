@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/file.h"
+#include "ingest/folder_listing.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/inspect.h"
 
@@ -50,18 +51,12 @@ SourceRoot RootOfSkeletons(const ClipVotes& source, const fs::path& folder) {
 SourceRoot RootOfCameras(const fs::path& folder, Inspection& inspection) {
   if (!inspection.cameras.empty()) return {folder, ""};
   const SourceRoot above = Above(folder);
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator at(above.folder, error), end; !error && at != end; at.increment(error)) {
-    std::error_code unknown;
-    if (at->is_regular_file(unknown) && at->file_size(unknown) <= kLargestCalibration) files.push_back(at->path());
-  }
-  std::sort(files.begin(), files.end());
+  const std::set<std::string> endings = {".toml", ".json", ".xml", ".yml", ".yaml", ".txt"};
   std::set<std::pair<std::string, std::string>> known_cameras;
-  for (const fs::path& file : files) {
-    const std::string ending = file.extension().string();
-    const std::set<std::string> known = {".toml", ".json", ".xml", ".yml", ".yaml", ".txt"};
-    if (known.count(ending) == 0) continue;
+  for (const fs::path& file : EntriesOf(above.folder)) {
+    std::error_code unknown;
+    const bool small = fs::is_regular_file(file, unknown) && fs::file_size(file, unknown) <= kLargestCalibration;
+    if (!small || endings.count(file.extension().string()) == 0) continue;
     const Inspection found = InspectPath(file, std::nullopt);
     // A file of a rig shows the cameras of the file beside it too.
     for (const InspectedCamera& camera : found.cameras) {

@@ -97,14 +97,7 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
 
 void CheckPoints(const SourceOptions& source, const ObservedClip& observed, IngestedClip& ingested) {
   const auto contradict = [&](const std::string& code, double value, std::string message) {
-    Finding finding;
-    finding.code = code;
-    finding.severity = Severity::kError;
-    finding.value = value;
-    finding.message = std::move(message);
-    finding.action =
-        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
-    ingested.findings.push_back(finding);
+    ingested.findings.push_back(Contradiction(source, code, value, std::move(message)));
   };
   for (const Comparison& comparison : CompareFrame(StatementsOf(observed, source), Measure(observed))) {
     const auto told = ingested.shown.find(comparison.code);
