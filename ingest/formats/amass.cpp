@@ -160,11 +160,11 @@ void StandOnTree(const Motion& motion, const std::vector<int>& damaged, Observed
     std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.positions.joints, clip.positions.joints,
                 0.0);
   }
-  const std::string declared = clip.skeleton, evidence = clip.skeleton_evidence;
+  const Reported<std::string> declared = clip.skeleton;
   std::vector<std::string> names;
   for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
-  FollowFormat("smpl24", names, evidence + "; posed on SMPL's tree with standard proportions", clip);
-  clip.skeleton = declared;
+  FollowFormat("smpl24", names, declared.evidence + "; posed on SMPL's tree with standard proportions", clip);
+  clip.skeleton.value = declared.value;
   clip.lengths_assumed = true;
 }
 
@@ -179,13 +179,11 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   const AmassDoubts doubts = DoubtsOfAmass(amass, name);
   clip.rate_doubt = doubts.rate;
   clip.layout_evidence = std::to_string(amass.pose_columns) + " pose numbers a frame";
-  clip.skeleton = !amass.surface_model.empty() ? amass.surface_model
-                  : amass.pose_columns == 156  ? "smplh"
-                  : amass.pose_columns == 165  ? "smplx"
-                                               : "smpl";
-  clip.skeleton_from = Provenance::kDeclared;
-  clip.skeleton_confidence = 1.0;
-  clip.skeleton_evidence = clip.layout_evidence;
+  clip.skeleton = AsDeclared(!amass.surface_model.empty() ? amass.surface_model
+                             : amass.pose_columns == 156  ? "smplh"
+                             : amass.pose_columns == 165  ? "smplx"
+                                                          : "smpl",
+                             clip.layout_evidence);
   clip.units = "m";
   clip.facts.emplace_back("gender", amass.gender.empty() ? "unknown" : amass.gender);
   clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
@@ -240,8 +238,7 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file) {
     return observed;
   }
   if (archive->Find("v_template") != nullptr) {
-    observed.companions.push_back({file.name, "body_model", {}, {}});
-    return observed;
+    return ObservedFile::Of({file.name, "body_model", {}, {}});
   }
   for (const Error& unsafe : archive->unsafe) observed.remarks.push_back(UnsafeMember(unsafe));
   std::optional<Error> exchanged;

@@ -303,7 +303,7 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
     }
   } else {
     clip.silence = "without its skeleton file (.asf) a motion has no lengths";
-    clip.skeleton_evidence = std::to_string(amc->bones.size()) + " moving bones; no skeleton file";
+    clip.skeleton.evidence = std::to_string(amc->bones.size()) + " moving bones; no skeleton file";
     clip.remarks.push_back(MakeFinding("skeleton_missing", Severity::kWarning, 0.0,
                                        "no .asf whose name begins this one's lies beside it" +
                                            (beside.others.empty() ? "" : " (" + beside.others + " are of others)") +

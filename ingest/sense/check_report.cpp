@@ -86,8 +86,9 @@ ClipInMetres::ClipInMetres(const ObservedClip& clip, const std::string& units, c
     for (int j = 0; j < positions.joints; ++j) positions.at(f, j) = map * clip.positions.at(f, j);
   }
   // An order that was guessed by its bones says nothing new of them.
-  if (clip.skeleton_from != Provenance::kDeclared || static_cast<int>(clip.names.size()) != clip.joints) return;
-  if (const auto skeleton = KnownSkeleton(clip.skeleton)) bones = BonesBetween(clip.names, **skeleton);
+  if (clip.skeleton.from != Provenance::kDeclared || static_cast<int>(clip.names.size()) != clip.joints) return;
+  if (const auto skeleton = KnownSkeleton(clip.skeleton.value.value_or("")))
+    bones = BonesBetween(clip.names, **skeleton);
 }
 
 /// A body that goes where its markers do not: its path stands in the file beside theirs.

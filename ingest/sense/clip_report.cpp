@@ -18,7 +18,7 @@ constexpr double kSetSure = 0.5;      // files of a set may have been thinned ou
 /// A declared text, with what was measured beside it; without one the measured one.
 Reported<std::string> DeclaredText(const std::string& text, const std::string& who, const Measured& measured) {
   if (text.empty()) return MeasuredText(measured);
-  Reported<std::string> reported = Report<std::string>(text, Provenance::kDeclared, 1.0, who);
+  Reported<std::string> reported = AsDeclared(text, who);
   if (!measured.value.empty()) {
     reported.measured = Estimate<std::string>{measured.value, FourDecimals(measured.confidence), measured.evidence};
   }
@@ -105,11 +105,10 @@ InspectedClip FactsOfClip(const ObservedClip& clip, const std::string& file, con
   const bool guessed = clip.format == "joint_table" && !source;
   report.joints = Report(clip.joints > 0 ? std::optional(clip.joints) : std::nullopt,
                          guessed ? Provenance::kMeasured : Provenance::kDeclared,
-                         guessed ? clip.skeleton_confidence : 1.0, clip.layout_evidence);
+                         guessed ? clip.skeleton.confidence : 1.0, clip.layout_evidence);
   report.people = Report<int>(clip.people, Provenance::kDeclared, 1.0, clip.people_evidence);
   report.fewest_people = clip.fewest_people;
-  report.skeleton =
-      Report<std::string>(clip.skeleton, clip.skeleton_from, clip.skeleton_confidence, clip.skeleton_evidence);
+  report.skeleton = Report(clip.skeleton.value, clip.skeleton.from, clip.skeleton.confidence, clip.skeleton.evidence);
   report.units = DeclaredText(said.units, said.who, m.units);
   report.up = DeclaredText(said.up, said.who, m.up);
   report.handedness = DeclaredText(said.handedness, said.who, m.handedness);

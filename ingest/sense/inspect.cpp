@@ -175,8 +175,8 @@ void Inspector::AddItem(const ItemSpec& item) {
   clip.id = where.size() > file.size() ? where.substr(file.size()) : "";
   InspectedClip report = DeclaredReport(clip, IsGathered(source_->format) ? where : file, *source_, findings());
   report.item = item.item;
-  report.person = Report<std::string>(read->clip.identity.person, Provenance::kDeclared, 1.0, "the source");
-  report.label = Report<std::string>(read->clip.label, Provenance::kDeclared, 1.0, "the source");
+  report.person = AsDeclared(read->clip.identity.person, "the source");
+  report.label = AsDeclared(read->clip.label, "the source");
   motions_.Add(clip, report);
   inspection.clips.push_back(std::move(report));
 }

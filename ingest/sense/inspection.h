@@ -53,6 +53,10 @@ Reported<T> Report(std::optional<T> value, Provenance from, double confidence, s
   return reported;
 }
 
+inline Reported<std::string> AsDeclared(std::string text, std::string evidence) {
+  return Report<std::string>(std::move(text), Provenance::kDeclared, 1.0, std::move(evidence));
+}
+
 template <class T>
 Reported<T> Unknown(std::string evidence) {
   return Report<T>(std::nullopt, Provenance::kUnknown, 0.0, std::move(evidence));

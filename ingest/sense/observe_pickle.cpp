@@ -125,10 +125,7 @@ ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format)
     clip.remarks.push_back(MakeFinding("malformed", Severity::kError, 0.0, places.error().Message()));
   }
   if (track.joints == 49) {
-    clip.skeleton = "spin49";
-    clip.skeleton_from = Provenance::kDeclared;
-    clip.skeleton_confidence = 1.0;
-    clip.skeleton_evidence = "49 joints of VIBE and SPIN";
+    clip.skeleton = AsDeclared("spin49", "49 joints of VIBE and SPIN");
     clip.points = PointsOfSpin();
   }
   if (track.joints != 49 && track.joints != 0) {

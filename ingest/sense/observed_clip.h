@@ -47,12 +47,9 @@ struct ObservedClip {
   /// What else the file says: ("gender", "male").
   std::vector<std::pair<std::string, std::string>> facts;
 
-  std::string skeleton;  ///< known order or tree; empty: unknown
-  Provenance skeleton_from = Provenance::kUnknown;
-  double skeleton_confidence = 0.0;
-  std::string skeleton_evidence;
-  std::string layout_evidence;  ///< how frames and joints were told
-  std::string units;            ///< where the format says it
+  Reported<std::string> skeleton;  ///< known order or tree
+  std::string layout_evidence;     ///< how frames and joints were told
+  std::string units;               ///< where the format says it
   std::string up;
   std::string handedness;
   std::string axes;  ///< as a source says them

@@ -57,9 +57,7 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
   observed.rate_hz = clip.rate.hz();
   observed.rate_evidence = "of the clip";
   observed.layout_evidence = "as the source declares";
-  observed.skeleton = source.skeleton;
-  observed.skeleton_from = Provenance::kDeclared;
-  observed.skeleton_confidence = 1.0;
+  observed.skeleton = AsDeclared(source.skeleton, "");
   for (const auto& [key, text] : clip.provenance) observed.facts.emplace_back(key, text);
   const FormatDriver& driver = DriverOf(source.format);
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
@@ -76,7 +74,8 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
       observed.parents.push_back(joint.parent);
     }
     observed.points = PointsOfBody(*clip.motion->skeleton);
-    if (source.skeleton.empty()) observed.skeleton = "own tree of " + std::to_string(observed.names.size()) + " joints";
+    if (source.skeleton.empty())
+      observed.skeleton = AsDeclared("own tree of " + std::to_string(observed.names.size()) + " joints", "");
   } else {
     SilenceOf(clip, observed);
     return observed;
@@ -115,7 +114,7 @@ void CheckBody(const SourceOptions& source, IngestedClip& ingested) {
   if (!ingested.clip.evidence.tracks && !ingested.clip.motion) return;
   const ObservedClip observed = ObserveClip(source, ingested.clip);
   CheckPoints(source, observed, ingested);
-  if (!observed.skeleton_evidence.empty())
+  if (!observed.skeleton.evidence.empty())
     ingested.shown["joint_order_contradiction"] = {!observed.remarks.empty(), 1.0};
 }
 
