@@ -80,8 +80,8 @@ Error UnitsOr(const Error& otherwise, const SourceFile& file) {
   if (!observed || observed->empty()) return otherwise;
   const ClipMeasures measures = Measure(observed->front());
   for (const Comparison& comparison : CompareFrame(StatementsOf(observed->front(), file.source), measures)) {
-    if (comparison.code != "units_contradiction" || !comparison.contradicts) continue;
-    return {ErrorCode::kInconsistent, comparison.message, file.name,
+    if (comparison.finding.code != "units_contradiction" || !comparison.contradicts) continue;
+    return {ErrorCode::kInconsistent, comparison.finding.message, file.name,
             "mend ingest.source.units" +
                 (comparison.measured.empty() ? std::string() : ": write `units: " + comparison.measured + "`")};
   }

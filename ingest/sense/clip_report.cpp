@@ -139,7 +139,8 @@ Believed BelievedOf(const Statements& said, const ClipMeasures& m, bool units_do
   if (units_doubted) believed.units = "";
   for (const Comparison& comparison : CompareFrame(said, m)) {
     if (!comparison.contradicts) continue;
-    const bool units = comparison.code == "units_contradiction", up = comparison.code == "up_contradiction";
+    const bool units = comparison.finding.code == "units_contradiction",
+               up = comparison.finding.code == "up_contradiction";
     if (units) believed.units = m.units.value;
     if (up) believed.up = m.up.value;
     believed.contradicted = believed.contradicted || units || up;
@@ -175,8 +176,7 @@ InspectedClip ClipReport(const ObservedClip& clip, const std::string& file, std:
   if (clip.rate_doubt) findings.push_back(FindingAt(where, *clip.rate_doubt));
   ReportMissing(m, where, findings);
   for (const Comparison& comparison : CompareFrame(said, m)) {
-    if (!comparison.contradicts) continue;
-    findings.push_back(FindingAt(where, comparison.code, Severity::kError, comparison.value, comparison.message));
+    if (comparison.contradicts) findings.push_back(FindingAt(where, comparison.finding));
   }
   const Believed believed = BelievedOf(said, m, HasFinding(clip.remarks, "units_contradiction"));
   const bool body = !HasFinding(clip.remarks, "not_joint_positions");

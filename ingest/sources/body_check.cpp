@@ -29,13 +29,12 @@ JointPositions InFile(const SourceOptions& source, JointPositions positions) {
 
 /// What to do about a contradiction, in the words of the declaration.
 std::string Advice(const SourceOptions& source, const Comparison& comparison) {
-  if (comparison.code == "units_contradiction" && source.units.empty())
-    return comparison.message + "; files of this format are in metres: repair the files";
-  if (comparison.code == "units_contradiction") return comparison.message + "; mend ingest.source.units";
-  if (comparison.code == "up_contradiction") {
-    return "with axes '" + source.axes + "' " + comparison.message + "; mend ingest.source.axes";
-  }
-  return comparison.message + ": with axes '" + source.axes + "' the motion is " + comparison.measured +
+  const std::string &code = comparison.finding.code, &message = comparison.finding.message;
+  if (code == "units_contradiction" && source.units.empty())
+    return message + "; files of this format are in metres: repair the files";
+  if (code == "units_contradiction") return message + "; mend ingest.source.units";
+  if (code == "up_contradiction") return "with axes '" + source.axes + "' " + message + "; mend ingest.source.axes";
+  return message + ": with axes '" + source.axes + "' the motion is " + comparison.measured +
          "-handed, or left and right are exchanged; mend ingest.source.axes";
 }
 
@@ -95,18 +94,18 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
 }
 
 void CheckPoints(const SourceOptions& source, const ObservedClip& observed, IngestedClip& ingested) {
-  const auto contradict = [&](const std::string& code, double value, std::string message) {
-    ingested.findings.push_back(Contradiction(source, code, value, std::move(message)));
-  };
   for (const Comparison& comparison : CompareFrame(StatementsOf(observed, source), Measure(observed))) {
-    const auto told = ingested.shown.find(comparison.code);
+    const Finding& finding = comparison.finding;
+    const auto told = ingested.shown.find(finding.code);
     if (told != ingested.shown.end() && told->second.contradicts) continue;
-    ingested.shown[comparison.code] = {comparison.contradicts, comparison.weight};
-    if (comparison.contradicts) contradict(comparison.code, comparison.value, Advice(source, comparison));
+    ingested.shown[finding.code] = {comparison.contradicts, comparison.weight};
+    if (!comparison.contradicts) continue;
+    ingested.findings.push_back(Contradiction(source, finding.code, finding.value, Advice(source, comparison)));
   }
   for (const Finding& remark : observed.remarks) {
     if (remark.code != "joint_order_contradiction") continue;
-    contradict(remark.code, remark.value, remark.message + "; mend ingest.source.joints");
+    ingested.findings.push_back(
+        Contradiction(source, remark.code, remark.value, remark.message + "; mend ingest.source.joints"));
   }
 }
 

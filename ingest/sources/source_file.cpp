@@ -200,7 +200,7 @@ FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& 
     ingested.findings.push_back(*std::move(doubt));
   }
   if (!source.rate_hz) return FrameRate::FromHz(file_hz);
-  const std::optional<Comparison> differs = CompareRate(source, file_hz);
+  const std::optional<Finding> differs = CompareRate(source, file_hz);
   ingested.shown["rate_contradiction"] = {differs.has_value(), 1.0};
   if (differs) {
     ingested.findings.push_back(
