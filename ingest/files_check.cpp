@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 
 #include "core/base/text.h"
 #include "ingest/formats/driver.h"
 #include "ingest/sense/file_kind.h"
+#include "ingest/sense/inspect_files.h"
 
 namespace mocurate {
 namespace {
@@ -86,11 +86,7 @@ Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& ite
   const FileKind declared = DriverOf(source.format).kind;
   const FormatDriver* other = nullptr;
   for (const std::size_t at : {std::size_t{0}, items.size() / 2, items.size() - 1}) {
-    std::ifstream file(items[at].inputs[0].path, std::ios::binary);
-    std::string head(kKindHead, '\0');
-    file.read(head.data(), static_cast<std::streamsize>(head.size()));
-    head.resize(static_cast<std::size_t>(file.gcount()));
-    const FormatDriver* found = FormatOfKind(KindOf(head));
+    const FormatDriver* found = FormatOfKind(KindOf(ReadHead(items[at].inputs[0].path).value_or("")));
     if (found == nullptr || found->kind == declared || (other != nullptr && other != found)) return {};
     other = found;
   }

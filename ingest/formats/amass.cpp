@@ -92,16 +92,12 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   Clip& clip = ingested.clip;
   const AmassDoubts doubts = DoubtsOfAmass(*amass, file.name);
   clip.rate = RateOfFile(source, amass->rate_hz, ingested, doubts.rate);
-  const auto bridged = BridgeFrames(amass->damaged, static_cast<int>(amass->frames), clip.rate.hz(), file.name);
-  if (!bridged) return Forward(bridged);
-  const int joints = (*skeleton)->joint_count();
-  Bridge(*bridged, joints, root_translation, *rotation);
-  for (int j = 0; j < joints && !bridged->empty(); ++j) {
-    MakeSignContinuous(rotation->data() + j, amass->frames, static_cast<std::size_t>(joints));
-  }
-  clip.motion = MakeMotion(*skeleton, clip.rate, std::move(root_translation), *std::move(rotation), {});
   ingested.findings.insert(ingested.findings.end(), doubts.findings.begin(), doubts.findings.end());
-  MarkBridged(*bridged, *clip.motion, ingested.findings);
+  if (Status added = AddMotion(amass->damaged, *skeleton, {}, std::move(root_translation), *std::move(rotation),
+                               file.name, ingested);
+      !added) {
+    return Forward(added);
+  }
   ingested.findings.push_back(NotTheSubject(**skeleton));
   if (!amass->gender.empty()) clip.provenance["gender"] = amass->gender;
   if (!amass->surface_model.empty()) clip.provenance["body_model"] = amass->surface_model;

@@ -161,15 +161,11 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
           Quaterniond(Matrix3d(world_from_file * local[j] * world_from_file.transpose())).normalized();
     }
   }
-  const auto bridged = BridgeFrames(amc->damaged, amc->frames, ingested.clip.rate.hz(), file.name);
-  if (!bridged) return Forward(bridged);
-  Bridge(*bridged, static_cast<int>(joints), root_translation, rotation);
-  for (std::size_t j = 0; j < joints; ++j) {
-    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(amc->frames), joints);
+  if (Status added = AddMotion(amc->damaged, fit->skeleton, fit->bone_length, std::move(root_translation),
+                               std::move(rotation), file.name, ingested);
+      !added) {
+    return Forward(added);
   }
-  ingested.clip.motion =
-      MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
-  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
     path->action = ContradictionAction(source);
     ingested.findings.push_back(*std::move(path));

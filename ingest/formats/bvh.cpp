@@ -124,15 +124,11 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
           Quaterniond(Matrix3d(world_from_file * local * world_from_file.transpose())).normalized();
     }
   }
-  const auto bridged = BridgeFrames(bvh->damaged, bvh->frames, ingested.clip.rate.hz(), file.name);
-  if (!bridged) return Forward(bridged);
-  Bridge(*bridged, joints, root_translation, rotation);
-  for (int j = 0; j < joints; ++j) {
-    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(bvh->frames), static_cast<std::size_t>(joints));
+  if (Status added = AddMotion(bvh->damaged, fit->skeleton, fit->bone_length, std::move(root_translation),
+                               std::move(rotation), file.name, ingested);
+      !added) {
+    return Forward(added);
   }
-  ingested.clip.motion =
-      MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
-  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
     path->action = ContradictionAction(source);
     ingested.findings.push_back(*std::move(path));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <map>
 
 #include "core/base/file.h"
@@ -11,6 +10,7 @@
 #include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/gathered_names.h"
+#include "ingest/sense/inspect_files.h"
 
 namespace mocurate {
 namespace {
@@ -18,10 +18,8 @@ namespace {
 constexpr std::size_t kMostImages = 5000;
 
 bool IsDepthPng(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string head(kPngHeaderBytes, '\0');
-  if (!file.read(head.data(), static_cast<std::streamsize>(head.size()))) return false;
-  const Expected<PngHeader> header = ReadPngHeader(head, "");
+  const Expected<std::string> head = ReadHead(path);
+  const Expected<PngHeader> header = ReadPngHeader(head.value_or(""), "");
   return header && header->bits == 16 && header->channels == 1;
 }
 

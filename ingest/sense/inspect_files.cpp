@@ -4,12 +4,12 @@
 #include <fstream>
 
 #include "core/base/file.h"
+#include "ingest/sense/file_kind.h"
 
 namespace mocurate {
 namespace {
 
 constexpr int kDeepest = 6;  // folders below the one that is asked for
-constexpr std::size_t kHeadBytes = 8192;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ Expected<std::string> ReadHead(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file)
     return Fail(ErrorCode::kUnreadable, "the file cannot be opened", DisplayPath(path), "check its permissions");
-  std::string head(kHeadBytes, '\0');
+  std::string head(kKindHead, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(file.gcount()));
   return head;
