@@ -162,7 +162,8 @@ TEST_F(ChangedKard, NoSkeletonIsClaimedWhoseHeadLiesBelowItsTrunk) {
   ASSERT_EQ(inspection.at("clips").size(), 1u);
   EXPECT_NE(Value(inspection.at("clips")[0], "skeleton"), "openni15") << inspection.at("clips")[0].at("skeleton");
   EXPECT_EQ(CountCode(Run(Declared("kard")), "joint_order_contradiction"), 1u);
-  for (const Json& finding : Json(InspectPath(folder_, Declared("kard").source)).at("findings"))
+  const Json declared = InspectPath(folder_, Declared("kard").source);
+  for (const Json& finding : declared.at("findings"))
     EXPECT_THAT(finding.at("message"), Not(HasSubstr("within pi"))) << "millimetres are no rotations";
 }
 
