@@ -45,18 +45,15 @@ Expected<IngestOptions> IngestOf(const ConfigSource& config, const fs::path& pat
 }
 
 /// Files of an inspection that are unusable: a finding of severity error, and no clip.
-std::vector<RefusedClip> UnreadableOf(const nlohmann::json& inspection) {
+std::vector<RefusedClip> UnreadableOf(const Inspection& inspection) {
   std::vector<RefusedClip> unreadable;
-  for (const nlohmann::json& finding : inspection.at("findings")) {
-    if (finding.at("severity") != "error") continue;
-    const std::string where = finding.at("where").get<std::string>();
-    const nlohmann::json& clips = inspection.at("clips");
-    const bool of_a_clip = std::any_of(clips.begin(), clips.end(), [&](const nlohmann::json& clip) {
-      const std::string file = clip.at("file").get<std::string>();
-      return where.compare(0, file.size(), file) == 0;
-    });
-    if (of_a_clip) continue;
-    unreadable.push_back({where, {ErrorCode::kMalformed, finding.at("message").get<std::string>(), where, ""}});
+  for (const Finding& finding : inspection.findings) {
+    const std::string& where = finding.clip;
+    const bool of_a_clip =
+        std::any_of(inspection.clips.begin(), inspection.clips.end(),
+                    [&](const InspectedClip& clip) { return where.compare(0, clip.file.size(), clip.file) == 0; });
+    if (finding.severity != Severity::kError || of_a_clip) continue;
+    unreadable.push_back({where, {ErrorCode::kMalformed, finding.message, where, ""}});
   }
   return unreadable;
 }
@@ -131,7 +128,7 @@ Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string
   };
   if (!source.empty()) return declared(SourceOf(source), path, {});
   if (IsMotionStore(path)) return declared(MotionStoreConfig(path), path, {});
-  const nlohmann::json inspection = InspectPath(path, std::nullopt);
+  const Inspection inspection = InspectPath(path, std::nullopt);
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, path, "motions");
   if (!written) return Forward(written);
   if (!written->unknown.empty()) {

@@ -164,14 +164,9 @@ Expected<StageOutcome> Unusable(const SourceOptions& source, const Error& error,
     outcome.error.hint +=
         std::string(error.hint.empty() ? "" : ", or ") + "set ingest.source.damaged_rows: report to take what it holds";
   }
-  Finding finding;
-  finding.clip = item;
-  finding.code = "count_contradiction";
-  finding.severity = Severity::kError;
-  finding.value = error.number;
-  finding.message = error.where + ": " + error.what;
-  finding.action = FindingAction::kRefused;
-  outcome.findings.push_back(std::move(finding));
+  outcome.findings.push_back(MakeFinding("count_contradiction", Severity::kError, error.number,
+                                         error.where + ": " + error.what, FindingAction::kRefused));
+  outcome.findings.back().clip = item;
   return outcome;
 }
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/sources/pattern.h"
 
@@ -83,11 +84,8 @@ Status CountFiles(const std::filesystem::path& folder, std::vector<WantedFile>& 
   }
   const fs::path whole = fs::absolute(folder, error).lexically_normal();
   const fs::path root = whole.filename().empty() ? whole.parent_path() : whole;
-  fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error);
-  for (const fs::recursive_directory_iterator end; !error && at != end; at.increment(error)) {
-    std::error_code unknown;
-    if (!at->is_regular_file(unknown)) continue;
-    const std::string name = DisplayPath(at->path().lexically_relative(folder));
+  for (const fs::path& file : FilesBelow(folder)) {
+    const std::string name = DisplayPath(file.lexically_relative(folder));
     for (std::size_t i = 0; i < patterns.size(); ++i) CountWanted(patterns[i], root, name, wanted[i]);
   }
   return {};

@@ -49,14 +49,11 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
                   name,
                   "a tree of fixed bones cannot hold it; raise ingest.source.max_slide to use the middle of its range");
     }
-    Finding finding;
-    finding.code = "bone_slides";
-    finding.joint = bvh.joints[j].name;
-    finding.value = slide;
-    finding.message = "the bone changes its length by " + RoundedText(slide, 3) + " m over the clip";
-    finding.message += "; middle of its range used";
-    finding.action = FindingAction::kKept;
-    findings.push_back(finding);
+    findings.push_back(MakeFinding(
+        "bone_slides", Severity::kWarning, slide,
+        "the bone changes its length by " + RoundedText(slide, 3) + " m over the clip; middle of its range used",
+        FindingAction::kKept));
+    findings.back().joint = bvh.joints[j].name;
   }
   return {};
 }
@@ -83,8 +80,8 @@ Error UnitsOr(const Error& otherwise, const SourceFile& file) {
   if (!observed || observed->empty()) return otherwise;
   const ClipMeasures measures = Measure(observed->front());
   for (const Comparison& comparison : CompareFrame(StatementsOf(observed->front(), file.source), measures)) {
-    if (comparison.code != "units_contradiction" || !comparison.contradicts) continue;
-    return {ErrorCode::kInconsistent, comparison.message, file.name,
+    if (comparison.finding.code != "units_contradiction" || !comparison.contradicts) continue;
+    return {ErrorCode::kInconsistent, comparison.finding.message, file.name,
             "mend ingest.source.units" +
                 (comparison.measured.empty() ? std::string() : ": write `units: " + comparison.measured + "`")};
   }
@@ -127,18 +124,13 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
           Quaterniond(Matrix3d(world_from_file * local * world_from_file.transpose())).normalized();
     }
   }
-  const auto bridged = BridgeFrames(bvh->damaged, bvh->frames, ingested.clip.rate.hz(), file.name);
-  if (!bridged) return Forward(bridged);
-  Bridge(*bridged, joints, root_translation, rotation);
-  for (int j = 0; j < joints; ++j) {
-    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(bvh->frames), static_cast<std::size_t>(joints));
+  if (Status added = AddMotion(bvh->damaged, fit->skeleton, fit->bone_length, std::move(root_translation),
+                               std::move(rotation), file.name, ingested);
+      !added) {
+    return Forward(added);
   }
-  ingested.clip.motion =
-      MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
-  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
-    path->action =
-        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
+    path->action = ContradictionAction(source);
     ingested.findings.push_back(*std::move(path));
   }
   if (offsets.carrier > 0) {

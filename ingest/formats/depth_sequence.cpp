@@ -123,7 +123,7 @@ Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes,
   clip.format = "depth_sequence";
   clip.frames = sequence->frames;
   clip.rate_hz = sequence->fps;
-  clip.skeleton_evidence = std::to_string(sequence->views.size()) + " depth views, no joints";
+  clip.skeleton.evidence = std::to_string(sequence->views.size()) + " depth views, no joints";
   clip.layout_evidence = std::to_string(sequence->views.size()) + " views, " + std::to_string(sequence->labels.size()) +
                          " annotated segments";
   clip.rate_evidence = "fps of the file";
@@ -155,7 +155,7 @@ Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, co
   clip.frames = 1;
   const std::string count = std::to_string(views->value->size());
   clip.layout_evidence = count + " depth views of one moment";
-  clip.skeleton_evidence = count + " depth views, no joints";
+  clip.skeleton.evidence = count + " depth views, no joints";
   clip.silence = "depth views, no joints";
   clip.rate_evidence = "one moment has no rate";
   if (root.Has("frame") && (*document)["frame"].is_string()) {

@@ -86,16 +86,12 @@ void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::ve
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
   if (*middle <= kFits) return;
-  Finding finding;
-  finding.code = "joints_displaced";
-  finding.severity = Severity::kInfo;
-  finding.value = *middle;
-  finding.message = "joints lie " + RoundedText(*middle, 3) +
-                    " m (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
-                    "the subject's body";
-  finding.message += "; rotations kept; the skeleton of joints alone (npy) keeps the places";
-  finding.action = FindingAction::kKept;
-  findings.push_back(std::move(finding));
+  findings.push_back(MakeFinding(
+      "joints_displaced", Severity::kInfo, *middle,
+      "joints lie " + RoundedText(*middle, 3) +
+          " m (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
+          "the subject's body; rotations kept; the skeleton of joints alone (npy) keeps the places",
+      FindingAction::kKept));
 }
 
 /// One clip of humanact12poses.pkl: on a skeleton with SMPL's joints its rotations, the bones as long as between the

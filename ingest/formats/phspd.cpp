@@ -53,9 +53,7 @@ constexpr const char* kShapes = "shape_smpl.txt";
 Expected<ObservedFile> ShapesIn(const FileBytes& file) {
   const Expected<PhspdShape> shape = ParsePhspdShape(file.bytes, file.name);
   if (!shape) return Forward(shape);
-  ObservedFile observed;
-  observed.companions.push_back({file.name, "phspd_shape", {}, {{"frames", static_cast<double>(shape->frame.size())}}});
-  return observed;
+  return ObservedFile::Of({file.name, "phspd_shape", {}, {{"frames", static_cast<double>(shape->frame.size())}}});
 }
 
 Expected<ObservedClip> PosesIn(const FileBytes& file) {

@@ -22,24 +22,14 @@ Expected<ObservedFile> Cloud(Expected<ObservedCloud> cloud) {
   return file;
 }
 
-Expected<ObservedFile> CalibrationIn(const FileBytes& file) {
-  Expected<Calibration> calibration = ParseCalibration(file.bytes, file.name);
-  if (!calibration) return Forward(calibration);
-  ObservedFile observed;
-  observed.calibrations.push_back(std::move(*calibration));
-  return observed;
-}
-
 Expected<ObservedFile> BandaiLabelIn(const FileBytes& file) {
   const Expected<BandaiLabel> label = ParseBandaiLabel(file.bytes, file.name);
   if (!label) return Forward(label);
-  ObservedFile observed;
-  observed.companions.push_back(
+  return ObservedFile::Of(
       {file.name,
        "bandai_label",
        {},
        {{"content", static_cast<double>(label->content)}, {"style", static_cast<double>(label->style)}}});
-  return observed;
 }
 
 Expected<ObservedFile> JsonIn(const FileBytes& file) {
@@ -57,16 +47,14 @@ Expected<ObservedFile> JsonIn(const FileBytes& file) {
     case JsonKind::kOther:
       break;
   }
-  return CalibrationIn(file);
+  return ObserveCalibration(file);
 }
 
 /// A trajectory of a scan looks like a table at first.
 std::optional<ObservedFile> PoseLogIn(const FileBytes& file) {
   const auto poses = ParsePoseLog(file.bytes, file.name);
   if (!poses || poses->empty()) return std::nullopt;
-  ObservedFile observed;
-  observed.companions.push_back({file.name, "pose_log", {}, {{"poses", static_cast<double>(poses->size())}}});
-  return observed;
+  return ObservedFile::Of({file.name, "pose_log", {}, {{"poses", static_cast<double>(poses->size())}}});
 }
 
 Expected<ObservedFile> TableIn(const FileBytes& file) {
@@ -76,6 +64,14 @@ Expected<ObservedFile> TableIn(const FileBytes& file) {
 }
 
 }  // namespace
+
+Expected<ObservedFile> ObserveCalibration(const FileBytes& file) {
+  Expected<Calibration> calibration = ParseCalibration(file.bytes, file.name);
+  if (!calibration) return Forward(calibration);
+  ObservedFile observed;
+  observed.calibrations.push_back(std::move(*calibration));
+  return observed;
+}
 
 Expected<ObservedFile> ObserveFile(const FileBytes& file) {
   if (IsUestcInfo(file.path)) return ObserveUestcInfo(file);
@@ -106,7 +102,7 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file) {
       return Cloud(ObserveCloud(file.bytes, file.name, "obj"));
     case FileKind::kXml:
     case FileKind::kToml:
-      return CalibrationIn(file);
+      return ObserveCalibration(file);
     case FileKind::kJson:
       return JsonIn(file);
     case FileKind::kEmpty:

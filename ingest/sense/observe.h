@@ -14,6 +14,7 @@
 #include "core/formats/panoptic_bodies.h"
 #include "core/formats/vibe_pickle.h"
 #include "ingest/sense/frame_names.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/observed_clip.h"
 #include "ingest/sources/exported_motion.h"
@@ -26,14 +27,6 @@ struct ObservedCloud {
   std::vector<Vector3d> points;
   std::vector<int> places;  ///< (points) in the file: the line of an OBJ, else the number from 0
   std::size_t triangles = 0;
-};
-
-/// What stands beside motion: a skeleton, labels, poses of a scan, a body model, images.
-struct ObservedCompanion {
-  std::string file;
-  std::string format;
-  std::vector<std::pair<std::string, std::string>> texts;
-  std::vector<std::pair<std::string, double>> numbers;
 };
 
 /// A motion that an annotation file speaks of.
@@ -52,6 +45,13 @@ struct ObservedFile {
   std::vector<ObservedCompanion> companions;
   std::vector<AnnotatedMotion> annotated;
   std::vector<Finding> remarks;
+
+  /// One that holds a companion and nothing else.
+  static ObservedFile Of(ObservedCompanion companion) {
+    ObservedFile file;
+    file.companions.push_back(std::move(companion));
+    return file;
+  }
 };
 
 /// Bytes of a file. `name` for messages, `path` for what lies beside it.
@@ -137,6 +137,7 @@ Expected<ObservedFile> ObserveUestcInfo(const FileBytes& file);
 /// "count_contradiction" of a video, or of the file where it holds others than are named.
 void CompareUestcInfo(const std::filesystem::path& cache, ObservedFile& observed);
 Expected<ObservedFile> ObserveBabel(const FileBytes& file);
+Expected<ObservedFile> ObserveCalibration(const FileBytes& file);
 Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const std::string& name);
 Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes, const std::string& name);
 Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, const std::string& name);

@@ -25,7 +25,7 @@ std::optional<ObservedClip> CutReading(const JointTable& rows) {
     whole.values.resize(static_cast<std::size_t>(whole.frames) * static_cast<std::size_t>(rows.columns));
     std::optional<ObservedClip> clip =
         KnownReading(whole, {{joints, joints, 0, rows.columns, {}, RowWords(whole.frames, joints, rows.columns)}});
-    if (!clip || (best && best->skeleton_confidence >= clip->skeleton_confidence)) continue;
+    if (!clip || (best && best->skeleton.confidence >= clip->skeleton.confidence)) continue;
     clip->remarks.push_back(MakeFinding("cut_off", Severity::kError, left_over,
                                         "the file is cut off: " + std::to_string(left_over) + " of the " +
                                             std::to_string(joints) + " rows of a last frame stand at its end"));
@@ -67,7 +67,7 @@ Expected<ObservedClip> BestReading(const JointTable& rows, const std::string& na
       "layout_unknown", Severity::kWarning, least_rough,
       "no known order of joints fits; " + std::to_string(smoothest->joints) +
           " joints a frame give the smoothest motion, with steps of " + RoundedText(least_rough) + " of the body" +
-          (smoothest->skeleton_evidence.empty() ? "" : "; " + smoothest->skeleton_evidence)));
+          (smoothest->skeleton.evidence.empty() ? "" : "; " + smoothest->skeleton.evidence)));
   return std::move(*smoothest);
 }
 

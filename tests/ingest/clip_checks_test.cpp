@@ -245,7 +245,8 @@ TEST(ClipChecks, ASectionThatStandsTwiceIsToldByARunAndByAnInspection) {
   EXPECT_EQ(told.outcome->findings[0].frame_begin, 24);
   EXPECT_EQ(told.outcome->findings[0].value, 10.0);
   EXPECT_EQ(told.outcome->findings[0].action, FindingAction::kFlagged);
-  EXPECT_THAT(InspectPath(options.path, options.source).at("findings").dump(), HasSubstr("frames 24-34"));
+  EXPECT_THAT(nlohmann::json(InspectPath(options.path, options.source)).at("findings").dump(),
+              HasSubstr("frames 24-34"));
 }
 
 TEST(ClipChecks, WhatIsToBeDroppedIsLeftOutByARuleWithValueAndLimit) {
