@@ -215,26 +215,23 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   return clip;
 }
 
-}  // namespace
-
-Expected<ObservedFile> ObserveNpz(const FileBytes& file) {
+/// AMASS, exports, body models (which are only named), and archives of arrays.
+Expected<ObservedFile> NpzIn(const FileBytes& file) {
   const Expected<Npz> archive = ParseNpz(file.bytes, file.name);
   if (!archive) return Forward(archive);
   ObservedFile observed;
   if (const auto exported = ExportedMotionIn(*archive)) {
     Expected<ObservedClip> clip = ObserveExported(*exported, file.name);
     if (!clip) return Forward(clip);
-    observed.clips.push_back(*std::move(clip));
-    return observed;
+    return ObservedFile::Of(*std::move(clip));
   }
   if (archive->Find("trans") != nullptr || archive->Find("poses") != nullptr || archive->Find("pose_body") != nullptr) {
     const Expected<Amass> amass = ParseAmass(file.bytes, file.name, DamagedRows::kReport);
     if (!amass) return Forward(amass);
-    observed.clips.push_back(AmassClip(*amass, file.name));
-    return observed;
+    return ObservedFile::Of(AmassClip(*amass, file.name));
   }
   if (archive->Find("v_template") != nullptr) {
-    return ObservedFile::Of({file.name, "body_model", {}, {}});
+    return ObservedFile::Of(ObservedCompanion{file.name, "body_model", {}, {}});
   }
   for (const Error& unsafe : archive->unsafe) observed.remarks.push_back(UnsafeMember(unsafe));
   std::optional<Error> exchanged;
@@ -259,6 +256,8 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file) {
   return observed;
 }
 
+}  // namespace
+
 const FormatDriver& AmassFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
@@ -272,6 +271,8 @@ const FormatDriver& AmassFormat() {
     d.tree = "smpl24";
     d.zeros = "; the file does not say where the body goes";
     d.options = {"annotations", "annotation_roles"};
+    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kZip; };
+    d.observe = NpzIn;
     d.to_clip = ReadAmassClip;
     return d;
   }();

@@ -252,9 +252,8 @@ void AddPositions(const Asf& asf, const Amc& amc, ObservedClip& clip) {
   if (const auto path = DoubtPath(clip.positions, clip.points)) clip.remarks.push_back(*path);
 }
 
-}  // namespace
-
-Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
+/// With the .asf beside the file or a folder above whose name begins the file's; without one a remark says so.
+Expected<ObservedFile> AmcIn(const FileBytes& file) {
   ObservedClip clip;
   clip.format = "amc";
   clip.rate_evidence = "the file does not say it";
@@ -305,10 +304,10 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
                                            (beside.others.empty() ? "" : " (" + beside.others + " are of others)") +
                                            ": lengths, unit and axes stay unknown"));
   }
-  return std::vector<ObservedClip>{std::move(clip)};
+  return ObservedFile::Of(std::move(clip));
 }
 
-Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
+Expected<ObservedFile> AsfIn(const FileBytes& file) {
   const Expected<Asf> asf = ParseAsf(file.bytes, file.name);
   if (!asf) return Forward(asf);
   ObservedFile observed;
@@ -325,6 +324,8 @@ Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
   return observed;
 }
 
+}  // namespace
+
 const FormatDriver& AsfAmcFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
@@ -336,6 +337,8 @@ const FormatDriver& AsfAmcFormat() {
     d.rotations = true;
     d.check = CheckSkeletonFiles;
     d.options = {"skeleton_files"};
+    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kAsf || kind == FileKind::kAmc; };
+    d.observe = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
     d.to_clip = ReadAsfAmcClip;
     return d;
   }();

@@ -114,10 +114,8 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   return ingested;
 }
 
-}  // namespace
-
-Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes, const std::string& name) {
-  const auto sequence = ParseDepthSequence(bytes, name);
+Expected<ObservedFile> SequenceIn(const FileBytes& file) {
+  const auto sequence = ParseDepthSequence(file.bytes, file.name);
   if (!sequence) return Forward(sequence);
   ObservedClip clip;
   clip.format = "depth_sequence";
@@ -131,13 +129,13 @@ Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes,
   clip.units = "m";
   clip.up = "-y";
   clip.handedness = "right";
-  return std::vector<ObservedClip>{std::move(clip)};
+  return ObservedFile::Of(std::move(clip));
 }
 
-Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, const std::string& name) {
-  const Expected<nlohmann::json> document = ParseJson(bytes, name);
+Expected<ObservedFile> StillIn(const FileBytes& file) {
+  const Expected<nlohmann::json> document = ParseJson(file.bytes, file.name);
   if (!document) return Forward(document);
-  const JsonPlace root{&*document, "", &name};
+  const JsonPlace root{&*document, "", &file.name};
   const Expected<JsonPlace> views = root.Key("views");
   if (!views) return Forward(views);
   if (!views->value->is_object() || views->value->empty()) return views->Bad("views by name are expected");
@@ -167,8 +165,10 @@ Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, co
       clip.handedness = "right";
     }
   }
-  return std::vector<ObservedClip>{std::move(clip)};
+  return ObservedFile::Of(std::move(clip));
 }
+
+}  // namespace
 
 const FormatDriver& DepthSequenceFormat() {
   static const FormatDriver driver = [] {
@@ -181,6 +181,13 @@ const FormatDriver& DepthSequenceFormat() {
     d.has_truth = true;
     d.check = CheckDepthFiles;
     d.options = {"depth_files", "depth_unit"};
+    d.sniff = [](const FileBytes& file, FileKind kind) {
+      const JsonKind json = kind == FileKind::kJson ? JsonKindOf(file.bytes) : JsonKind::kOther;
+      return json == JsonKind::kDepthSequence || json == JsonKind::kDepthStill;
+    };
+    d.observe = [](const FileBytes& file) {
+      return JsonKindOf(file.bytes) == JsonKind::kDepthStill ? StillIn(file) : SequenceIn(file);
+    };
     d.to_clip = ReadDepthSequenceClip;
     return d;
   }();

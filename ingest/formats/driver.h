@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ingest/sense/file_kind.h"
+#include "ingest/sense/observe.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -52,6 +53,10 @@ struct FormatDriver {
   /// Rules of a declaration beyond those of all formats. Error kConfig naming the option. Null: none.
   Status (*check)(const SourceOptions& source) = nullptr;
   Expected<IngestedClip> (*to_clip)(const SourceFile& file) = nullptr;
+  /// Whether a file that is not declared is of this format; null: where its `kind` is the format's.
+  bool (*sniff)(const FileBytes& file, FileKind kind) = nullptr;
+  /// All that such a file says of itself. Null: a clip is found by several files together, or by a declaration alone.
+  Expected<ObservedFile> (*observe)(const FileBytes& file) = nullptr;
   /// Clips of `source.container` below `folder`, in its order. Errors of the format; kNotFound names a missing file.
   Expected<std::vector<ContainerEntry>> (*entries)(const SourceOptions& source,
                                                    const std::filesystem::path& folder) = nullptr;
@@ -65,6 +70,9 @@ const std::vector<const FormatDriver*>& FormatDrivers();
 
 /// Of `none` for a name that no format has.
 const FormatDriver& DriverOf(std::string_view name);
+
+/// The format of a file that is not declared: of those that sniff, else by the first bytes. Null: none observes it.
+const FormatDriver* RecogniseFormat(const FileBytes& file);
 
 /// A format of a program of one's own: configurations may name it from now on. Called before any thread reads clips.
 void AddFormat(const FormatDriver& driver);

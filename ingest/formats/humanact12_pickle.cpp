@@ -147,6 +147,8 @@ const FormatDriver& HumanAct12PickleFormat() {
     d.needs_skeleton = true;
     d.container = Container::kMust;
     d.options = {"container"};
+    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };
+    d.observe = ObservePickle;
     d.to_clip = ReadHumanAct12Clip;
     d.entries = HumanAct12Entries;
     return d;

@@ -194,6 +194,7 @@ const FormatDriver& JointTableFormat() {
     d.zeros = "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
     d.check = CheckTable;
     d.options = {"rows_per_frame", "columns", "layout", "end_word", "least_confidence", "missing"};
+    d.observe = ObserveTable;
     d.to_clip = ReadJointTableClip;
     return d;
   }();

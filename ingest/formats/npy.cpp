@@ -227,13 +227,13 @@ ObservedClip PlacesIn(const NpyArray& array, const ArrayShape& held, std::size_t
   return clip;
 }
 
-}  // namespace
-
-Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name) {
-  const Expected<NpyArray> array = ParseNpy(bytes, name);
+Expected<ObservedFile> NpyIn(const FileBytes& file) {
+  const Expected<NpyArray> array = ParseNpy(file.bytes, file.name);
   if (!array) return Forward(array);
-  return ObserveArray(*array, name);
+  return ObservedFile::Of(ObserveArray(*array, file.name));
 }
+
+}  // namespace
 
 Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name) {
   std::string shape;
@@ -307,6 +307,7 @@ const FormatDriver& NpyFormat() {
     d.lists_joints = true;
     d.holds_clips = true;
     d.options = {"lie_bone_lengths"};
+    d.observe = NpyIn;
     d.to_clip = ReadArraySource;
     return d;
   }();

@@ -133,9 +133,7 @@ ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
   return clip;
 }
 
-}  // namespace
-
-Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file) {
+Expected<ObservedFile> NtuIn(const FileBytes& file) {
   const std::string& name = file.name;
   Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, name, DamagedRows::kReport);
   if (!skeleton) {
@@ -179,8 +177,15 @@ Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file) {
   for (const Finding& finding : skeleton->findings) {
     clips[0].remarks.push_back(finding);
   }
-  return clips;
+  return ObservedFile::Of(std::move(clips));
 }
+
+/// By the name too: of a file cut off behind its counts too little is left.
+bool IsNtu(const FileBytes& file, FileKind kind) {
+  return kind == FileKind::kNtuSkeleton || (kind == FileKind::kUnknown && file.path.extension() == ".skeleton");
+}
+
+}  // namespace
 
 const FormatDriver& NtuSkeletonFormat() {
   static const FormatDriver driver = [] {
@@ -194,6 +199,8 @@ const FormatDriver& NtuSkeletonFormat() {
     d.zeros = "; taken as missing";
     d.check = CheckNtu;
     d.options = {"bodies", "people", "views", "inferred_confidence", "depth_files", "depth_unit"};
+    d.sniff = IsNtu;
+    d.observe = NtuIn;
     d.to_clip = ReadNtuSkeletonClip;
     return d;
   }();

@@ -56,7 +56,8 @@ Expected<ObservedFile> ShapesIn(const FileBytes& file) {
   return ObservedFile::Of({file.name, "phspd_shape", {}, {{"frames", static_cast<double>(shape->frame.size())}}});
 }
 
-Expected<ObservedClip> PosesIn(const FileBytes& file) {
+/// Of damaged rows that are told and left out.
+Expected<ObservedFile> PosesIn(const FileBytes& file) {
   Expected<PhspdTracks> tracks = ReadPhspdTracks(file.bytes, file.name, DamagedRows::kReport);
   if (!tracks) return Forward(tracks);
   ObservedClip clip;
@@ -73,25 +74,17 @@ Expected<ObservedClip> PosesIn(const FileBytes& file) {
     if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
   }
   clip.AddRemarks(tracks->findings);
-  return clip;
+  return ObservedFile::Of(std::move(clip));
+}
+
+/// ".../subject03_group2_time4/pose.txt" or shape_smpl.txt.
+bool IsOfPhspd(const FileBytes& file, FileKind kind) {
+  const std::filesystem::path name = file.path.filename();
+  return kind == FileKind::kNumbers && (name == kPoses || name == kShapes) &&
+         ParsePhspdRecording(DisplayPath(file.path.parent_path().filename())).has_value();
 }
 
 }  // namespace
-
-bool IsOfPhspd(const std::filesystem::path& path) {
-  const std::filesystem::path file = path.filename();
-  return (file == kPoses || file == kShapes) &&
-         ParsePhspdRecording(DisplayPath(path.parent_path().filename())).has_value();
-}
-
-Expected<ObservedFile> ObservePhspd(const FileBytes& file) {
-  if (file.path.filename() == kShapes) return ShapesIn(file);
-  Expected<ObservedClip> clip = PosesIn(file);
-  if (!clip) return Forward(clip);
-  ObservedFile observed;
-  observed.clips.push_back(*std::move(clip));
-  return observed;
-}
 
 const FormatDriver& PhspdFormat() {
   static const FormatDriver driver = [] {
@@ -102,6 +95,8 @@ const FormatDriver& PhspdFormat() {
     d.ending = "pose.txt";
     d.gives = Gives::kJointTracks;
     d.unit = UnitOf::kMetres;
+    d.sniff = IsOfPhspd;
+    d.observe = [](const FileBytes& file) { return file.path.filename() == kShapes ? ShapesIn(file) : PosesIn(file); };
     d.to_clip = ReadPhspdClip;
     return d;
   }();

@@ -56,6 +56,17 @@ const FormatDriver& DriverOf(std::string_view name) {
   return own == all.end() ? *all.front() : **own;
 }
 
+const FormatDriver* RecogniseFormat(const FileBytes& file) {
+  const FileKind kind = KindOf(file.bytes);
+  const FormatDriver* by_kind = nullptr;
+  for (const FormatDriver* driver : FormatDrivers()) {
+    if (driver->observe == nullptr) continue;
+    if (driver->sniff != nullptr && driver->sniff(file, kind)) return driver;
+    if (driver->sniff == nullptr && driver->kind == kind) by_kind = driver;
+  }
+  return by_kind;
+}
+
 void AddFormat(const FormatDriver& driver) {
   AllFormats().push_back(&driver);
   AddSourceFormat(driver.name);

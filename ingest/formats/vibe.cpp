@@ -259,6 +259,8 @@ const FormatDriver& UestcFormat() {
     d.container = Container::kMay;
     d.options = {"container", "root_translation", "people"};
     d.check = CheckStart;
+    d.sniff = [](const FileBytes& file, FileKind) { return IsUestcInfo(file.path); };
+    d.observe = ObserveUestcInfo;
     d.to_clip = ReadUestcClip;
     d.entries = UestcEntries;
     return d;

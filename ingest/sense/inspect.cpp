@@ -316,9 +316,12 @@ void Inspector::Look(const FolderFile& file) {
   const std::uintmax_t size = std::filesystem::file_size(file.path, unknown);
   const Expected<std::string> head = ReadHead(file.path);
   if (!head) return AddError(head.error(), file.name, "unreadable", findings());
-  FileKind kind = IsUestcInfo(file.path) ? FileKind::kUestcInfo : KindOf(*head);
-  const bool of_no_format = kind == FileKind::kUnknown || kind == FileKind::kNumbers;
-  if (of_no_format && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
+  FileKind kind = KindOf(*head);
+  if (kind == FileKind::kUnknown || kind == FileKind::kNumbers) {
+    const FormatDriver* format = RecogniseFormat({*head, file.name, file.path});
+    if (format != nullptr && format->sniff != nullptr)
+      kind = format->kind == FileKind::kUnknown ? FileKind::kSniffed : format->kind;
+  }
   if (folder_ && kind == FileKind::kUnknown) {
     refused_.push_back({file, kind, {ErrorCode::kUnsupported, "is of no known format", file.name, "copy it again"}});
     return;

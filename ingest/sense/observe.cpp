@@ -3,17 +3,10 @@
 #include "core/formats/bandai_label.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/pose_log.h"
-#include "ingest/sense/file_kind.h"
+#include "ingest/formats/driver.h"
 
 namespace mocurate {
 namespace {
-
-Expected<ObservedFile> Clips(Expected<std::vector<ObservedClip>> clips) {
-  if (!clips) return Forward(clips);
-  ObservedFile file;
-  file.clips = std::move(*clips);
-  return file;
-}
 
 Expected<ObservedFile> Cloud(Expected<ObservedCloud> cloud) {
   if (!cloud) return Forward(cloud);
@@ -32,24 +25,6 @@ Expected<ObservedFile> BandaiLabelIn(const FileBytes& file) {
        {{"content", static_cast<double>(label->content)}, {"style", static_cast<double>(label->style)}}});
 }
 
-Expected<ObservedFile> JsonIn(const FileBytes& file) {
-  switch (JsonKindOf(file.bytes)) {
-    case JsonKind::kDepthStill:
-      return Clips(ObserveDepthStill(file.bytes, file.name));
-    case JsonKind::kDepthSequence:
-      return Clips(ObserveDepthSequence(file.bytes, file.name));
-    case JsonKind::kBabel:
-      return ObserveBabel(file);
-    case JsonKind::kBandaiLabel:
-      return BandaiLabelIn(file);
-    case JsonKind::kOpenPose:
-    case JsonKind::kPanopticBodies:
-    case JsonKind::kOther:
-      break;
-  }
-  return ObserveCalibration(file);
-}
-
 /// A trajectory of a scan looks like a table at first.
 std::optional<ObservedFile> PoseLogIn(const FileBytes& file) {
   const auto poses = ParsePoseLog(file.bytes, file.name);
@@ -57,10 +32,10 @@ std::optional<ObservedFile> PoseLogIn(const FileBytes& file) {
   return ObservedFile::Of({file.name, "pose_log", {}, {{"poses", static_cast<double>(poses->size())}}});
 }
 
-Expected<ObservedFile> TableIn(const FileBytes& file) {
-  if (IsOfPhspd(file.path)) return ObservePhspd(file);
-  if (std::optional<ObservedFile> poses = PoseLogIn(file)) return std::move(*poses);
-  return Clips(ObserveTable(file.bytes, file.name));
+Expected<ObservedFile> JsonIn(const FileBytes& file) {
+  const JsonKind kind = JsonKindOf(file.bytes);
+  if (kind == JsonKind::kBabel) return ObserveBabel(file);
+  return kind == JsonKind::kBandaiLabel ? BandaiLabelIn(file) : ObserveCalibration(file);
 }
 
 }  // namespace
@@ -74,26 +49,14 @@ Expected<ObservedFile> ObserveCalibration(const FileBytes& file) {
 }
 
 Expected<ObservedFile> ObserveFile(const FileBytes& file) {
-  if (IsUestcInfo(file.path)) return ObserveUestcInfo(file);
-  switch (KindOf(file.bytes)) {
-    case FileKind::kBvh:
-      return Clips(ObserveBvh(file.bytes, file.name));
-    case FileKind::kNpy:
-      return Clips(ObserveNpy(file.bytes, file.name));
-    case FileKind::kNumbers:
-      return TableIn(file);
-    case FileKind::kNtuSkeleton:
-      return Clips(ObserveNtu(file));
-    case FileKind::kAsf:
-      return ObserveAsf(file);
-    case FileKind::kAmc:
-      return Clips(ObserveAmc(file));
+  const FileKind kind = KindOf(file.bytes);
+  if (kind == FileKind::kNumbers) {
+    if (std::optional<ObservedFile> poses = PoseLogIn(file)) return std::move(*poses);
+  }
+  if (const FormatDriver* format = RecogniseFormat(file)) return format->observe(file);
+  switch (kind) {
     case FileKind::kOpenSim:
-      return Clips(ObserveOpenSim(file.bytes, file.name));
-    case FileKind::kZip:
-      return ObserveNpz(file);
-    case FileKind::kPickle:
-      return ObservePickle(file);
+      return ObserveOpenSim(file);
     case FileKind::kPly:
       return Cloud(ObserveCloud(file.bytes, file.name, "ply"));
     case FileKind::kPcd:
@@ -107,18 +70,10 @@ Expected<ObservedFile> ObserveFile(const FileBytes& file) {
       return JsonIn(file);
     case FileKind::kEmpty:
       return EmptyFile(file.name);
-    case FileKind::kOpenCvYaml:
-    case FileKind::kPng:
-    case FileKind::kJpeg:
-    case FileKind::kVideo:
-    case FileKind::kUestcInfo:
-    case FileKind::kUnknown:
-      break;
+    default:
+      return Fail(ErrorCode::kUnsupported, "the content is none of the known formats", file.name,
+                  "docs/inspect.md lists them");
   }
-  // Too little is left to tell the format by: of no frames, or cut off behind the count.
-  if (file.path.extension() == ".skeleton") return Clips(ObserveNtu(file));
-  return Fail(ErrorCode::kUnsupported, "the content is none of the known formats", file.name,
-              "docs/inspect.md lists them");
 }
 
 }  // namespace mocurate

@@ -148,7 +148,7 @@ Expected<ObservedFile> ObservePickle(const FileBytes& file) {
   if (!pickle) return Forward(pickle);
   const PickleRef top = pickle->top();
   if (top.Find("joints3D") && top.Find("y")) return HumanAct12In(file);
-  if (top.Find("v_template")) return ObservedFile::Of({file.name, "body_model", {}, {}});
+  if (top.Find("v_template")) return ObservedFile::Of(ObservedCompanion{file.name, "body_model", {}, {}});
   if (top.Find("param_p") && top.Find("d1p")) return ObserveCalibration(file);
   const std::optional<PickleRef> joints = top.Find("joints3d");
   const std::optional<PickleRef> pose = joints ? joints : top.Find("pose");

@@ -109,14 +109,15 @@ void TellGuessedConfidence(ObservedClip& clip) {
 
 }  // namespace
 
-Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name) {
+Expected<ObservedFile> ObserveTable(const FileBytes& file) {
+  const auto& [bytes, name, path] = file;
   if (const std::optional<std::string> points = WithDecimalPoints(bytes)) {
-    auto clips = ObserveTable(*points, name);
-    if (clips) clips->front().remarks.push_back(DecimalCommas());
-    return clips;
+    Expected<ObservedFile> observed = ObserveTable({*points, name, path});
+    if (observed) observed->clips.front().remarks.push_back(DecimalCommas());
+    return observed;
   }
   if (std::optional<ObservedClip> rotations = ObserveExpmap(bytes, name))
-    return std::vector<ObservedClip>{std::move(*rotations)};
+    return ObservedFile::Of(*std::move(rotations));
   JointTableLayout layout;
   layout.allow_nan = true;
   layout.end_word = "END";
@@ -144,7 +145,7 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
         MakeFinding("no_joint_seen", Severity::kError, static_cast<double>(clip->frames),
                     "no joint is seen in " + std::to_string(clip->frames) + " of " + Counted(clip->frames, "frame")));
   }
-  return std::vector<ObservedClip>{std::move(*clip)};
+  return ObservedFile::Of(*std::move(clip));
 }
 
 }  // namespace mocurate

@@ -97,8 +97,8 @@ std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::str
   return clip;
 }
 
-Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const std::string& name) {
-  const auto table = ParseOpenSimTable(bytes, name);
+Expected<ObservedFile> ObserveOpenSim(const FileBytes& file) {
+  const auto table = ParseOpenSimTable(file.bytes, file.name);
   if (!table) return Forward(table);
   ObservedClip clip;
   clip.format = "opensim_table";
@@ -125,7 +125,7 @@ Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const
   if (table->in_degrees) clip.facts.emplace_back("angles", *table->in_degrees ? "degrees" : "radians");
   if (const auto doubt = DoubtAngles(*table)) clip.remarks.push_back(*doubt);
   clip.units = table->components == 1 ? "m" : "";
-  return std::vector<ObservedClip>{std::move(clip)};
+  return ObservedFile::Of(std::move(clip));
 }
 
 namespace {

@@ -32,6 +32,16 @@ Expected<IngestedClip> ReadToyClip(const SourceFile& file) {
   return ingested;
 }
 
+/// What a toy says without a declaration: its frames.
+Expected<ObservedFile> ToyIn(const FileBytes& file) {
+  const nlohmann::json rows = nlohmann::json::parse(file.bytes, nullptr, false);
+  if (!rows.is_array()) return Fail(ErrorCode::kMalformed, "the file is no list of frames", file.name);
+  ObservedClip clip;
+  clip.format = "toy";
+  clip.frames = static_cast<int>(rows.size());
+  return ObservedFile::Of(std::move(clip));
+}
+
 class ToyFormat : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -41,15 +51,17 @@ class ToyFormat : public ::testing::Test {
     driver.gives = Gives::kJointTracks;
     driver.lists_joints = true;
     driver.options = {"least_confidence"};
+    driver.sniff = [](const FileBytes& file, FileKind) { return file.path.extension() == ".toy"; };
+    driver.observe = ToyIn;
     driver.to_clip = ReadToyClip;
     AddFormat(driver);
   }
 
   static IngestOptions Source(const std::string& name, const std::string& bytes) {
     const std::filesystem::path folder = FreshFolder(name);
-    Put(folder / "wave_anna.json", bytes);
+    Put(folder / "wave_anna.toy", bytes);
     Put(folder / "toy.yaml",
-        "ingest:\n  path: .\n  source: {name: toys, format: toy, files: '{action}_{person}.json', units: cm,\n"
+        "ingest:\n  path: .\n  source: {name: toys, format: toy, files: '{action}_{person}.toy', units: cm,\n"
         "    axes: '+x +y +z', rate: 20 Hz, joints: [left_hip, right_hip]}\n");
     const auto config = LoadConfig(folder / "toy.yaml", {});
     const auto options = config ? OptionsFromConfig<IngestOptions>(*config->Find("ingest")) : Forward(config);
@@ -73,8 +85,20 @@ TEST_F(ToyFormat, ADeclarationNamesItAndItsClipsAreIngested) {
   EXPECT_TRUE(ingested.clip.evidence.tracks->positions.at(1, 1).isApprox(Vector3d(-0.1, 0.95, 0.05), 1e-6));
 }
 
+TEST_F(ToyFormat, FilesAreRecognisedWithoutADeclaration) {
+  const std::filesystem::path folder = FreshFolder("toy_inspected");
+  Put(folder / "anna.toy", "[[10, 90, 0, -10, 90, 0], [10, 95, 0, -10, 95, 5]]");
+  Put(folder / "torn.toy", "10 90 0");
+  const Inspection inspection = InspectPath(folder, std::nullopt);
+  ASSERT_EQ(inspection.clips.size(), 1u);
+  EXPECT_EQ(inspection.clips[0].format, "toy");
+  EXPECT_EQ(inspection.clips[0].frames.value, 2);
+  ASSERT_EQ(inspection.findings.size(), 1u);
+  EXPECT_EQ(inspection.findings[0].code, "malformed");
+}
+
 TEST_F(ToyFormat, ItsErrorsAndRulesAreThoseOfEveryFormat) {
-  ExpectError(IngestOnly(Source("toy_torn", "[[10, 90"), "toy_torn"), ErrorCode::kMalformed, "wave_anna.json");
+  ExpectError(IngestOnly(Source("toy_torn", "[[10, 90"), "toy_torn"), ErrorCode::kMalformed, "wave_anna.toy");
   IngestOptions options = Source("toy_rules", "[]");
   options.source.columns = {"x", "z", "y"};
   ExpectError(CheckSource(options.source), ErrorCode::kConfig, "ingest.source.columns");
