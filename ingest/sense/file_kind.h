@@ -27,7 +27,7 @@ enum class FileKind {
   kToml,
   kPng,
   kJpeg,
-  kVideo,    ///< AVI, MP4 and its kin, Matroska, MPEG
+  kVideo,   ///< AVI, MP4 and its kin, Matroska, MPEG
   kSniffed  ///< recognised by a format's driver, not by its first bytes
 };
 
