@@ -131,11 +131,10 @@ Status CheckValues(const JobOptions& options, const ConfigNode& node) {
   }
   if (!options.canon.rate.empty()) check.Needs("canon.rate", FrameRate::Parse(options.canon.rate));
   const bool own_tree = DriverOf(source.format).gives == Gives::kMotion && options.fitting.method == FitMethod::kNone;
-  const bool same =
-      options.skeleton == source.skeleton || (source.format == SourceFormat::kAmass && options.skeleton == "smpl24");
+  const bool same = options.skeleton == source.skeleton || options.skeleton == DriverOf(source.format).tree;
   if (own_tree && !same) {
     check.Refuse("skeleton",
-                 "motion of the format " + FormatName(source.format) +
+                 "motion of the format " + source.format +
                      " is kept on the skeleton of its files; no stage brings it to '" + options.skeleton + "'",
                  "take `skeleton` out, or name it as ingest.source.skeleton where the files have that tree");
   }

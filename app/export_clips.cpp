@@ -131,9 +131,9 @@ Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments) {
 /// Checks by which ingest would leave clips or joints out are reported, and the first root, which stands at the origin,
 /// is no finding.
 std::map<std::string, std::string> ActionsOfChecks() {
-  std::map<std::string, std::string> actions = {{"zero_joint", "ignore"}};
+  std::map<std::string, std::string> actions = {{"zero_joint", "{action: ignore}"}};
   for (const std::string& code : CheckCodes()) {
-    if (CheckOptions().ActionFor(code) != OnFinding::kReport) actions[code] = "report";
+    if (CheckOptions().ActionFor(code) != OnFinding::kReport) actions[code] = "{action: report}";
   }
   return actions;
 }
@@ -143,7 +143,7 @@ std::map<std::string, std::string> ActionsOfChecks() {
 Expected<ClipsToExport> OpenClipsToExport(const ExportArguments& arguments) {
   const bool ours = arguments.source.empty() && IsMotionStore(arguments.path);
   Expected<ClipsToExport> open = ours ? OpenDataset(arguments) : ReadFiles(arguments);
-  if (open) open->set.check_actions = ActionsOfChecks();
+  if (open) open->set.checks = ActionsOfChecks();
   return open;
 }
 

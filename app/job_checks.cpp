@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/motion/skeleton.h"
+#include "ingest/formats/driver.h"
 #include "ingest/synthetic/actions.h"
 
 namespace mocurate {
@@ -251,7 +252,8 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
   if (gives == Gives::kMotion) methods.push_back(FitMethod::kNone);
   if (gives == Gives::kKeypointsAndDepth)
     methods.insert(methods.end(), {FitMethod::kKeypoints, FitMethod::kPointClouds});
-  if (options.ingest.source.format == SourceFormat::kNtuSkeleton)  // where its depth files are there
+  if (gives == Gives::kJointTracks &&
+      DriverOf(options.ingest.source.format).HasOption("depth_files"))  // where its depth files are there
     methods.insert(methods.end(), {FitMethod::kPointClouds, FitMethod::kJointsAndClouds});
   const JobStage first = options.fitting.method == FitMethod::kNone ? JobStage::kCanon : JobStage::kProportions;
   const bool suits = std::find(methods.begin(), methods.end(), options.fitting.method) != methods.end();
@@ -263,8 +265,7 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
                        : gives == Gives::kKeypointsAndDepth ? "keypoints_and_clouds"
                                                             : "joint_tracks";
   return Fail(ErrorCode::kConfig,
-              "the method does not suit the format " + FormatName(options.ingest.source.format) + ", which gives " +
-                  Name(gives),
+              "the method does not suit the format " + options.ingest.source.format + ", which gives " + Name(gives),
               "fitting.method", std::string("write `method: ") + wanted + "` under fitting");
 }
 
@@ -311,7 +312,7 @@ Status CheckSplitGroups(const AssembleOptions& options, const Discovery& discove
 std::string JointsWithoutTrack(const JobOptions& options) {
   const SourceOptions& source = options.ingest.source;
   const auto skeleton = LoadSkeleton(options.canon.skeleton);
-  if (source.format != SourceFormat::kJointTable || source.joints.empty() || !skeleton) return "";
+  if (DriverOf(source.format).gives != Gives::kJointTracks || source.joints.empty() || !skeleton) return "";
   std::set<int> given;
   for (const std::string& name : source.joints) {
     if (const auto joint = (*skeleton)->FindJoint(name)) given.insert(*joint);

@@ -174,7 +174,7 @@ class RecordedRotations {
  public:
   bool operator()(const ItemSpec& spec) {
     const FormatDriver& facts = DriverOf(spec.options.value("format", std::string()));
-    if (facts.format != SourceFormat::kMotions) return facts.rotations;
+    if (!facts.stored) return facts.rotations;
     const auto input = std::find_if(spec.inputs.begin(), spec.inputs.end(),
                                     [](const StageInput& candidate) { return candidate.role == "source"; });
     if (input == spec.inputs.end()) return false;
@@ -261,7 +261,7 @@ void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips) {
     outcome.kind = OutcomeKind::kLeftOut;
     outcome.summary["threshold"] = dropped.value(record->first, 0.0);
     outcome.error = Error{ErrorCode::kInconsistent, finding.message, record->first,
-                          "ingest.source.checks.actions." + finding.code + ": report keeps such clips"};
+                          "ingest.source.checks." + finding.code + ".action: report keeps such clips"};
   }
 }
 

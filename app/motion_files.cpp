@@ -11,6 +11,7 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/store/store.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/inspect.h"
 #include "ingest/sense/source_declaration.h"
 #include "ingest/sources/array_clips.h"
@@ -44,18 +45,15 @@ Expected<IngestOptions> IngestOf(const ConfigSource& config, const fs::path& pat
 }
 
 /// Files of an inspection that are unusable: a finding of severity error, and no clip.
-std::vector<RefusedClip> UnreadableOf(const nlohmann::json& inspection) {
+std::vector<RefusedClip> UnreadableOf(const Inspection& inspection) {
   std::vector<RefusedClip> unreadable;
-  for (const nlohmann::json& finding : inspection.at("findings")) {
-    if (finding.at("severity") != "error") continue;
-    const std::string where = finding.at("where").get<std::string>();
-    const nlohmann::json& clips = inspection.at("clips");
-    const bool of_a_clip = std::any_of(clips.begin(), clips.end(), [&](const nlohmann::json& clip) {
-      const std::string file = clip.at("file").get<std::string>();
-      return where.compare(0, file.size(), file) == 0;
-    });
-    if (of_a_clip) continue;
-    unreadable.push_back({where, {ErrorCode::kMalformed, finding.at("message").get<std::string>(), where, ""}});
+  for (const Finding& finding : inspection.findings) {
+    const std::string& where = finding.clip;
+    const bool of_a_clip =
+        std::any_of(inspection.clips.begin(), inspection.clips.end(),
+                    [&](const InspectedClip& clip) { return where.compare(0, clip.file.size(), clip.file) == 0; });
+    if (finding.severity != Severity::kError || of_a_clip) continue;
+    unreadable.push_back({where, {ErrorCode::kMalformed, finding.message, where, ""}});
   }
   return unreadable;
 }
@@ -103,7 +101,7 @@ Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptio
   options.path = fs::absolute(path, unknown).lexically_normal();
   SourceOptions& source = options.source;
   source.name = "motions";
-  source.format = SourceFormat::kNpy;
+  source.format = "npy";
   source.other_files = OtherFiles::kIgnore;  // labels and notes beside the arrays
   source.files = "{recording}.npy";
   for (std::ptrdiff_t i = 1; i < depth; ++i) source.files = "{folder" + std::to_string(i) + "}/" + source.files;
@@ -116,7 +114,7 @@ Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptio
   source.skeleton = extractor.skeleton;
   source.damaged_rows = DamagedRows::kRefuse;
   // A generator's faults are what metrics measure: no clip is refused, or repaired, for them.
-  for (const std::string& code : CheckCodes()) source.checks.actions[code] = "ignore";
+  source.checks.IgnoreAll();
   return options;
 }
 
@@ -130,7 +128,7 @@ Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string
   };
   if (!source.empty()) return declared(SourceOf(source), path, {});
   if (IsMotionStore(path)) return declared(MotionStoreConfig(path), path, {});
-  const nlohmann::json inspection = InspectPath(path, std::nullopt);
+  const Inspection inspection = InspectPath(path, std::nullopt);
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, path, "motions");
   if (!written) return Forward(written);
   if (!written->unknown.empty()) {
@@ -156,7 +154,7 @@ Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles
     if (!declared) return Forward(declared);
     motions = std::move(*declared);
   }
-  if (!files.lie_bone_lengths.empty() && motions.ingest.source.format != SourceFormat::kNpy) {
+  if (!files.lie_bone_lengths.empty() && !DriverOf(motions.ingest.source.format).HasOption("lie_bone_lengths")) {
     return Fail(ErrorCode::kUsage, "the file holds no bare array, its values cannot be Lie parameters",
                 DisplayPath(files.path), "leave --values and --bone-lengths out");
   }

@@ -32,7 +32,7 @@ Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& argume
     return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
   }
   if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
-  const nlohmann::json inspection = InspectPath(arguments.path, std::nullopt);
+  const Inspection inspection = InspectPath(arguments.path, std::nullopt);
   const std::string name = arguments.name.empty() ? NameFor(arguments.path) : arguments.name;
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, name);
   if (!written) return Forward(written);

@@ -39,32 +39,14 @@ struct Declared {
   fs::path path;                     ///< where they stand, if not where was asked for: the folder above
 };
 
-/// Of the clips those that any of the names chooses, in their order; all without names. Error of the first name that
-/// chooses none.
-Status ChooseClips(const std::vector<std::string>& names, nlohmann::json& inspection) {
-  if (names.empty()) return {};
-  std::set<nlohmann::json> taken;
-  for (const std::string& name : names) {
-    nlohmann::json chosen = inspection;
-    if (Status known = ChooseClip(name, chosen); !known) return known;
-    for (const nlohmann::json& clip : chosen.at("clips")) taken.insert(clip);
-  }
-  nlohmann::json kept = nlohmann::json::array();
-  for (const nlohmann::json& clip : inspection.at("clips")) {
-    if (taken.count(clip) != 0) kept.push_back(clip);
-  }
-  inspection["clips"] = std::move(kept);
-  return {};
-}
-
 /// What was guessed of numbers that no format names, unless the command line says it.
-void TellGuesses(const FitArguments& arguments, const nlohmann::json& inspection) {
+void TellGuesses(const FitArguments& arguments, const Inspection& inspection) {
   const std::set<std::string> telling = {"least_confidence", "columns", "layout"};
   for (const std::string& text : arguments.assignments)
     if (text.rfind("ingest.source.", 0) == 0 && telling.count(text.substr(14, text.find('=') - 14)) != 0) return;
-  for (const nlohmann::json& finding : inspection.at("findings")) {
-    if (finding.at("code") != "confidence_guessed") continue;
-    return LogWarning(finding.at("where").get<std::string>() + ": " + finding.at("message").get<std::string>());
+  for (const Finding& finding : inspection.findings) {
+    if (finding.code != "confidence_guessed") continue;
+    return LogWarning(finding.clip + ": " + finding.message);
   }
 }
 
@@ -75,7 +57,7 @@ Expected<Declared> Declare(const FitArguments& arguments) {
     return Declared{*source, {}, {}};
   }
   if (IsMotionStore(arguments.path)) return Declared{MotionStoreConfig(arguments.path), {}, {}};
-  nlohmann::json inspection = InspectPath(arguments.path, std::nullopt);
+  Inspection inspection = InspectPath(arguments.path, std::nullopt);
   if (Status known = ChooseClips(arguments.clips, inspection); !known) return Forward(known);
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit");
   if (!written) return Forward(written);
@@ -113,7 +95,8 @@ Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
 
 /// Whether the clips come with rotations. Motions of a store have them or not.
 bool HasRotations(const IngestOptions& ingest) {
-  if (ingest.source.format != SourceFormat::kMotions) return DriverOf(ingest.source.format).rotations;
+  const FormatDriver& driver = DriverOf(ingest.source.format);
+  if (!driver.stored) return driver.rotations;
   return HasStoredRotations(ingest.path);
 }
 

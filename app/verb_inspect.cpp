@@ -29,11 +29,11 @@ InspectProgress TellProgress() {
   };
 }
 
-/// The first finding of severity error as the error of the verb.
-Status FirstError(const nlohmann::json& inspection) {
-  for (const nlohmann::json& finding : inspection.at("findings")) {
-    if (finding.value("severity", "") != "error" || !inspection.at("clips").empty()) continue;
-    return Fail(ErrorCode::kMalformed, finding.value("message", ""), finding.value("where", ""));
+/// The first finding of severity error as the error of the verb, where there are no clips.
+Status FirstError(const Inspection& inspection) {
+  for (const Finding& finding : inspection.findings) {
+    if (finding.severity != Severity::kError || !inspection.clips.empty()) continue;
+    return Fail(ErrorCode::kMalformed, finding.message, finding.clip);
   }
   return {};
 }
@@ -98,7 +98,7 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
     source = *std::move(declared);
   }
   const InspectProgress progress = common.quiet ? InspectProgress() : TellProgress();
-  const nlohmann::json inspection = InspectPath(arguments.path, source, AskVideoProgram(), progress);
+  const Inspection inspection = InspectPath(arguments.path, source, AskVideoProgram(), progress);
   common.answered = common.json;
   if (common.json)
     PrintJson(inspection);

@@ -10,14 +10,13 @@ namespace {
 
 constexpr std::size_t kMostClipsNamed = 5;
 
-/// Where the clip stands in a file of several; empty: it is the file.
-std::string PlaceOfItem(const ItemSpec& item) {
+}  // namespace
+
+std::string PlaceInFile(const ItemSpec& item) {
   if (item.options.contains("array")) return item.options.at("array").get<std::string>();
   if (item.options.contains("entry")) return "[" + std::to_string(item.options.at("entry").get<int>()) + "]";
   return "";
 }
-
-}  // namespace
 
 bool NamesClip(const std::string& wanted, const std::string& file, const std::string& place) {
   if (!place.empty() && (wanted == place || "[" + wanted + "]" == place)) return true;
@@ -31,7 +30,7 @@ bool NamesClip(const std::string& wanted, const std::string& file, const std::st
 bool NamesClip(const std::string& wanted, const ItemSpec& item) {
   if (wanted == item.item || wanted == item.item.substr(item.item.rfind('/') + 1)) return true;
   if (wanted == item.options.value("entry_name", std::string())) return true;
-  const std::string place = PlaceOfItem(item);
+  const std::string place = PlaceInFile(item);
   return std::any_of(item.inputs.begin(), item.inputs.end(), [&](const StageInput& input) {
     return input.role == "source" && NamesClip(wanted, input.name, place);
   });

@@ -16,13 +16,15 @@ constexpr int kFewestLifelessFrames = 5;  // of a clip that may be lifeless
 
 CheckLimits LimitsOf(const CheckOptions& options) {
   CheckLimits limits;
-  limits.repeats = {static_cast<int>(options.frozen_frames), static_cast<int>(options.held_frames)};
-  limits.teleports.speed = options.top_speed;
-  limits.teleports.slack = options.tracker_slack;
-  limits.teleports.reach = options.reach;
-  limits.swaps.ratio = options.swap_ratio;
-  limits.swaps.step = options.swap_step;
-  limits.rigidity = {options.bone_spread, options.bone_proportion};
+  limits.repeats = {static_cast<int>(options.Limit("frozen_frames", "frames")),
+                    static_cast<int>(options.Limit("held_joint", "frames"))};
+  limits.teleports.speed = options.Limit("body_jump", "speed");
+  limits.teleports.slack = options.Limit("teleport", "distance");
+  limits.teleports.reach = options.Limit("joint_far", "distance");
+  limits.swaps.ratio = options.Limit("swapped_sides", "ratio");
+  limits.swaps.step = options.Limit("swapped_sides", "step");
+  limits.rigidity = {options.Limit("not_joint_positions", "spread"),
+                     options.Limit("not_joint_positions", "proportion")};
   return limits;
 }
 
@@ -36,7 +38,7 @@ void JudgeLife(const CheckOptions& options, int frames, std::vector<Finding>& fi
     dead.back().code = "lifeless_clip";
   }
   const double share = CoveredShare(dead, "lifeless_clip", frames);
-  if (frames < kFewestLifelessFrames || share < options.lifeless_share) return;
+  if (frames < kFewestLifelessFrames || share < options.Limit("lifeless_clip", "share")) return;
   std::string what = "nobody moves or is there";
   for (const auto& [code, words] : {std::pair{"zero_frames", "all joints are at 0 0 0"},
                                     {"collapsed_frames", "all joints lie in one point"},
@@ -109,19 +111,13 @@ std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoint
   return findings;
 }
 
-void SayWhatZerosAre(SourceFormat format, std::vector<Finding>& findings) {
+void SayWhatZerosAre(std::string_view format, std::vector<Finding>& findings) {
+  const std::string zeros = DriverOf(format).zeros;
   for (Finding& finding : findings) {
     if (finding.code.rfind("zero_", 0) != 0) continue;
-    if (format == SourceFormat::kAmass) {
-      finding.message = "'" + finding.joint + "' is at 0 0 0 in " +
-                        Counted(finding.frame_end - finding.frame_begin, "frame") +
-                        ": the file does not say where the body goes";
-    } else if (const std::string zeros = DriverOf(format).zeros; !zeros.empty()) {
-      finding.message += zeros;
-    } else {
-      finding.message +=
-          "; ingest.source.checks.actions: {" + finding.code + ": missing} takes tracks there as not seen";
-    }
+    finding.message += !zeros.empty() ? zeros
+                                      : "; ingest.source.checks: {" + finding.code +
+                                            ": {action: missing}} takes tracks there as not seen";
   }
 }
 
@@ -180,11 +176,10 @@ int FramesLost(const SourceOptions& source, const NamedFile& named, int frames) 
 
 namespace {
 
-/// A motion that was made may stand still; only what a sensor saw cannot. It is then reported, if nothing else is said.
 OnFinding ActionFor(const CheckOptions& options, const std::string& code, const Clip& clip) {
-  const bool unsaid = options.actions.count(code) == 0;
-  if (code == "lifeless_clip" && unsaid && !clip.evidence.tracks) return OnFinding::kReport;
-  return options.ActionFor(code);
+  const OnFinding action = options.ActionFor(code);
+  if (action != OnFinding::kDropRecorded) return action;
+  return clip.evidence.tracks ? OnFinding::kDrop : OnFinding::kReport;
 }
 
 /// Frames that were taken from their neighbours are equal to them because of that.

@@ -45,7 +45,7 @@ std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoint
                                  std::optional<double> rate_hz, bool metres, int lost_frames = 0);
 
 /// Says of findings of zeros what is to be done about them in a source of `format`.
-void SayWhatZerosAre(SourceFormat format, std::vector<Finding>& findings);
+void SayWhatZerosAre(std::string_view format, std::vector<Finding>& findings);
 
 /// "joint_never_seen" (info): joints that are missing in every frame of a clip in which others are seen; value their
 /// number. Joints that a finding of `told` is about are left out.

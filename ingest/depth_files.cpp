@@ -42,7 +42,7 @@ Status CheckOwnImages(const SourceOptions& source, const std::vector<ItemSpec>& 
       if (input.role != "depth" || !pattern->Match(input.name)) continue;
       const ItemSpec& first = *taken.emplace(input.name, &item).first->second;
       if (first.inputs[0].name == item.inputs[0].name) continue;
-      if (source.format == SourceFormat::kOpenPose && RecordingOf(first) == RecordingOf(item)) continue;
+      if (HasDepthBeside(source) && RecordingOf(first) == RecordingOf(item)) continue;
       return Fail(
           ErrorCode::kConfig,
           "the depth image '" + input.name + "' would be one of '" + first.inputs[0].name + "' and of '" +

@@ -10,6 +10,7 @@
 #include "ingest/discover_container.h"
 #include "ingest/files_check.h"
 #include "ingest/folder_listing.h"
+#include "ingest/formats/driver.h"
 #include "ingest/gathered_files.h"
 #include "ingest/known_issues.h"
 #include "ingest/left_out.h"
@@ -130,7 +131,7 @@ bool BelongsToClip(const std::string& folder, const std::vector<ItemSpec>& items
 /// The clips of a file of arrays, an item each; the item itself where the file is the clip, or no such file.
 std::vector<ItemSpec> OfArrays(const ItemSpec& item, const SourceOptions& source, const FolderFile& file,
                                std::vector<ItemResult>& left_out) {
-  if (source.format != SourceFormat::kNpy) return {item};
+  if (!DriverOf(source.format).holds_clips) return {item};
   const std::vector<ArrayClip> clips = ArrayClipsOf(file.path, file.name);
   if (clips.empty() || (clips.size() == 1 && clips[0].id.empty())) return {item};
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
@@ -241,7 +242,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   Discovery discovery;
   std::set<std::string> recordings;
   std::vector<std::string> names, passed_over;
-  const bool has_truth = source.format == SourceFormat::kDepthSequence;
+  const bool has_truth = DriverOf(source.format).has_truth;
   const bool has_depth = has_truth || (source.views.together && !source.depth_files.empty());
   std::optional<DepthFiles> depth_files;
   if (has_depth) depth_files.emplace(files, *depth_pattern, *pattern);

@@ -2,21 +2,22 @@
 
 #include "core/base/file.h"
 #include "ingest/files_check.h"
+#include "ingest/formats/driver.h"
 #include "ingest/left_out.h"
-#include "ingest/sources/container.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
 
 Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
   const SourceOptions& source = options.source;
+  const FormatDriver& driver = DriverOf(source.format);
   const std::filesystem::path path = options.path / source.container;
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(path, unknown)) {
     return Fail(ErrorCode::kNotFound, "the file that holds all clips is not there", DisplayPath(path),
                 "set ingest.path (--set ingest.path=DIR), or mend ingest.source.container");
   }
-  const Expected<std::vector<ContainerEntry>> entries = EntriesOf(source, options.path);
+  const Expected<std::vector<ContainerEntry>> entries = driver.entries(source, options.path);
   if (!entries) return Forward(entries);
   Discovery discovery;
   std::set<std::string> recordings;
@@ -41,7 +42,7 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
       continue;
     }
     // Clips of a dataset keep their ids: several may be spans of one recording.
-    const std::string name = source.format == SourceFormat::kMotions ? entry.name : named->item();
+    const std::string name = driver.stored ? entry.name : named->item();
     ItemSpec item{name, stage_options, {{"source", source.container, path, ""}}};
     item.options["entry"] = i;
     item.options["entry_name"] = entry.name;

@@ -9,6 +9,10 @@ std::string SpanText(int begin, int end) { return std::to_string(begin) + "-" + 
 
 }  // namespace
 
+DuplicateLimits DuplicateLimitsOf(const CheckOptions& options) {
+  return {options.Limit("duplicate", "distance"), static_cast<int>(options.Limit("shared_frames", "frames"))};
+}
+
 Finding DuplicateFinding(const Duplicate& pair, const std::string& first_name, const MotionSignature& first,
                          const MotionSignature& second) {
   const int frames = static_cast<int>(second.poses.size());

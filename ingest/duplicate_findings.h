@@ -4,8 +4,11 @@
 
 #include "core/base/finding.h"
 #include "core/quality/duplicates.h"
+#include "ingest/checks/check_options.h"
 
 namespace mocurate {
+
+DuplicateLimits DuplicateLimitsOf(const CheckOptions& options);
 
 /// What a pair of clips that show the same is told as, of the second: "duplicate", "near_duplicate",
 /// "mirrored_duplicate" or "shared_frames", the same for what is inspected and what is ingested. `first_name` names the

@@ -55,8 +55,8 @@ Expected<StageOutcome> DuplicatesStage(const StageRequest& request) {
   }
   std::sort(clips.begin(), clips.end(), [](const Compared& a, const Compared& b) { return a.item < b.item; });
   for (Compared& clip : clips) signatures.push_back(std::move(clip.signature));
-  const std::vector<Duplicate> pairs =
-      FindDuplicates(signatures, {options->duplicate_distance, static_cast<int>(options->shared_frames)});
+  const DuplicateLimits limits = DuplicateLimitsOf(*options);
+  const std::vector<Duplicate> pairs = FindDuplicates(signatures, limits);
   for (std::size_t i = 0; i < clips.size(); ++i) clips[i].signature = std::move(signatures[i]);
   std::vector<std::pair<std::size_t, Finding>> found;
   for (const Duplicate& pair : pairs) {
@@ -76,7 +76,8 @@ Expected<StageOutcome> DuplicatesStage(const StageRequest& request) {
     if (action == OnFinding::kIgnore) continue;
     if (action == OnFinding::kDrop) {
       finding.action = FindingAction::kDropped;
-      outcome.summary["dropped"].emplace(clips[clip].item, options->Threshold(finding.code));
+      outcome.summary["dropped"].emplace(clips[clip].item,
+                                         finding.code == "shared_frames" ? limits.shared_frames : limits.distance);
     }
     outcome.summary["items"].push_back(clips[clip].item);
     outcome.findings.push_back(std::move(finding));

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 
 #include "core/base/text.h"
 #include "ingest/formats/driver.h"
 #include "ingest/sense/file_kind.h"
+#include "ingest/sense/inspect_files.h"
 
 namespace mocurate {
 namespace {
@@ -25,12 +25,9 @@ const FormatDriver* FormatOfKind(FileKind kind) {
 Finding UnmatchedName(const std::string& option, const std::string& kind, const std::string& name,
                       const std::set<std::string>& known) {
   const auto near = Nearest(name, std::vector<std::string>(known.begin(), known.end()));
-  Finding finding;
-  finding.code = "name_unmatched";
-  finding.message = option + ": there is no " + kind + " '" + name + "', so that it has no effect" +
-                    (near ? "; did you mean '" + *near + "'?" : "");
-  finding.action = FindingAction::kFlagged;
-  return finding;
+  return MakeFinding("name_unmatched", Severity::kWarning, 0.0,
+                     option + ": there is no " + kind + " '" + name + "', so that it has no effect" +
+                         (near ? "; did you mean '" + *near + "'?" : ""));
 }
 
 void NoteUnmatched(const SourceOptions& source, const std::set<std::string>& recordings,
@@ -50,14 +47,11 @@ bool EndsAsMotion(const SourceOptions& source, const std::string& name) {
 void NotePassedOver(const SourceOptions& source, const std::vector<std::string>& names,
                     std::vector<Finding>& findings) {
   if (names.empty()) return;
-  Finding finding;
-  finding.code = "name_mismatch";
-  finding.value = static_cast<double>(names.size());
-  finding.message = Counted(static_cast<long long>(names.size()), "file") + " that could be of this source, e.g. '" +
-                    names.front() + "': the pattern '" + source.files + "' does not match " +
-                    (names.size() == 1 ? "it" : "them");
-  finding.action = FindingAction::kLeftOut;
-  findings.push_back(std::move(finding));
+  findings.push_back(MakeFinding("name_mismatch", Severity::kWarning, static_cast<double>(names.size()),
+                                 Counted(static_cast<long long>(names.size()), "file") +
+                                     " that could be of this source, e.g. '" + names.front() + "': the pattern '" +
+                                     source.files + "' does not match " + (names.size() == 1 ? "it" : "them"),
+                                 FindingAction::kLeftOut));
 }
 
 void NoteAmbiguous(const SourceOptions& source, const NamePattern& pattern, const std::vector<std::string>& names,
@@ -85,7 +79,6 @@ void NoteAmbiguous(const SourceOptions& source, const NamePattern& pattern, cons
   finding.message += ": " + Counted(static_cast<long long>(finding.value), "name") + " may be read by '" +
                      source.files +
                      "' in several ways; give a field its width, e.g. {person:3}, or write what stands between";
-  finding.action = FindingAction::kFlagged;
   findings.push_back(std::move(finding));
 }
 
@@ -93,16 +86,12 @@ Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& ite
   const FileKind declared = DriverOf(source.format).kind;
   const FormatDriver* other = nullptr;
   for (const std::size_t at : {std::size_t{0}, items.size() / 2, items.size() - 1}) {
-    std::ifstream file(items[at].inputs[0].path, std::ios::binary);
-    std::string head(kKindHead, '\0');
-    file.read(head.data(), static_cast<std::streamsize>(head.size()));
-    head.resize(static_cast<std::size_t>(file.gcount()));
-    const FormatDriver* found = FormatOfKind(KindOf(head));
+    const FormatDriver* found = FormatOfKind(KindOf(ReadHead(items[at].inputs[0].path).value_or("")));
     if (found == nullptr || found->kind == declared || (other != nullptr && other != found)) return {};
     other = found;
   }
   return Fail(ErrorCode::kConfig,
-              "the source is declared " + FormatName(source.format) + ", its files are " + other->name + ", e.g. '" +
+              "the source is declared " + source.format + ", its files are " + other->name + ", e.g. '" +
                   items[0].inputs[0].name + "'",
               "ingest.source.format", "write what they are, or mend ingest.source.files or ingest.path");
 }

@@ -5,11 +5,12 @@
 #include "core/base/file.h"
 
 namespace mocurate {
+namespace fs = std::filesystem;
+
 namespace {
 
 /// At most one more than kMostCounted.
-std::size_t FilesBelow(const std::filesystem::path& folder) {
-  namespace fs = std::filesystem;
+std::size_t CountBelow(const fs::path& folder) {
   std::size_t count = 0;
   std::error_code error;
   for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
@@ -21,8 +22,7 @@ std::size_t FilesBelow(const std::filesystem::path& folder) {
 
 }  // namespace
 
-Expected<FolderListing> ListFiles(const std::filesystem::path& folder, int depth) {
-  namespace fs = std::filesystem;
+Expected<FolderListing> ListFiles(const fs::path& folder, int depth, DeniedFolders denied) {
   std::error_code error;
   if (folder.empty() || !fs::exists(folder, error)) {
     return Fail(ErrorCode::kNotFound, folder.empty() ? "no folder with captures is given" : "the folder does not exist",
@@ -33,7 +33,9 @@ Expected<FolderListing> ListFiles(const std::filesystem::path& folder, int depth
                 "ingest.path names the folder of the files, or one of them");
   }
   FolderListing listing;
-  fs::recursive_directory_iterator at(folder, error);
+  const bool skip = denied == DeniedFolders::kSkip;
+  fs::recursive_directory_iterator at(
+      folder, skip ? fs::directory_options::skip_permission_denied : fs::directory_options::none, error);
   if (error) return Fail(ErrorCode::kUnreadable, error.message(), DisplayPath(folder), "check its permissions");
   for (const fs::recursive_directory_iterator end; at != end;) {
     std::error_code unknown;
@@ -41,7 +43,7 @@ Expected<FolderListing> ListFiles(const std::filesystem::path& folder, int depth
     const bool link = at->is_symlink(unknown);
     if (at->is_directory(unknown)) {
       if (at.depth() >= depth) at.disable_recursion_pending();
-      if (at.depth() >= depth || link) listing.folders_below[name] = FilesBelow(at->path());
+      if (at.depth() >= depth || link) listing.folders_below[name] = CountBelow(at->path());
     } else if (link && !at->exists(unknown)) {
       const std::string target = DisplayPath(fs::read_symlink(at->path(), unknown));
       listing.files.push_back({name, at->path(), "is a link to '" + target + "', which does not exist"});
@@ -56,6 +58,27 @@ Expected<FolderListing> ListFiles(const std::filesystem::path& folder, int depth
     return a.name != b.name ? a.name < b.name : a.path.native() < b.path.native();
   });
   return listing;
+}
+
+std::vector<fs::path> EntriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    entries.push_back(at->path());
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+std::vector<fs::path> FilesBelow(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error);
+  for (const fs::recursive_directory_iterator end; !error && at != end; at.increment(error)) {
+    std::error_code unknown;
+    if (at->is_regular_file(unknown)) files.push_back(at->path());
+  }
+  return files;
 }
 
 int DepthOf(const std::string& name) { return static_cast<int>(std::count(name.begin(), name.end(), '/')); }

@@ -25,9 +25,19 @@ struct FolderListing {
       folders_below;  ///< folders that are deeper (and links to folders) -> files in them
 };
 
+/// What to do about folders that may not be read.
+enum class DeniedFolders { kError, kSkip };
+
 /// Files down to `depth` folders below `folder`; of deeper ones their number, at most one more than kMostCounted. Links
 /// to folders are not followed. Error kNotFound, kUnreadable.
-Expected<FolderListing> ListFiles(const std::filesystem::path& folder, int depth);
+Expected<FolderListing> ListFiles(const std::filesystem::path& folder, int depth,
+                                  DeniedFolders denied = DeniedFolders::kError);
+
+/// What is directly in a folder, sorted; nothing where it cannot be read.
+std::vector<std::filesystem::path> EntriesOf(const std::filesystem::path& folder);
+
+/// Regular files below a folder, in no order; what cannot be read is skipped.
+std::vector<std::filesystem::path> FilesBelow(const std::filesystem::path& folder);
 
 /// Folders that a name goes through.
 int DepthOf(const std::string& name);

@@ -32,18 +32,18 @@ Status CheckGathered(const SourceOptions& s) {
   const auto has = [](const std::vector<std::string>& list, const char* field) {
     return std::find(list.begin(), list.end(), field) != list.end();
   };
-  const bool views = s.format != SourceFormat::kPanoptic && s.format != SourceFormat::kClouds;
-  if ((views && !has(fields, "camera")) || (s.format != SourceFormat::kDepthViews && !has(fields, "frame"))) {
+  const FormatDriver& driver = DriverOf(s.format);
+  const bool views = has(driver.gathered_by, "camera");
+  for (const std::string& field : driver.gathered_by) {
+    if (has(fields, field.c_str())) continue;
     return Fail(
-        ErrorCode::kConfig, "'" + s.files + "' does not say which camera and which frame a file is of",
-        "ingest.source.files",
+        ErrorCode::kConfig, "'" + s.files + "' does not say which " + field + " a file is of", "ingest.source.files",
         views ? "e.g. '{recording}/{camera}_json/{camera}.{frame}.json'" : "e.g. '{recording}/body_{frame}.json'");
   }
   if (!views && has(fields, "camera")) {
-    return Fail(ErrorCode::kConfig,
-                "'" + s.files + "' names {camera}, but " + FormatName(s.format) + " files are of all cameras together",
-                "ingest.source.files",
-                "one file per frame; what else differs in their names is e.g. {recording}, or {-}");
+    return Fail(
+        ErrorCode::kConfig, "'" + s.files + "' names {camera}, but " + s.format + " files are of all cameras together",
+        "ingest.source.files", "one file per frame; what else differs in their names is e.g. {recording}, or {-}");
   }
   const std::pair<const char*, const std::string*> texts[] = {{"recording", &s.recording}, {"person", &s.person},
                                                               {"label", &s.label},         {"session", &s.session},
@@ -90,7 +90,7 @@ int GatheredFiles::Depth(const SourceOptions& source) {
 Expected<GatheredFiles> GatheredFiles::Of(const SourceOptions& source, const NamePattern& pattern,
                                           const std::vector<FolderFile>& files) {
   GatheredFiles gathered;
-  if (!IsGathered(source.format)) return gathered;
+  if (!DriverOf(source.format).gathered()) return gathered;
   gathered.source_ = &source;
   gathered.files_ = &files;
   for (const std::string& text : source.calibration) {

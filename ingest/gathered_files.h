@@ -12,7 +12,7 @@
 
 namespace mocurate {
 
-/// Files of a source whose clips are many files each (IsGathered): those whose names differ in {camera} and {frame}
+/// Files of a source whose clips are many files each: those whose names differ in {camera} and {frame}
 /// alone ({-} is passed over) are one clip, named by the first of them; depth images whose other fields are the clip's
 /// belong to it. Empty for other sources.
 class GatheredFiles {

@@ -118,7 +118,7 @@ std::string EvidenceHash(const std::string& bytes, const Evidence& evidence) {
 void Complete(const SourceOptions& source, const NamedFile& named, const std::string& name, const std::string& bytes,
               IngestedClip& ingested) {
   Clip& clip = ingested.clip;
-  if (source.format == SourceFormat::kMotions) {
+  if (DriverOf(source.format).stored) {
     if (!source.licence.empty()) clip.identity.licence = source.licence;
   } else {
     clip.identity = named.identity;
@@ -160,19 +160,13 @@ Expected<StageOutcome> Unusable(const SourceOptions& source, const Error& error,
   StageOutcome outcome;
   outcome.kind = OutcomeKind::kRefused;
   outcome.error = error;
-  const bool passes = source.format == SourceFormat::kNtuSkeleton || source.format == SourceFormat::kBvh;
-  if (passes && source.damaged_rows == DamagedRows::kRefuse) {
+  if (source.damaged_rows == DamagedRows::kRefuse) {
     outcome.error.hint +=
         std::string(error.hint.empty() ? "" : ", or ") + "set ingest.source.damaged_rows: report to take what it holds";
   }
-  Finding finding;
-  finding.clip = item;
-  finding.code = "count_contradiction";
-  finding.severity = Severity::kError;
-  finding.value = error.number;
-  finding.message = error.where + ": " + error.what;
-  finding.action = FindingAction::kRefused;
-  outcome.findings.push_back(std::move(finding));
+  outcome.findings.push_back(MakeFinding("count_contradiction", Severity::kError, error.number,
+                                         error.where + ": " + error.what, FindingAction::kRefused));
+  outcome.findings.back().clip = item;
   return outcome;
 }
 
@@ -204,7 +198,7 @@ StageOutcome LeftOut(const DroppedClip& dropped, const std::string& name, StageO
   outcome.kind = OutcomeKind::kLeftOut;
   outcome.summary["threshold"] = dropped.threshold;
   outcome.error = Error{ErrorCode::kInconsistent, rule.message, name,
-                        "ingest.source.checks.actions." + rule.code + ": report keeps such clips"};
+                        "ingest.source.checks." + rule.code + ".action: report keeps such clips"};
   return outcome;
 }
 
@@ -218,7 +212,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   if (Status ok = CheckSource(*source); !ok) return Forward(ok);
   auto input = std::find_if(request.inputs.begin(), request.inputs.end(),
                             [](const StageInput& candidate) { return candidate.role == "source"; });
-  const bool gathered = IsGathered(source->format);
+  const bool gathered = DriverOf(source->format).gathered();
   if (gathered && input == request.inputs.end()) input = request.inputs.begin();  // depth images
   if (input == request.inputs.end()) return Fail(ErrorCode::kInternal, "no input with the role 'source'", request.item);
   const std::string& name = facts.entry_name.empty() ? input->name : facts.entry_name;
@@ -228,7 +222,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   if (!facts.role.empty()) named->role = facts.role;
   named->identity.recording += RecordingSuffix(facts.array);
   if (gathered) named->fields["file"] = named->identity.recording;
-  const bool whole = source->container.empty() && !gathered && source->format != SourceFormat::kNpy;
+  const bool whole = source->container.empty() && !gathered && !DriverOf(source->format).holds_clips;
   const Expected<std::string> bytes = whole ? ReadFile(input->path) : std::string();
   if (!bytes) return Forward(bytes);
   if (whole && Trim(*bytes).empty()) return EmptyFile(name);

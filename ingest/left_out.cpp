@@ -44,56 +44,43 @@ std::filesystem::path FolderMeant(const IngestOptions& options, const std::vecto
   return {};
 }
 
+/// A file that gives no clip: why, as an error and as a finding.
+ItemResult WithoutClip(const std::string& item, bool failed, Error error, Finding finding) {
+  finding.clip = item;
+  finding.action = FindingAction::kLeftOut;
+  ItemResult result;
+  result.item = item;
+  result.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
+  result.outcome.error = std::move(error);
+  result.outcome.findings.push_back(std::move(finding));
+  return result;
+}
+
 }  // namespace
 
 ItemResult LeftOutFile(const std::string& name, const SourceOptions& source, bool matches, const Error& why) {
   const bool by_rule = matches && source.other_labels == OtherLabels::kLeaveOut;
   const bool failed =
       !by_rule && (source.other_files == OtherFiles::kError || (matches && source.other_files != OtherFiles::kIgnore));
-  Finding finding;
-  finding.clip = name;
-  finding.code = by_rule ? "label_left_out" : matches ? "label_unknown" : "name_mismatch";
-  finding.severity = failed ? Severity::kError : by_rule ? Severity::kInfo : Severity::kWarning;
-  finding.message = why.what + (why.hint.empty() || by_rule ? "" : " (" + why.hint + ")");
-  finding.action = FindingAction::kLeftOut;
-  ItemResult file;
-  file.item = name;
-  file.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
   const std::string hint = by_rule ? "as ingest.source.other_labels asks" : why.hint;
-  file.outcome.error = Error{ErrorCode::kInconsistent, why.what, name, hint};
-  file.outcome.findings.push_back(std::move(finding));
-  return file;
+  return WithoutClip(name, failed, {ErrorCode::kInconsistent, why.what, name, hint},
+                     MakeFinding(by_rule   ? "label_left_out"
+                                 : matches ? "label_unknown"
+                                           : "name_mismatch",
+                                 failed    ? Severity::kError
+                                 : by_rule ? Severity::kInfo
+                                           : Severity::kWarning,
+                                 0.0, why.what + (why.hint.empty() || by_rule ? "" : " (" + why.hint + ")")));
 }
 
 ItemResult ExcludedFile(const std::string& item, const std::string& file, const char* code, const std::string& why,
                         const std::string& hint) {
-  Finding finding;
-  finding.clip = item;
-  finding.code = code;
-  finding.severity = Severity::kInfo;
-  finding.message = why;
-  finding.action = FindingAction::kLeftOut;
-  ItemResult result;
-  result.item = item;
-  result.outcome.kind = OutcomeKind::kLeftOut;
-  result.outcome.error = Error{ErrorCode::kInconsistent, why, file, hint};
-  result.outcome.findings.push_back(std::move(finding));
-  return result;
+  return WithoutClip(item, false, {ErrorCode::kInconsistent, why, file, hint},
+                     MakeFinding(code, Severity::kInfo, 0.0, why));
 }
 
 ItemResult RefusedFile(const std::string& item, const char* code, const Error& why) {
-  Finding finding;
-  finding.clip = item;
-  finding.code = code;
-  finding.severity = Severity::kError;
-  finding.message = why.what;
-  finding.action = FindingAction::kLeftOut;
-  ItemResult result;
-  result.item = item;
-  result.outcome.kind = OutcomeKind::kRefused;
-  result.outcome.error = why;
-  result.outcome.findings.push_back(std::move(finding));
-  return result;
+  return WithoutClip(item, true, why, MakeFinding(code, Severity::kError, 0.0, why.what));
 }
 
 void AddSourceHash(const std::filesystem::path& file, ItemResult& result) {
@@ -106,21 +93,13 @@ ItemResult NotLookedAt(const std::string& folder, std::size_t files, bool named_
   const bool failed = source.other_files == OtherFiles::kError;
   const std::string count =
       files > kMostCounted ? "more than " + std::to_string(kMostCounted) + " files" : Counted(files, "file");
-  Finding finding;
-  finding.clip = folder;
-  finding.code = kFolderNotRead;
-  finding.severity = failed ? Severity::kError : Severity::kWarning;
-  finding.value = static_cast<double>(files);
-  finding.message = "not looked at: " + count + "; the pattern '" + source.files + "' names files" +
-                    (named_so ? ", this is a folder" : " in another place");
-  finding.action = FindingAction::kLeftOut;
-  ItemResult result;
-  result.item = folder;
-  result.outcome.kind = failed ? OutcomeKind::kRefused : OutcomeKind::kLeftOut;
-  result.outcome.error = Error{ErrorCode::kInconsistent, finding.message, folder,
-                               "links to folders are not followed; mend ingest.source.files, or set other_files"};
-  result.outcome.findings.push_back(std::move(finding));
-  return result;
+  const std::string message = "not looked at: " + count + "; the pattern '" + source.files + "' names files" +
+                              (named_so ? ", this is a folder" : " in another place");
+  return WithoutClip(
+      folder, failed,
+      {ErrorCode::kInconsistent, message, folder,
+       "links to folders are not followed; mend ingest.source.files, or set other_files"},
+      MakeFinding(kFolderNotRead, failed ? Severity::kError : Severity::kWarning, static_cast<double>(files), message));
 }
 
 Error NothingFound(const IngestOptions& options, const Discovery& discovery, const std::vector<std::string>& found) {
@@ -166,20 +145,12 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery, con
 
 ItemResult WithoutMotion(const BabelIndex& babel, const std::vector<std::string>& files) {
   const std::vector<std::string> unused = babel.Unused();
-  Finding finding;
-  finding.clip = files.front();
-  finding.code = "motion_missing";
-  finding.value = static_cast<double>(unused.size());
-  finding.message = std::to_string(unused.size()) + " of " + std::to_string(babel.size()) +
-                    " annotated motions are not in the folder, e.g. '" + unused.front() + "'";
-  finding.action = FindingAction::kLeftOut;
-  ItemResult result;
-  result.item = files.front();
-  result.outcome.kind = OutcomeKind::kLeftOut;
-  result.outcome.error = Error{ErrorCode::kNotFound, finding.message, files.front(),
-                               "AMASS comes in parts; names are looked for as ingest/sources/babel_segments.h says"};
-  result.outcome.findings.push_back(std::move(finding));
-  return result;
+  const std::string message = std::to_string(unused.size()) + " of " + std::to_string(babel.size()) +
+                              " annotated motions are not in the folder, e.g. '" + unused.front() + "'";
+  return WithoutClip(files.front(), false,
+                     {ErrorCode::kNotFound, message, files.front(),
+                      "AMASS comes in parts; names are looked for as ingest/sources/babel_segments.h says"},
+                     MakeFinding("motion_missing", Severity::kWarning, static_cast<double>(unused.size()), message));
 }
 
 }  // namespace mocurate

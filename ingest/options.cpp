@@ -2,6 +2,22 @@
 
 namespace mocurate {
 
+namespace {
+
+std::vector<std::string>& FormatNames() {
+  static std::vector<std::string> names = {
+      "none",     "joint_table", "bvh",      "npy",         "depth_sequence", "ntu_skeleton",      "asf_amc",
+      "amass",    "expmap",      "phspd",    "vibe_tracks", "uestc",          "humanact12_pickle", "motions",
+      "openpose", "depth_views", "panoptic", "clouds"};
+  return names;
+}
+
+}  // namespace
+
+const std::vector<std::string>& SourceFormats() { return FormatNames(); }
+
+void AddSourceFormat(const std::string& name) { FormatNames().push_back(name); }
+
 void LabelRule::Declare(OptionVisitor& v) {
   v.Text("pattern", pattern, "regular expression that is looked for in the label's text, letter case aside");
   v.Text("label", label, "of the clips whose text has it");
@@ -9,26 +25,7 @@ void LabelRule::Declare(OptionVisitor& v) {
 
 void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "short name of the source; first part of every clip id");
-  v.Choice("format", format,
-           {{"none", SourceFormat::kNone},
-            {"joint_table", SourceFormat::kJointTable},
-            {"bvh", SourceFormat::kBvh},
-            {"npy", SourceFormat::kNpy},
-            {"depth_sequence", SourceFormat::kDepthSequence},
-            {"ntu_skeleton", SourceFormat::kNtuSkeleton},
-            {"asf_amc", SourceFormat::kAsfAmc},
-            {"amass", SourceFormat::kAmass},
-            {"expmap", SourceFormat::kExpmap},
-            {"phspd", SourceFormat::kPhspd},
-            {"vibe_tracks", SourceFormat::kVibeTracks},
-            {"uestc", SourceFormat::kUestc},
-            {"humanact12_pickle", SourceFormat::kHumanAct12Pickle},
-            {"motions", SourceFormat::kMotions},
-            {"openpose", SourceFormat::kOpenPose},
-            {"depth_views", SourceFormat::kDepthViews},
-            {"panoptic", SourceFormat::kPanoptic},
-            {"clouds", SourceFormat::kClouds}},
-           "what the files are");
+  v.OneOf("format", format, SourceFormats(), "what the files are");
   v.Text("files", files,
          "pattern of the file names with {fields}; {field:4} is four characters wide, {field?/} a folder that may be "
          "missing; openpose, depth_views, panoptic, clouds: "
@@ -221,9 +218,9 @@ void MotionsOptions::Declare(OptionVisitor& v) {
   v.Texts("classes", classes, "a motion without a label takes the one that its file's or folder's name begins with");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 39, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration MotionsDeclaration() { return {"motions", 2, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration DuplicatesDeclaration() { return {"duplicates", 6, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 40, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration MotionsDeclaration() { return {"motions", 3, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration DuplicatesDeclaration() { return {"duplicates", 7, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }
 

@@ -17,26 +17,6 @@ namespace mocurate {
 
 struct JointLayout;
 
-enum class SourceFormat {
-  kNone,
-  kJointTable,
-  kBvh,
-  kNpy,
-  kDepthSequence,
-  kNtuSkeleton,
-  kAsfAmc,
-  kAmass,
-  kExpmap,
-  kPhspd,
-  kVibeTracks,
-  kUestc,
-  kHumanAct12Pickle,
-  kMotions,
-  kOpenPose,
-  kDepthViews,
-  kPanoptic,
-  kClouds
-};
 /// What the rotation and the translation of a calibration mean, where its format does not say it.
 enum class CameraPose { kMeasured, kWorldToCamera, kCentre, kCameraToWorld };
 /// What to do with files of the folder that the pattern does not match.
@@ -62,6 +42,8 @@ enum class TrackRule {
   kUestcReleased,   ///< VIBE's tracks of UESTC as ACTOR's released preprocessing picks them (people/uestc.h)
   kUestcCorrected,  ///< the same with its faults mended
 };
+/// Whether the rule reads the boxes of people in a video.
+inline bool ByBoxes(TrackRule rule) { return rule == TrackRule::kUestcReleased || rule == TrackRule::kUestcCorrected; }
 /// Where the root of VIBE's tracks is.
 enum class RootTranslation {
   kPublished,  ///< as the papers' codes have it: uestc moves by the camera, vibe_tracks (NTU-13) stays
@@ -104,7 +86,7 @@ enum class OnContradiction { kFlag, kRefuse };
 /// people, a, b, ... of each.
 struct SourceOptions {
   std::string name;
-  SourceFormat format = SourceFormat::kNone;
+  std::string format = "none";
   std::string files;  ///< pattern of the path below the folder: "a{action}_s{person}.txt", "{id:4}.npy" (exact width)
   std::string container;    ///< the one file that holds all clips; `files` is then the pattern of their names in it
   std::string label_table;  ///< csv below the folder, "motion, label" after a header; `label` then says nothing
@@ -202,11 +184,9 @@ struct MotionsOptions {
 /// Whether clips of the source have keypoints and depth views beside them.
 bool HasDepthBeside(const SourceOptions& source);
 
-/// Whether a clip of this format is many files: one per camera, per moment, or both.
-bool IsGathered(SourceFormat format);
-
-/// "joint_table", as a configuration says it.
-std::string FormatName(SourceFormat format);
+/// Names that `format` may have, "none" first.
+const std::vector<std::string>& SourceFormats();
+void AddSourceFormat(const std::string& name);
 
 /// Rules that go beyond single values: what the format needs and does not say itself. Error kConfig naming the option.
 Status CheckSource(const SourceOptions& source);

@@ -306,13 +306,9 @@ Expected<StageOutcome> MotionsStage(const StageRequest& request) {
   StageOutcome outcome;
   outcome.findings = read->left_out;
   for (const RefusedClip& refused : read->refused) {
-    Finding finding;
-    finding.clip = refused.item;
-    finding.code = "clip_refused";
-    finding.severity = Severity::kError;
-    finding.message = refused.error.Message();
-    finding.action = FindingAction::kRefused;
-    outcome.findings.push_back(std::move(finding));
+    outcome.findings.push_back(
+        MakeFinding("clip_refused", Severity::kError, 0.0, refused.error.Message(), FindingAction::kRefused));
+    outcome.findings.back().clip = refused.item;
   }
   outcome.summary = {{"clips", read->set.clips.size()}, {"refused", read->refused.size()}};
   read->set.findings.insert(read->set.findings.end(), outcome.findings.begin(), outcome.findings.end());

@@ -7,6 +7,7 @@
 
 #include "core/base/text.h"
 #include "ingest/sense/comparison.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -40,21 +41,17 @@ std::map<std::string, Votes> CountVotes(const std::vector<ItemResult>& clips) {
   return all;
 }
 
-Finding Together(const std::string& code, const Votes& votes, std::size_t clips, bool refuse) {
+Finding Together(const std::string& code, const Votes& votes, std::size_t clips, const SourceOptions& source) {
   const double share = votes.weight_against / votes.weight;
-  Finding finding;
-  finding.code = code;
-  finding.severity = Severity::kError;
-  finding.value = std::round(share * 1e4) / 1e4;
-  finding.message = "the whole source contradicts its declaration: " + std::to_string(votes.against) + " of the " +
-                    Counted(static_cast<long long>(votes.told), "clip") + " that tell, of " + std::to_string(clips) +
-                    " in all (" + RoundedText(100.0 * share) + " % of what they say); the first: " + votes.message;
-  finding.action = refuse ? FindingAction::kRefused : FindingAction::kFlagged;
-  return finding;
+  return Contradiction(source, code, FourDecimals(share),
+                       "the whole source contradicts its declaration: " + std::to_string(votes.against) + " of the " +
+                           Counted(static_cast<long long>(votes.told), "clip") + " that tell, of " +
+                           std::to_string(clips) + " in all (" + RoundedText(100.0 * share) +
+                           " % of what they say); the first: " + votes.message);
 }
 
 /// Rates that motions deny: `against` is then of all clips, however little each of the others tells.
-std::optional<Finding> RateOfAll(const std::vector<ItemResult>& clips, bool refuse) {
+std::optional<Finding> RateOfAll(const std::vector<ItemResult>& clips, const SourceOptions& source) {
   RateDenials denials;
   std::string first;
   for (const ItemResult& clip : clips) {
@@ -67,14 +64,9 @@ std::optional<Finding> RateOfAll(const std::vector<ItemResult>& clips, bool refu
     }
   }
   if (!denials.OfTheSet()) return std::nullopt;
-  Finding finding;
-  finding.code = "rate_doubtful";
-  finding.severity = Severity::kError;
-  finding.value = std::round(denials.Share() * 1e4) / 1e4;
-  finding.message =
-      "the motions of the whole source speak against its rate: " + denials.Words() + "; the first: " + first;
-  finding.action = refuse ? FindingAction::kRefused : FindingAction::kFlagged;
-  return finding;
+  return Contradiction(
+      source, "rate_doubtful", FourDecimals(denials.Share()),
+      "the motions of the whole source speak against its rate: " + denials.Words() + "; the first: " + first);
 }
 
 /// What is wrong with the set is wrong with each of its clips.
@@ -114,9 +106,9 @@ std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vec
   std::vector<Finding> findings;
   for (const auto& [code, votes] : CountVotes(clips)) {
     if (votes.told < kFewestDenials || votes.weight_against < kAgreement * votes.weight) continue;
-    findings.push_back(Together(code, votes, clips.size(), refuse));
+    findings.push_back(Together(code, votes, clips.size(), source));
   }
-  if (std::optional<Finding> rate = RateOfAll(clips, refuse)) findings.push_back(std::move(*rate));
+  if (std::optional<Finding> rate = RateOfAll(clips, source)) findings.push_back(std::move(*rate));
   for (const Finding& finding : findings) Blame(finding, refuse, clips);
   return findings;
 }

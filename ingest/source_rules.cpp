@@ -26,19 +26,17 @@ Status CheckSourceUnits(const SourceOptions& s) {
   const UnitOf unit = DriverOf(s.format).unit;
   const bool by_definition = unit == UnitOf::kMetres;
   if (by_definition && !s.units.empty() && s.units != "m") {
-    return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but " + FormatName(s.format) + " files are in metres",
+    return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but " + s.format + " files are in metres",
                 OptionPlace("units"), "take `units` out");
   }
   if (unit == UnitOf::kCentimetres && !s.units.empty() && s.units != "cm") {
-    return Fail(ErrorCode::kConfig,
-                "units are '" + s.units + "', but " + FormatName(s.format) + " files are in centimetres",
+    return Fail(ErrorCode::kConfig, "units are '" + s.units + "', but " + s.format + " files are in centimetres",
                 OptionPlace("units"), "take `units` out");
   }
   if (s.units.empty() && unit == UnitOf::kDeclaration) {
-    return Fail(
-        ErrorCode::kConfig,
-        "source '" + s.name + "' does not say its unit of length, and " + FormatName(s.format) + " files do not either",
-        OptionPlace("units"), "write `units: m` (or cm, mm, inch) under ingest.source");
+    return Fail(ErrorCode::kConfig,
+                "source '" + s.name + "' does not say its unit of length, and " + s.format + " files do not either",
+                OptionPlace("units"), "write `units: m` (or cm, mm, inch) under ingest.source");
   }
   if (s.units.empty()) return {};
   const Expected<double> scale = MetresPerUnit(s.units);
@@ -86,25 +84,11 @@ Status CheckOwnOptions(const SourceOptions& s, const FormatDriver& driver) {
       formats[option] += (formats[option].empty() ? "" : ", ") + std::string(format->name);
   }
   for (const auto& [option, of] : formats) {
-    const bool own = std::find(driver.options.begin(), driver.options.end(), option) != driver.options.end();
-    if (own || said.at(option) == unsaid.at(option)) continue;
+    if (driver.HasOption(option) || said.at(option) == unsaid.at(option)) continue;
     return Fail(ErrorCode::kConfig, "format " + std::string(driver.name) + " has no option '" + option + "'",
                 OptionPlace(option.c_str()), "it is of " + of + ": take it out, or mend ingest.source.format");
   }
   return {};
-}
-
-Status CheckPeople(const SourceOptions& s) {
-  const bool by_boxes = s.people.rule == TrackRule::kUestcReleased || s.people.rule == TrackRule::kUestcCorrected;
-  if (!by_boxes) return {};
-  if (s.format != SourceFormat::kVibeTracks && s.format != SourceFormat::kUestc) {
-    return Fail(ErrorCode::kConfig, "UESTC's rule reads boxes in an image, which " + FormatName(s.format) + " has not",
-                OptionPlace("people.rule"), "motion, official, presence or nearest");
-  }
-  if (s.people.start_px.size() == 2) return {};
-  return Fail(ErrorCode::kConfig,
-              "the performer's first place has " + std::to_string(s.people.start_px.size()) + " numbers",
-              OptionPlace("people.start"), "two: pixels across and down");
 }
 
 }  // namespace
@@ -127,7 +111,7 @@ Status CheckBodies(const SourceOptions& s) {
 }
 
 bool HasDepthBeside(const SourceOptions& source) {
-  return source.format == SourceFormat::kOpenPose && !source.depth_files.empty();
+  return DriverOf(source.format).gives == Gives::kKeypoints && !source.depth_files.empty();
 }
 
 Expected<double> MetresPerUnit(const std::string& units) {
@@ -158,10 +142,10 @@ Status CheckSource(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "the name '" + s.name + "' holds '/' or '#'", OptionPlace("name"));
   }
   const FormatDriver& driver = DriverOf(s.format);
-  if (s.format == SourceFormat::kNone) {
+  if (driver.to_clip == nullptr) {
     std::string names;
     for (const FormatDriver* known : FormatDrivers()) {
-      if (known->format != SourceFormat::kNone) names += (names.empty() ? "" : ", ") + std::string(known->name);
+      if (known->to_clip != nullptr) names += (names.empty() ? "" : ", ") + std::string(known->name);
     }
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its format", OptionPlace("format"),
                 "one of " + names);
@@ -176,17 +160,14 @@ Status CheckSource(const SourceOptions& s) {
   }
   if (Status units = CheckSourceUnits(s); !units) return units;
   if (!driver.says_rate && !s.rate_hz) {
-    return Fail(
-        ErrorCode::kConfig,
-        "source '" + s.name + "' does not say its frame rate, and " + FormatName(s.format) + " files do not either",
-        OptionPlace("rate"), "write e.g. `rate: 30 Hz`");
+    return Fail(ErrorCode::kConfig,
+                "source '" + s.name + "' does not say its frame rate, and " + s.format + " files do not either",
+                OptionPlace("rate"), "write e.g. `rate: 30 Hz`");
   }
   if (Status own = CheckOwnOptions(s, driver); !own) return own;
   if (driver.check != nullptr) {
     if (Status rules = driver.check(s); !rules) return rules;
   }
-  if (Status people = CheckPeople(s); !people) return people;
-  if (Status actions = CheckActions(s.checks); !actions) return actions;
   if (driver.needs_skeleton && s.skeleton.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", OptionPlace("skeleton"),
                 "an array needs one, e.g. humanact12");

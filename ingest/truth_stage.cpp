@@ -5,6 +5,7 @@
 #include "core/formats/depth_sequence.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sources/source_file.h"
 #include "ingest/stages.h"
 #include "ingest/synthetic/studio.h"
@@ -100,7 +101,7 @@ Expected<StageOutcome> TruthStage(const StageRequest& request) {
   const auto input = std::find_if(request.inputs.begin(), request.inputs.end(),
                                   [](const StageInput& candidate) { return candidate.role == "source"; });
   if (input == request.inputs.end()) return Fail(ErrorCode::kInternal, "no input with the role 'source'", request.item);
-  if (source->format != SourceFormat::kDepthSequence) {
+  if (!DriverOf(source->format).has_truth) {
     return Fail(ErrorCode::kUnsupported, "sources of this format carry no truth", input->name);
   }
   const Expected<NamedFile> named = ReadName(*source, input->name);

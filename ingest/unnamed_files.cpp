@@ -7,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "ingest/folder_listing.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sense/source_declaration.h"
 #include "ingest/sources/pattern.h"
 
@@ -66,7 +67,8 @@ std::string SkeletonOfUnnamed(const fs::path& path) {
 
 std::optional<std::string> TakeUnnamed(bool told, IngestOptions& options) {
   SourceOptions& source = options.source;
-  if (!source.container.empty() || IsGathered(source.format) || source.views.together || !source.depth_files.empty()) {
+  if (!source.container.empty() || DriverOf(source.format).gathered() || source.views.together ||
+      !source.depth_files.empty()) {
     return std::nullopt;
   }
   Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");

@@ -5,6 +5,8 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "ingest/folder_listing.h"
+#include "ingest/formats/driver.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {
@@ -25,7 +27,8 @@ std::vector<WantedFile> Named(const IngestOptions& ingest) {
     wanted.push_back(std::move(file));
   };
   if (source.container.empty()) {
-    want(source.files, IsGathered(source.format) ? "a clip together, but for {camera} and {frame}" : "a clip each");
+    want(source.files,
+         DriverOf(source.format).gathered() ? "a clip together, but for {camera} and {frame}" : "a clip each");
   }
   for (const std::string& file : source.calibration) want(file, "calibration of the cameras");
   want(source.mask_files, "masks of the person");
@@ -81,11 +84,8 @@ Status CountFiles(const std::filesystem::path& folder, std::vector<WantedFile>& 
   }
   const fs::path whole = fs::absolute(folder, error).lexically_normal();
   const fs::path root = whole.filename().empty() ? whole.parent_path() : whole;
-  fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error);
-  for (const fs::recursive_directory_iterator end; !error && at != end; at.increment(error)) {
-    std::error_code unknown;
-    if (!at->is_regular_file(unknown)) continue;
-    const std::string name = DisplayPath(at->path().lexically_relative(folder));
+  for (const fs::path& file : FilesBelow(folder)) {
+    const std::string name = DisplayPath(file.lexically_relative(folder));
     for (std::size_t i = 0; i < patterns.size(); ++i) CountWanted(patterns[i], root, name, wanted[i]);
   }
   return {};

@@ -30,8 +30,9 @@ struct ExportSet {
   std::filesystem::path folder;  ///< where the files will lie, absolute: source.yaml may have to name it
   std::string file;              ///< name of the file that holds all clips; empty: its usual name
   RotationArrays rotations = RotationArrays::kQuaternion;  ///< of layouts that have a choice
-  /// ingest.source.checks.actions of source.yaml: the clips were checked when the set was made, none is dropped for it.
-  std::map<std::string, std::string> check_actions;
+  /// ingest.source.checks of source.yaml, by code: the clips were checked when the set was made, none is dropped for
+  /// it.
+  std::map<std::string, std::string> checks;
 };
 
 /// What a clip may hold beside joints, label, rate and names.

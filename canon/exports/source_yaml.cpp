@@ -167,7 +167,8 @@ std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vect
   if (!licence.empty()) text += "    licence: " + YamlText(licence) + "\n";
   if (const auto roles = RolesOf(clips); !roles.empty() && declaration.role_split.empty())
     text += "    roles: " + YamlMap(roles) + "\n";
-  if (!set.check_actions.empty()) text += "    checks:\n      actions: " + YamlMap(set.check_actions) + "\n";
+  if (!set.checks.empty()) text += "    checks:\n";
+  for (const auto& [code, rule] : set.checks) text += "      " + code + ": " + rule + "\n";
   if (!declaration.joint_table) text += "fitting:\n  method: none\n";
   text += "canon:\n  trim: {min_length: 0 s}\n  facing: {rule: none}\n";
   text += "assemble:\n  recipe: " + YamlText("read from an export, layout " + declaration.layout) + "\n" +

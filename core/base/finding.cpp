@@ -50,6 +50,12 @@ Finding MakeFinding(std::string code, Severity severity, double value, std::stri
   return finding;
 }
 
+Finding MakeFinding(std::string code, Severity severity, double value, std::string message, FindingAction action) {
+  Finding finding = MakeFinding(std::move(code), severity, value, std::move(message));
+  finding.action = action;
+  return finding;
+}
+
 bool operator==(const Finding& a, const Finding& b) {
   const bool same_value = a.value == b.value || (std::isnan(a.value) && std::isnan(b.value));
   return same_value && a.clip == b.clip && a.code == b.code && a.severity == b.severity &&

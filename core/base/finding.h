@@ -48,6 +48,8 @@ struct Finding {
 
 /// One about a whole file or clip, flagged.
 Finding MakeFinding(std::string code, Severity severity, double value, std::string message);
+/// The same with what was done about it.
+Finding MakeFinding(std::string code, Severity severity, double value, std::string message, FindingAction action);
 
 bool operator==(const Finding& a, const Finding& b);
 

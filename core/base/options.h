@@ -86,6 +86,16 @@ class OptionVisitor {
     value = choices[index].second;
   }
 
+  /// The same of names that are kept as they are; a name that is none becomes the first.
+  void OneOf(const char* name, std::string& value, const std::vector<std::string>& names, const char* help) {
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i] == value) index = i;
+    }
+    ChoiceIndex(name, index, names, help);
+    value = names[index];
+  }
+
   /// A nested options struct (anything with Declare).
   template <class Options>
   void Group(const char* name, Options& options, const char* help) {

@@ -2,10 +2,26 @@
 
 #include <algorithm>
 
+#include "core/base/text.h"
+
 namespace mocurate {
 namespace {
 
 constexpr const char* kKinects = "KARD, MSR-Action3D, UTKinect, Florence3D";
+
+CheckLimit Frames(double value, const char* help, const char* source, double least = 2.0) {
+  return {"frames", value, Unit::kNone, {least, 1e6}, help, source, true};
+}
+
+const char* ActionText(OnFinding action) {
+  if (action == OnFinding::kDrop) return "drop";
+  return action == OnFinding::kDropRecorded ? "drop_recorded" : "report";
+}
+
+const char* UnitText(Unit unit) {
+  if (unit == Unit::kMetre) return " m";
+  return unit == Unit::kMetrePerSecond ? " m/s" : "";
+}
 
 }  // namespace
 
@@ -16,39 +32,102 @@ const std::vector<FindingKind>& FindingKinds() {
       {"zero_joint", "warning", "a joint at 0 0 0 among others that are not; value: frames", true},
       {"joint_never_seen", "info", "joints that are missing in every frame; value: how many", true},
       {"collapsed_frames", "warning", "frames whose joints lie in one point; value: frames", true},
-      {"frozen_frames", "warning", "frames equal to the last digit; value: frames", true, "frozen_frames", kKinects},
+      {"frozen_frames",
+       "warning",
+       "frames equal to the last digit; value: frames",
+       true,
+       {Frames(2.0, "equal frames on end", kKinects)}},
       {"repeated_frames", "warning", "each frame several times; value: how often", true},
       {"repeated_stretch", "warning", "a section that stands in the clip twice; value: frames", true},
-      {"held_joint", "warning", "a joint that stands still to the last digit while others move; value: frames", true,
-       "held_frames", kKinects},
+      {"held_joint",
+       "warning",
+       "a joint that stands still to the last digit while others move; value: frames",
+       true,
+       {Frames(3.0, "on end in which one joint stands exactly still", kKinects)}},
       {"units_change", "error", "frames of a body 10, 100 or 1000 times as large or small; value: the factor", true},
       {"axes_change", "error", "frames turned to other axes, and staying so; value: 1 turned, -1 mirrored", true},
       {"frozen_view", "warning", "a camera repeats its frames while others see motion; value: frames", true},
-      {"teleport", "warning", "frames in which the person is elsewhere; value: metres", true, "tracker_slack",
-       "the largest jumps of bodies that stand in those clips"},
-      {"body_jump", "warning", "a step of the whole body that it does not take back; value: metres", true, "top_speed",
-       "above the fastest sprint, 12.4 m/s"},
-      {"joint_far", "warning", "a joint far from its body; value: metres", true, "reach",
-       "farther than anybody reaches"},
-      {"swapped_sides", "warning", "left and right are exchanged; value: ratio of squared steps", true, "swap_ratio",
-       kKinects},
+      {"teleport",
+       "warning",
+       "frames in which the person is elsewhere; value: metres",
+       true,
+       {{"distance",
+         0.3,
+         Unit::kMetre,
+         {0.0, 1e3},
+         "that a body may jump beside its speed",
+         "the largest jumps of bodies that stand in KARD, MSR-Action3D, UTKinect, Florence3D"}}},
+      {"body_jump",
+       "warning",
+       "a step of the whole body that it does not take back; value: metres",
+       true,
+       {{"speed", 12.0, Unit::kMetrePerSecond, {0.1, 1e4}, "of a body", "the fastest sprint, 12.4 m/s"}}},
+      {"joint_far",
+       "warning",
+       "a joint far from its body; value: metres",
+       true,
+       {{"distance",
+         2.5,
+         Unit::kMetre,
+         {0.5, 1e3},
+         "of a joint from the middle of its body",
+         "farther than anybody reaches"}}},
+      {"swapped_sides",
+       "warning",
+       "left and right are exchanged; value: ratio of squared steps",
+       true,
+       {{"ratio", 0.35, Unit::kNone, {0.0, 1.0}, "squared steps with exchanged sides over those without", kKinects},
+        {"step", 0.1, Unit::kMetre, {0.0, 10.0}, "smallest step of limbs that says anything about that", kKinects}}},
       {"rate_doubtful", "warning; error where the source declares the rate, and of a whole source or folder",
        "bodies fall or tip otherwise than at that rate; value: the nearest rate, Hz, or the share of clips", true},
-      {"not_joint_positions", "error", "numbers of the right shape that are no body; value: factor or spread", true,
-       "bone_proportion", "recorded bodies are within 1.3, other numbers beyond 1.5", OnFinding::kDrop},
+      {"not_joint_positions",
+       "error",
+       "numbers of the right shape that are no body; value: factor or spread",
+       true,
+       {{"proportion",
+         0.33,
+         Unit::kNone,
+         {0.0, 10.0},
+         "mean distance of log bone lengths from the skeleton's",
+         "recorded bodies are within 1.3, other numbers beyond 1.5"},
+        {"spread",
+         0.35,
+         Unit::kNone,
+         {0.0, 10.0},
+         "relative spread of bone lengths over time",
+         "recorded bodies vary less"}},
+       OnFinding::kDrop},
       {"flat_body", "error", "all joints of all frames lie in a plane; value: thickness over width", true},
       {"single_frame", "info", "a clip of one frame: a pose", true},
-      {"lifeless_clip", "error", "no person, or no motion, in nearly all frames; value: their share", true,
-       "lifeless_share", "empty recordings of MSR-Action3D; of given motion it is reported", OnFinding::kDrop},
+      {"lifeless_clip",
+       "error",
+       "no person, or no motion, in nearly all frames; value: their share",
+       true,
+       {{"share",
+         0.95,
+         Unit::kNone,
+         {0.0, 1.0},
+         "of frames that are zero, collapsed or frozen",
+         "empty recordings of MSR-Action3D"}},
+       OnFinding::kDropRecorded},
       {"name_contradiction", "warning", "the name declares fewer frames than the file holds (`frames_in_name`)", true},
-      {"duplicate", "warning", "the content of another clip, frame for frame", true, "duplicate_distance",
-       "copies differ by rounding alone"},
-      {"near_duplicate", "warning", "another clip's motion; value: metres", true, "duplicate_distance",
-       "copies differ by rounding alone"},
-      {"mirrored_duplicate", "warning", "another clip's mirror image; value: metres", true, "duplicate_distance",
-       "copies differ by rounding alone"},
-      {"shared_frames", "warning", "frames of another clip; value: how many", true, "shared_frames",
-       "two recordings share fewer by chance"},
+      {"duplicate",
+       "warning",
+       "the content of another clip, frame for frame",
+       true,
+       {{"distance",
+         0.005,
+         Unit::kMetre,
+         {0.0, 1.0},
+         "root mean square of two motions that are one; of near and mirrored duplicates too",
+         "copies differ by rounding alone"}}},
+      {"near_duplicate", "warning", "another clip's motion; value: metres", true},
+      {"mirrored_duplicate", "warning", "another clip's mirror image; value: metres", true},
+      {"shared_frames",
+       "warning",
+       "frames of another clip; value: how many",
+       true,
+       {Frames(4.0, "equal poses of two recordings", "two recordings share fewer by chance", 1.0)}},
       // What a file is.
       {"not_found", "error", "there is no such file or folder"},
       {"unreadable", "error", "the file cannot be read"},
@@ -181,7 +260,7 @@ const FindingKind* FindFindingKind(const std::string& code) {
 
 std::string FindingTables() {
   std::string checks =
-      "| code | severity | meaning | limit (`ingest.source.checks`), measured on | by default "
+      "| code | severity | meaning | limits, measured on | by default "
       "|\n|---|---|---|---|---|\n";
   std::string others = "| code | severity | meaning |\n|---|---|---|\n";
   for (const FindingKind& kind : FindingKinds()) {
@@ -190,10 +269,16 @@ std::string FindingTables() {
       others += row + "\n";
       continue;
     }
-    const std::string limit = *kind.limit == '\0' ? "" : "`" + std::string(kind.limit) + "`: " + kind.source;
-    checks += row + " " + limit + " | " + (kind.by_default == OnFinding::kDrop ? "drop" : "report") + " |\n";
+    std::string limits;
+    for (const CheckLimit& limit : kind.limits) {
+      limits += (limits.empty() ? "`" : "; `") + std::string(limit.name) + ": " + FormatDouble(limit.value) +
+                UnitText(limit.unit) + "` " + limit.help + ", " + limit.source;
+    }
+    checks += row + " " + limits + " | " + ActionText(kind.by_default) + " |\n";
   }
-  return "What is wrong with a clip; `checks.actions` sets for each code `ignore`, `report`, `missing` or `drop`:\n\n" +
+  return "What is wrong with a clip; `checks` sets limits and, as `action`, one of `ignore`, `report`, `missing`, "
+         "`drop`"
+         "\nand `drop_recorded`: `checks: {held_joint: {frames: 5, action: missing}}`.\n\n" +
          checks + "\nAll else:\n\n" + others;
 }
 

@@ -7,16 +7,25 @@
 
 namespace mocurate {
 
+/// A limit of a check.
+struct CheckLimit {
+  const char* name;
+  double value;  ///< in `unit`, where nothing else is said
+  Unit unit;
+  Range range;
+  const char* help;
+  const char* source = "";  ///< what it was measured on
+  bool whole = false;       ///< a count
+};
+
 /// One kind of finding that `inspect` and the stage `ingest` report.
 struct FindingKind {
   const char* code;
   const char* severity;  ///< "warning", or what it depends on
   const char* help;      ///< what it means; `value` where that is not plain
-  /// Of what FindDefects and the stage `duplicates` look for, whose `ingest.source.checks` says limits and actions: the
-  /// option that is the limit, or empty.
+  /// Of what FindDefects and the stage `duplicates` look for: `ingest.source.checks` says limits and actions.
   bool check = false;
-  const char* limit = "";
-  const char* source = "";  ///< of the limit: what it was measured on
+  std::vector<CheckLimit> limits = {};  ///< the first is the one that `value` crossed
   OnFinding by_default = OnFinding::kReport;
 };
 

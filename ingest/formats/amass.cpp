@@ -40,30 +40,21 @@ AmassDoubts DoubtsOfAmass(const Amass& amass, const std::string& name) {
 constexpr int kBodyJoints = 22;  // what SMPL, SMPL-H and SMPL-X share
 
 Finding NotTheSubject(const Skeleton& skeleton) {
-  Finding finding;
-  finding.code = "bones_not_the_subjects";
-  finding.severity = Severity::kInfo;
-  finding.message =
-      "the file gives the body's shape as numbers of a body model that is not here: bone lengths are those "
-      "of skeleton '" +
-      skeleton.name +
-      "', and the pelvis lies at `trans`, which the model's rest pelvis (0.2 to 0.4 m, constant over the "
-      "clip) is missing from";
-  finding.message += "; rest offsets of the skeleton used";
-  finding.action = FindingAction::kKept;
-  return finding;
+  return MakeFinding("bones_not_the_subjects", Severity::kInfo, 0.0,
+                     "the file gives the body's shape as numbers of a body model that is not here: bone lengths are "
+                     "those of skeleton '" +
+                         skeleton.name +
+                         "', and the pelvis lies at `trans`, which the model's rest pelvis (0.2 to 0.4 m, constant "
+                         "over the clip) is missing from; rest offsets of the skeleton used",
+                     FindingAction::kKept);
 }
 
 Status AddSegments(const SourceFile& file, Clip& clip, std::size_t frames, std::vector<Finding>& findings) {
   if (file.source.annotations.empty()) return {};
   if (file.annotation.empty()) {
-    Finding finding;
-    finding.code = "not_annotated";
-    finding.severity = Severity::kInfo;
-    finding.message = "no annotation file speaks of this motion";
-    finding.message += "; kept without labels";
-    finding.action = FindingAction::kKept;
-    findings.push_back(std::move(finding));
+    findings.push_back(MakeFinding("not_annotated", Severity::kInfo, 0.0,
+                                   "no annotation file speaks of this motion; kept without labels",
+                                   FindingAction::kKept));
     return {};
   }
   const Expected<std::vector<BabelSequence>> sequences = ParseBabel(file.annotation, file.name + " (annotation)");
@@ -101,16 +92,12 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   Clip& clip = ingested.clip;
   const AmassDoubts doubts = DoubtsOfAmass(*amass, file.name);
   clip.rate = RateOfFile(source, amass->rate_hz, ingested, doubts.rate);
-  const auto bridged = BridgeFrames(amass->damaged, static_cast<int>(amass->frames), clip.rate.hz(), file.name);
-  if (!bridged) return Forward(bridged);
-  const int joints = (*skeleton)->joint_count();
-  Bridge(*bridged, joints, root_translation, *rotation);
-  for (int j = 0; j < joints && !bridged->empty(); ++j) {
-    MakeSignContinuous(rotation->data() + j, amass->frames, static_cast<std::size_t>(joints));
-  }
-  clip.motion = MakeMotion(*skeleton, clip.rate, std::move(root_translation), *std::move(rotation), {});
   ingested.findings.insert(ingested.findings.end(), doubts.findings.begin(), doubts.findings.end());
-  MarkBridged(*bridged, *clip.motion, ingested.findings);
+  if (Status added = AddMotion(amass->damaged, *skeleton, {}, std::move(root_translation), *std::move(rotation),
+                               file.name, ingested);
+      !added) {
+    return Forward(added);
+  }
   ingested.findings.push_back(NotTheSubject(**skeleton));
   if (!amass->gender.empty()) clip.provenance["gender"] = amass->gender;
   if (!amass->surface_model.empty()) clip.provenance["body_model"] = amass->surface_model;
@@ -169,11 +156,11 @@ void StandOnTree(const Motion& motion, const std::vector<int>& damaged, Observed
     std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.positions.joints, clip.positions.joints,
                 0.0);
   }
-  const std::string declared = clip.skeleton, evidence = clip.skeleton_evidence;
+  const Reported<std::string> declared = clip.skeleton;
   std::vector<std::string> names;
   for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
-  FollowFormat("smpl24", names, evidence + "; posed on SMPL's tree with standard proportions", clip);
-  clip.skeleton = declared;
+  FollowFormat("smpl24", names, declared.evidence + "; posed on SMPL's tree with standard proportions", clip);
+  clip.skeleton.value = declared.value;
   clip.lengths_assumed = true;
 }
 
@@ -188,13 +175,11 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   const AmassDoubts doubts = DoubtsOfAmass(amass, name);
   clip.rate_doubt = doubts.rate;
   clip.layout_evidence = std::to_string(amass.pose_columns) + " pose numbers a frame";
-  clip.skeleton = !amass.surface_model.empty() ? amass.surface_model
-                  : amass.pose_columns == 156  ? "smplh"
-                  : amass.pose_columns == 165  ? "smplx"
-                                               : "smpl";
-  clip.skeleton_from = "declared";
-  clip.skeleton_confidence = 1.0;
-  clip.skeleton_evidence = clip.layout_evidence;
+  clip.skeleton = AsDeclared(!amass.surface_model.empty() ? amass.surface_model
+                             : amass.pose_columns == 156  ? "smplh"
+                             : amass.pose_columns == 165  ? "smplx"
+                                                          : "smpl",
+                             clip.layout_evidence);
   clip.units = "m";
   clip.facts.emplace_back("gender", amass.gender.empty() ? "unknown" : amass.gender);
   clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
@@ -230,27 +215,23 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   return clip;
 }
 
-}  // namespace
-
-Expected<ObservedFile> ObserveNpz(const FileBytes& file) {
+/// AMASS, exports, body models (which are only named), and archives of arrays.
+Expected<ObservedFile> NpzIn(const FileBytes& file) {
   const Expected<Npz> archive = ParseNpz(file.bytes, file.name);
   if (!archive) return Forward(archive);
   ObservedFile observed;
   if (const auto exported = ExportedMotionIn(*archive)) {
     Expected<ObservedClip> clip = ObserveExported(*exported, file.name);
     if (!clip) return Forward(clip);
-    observed.clips.push_back(*std::move(clip));
-    return observed;
+    return ObservedFile::Of(*std::move(clip));
   }
   if (archive->Find("trans") != nullptr || archive->Find("poses") != nullptr || archive->Find("pose_body") != nullptr) {
     const Expected<Amass> amass = ParseAmass(file.bytes, file.name, DamagedRows::kReport);
     if (!amass) return Forward(amass);
-    observed.clips.push_back(AmassClip(*amass, file.name));
-    return observed;
+    return ObservedFile::Of(AmassClip(*amass, file.name));
   }
   if (archive->Find("v_template") != nullptr) {
-    observed.companions.push_back({file.name, "body_model", {}, {}});
-    return observed;
+    return ObservedFile::Of(ObservedCompanion{file.name, "body_model", {}, {}});
   }
   for (const Error& unsafe : archive->unsafe) observed.remarks.push_back(UnsafeMember(unsafe));
   std::optional<Error> exchanged;
@@ -275,10 +256,11 @@ Expected<ObservedFile> ObserveNpz(const FileBytes& file) {
   return observed;
 }
 
+}  // namespace
+
 const FormatDriver& AmassFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kAmass;
     d.name = "amass";
     d.inspected = "amass";
     d.gives = Gives::kMotion;
@@ -286,7 +268,11 @@ const FormatDriver& AmassFormat() {
     d.unit = UnitOf::kMetres;
     d.says_rate = true;
     d.lengths_assumed = true;
+    d.tree = "smpl24";
+    d.zeros = "; the file does not say where the body goes";
     d.options = {"annotations", "annotation_roles"};
+    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kZip; };
+    d.observe = NpzIn;
     d.to_clip = ReadAmassClip;
     return d;
   }();

@@ -5,6 +5,7 @@
 #include "core/base/text.h"
 #include "core/formats/amc.h"
 #include "core/motion/kinematics.h"
+#include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/asf_sense.h"
@@ -160,18 +161,13 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
           Quaterniond(Matrix3d(world_from_file * local[j] * world_from_file.transpose())).normalized();
     }
   }
-  const auto bridged = BridgeFrames(amc->damaged, amc->frames, ingested.clip.rate.hz(), file.name);
-  if (!bridged) return Forward(bridged);
-  Bridge(*bridged, static_cast<int>(joints), root_translation, rotation);
-  for (std::size_t j = 0; j < joints; ++j) {
-    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(amc->frames), joints);
+  if (Status added = AddMotion(amc->damaged, fit->skeleton, fit->bone_length, std::move(root_translation),
+                               std::move(rotation), file.name, ingested);
+      !added) {
+    return Forward(added);
   }
-  ingested.clip.motion =
-      MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
-  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
-    path->action =
-        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
+    path->action = ContradictionAction(source);
     ingested.findings.push_back(*std::move(path));
   }
   ingested.clip.provenance["skeleton_file"] = file.skeleton_name;
@@ -204,14 +200,9 @@ Beside SkeletonBeside(const fs::path& motion) {
   const std::string stem = LowerCase(DisplayPath(motion.stem()));
   const fs::path folder = motion.has_parent_path() ? motion.parent_path() : fs::path(".");
   for (const fs::path& place : {folder, folder / ".."}) {
-    std::error_code error;
-    std::vector<fs::path> found;
-    for (fs::directory_iterator at(place, error), end; !error && at != end; at.increment(error)) {
-      if (LowerCase(DisplayPath(at->path().extension())) == ".asf") found.push_back(at->path());
-    }
-    std::sort(found.begin(), found.end());
     std::size_t longest = 0;
-    for (const fs::path& path : found) {
+    for (const fs::path& path : EntriesOf(place)) {
+      if (LowerCase(DisplayPath(path.extension())) != ".asf") continue;
       const std::string name = LowerCase(DisplayPath(path.stem()));
       if (Begins(name, stem) && name.size() > longest) {
         longest = name.size();
@@ -261,9 +252,8 @@ void AddPositions(const Asf& asf, const Amc& amc, ObservedClip& clip) {
   if (const auto path = DoubtPath(clip.positions, clip.points)) clip.remarks.push_back(*path);
 }
 
-}  // namespace
-
-Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
+/// With the .asf beside the file or a folder above whose name begins the file's; without one a remark says so.
+Expected<ObservedFile> AmcIn(const FileBytes& file) {
   ObservedClip clip;
   clip.format = "amc";
   clip.rate_evidence = "the file does not say it";
@@ -308,16 +298,16 @@ Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file) {
     }
   } else {
     clip.silence = "without its skeleton file (.asf) a motion has no lengths";
-    clip.skeleton_evidence = std::to_string(amc->bones.size()) + " moving bones; no skeleton file";
+    clip.skeleton.evidence = std::to_string(amc->bones.size()) + " moving bones; no skeleton file";
     clip.remarks.push_back(MakeFinding("skeleton_missing", Severity::kWarning, 0.0,
                                        "no .asf whose name begins this one's lies beside it" +
                                            (beside.others.empty() ? "" : " (" + beside.others + " are of others)") +
                                            ": lengths, unit and axes stay unknown"));
   }
-  return std::vector<ObservedClip>{std::move(clip)};
+  return ObservedFile::Of(std::move(clip));
 }
 
-Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
+Expected<ObservedFile> AsfIn(const FileBytes& file) {
   const Expected<Asf> asf = ParseAsf(file.bytes, file.name);
   if (!asf) return Forward(asf);
   ObservedFile observed;
@@ -334,10 +324,11 @@ Expected<ObservedFile> ObserveAsf(const FileBytes& file) {
   return observed;
 }
 
+}  // namespace
+
 const FormatDriver& AsfAmcFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kAsfAmc;
     d.name = "asf_amc";
     d.inspected = "amc";
     d.kind = FileKind::kAmc;
@@ -346,6 +337,8 @@ const FormatDriver& AsfAmcFormat() {
     d.rotations = true;
     d.check = CheckSkeletonFiles;
     d.options = {"skeleton_files"};
+    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kAsf || kind == FileKind::kAmc; };
+    d.observe = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
     d.to_clip = ReadAsfAmcClip;
     return d;
   }();

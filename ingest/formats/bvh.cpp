@@ -49,14 +49,11 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
                   name,
                   "a tree of fixed bones cannot hold it; raise ingest.source.max_slide to use the middle of its range");
     }
-    Finding finding;
-    finding.code = "bone_slides";
-    finding.joint = bvh.joints[j].name;
-    finding.value = slide;
-    finding.message = "the bone changes its length by " + RoundedText(slide, 3) + " m over the clip";
-    finding.message += "; middle of its range used";
-    finding.action = FindingAction::kKept;
-    findings.push_back(finding);
+    findings.push_back(MakeFinding(
+        "bone_slides", Severity::kWarning, slide,
+        "the bone changes its length by " + RoundedText(slide, 3) + " m over the clip; middle of its range used",
+        FindingAction::kKept));
+    findings.back().joint = bvh.joints[j].name;
   }
   return {};
 }
@@ -77,14 +74,69 @@ Vector3d RootPlace(const Bvh& bvh, int frame, const BvhOffsets& offsets, const B
   return metres_from_file * place - from_root;
 }
 
+constexpr double kCarriesFrom =
+    0.01;  // of the sum of all bones; the root's children slide less where they carry nothing
+
+/// Places of all joints, of the root where the joint lies that carries the translation: of Bandai's files the hips.
+JointPositions WithCarriedRoot(const Bvh& bvh, JointPositions places) {
+  double bones = 0.0;
+  for (const BvhJoint& joint : bvh.joints) bones += joint.offset.norm();
+  const int carrier = MeasureOffsets(bvh, Matrix3d::Identity(), kCarriesFrom * bones, nullptr).carrier;
+  for (int f = 0; f < places.frames && carrier > 0; ++f) places.at(f, 0) = Vector3d(places.at(f, carrier));
+  return places;
+}
+
+Expected<ObservedFile> BvhIn(const FileBytes& file) {
+  const Expected<OpenedBvh> opened = OpenBvh(file.bytes, file.name, DamagedRows::kReport);
+  if (!opened) return Forward(opened);
+  const Bvh* bvh = &opened->bvh;
+  ObservedClip clip;
+  clip.format = "bvh";
+  clip.frames = bvh->frames;
+  clip.joints = static_cast<int>(bvh->joints.size());
+  clip.rate_evidence = "Frame Time of the file";
+  clip.rate_hz = std::round(bvh->hz() * 1000.0) / 1000.0;
+  clip.rate_doubt = opened->rate;
+  for (const BvhJoint& joint : bvh->joints) clip.names.push_back(joint.name);
+  clip.positions = JointPositions(bvh->frames, clip.joints);
+  std::vector<Vector3d> positions;
+  for (int f = 0; f < bvh->frames; ++f) {
+    BvhForward(*bvh, f, positions);
+    for (int j = 0; j < clip.joints; ++j) clip.positions.at(f, j) = positions[static_cast<std::size_t>(j)];
+  }
+  if (!bvh->damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
+  for (const int f : bvh->damaged) {
+    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
+  }
+  std::vector<int> parents;
+  for (const BvhJoint& joint : bvh->joints) parents.push_back(joint.parent);
+  FollowTree(parents, "HIERARCHY with ROOT " + clip.names[0], clip);
+  clip.layout_evidence = "header of the file";
+  if (opened->angles) {
+    clip.remarks.push_back(*opened->angles);
+    clip.positions = JointPositions();
+    clip.confidence.clear();
+    clip.silence = kSpoiledPoses;
+  }
+  if (clip.positions.frames > 0) {
+    const JointPositions carried = WithCarriedRoot(*bvh, clip.positions);
+    if (const auto path = DoubtPath(carried, clip.points)) clip.remarks.push_back(*path);
+  }
+  for (const Finding& finding : bvh->findings) {
+    clip.remarks.push_back(finding);
+  }
+  return ObservedFile::Of(std::move(clip));
+}
+
 /// A body of metres that are none breaks the rules of a skeleton: what is wrong then is the declared unit.
 Error UnitsOr(const Error& otherwise, const SourceFile& file) {
-  const Expected<std::vector<ObservedClip>> observed = ObserveBvh(file.bytes, file.name);
-  if (!observed || observed->empty()) return otherwise;
-  const ClipMeasures measures = Measure(observed->front());
-  for (const Comparison& comparison : CompareFrame(StatementsOf(observed->front(), file.source), measures)) {
-    if (comparison.code != "units_contradiction" || !comparison.contradicts) continue;
-    return {ErrorCode::kInconsistent, comparison.message, file.name,
+  const Expected<ObservedFile> observed = BvhIn({file.bytes, file.name, {}});
+  if (!observed) return otherwise;
+  const ObservedClip& clip = observed->clips.front();
+  const ClipMeasures measures = Measure(clip);
+  for (const Comparison& comparison : CompareFrame(StatementsOf(clip, file.source), measures)) {
+    if (comparison.finding.code != "units_contradiction" || !comparison.contradicts) continue;
+    return {ErrorCode::kInconsistent, comparison.finding.message, file.name,
             "mend ingest.source.units" +
                 (comparison.measured.empty() ? std::string() : ": write `units: " + comparison.measured + "`")};
   }
@@ -127,18 +179,13 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
           Quaterniond(Matrix3d(world_from_file * local * world_from_file.transpose())).normalized();
     }
   }
-  const auto bridged = BridgeFrames(bvh->damaged, bvh->frames, ingested.clip.rate.hz(), file.name);
-  if (!bridged) return Forward(bridged);
-  Bridge(*bridged, joints, root_translation, rotation);
-  for (int j = 0; j < joints; ++j) {
-    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(bvh->frames), static_cast<std::size_t>(joints));
+  if (Status added = AddMotion(bvh->damaged, fit->skeleton, fit->bone_length, std::move(root_translation),
+                               std::move(rotation), file.name, ingested);
+      !added) {
+    return Forward(added);
   }
-  ingested.clip.motion =
-      MakeMotion(fit->skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), fit->bone_length);
-  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
   if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
-    path->action =
-        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
+    path->action = ContradictionAction(source);
     ingested.findings.push_back(*std::move(path));
   }
   if (offsets.carrier > 0) {
@@ -147,66 +194,11 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   return ingested;
 }
 
-constexpr double kCarriesFrom =
-    0.01;  // of the sum of all bones; the root's children slide less where they carry nothing
-
-/// Places of all joints, of the root where the joint lies that carries the translation: of Bandai's files the hips.
-JointPositions WithCarriedRoot(const Bvh& bvh, JointPositions places) {
-  double bones = 0.0;
-  for (const BvhJoint& joint : bvh.joints) bones += joint.offset.norm();
-  const int carrier = MeasureOffsets(bvh, Matrix3d::Identity(), kCarriesFrom * bones, nullptr).carrier;
-  for (int f = 0; f < places.frames && carrier > 0; ++f) places.at(f, 0) = Vector3d(places.at(f, carrier));
-  return places;
-}
-
 }  // namespace
-
-Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name) {
-  const Expected<OpenedBvh> opened = OpenBvh(bytes, name, DamagedRows::kReport);
-  if (!opened) return Forward(opened);
-  const Bvh* bvh = &opened->bvh;
-  ObservedClip clip;
-  clip.format = "bvh";
-  clip.frames = bvh->frames;
-  clip.joints = static_cast<int>(bvh->joints.size());
-  clip.rate_evidence = "Frame Time of the file";
-  clip.rate_hz = std::round(bvh->hz() * 1000.0) / 1000.0;
-  clip.rate_doubt = opened->rate;
-  for (const BvhJoint& joint : bvh->joints) clip.names.push_back(joint.name);
-  clip.positions = JointPositions(bvh->frames, clip.joints);
-  std::vector<Vector3d> positions;
-  for (int f = 0; f < bvh->frames; ++f) {
-    BvhForward(*bvh, f, positions);
-    for (int j = 0; j < clip.joints; ++j) clip.positions.at(f, j) = positions[static_cast<std::size_t>(j)];
-  }
-  if (!bvh->damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
-  for (const int f : bvh->damaged) {
-    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
-  }
-  std::vector<int> parents;
-  for (const BvhJoint& joint : bvh->joints) parents.push_back(joint.parent);
-  FollowTree(parents, "HIERARCHY with ROOT " + clip.names[0], clip);
-  clip.layout_evidence = "header of the file";
-  if (opened->angles) {
-    clip.remarks.push_back(*opened->angles);
-    clip.positions = JointPositions();
-    clip.confidence.clear();
-    clip.silence = kSpoiledPoses;
-  }
-  if (clip.positions.frames > 0) {
-    const JointPositions carried = WithCarriedRoot(*bvh, clip.positions);
-    if (const auto path = DoubtPath(carried, clip.points)) clip.remarks.push_back(*path);
-  }
-  for (const Finding& finding : bvh->findings) {
-    clip.remarks.push_back(finding);
-  }
-  return std::vector<ObservedClip>{std::move(clip)};
-}
 
 const FormatDriver& BvhFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kBvh;
     d.name = "bvh";
     d.inspected = "bvh";
     d.kind = FileKind::kBvh;
@@ -215,6 +207,7 @@ const FormatDriver& BvhFormat() {
     d.rotations = true;
     d.says_rate = true;
     d.options = {"max_slide"};
+    d.observe = BvhIn;
     d.to_clip = ReadBvhClip;
     return d;
   }();

@@ -62,18 +62,28 @@ Expected<IngestedClip> ReadCloudsClip(const SourceFile& file) {
   return ingested;
 }
 
+Expected<ObservedFile> CloudIn(const FileBytes& file) {
+  Expected<PointCloud> cloud = ParsePointCloud(file.bytes, file.name);
+  if (!cloud) return Forward(cloud);
+  ObservedFile observed;
+  observed.clouds.push_back(
+      {KindOf(file.bytes) == FileKind::kPly ? "ply" : "pcd", std::move(cloud->points), cloud->triangles});
+  return observed;
+}
+
 }  // namespace
 
 const FormatDriver& CloudsFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kClouds;
     d.name = "clouds";
     d.inspected = "clouds";
     d.kind = FileKind::kPly;
     d.gives = Gives::kPointClouds;
-    d.gathered = true;
+    d.gathered_by = {"frame"};
     d.check = CheckGathered;
+    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPly || kind == FileKind::kPcd; };
+    d.observe = CloudIn;
     d.to_clip = ReadCloudsClip;
     return d;
   }();

@@ -114,16 +114,14 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   return ingested;
 }
 
-}  // namespace
-
-Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes, const std::string& name) {
-  const auto sequence = ParseDepthSequence(bytes, name);
+Expected<ObservedFile> SequenceIn(const FileBytes& file) {
+  const auto sequence = ParseDepthSequence(file.bytes, file.name);
   if (!sequence) return Forward(sequence);
   ObservedClip clip;
   clip.format = "depth_sequence";
   clip.frames = sequence->frames;
   clip.rate_hz = sequence->fps;
-  clip.skeleton_evidence = std::to_string(sequence->views.size()) + " depth views, no joints";
+  clip.skeleton.evidence = std::to_string(sequence->views.size()) + " depth views, no joints";
   clip.layout_evidence = std::to_string(sequence->views.size()) + " views, " + std::to_string(sequence->labels.size()) +
                          " annotated segments";
   clip.rate_evidence = "fps of the file";
@@ -131,13 +129,13 @@ Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes,
   clip.units = "m";
   clip.up = "-y";
   clip.handedness = "right";
-  return std::vector<ObservedClip>{std::move(clip)};
+  return ObservedFile::Of(std::move(clip));
 }
 
-Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, const std::string& name) {
-  const Expected<nlohmann::json> document = ParseJson(bytes, name);
+Expected<ObservedFile> StillIn(const FileBytes& file) {
+  const Expected<nlohmann::json> document = ParseJson(file.bytes, file.name);
   if (!document) return Forward(document);
-  const JsonPlace root{&*document, "", &name};
+  const JsonPlace root{&*document, "", &file.name};
   const Expected<JsonPlace> views = root.Key("views");
   if (!views) return Forward(views);
   if (!views->value->is_object() || views->value->empty()) return views->Bad("views by name are expected");
@@ -155,7 +153,7 @@ Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, co
   clip.frames = 1;
   const std::string count = std::to_string(views->value->size());
   clip.layout_evidence = count + " depth views of one moment";
-  clip.skeleton_evidence = count + " depth views, no joints";
+  clip.skeleton.evidence = count + " depth views, no joints";
   clip.silence = "depth views, no joints";
   clip.rate_evidence = "one moment has no rate";
   if (root.Has("frame") && (*document)["frame"].is_string()) {
@@ -167,20 +165,29 @@ Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, co
       clip.handedness = "right";
     }
   }
-  return std::vector<ObservedClip>{std::move(clip)};
+  return ObservedFile::Of(std::move(clip));
 }
+
+}  // namespace
 
 const FormatDriver& DepthSequenceFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kDepthSequence;
     d.name = "depth_sequence";
     d.inspected = "depth_sequence";
     d.gives = Gives::kDepthViews;
     d.unit = UnitOf::kCalibration;
     d.says_rate = true;
+    d.has_truth = true;
     d.check = CheckDepthFiles;
     d.options = {"depth_files", "depth_unit"};
+    d.sniff = [](const FileBytes& file, FileKind kind) {
+      const JsonKind json = kind == FileKind::kJson ? JsonKindOf(file.bytes) : JsonKind::kOther;
+      return json == JsonKind::kDepthSequence || json == JsonKind::kDepthStill;
+    };
+    d.observe = [](const FileBytes& file) {
+      return JsonKindOf(file.bytes) == JsonKind::kDepthStill ? StillIn(file) : SequenceIn(file);
+    };
     d.to_clip = ReadDepthSequenceClip;
     return d;
   }();

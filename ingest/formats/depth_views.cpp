@@ -68,12 +68,11 @@ Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file) {
 const FormatDriver& DepthViewsFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kDepthViews;
     d.name = "depth_views";
     d.inspected = "depth_views";
     d.gives = Gives::kDepthViews;
     d.unit = UnitOf::kCalibration;
-    d.gathered = true;
+    d.gathered_by = {"camera"};
     d.check = CheckGathered;
     d.options = {"calibration", "camera_pose", "cameras", "mask_files", "depth_unit"};
     d.to_clip = ReadDepthViewsClip;

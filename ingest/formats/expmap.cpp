@@ -71,7 +71,6 @@ Expected<IngestedClip> ReadExpmapClip(const SourceFile& file) {
 const FormatDriver& ExpmapFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kExpmap;
     d.name = "expmap";
     d.inspected = "expmap_table";
     d.kind = FileKind::kNumbers;

@@ -1,17 +1,62 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
+#include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/formats/humanact12_pickle.h"
 #include "core/motion/kinematics.h"
 #include "ingest/formats/driver.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sense/posed_joints.h"
 #include "ingest/sources/body_check.h"
-#include "ingest/sources/container.h"
+#include "ingest/sources/kept_open.h"
+#include "ingest/sources/mapped_file.h"
 #include "ingest/sources/smpl_motion.h"
 
 namespace mocurate {
 namespace {
+
+/// The archive with the bytes that it points into.
+struct OpenPickle {
+  std::shared_ptr<const MappedFile> file;
+  HumanAct12Archive archive;
+};
+
+Expected<std::shared_ptr<const OpenPickle>> PickleOf(const std::filesystem::path& path) {
+  static KeptOpen<OpenPickle> last;
+  return last.Get(path, [](const std::filesystem::path& pickle) -> Expected<OpenPickle> {
+    auto file = MappedFile::Open(pickle);
+    if (!file) return Forward(file);
+    Expected<HumanAct12Archive> archive = HumanAct12Archive::Open((*file)->bytes(), DisplayPath(pickle.filename()));
+    if (!archive) return Forward(archive);
+    return OpenPickle{std::move(*file), std::move(*archive)};
+  });
+}
+
+/// The pickle names no clip: "c0007_y04" are the place in the file and the class, from 1.
+Expected<std::vector<ContainerEntry>> HumanAct12Entries(const SourceOptions& source,
+                                                        const std::filesystem::path& folder) {
+  const auto pickle = PickleOf(folder / source.container);
+  if (!pickle) return Forward(pickle);
+  std::vector<ContainerEntry> entries;
+  for (std::size_t i = 0; i < (*pickle)->archive.size(); ++i) {
+    const Expected<int> label = (*pickle)->archive.Label(i);
+    if (!label) return Forward(label);
+    char name[48];
+    std::snprintf(name, sizeof(name), "c%04zu_y%02d", i + 1, *label + 1);
+    entries.push_back({name, "", 0, ""});
+  }
+  return entries;
+}
+
+Expected<HumanAct12Clip> ReadEntry(const SourceFile& file) {
+  const auto pickle = PickleOf(file.container);
+  if (!pickle) return Forward(pickle);
+  const HumanAct12Archive& archive = (*pickle)->archive;
+  if (Status there = CheckEntry(file.entry, archive.size(), file.name); !there) return Forward(there);
+  return archive.Clip(static_cast<std::size_t>(file.entry));
+}
 
 constexpr double kFits = 1e-3;  // metres; as far as the places that were recorded may lie off those of the rotations
 
@@ -41,16 +86,12 @@ void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::ve
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
   if (*middle <= kFits) return;
-  Finding finding;
-  finding.code = "joints_displaced";
-  finding.severity = Severity::kInfo;
-  finding.value = *middle;
-  finding.message = "joints lie " + RoundedText(*middle, 3) +
-                    " m (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
-                    "the subject's body";
-  finding.message += "; rotations kept; the skeleton of joints alone (npy) keeps the places";
-  finding.action = FindingAction::kKept;
-  findings.push_back(std::move(finding));
+  findings.push_back(MakeFinding(
+      "joints_displaced", Severity::kInfo, *middle,
+      "joints lie " + RoundedText(*middle, 3) +
+          " m (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
+          "the subject's body; rotations kept; the skeleton of joints alone (npy) keeps the places",
+      FindingAction::kKept));
 }
 
 /// One clip of humanact12poses.pkl: on a skeleton with SMPL's joints its rotations, the bones as long as between the
@@ -63,7 +104,7 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   if (!skeleton) return Forward(skeleton);
   const Expected<std::vector<int>> columns = SmplColumns(**skeleton, kSmplJoints);
   if (!columns) return Forward(columns);
-  const Expected<HumanAct12Clip> clip = ReadHumanAct12Entry(file.container, file.entry, file.name);
+  const Expected<HumanAct12Clip> clip = ReadEntry(file);
   if (!clip) return Forward(clip);
 
   JointPositions joints(static_cast<int>(clip->frames), (*skeleton)->joint_count());
@@ -98,7 +139,6 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
 const FormatDriver& HumanAct12PickleFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kHumanAct12Pickle;
     d.name = "humanact12_pickle";
     d.inspected = "humanact12_pickle";
     d.gives = Gives::kMotion;
@@ -107,7 +147,10 @@ const FormatDriver& HumanAct12PickleFormat() {
     d.needs_skeleton = true;
     d.container = Container::kMust;
     d.options = {"container"};
+    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };
+    d.observe = ObservePickle;
     d.to_clip = ReadHumanAct12Clip;
+    d.entries = HumanAct12Entries;
     return d;
   }();
   return driver;

@@ -186,7 +186,6 @@ Expected<JointLayout> TableLayout(const SourceOptions& s) {
 const FormatDriver& JointTableFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kJointTable;
     d.name = "joint_table";
     d.inspected = "joint_table";
     d.kind = FileKind::kNumbers;
@@ -195,6 +194,7 @@ const FormatDriver& JointTableFormat() {
     d.zeros = "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
     d.check = CheckTable;
     d.options = {"rows_per_frame", "columns", "layout", "end_word", "least_confidence", "missing"};
+    d.observe = ObserveTable;
     d.to_clip = ReadJointTableClip;
     return d;
   }();

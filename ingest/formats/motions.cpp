@@ -1,13 +1,44 @@
+#include "core/base/file.h"
+#include "core/store/dataset_clips.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sources/container.h"
+#include "ingest/sources/kept_open.h"
 
 namespace mocurate {
 namespace {
 
+Expected<std::shared_ptr<const DatasetClips>> MotionsOf(const std::filesystem::path& path, DatasetClips::Check check) {
+  static KeptOpen<DatasetClips> last;
+  return last.Get(path, [&](const std::filesystem::path& file) -> Expected<DatasetClips> {
+    Expected<DatasetClips> clips = DatasetClips::Open(file, check);
+    if (!clips || clips->axes() == AxisConvention()) return clips;
+    return Fail(ErrorCode::kUnsupported, "its axes are not the canonical ones", DisplayPath(file.filename()),
+                "write it with right-handed axes, y up, facing +z");
+  });
+}
+
+/// Named by their ids.
+Expected<std::vector<ContainerEntry>> MotionsEntries(const SourceOptions& source, const std::filesystem::path& folder) {
+  const auto clips = MotionsOf(folder / source.container, DatasetClips::Check::kHashes);
+  if (!clips) return Forward(clips);
+  std::vector<ContainerEntry> entries;
+  for (std::size_t row = 0; row < (*clips)->size(); ++row) {
+    entries.push_back({(*clips)->Id(row), (*clips)->Label(row), 0, ""});
+  }
+  return entries;
+}
+
+/// The hashes were compared when the clips were listed.
+Expected<Clip> ReadMotionsEntry(const SourceFile& file) {
+  const auto clips = MotionsOf(file.container, DatasetClips::Check::kNone);
+  if (!clips) return Forward(clips);
+  if (Status there = CheckEntry(file.entry, (*clips)->size(), file.name); !there) return Forward(there);
+  return (*clips)->Read(static_cast<std::size_t>(file.entry));
+}
+
 /// One clip of a dataset or MotionSet, as it is, with its identity, segments and role: rotations where it has them,
 /// else joints only. Of the declaration only the licence and `labels` have a say.
 Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
-  Expected<Clip> clip = ReadMotionsEntry(file.container, file.entry, file.name);
+  Expected<Clip> clip = ReadMotionsEntry(file);
   if (!clip) return Forward(clip);
   if (!clip->motion) return Fail(ErrorCode::kInconsistent, "the clip has no motion", file.name);
   IngestedClip ingested;
@@ -37,15 +68,16 @@ Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
 const FormatDriver& MotionsFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kMotions;
     d.name = "motions";
     d.inspected = "motions";
     d.gives = Gives::kMotion;
     d.unit = UnitOf::kMetres;
     d.says_rate = true;
     d.container = Container::kMust;
+    d.stored = true;
     d.options = {"container"};
     d.to_clip = ReadMotionsClip;
+    d.entries = MotionsEntries;
     return d;
   }();
   return driver;

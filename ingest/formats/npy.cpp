@@ -227,13 +227,13 @@ ObservedClip PlacesIn(const NpyArray& array, const ArrayShape& held, std::size_t
   return clip;
 }
 
-}  // namespace
-
-Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name) {
-  const Expected<NpyArray> array = ParseNpy(bytes, name);
+Expected<ObservedFile> NpyIn(const FileBytes& file) {
+  const Expected<NpyArray> array = ParseNpy(file.bytes, file.name);
   if (!array) return Forward(array);
-  return ObserveArray(*array, name);
+  return ObservedFile::Of(ObserveArray(*array, file.name));
 }
+
+}  // namespace
 
 Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name) {
   std::string shape;
@@ -299,14 +299,15 @@ Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std
 const FormatDriver& NpyFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kNpy;
     d.name = "npy";
     d.inspected = "npy";
     d.kind = FileKind::kNpy;
     d.gives = Gives::kMotion;
     d.needs_skeleton = true;
     d.lists_joints = true;
+    d.holds_clips = true;
     d.options = {"lie_bone_lengths"};
+    d.observe = NpyIn;
     d.to_clip = ReadArraySource;
     return d;
   }();

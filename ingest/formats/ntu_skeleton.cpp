@@ -40,6 +40,10 @@ Status CheckViews(const SourceOptions& s) {
 
 Status CheckNtu(const SourceOptions& source) {
   if (Status bodies = CheckBodies(source); !bodies) return bodies;
+  if (ByBoxes(source.people.rule)) {
+    return Fail(ErrorCode::kConfig, "UESTC's rule reads boxes in an image, which ntu_skeleton has not",
+                "ingest.source.people.rule", "motion, official, presence or nearest");
+  }
   return CheckViews(source);
 }
 
@@ -129,9 +133,7 @@ ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
   return clip;
 }
 
-}  // namespace
-
-Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file) {
+Expected<ObservedFile> NtuIn(const FileBytes& file) {
   const std::string& name = file.name;
   Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, name, DamagedRows::kReport);
   if (!skeleton) {
@@ -175,13 +177,19 @@ Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file) {
   for (const Finding& finding : skeleton->findings) {
     clips[0].remarks.push_back(finding);
   }
-  return clips;
+  return ObservedFile::Of(std::move(clips));
 }
+
+/// By the name too: of a file cut off behind its counts too little is left.
+bool IsNtu(const FileBytes& file, FileKind kind) {
+  return kind == FileKind::kNtuSkeleton || (kind == FileKind::kUnknown && file.path.extension() == ".skeleton");
+}
+
+}  // namespace
 
 const FormatDriver& NtuSkeletonFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kNtuSkeleton;
     d.name = "ntu_skeleton";
     d.inspected = "ntu_skeleton";
     d.kind = FileKind::kNtuSkeleton;
@@ -191,6 +199,8 @@ const FormatDriver& NtuSkeletonFormat() {
     d.zeros = "; taken as missing";
     d.check = CheckNtu;
     d.options = {"bodies", "people", "views", "inferred_confidence", "depth_files", "depth_unit"};
+    d.sniff = IsNtu;
+    d.observe = NtuIn;
     d.to_clip = ReadNtuSkeletonClip;
     return d;
   }();

@@ -78,8 +78,7 @@ void DoubtNumbers(const SourceFile& file, const ViewFrames& view, IngestedClip& 
   }
   for (Finding& doubt : DoubtKeypointNumbers(people)) {
     doubt.message = "camera " + view.camera->name + ": " + doubt.message;
-    doubt.action =
-        file.source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
+    doubt.action = ContradictionAction(file.source);
     ingested.findings.push_back(std::move(doubt));
   }
 }
@@ -128,13 +127,10 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
   }
   if (!measured.value.empty()) ingested.shown["keypoints_contradiction"] = {measured.value != layout->name, 1.0};
   if (declared && !measured.value.empty() && measured.value != layout->name) {
-    Finding finding = CameraFinding(
-        "keypoints_contradiction", measured.confidence,
-        "the source declares keypoints " + layout->name + ", the bones are those of " + measured.value + ": " +
-            measured.evidence + "; mend ingest.source.keypoints",
-        file.source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged);
-    finding.severity = Severity::kError;
-    ingested.findings.push_back(std::move(finding));
+    ingested.findings.push_back(Contradiction(file.source, "keypoints_contradiction", measured.confidence,
+                                              "the source declares keypoints " + layout->name +
+                                                  ", the bones are those of " + measured.value + ": " +
+                                                  measured.evidence + "; mend ingest.source.keypoints"));
   }
   ingested.clip.provenance["keypoints"] =
       layout->name + (declared ? " (declared)" : " (measured: " + measured.evidence + ")");
@@ -246,12 +242,11 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
 const FormatDriver& OpenPoseFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kOpenPose;
     d.name = "openpose";
     d.inspected = "openpose";
     d.gives = Gives::kKeypoints;
     d.unit = UnitOf::kCalibration;
-    d.gathered = true;
+    d.gathered_by = {"camera", "frame"};
     d.check = CheckGathered;
     d.options = {"calibration", "camera_pose", "cameras", "keypoints", "subjects", "depth_files", "depth_unit"};
     d.to_clip = ReadOpenPoseClip;

@@ -105,12 +105,11 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
 const FormatDriver& PanopticFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kPanoptic;
     d.name = "panoptic";
     d.inspected = "panoptic_bodies";
     d.gives = Gives::kJointTracks;
     d.unit = UnitOf::kCentimetres;
-    d.gathered = true;
+    d.gathered_by = {"frame"};
     d.check = CheckGathered;
     d.options = {"subjects"};
     d.to_clip = ReadPanopticClip;

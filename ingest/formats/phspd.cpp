@@ -53,12 +53,11 @@ constexpr const char* kShapes = "shape_smpl.txt";
 Expected<ObservedFile> ShapesIn(const FileBytes& file) {
   const Expected<PhspdShape> shape = ParsePhspdShape(file.bytes, file.name);
   if (!shape) return Forward(shape);
-  ObservedFile observed;
-  observed.companions.push_back({file.name, "phspd_shape", {}, {{"frames", static_cast<double>(shape->frame.size())}}});
-  return observed;
+  return ObservedFile::Of({file.name, "phspd_shape", {}, {{"frames", static_cast<double>(shape->frame.size())}}});
 }
 
-Expected<ObservedClip> PosesIn(const FileBytes& file) {
+/// Of damaged rows that are told and left out.
+Expected<ObservedFile> PosesIn(const FileBytes& file) {
   Expected<PhspdTracks> tracks = ReadPhspdTracks(file.bytes, file.name, DamagedRows::kReport);
   if (!tracks) return Forward(tracks);
   ObservedClip clip;
@@ -75,36 +74,29 @@ Expected<ObservedClip> PosesIn(const FileBytes& file) {
     if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
   }
   clip.AddRemarks(tracks->findings);
-  return clip;
+  return ObservedFile::Of(std::move(clip));
+}
+
+/// ".../subject03_group2_time4/pose.txt" or shape_smpl.txt.
+bool IsOfPhspd(const FileBytes& file, FileKind kind) {
+  const std::filesystem::path name = file.path.filename();
+  return kind == FileKind::kNumbers && (name == kPoses || name == kShapes) &&
+         ParsePhspdRecording(DisplayPath(file.path.parent_path().filename())).has_value();
 }
 
 }  // namespace
 
-bool IsOfPhspd(const std::filesystem::path& path) {
-  const std::filesystem::path file = path.filename();
-  return (file == kPoses || file == kShapes) &&
-         ParsePhspdRecording(DisplayPath(path.parent_path().filename())).has_value();
-}
-
-Expected<ObservedFile> ObservePhspd(const FileBytes& file) {
-  if (file.path.filename() == kShapes) return ShapesIn(file);
-  Expected<ObservedClip> clip = PosesIn(file);
-  if (!clip) return Forward(clip);
-  ObservedFile observed;
-  observed.clips.push_back(*std::move(clip));
-  return observed;
-}
-
 const FormatDriver& PhspdFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kPhspd;
     d.name = "phspd";
     d.inspected = "phspd_pose";
     d.kind = FileKind::kNumbers;
     d.ending = "pose.txt";
     d.gives = Gives::kJointTracks;
     d.unit = UnitOf::kMetres;
+    d.sniff = IsOfPhspd;
+    d.observe = [](const FileBytes& file) { return file.path.filename() == kShapes ? ShapesIn(file) : PosesIn(file); };
     d.to_clip = ReadPhspdClip;
     return d;
   }();

@@ -2,19 +2,66 @@
 
 #include <filesystem>
 
+#include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/formats/vibe_pickle.h"
 #include "core/motion/kinematics.h"
 #include "ingest/formats/driver.h"
 #include "ingest/people/vibe_people.h"
 #include "ingest/sense/angle_sense.h"
 #include "ingest/sense/observe.h"
 #include "ingest/sources/body_check.h"
-#include "ingest/sources/container.h"
+#include "ingest/sources/kept_open.h"
+#include "ingest/sources/mapped_file.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/uestc_folder.h"
 
 namespace mocurate {
 namespace {
+
+/// UESTC's cache with the bytes that it points into.
+struct OpenCache {
+  std::shared_ptr<const MappedFile> file;
+  VibeCache cache;
+};
+
+/// The videos of UESTC's cache, as info/ beside it names them; the second camera's moving view is left out.
+Expected<std::vector<ContainerEntry>> UestcEntries(const SourceOptions&, const std::filesystem::path& folder) {
+  const Expected<UestcFolder> info = ReadUestcFolder(folder);
+  if (!info) return Forward(info);
+  std::vector<ContainerEntry> entries;
+  for (std::size_t i = 0; i < info->videos.size(); ++i) {
+    const UestcVideo& video = info->videos[i];
+    ContainerEntry entry{video.Name(), info->actions[static_cast<std::size_t>(video.action)], info->frames[i], ""};
+    if (video.side == 2 && video.view == 8) entry.left_out = "the second camera moves in view 8";
+    if (info->frames[i] == 0) entry.left_out = "info/num_frames_min.txt says that it has no frame";
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+Expected<VibeTrack> ReadUestcVideo(const SourceFile& file) {
+  static KeptOpen<OpenCache> last;
+  const auto opened = last.Get(file.container, [](const std::filesystem::path& path) -> Expected<OpenCache> {
+    auto bytes = MappedFile::Open(path);
+    if (!bytes) return Forward(bytes);
+    Expected<VibeCache> cache = VibeCache::Open((*bytes)->bytes(), DisplayPath(path.filename()));
+    if (!cache) return Forward(cache);
+    return OpenCache{std::move(*bytes), std::move(*cache)};
+  });
+  if (!opened) return Forward(opened);
+  const VibeCache& cache = (*opened)->cache;
+  if (Status there = CheckEntry(file.entry, cache.size(), file.name); !there) return Forward(there);
+  return cache.Track(static_cast<std::size_t>(file.entry));
+}
+
+/// The performer's first place is across and down in the image.
+Status CheckStart(const SourceOptions& s) {
+  if (!ByBoxes(s.people.rule) || s.people.start_px.size() == 2) return {};
+  return Fail(ErrorCode::kConfig,
+              "the performer's first place has " + std::to_string(s.people.start_px.size()) + " numbers",
+              "ingest.source.people.start", "two: pixels across and down");
+}
 
 constexpr std::size_t kMidHip = 8;  // of VIBE's 49 points
 
@@ -94,8 +141,7 @@ void KeepFrames(std::vector<double>& values, std::size_t frames, std::size_t wan
 /// How the root moves in file axes, from where it is in the first frame.
 Expected<std::vector<Vector3d>> ShiftOf(const VibeTrack& track, const SourceOptions& source, const std::string& name) {
   const bool published = source.root_translation == RootTranslation::kPublished;
-  const bool by_camera =
-      source.root_translation == RootTranslation::kCamera || (published && source.format == SourceFormat::kUestc);
+  const bool by_camera = source.root_translation == RootTranslation::kCamera || (published && source.format == "uestc");
   if (!by_camera) return std::vector<Vector3d>(track.frames, Vector3d::Zero());
   if (track.original_camera.empty()) {
     return Fail(ErrorCode::kInconsistent, "the video has no 'orig_cam'", name,
@@ -165,7 +211,7 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
     if (!chosen) return Forward(chosen);
     person = std::move(*chosen);
   } else {
-    Expected<VibeTrack> track = ReadUestcVideo(file.container, file.entry, file.name);
+    Expected<VibeTrack> track = ReadUestcVideo(file);
     if (!track) return Forward(track);
     person.track = std::move(*track);
   }
@@ -187,7 +233,6 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
 const FormatDriver& VibeTracksFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kVibeTracks;
     d.name = "vibe_tracks";
     d.inspected = "vibe_tracks";
     d.gives = Gives::kMotion;
@@ -195,6 +240,7 @@ const FormatDriver& VibeTracksFormat() {
     d.unit = UnitOf::kMetres;
     d.needs_skeleton = true;
     d.options = {"track", "root_translation", "people"};
+    d.check = CheckStart;
     d.to_clip = ReadVibeTrackClip;
     return d;
   }();
@@ -204,7 +250,6 @@ const FormatDriver& VibeTracksFormat() {
 const FormatDriver& UestcFormat() {
   static const FormatDriver driver = [] {
     FormatDriver d;
-    d.format = SourceFormat::kUestc;
     d.name = "uestc";
     d.inspected = "vibe_cache";
     d.gives = Gives::kMotion;
@@ -213,7 +258,11 @@ const FormatDriver& UestcFormat() {
     d.needs_skeleton = true;
     d.container = Container::kMay;
     d.options = {"container", "root_translation", "people"};
+    d.check = CheckStart;
+    d.sniff = [](const FileBytes& file, FileKind) { return IsUestcInfo(file.path); };
+    d.observe = ObserveUestcInfo;
     d.to_clip = ReadUestcClip;
+    d.entries = UestcEntries;
     return d;
   }();
   return driver;

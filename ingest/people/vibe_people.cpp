@@ -123,7 +123,7 @@ Expected<UestcPerson> ChooseVibePerson(const std::vector<VibeTrack>& tracks, con
   if (tracks.empty()) return Fail(ErrorCode::kInconsistent, "nobody was found in the video", name, "leave it out");
   const Expected<FrameRange> range = FramesOf(tracks, name);
   if (!range) return Forward(range);
-  if (options.rule != TrackRule::kUestcReleased && options.rule != TrackRule::kUestcCorrected) {
+  if (!ByBoxes(options.rule)) {
     return ChooseByPlaces(tracks, options, *range, rate_hz, name);
   }
   const UestcRule rule = options.rule == TrackRule::kUestcReleased ? UestcRule::kPublished : UestcRule::kCorrected;

@@ -7,6 +7,7 @@
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
+#include "ingest/sense/inspection.h"
 
 namespace mocurate {
 namespace {
@@ -32,10 +33,7 @@ struct Angles {
 };
 
 Finding AngleContradiction(double value, std::string message) {
-  Finding finding =
-      FrameFinding("angle_unit_contradiction", 0, 0, "", std::round(value * 1e4) / 1e4, std::move(message));
-  finding.severity = Severity::kError;
-  return finding;
+  return MakeFinding("angle_unit_contradiction", Severity::kError, FourDecimals(value), std::move(message));
 }
 
 std::string OverWords(const Angles& angles) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/quality/tracked_points.h"
+#include "ingest/sense/inspection.h"
 
 namespace mocurate {
 namespace {
@@ -38,8 +39,8 @@ double ExtentAtRest(const Asf& asf) {
 }
 
 Finding AsfContradiction(const char* code, const std::string& bone, double value, std::string message) {
-  Finding finding = FrameFinding(code, 0, 0, bone, std::round(value * 1e4) / 1e4, std::move(message));
-  finding.severity = Severity::kError;
+  Finding finding = MakeFinding(code, Severity::kError, FourDecimals(value), std::move(message));
+  finding.joint = bone;
   return finding;
 }
 

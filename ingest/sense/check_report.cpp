@@ -1,11 +1,9 @@
 #include "ingest/sense/check_report.h"
 
 #include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "ingest/clip_checks.h"
-#include "ingest/sense/clip_report.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -57,17 +55,6 @@ void LeaveOutIdleRoot(const ObservedClip& clip, std::vector<double>& confidence)
   }
 }
 
-bool Remarked(const ObservedClip& clip, const std::string& code) {
-  return std::any_of(clip.remarks.begin(), clip.remarks.end(),
-                     [&](const Finding& remark) { return remark.code == code; });
-}
-
-SourceFormat FormatOf(const ObservedClip& clip) {
-  if (clip.format == "amass") return SourceFormat::kAmass;
-  if (clip.format == "ntu_skeleton") return SourceFormat::kNtuSkeleton;
-  return clip.format == "joint_table" ? SourceFormat::kJointTable : SourceFormat::kNone;
-}
-
 /// A clip in metres with y up.
 struct ClipInMetres {
   ClipInMetres(const ObservedClip& clip, const std::string& units, const std::string& up, double rate_hz);
@@ -93,8 +80,9 @@ ClipInMetres::ClipInMetres(const ObservedClip& clip, const std::string& units, c
     for (int j = 0; j < positions.joints; ++j) positions.at(f, j) = map * clip.positions.at(f, j);
   }
   // An order that was guessed by its bones says nothing new of them.
-  if (clip.skeleton_from != "declared" || static_cast<int>(clip.names.size()) != clip.joints) return;
-  if (const auto skeleton = KnownSkeleton(clip.skeleton)) bones = BonesBetween(clip.names, **skeleton);
+  if (clip.skeleton.from != Provenance::kDeclared || static_cast<int>(clip.names.size()) != clip.joints) return;
+  if (const auto skeleton = KnownSkeleton(clip.skeleton.value.value_or("")))
+    bones = BonesBetween(clip.names, **skeleton);
 }
 
 /// A body that goes where its markers do not: its path stands in the file beside theirs.
@@ -138,7 +126,7 @@ RateMeasure RateShown(const ObservedClip& clip, const std::string& units, const 
 }
 
 void ReportChecks(const ObservedClip& clip, const std::string& units, const std::string& up, const std::string& where,
-                  nlohmann::json& findings) {
+                  std::vector<Finding>& findings) {
   if (clip.positions.empty() || units == "px") return;
   const std::optional<double> rate = clip.rate_doubt ? std::nullopt : clip.rate_hz;
   ClipInMetres metres(clip, units, up, rate.value_or(kUsualRate));
@@ -147,21 +135,20 @@ void ReportChecks(const ObservedClip& clip, const std::string& units, const std:
   LeaveOutIdleRoot(clip, metres.confidence);
   const CheckOptions options;
   std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known, rate ? 0 : kLostWithoutRate);
-  SayWhatZerosAre(FormatOf(clip), found);
+  SayWhatZerosAre(clip.format, found);
   found.insert(found.end(), std::make_move_iterator(unseen.begin()), std::make_move_iterator(unseen.end()));
   CheckPath(clip, options, metres, up, found);
-  if (!Remarked(clip, "no_joint_seen")) {
+  if (!HasFinding(clip.remarks, "no_joint_seen")) {
     std::vector<Finding> told = clip.remarks;
     const auto before = static_cast<std::ptrdiff_t>(told.size());
     NoteEmptyFrames(metres.confidence, metres.positions.frames, told);
     found.insert(found.end(), told.begin() + before, told.end());
   }
   for (const Finding& finding : found) {
-    if (options.ActionFor(finding.code) == OnFinding::kIgnore || Remarked(clip, finding.code)) continue;
+    if (options.ActionFor(finding.code) == OnFinding::kIgnore || HasFinding(clip.remarks, finding.code)) continue;
     // A tree's joint may lie at its origin, and a root whose path is not there does.
-    if (finding.code == "zero_joint" && (!clip.parents.empty() || Remarked(clip, "path_missing"))) continue;
-    findings.push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, where),
-                                         std::round(finding.value * 1e4) / 1e4, finding.message));
+    if (finding.code == "zero_joint" && (!clip.parents.empty() || HasFinding(clip.remarks, "path_missing"))) continue;
+    findings.push_back(FindingAt(PlaceOf(finding, where), Rounded(finding)));
   }
 }
 

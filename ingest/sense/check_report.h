@@ -1,7 +1,7 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "core/base/finding.h"
 #include "core/quality/duplicates.h"
@@ -23,6 +23,6 @@ std::string PlaceOf(const Finding& finding, const std::string& where);
 /// up is not known, only what needs neither is asked, of images nothing; without a rate speeds are those of 30 Hz, and
 /// frames may have been left out.
 void ReportChecks(const ObservedClip& clip, const std::string& units, const std::string& up, const std::string& where,
-                  nlohmann::json& findings);
+                  std::vector<Finding>& findings);
 
 }  // namespace mocurate

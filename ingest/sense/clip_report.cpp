@@ -15,83 +15,75 @@ constexpr double kManyMissing = 0.2;  // share of missing samples worth a warnin
 constexpr double kRateTold = 0.6;     // least confidence of a measured rate that is told as a value
 constexpr double kSetSure = 0.5;      // files of a set may have been thinned out
 
-using Json = nlohmann::json;
-
-/// A declared value, with what was measured beside it.
-Json DeclaredValue(Json value, const std::string& who, const Measured& measured) {
-  if (value.is_string() && value.get<std::string>().empty()) return ReportValue(measured);
-  Json json = ReportValue(std::move(value), "declared", 1.0, who);
+/// A declared text, with what was measured beside it; without one the measured one.
+Reported<std::string> DeclaredText(const std::string& text, const std::string& who, const Measured& measured) {
+  if (text.empty()) return MeasuredText(measured);
+  Reported<std::string> reported = AsDeclared(text, who);
   if (!measured.value.empty()) {
-    json["measured"] = {
-        {"value", measured.value}, {"confidence", FourDecimals(measured.confidence)}, {"evidence", measured.evidence}};
+    reported.measured = Estimate<std::string>{measured.value, FourDecimals(measured.confidence), measured.evidence};
   }
-  return json;
+  return reported;
 }
 
 std::string JoinedText(const std::string& first, const std::string& second) {
   return first + (first.empty() || second.empty() ? "" : "; ") + second;
 }
 
-/// "range": [lowest, highest] Hz, null where there is no limit.
-void AddRange(const RateMeasure& measure, Json& json) {
-  if (!measure.Tells()) return;
-  const auto limit = [](double hz) { return hz > 0.0 && std::isfinite(hz) ? Json(FourDecimals(hz)) : Json(); };
-  json["range"] = {limit(measure.lowest), limit(measure.highest)};
+std::optional<RateRange> RangeOf(const RateMeasure& measure) {
+  if (!measure.Tells()) return std::nullopt;
+  const auto limit = [](double hz) {
+    return hz > 0.0 && std::isfinite(hz) ? std::optional<double>(FourDecimals(hz)) : std::nullopt;
+  };
+  return RateRange{limit(measure.lowest), limit(measure.highest)};
 }
 
 /// By the file, the source, flights of the body, or the set; where none tells, the range that the motion allows.
-Json ReportedRate(const ObservedClip& clip, const std::optional<SourceOptions>& source, const ClipMeasures& m,
-                  const RateMeasure& measure) {
+Reported<double> ReportedRate(const ObservedClip& clip, const std::optional<SourceOptions>& source,
+                              const ClipMeasures& m, const RateMeasure& measure) {
   const std::string shown = measure.Tells() ? "the motion fits " + measure.Range() + ": " + measure.Words() : "";
-  Json json;
+  Reported<double> rate;
   if (source && source->rate_hz) {
-    json = DeclaredValue(*source->rate_hz, "said by the source '" + source->name + "'", m.rate);
+    rate = Report(source->rate_hz, Provenance::kDeclared, 1.0, "said by the source '" + source->name + "'");
   } else if (clip.rate_hz) {
-    json = ReportValue(*clip.rate_hz, "declared", 1.0, clip.rate_evidence);
+    rate = Report(clip.rate_hz, Provenance::kDeclared, 1.0, clip.rate_evidence);
   } else if (clip.set_rate_hz > 0.0 && measure.Allows(clip.set_rate_hz)) {
-    json = ReportValue(clip.set_rate_hz, "declared", kSetSure, JoinedText(clip.set_says, "the file holds no times"));
+    rate = Report<double>(clip.set_rate_hz, Provenance::kDeclared, kSetSure,
+                          JoinedText(clip.set_says, "the file holds no times"));
   } else if (measure.rate_hz() && measure.confidence() > kRateTold) {
-    json = ReportValue(std::round(*measure.rate_hz() * 10.0) / 10.0, "measured", measure.confidence(), shown);
-    AddRange(measure, json);
-    return json;
+    return Report<double>(std::round(*measure.rate_hz() * 10.0) / 10.0, Provenance::kMeasured, measure.confidence(),
+                          shown);
   } else {
     const std::string silence = clip.rate_evidence.empty() ? "the file does not say it" : clip.rate_evidence;
-    json = ReportValue(Json(), "unknown", 0.0, JoinedText(silence, shown.empty() ? m.rate.evidence : shown));
-    AddRange(measure, json);
-    return json;
+    return Unknown<double>(JoinedText(silence, shown.empty() ? m.rate.evidence : shown));
   }
-  if (!measure.Tells()) return json;
-  json["measured"] = {{"value", measure.rate_hz() ? Json(FourDecimals(*measure.rate_hz())) : Json()},
-                      {"confidence", FourDecimals(measure.confidence())},
-                      {"evidence", shown}};
-  AddRange(measure, json["measured"]);
-  return json;
+  if (!measure.Tells()) return rate;
+  rate.measured = Estimate<double>{measure.rate_hz(), FourDecimals(measure.confidence()), shown};
+  if (rate.measured->value) rate.measured->value = FourDecimals(*rate.measured->value);
+  return rate;
 }
 
-Json FirstFrame(const ObservedClip& clip) {
-  if (clip.positions.empty()) return ReportValue(Json(), "unknown", 0.0, clip.silence);
-  Json points = Json::array();
-  for (int j = 0; j < clip.positions.joints; ++j) {
+Reported<std::vector<std::optional<Vector3d>>> FirstFrame(const ObservedClip& clip) {
+  if (clip.positions.empty()) return Unknown<std::vector<std::optional<Vector3d>>>(clip.silence);
+  std::vector<std::optional<Vector3d>> points(static_cast<std::size_t>(clip.positions.joints));
+  for (std::size_t j = 0; j < points.size(); ++j) {
     const bool seen = clip.confidence.empty() || clip.confidence[j] > 0.0;
-    const auto at = clip.positions.at(0, j);
-    points.push_back(
-        {{"joint", clip.names.empty() ? Json() : Json(clip.names[j])},
-         {"position", seen ? Json({FourDecimals(at.x()), FourDecimals(at.y()), FourDecimals(at.z())}) : Json()}});
+    if (seen) points[j] = Vector3d(clip.positions.at(0, static_cast<int>(j))).unaryExpr(&FourDecimals);
   }
-  return ReportValue(std::move(points), "declared", 1.0, "in the file's own unit and axes");
+  return Report(std::optional(std::move(points)), Provenance::kDeclared, 1.0, "in the file's own unit and axes");
 }
 
-Json ReportedMissingShare(const ObservedClip& clip, const ClipMeasures& m) {
+Reported<double> ReportedMissingShare(const ObservedClip& clip, const ClipMeasures& m) {
+  const auto share = [](double value, const std::string& evidence) {
+    return Report<double>(FourDecimals(value), Provenance::kMeasured, 1.0, evidence);
+  };
   if (clip.missing_share) {
     const bool told = !clip.missing_evidence.empty();
-    return ReportValue(FourDecimals(*clip.missing_share), "measured", 1.0,
-                       told ? clip.missing_evidence : "of the numbers of the file");
+    return share(*clip.missing_share, told ? clip.missing_evidence : "of the numbers of the file");
   }
-  if (!clip.missing_evidence.empty()) return ReportValue(Json(), "unknown", 0.0, clip.missing_evidence);
-  if (clip.positions.empty()) return ReportValue(Json(), "unknown", 0.0, clip.silence);
-  return ReportValue(FourDecimals(m.missing_share), "measured", 1.0,
-                     clip.zeros.empty() ? "joints that are no numbers, or have confidence 0"
-                                        : "joints that are zero, no numbers, or have confidence 0");
+  if (!clip.missing_evidence.empty()) return Unknown<double>(clip.missing_evidence);
+  if (clip.positions.empty()) return Unknown<double>(clip.silence);
+  return share(m.missing_share, clip.zeros.empty() ? "joints that are no numbers, or have confidence 0"
+                                                   : "joints that are zero, no numbers, or have confidence 0");
 }
 
 /// Measures, with the reason where there was nothing to measure.
@@ -102,59 +94,37 @@ ClipMeasures MeasuresOf(const ObservedClip& clip) {
   return m;
 }
 
-}  // namespace
-
-Json ReportValue(Json value, const char* from, double confidence, const std::string& evidence) {
-  const bool unknown = value.is_null() || (value.is_string() && value.get<std::string>().empty());
-  if (unknown) return {{"value", nullptr}, {"from", "unknown"}, {"confidence", 0.0}, {"evidence", evidence}};
-  return {
-      {"value", std::move(value)}, {"from", from}, {"confidence", FourDecimals(confidence)}, {"evidence", evidence}};
-}
-
-Json ReportValue(const Measured& measured) {
-  return ReportValue(measured.value, "measured", measured.confidence, measured.evidence);
-}
-
-Json InspectionFinding(const std::string& code, Severity severity, const std::string& where, double value,
-                       const std::string& message) {
-  return {{"code", code}, {"severity", Name(severity)}, {"where", where}, {"value", value}, {"message", message}};
-}
-
-namespace {
-
-/// All of the answer but findings.
-Json FactsOfClip(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
-                 const ClipMeasures& m, const Statements& said) {
-  Json json = {{"id", file + clip.id}, {"file", file}, {"format", clip.format}};
-  json["frames"] = ReportValue(clip.frames, "measured", 1.0, clip.layout_evidence);
+/// All of the report but the rate.
+InspectedClip FactsOfClip(const ObservedClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
+                          const ClipMeasures& m, const Statements& said) {
+  InspectedClip report;
+  report.id = file + clip.id;
+  report.file = file;
+  report.format = clip.format;
+  report.frames = Report<int>(clip.frames, Provenance::kMeasured, 1.0, clip.layout_evidence);
   const bool guessed = clip.format == "joint_table" && !source;
-  json["joints"] = ReportValue(clip.joints > 0 ? Json(clip.joints) : Json(), guessed ? "measured" : "declared",
-                               guessed ? clip.skeleton_confidence : 1.0, clip.layout_evidence);
-  json["people"] = ReportValue(clip.people, "declared", 1.0, clip.people_evidence);
-  json["people_per_frame"] =
-      ReportValue(Json{{"min", clip.fewest_people}, {"max", clip.people}}, "declared", 1.0, clip.people_evidence);
-  json["skeleton"] =
-      ReportValue(clip.skeleton, clip.skeleton_from.c_str(), clip.skeleton_confidence, clip.skeleton_evidence);
-  json["units"] = DeclaredValue(said.units, said.who, m.units);
-  json["up"] = DeclaredValue(said.up, said.who, m.up);
-  json["handedness"] = DeclaredValue(said.handedness, said.who, m.handedness);
-  json["facing"] = DeclaredValue(said.facing, said.who, m.facing);
-  json["axes"] = DeclaredValue(said.axes, said.who, m.axes);
-  json["missing_share"] = ReportedMissingShare(clip, m);
-  json["first_frame"] = FirstFrame(clip);
-  if (!clip.facts.empty()) {
-    Json facts = Json::object();
-    for (const auto& [key, text] : clip.facts) facts[key] = text;
-    json["facts"] = std::move(facts);
-  }
-  return json;
+  report.joints = Report(clip.joints > 0 ? std::optional(clip.joints) : std::nullopt,
+                         guessed ? Provenance::kMeasured : Provenance::kDeclared,
+                         guessed ? clip.skeleton.confidence : 1.0, clip.layout_evidence);
+  report.people = Report<int>(clip.people, Provenance::kDeclared, 1.0, clip.people_evidence);
+  report.fewest_people = clip.fewest_people;
+  report.skeleton = Report(clip.skeleton.value, clip.skeleton.from, clip.skeleton.confidence, clip.skeleton.evidence);
+  report.units = DeclaredText(said.units, said.who, m.units);
+  report.up = DeclaredText(said.up, said.who, m.up);
+  report.handedness = DeclaredText(said.handedness, said.who, m.handedness);
+  report.facing = DeclaredText(said.facing, said.who, m.facing);
+  report.axes = DeclaredText(said.axes, said.who, m.axes);
+  report.missing_share = ReportedMissingShare(clip, m);
+  report.joint_names = clip.names;
+  report.first_frame = FirstFrame(clip);
+  report.facts = clip.facts;
+  return report;
 }
 
-void TellMissing(const ClipMeasures& m, const std::string& where, Json& findings) {
+void ReportMissing(const ClipMeasures& m, const std::string& where, std::vector<Finding>& findings) {
   if (m.missing_share <= kManyMissing) return;
-  findings.push_back(
-      InspectionFinding("many_missing", Severity::kWarning, where, FourDecimals(m.missing_share),
-                        FormatDouble(FourDecimals(100.0 * m.missing_share)) + " % of the joints are missing"));
+  findings.push_back(FindingAt(where, "many_missing", Severity::kWarning, FourDecimals(m.missing_share),
+                               FormatDouble(FourDecimals(100.0 * m.missing_share)) + " % of the joints are missing"));
 }
 
 /// What is left of a unit and an up once what contradicts them is known.
@@ -169,7 +139,8 @@ Believed BelievedOf(const Statements& said, const ClipMeasures& m, bool units_do
   if (units_doubted) believed.units = "";
   for (const Comparison& comparison : CompareFrame(said, m)) {
     if (!comparison.contradicts) continue;
-    const bool units = comparison.code == "units_contradiction", up = comparison.code == "up_contradiction";
+    const bool units = comparison.finding.code == "units_contradiction",
+               up = comparison.finding.code == "up_contradiction";
     if (units) believed.units = m.units.value;
     if (up) believed.up = m.up.value;
     believed.contradicted = believed.contradicted || units || up;
@@ -179,46 +150,42 @@ Believed BelievedOf(const Statements& said, const ClipMeasures& m, bool units_do
 
 }  // namespace
 
-Json DeclaredReport(const ObservedClip& clip, const std::string& file, const SourceOptions& source, Json& findings) {
-  const ClipMeasures m = MeasuresOf(clip);
-  TellMissing(m, file + clip.id, findings);
-  const Statements said = StatementsOf(clip, source);
-  Json json = FactsOfClip(clip, file, source, m, said);
-  const Believed believed = BelievedOf(said, m, false);
-  json["rate_hz"] = ReportedRate(clip, source, m, RateShown(clip, believed.units, believed.up));
-  return json;
+Reported<std::string> MeasuredText(const Measured& measured) {
+  return Report<std::string>(measured.value, Provenance::kMeasured, measured.confidence, measured.evidence);
 }
 
-Json ClipReport(const ObservedClip& clip, const std::string& file, Json& findings) {
+InspectedClip DeclaredReport(const ObservedClip& clip, const std::string& file, const SourceOptions& source,
+                             std::vector<Finding>& findings) {
+  const ClipMeasures m = MeasuresOf(clip);
+  ReportMissing(m, file + clip.id, findings);
+  const Statements said = StatementsOf(clip, source);
+  InspectedClip report = FactsOfClip(clip, file, source, m, said);
+  const Believed believed = BelievedOf(said, m, false);
+  const RateMeasure rate = RateShown(clip, believed.units, believed.up);
+  report.rate_hz = ReportedRate(clip, source, m, rate);
+  report.rate_range = RangeOf(rate);
+  return report;
+}
+
+InspectedClip ClipReport(const ObservedClip& clip, const std::string& file, std::vector<Finding>& findings) {
   const ClipMeasures m = MeasuresOf(clip);
   const Statements said = StatementsOf(clip, std::nullopt);
   const std::string where = file + clip.id;
-  Json json = FactsOfClip(clip, file, std::nullopt, m, said);
-  const auto remarked = [&](const char* code) {
-    return std::any_of(clip.remarks.begin(), clip.remarks.end(),
-                       [&](const Finding& remark) { return remark.code == code; });
-  };
-  for (const Finding& remark : clip.remarks) {
-    findings.push_back(
-        InspectionFinding(remark.code, remark.severity, where, FourDecimals(remark.value), remark.message));
-  }
-  if (clip.rate_doubt) {
-    const Finding& doubt = *clip.rate_doubt;
-    findings.push_back(InspectionFinding(doubt.code, doubt.severity, where, doubt.value, doubt.message));
-  }
-  TellMissing(m, where, findings);
+  InspectedClip report = FactsOfClip(clip, file, std::nullopt, m, said);
+  for (const Finding& remark : clip.remarks) findings.push_back(FindingAt(where, Rounded(remark)));
+  if (clip.rate_doubt) findings.push_back(FindingAt(where, *clip.rate_doubt));
+  ReportMissing(m, where, findings);
   for (const Comparison& comparison : CompareFrame(said, m)) {
-    if (!comparison.contradicts) continue;
-    findings.push_back(
-        InspectionFinding(comparison.code, Severity::kError, where, comparison.value, comparison.message));
+    if (comparison.contradicts) findings.push_back(FindingAt(where, comparison.finding));
   }
-  const Believed believed = BelievedOf(said, m, remarked("units_contradiction"));
-  const bool body = !remarked("not_joint_positions");
-  json["rate_hz"] =
-      ReportedRate(clip, std::nullopt, m, body ? RateShown(clip, believed.units, believed.up) : RateMeasure());
+  const Believed believed = BelievedOf(said, m, HasFinding(clip.remarks, "units_contradiction"));
+  const bool body = !HasFinding(clip.remarks, "not_joint_positions");
+  const RateMeasure rate = body ? RateShown(clip, believed.units, believed.up) : RateMeasure();
+  report.rate_hz = ReportedRate(clip, std::nullopt, m, rate);
+  report.rate_range = RangeOf(rate);
   const bool known = !believed.contradicted;
   ReportChecks(clip, known ? believed.units : "", known ? believed.up : "", where, findings);
-  return json;
+  return report;
 }
 
 }  // namespace mocurate

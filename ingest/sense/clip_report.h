@@ -1,29 +1,22 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
+#include <vector>
 
+#include "ingest/options.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/measure.h"
 
 namespace mocurate {
 
-/// One clip as it stands in the answer of InspectPath, without a source; what is wrong with it is appended to
-/// `findings`.
-nlohmann::json ClipReport(const ObservedClip& clip, const std::string& file, nlohmann::json& findings);
+/// One clip as it stands in an inspection without a source; what is wrong with it is appended to `findings`.
+InspectedClip ClipReport(const ObservedClip& clip, const std::string& file, std::vector<Finding>& findings);
 
 /// The same of a clip that a run of `source` gives (ObserveClip): its statements are the values, and the measured ones
-/// stand beside them. What is wrong with it are the run's findings;
-/// "many_missing" is appended.
-nlohmann::json DeclaredReport(const ObservedClip& clip, const std::string& file, const SourceOptions& source,
-                              nlohmann::json& findings);
+/// stand beside them. What is wrong with it are the run's findings; "many_missing" is appended.
+InspectedClip DeclaredReport(const ObservedClip& clip, const std::string& file, const SourceOptions& source,
+                             std::vector<Finding>& findings);
 
-/// {"value", "from", "confidence", "evidence"}; "unknown" where the value is null or an empty text.
-nlohmann::json ReportValue(nlohmann::json value, const char* from, double confidence, const std::string& evidence);
-nlohmann::json ReportValue(const Measured& measured);
-
-/// {"code", "severity", "where", "value", "message"}
-nlohmann::json InspectionFinding(const std::string& code, Severity severity, const std::string& where, double value,
-                                 const std::string& message);
+Reported<std::string> MeasuredText(const Measured& measured);
 
 }  // namespace mocurate

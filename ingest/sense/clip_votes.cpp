@@ -10,33 +10,68 @@
 namespace mocurate {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kMostOfThem = 0.6;  // share of names of one form, above which the others are another source's
+
+std::string VoteText(const std::string& value) { return value; }
+std::string VoteText(double value) { return FormatDouble(value); }
+std::string VoteText(int value) { return std::to_string(value); }
 
 }  // namespace
 
 std::string TwoDecimals(double value) { return FormatDouble(std::round(value * 100.0) / 100.0); }
 
-ClipVotes::ClipVotes(const Json& inspection, std::string format) : format_(std::move(format)) {
-  std::map<std::string, std::vector<const Json*>> by_joints;
+std::string JointsText(const InspectedClip& clip) {
+  return clip.joints.value ? std::to_string(*clip.joints.value) : "null";
+}
+
+template <class T>
+Consensus<T> ConsensusOf(const std::vector<const InspectedClip*>& clips, Reported<T> InspectedClip::*field) {
+  struct Weighed {
+    double weight = 0.0;
+    Consensus<T> votes;
+  };
+  std::map<std::string, Weighed> values;
+  double all = 0.0;
+  for (const InspectedClip* clip : clips) {
+    const Reported<T>& reported = clip->*field;
+    if (!reported.value) continue;
+    const double weight = std::max(1e-6, reported.confidence);
+    auto& [sum, votes] = values[VoteText(*reported.value)];
+    sum += weight;
+    all += weight;
+    ++votes.clips;
+    votes.last = &reported;
+    if (votes.clearest == nullptr || reported.confidence > votes.clearest->confidence) votes.clearest = &reported;
+  }
+  const auto most = std::max_element(values.begin(), values.end(),
+                                     [](const auto& a, const auto& b) { return a.second.weight < b.second.weight; });
+  if (most == values.end()) return {};
+  most->second.votes.share = most->second.weight / all;
+  return most->second.votes;
+}
+
+template Consensus<std::string> ConsensusOf(const std::vector<const InspectedClip*>&,
+                                            Reported<std::string> InspectedClip::*);
+template Consensus<double> ConsensusOf(const std::vector<const InspectedClip*>&, Reported<double> InspectedClip::*);
+template Consensus<int> ConsensusOf(const std::vector<const InspectedClip*>&, Reported<int> InspectedClip::*);
+
+ClipVotes::ClipVotes(const Inspection& inspection, std::string format) : format_(std::move(format)) {
   std::set<std::string> no_bodies;
-  for (const Json& finding : inspection.at("findings")) {
-    if (finding.at("code") == "not_joint_positions") no_bodies.insert(finding.at("where").get<std::string>());
+  for (const Finding& finding : inspection.findings) {
+    if (finding.code == "not_joint_positions") no_bodies.insert(finding.clip);
   }
   // Features beside joints ("_vecs.npy") may be more, but they are no clips.
-  const auto is_body = [&](const Json& clip) { return no_bodies.count(clip.at("id").get<std::string>()) == 0; };
-  const bool some = std::any_of(inspection.at("clips").begin(), inspection.at("clips").end(),
-                                [&](const Json& clip) { return clip.at("format") == format_ && is_body(clip); });
-  for (const Json& clip : inspection.at("clips")) {
-    if (some && clip.at("format") == format_ && !is_body(clip)) {
+  const auto is_body = [&](const InspectedClip& clip) { return no_bodies.count(clip.id) == 0; };
+  const bool some = std::any_of(inspection.clips.begin(), inspection.clips.end(),
+                                [&](const InspectedClip& clip) { return clip.format == format_ && is_body(clip); });
+  std::map<std::string, std::vector<const InspectedClip*>> by_joints;
+  for (const InspectedClip& clip : inspection.clips) {
+    if (clip.format != format_)
+      others_[clip.format] += 1;
+    else if (some && !is_body(clip))
       others_[format_ + " without joint positions"] += 1;
-      continue;
-    }
-    if (clip.at("format") == format_)
-      by_joints[clip.at("joints").at("value").dump()].push_back(&clip);
     else
-      others_[clip.at("format")] += 1;
+      by_joints[JointsText(clip)].push_back(&clip);
   }
   std::size_t most = 0;
   for (const auto& [joints, clips] : by_joints) {
@@ -51,87 +86,61 @@ ClipVotes::ClipVotes(const Json& inspection, std::string format) : format_(std::
   }
   KeepOneForm();
   for (const auto& [joints, clips] : by_joints) {
-    if (!clips_.empty() && clips_[0]->at("joints").at("value").dump() != joints)
+    if (!clips_.empty() && JointsText(*clips_[0]) != joints) {
       others_[format_ + " of " + joints + " joints"] += clips.size();
+    }
   }
-  for (const Json& clip : inspection.at("clips")) {
-    if (std::find(clips_.begin(), clips_.end(), &clip) == clips_.end()) other_files_.push_back(clip.at("file"));
+  for (const InspectedClip& clip : inspection.clips) {
+    if (std::find(clips_.begin(), clips_.end(), &clip) == clips_.end()) other_files_.push_back(clip.file);
   }
 }
 
 /// Companions of other names (KARD's pixels beside its places) are not of the source.
 void ClipVotes::KeepOneForm() {
   std::map<std::string, std::size_t> forms;
-  for (const Json* clip : clips_) forms[FormOf(clip->at("file"))] += 1;
+  for (const InspectedClip* clip : clips_) forms[FormOf(clip->file)] += 1;
   const auto most =
       std::max_element(forms.begin(), forms.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   if (forms.size() < 2 || static_cast<double>(most->second) < kMostOfThem * static_cast<double>(clips_.size())) return;
-  std::vector<const Json*> kept;
-  for (const Json* clip : clips_) {
-    if (FormOf(clip->at("file")) == most->first)
-      kept.push_back(clip);
-    else
-      others_[format_ + " of other names"] += 1;
-  }
-  clips_ = std::move(kept);
+  const auto other = [&](const InspectedClip* clip) { return FormOf(clip->file) != most->first; };
+  others_[format_ + " of other names"] += clips_.size() - most->second;
+  clips_.erase(std::remove_if(clips_.begin(), clips_.end(), other), clips_.end());
 }
 
-/// The most frequent value, weighted by how sure; the comment says where it comes from.
-Vote ClipVotes::Ask(const char* field) const {
-  std::map<std::string, double> weights;
-  std::map<std::string, std::size_t> counts;
-  double all = 0.0;
-  for (const Json* clip : clips_) {
-    const Json& said = clip->at(field);
-    if (said.at("value").is_null()) continue;
-    const double weight = std::max(1e-6, said.at("confidence").get<double>());
-    weights[said.at("value").dump()] += weight;
-    counts[said.at("value").dump()] += 1;
-    all += weight;
-  }
-  Vote vote;
-  if (weights.empty()) {
-    vote.from = "unknown";
-    vote.comment = clips_.empty() ? "" : clips_[0]->at(field).value("evidence", "");
+template <class T>
+Vote<T> ClipVotes::Ask(Reported<T> InspectedClip::*field) const {
+  Vote<T> vote;
+  const Consensus<T> most = ConsensusOf(clips_, field);
+  if (most.clearest == nullptr) {
+    vote.comment = clips_.empty() ? "" : (clips_[0]->*field).evidence;
     return vote;
   }
-  const auto most = std::max_element(weights.begin(), weights.end(),
-                                     [](const auto& a, const auto& b) { return a.second < b.second; });
-  const Json* clearest = nullptr;
-  for (const Json* clip : clips_) {
-    const Json& said = clip->at(field);
-    if (said.at("value").dump() != most->first) continue;
-    if (clearest == nullptr || said.at("confidence") > clearest->at("confidence")) clearest = &said;
-  }
-  vote.value = clearest->at("value");
-  vote.from = clearest->at("from");
-  vote.share = most->second / all;
-  vote.voters = static_cast<double>(counts[most->first]) / static_cast<double>(clips_.size());
-  const std::string evidence = clearest->value("evidence", "");
-  if (vote.from == "declared") {
-    vote.comment = "declared by the file: " + evidence;
-  } else {
-    vote.comment = "measured: " + std::to_string(counts[most->first]) + " of " + std::to_string(clips_.size()) +
-                   " clips say so, the clearest " + TwoDecimals(clearest->at("confidence").get<double>()) + " sure (" +
-                   evidence + ")";
-  }
+  vote.value = most.clearest->value;
+  vote.from = most.clearest->from;
+  vote.share = most.share;
+  vote.voters = static_cast<double>(most.clips) / static_cast<double>(clips_.size());
+  const std::string& evidence = most.clearest->evidence;
+  vote.comment = vote.from == Provenance::kDeclared
+                     ? "declared by the file: " + evidence
+                     : "measured: " + std::to_string(most.clips) + " of " + std::to_string(clips_.size()) +
+                           " clips say so, the clearest " + TwoDecimals(most.clearest->confidence) + " sure (" +
+                           evidence + ")";
   return vote;
 }
 
-/// The clip that is surest about a field.
-const Json& ClipVotes::Surest(const char* field) const {
-  const Json* best = clips_.front();
-  for (const Json* clip : clips_) {
-    if (clip->at(field).at("confidence") > best->at(field).at("confidence")) best = clip;
-  }
-  return *best;
+template Vote<std::string> ClipVotes::Ask(Reported<std::string> InspectedClip::*) const;
+template Vote<double> ClipVotes::Ask(Reported<double> InspectedClip::*) const;
+template Vote<int> ClipVotes::Ask(Reported<int> InspectedClip::*) const;
+
+const InspectedClip& ClipVotes::ClearestSkeleton() const {
+  return **std::max_element(clips_.begin(), clips_.end(), [](const InspectedClip* a, const InspectedClip* b) {
+    return a->skeleton.confidence < b->skeleton.confidence;
+  });
 }
 
 std::vector<std::string> ClipVotes::Facts(const char* key) const {
   std::vector<std::string> facts;
-  for (const Json* clip : clips_) {
-    facts.push_back(clip->contains("facts") ? clip->at("facts").value(key, "") : "");
-  }
+  for (const InspectedClip* clip : clips_) facts.push_back(clip->Fact(key));
   return facts;
 }
 

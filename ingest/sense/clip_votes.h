@@ -1,18 +1,32 @@
 #pragma once
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "ingest/sense/inspection.h"
+
 namespace mocurate {
 
-/// What the clips of a source say of one thing.
+/// The most frequent value of a field, weighted by confidence.
+template <class T>
+struct Consensus {
+  const Reported<T>* clearest = nullptr;  ///< of the highest confidence; none: no clip has a value
+  const Reported<T>* last = nullptr;
+  double share = 0.0;     ///< of the votes
+  std::size_t clips = 0;  ///< that report this value
+};
+
+template <class T>
+Consensus<T> ConsensusOf(const std::vector<const InspectedClip*>& clips, Reported<T> InspectedClip::*field);
+
+/// What the clips of a source report of one thing.
+template <class T>
 struct Vote {
-  nlohmann::json value;  ///< null: unknown
-  std::string from;      ///< declared, measured, unknown
-  double share = 0.0;    ///< of the votes
-  double voters = 0.0;   ///< share of the clips that say this
+  std::optional<T> value;
+  Provenance from = Provenance::kUnknown;
+  double share = 0.0;   ///< of the votes
+  double voters = 0.0;  ///< share of the clips that report this
   std::string comment;
 };
 
@@ -21,17 +35,18 @@ struct Vote {
 /// are bodies, where some are. The inspection must outlive it.
 class ClipVotes {
  public:
-  ClipVotes(const nlohmann::json& inspection, std::string format);
+  ClipVotes(const Inspection& inspection, std::string format);
 
-  const std::vector<const nlohmann::json*>& clips() const { return clips_; }
+  const std::vector<const InspectedClip*>& clips() const { return clips_; }
   /// What is left out, with the number of clips.
   const std::map<std::string, std::size_t>& others() const { return others_; }
   /// Files of other clips, which a pattern must not take.
   const std::vector<std::string>& other_files() const { return other_files_; }
-  /// The most frequent value of a field, weighted by how sure; the comment says where it comes from.
-  Vote Ask(const char* field) const;
-  /// The clip that is surest about a field.
-  const nlohmann::json& Surest(const char* field) const;
+  /// The most frequent value of a field, weighted by confidence; the comment says where it comes from.
+  template <class T>
+  Vote<T> Ask(Reported<T> InspectedClip::*field) const;
+  /// The clip whose skeleton is the most certain.
+  const InspectedClip& ClearestSkeleton() const;
   /// One of the facts, of every clip; empty where it has none.
   std::vector<std::string> Facts(const char* key) const;
 
@@ -39,10 +54,13 @@ class ClipVotes {
   void KeepOneForm();
 
   std::string format_;
-  std::vector<const nlohmann::json*> clips_;
+  std::vector<const InspectedClip*> clips_;
   std::map<std::string, std::size_t> others_;
   std::vector<std::string> other_files_;
 };
+
+/// The number of joints, "null" where it is unknown.
+std::string JointsText(const InspectedClip& clip);
 
 /// "0.93", as a declaration says how sure it is.
 std::string TwoDecimals(double value);

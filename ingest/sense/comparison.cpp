@@ -38,11 +38,12 @@ std::string UnitName(double metres) {
 /// A path of the root in another unit than the body that it carries.
 void ComparePath(const Statements& said, const RootScale& root, double declared, std::vector<Comparison>& comparisons) {
   const std::string unit = UnitName(root.factor * declared);
-  Comparison units{"units_contradiction", said.units, unit, FourDecimals(root.factor), root.sure, false, ""};
-  units.contradicts = root.factor > kPathSlack || root.factor < 1.0 / kPathSlack;
-  units.message = "the path of the root is declared in " + said.units + ", but does not fit the body's steps" +
-                  (unit.empty() ? "" : ": in " + unit + " it would") + " (" + root.evidence + ")";
-  comparisons.push_back(std::move(units));
+  const bool contradicts = root.factor > kPathSlack || root.factor < 1.0 / kPathSlack;
+  comparisons.push_back(
+      {MakeFinding("units_contradiction", Severity::kError, FourDecimals(root.factor),
+                   "the path of the root is declared in " + said.units + ", but does not fit the body's steps" +
+                       (unit.empty() ? "" : ": in " + unit + " it would") + " (" + root.evidence + ")"),
+       unit, root.sure, contradicts});
 }
 
 void CompareUnits(const Statements& said, const ClipMeasures& m, std::vector<Comparison>& comparisons) {
@@ -51,21 +52,22 @@ void CompareUnits(const Statements& said, const ClipMeasures& m, std::vector<Com
   if (!declared) return;
   if (m.root) return ComparePath(said, *m.root, *declared, comparisons);
   const double metres = m.body * *declared;
-  Comparison units{"units_contradiction", said.units, m.units.value, FourDecimals(metres), 1.0, false, ""};
-  units.contradicts = metres < kLeastBody || metres > kLongestBody;
-  units.message = "in the declared unit '" + said.units + "' the person measures " +
-                  FormatDouble(FourDecimals(metres)) + " m from head to foot" +
-                  (m.units.value.empty() ? "" : "; in " + m.units.value + " it would be a person");
-  comparisons.push_back(std::move(units));
+  comparisons.push_back(
+      {MakeFinding("units_contradiction", Severity::kError, FourDecimals(metres),
+                   "in the declared unit '" + said.units + "' the person measures " +
+                       FormatDouble(FourDecimals(metres)) + " m from head to foot" +
+                       (m.units.value.empty() ? "" : "; in " + m.units.value + " it would be a person")),
+       m.units.value, 1.0, metres < kLeastBody || metres > kLongestBody});
 }
 
 void Compare(const char* code, const char* what, const std::string& declared, const Measured& measured,
              std::vector<Comparison>& comparisons) {
   if (declared.empty() || measured.value.empty() || measured.confidence < kContradicts) return;
-  comparisons.push_back({code, declared, measured.value, FourDecimals(measured.confidence), measured.confidence,
-                         measured.value != declared,
-                         std::string(what) + " is declared " + declared + ", the motion says " + measured.value + ", " +
-                             RoundedText(100.0 * measured.confidence, 3) + " % sure (" + measured.evidence + ")"});
+  comparisons.push_back(
+      {MakeFinding(code, Severity::kError, FourDecimals(measured.confidence),
+                   std::string(what) + " is declared " + declared + ", the motion says " + measured.value + ", " +
+                       RoundedText(100.0 * measured.confidence, 3) + " % sure (" + measured.evidence + ")"),
+       measured.value, measured.confidence, measured.value != declared});
 }
 
 }  // namespace
@@ -97,16 +99,11 @@ double ContradictionThreshold(const std::string& code, double value, const Sourc
   return 0.0;
 }
 
-std::optional<Comparison> CompareRate(const SourceOptions& source, double file_hz) {
+std::optional<Finding> CompareRate(const SourceOptions& source, double file_hz) {
   if (!source.rate_hz || std::abs(file_hz / *source.rate_hz - 1.0) <= kRateTolerance) return std::nullopt;
-  const std::string file = RoundedText(file_hz, 6), declared = RoundedText(*source.rate_hz, 6);
-  return Comparison{"rate_contradiction",
-                    declared,
-                    file,
-                    file_hz,
-                    1.0,
-                    true,
-                    "the file says " + file + " Hz, the source " + declared + " Hz"};
+  return MakeFinding(
+      "rate_contradiction", Severity::kError, file_hz,
+      "the file says " + RoundedText(file_hz, 6) + " Hz, the source " + RoundedText(*source.rate_hz, 6) + " Hz");
 }
 
 bool RateDenials::OfTheSet() const {

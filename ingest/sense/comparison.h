@@ -1,12 +1,12 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/geometry/axes.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/measure.h"
 
 namespace mocurate {
@@ -21,13 +21,10 @@ Statements StatementsOf(const ObservedClip& clip, const std::optional<SourceOpti
 
 /// One thing that is declared and that the clip shows.
 struct Comparison {
-  std::string code;  ///< of the finding where they differ: "up_contradiction"
-  std::string declared;
+  Finding finding;  ///< an error "up_contradiction" with how sure that is, or metres; it is one where they differ
   std::string measured;
-  double value = 0.0;   ///< behind the message: how sure, or metres
   double weight = 0.0;  ///< how much the clip tells, 0 to 1
   bool contradicts = false;
-  std::string message;
 };
 
 /// Units, up and handedness: those that are declared and that the clip shows. Nothing of what it does not show.
@@ -38,7 +35,7 @@ std::vector<Comparison> CompareFrame(const Statements& said, const ClipMeasures&
 double ContradictionThreshold(const std::string& code, double value, const SourceOptions& source);
 
 /// A rate that a file says, where it is not the declared one: "rate_contradiction". Writers of BVH round.
-std::optional<Comparison> CompareRate(const SourceOptions& source, double file_hz);
+std::optional<Finding> CompareRate(const SourceOptions& source, double file_hz);
 
 /// One clip in so many that denies its rate makes that a fact about the set.
 inline constexpr std::size_t kLeastDenials = 100;
@@ -65,8 +62,5 @@ inline constexpr std::size_t kFewestVotes = 5;
 /// contradicts a correct one.
 inline constexpr std::size_t kFewestDenials = 3;
 inline constexpr double kAgreement = 0.95;
-
-/// As many as a report says.
-inline double FourDecimals(double value) { return std::round(value * 1e4) / 1e4; }
 
 }  // namespace mocurate

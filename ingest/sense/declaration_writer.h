@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -84,11 +83,11 @@ std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::s
 std::string Below(const std::filesystem::path& path, const std::string& file);
 
 /// Where the calibration of the cameras lies below `path`, what it means, and the axes of its world.
-void WriteCalibration(const nlohmann::json& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
+void WriteCalibration(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
 
 /// Names, cameras and keypoints of a source whose clips are many files: of those in the folders that the inspection
 /// names, which lie in `path`, which lies at `prefix` ("single/") below ingest.path.
-void WriteGathered(const ClipVotes& source, const nlohmann::json& inspection, const std::filesystem::path& path,
+void WriteGathered(const ClipVotes& source, const Inspection& inspection, const std::filesystem::path& path,
                    const std::string& prefix, const std::string& format, DeclarationWriter& writer);
 
 /// The names of images as a pattern with {`field`} for the camera and, where they are numbered, {frame}: what most of
@@ -98,7 +97,7 @@ std::string GuessImages(const std::vector<std::string>& names, const std::vector
 
 /// Pattern of depth images beside a detector's keypoints: {camera} of the inspection's cameras and {frame}, in the
 /// folder of each {recording} where the keypoints are. Empty where there are none.
-std::string GuessDepthBeside(const nlohmann::json& inspection, const std::filesystem::path& path, bool by_recording);
+std::string GuessDepthBeside(const Inspection& inspection, const std::filesystem::path& path, bool by_recording);
 
 /// `from` in `text` becomes `to` where it stands as whole words and numbers: "p" in "p_01" and "p01", not in "depth".
 void ReplaceParts(std::string& text, const std::string& from, const std::string& to);
@@ -115,11 +114,11 @@ Expected<std::string> GuessDepthFiles(const std::filesystem::path& path, const s
                                       const std::string& files);
 
 /// Whether the inspection is of depth images with cameras and nothing else.
-bool IsDepthViews(const nlohmann::json& inspection);
+bool IsDepthViews(const Inspection& inspection);
 
 /// The lines of ingest.source after name and format of such a folder.
-void WriteDepthViews(const nlohmann::json& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
+void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
 /// The same of a folder of point clouds.
-void WriteClouds(const nlohmann::json& inspection, DeclarationWriter& writer);
+void WriteClouds(const Inspection& inspection, DeclarationWriter& writer);
 
 }  // namespace mocurate

@@ -1,12 +1,12 @@
 #include "ingest/sense/declared_names.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "ingest/folder_listing.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sources/pattern.h"
 
@@ -15,8 +15,6 @@ namespace {
 
 /// Of NTU RGB+D, 1 to 120.
 bool IsNtuActionOfTwo(long long action) { return (action >= 50 && action <= 60) || (action >= 106 && action <= 120); }
-
-using Json = nlohmann::json;
 
 std::string Joined(const std::set<std::string>& words) {
   std::string text;
@@ -31,14 +29,14 @@ void WriteNtuNames(const ClipVotes& source, DeclarationWriter& writer) {
   writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} tells several people of a file apart");
   writer.Value("label", "\"A{action}\"", "declared by the format");
   std::set<std::string> of_two, of_one;
-  for (const Json* clip : source.clips()) {
-    const std::string file = clip->at("file");
+  for (const InspectedClip* clip : source.clips()) {
+    const std::string file = clip->file;
     const std::size_t at = file.rfind('A');
     if (at == std::string::npos) continue;
     const std::string action = file.substr(at, 4);
     if (IsNtuActionOfTwo(ParseInteger(action.substr(1)).value_or(0)))
       of_two.insert(action);
-    else if (clip->at("people").at("value") > 1)
+    else if (clip->people.value.value_or(0) > 1)
       of_one.insert(action);
   }
   std::string bodies;
@@ -76,9 +74,8 @@ std::string OtherTaken(const GuessedNames& guessed, const std::vector<std::strin
     if (pattern && pattern->Match(name) && std::find(names.begin(), names.end(), name) == names.end()) return name;
   }
   const std::filesystem::path beside = (folder / names.front()).parent_path();
-  std::error_code error;
-  for (std::filesystem::directory_iterator at(beside, error), end; !error && at != end; at.increment(error)) {
-    const std::string name = DisplayPath(at->path().lexically_relative(folder));
+  for (const std::filesystem::path& entry : EntriesOf(beside)) {
+    const std::string name = DisplayPath(entry.lexically_relative(folder));
     if (pattern && pattern->Match(name) && std::find(names.begin(), names.end(), name) == names.end()) return name;
   }
   return "";
@@ -89,8 +86,8 @@ std::string OtherTaken(const GuessedNames& guessed, const std::vector<std::strin
 void WriteNames(const ClipVotes& source, const std::string& format, const std::filesystem::path& asked,
                 const SourceRoot& root, DeclarationWriter& writer) {
   std::vector<std::string> names;
-  for (const Json* clip : source.clips()) {
-    const std::string file = clip->at("file");
+  for (const InspectedClip* clip : source.clips()) {
+    const std::string file = clip->file;
     if (std::find(names.begin(), names.end(), file) == names.end()) names.push_back(file);
   }
   if (format == "humanact12_pickle" || format == "uestc") {

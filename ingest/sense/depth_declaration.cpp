@@ -2,28 +2,24 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
 #include "core/formats/png.h"
+#include "ingest/folder_listing.h"
 #include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/gathered_names.h"
+#include "ingest/sense/inspect_files.h"
 
 namespace mocurate {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::size_t kMostImages = 5000;
 
 bool IsDepthPng(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string head(kPngHeaderBytes, '\0');
-  if (!file.read(head.data(), static_cast<std::streamsize>(head.size()))) return false;
-  const Expected<PngHeader> header = ReadPngHeader(head, "");
+  const Expected<std::string> head = ReadHead(path);
+  const Expected<PngHeader> header = ReadPngHeader(head.value_or(""), "");
   return header && header->bits == 16 && header->channels == 1;
 }
 
@@ -60,13 +56,11 @@ std::string CameraPattern(const std::string& name, const std::vector<std::string
   return pattern.substr(0, begin) + "{frame:" + std::to_string(end - begin) + "}" + pattern.substr(end);
 }
 
-std::vector<std::string> CamerasOf(const Json& inspection) {
+std::vector<std::string> CamerasOf(const Inspection& inspection) {
   std::vector<std::string> ids;
-  for (const Json& camera : inspection.at("cameras")) ids.push_back(camera.at("id"));
-  if (!ids.empty() && inspection.at("cameras").front().at("format") == "opencv_views") {
-    return NamesOfCameras(ids).cameras;
-  }
-  return ids;
+  for (const InspectedCamera& camera : inspection.cameras) ids.push_back(camera.id);
+  const bool views = !ids.empty() && inspection.cameras.front().format == "opencv_views";
+  return views ? NamesOfCameras(ids).cameras : ids;
 }
 
 }  // namespace
@@ -79,17 +73,11 @@ void ReplaceParts(std::string& text, const std::string& from, const std::string&
 
 std::vector<std::string> ImagesBelow(const std::filesystem::path& folder, bool depth, const std::string& part) {
   std::vector<std::string> all;
-  std::error_code error;
-  for (std::filesystem::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    const std::string ending = at->path().extension().string();
+  for (const std::filesystem::path& file : FilesBelow(folder)) {
+    const std::string ending = file.extension().string(), name = file.lexically_relative(folder).native();
     const bool image = ending == ".png" || (!depth && (ending == ".jpg" || ending == ".jpeg"));
-    std::error_code unknown;
-    if (image && at->is_regular_file(unknown)) all.push_back(at->path().lexically_relative(folder).native());
+    if (image && (part.empty() || FindPart(name, part, 0) != std::string::npos)) all.push_back(name);
   }
-  const auto other = [&](const std::string& name) {
-    return !part.empty() && FindPart(name, part, 0) == std::string::npos;
-  };
-  all.erase(std::remove_if(all.begin(), all.end(), other), all.end());
   std::sort(all.begin(), all.end());
   std::vector<std::string> names;
   for (const std::string& name : all) {
@@ -113,17 +101,20 @@ std::string GuessImages(const std::vector<std::string>& names, const std::vector
       ->first;
 }
 
-bool IsDepthViews(const Json& inspection) {
-  if (inspection.at("cameras").empty()) return false;
-  const Json& companions = inspection.at("companions");
-  return std::any_of(companions.begin(), companions.end(), [](const Json& companion) {
-    if (companion.at("format") != "png" || !companion.contains("facts")) return false;
-    const Json& facts = companion.at("facts");
-    return facts.value("bits", 0.0) == 16.0 && facts.value("channels", 0.0) == 1.0;
-  });
+bool IsDepthViews(const Inspection& inspection) {
+  const auto is_depth = [](const ObservedCompanion& companion) {
+    const std::map<std::string, double> numbers(companion.numbers.begin(), companion.numbers.end());
+    const auto holds = [&](const char* key, double value) {
+      const auto number = numbers.find(key);
+      return number != numbers.end() && number->second == value;
+    };
+    return companion.format == "png" && holds("bits", 16.0) && holds("channels", 1.0);
+  };
+  return !inspection.cameras.empty() &&
+         std::any_of(inspection.companions.begin(), inspection.companions.end(), is_depth);
 }
 
-std::string GuessDepthBeside(const Json& inspection, const std::filesystem::path& path, bool by_recording) {
+std::string GuessDepthBeside(const Inspection& inspection, const std::filesystem::path& path, bool by_recording) {
   if (!IsDepthViews(inspection)) return "";
   std::string pattern = GuessImages(ImagesBelow(path, true), CamerasOf(inspection), "camera");
   const std::size_t slash = pattern.find('/');
@@ -131,7 +122,7 @@ std::string GuessDepthBeside(const Json& inspection, const std::filesystem::path
   return by_recording ? "{recording}" + pattern.substr(slash) : pattern;
 }
 
-void WriteDepthViews(const Json& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
+void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
   const std::vector<std::string> cameras = CamerasOf(inspection);
   const std::vector<std::string> images = ImagesBelow(path, true);
   const std::string pattern = GuessImages(images, cameras, "camera");

@@ -26,8 +26,8 @@ enum class FileKind {
   kToml,
   kPng,
   kJpeg,
-  kVideo,     ///< AVI, MP4 and its kin, Matroska, MPEG
-  kUestcInfo  ///< told by its folder, not by its bytes
+  kVideo,   ///< AVI, MP4 and its kin, Matroska, MPEG
+  kSniffed  ///< recognised by a format's driver, not by its first bytes
 };
 
 constexpr std::size_t kKindHead = 8192;  ///< bytes at the start of a file that KindOf looks at

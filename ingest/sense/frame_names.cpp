@@ -57,10 +57,9 @@ std::vector<Finding> FrameNames::Lacking(const std::vector<const FrameNames*>& b
   }
   std::vector<Finding> findings;
   for (const auto& [name, other] : twice_) {
-    findings.push_back(FrameFinding(
-        "malformed", 0, 0, "", 0.0,
+    findings.push_back(MakeFinding(
+        "malformed", Severity::kError, 0.0,
         name + ": the same frame as " + other + " (one file per camera and frame is expected: leave one of them out)"));
-    findings.back().severity = Severity::kError;
   }
   for (const auto& [key, sequence] : sequences_) {
     long long first = sequence.first(), last = sequence.last();

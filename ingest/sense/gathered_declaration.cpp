@@ -1,17 +1,15 @@
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/base/file.h"
+#include "ingest/folder_listing.h"
 #include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/gathered_names.h"
 
 namespace mocurate {
 namespace {
-
-using Json = nlohmann::json;
 
 /// Pattern and recording of clips of many files, from one file of each folder.
 std::optional<GatheredNames> WriteFrames(const std::vector<std::string>& names, bool views, const std::string& prefix,
@@ -37,13 +35,10 @@ std::optional<GatheredNames> WriteFrames(const std::vector<std::string>& names, 
 std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
                                  const std::set<std::string>& endings) {
   std::vector<std::string> names;
-  std::error_code error;
-  for (std::filesystem::directory_iterator at(path / folder, error), end; !error && at != end; at.increment(error)) {
-    if (endings.count(at->path().extension().string()) == 0) continue;
-    const std::string name = DisplayPath(at->path().filename());
-    names.push_back(folder.empty() ? name : folder + "/" + name);
+  for (const std::filesystem::path& entry : EntriesOf(path / folder)) {
+    const std::string name = DisplayPath(entry.filename());
+    if (endings.count(entry.extension().string()) != 0) names.push_back(folder.empty() ? name : folder + "/" + name);
   }
-  std::sort(names.begin(), names.end());
   return names;
 }
 
@@ -56,42 +51,36 @@ std::string Below(const std::filesystem::path& path, const std::string& file) {
   return slash == std::string::npos ? "" : file.substr(0, slash);
 }
 
-void WriteCalibration(const Json& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
-  const Json& cameras = inspection.at("cameras");
-  if (cameras.empty()) {
+void WriteCalibration(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
+  if (inspection.cameras.empty()) {
     writer.UnknownList("calibration", "no file of cameras is in the folder");
     writer.Unknown("axes", "nothing says which way is up");
     return;
   }
-  const Json& first = cameras.front();
-  const std::string file = first.at("file");
-  const std::string folder = Below(path, file);
-  if (first.at("format") == "opencv_views") {
+  const InspectedCamera& first = inspection.cameras.front();
+  const std::string folder = Below(path, first.file);
+  if (first.format == "opencv_views") {
     std::vector<std::string> ids;
-    for (const Json& camera : cameras) {
-      if (Below(path, camera.at("file")) == folder) ids.push_back(camera.at("id"));
+    for (const InspectedCamera& camera : inspection.cameras) {
+      if (Below(path, camera.file) == folder) ids.push_back(camera.id);
     }
     const CameraNames names = NamesOfCameras(ids);
     writer.List("calibration", {Quoted((folder.empty() ? "" : folder + "/") + names.before + "{camera}" + names.after)},
                 "a file per camera");
-  } else if (first.at("format") == "opencv_rig") {
+  } else if (first.format == "opencv_rig") {
     writer.List("calibration", FilesIn(path, folder, {".yml", ".yaml", ".xml"}), "the files of cameras in the folder");
   } else {
-    writer.List("calibration", {file}, "the first file of cameras in the folder");
+    writer.List("calibration", {first.file}, "the first file of cameras in the folder");
   }
-  const Json& reading = first.at("reading");
-  if (reading.at("from") == "measured") {
-    writer.Value("camera_pose", reading.at("value"), "measured: " + reading.at("evidence").get<std::string>());
+  if (first.reading.from == Provenance::kMeasured) {
+    writer.Value("camera_pose", *first.reading.value, "measured: " + first.reading.evidence);
   }
-  const Json& units = first.at("units");
-  if (units.at("from") == "measured") {
-    writer.Value("units", units.at("value"), "measured: " + units.at("evidence").get<std::string>());
+  if (first.units.from == Provenance::kMeasured) {
+    writer.Value("units", *first.units.value, "measured: " + first.units.evidence);
   }
-  const Json& up = first.at("up");
-  const auto axes = up.at("value").is_string() ? AxesFrom(up.at("value"), true) : std::nullopt;
-  if (axes) {
+  if (const auto axes = AxesFrom(first.up.value.value_or(""), true)) {
     writer.Value("axes", Quoted(*axes),
-                 "up from the cameras: " + up.at("evidence").get<std::string>() + "; which way is front is a choice");
+                 "up from the cameras: " + first.up.evidence + "; which way is front is a choice");
   } else {
     writer.Unknown("axes", "the cameras do not agree which way is up");
   }
@@ -116,10 +105,10 @@ std::optional<std::string> AxesFrom(const std::string& up, bool right) {
   return text;
 }
 
-void WriteGathered(const ClipVotes& source, const Json& inspection, const std::filesystem::path& path,
+void WriteGathered(const ClipVotes& source, const Inspection& inspection, const std::filesystem::path& path,
                    const std::string& prefix, const std::string& format, DeclarationWriter& writer) {
   std::set<std::string> folders;
-  for (const Json* clip : source.clips()) folders.insert(Below(path, clip->at("file")));
+  for (const InspectedClip* clip : source.clips()) folders.insert(Below(path, clip->file));
   std::vector<std::string> names;
   for (const std::string& folder : folders) {
     const std::vector<std::string> files = FilesIn(path, folder, {".json"});
@@ -132,7 +121,7 @@ void WriteGathered(const ClipVotes& source, const Json& inspection, const std::f
     writer.Value("depth_files", Quoted(prefix + depth), "guessed from the names: depth cameras beside the others");
     writer.Value("depth_unit", "1 mm", "a choice: images do not say it; most sensors write millimetres");
   }
-  const int most = source.Ask("people").value.is_number() ? source.Ask("people").value.get<int>() : 1;
+  const int most = source.Ask(&InspectedClip::people).value.value_or(1);
   writer.Value("person", Quoted("p{body}"), "unknown who it is; {body} tells several people of a recording apart");
   writer.Value("subjects", views ? "1" : std::to_string(std::max(1, most)),
                views
@@ -141,16 +130,13 @@ void WriteGathered(const ClipVotes& source, const Json& inspection, const std::f
   writer.Value("label", Quoted(""), "unknown: the names do not say it");
   if (!views) return;
   WriteCalibration(inspection, prefix.empty() ? path : path.parent_path(), writer);
-  const Vote layout = source.Ask("skeleton");
-  writer.Value("keypoints", layout.value.is_string() ? layout.value.get<std::string>() : "measured", layout.comment);
+  const Vote<std::string> layout = source.Ask(&InspectedClip::skeleton);
+  writer.Value("keypoints", layout.value.value_or("measured"), layout.comment);
 }
 
-void WriteClouds(const Json& inspection, DeclarationWriter& writer) {
+void WriteClouds(const Inspection& inspection, DeclarationWriter& writer) {
   std::map<std::string, std::string> first;  // of each folder
-  for (const Json& cloud : inspection.at("clouds")) {
-    const std::string file = cloud.at("file");
-    first.emplace(FolderOf(file), file);
-  }
+  for (const InspectedCloud& cloud : inspection.clouds) first.emplace(FolderOf(cloud.file), cloud.file);
   std::vector<std::string> names;
   for (const auto& [folder, file] : first) names.push_back(file);
   WriteFrames(names, false, "", writer);
@@ -158,11 +144,11 @@ void WriteClouds(const Json& inspection, DeclarationWriter& writer) {
   writer.Value("label", Quoted(""), "unknown: the names do not say it");
   writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
   writer.Value("licence", "\"\"", "unknown: no file says it");
-  const Json& units = inspection.at("clouds").front().at("units");
-  if (units.at("value").is_null())
-    writer.Unknown("units", units.at("evidence"));
+  const Reported<std::string>& units = inspection.clouds.front().units;
+  if (units.value)
+    writer.Value("units", *units.value, "measured: " + units.evidence);
   else
-    writer.Value("units", units.at("value"), "measured: " + units.at("evidence").get<std::string>());
+    writer.Unknown("units", units.evidence);
   writer.Unknown("axes", "clouds do not say which way is up");
   writer.Unknown("rate", "clouds do not say it");
 }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
 
 #include "core/base/file.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/png.h"
+#include "ingest/chosen_clips.h"
 #include "ingest/discover.h"
 #include "ingest/formats/driver.h"
 #include "ingest/read_motions.h"
@@ -17,6 +17,7 @@
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/fault_codes.h"
 #include "ingest/sense/file_kind.h"
+#include "ingest/sense/file_names.h"
 #include "ingest/sense/inspect_annotations.h"
 #include "ingest/sense/inspect_duplicates.h"
 #include "ingest/sense/inspect_files.h"
@@ -29,14 +30,12 @@
 namespace mocurate {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
 
 /// A fault that several files meet, as motions do their skeleton's, is told once.
-void AddError(const Error& error, const std::string& file, const std::string& code, Json& findings) {
-  Json finding = InspectionFinding(code, Severity::kError, error.where.empty() ? file : error.where, 0.0,
-                                   error.what + (error.hint.empty() ? "" : " (" + error.hint + ")"));
+void AddError(const Error& error, const std::string& file, const std::string& code, std::vector<Finding>& findings) {
+  Finding finding = FindingAt(error.where.empty() ? file : error.where, code, Severity::kError, 0.0,
+                              error.what + (error.hint.empty() ? "" : " (" + error.hint + ")"));
   if (std::find(findings.begin(), findings.end(), finding) == findings.end()) findings.push_back(std::move(finding));
 }
 
@@ -57,44 +56,35 @@ class Inspector {
       : source_(source), folder_(folder), probe_(probe) {}
 
   /// What a run of the source makes of the path. Files that it reads are not looked at again.
-  void ReadDeclared(const std::filesystem::path& path, const std::vector<FileToInspect>& files);
-  void Look(const FileToInspect& file);
+  void ReadDeclared(const std::filesystem::path& path, const std::vector<FolderFile>& files);
+  void Look(const FolderFile& file);
   /// Clips of several files, and what belongs to the whole.
   void Finish(const std::string& path);
-  Json inspection = {{"path", ""},
-                     {"format", "unknown"},
-                     {"clips", Json::array()},
-                     {"groups", Json::array()},
-                     {"cameras", Json::array()},
-                     {"clouds", Json::array()},
-                     {"companions", Json::array()},
-                     {"findings", Json::array()}};
+  Inspection inspection;
 
  private:
-  Status Read(const FileToInspect& file, FileKind kind);
-  void Refuse(const FileToInspect& file, FileKind kind, const Error& error);
-  Status AddStoragesBeside(const FileToInspect& file);
+  Status Read(const FolderFile& file, FileKind kind);
+  void Refuse(const FolderFile& file, FileKind kind, const Error& error);
+  Status AddStoragesBeside(const FolderFile& file);
   std::string Below(const std::string& name) const;
   void AddItem(const ItemSpec& item);
   void AddLeftOut(const std::filesystem::path& folder, const ItemResult& file);
-  void AddClips(const std::string& file, const std::vector<ObservedClip>& clips);
-  void AddRest(const ObservedFile& file, const std::string& name);
-  void AddSequence(const ObservedFile& file, const std::string& name);
+  void Add(const ObservedFile& file, const std::string& name);
   void AddVideos();
-  Json& findings() { return inspection["findings"]; }
+  std::vector<Finding>& findings() { return inspection.findings; }
 
   const std::optional<SourceOptions>& source_;
   std::set<std::filesystem::path> read_, refused_by_run_;
   std::string below_;  ///< the folder asked for, from that of the source on
   bool folder_;
   const VideoProbe& probe_;
-  std::vector<FileToInspect> videos_;
+  std::vector<FolderFile> videos_;
   ObservedSequences sequences_;
   SeenMotions motions_;
   std::vector<AnnotatedMotion> annotated_;
   /// Files that could not be read, which may be frames of a sequence.
   struct Refused {
-    FileToInspect file;
+    FolderFile file;
     FileKind kind;
     Error error;
   };
@@ -104,7 +94,7 @@ class Inspector {
 };
 
 /// Into the sequences, or at once.
-Status Inspector::Read(const FileToInspect& file, FileKind kind) {
+Status Inspector::Read(const FolderFile& file, FileKind kind) {
   const Expected<std::string> bytes = ReadFile(file.path);
   if (!bytes) return Forward(bytes);
   const FileBytes content{*bytes, file.name, file.path};
@@ -123,22 +113,14 @@ Status Inspector::Read(const FileToInspect& file, FileKind kind) {
   }
   const Expected<ObservedFile> observed = ObserveFile(content);
   if (!observed) return Forward(observed);
-  AddClips(file.name, observed->clips);
-  AddRest(*observed, file.name);
+  Add(*observed, file.name);
   return {};
 }
 
 /// A rig is two storages, intri and extri: asked for one of them, the other is looked for where it lies.
-Status Inspector::AddStoragesBeside(const FileToInspect& file) {
-  std::vector<std::filesystem::path> beside;
-  std::error_code error;
-  const std::filesystem::path folder = file.path.has_parent_path() ? file.path.parent_path() : ".";
-  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    if (at->path().extension() == file.path.extension() && at->path().filename() != file.path.filename())
-      beside.push_back(at->path());
-  }
-  std::sort(beside.begin(), beside.end());
-  for (const std::filesystem::path& path : beside) {
+Status Inspector::AddStoragesBeside(const FolderFile& file) {
+  for (const std::filesystem::path& path : EntriesOf(file.path.has_parent_path() ? file.path.parent_path() : ".")) {
+    if (path.extension() != file.path.extension() || path.filename() == file.path.filename()) continue;
     const Expected<std::string> head = ReadHead(path);
     if (!head || (KindOf(*head) != FileKind::kOpenCvYaml && head->find("<opencv_storage") == std::string::npos))
       continue;
@@ -149,20 +131,13 @@ Status Inspector::AddStoragesBeside(const FileToInspect& file) {
   return {};
 }
 
-void Inspector::AddClips(const std::string& file, const std::vector<ObservedClip>& clips) {
-  for (const ObservedClip& clip : clips) {
-    inspection["clips"].push_back(ClipReport(clip, file, findings()));
-    if (!source_) motions_.Add(clip, inspection["clips"].back());
-  }
-}
-
 /// The place of a clip: its file, and where it stands in a file of several.
 std::string PlaceOfClip(const ItemSpec& item, const SourceOptions& source) {
-  const std::string name = IsGathered(source.format) ? FolderOf(item.inputs.front().name) : item.inputs.front().name;
-  if (item.options.contains("array")) return name + item.options.at("array").get<std::string>();
-  if (item.options.contains("entry")) return name + "[" + std::to_string(item.options.at("entry").get<int>()) + "]";
-  return item.options.contains("body") ? name + "[" + std::to_string(item.options.at("body").get<int>() - 1) + "]"
-                                       : name;
+  const std::string name =
+      DriverOf(source.format).gathered() ? FolderOf(item.inputs.front().name) : item.inputs.front().name;
+  const std::string place = PlaceInFile(item);
+  if (!place.empty() || !item.options.contains("body")) return name + place;
+  return name + "[" + std::to_string(item.options.at("body").get<int>() - 1) + "]";
 }
 
 /// The name of a file in the folder asked for, of one below the source's.
@@ -184,17 +159,15 @@ void Inspector::AddItem(const ItemSpec& item) {
   const bool kept = read && (read->clip.motion || !read->clip.evidence.empty());
   const bool read_clouds = GivesOf(*source_) == Gives::kPointClouds;
   for (const StageInput& input : request.inputs) {
-    const bool read_whole = input.role == "source" || read_clouds;
-    if (read_whole) (kept ? read_ : refused_by_run_).insert(input.path);
+    if (input.role == "source" || read_clouds) (kept ? read_ : refused_by_run_).insert(input.path);
   }
   const auto refuse = [&](Error error) {
     error.where = Below(error.where);
-    AddError(error, where, FaultCode(error, FormatName(source_->format)), findings());
+    AddError(error, where, FaultCode(error, source_->format), findings());
   };
   if (!read) return refuse(read.error());
   for (const Finding& finding : read->outcome.findings) {
-    findings().push_back(InspectionFinding(finding.code, finding.severity, PlaceOf(finding, where),
-                                           FourDecimals(finding.value), finding.message));
+    findings().push_back(FindingAt(PlaceOf(finding, where), Rounded(finding)));
   }
   if (read->outcome.kind == OutcomeKind::kRefused && read->outcome.findings.empty()) refuse(read->outcome.error);
   if (!kept) return;
@@ -202,22 +175,20 @@ void Inspector::AddItem(const ItemSpec& item) {
   clip.format = DriverOf(source_->format).inspected;
   const std::string file = Below(item.inputs.front().name);
   clip.id = where.size() > file.size() ? where.substr(file.size()) : "";
-  Json report = DeclaredReport(clip, IsGathered(source_->format) ? where : file, *source_, findings());
-  report["item"] = item.item;
-  report["person"] = ReportValue(read->clip.identity.person, "declared", 1.0, "the source");
-  report["label"] = ReportValue(read->clip.label, "declared", 1.0, "the source");
+  InspectedClip report =
+      DeclaredReport(clip, DriverOf(source_->format).gathered() ? where : file, *source_, findings());
+  report.item = item.item;
+  report.person = AsDeclared(read->clip.identity.person, "the source");
+  report.label = AsDeclared(read->clip.label, "the source");
   motions_.Add(clip, report);
-  inspection["clips"].push_back(std::move(report));
+  inspection.clips.push_back(std::move(report));
 }
 
 /// What a rule leaves out is not looked at.
 void Inspector::AddLeftOut(const std::filesystem::path& folder, const ItemResult& file) {
   const std::string code = file.outcome.findings.empty() ? std::string() : file.outcome.findings.front().code;
   if (code == "excluded" || code == "known_issue") read_.insert(folder / file.outcome.error.where);
-  for (const Finding& finding : file.outcome.findings) {
-    findings().push_back(
-        InspectionFinding(finding.code, finding.severity, Below(file.item), finding.value, finding.message));
-  }
+  for (const Finding& finding : file.outcome.findings) findings().push_back(FindingAt(Below(file.item), finding));
 }
 
 /// Whether a file that is asked for by itself is one of the source: by its name, or, of sources whose clips are single
@@ -239,7 +210,7 @@ bool IsOfSource(const std::filesystem::path& path, IngestOptions& options) {
 }
 
 /// Where the folder asked for is one below the source's: the files of that one alone.
-Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<FileToInspect>& files, int depth,
+Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<FolderFile>& files, int depth,
                                   std::string& below) {
   const std::filesystem::path asked = options.path;
   Expected<Discovery> found = Discover(options);
@@ -251,7 +222,7 @@ Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<File
     below = DisplayPath(options.path.filename()) + "/" + below;
     options.path = options.path.parent_path();
     std::set<std::string> names;
-    for (const FileToInspect& file : files) names.insert(below + file.name);
+    for (const FolderFile& file : files) names.insert(below + file.name);
     Expected<Discovery> above = Discover(options, names);
     if (above) return above;
   }
@@ -260,15 +231,16 @@ Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<File
   return found;
 }
 
-void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vector<FileToInspect>& files) {
+void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vector<FolderFile>& files) {
   IngestOptions options;
   options.path = path;
   options.source = *source_;
+  const std::string name = DisplayPath(path.filename());
   if (!folder_ && !IsOfSource(path, options)) {
-    findings().push_back(InspectionFinding("name_mismatch", Severity::kWarning, DisplayPath(path.filename()), 0.0,
-                                           "the file is not what the source declares, '" +
-                                               (source_->container.empty() ? source_->files : source_->container) +
-                                               "': looked at without the source"));
+    findings().push_back(FindingAt(name, "name_mismatch", Severity::kWarning, 0.0,
+                                   "the file is not what the source declares, '" +
+                                       (source_->container.empty() ? source_->files : source_->container) +
+                                       "': looked at without the source"));
     return;
   }
   const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
@@ -283,17 +255,13 @@ void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vecto
                        : about("skeleton") ? "unknown_skeleton"
                                            : nullptr;
     if (code == nullptr && error.code == ErrorCode::kNotFound) {
-      findings().push_back(
-          InspectionFinding("name_mismatch", Severity::kWarning, DisplayPath(path.filename()), 0.0, error.Message()));
+      findings().push_back(FindingAt(name, "name_mismatch", Severity::kWarning, 0.0, error.Message()));
     } else {
-      AddError(error, DisplayPath(path.filename()), code != nullptr ? code : std::string(Name(error.code)), findings());
+      AddError(error, name, code != nullptr ? code : std::string(Name(error.code)), findings());
     }
     return;
   }
-  for (const Finding& finding : found->findings) {
-    findings().push_back(InspectionFinding(finding.code, finding.severity, DisplayPath(path.filename()), finding.value,
-                                           finding.message));
-  }
+  for (const Finding& finding : found->findings) findings().push_back(FindingAt(name, finding));
   if (!folder_ && source_->container.empty() && !found->items.empty())
     below_ = FolderOf(found->items[0].inputs[0].name);
   if (!folder_ && !below_.empty()) below_ += "/";
@@ -301,28 +269,21 @@ void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vecto
   for (const ItemSpec& item : found->items) AddItem(item);
 }
 
-void Inspector::AddSequence(const ObservedFile& file, const std::string& name) {
-  AddClips(name, file.clips);
-  AddRest(file, name);
-}
-
-void Inspector::AddRest(const ObservedFile& file, const std::string& name) {
-  for (const Calibration& calibration : file.calibrations) {
-    ReportCameras(calibration, name, inspection["cameras"], findings());
+void Inspector::Add(const ObservedFile& file, const std::string& name) {
+  for (const ObservedClip& clip : file.clips) {
+    inspection.clips.push_back(ClipReport(clip, name, findings()));
+    if (!source_) motions_.Add(clip, inspection.clips.back());
   }
-  for (const ObservedCloud& cloud : file.clouds) inspection["clouds"].push_back(CloudReport(cloud, name, findings()));
-  for (const ObservedCompanion& companion : file.companions) {
-    inspection["companions"].push_back(CompanionReport(companion));
-  }
+  for (const Calibration& calibration : file.calibrations) ReportCameras(calibration, name, inspection);
+  for (const ObservedCloud& cloud : file.clouds) ReportCloud(cloud, name, inspection);
+  inspection.companions.insert(inspection.companions.end(), file.companions.begin(), file.companions.end());
   annotated_.insert(annotated_.end(), file.annotated.begin(), file.annotated.end());
-  for (const Finding& remark : file.remarks) {
-    findings().push_back(InspectionFinding(remark.code, remark.severity, name, remark.value, remark.message));
-  }
+  for (const Finding& remark : file.remarks) findings().push_back(FindingAt(name, remark));
 }
 
 void Inspector::AddVideos() {
   std::vector<std::filesystem::path> paths;
-  for (const FileToInspect& video : videos_) paths.push_back(video.path);
+  for (const FolderFile& video : videos_) paths.push_back(video.path);
   const std::vector<Expected<VideoFacts>> answers = probe_ ? probe_(paths) : std::vector<Expected<VideoFacts>>();
   for (std::size_t i = 0; i < videos_.size(); ++i) {
     ObservedCompanion companion{videos_[i].name, "video", {}, {}};
@@ -340,25 +301,28 @@ void Inspector::AddVideos() {
                            {"height", facts.height},
                            {"duration_s", facts.frames / facts.rate_hz}};
     }
-    inspection["companions"].push_back(CompanionReport(companion));
+    inspection.companions.push_back(std::move(companion));
   }
 }
 
 /// Files of unknown content are errors where they are asked for, and counted in a folder.
-void Inspector::Look(const FileToInspect& file) {
+void Inspector::Look(const FolderFile& file) {
   if (read_.count(file.path) != 0) return;
-  if (!file.regular) {
-    findings().push_back(InspectionFinding("no_regular_file", folder_ ? Severity::kWarning : Severity::kError,
-                                           file.name, 0.0, "is no regular file: not read"));
+  if (!file.problem.empty()) {
+    findings().push_back(FindingAt(file.name, "no_regular_file", folder_ ? Severity::kWarning : Severity::kError, 0.0,
+                                   "is no regular file: not read"));
     return;
   }
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(file.path, unknown);
   const Expected<std::string> head = ReadHead(file.path);
   if (!head) return AddError(head.error(), file.name, "unreadable", findings());
-  FileKind kind = IsUestcInfo(file.path) ? FileKind::kUestcInfo : KindOf(*head);
-  const bool of_no_format = kind == FileKind::kUnknown || kind == FileKind::kNumbers;
-  if (of_no_format && file.path.extension() == ".skeleton") kind = FileKind::kNtuSkeleton;
+  FileKind kind = KindOf(*head);
+  if (kind == FileKind::kUnknown || kind == FileKind::kNumbers) {
+    const FormatDriver* format = RecogniseFormat({*head, file.name, file.path});
+    if (format != nullptr && format->sniff != nullptr)
+      kind = format->kind == FileKind::kUnknown ? FileKind::kSniffed : format->kind;
+  }
   if (folder_ && kind == FileKind::kUnknown) {
     refused_.push_back({file, kind, {ErrorCode::kUnsupported, "is of no known format", file.name, "copy it again"}});
     return;
@@ -383,7 +347,7 @@ void Inspector::Look(const FileToInspect& file) {
     Refuse(file, kind, read.error());
 }
 
-void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& error) {
+void Inspector::Refuse(const FolderFile& file, FileKind kind, const Error& error) {
   if (refused_by_run_.count(file.path) != 0) return;
   if (folder_ && kind == FileKind::kUnknown) {
     others_.push_back(file.name);
@@ -406,15 +370,20 @@ void Inspector::Refuse(const FileToInspect& file, FileKind kind, const Error& er
   }
   const std::size_t before = findings().size();
   AddError(error, file.name, CodeOf(error, kind), findings());
-  if (error.reason == Reason::kCount && findings().size() > before) findings().back()["value"] = error.number;
+  if (error.reason == Reason::kCount && findings().size() > before) findings().back().value = error.number;
 }
 
-std::string FormatTold(const Json& inspection) {
+/// What stands beside clips does not make them mixed.
+std::string FormatOf(const Inspection& inspection) {
   std::set<std::string> formats;
-  for (const char* list : {"clips", "cameras", "clouds", "companions"}) {
-    if (!formats.empty()) break;  // what stands beside clips does not make them mixed
-    for (const Json& entry : inspection.at(list)) formats.insert(entry.at("format").get<std::string>());
-  }
+  const auto add = [&](const auto& entries) {
+    if (!formats.empty()) return;
+    for (const auto& entry : entries) formats.insert(entry.format);
+  };
+  add(inspection.clips);
+  add(inspection.cameras);
+  add(inspection.clouds);
+  add(inspection.companions);
   if (formats.empty()) return "unknown";
   return formats.size() == 1 ? *formats.begin() : "mixed";
 }
@@ -432,48 +401,44 @@ void Inspector::Finish(const std::string& path) {
   for (const Refused& refused : refused_) {
     if (!sequences_.Claim(refused.file.name, refused.error)) Refuse(refused.file, refused.kind, refused.error);
   }
-  for (const auto& [folder, file] : sequences_.Finish(folder_)) AddSequence(file, folder.empty() ? path : folder);
+  for (const auto& [folder, file] : sequences_.Finish(folder_)) Add(file, folder.empty() ? path : folder);
   AddVideos();
   if (!others_.empty()) {
+    findings().push_back(FindingAt(others_.front(), "other_files", Severity::kInfo, static_cast<double>(others_.size()),
+                                   std::to_string(others_.size()) + (others_.size() == 1 ? " file is" : " files are") +
+                                       " of no known format" + CommonReason(reasons_)));
+  }
+  CompareGroups(inspection);
+  CompareAnnotations(annotated_, inspection);
+  motions_.Compare(source_ ? source_->checks : CheckOptions(), findings());
+  inspection.format = FormatOf(inspection);
+  if (folder_ && inspection.format == "unknown") {
     findings().push_back(
-        InspectionFinding("other_files", Severity::kInfo, others_.front(), static_cast<double>(others_.size()),
-                          std::to_string(others_.size()) + (others_.size() == 1 ? " file is" : " files are") +
-                              " of no known format" + CommonReason(reasons_)));
+        FindingAt(path, "no_clips", Severity::kError, 0.0, "no file of the folder holds motion in a known format"));
   }
-  TellByGroup(inspection["clips"], findings());
-  TellAnnotations(annotated_, inspection["clips"], findings());
-  motions_.Tell(source_ ? source_->checks : CheckOptions(), findings());
-  const bool nothing = inspection["clips"].empty() && inspection["cameras"].empty() && inspection["clouds"].empty() &&
-                       inspection["companions"].empty();
-  if (folder_ && nothing) {
-    findings().push_back(InspectionFinding("no_clips", Severity::kError, path, 0.0,
-                                           "no file of the folder holds motion in a known format"));
-  }
-  inspection["format"] = FormatTold(inspection);
-  inspection["groups"] = GroupsOf(inspection["clips"]);
 }
 
 }  // namespace
 
-Json InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source,
-                 const VideoProbe& videos, const InspectProgress& progress) {
+Inspection InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source,
+                       const VideoProbe& videos, const InspectProgress& progress) {
   std::error_code unknown;
   Inspector inspector(source, std::filesystem::is_directory(path, unknown), videos);
-  inspector.inspection["path"] = DisplayPath(path);
+  inspector.inspection.path = DisplayPath(path);
   if (!std::filesystem::exists(path, unknown)) {
     AddError({ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(path), ""}, "", "not_found",
-             inspector.inspection["findings"]);
+             inspector.inspection.findings);
     return inspector.inspection;
   }
-  std::vector<FileToInspect> files;
-  if (Status listed = ListFiles(path, files); !listed) {
-    AddError(listed.error(), "", "unreadable", inspector.inspection["findings"]);
+  const Expected<std::vector<FolderFile>> files = FilesToInspect(path);
+  if (!files) {
+    AddError(files.error(), "", "unreadable", inspector.inspection.findings);
     return inspector.inspection;
   }
-  if (source) inspector.ReadDeclared(path, files);
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    inspector.Look(files[i]);
-    if (progress) progress(i + 1, files.size());
+  if (source) inspector.ReadDeclared(path, *files);
+  for (std::size_t i = 0; i < files->size(); ++i) {
+    inspector.Look((*files)[i]);
+    if (progress) progress(i + 1, files->size());
   }
   inspector.Finish(DisplayPath(path.filename().empty() ? path.parent_path().filename() : path.filename()));
   return inspector.inspection;

@@ -2,12 +2,12 @@
 
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <vector>
 
 #include "core/base/error.h"
 #include "ingest/options.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/video_facts.h"
 
 namespace mocurate {
@@ -18,14 +18,10 @@ using VideoProbe = std::function<std::vector<Expected<VideoFacts>>(const std::ve
 /// Told after every file: how many are read, of how many.
 using InspectProgress = std::function<void(std::size_t done, std::size_t all)>;
 
-/// What a file or folder is: {"path", "format", "clips": [...], "findings": [...]}; each value of a clip is an object
-/// {"value", "from": declared | measured | unknown, "confidence", "evidence"}. docs/inspect.md is the contract. With a
-/// source declaration its statements are compared with the data. A file that cannot be read gives no clips and a
-/// finding of severity error. Without `videos` a video file is only named.
-nlohmann::json InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source,
-                           const VideoProbe& videos = {}, const InspectProgress& progress = {});
-
-/// The same as text for a person.
-std::string InspectionText(const nlohmann::json& inspection);
+/// What a file or folder is. docs/inspect.md is the contract. With a source declaration its statements are compared
+/// with the data. A file that cannot be read gives no clips and a finding of severity error. Without `videos` a video
+/// file is only named.
+Inspection InspectPath(const std::filesystem::path& path, const std::optional<SourceOptions>& source,
+                       const VideoProbe& videos = {}, const InspectProgress& progress = {});
 
 }  // namespace mocurate

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "core/quality/duplicates.h"
+#include "ingest/checks/check_options.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/observed_clip.h"
 
 namespace mocurate {
@@ -13,8 +14,8 @@ namespace mocurate {
 class SeenMotions {
  public:
   /// `report`: what the inspection says of the clip. Clips whose unit or up is unknown are compared with none.
-  void Add(const ObservedClip& clip, const nlohmann::json& report);
-  void Tell(const CheckOptions& options, nlohmann::json& findings) const;
+  void Add(const ObservedClip& clip, const InspectedClip& report);
+  void Compare(const CheckOptions& options, std::vector<Finding>& findings) const;
 
  private:
   std::vector<std::string> ids_;

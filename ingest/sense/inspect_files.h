@@ -5,17 +5,12 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "ingest/folder_listing.h"
 
 namespace mocurate {
 
-struct FileToInspect {
-  std::string name;
-  std::filesystem::path path;
-  bool regular = true;  ///< no pipe, device or link that leads nowhere
-};
-
-/// Appends the file, or the files of a folder, sorted by name. Error kUnreadable.
-Status ListFiles(const std::filesystem::path& path, std::vector<FileToInspect>& files);
+/// The file, or the files of a folder down to six folders below it, sorted by name. Error kUnreadable.
+Expected<std::vector<FolderFile>> FilesToInspect(const std::filesystem::path& path);
 
 /// The first bytes, enough to tell the format. Error kUnreadable.
 Expected<std::string> ReadHead(const std::filesystem::path& path);

@@ -12,14 +12,12 @@
 #include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/options.h"
-#include "ingest/sense/clip_report.h"
+#include "ingest/sense/clip_votes.h"
 #include "ingest/sense/comparison.h"
 #include "ingest/sense/file_names.h"
 
 namespace mocurate {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr double kNearTen = 0.05;             // of the logarithm of a factor
 constexpr std::size_t kFewestSeenPoints = 5;  // that tell where a body is
@@ -28,102 +26,70 @@ constexpr double kElsewhere = 6.0;            // of the spread, from the middle 
 constexpr double kThere = 3.0;                // of the spread, where the others are
 constexpr double kSureHandedness = 0.6;       // of a handedness that is kept against that of all others
 
-/// What most clips of a group say, weighted by confidence.
-Json Pooled(const std::vector<const Json*>& clips, const char* key) {
-  std::map<std::string, std::pair<double, Json>> votes;
-  double all = 0.0;
-  for (const Json* clip : clips) {
-    const Json& field = clip->at(key);
-    if (field.at("value").is_null()) continue;
-    const double weight = std::max(1e-6, field.at("confidence").get<double>());
-    auto& vote = votes[field.at("value").dump()];
-    vote.first += weight;
-    vote.second = field;
-    all += weight;
-  }
-  Json best = {{"value", nullptr}, {"from", "unknown"}, {"share", 0.0}};
-  double most = 0.0;
-  for (const auto& [text, vote] : votes) {
-    if (vote.first <= most) continue;
-    most = vote.first;
-    best = {{"value", vote.second.at("value")},
-            {"from", vote.second.at("from")},
-            {"share", std::round(1e4 * most / all) / 1e4}};
-  }
-  return best;
-}
-
-std::string ClipFolder(const Json& clip) { return FolderOf(clip.at("file")); }
-
 /// Clips by folder, format and joints.
-template <class Clip>
-std::map<std::string, std::vector<Clip*>> Members(Clip& clips) {
-  std::map<std::string, std::vector<Clip*>> members;
-  for (auto& clip : clips) {
-    members[ClipFolder(clip) + "\n" + clip.at("format").template get<std::string>() + "\n" +
-            clip.at("joints").at("value").dump()]
-        .push_back(&clip);
+std::map<std::string, std::vector<InspectedClip*>> Members(std::vector<InspectedClip>& clips) {
+  std::map<std::string, std::vector<InspectedClip*>> members;
+  for (InspectedClip& clip : clips) {
+    members[FolderOf(clip.file) + "\n" + clip.format + "\n" + JointsText(clip)].push_back(&clip);
   }
   return members;
 }
 
 /// Whether all follow one known order or tree, so that their left and right are the same words.
-bool OneSkeleton(const std::vector<Json*>& group) {
-  const Json& first = group[0]->at("skeleton").at("value");
-  if (!first.is_string() || first.get<std::string>().rfind("own tree", 0) == 0) return false;
+bool OneSkeleton(const std::vector<InspectedClip*>& group) {
+  const std::optional<std::string>& first = group[0]->skeleton.value;
+  if (!first || first->rfind("own tree", 0) == 0) return false;
   return std::all_of(group.begin(), group.end(),
-                     [&](const Json* clip) { return clip->at("skeleton").at("value") == first; });
+                     [&](const InspectedClip* clip) { return clip->skeleton.value == first; });
 }
 
 /// Rates that motions deny, of the clips of a folder together.
-void TellRates(const std::string& folder, const std::vector<Json*>& group, Json& findings) {
-  std::map<std::string, const Json*> by_id;
-  for (const Json* clip : group) by_id[clip->at("id")] = clip;
+void ReportRates(const std::vector<InspectedClip*>& group, std::vector<Finding>& findings) {
+  std::map<std::string, const InspectedClip*> by_id;
+  for (const InspectedClip* clip : group) by_id[clip->id] = clip;
   RateDenials denials;
   denials.clips = group.size();
-  for (const Json& finding : findings) {
-    if (finding.at("code") != "rate_doubtful") continue;
-    const auto clip = by_id.find(finding.at("where"));
-    if (clip != by_id.end()) denials.Add(clip->second->at("rate_hz").at("value"), finding.at("value"));
+  for (const Finding& finding : findings) {
+    if (finding.code != "rate_doubtful") continue;
+    const auto clip = by_id.find(finding.clip);
+    if (clip != by_id.end()) denials.Add(clip->second->rate_hz.value.value_or(0.0), finding.value);
   }
   if (!denials.OfTheSet()) return;
-  findings.push_back(InspectionFinding("rate_doubtful", Severity::kError, folder.empty() ? "." : folder,
-                                       std::round(denials.Share() * 1e4) / 1e4,
-                                       "the motions of the whole folder speak against its rate: " + denials.Words()));
+  const std::string folder = FolderOf(group[0]->file);
+  findings.push_back(FindingAt(folder.empty() ? "." : folder, "rate_doubtful", Severity::kError,
+                               FourDecimals(denials.Share()),
+                               "the motions of the whole folder speak against its rate: " + denials.Words()));
 }
 
 /// The unit that a clip's own lengths show, of clips whose unit nobody says.
-std::optional<double> MeasuredMetres(const Json& clip) {
-  const Json& units = clip.at("units");
-  if (units.at("from") != "measured") return std::nullopt;
-  const Expected<double> metres = MetresPerUnit(units.at("value").get<std::string>());
+std::optional<double> MeasuredMetres(const InspectedClip& clip) {
+  if (clip.units.from != Provenance::kMeasured) return std::nullopt;
+  const Expected<double> metres = MetresPerUnit(*clip.units.value);
   return metres ? std::optional<double>(*metres) : std::nullopt;
 }
 
 /// Clips whose numbers are a power of ten of those of most clips of their folder.
-void TellUnits(const std::vector<Json*>& group, Json& findings) {
+void ReportUnits(const std::vector<InspectedClip*>& group, std::vector<Finding>& findings) {
   std::map<std::string, std::size_t> votes;
   std::string usual;
   std::size_t told = 0;
-  for (const Json* clip : group) {
+  for (const InspectedClip* clip : group) {
     if (!MeasuredMetres(*clip)) continue;
-    const std::string& unit = clip->at("units").at("value").get_ref<const std::string&>();
     ++told;
-    const std::size_t count = ++votes[unit];
-    if (count > votes[usual]) usual = unit;
+    const std::size_t count = ++votes[*clip->units.value];
+    if (count > votes[usual]) usual = *clip->units.value;
   }
-  for (const Json* clip : group) {
+  for (const InspectedClip* clip : group) {
     const std::optional<double> metres = MeasuredMetres(*clip);
     if (!metres) continue;
     const double tens = std::log10(MetresPerUnit(usual).value_or(*metres) / *metres);
     if (std::round(tens) == 0.0 || std::abs(tens - std::round(tens)) > kNearTen) continue;
     const double factor = std::pow(10.0, std::round(tens));
-    const std::string unit = clip->at("units").at("value");
-    findings.push_back(InspectionFinding(
-        "units_outlier", Severity::kError, clip->at("id"), factor,
-        "the numbers of this clip are " + FormatDouble(factor) + " times those of the others: its unit is " + unit +
-            " where that of " + std::to_string(votes[usual]) + " of the " + std::to_string(told) +
-            " clips of the folder that tell is " + usual + " (" + clip->at("units").at("evidence").get<std::string>() +
+    findings.push_back(FindingAt(
+        clip->id, "units_outlier", Severity::kError, factor,
+        "the numbers of this clip are " + FormatDouble(factor) + " times those of the others: its unit is " +
+            *clip->units.value + " where that of " + std::to_string(votes[usual]) + " of the " + std::to_string(told) +
+            " clips of the folder that tell is " + usual + " (" + clip->units.evidence +
             "); divide them, or give the clip a source with its own ingest.source.units"));
   }
 }
@@ -134,14 +100,13 @@ struct FirstPlace {
   double size = 0.0;
 };
 
-std::optional<FirstPlace> FirstPlaceOf(const Json& clip) {
-  const Json& points = clip.at("first_frame").at("value");
-  if (!points.is_array()) return std::nullopt;
+std::optional<FirstPlace> FirstPlaceOf(const InspectedClip& clip) {
+  if (!clip.first_frame.value) return std::nullopt;
   FirstPlace first;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
-    for (const Json& point : points) {
-      if (!point.at("position").is_null()) values.push_back(point.at("position").at(axis));
+    for (const std::optional<Vector3d>& point : *clip.first_frame.value) {
+      if (point) values.push_back((*point)[static_cast<int>(axis)]);
     }
     if (values.size() < kFewestSeenPoints) return std::nullopt;
     std::sort(values.begin(), values.end());
@@ -152,11 +117,11 @@ std::optional<FirstPlace> FirstPlaceOf(const Json& clip) {
 }
 
 /// Clips in which two axes are exchanged: the person is where nobody of the folder is, but for that.
-void TellPlaces(const std::vector<Json*>& group, Json& findings) {
-  std::vector<const Json*> clips;
+void ReportPlaces(const std::vector<InspectedClip*>& group, std::vector<Finding>& findings) {
+  std::vector<const InspectedClip*> clips;
   std::vector<FirstPlace> places;
   std::vector<double> sizes;
-  for (const Json* clip : group) {
+  for (const InspectedClip* clip : group) {
     const std::optional<FirstPlace> place = FirstPlaceOf(*clip);
     if (!place) continue;
     clips.push_back(clip);
@@ -179,86 +144,86 @@ void TellPlaces(const std::vector<Json*>& group, Json& findings) {
     };
     for (const auto& [a, b] : {std::pair<std::size_t, std::size_t>{0, 1}, {0, 2}, {1, 2}}) {
       if (off(a, a) < kElsewhere || off(b, b) < kElsewhere || off(a, b) > kThere || off(b, a) > kThere) continue;
-      findings.push_back(InspectionFinding(
-          "axes_outlier", Severity::kWarning, clips[c]->at("id"),
-          std::round(1e4 * std::min(off(a, a), off(b, b))) / 1e4,
-          std::string("the person is where no other of the folder is, but would be among them with ") + "xyz"[a] +
-              " and " + "xyz"[b] + " exchanged (" + Digits(std::min(off(a, a), off(b, b))) +
-              " times as far from their middle as they usually are): compare the columns of the file"));
+      findings.push_back(
+          FindingAt(clips[c]->id, "axes_outlier", Severity::kWarning, FourDecimals(std::min(off(a, a), off(b, b))),
+                    std::string("the person is where no other of the folder is, but would be among them with ") +
+                        "xyz"[a] + " and " + "xyz"[b] + " exchanged (" + Digits(std::min(off(a, a), off(b, b))) +
+                        " times as far from their middle as they usually are): compare the columns of the file"));
     }
   }
+}
+
+/// Gives the clips of a group the handedness that the others agree on.
+void ShareHandedness(const std::vector<InspectedClip*>& group, std::vector<Finding>& findings) {
+  if (!OneSkeleton(group)) return;
+  std::vector<const InspectedClip*> voters;
+  for (const InspectedClip* clip : group) {
+    if (clip->handedness.from == Provenance::kMeasured) voters.push_back(clip);
+  }
+  if (voters.size() < kFewestVotes) return;
+  const Consensus<std::string> most = ConsensusOf(voters, &InspectedClip::handedness);
+  const std::string agreed = *most.clearest->value;
+  const double share = FourDecimals(most.share);
+  if (share < kAgreement && most.clips + 1 != voters.size()) return;
+  const std::string evidence = "as " + std::to_string(most.clips) + " of the " + std::to_string(voters.size()) +
+                               " clips of the folder that tell say";
+  for (InspectedClip* clip : group) {
+    Reported<std::string>& handedness = clip->handedness;
+    if (handedness.from == Provenance::kDeclared || handedness.value == agreed) continue;
+    const std::string own = handedness.evidence;
+    if (handedness.value) {
+      findings.push_back(FindingAt(clip->id, "handedness_outlier", Severity::kWarning, handedness.confidence,
+                                   "this clip alone would be " + *handedness.value + "-handed (" + own + ", " +
+                                       RoundedText(100.0 * handedness.confidence, 3) +
+                                       " % sure), the others of the folder are not"));
+      const std::string contradicts = "the clip contradicts the others of its folder";
+      for (Reported<std::string>* field : {&clip->facing, &clip->axes}) {
+        if (field->from == Provenance::kMeasured) *field = Unknown<std::string>(contradicts);
+      }
+      if (handedness.confidence >= kSureHandedness) {
+        handedness = Unknown<std::string>(contradicts + ": " + own);
+        continue;
+      }
+    }
+    handedness = Report<std::string>(agreed, Provenance::kMeasured, share, evidence + "; of itself: " + own);
+  }
+}
+
+template <class T>
+Pooled<T> PooledOf(const std::vector<const InspectedClip*>& clips, Reported<T> InspectedClip::*field) {
+  const Consensus<T> most = ConsensusOf(clips, field);
+  if (most.last == nullptr) return {};
+  return {most.last->value, most.last->from, FourDecimals(most.share)};
+}
+
+InspectedGroup GroupOf(const std::vector<const InspectedClip*>& clips) {
+  InspectedGroup group;
+  group.folder = FolderOf(clips[0]->file);
+  group.format = clips[0]->format;
+  group.joints = clips[0]->joints.value;
+  group.clips = clips.size();
+  group.fewest_frames = *clips[0]->frames.value;
+  for (const InspectedClip* clip : clips) {
+    const int frames = *clip->frames.value;
+    group.frames += frames;
+    group.fewest_frames = std::min(group.fewest_frames, frames);
+    group.most_frames = std::max(group.most_frames, frames);
+  }
+  group.rate_hz = PooledOf(clips, &InspectedClip::rate_hz);
+  ForEachSharedText([&](const char*, auto of_clip, auto of_group) { group.*of_group = PooledOf(clips, of_clip); });
+  return group;
 }
 
 }  // namespace
 
-void TellByGroup(Json& clips, Json& findings) {
-  for (auto& [key, group] : Members(clips)) {
-    TellRates(key.substr(0, key.find('\n')), group, findings);
-    TellUnits(group, findings);
-    TellPlaces(group, findings);
-    if (!OneSkeleton(group)) continue;
-    std::size_t told = 0;
-    std::vector<const Json*> voters;
-    for (const Json* clip : group) {
-      if (clip->at("handedness").at("from") != "measured") continue;
-      ++told;
-      voters.push_back(clip);
-    }
-    if (told < kFewestVotes) continue;
-    const Json pooled = Pooled(voters, "handedness");
-    const auto agree = std::count_if(voters.begin(), voters.end(), [&](const Json* clip) {
-      return clip->at("handedness").at("value") == pooled.at("value");
-    });
-    const bool all_but_one = static_cast<std::size_t>(agree) + 1 == told;
-    if (pooled.at("share").get<double>() < kAgreement && !all_but_one) continue;
-    const std::string evidence =
-        "as " + std::to_string(agree) + " of the " + std::to_string(told) + " clips of the folder that tell say";
-    for (Json* clip : group) {
-      Json& handedness = (*clip)["handedness"];
-      if (handedness.at("from") == "declared" || handedness.at("value") == pooled.at("value")) continue;
-      const std::string own = handedness.at("evidence");
-      if (!handedness.at("value").is_null()) {
-        findings.push_back(
-            InspectionFinding("handedness_outlier", Severity::kWarning, clip->at("id"), handedness.at("confidence"),
-                              "this clip alone would be " + handedness.at("value").get<std::string>() + "-handed (" +
-                                  own + ", " + RoundedText(100.0 * handedness.at("confidence").get<double>(), 3) +
-                                  " % sure), the others of the folder are not"));
-        for (const char* field : {"facing", "axes"}) {
-          if ((*clip)[field].at("from") == "measured")
-            (*clip)[field] = ReportValue(Json(), "unknown", 0.0, "the clip contradicts the others of its folder");
-        }
-        if (handedness.at("confidence").get<double>() >= kSureHandedness) {
-          handedness = ReportValue(Json(), "unknown", 0.0, "the clip contradicts the others of its folder: " + own);
-          continue;
-        }
-      }
-      handedness = ReportValue(pooled.at("value"), "measured", pooled.at("share"), evidence + "; of itself: " + own);
-    }
+void CompareGroups(Inspection& inspection) {
+  for (const auto& [key, group] : Members(inspection.clips)) {
+    ReportRates(group, inspection.findings);
+    ReportUnits(group, inspection.findings);
+    ReportPlaces(group, inspection.findings);
+    ShareHandedness(group, inspection.findings);
+    inspection.groups.push_back(GroupOf({group.begin(), group.end()}));
   }
-}
-
-Json GroupsOf(const Json& clips) {
-  const std::map<std::string, std::vector<const Json*>> members = Members(clips);
-  Json groups = Json::array();
-  for (const auto& [key, group] : members) {
-    Json json = {{"folder", key.substr(0, key.find('\n'))},
-                 {"format", group[0]->at("format")},
-                 {"joints", group[0]->at("joints").at("value")},
-                 {"clips", group.size()}};
-    std::int64_t frames = 0, fewest = group[0]->at("frames").at("value"), most = fewest;
-    for (const Json* clip : group) {
-      const std::int64_t count = clip->at("frames").at("value");
-      frames += count;
-      fewest = std::min(fewest, count);
-      most = std::max(most, count);
-    }
-    json["frames"] = {{"sum", frames}, {"min", fewest}, {"max", most}};
-    for (const char* field : {"skeleton", "units", "up", "handedness", "facing", "axes", "rate_hz"}) {
-      json[field] = Pooled(group, field);
-    }
-    groups.push_back(std::move(json));
-  }
-  return groups;
 }
 
 }  // namespace mocurate

@@ -8,6 +8,7 @@
 #include "core/base/median.h"
 #include "core/quality/median_deviation.h"
 #include "ingest/sense/point_exchange.h"
+#include "ingest/sources/smpl_motion.h"
 #include "ingest/synthetic/tracker.h"
 
 namespace mocurate {
@@ -15,15 +16,7 @@ namespace {
 
 constexpr int kFramesLookedAt = 64;
 
-std::vector<std::string> SmplJoints(std::size_t count) {
-  std::vector<std::string> names = {"pelvis",     "left_hip",      "right_hip",      "spine1",      "left_knee",
-                                    "right_knee", "spine2",        "left_ankle",     "right_ankle", "spine3",
-                                    "left_foot",  "right_foot",    "neck",           "left_collar", "right_collar",
-                                    "head",       "left_shoulder", "right_shoulder", "left_elbow",  "right_elbow",
-                                    "left_wrist", "right_wrist",   "left_hand",      "right_hand"};
-  names.resize(count);
-  return names;
-}
+std::vector<std::string> SmplJoints(int count) { return {kSmplJointNames, kSmplJointNames + count}; }
 
 using Distance = PointDistance;
 

@@ -7,6 +7,7 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
+#include "ingest/sense/inspection.h"
 
 namespace mocurate {
 namespace {
@@ -17,9 +18,7 @@ constexpr double kTimesFarther = 20.0;   // a point of a person at the edge is u
 constexpr double kMostConfidence = 1.5;  // peaks of heat maps reach a little beyond 1
 
 Finding Doubt(const char* code, double value, std::string message) {
-  Finding finding = FrameFinding(code, 0, 0, "", std::round(value * 1e4) / 1e4, std::move(message));
-  finding.severity = Severity::kError;
-  return finding;
+  return MakeFinding(code, Severity::kError, FourDecimals(value), std::move(message));
 }
 
 /// A number of each detected point.
@@ -109,7 +108,7 @@ std::optional<Finding> LeaveOutFarKeypoints(const std::vector<std::string>& name
     return "is at " + FormatDouble(point.u_px) + " " + FormatDouble(point.v_px) +
            " px, nine in ten of the camera's points within " + Digits(most / kTimesFarther) + ": it is in no image";
   };
-  return LeaveOut(FrameFinding("keypoint_far", 0, 0, "", 0.0, ""), names, frames, most, far, says);
+  return LeaveOut(MakeFinding("keypoint_far", Severity::kWarning, 0.0, ""), names, frames, most, far, says);
 }
 
 std::optional<Finding> LeaveOutUnlikelyConfidences(const std::vector<std::string>& names,
@@ -121,7 +120,8 @@ std::optional<Finding> LeaveOutUnlikelyConfidences(const std::vector<std::string
   const auto says = [](const DetectedKeypoint& point) {
     return "has the confidence " + FormatDouble(point.confidence) + ", which is to be 0 to 1";
   };
-  return LeaveOut(FrameFinding("confidence_range", 0, 0, "", 0.0, ""), names, frames, kMostConfidence, sure, says);
+  return LeaveOut(MakeFinding("confidence_range", Severity::kWarning, 0.0, ""), names, frames, kMostConfidence, sure,
+                  says);
 }
 
 }  // namespace mocurate

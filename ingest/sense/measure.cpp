@@ -304,7 +304,7 @@ ClipMeasures Measure(const ObservedClip& clip) {
   const HandednessMeasure handedness = HandednessOf(clip);
   m.handedness.confidence = handedness.confidence;
   m.handedness.evidence = handedness.evidence.empty() ? "neither knees, feet nor hands tell" : handedness.evidence;
-  const bool guessed = clip.skeleton_from == "measured" && clip.skeleton_confidence < kSureOrder;
+  const bool guessed = clip.skeleton.from == Provenance::kMeasured && clip.skeleton.confidence < kSureOrder;
   if (guessed) {
     m.handedness = {"", 0.0, "the order of the joints is not sure, and with it their sides; " + m.handedness.evidence};
   } else if (handedness.handedness) {

@@ -42,18 +42,18 @@ std::optional<std::string> NameInOrder(const OrderScore& order, ObservedClip& cl
 
 bool RecogniseOrder(ObservedClip& clip) {
   if (clip.frames < 2) {
-    clip.skeleton_evidence =
+    clip.skeleton.evidence =
         Counted(clip.frames, "frame") + " tells no order of joints: whether bones keep their length shows in two";
     return false;
   }
   const auto zero = [](double value) { return value == 0.0; };
   if (std::all_of(clip.positions.xyz.begin(), clip.positions.xyz.end(), zero)) {
-    clip.skeleton_evidence = "every number is zero";
+    clip.skeleton.evidence = "every number is zero";
     return false;
   }
   const std::vector<OrderScore> scores = ScoreOrders(clip.positions, clip.confidence);
   if (scores.empty() || !scores[0].score.IsBody()) {
-    clip.skeleton_evidence = scores.empty() ? "no known order has " + std::to_string(clip.joints) + " joints"
+    clip.skeleton.evidence = scores.empty() ? "no known order has " + std::to_string(clip.joints) + " joints"
                                             : "the best of the known orders does not fit; " + Words(scores[0]);
     return false;
   }
@@ -65,7 +65,7 @@ bool RecogniseOrder(ObservedClip& clip) {
     if (doubt.empty()) doubt = *contradicted;
   }
   if (chosen == scores.size() || !scores[chosen].score.IsBody()) {
-    clip.skeleton_evidence = "the best of the known orders does not fit: " + doubt + "; " + Words(scores[0]);
+    clip.skeleton.evidence = "the best of the known orders does not fit: " + doubt + "; " + Words(scores[0]);
     clip.names.clear();
     clip.points = {};
     return false;
@@ -73,15 +73,15 @@ bool RecogniseOrder(ObservedClip& clip) {
   const OrderScore& best = scores[chosen];
   clip.set_rate_hz = best.order->set_rate_hz;
   clip.set_says = best.order->set_says;
-  clip.skeleton = best.order->told.empty() ? best.order->skeleton : best.order->told;
-  clip.skeleton_from = "measured";
-  clip.skeleton_evidence = Words(best);
-  clip.skeleton_confidence = 1.0 - best.score.total() / BodyScore::kBodyLike;
+  clip.skeleton.value = best.order->told.empty() ? best.order->skeleton : best.order->told;
+  clip.skeleton.from = Provenance::kMeasured;
+  clip.skeleton.evidence = Words(best);
+  clip.skeleton.confidence = 1.0 - best.score.total() / BodyScore::kBodyLike;
   if (chosen + 1 < scores.size()) {
     const OrderScore& next = scores[chosen + 1];
     const double margin = 1.0 - best.score.total() / std::max(1e-9, next.score.total());
-    clip.skeleton_confidence = std::min(1.0, std::max(clip.skeleton_confidence, 0.0) * 0.5 + margin * 0.5);
-    clip.skeleton_evidence += "; next is " + Words(next);
+    clip.skeleton.confidence = std::min(1.0, std::max(clip.skeleton.confidence, 0.0) * 0.5 + margin * 0.5);
+    clip.skeleton.evidence += "; next is " + Words(next);
   }
   for (int side = 0; side < 2; ++side) {
     const auto toe = std::find(clip.names.begin(), clip.names.end(), side == 0 ? "left_big_toe" : "right_big_toe");
@@ -109,9 +109,7 @@ void DoubtPositions(ObservedClip& clip) {
 }
 
 void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
-  clip.skeleton = source.skeleton;
-  clip.skeleton_from = "declared";
-  clip.skeleton_confidence = 1.0;
+  clip.skeleton = AsDeclared(source.skeleton, "");
   clip.names = source.joints;
   const auto skeleton = KnownSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
   if (!skeleton) {
@@ -130,7 +128,7 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
   }
   clip.points = PointsByName(clip.names, **skeleton);
   const BodyScore score = ScoreBody(clip.positions, clip.confidence, BonesOf(clip.names, **skeleton));
-  clip.skeleton_evidence = clip.frames < 2
+  clip.skeleton.evidence = clip.frames < 2
                                ? "1 frame does not tell whether bones keep their length"
                                : "bones change their length by " + ThreeDecimals(100.0 * score.spread) +
                                      " %, proportions are off by " + ThreeDecimals(100.0 * score.proportion) + " %";
@@ -141,16 +139,13 @@ void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
     why = *doubt;
   if (clip.frames < kFewestNamedFrames || why.empty()) return;
   clip.remarks.push_back(MakeFinding("joint_order_contradiction", Severity::kError, score.total(),
-                                     "read in the declared order, " + clip.skeleton_evidence + " (" +
+                                     "read in the declared order, " + clip.skeleton.evidence + " (" +
                                          RoundedText(score.total()) + ", the spread and half of that); " + why));
 }
 
 void FollowFormat(const std::string& skeleton, const std::vector<std::string>& joints, const std::string& evidence,
                   ObservedClip& clip) {
-  clip.skeleton = skeleton;
-  clip.skeleton_from = "declared";
-  clip.skeleton_confidence = 1.0;
-  clip.skeleton_evidence = evidence;
+  clip.skeleton = AsDeclared(skeleton, evidence);
   clip.names = joints;
   if (const auto known = KnownSkeleton(skeleton)) clip.points = PointsByName(joints, **known);
 }

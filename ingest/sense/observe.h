@@ -14,6 +14,7 @@
 #include "core/formats/panoptic_bodies.h"
 #include "core/formats/vibe_pickle.h"
 #include "ingest/sense/frame_names.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/observed_clip.h"
 #include "ingest/sources/exported_motion.h"
@@ -25,14 +26,6 @@ struct ObservedCloud {
   std::string format;  ///< "ply", "pcd"
   std::vector<Vector3d> points;
   std::size_t triangles = 0;
-};
-
-/// What stands beside motion: a skeleton, labels, a body model, images.
-struct ObservedCompanion {
-  std::string file;
-  std::string format;
-  std::vector<std::pair<std::string, std::string>> texts;
-  std::vector<std::pair<std::string, double>> numbers;
 };
 
 /// A motion that an annotation file speaks of.
@@ -51,6 +44,24 @@ struct ObservedFile {
   std::vector<ObservedCompanion> companions;
   std::vector<AnnotatedMotion> annotated;
   std::vector<Finding> remarks;
+
+  /// One that holds a companion and nothing else.
+  static ObservedFile Of(ObservedCompanion companion) {
+    ObservedFile file;
+    file.companions.push_back(std::move(companion));
+    return file;
+  }
+  static ObservedFile Of(ObservedClip clip) {
+    ObservedFile file;
+    file.clips.push_back(std::move(clip));
+    return file;
+  }
+  static Expected<ObservedFile> Of(Expected<std::vector<ObservedClip>> clips) {
+    if (!clips) return Forward(clips);
+    ObservedFile file;
+    file.clips = *std::move(clips);
+    return file;
+  }
 };
 
 /// Bytes of a file. `name` for messages, `path` for what lies beside it.
@@ -102,26 +113,13 @@ class ObservedSequences {
 /// motion.
 Expected<ObservedFile> ObserveFile(const FileBytes& file);
 
-Expected<std::vector<ObservedClip>> ObserveBvh(std::string_view bytes, const std::string& name);
-Expected<std::vector<ObservedClip>> ObserveNpy(std::string_view bytes, const std::string& name);
 /// Joints of an array (frames, joints, 3), (frames, joints * 3), or a batch of them; kUnsupported for others.
 Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name);
-Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name);
+Expected<ObservedFile> ObserveTable(const FileBytes& file);
 /// The joints of a file of `mocurate export`, as it names them.
 Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std::string& name);
-/// Whether the file is of a recording of PHSPD by its path, ".../subject03_group2_time4/pose.txt" or shape_smpl.txt.
-bool IsOfPhspd(const std::filesystem::path& path);
-/// Poses, of which damaged rows are told and left out; shapes, which are only named.
-Expected<ObservedFile> ObservePhspd(const FileBytes& file);
 /// The table as exponential maps, where its numbers are such; nothing otherwise.
 std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::string& name);
-/// A clip per body.
-Expected<std::vector<ObservedClip>> ObserveNtu(const FileBytes& file);
-/// With the .asf beside the file or a folder above whose name begins the file's; without one a remark says so.
-Expected<std::vector<ObservedClip>> ObserveAmc(const FileBytes& file);
-Expected<ObservedFile> ObserveAsf(const FileBytes& file);
-/// AMASS, and archives of arrays.
-Expected<ObservedFile> ObserveNpz(const FileBytes& file);
 /// HumanAct12, tracks and caches of VIBE, rigs of PHSPD, body models (which are only named).
 Expected<ObservedFile> ObservePickle(const FileBytes& file);
 /// What the joints of a track say; `format` is "vibe_tracks" or "vibe_cache".
@@ -136,10 +134,8 @@ Expected<ObservedFile> ObserveUestcInfo(const FileBytes& file);
 /// "count_contradiction" of a video, or of the file where it holds others than are named.
 void CompareUestcInfo(const std::filesystem::path& cache, ObservedFile& observed);
 Expected<ObservedFile> ObserveBabel(const FileBytes& file);
-Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const std::string& name);
-Expected<std::vector<ObservedClip>> ObserveDepthSequence(std::string_view bytes, const std::string& name);
-Expected<std::vector<ObservedClip>> ObserveDepthStill(std::string_view bytes, const std::string& name);
-Expected<ObservedCloud> ObserveCloud(std::string_view bytes, const std::string& name, const std::string& format);
+Expected<ObservedFile> ObserveCalibration(const FileBytes& file);
+Expected<ObservedFile> ObserveOpenSim(const FileBytes& file);
 
 /// Keypoints of a folder's images; `everybody`: of all folders with the same detector, for the layout.
 ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const std::vector<OpenPosePerson>& everybody);

@@ -3,7 +3,6 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/formats/camera_files.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/pickle.h"
 #include "core/formats/vibe_pickle.h"
@@ -73,15 +72,6 @@ Expected<ObservedFile> VibeCacheIn(const FileBytes& file) {
   return observed;
 }
 
-/// The original pickle of one rig of PHSPD.
-Expected<ObservedFile> PhspdRigIn(const FileBytes& file) {
-  Expected<Calibration> calibration = ParseCalibration(file.bytes, file.name);
-  if (!calibration) return Forward(calibration);
-  ObservedFile observed;
-  observed.calibrations.push_back(std::move(*calibration));
-  return observed;
-}
-
 /// Where frames have no row: an ingest fills them.
 void RemarkGaps(const VibeTrack& track, ObservedClip& clip) {
   for (std::size_t row = 1; row < track.frame_ids.size(); ++row) {
@@ -135,10 +125,7 @@ ObservedClip ObserveVibeTrack(const VibeTrack& track, const std::string& format)
     clip.remarks.push_back(MakeFinding("malformed", Severity::kError, 0.0, places.error().Message()));
   }
   if (track.joints == 49) {
-    clip.skeleton = "spin49";
-    clip.skeleton_from = "declared";
-    clip.skeleton_confidence = 1.0;
-    clip.skeleton_evidence = "49 joints of VIBE and SPIN";
+    clip.skeleton = AsDeclared("spin49", "49 joints of VIBE and SPIN");
     clip.points = PointsOfSpin();
   }
   if (track.joints != 49 && track.joints != 0) {
@@ -161,12 +148,8 @@ Expected<ObservedFile> ObservePickle(const FileBytes& file) {
   if (!pickle) return Forward(pickle);
   const PickleRef top = pickle->top();
   if (top.Find("joints3D") && top.Find("y")) return HumanAct12In(file);
-  ObservedFile observed;
-  if (top.Find("v_template")) {
-    observed.companions.push_back({file.name, "body_model", {}, {}});
-    return observed;
-  }
-  if (top.Find("param_p") && top.Find("d1p")) return PhspdRigIn(file);
+  if (top.Find("v_template")) return ObservedFile::Of(ObservedCompanion{file.name, "body_model", {}, {}});
+  if (top.Find("param_p") && top.Find("d1p")) return ObserveCalibration(file);
   const std::optional<PickleRef> joints = top.Find("joints3d");
   const std::optional<PickleRef> pose = joints ? joints : top.Find("pose");
   if (pose && (pose->kind() == PickleKind::kList)) return VibeCacheIn(file);

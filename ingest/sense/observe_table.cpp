@@ -25,7 +25,7 @@ std::optional<ObservedClip> CutReading(const JointTable& rows) {
     whole.values.resize(static_cast<std::size_t>(whole.frames) * static_cast<std::size_t>(rows.columns));
     std::optional<ObservedClip> clip =
         KnownReading(whole, {{joints, joints, 0, rows.columns, {}, RowWords(whole.frames, joints, rows.columns)}});
-    if (!clip || (best && best->skeleton_confidence >= clip->skeleton_confidence)) continue;
+    if (!clip || (best && best->skeleton.confidence >= clip->skeleton.confidence)) continue;
     clip->remarks.push_back(MakeFinding("cut_off", Severity::kError, left_over,
                                         "the file is cut off: " + std::to_string(left_over) + " of the " +
                                             std::to_string(joints) + " rows of a last frame stand at its end"));
@@ -67,7 +67,7 @@ Expected<ObservedClip> BestReading(const JointTable& rows, const std::string& na
       "layout_unknown", Severity::kWarning, least_rough,
       "no known order of joints fits; " + std::to_string(smoothest->joints) +
           " joints a frame give the smoothest motion, with steps of " + RoundedText(least_rough) + " of the body" +
-          (smoothest->skeleton_evidence.empty() ? "" : "; " + smoothest->skeleton_evidence)));
+          (smoothest->skeleton.evidence.empty() ? "" : "; " + smoothest->skeleton.evidence)));
   return std::move(*smoothest);
 }
 
@@ -109,14 +109,15 @@ void TellGuessedConfidence(ObservedClip& clip) {
 
 }  // namespace
 
-Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const std::string& name) {
+Expected<ObservedFile> ObserveTable(const FileBytes& file) {
+  const auto& [bytes, name, path] = file;
   if (const std::optional<std::string> points = WithDecimalPoints(bytes)) {
-    auto clips = ObserveTable(*points, name);
-    if (clips) clips->front().remarks.push_back(DecimalCommas());
-    return clips;
+    Expected<ObservedFile> observed = ObserveTable({*points, name, path});
+    if (observed) observed->clips.front().remarks.push_back(DecimalCommas());
+    return observed;
   }
   if (std::optional<ObservedClip> rotations = ObserveExpmap(bytes, name))
-    return std::vector<ObservedClip>{std::move(*rotations)};
+    return ObservedFile::Of(*std::move(rotations));
   JointTableLayout layout;
   layout.allow_nan = true;
   layout.end_word = "END";
@@ -144,7 +145,7 @@ Expected<std::vector<ObservedClip>> ObserveTable(std::string_view bytes, const s
         MakeFinding("no_joint_seen", Severity::kError, static_cast<double>(clip->frames),
                     "no joint is seen in " + std::to_string(clip->frames) + " of " + Counted(clip->frames, "frame")));
   }
-  return std::vector<ObservedClip>{std::move(*clip)};
+  return ObservedFile::Of(*std::move(clip));
 }
 
 }  // namespace mocurate

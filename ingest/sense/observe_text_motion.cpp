@@ -81,7 +81,7 @@ std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::str
   clip.layout_evidence = std::to_string(3 + columns) + " columns: place of the root and " +
                          std::to_string(table->joints) + " rotation vectors, " + std::to_string(constant) +
                          " numbers of them constant";
-  clip.skeleton_evidence = "rotations; the tree is not in the file";
+  clip.skeleton.evidence = "rotations; the tree is not in the file";
   clip.silence = "rotations of a skeleton that is not in the file";
   clip.rate_evidence = "the file does not say it";
   clip.missing_share = static_cast<double>(rows - whole.size()) / static_cast<double>(rows);
@@ -97,8 +97,8 @@ std::optional<ObservedClip> ObserveExpmap(std::string_view bytes, const std::str
   return clip;
 }
 
-Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const std::string& name) {
-  const auto table = ParseOpenSimTable(bytes, name);
+Expected<ObservedFile> ObserveOpenSim(const FileBytes& file) {
+  const auto table = ParseOpenSimTable(file.bytes, file.name);
   if (!table) return Forward(table);
   ObservedClip clip;
   clip.format = "opensim_table";
@@ -118,14 +118,14 @@ Expected<std::vector<ObservedClip>> ObserveOpenSim(std::string_view bytes, const
     }
   }
   clip.layout_evidence = std::to_string(table->labels.size()) + " columns beside time";
-  clip.skeleton_evidence = "coordinates of a model that is not in the file";
+  clip.skeleton.evidence = "coordinates of a model that is not in the file";
   clip.silence = "coordinates of a model that is not in the file";
   clip.missing_share = 0.0;
   clip.facts.emplace_back("coordinates", std::to_string(table->labels.size()));
   if (table->in_degrees) clip.facts.emplace_back("angles", *table->in_degrees ? "degrees" : "radians");
   if (const auto doubt = DoubtAngles(*table)) clip.remarks.push_back(*doubt);
   clip.units = table->components == 1 ? "m" : "";
-  return std::vector<ObservedClip>{std::move(clip)};
+  return ObservedFile::Of(std::move(clip));
 }
 
 namespace {

@@ -47,9 +47,7 @@ Expected<ObservedFile> ObserveUestcInfo(const FileBytes& file) {
     if (!actions) return Forward(actions);
     companion.numbers = {{"classes", static_cast<double>(actions->size())}};
   }
-  ObservedFile observed;
-  observed.companions.push_back(std::move(companion));
-  return observed;
+  return ObservedFile::Of(std::move(companion));
 }
 
 void CompareUestcInfo(const std::filesystem::path& cache, ObservedFile& observed) {

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "core/base/median.h"
-#include "core/formats/point_cloud.h"
+#include "ingest/sense/clip_report.h"
 #include "ingest/sense/keypoint_layout_sense.h"
 #include "ingest/sense/keypoint_numbers.h"
 #include "ingest/sense/observe.h"
@@ -75,11 +75,7 @@ ObservedClip ObserveKeypoints(const std::vector<OpenPoseFrame>& frames, const st
   clip.silence = "keypoints of one image: no depth";
   clip.rate_evidence = "the files do not say it";
   if (points > 0) clip.missing_share = static_cast<double>(missing) / static_cast<double>(points);
-  const Measured layout = SenseKeypointLayout(everybody);
-  clip.skeleton = layout.value;
-  clip.skeleton_from = layout.value.empty() ? "unknown" : "measured";
-  clip.skeleton_confidence = layout.confidence;
-  clip.skeleton_evidence = layout.evidence;
+  clip.skeleton = MeasuredText(SenseKeypointLayout(everybody));
   std::vector<OpenPosePerson> here;
   for (const OpenPoseFrame& frame : frames) here.insert(here.end(), frame.people.begin(), frame.people.end());
   for (const Finding& doubt : DoubtKeypointNumbers(here)) clip.remarks.push_back(doubt);
@@ -136,10 +132,7 @@ std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& sce
     }
     clip.units = "cm";
     clip.names.assign(PanopticJointNames().begin(), PanopticJointNames().begin() + static_cast<std::ptrdiff_t>(joints));
-    clip.skeleton = joints == 19 ? "coco19" : "coco15";
-    clip.skeleton_from = "declared";
-    clip.skeleton_confidence = 1.0;
-    clip.skeleton_evidence = "joints19 or joints15 of the file";
+    clip.skeleton = AsDeclared(joints == 19 ? "coco19" : "coco15", "joints19 or joints15 of the file");
     clip.points = FindHandednessPoints([&](std::string_view name) -> std::optional<int> {
       const std::string wanted = name == "head" ? "nose" : std::string(name);
       const auto at = std::find(clip.names.begin(), clip.names.end(), wanted);
@@ -149,12 +142,6 @@ std::vector<ObservedClip> ObservePanoptic(const std::vector<PanopticBodies>& sce
     clips.push_back(std::move(clip));
   }
   return clips;
-}
-
-Expected<ObservedCloud> ObserveCloud(std::string_view bytes, const std::string& name, const std::string& format) {
-  Expected<PointCloud> cloud = ParsePointCloud(bytes, name);
-  if (!cloud) return Forward(cloud);
-  return ObservedCloud{format, std::move(cloud->points), cloud->triangles};
 }
 
 }  // namespace mocurate

@@ -8,6 +8,7 @@
 
 #include "core/base/finding.h"
 #include "ingest/options.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/joint_orders.h"
 #include "ingest/sense/root_scale.h"
 
@@ -46,12 +47,9 @@ struct ObservedClip {
   /// What else the file says: ("gender", "male").
   std::vector<std::pair<std::string, std::string>> facts;
 
-  std::string skeleton;  ///< known order or tree; empty: unknown
-  std::string skeleton_from = "unknown";
-  double skeleton_confidence = 0.0;
-  std::string skeleton_evidence;
-  std::string layout_evidence;  ///< how frames and joints were told
-  std::string units;            ///< where the format says it
+  Reported<std::string> skeleton;  ///< known order or tree
+  std::string layout_evidence;     ///< how frames and joints were told
+  std::string units;               ///< where the format says it
   std::string up;
   std::string handedness;
   std::string axes;  ///< as a source says them

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/quality/tracked_points.h"
+#include "ingest/sense/inspection.h"
 #include "ingest/sense/root_scale.h"
 
 namespace mocurate {
@@ -16,12 +17,10 @@ std::optional<Finding> DoubtPath(const JointPositions& places, const HandednessP
   const std::optional<RootScale> scale = MeasureRootScale(places, body);
   if (!scale || !std::isfinite(scale->factor) || !(scale->factor > 0.0)) return std::nullopt;
   if (scale->factor < kOtherUnit && scale->factor > 1.0 / kOtherUnit) return std::nullopt;
-  Finding finding = FrameFinding("units_contradiction", 0, 0, "", std::round(scale->factor * 1e4) / 1e4,
-                                 "the path of the root and the lengths of the bones are of two units (" +
-                                     scale->evidence + "): multiply the positions of the root by " +
-                                     Digits(scale->factor) + ", or give the bones the unit of the path");
-  finding.severity = Severity::kError;
-  return finding;
+  return MakeFinding("units_contradiction", Severity::kError, FourDecimals(scale->factor),
+                     "the path of the root and the lengths of the bones are of two units (" + scale->evidence +
+                         "): multiply the positions of the root by " + Digits(scale->factor) +
+                         ", or give the bones the unit of the path");
 }
 
 }  // namespace mocurate

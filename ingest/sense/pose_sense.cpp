@@ -133,13 +133,11 @@ std::optional<Finding> DoubtMarkers(const Amass& amass, const JointPositions& po
   const double ratio = Median(std::move(ratios)), factor = std::pow(10.0, std::round(std::log10(ratio)));
   if (factor == 1.0) return std::nullopt;
   const char* unit = factor == 1000.0 ? " (millimetres)" : factor == 100.0 ? " (centimetres)" : "";
-  Finding finding = FrameFinding("units_contradiction", 0, 0, "", ratio,
-                                 "`marker_data` is " + Digits(ratio) +
-                                     " times as large as the body that `poses` and `trans` give: AMASS has metres, "
-                                     "these numbers are to be divided by " +
-                                     FormatDouble(factor) + unit + "; the body is looked at without them");
-  finding.severity = Severity::kError;
-  return finding;
+  return MakeFinding("units_contradiction", Severity::kError, ratio,
+                     "`marker_data` is " + Digits(ratio) +
+                         " times as large as the body that `poses` and `trans` give: AMASS has metres, "
+                         "these numbers are to be divided by " +
+                         FormatDouble(factor) + unit + "; the body is looked at without them");
 }
 
 }  // namespace mocurate

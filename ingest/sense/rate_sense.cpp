@@ -42,8 +42,7 @@ std::optional<Finding> DoubtRate(double hz, RateWord word, const std::string& pl
   const auto* best = std::find_if(readings.begin(), readings.end(),
                                   [&](const NamedRate& reading) { return likely(reading) && IsUsual(reading.hz); });
   if (best == readings.end()) best = std::find_if(readings.begin(), readings.end(), likely);
-  Finding finding = FrameFinding("rate_implausible", 0, 0, "", hz, "");
-  finding.severity = Severity::kError;
+  Finding finding = MakeFinding("rate_implausible", Severity::kError, hz, "");
   finding.message = place + ": " + (seconds ? "Frame Time: " : "") + RateText(written) +
                     (seconds ? " is " + RateText(hz) + " frames per second: " : " frames per second: ") +
                     "nobody records motion at " + (hz > kFastestRecorded_hz ? "more than 2000" : "1 or less") + "; ";

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "core/base/file.h"
@@ -22,68 +21,50 @@
 namespace mocurate {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kFacingHabit = 0.6;   // share of votes that face one way, below which facing is no habit of the source
 constexpr double kFewestVoters = 0.1;  // share of clips that must show something, to be believed of all
 constexpr double kNearUsual = 0.02;    // relative, of a measured rate
 constexpr double kOneRate = 0.99;      // share of files that say the same rate
 constexpr std::size_t kMostFindings = 10;
 
-/// Format of an inspection -> ingest.source.format.
-const std::map<std::string, std::string>& Formats() {
-  static const std::map<std::string, std::string> formats = {{"joint_table", "joint_table"},
-                                                             {"bvh", "bvh"},
-                                                             {"npy", "npy"},
-                                                             {"npz", "npy"},
-                                                             {"ntu_skeleton", "ntu_skeleton"},
-                                                             {"amc", "asf_amc"},
-                                                             {"amass", "amass"},
-                                                             {"expmap_table", "expmap"},
-                                                             {"phspd_pose", "phspd"},
-                                                             {"depth_sequence", "depth_sequence"},
-                                                             {"vibe_tracks", "vibe_tracks"},
-                                                             {"vibe_cache", "uestc"},
-                                                             {"humanact12_pickle", "humanact12_pickle"},
-                                                             {"openpose", "openpose"},
-                                                             {"panoptic_bodies", "panoptic"},
-                                                             {"depth_still", "depth_sequence"}};
-  return formats;
+/// ingest.source.format of what an inspection calls a clip's format; empty: no source can be of it.
+std::string DeclaredFormat(const std::string& inspected) {
+  if (inspected == "npz") return "npy";
+  if (inspected == "depth_still") return "depth_sequence";
+  for (const FormatDriver* driver : FormatDrivers()) {
+    if (driver->inspected == inspected && driver->to_clip != nullptr) return driver->name;
+  }
+  return "";
 }
 
 void WriteAxes(const ClipVotes& source, DeclarationWriter& writer) {
-  const Vote axes = source.Ask("axes");
-  const Vote up = source.Ask("up");
-  const Vote hand = source.Ask("handedness");
-  if (!axes.value.is_null() && axes.share >= kFacingHabit && axes.voters >= kFewestVoters) {
-    writer.Value("axes", Quoted(axes.value), axes.comment);
+  const Vote<std::string> axes = source.Ask(&InspectedClip::axes);
+  const Vote<std::string> up = source.Ask(&InspectedClip::up);
+  const Vote<std::string> hand = source.Ask(&InspectedClip::handedness);
+  if (axes.value && axes.share >= kFacingHabit && axes.voters >= kFewestVoters) {
+    writer.Value("axes", Quoted(*axes.value), axes.comment);
     return;
   }
-  const std::optional<std::string> turned =
-      up.value.is_null() || hand.value.is_null() || std::min(up.voters, hand.voters) < kFewestVoters
-          ? std::nullopt
-          : AxesFrom(up.value, hand.value == "right");
-  if (turned) {
+  const bool known = up.value && hand.value && std::min(up.voters, hand.voters) >= kFewestVoters;
+  if (const auto turned = known ? AxesFrom(*up.value, hand.value == "right") : std::nullopt) {
     writer.Comment("Up: " + up.comment + ".");
     writer.Comment("Handedness: " + hand.comment + ".");
     writer.Value("axes", Quoted(*turned), "people face no one way: which way is front is a choice");
     return;
   }
-  writer.Unknown("axes",
-                 "up " + (up.value.is_null() ? "is not told (" + up.comment + ")" : up.value.get<std::string>()) +
-                     ", handedness " +
-                     (hand.value.is_null() ? "is not told (" + hand.comment + ")" : hand.value.get<std::string>()));
+  const auto told = [](const Vote<std::string>& vote) {
+    return vote.value.value_or("is not told (" + vote.comment + ")");
+  };
+  writer.Unknown("axes", "up " + told(up) + ", handedness " + told(hand));
 }
 
 void WriteUnits(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
-  const bool by_format = format == "ntu_skeleton" || format == "amass" || format == "vibe_tracks" ||
-                         format == "uestc" || format == "humanact12_pickle" || format == "depth_sequence" ||
-                         format == "phspd";
-  if (format == "panoptic") return writer.Line("    # units: centimetres, declared by the format");
-  if (by_format) return writer.Line("    # units: metres, declared by the format");
-  const Vote units = source.Ask("units");
-  if (units.value.is_null()) return writer.Unknown("units", units.comment);
-  writer.Value("units", Quoted(units.value), units.comment);
+  const UnitOf unit = DriverOf(format).unit;
+  if (unit == UnitOf::kCentimetres) return writer.Line("    # units: centimetres, declared by the format");
+  if (unit != UnitOf::kDeclaration) return writer.Line("    # units: metres, declared by the format");
+  const Vote<std::string> units = source.Ask(&InspectedClip::units);
+  if (!units.value) return writer.Unknown("units", units.comment);
+  writer.Value("units", Quoted(*units.value), units.comment);
 }
 
 /// The usual rate that a measured one is near to.
@@ -95,31 +76,26 @@ std::optional<double> UsualRate(double measured) {
 }
 
 void WriteRate(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
-  const Vote rate = source.Ask("rate_hz");
-  if (rate.from == "measured") {
-    const std::optional<double> usual = UsualRate(rate.value);
+  const Vote<double> rate = source.Ask(&InspectedClip::rate_hz);
+  if (!rate.value) {
+    if (!DriverOf(format).says_rate) writer.Unknown("rate", rate.comment);
+    return;
+  }
+  const std::string hz = FormatDouble(*rate.value) + " Hz";
+  if (rate.from == Provenance::kMeasured) {
+    const std::optional<double> usual = UsualRate(*rate.value);
     if (!usual) return writer.Unknown("rate", rate.comment);  // near, but no rate to divide times by
     return writer.Value("rate", FormatDouble(*usual) + " Hz",
-                        "the usual rate that is nearest; " + rate.comment + ", " + FormatDouble(rate.value) + " Hz");
+                        "the usual rate that is nearest; " + rate.comment + ", " + hz);
   }
-  if (!rate.value.is_null() && rate.share < kOneRate) {
-    return writer.Comment("rate: each file says its own, most " + FormatDouble(rate.value.get<double>()) + " Hz");
-  }
-  if (!rate.value.is_null()) {
-    return writer.Value("rate", FormatDouble(rate.value.get<double>()) + " Hz", rate.comment);
-  }
-  if (format == "bvh" || format == "amass" || format == "depth_sequence") return;
-  writer.Unknown("rate", rate.comment);
+  if (rate.share < kOneRate) return writer.Comment("rate: each file says its own, most " + hz);
+  writer.Value("rate", hz, rate.comment);
 }
 
 /// Names of the joints as they stand in the file.
-std::vector<std::string> JointsOf(const Json& clip) {
-  std::vector<std::string> joints;
-  const Json& first = clip.at("first_frame").at("value");
-  if (!first.is_array()) return joints;
-  for (const Json& point : first)
-    joints.push_back(point.at("joint").is_null() ? "" : point.at("joint").get<std::string>());
-  return joints;
+std::vector<std::string> JointsOf(const InspectedClip& clip) {
+  if (!clip.first_frame.value) return {};
+  return clip.joint_names.empty() ? std::vector<std::string>(clip.first_frame.value->size()) : clip.joint_names;
 }
 
 /// Formats whose rotations are those of SMPL's joints.
@@ -131,8 +107,8 @@ bool IsSmpl(const std::string& format) {
 /// nothing says it.
 std::string SkeletonOfRotations(const ClipVotes& source, const std::string& format) {
   if (IsSmpl(format)) return "smpl24";
-  const Vote skeleton = source.Ask("skeleton");
-  return skeleton.value.is_string() && LoadSkeleton(skeleton.value) ? skeleton.value.get<std::string>() : "";
+  const Vote<std::string> skeleton = source.Ask(&InspectedClip::skeleton);
+  return skeleton.value && LoadSkeleton(*skeleton.value) ? *skeleton.value : "";
 }
 
 /// Rotations that the files hold are kept, where a job by itself fits others to the joints, on smpl24.
@@ -147,7 +123,7 @@ void WriteRecordedRotations(const ClipVotes& source, const std::string& format, 
 }
 
 void WriteSkeleton(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
-  const Vote skeleton = source.Ask("skeleton");
+  const Vote<std::string> skeleton = source.Ask(&InspectedClip::skeleton);
   if (format == "bvh" || format == "asf_amc") {
     const std::string known = SkeletonOfRotations(source, format);
     return writer.Value(
@@ -156,27 +132,27 @@ void WriteSkeleton(const ClipVotes& source, const std::string& format, Declarati
   }
   if (IsSmpl(format)) return writer.Value("skeleton", "smpl24", "declared by the format: its rotations are SMPL's");
   if (format == "depth_sequence") return writer.Value("skeleton", "\"\"", "unknown, and not needed to read images");
-  if (skeleton.value.is_null()) {
+  if (!skeleton.value) {
     writer.Unknown("skeleton", skeleton.comment);
     if (format != "ntu_skeleton") writer.UnknownJoints();
     return;
   }
-  if (LoadSkeleton(skeleton.value.get<std::string>())) {
-    writer.Value("skeleton", Quoted(skeleton.value), skeleton.comment);
+  if (LoadSkeleton(*skeleton.value)) {
+    writer.Value("skeleton", Quoted(*skeleton.value), skeleton.comment);
   } else {
-    writer.Unknown("skeleton", "the order is " + skeleton.value.get<std::string>() + "'s, of which there is no tree");
+    writer.Unknown("skeleton", "the order is " + *skeleton.value + "'s, of which there is no tree");
   }
   if (format == "ntu_skeleton") return;
-  writer.List("joints", JointsOf(source.Surest("skeleton")), "in the order of the file, as for the skeleton");
+  writer.List("joints", JointsOf(source.ClearestSkeleton()), "in the order of the file, as for the skeleton");
 }
 
 /// The skeleton of the dataset, where the one that a job takes by itself does not have the joints that are tracked.
 void WriteFittedSkeleton(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   if (format != "joint_table" && format != "ntu_skeleton") return;  // motions keep their own
-  const Vote order = source.Ask("skeleton");
-  if (order.value.is_null()) return;
-  const std::string known = order.value.get<std::string>();
-  const std::string fitted = FittedSkeleton(JointsOf(source.Surest("skeleton")));
+  const Vote<std::string> order = source.Ask(&InspectedClip::skeleton);
+  if (!order.value) return;
+  const std::string known = *order.value;
+  const std::string fitted = FittedSkeleton(JointsOf(source.ClearestSkeleton()));
   if (fitted == "smpl24" || (fitted.empty() && !LoadSkeleton(known))) return;
   writer.Line(
       "# Of the dataset: the least skeleton in configs/skeletons that has all tracked joints, and its root between");
@@ -191,18 +167,18 @@ void WriteTable(const ClipVotes& source, DeclarationWriter& writer) {
     }
     return std::string();
   };
-  const std::string how = source.Surest("skeleton").at("frames").value("evidence", "");
+  const std::string how = source.ClearestSkeleton().frames.evidence;
   if (const std::string layout = fact("layout"); !layout.empty()) {
     writer.Value("layout", Quoted(layout), "measured: " + how);
   } else {
     writer.Value("columns", "[" + fact("columns") + "]", "measured: " + how);
   }
   const auto unsure = std::find_if(source.clips().begin(), source.clips().end(),
-                                   [](const Json* clip) { return clip->at("missing_share").at("value").is_null(); });
+                                   [](const InspectedClip* clip) { return !clip->missing_share.value; });
   if (unsure != source.clips().end() && fact("columns").find("confidence") != std::string::npos) {
     writer.Comment(
         "least_confidence: 0.1 would take joints of confidence 0 as seen, but doubted; without it they are not seen. " +
-        (*unsure)->at("missing_share").at("evidence").get<std::string>());
+        (*unsure)->missing_share.evidence);
   }
   if (!fact("end_word").empty()) writer.Value("end_word", fact("end_word"), "measured: the last line of some files");
   double missing = 0.0;
@@ -216,19 +192,19 @@ void WriteTable(const ClipVotes& source, DeclarationWriter& writer) {
 }
 
 /// BABEL's files of the folder, and how many of the motions they speak of.
-void WriteAnnotations(const ClipVotes& source, const Json& inspection, const std::filesystem::path& folder,
+void WriteAnnotations(const ClipVotes& source, const Inspection& inspection, const std::filesystem::path& folder,
                       DeclarationWriter& writer) {
   std::vector<std::string> files;
   std::string list;
-  for (const Json& companion : inspection.at("companions")) {
-    if (companion.at("format") != "babel") continue;
-    files.push_back(companion.at("file"));
+  for (const ObservedCompanion& companion : inspection.companions) {
+    if (companion.format != "babel") continue;
+    files.push_back(companion.file);
     list += (list.empty() ? "" : ", ") + Quoted(files.back());
   }
   if (files.empty()) return writer.Comment("annotations: no file of BABEL's lies in the folder, clips have no labels");
   Expected<BabelIndex> babel = BabelIndex::Read(folder, files);
   if (!babel) return writer.Comment("annotations: not written, " + babel.error().Message());
-  const auto spoken_of = [&](const Json* clip) { return babel->Find(clip->at("file").get<std::string>()) != nullptr; };
+  const auto spoken_of = [&](const InspectedClip* clip) { return babel->Find(clip->file) != nullptr; };
   const auto joined = std::count_if(source.clips().begin(), source.clips().end(), spoken_of);
   writer.Value("annotations", "[" + list + "]",
                "BABEL's, joined by the path in `feat_p`, which names " + std::to_string(joined) + " of the " +
@@ -236,10 +212,10 @@ void WriteAnnotations(const ClipVotes& source, const Json& inspection, const std
                    (joined > 0 ? "" : ": keep AMASS's folders as they were"));
 }
 
-std::string FormatToDeclare(const Json& inspection) {
+std::string FormatToDeclare(const Inspection& inspection) {
   std::map<std::string, std::size_t> counts;
-  for (const Json& clip : inspection.at("clips")) {
-    if (Formats().count(clip.at("format")) != 0) counts[clip.at("format")] += 1;
+  for (const InspectedClip& clip : inspection.clips) {
+    if (!DeclaredFormat(clip.format).empty()) counts[clip.format] += 1;
   }
   std::string best;
   for (const auto& [format, count] : counts) {
@@ -263,13 +239,14 @@ void WriteSource(const std::filesystem::path& path, const std::string& name, con
 }
 
 /// Depth images and point clouds have no clips of their own in an inspection.
-WrittenDeclaration DeclareSurfaces(const Json& inspection, const std::filesystem::path& path, const std::string& name) {
+WrittenDeclaration DeclareSurfaces(const Inspection& inspection, const std::filesystem::path& path,
+                                   const std::string& name) {
   const bool images = IsDepthViews(inspection);
   WrittenDeclaration written;
   std::error_code unknown;
   written.path = std::filesystem::absolute(path, unknown);
   DeclarationWriter writer(written);
-  const auto count = static_cast<long long>(inspection.at(images ? "cameras" : "clouds").size());
+  const auto count = static_cast<long long>(images ? inspection.cameras.size() : inspection.clouds.size());
   WriteHead(images ? "depth images of " + Counted(count, "calibrated camera") : Counted(count, "point cloud"), writer);
   WriteSource(written.path, name, images ? "depth_views" : "clouds", writer);
   if (images)
@@ -281,49 +258,53 @@ WrittenDeclaration DeclareSurfaces(const Json& inspection, const std::filesystem
 
 }  // namespace
 
-Status ChooseClip(const std::string& clip, Json& inspection) {
-  Json chosen = Json::array();
-  std::string first;
-  std::size_t known = 0;
-  for (const Json& candidate : inspection.at("clips")) {
-    const std::string file = candidate.at("file"), id = candidate.at("id");
-    if (id == clip || NamesClip(clip, file, id.substr(std::min(id.size(), file.size())))) chosen.push_back(candidate);
-    if (known++ < kMostFindings) first += (first.empty() ? "" : ", ") + id;
+Status ChooseClips(const std::vector<std::string>& names, Inspection& inspection) {
+  const std::vector<InspectedClip>& clips = inspection.clips;
+  std::vector<bool> chosen(clips.size(), names.empty());
+  for (const std::string& name : names) {
+    bool known = false;
+    for (std::size_t i = 0; i < clips.size(); ++i) {
+      const std::string &id = clips[i].id, &file = clips[i].file;
+      if (id != name && !NamesClip(name, file, id.substr(std::min(id.size(), file.size())))) continue;
+      known = chosen[i] = true;
+    }
+    if (known) continue;
+    std::string first;
+    for (std::size_t i = 0; i < std::min(clips.size(), kMostFindings); ++i) first += (i == 0 ? "" : ", ") + clips[i].id;
+    return Fail(
+        ErrorCode::kUsage, "there is no clip '" + name + "'", "--clip",
+        clips.empty() ? "no clips are there" : "it has " + first + (clips.size() > kMostFindings ? ", ..." : ""));
   }
-  if (chosen.empty()) {
-    return Fail(ErrorCode::kUsage, "there is no clip '" + clip + "'", "--clip",
-                known == 0 ? "no clips are there" : "it has " + first + (known > kMostFindings ? ", ..." : ""));
+  std::vector<InspectedClip> kept;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (chosen[i]) kept.push_back(clips[i]);
   }
-  inspection["clips"] = std::move(chosen);
+  inspection.clips = std::move(kept);
   return {};
 }
 
-Expected<WrittenDeclaration> DeclareSource(const Json& inspected, const std::filesystem::path& path,
+Expected<WrittenDeclaration> DeclareSource(Inspection inspection, const std::filesystem::path& path,
                                            const std::string& name) {
-  Json inspection = inspected;
   const std::string observed = FormatToDeclare(inspection);
   std::error_code unknown;
   const bool folder = std::filesystem::is_directory(path, unknown);
-  const bool surfaces = IsDepthViews(inspection) || !inspection.at("clouds").empty();
+  const bool surfaces = IsDepthViews(inspection) || !inspection.clouds.empty();
   if (observed.empty() && folder && surfaces) return DeclareSurfaces(inspection, path, name);
   if (observed.empty()) {
     std::string why = "no file holds motion in a format that a source can declare";
-    for (const Json& finding : inspection.at("findings")) {
-      if (finding.at("severity") == "error") {
-        why += ": " + finding.at("message").get<std::string>();
-        break;
-      }
-    }
+    const auto fault = std::find_if(inspection.findings.begin(), inspection.findings.end(),
+                                    [](const Finding& finding) { return finding.severity == Severity::kError; });
+    if (fault != inspection.findings.end()) why += ": " + fault->message;
     return Fail(ErrorCode::kUnsupported, why, DisplayPath(path), "`mocurate inspect` says what is there");
   }
-  const std::string& format = Formats().at(observed);
+  const std::string format = DeclaredFormat(observed);
   const ClipVotes source(inspection, observed);
   WrittenDeclaration written;
   DeclarationWriter writer(written);
   const std::filesystem::path normal = std::filesystem::absolute(path, unknown).lexically_normal();
   const std::filesystem::path whole = normal.filename().empty() ? normal.parent_path() : normal;
   const std::filesystem::path asked = folder ? whole : whole.parent_path();
-  const bool gathered = format == "openpose" || format == "panoptic";
+  const bool gathered = DriverOf(format).gathered();
   const SourceRoot root = format == "openpose"  ? RootOfCameras(asked, inspection)
                           : format == "asf_amc" ? RootOfSkeletons(source, asked)
                                                 : SourceRoot{asked, ""};
@@ -350,12 +331,10 @@ Expected<WrittenDeclaration> DeclareSource(const Json& inspected, const std::fil
   if (format == "joint_table") WriteTable(source, writer);
   if (format == "amass" && folder) WriteAnnotations(source, inspection, root.folder, writer);
   std::map<std::string, std::pair<std::size_t, std::string>> findings;
-  for (const Json& finding : inspection.at("findings")) {
-    if (finding.at("severity") == "info") continue;
-    auto& entry = findings[finding.at("code")];
-    if (entry.first++ == 0) {
-      entry.second = finding.at("where").get<std::string>() + ": " + finding.at("message").get<std::string>();
-    }
+  for (const Finding& finding : inspection.findings) {
+    if (finding.severity == Severity::kInfo) continue;
+    auto& [count, first] = findings[finding.code];
+    if (count++ == 0) first = finding.clip + ": " + finding.message;
   }
   std::size_t told = 0;
   for (const auto& [code, entry] : findings) {

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "core/base/error.h"
+#include "ingest/sense/inspection.h"
 
 namespace mocurate {
 
@@ -26,10 +26,11 @@ struct WrittenDeclaration {
 /// joints; the others are named in a comment. Skeletons of motions and cameras are looked for one folder above as well.
 /// Where there are no clips but depth images of calibrated cameras, of these. `name`: of the source. Error kUnsupported
 /// where no clip is of a format that a source can be.
-Expected<WrittenDeclaration> DeclareSource(const nlohmann::json& inspection, const std::filesystem::path& path,
+Expected<WrittenDeclaration> DeclareSource(Inspection inspection, const std::filesystem::path& path,
                                            const std::string& name);
 
-/// Of an inspection the clips that `clip` names (ingest/chosen_clips.h). Error kConfig names those there are.
-Status ChooseClip(const std::string& clip, nlohmann::json& inspection);
+/// Keeps the clips that any of the names chooses (ingest/chosen_clips.h); all without names. Error kUsage of the first
+/// name that chooses none.
+Status ChooseClips(const std::vector<std::string>& names, Inspection& inspection);
 
 }  // namespace mocurate

@@ -1,11 +1,11 @@
 #include "ingest/sense/source_root.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
 #include "core/base/file.h"
+#include "ingest/folder_listing.h"
 #include "ingest/sense/file_names.h"
 #include "ingest/sense/inspect.h"
 
@@ -13,7 +13,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 constexpr std::uintmax_t kLargestCalibration = 1 << 20;
 
@@ -42,35 +41,29 @@ SourceRoot RootOfSkeletons(const ClipVotes& source, const fs::path& folder) {
   const SourceRoot above = Above(folder);
   bool higher = false;
   for (std::size_t i = 0; i < skeletons.size(); ++i) {
-    const std::string motion = source.clips()[i]->at("file");
+    const std::string motion = source.clips()[i]->file;
     if (skeletons[i].empty() || SkeletonBelow(folder, motion, skeletons[i])) continue;
     higher = higher || SkeletonBelow(above.folder, above.prefix + motion, skeletons[i]).has_value();
   }
   return higher ? above : SourceRoot{folder, ""};
 }
 
-SourceRoot RootOfCameras(const fs::path& folder, Json& inspection) {
-  if (!inspection.at("cameras").empty()) return {folder, ""};
+SourceRoot RootOfCameras(const fs::path& folder, Inspection& inspection) {
+  if (!inspection.cameras.empty()) return {folder, ""};
   const SourceRoot above = Above(folder);
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator at(above.folder, error), end; !error && at != end; at.increment(error)) {
-    std::error_code unknown;
-    if (at->is_regular_file(unknown) && at->file_size(unknown) <= kLargestCalibration) files.push_back(at->path());
-  }
-  std::sort(files.begin(), files.end());
+  const std::set<std::string> endings = {".toml", ".json", ".xml", ".yml", ".yaml", ".txt"};
   std::set<std::pair<std::string, std::string>> known_cameras;
-  for (const fs::path& file : files) {
-    const std::string ending = file.extension().string();
-    const std::set<std::string> known = {".toml", ".json", ".xml", ".yml", ".yaml", ".txt"};
-    if (known.count(ending) == 0) continue;
-    const Json found = InspectPath(file, std::nullopt);
+  for (const fs::path& file : EntriesOf(above.folder)) {
+    std::error_code unknown;
+    const bool small = fs::is_regular_file(file, unknown) && fs::file_size(file, unknown) <= kLargestCalibration;
+    if (!small || endings.count(file.extension().string()) == 0) continue;
+    const Inspection found = InspectPath(file, std::nullopt);
     // A file of a rig shows the cameras of the file beside it too.
-    for (const Json& camera : found.at("cameras")) {
-      if (known_cameras.emplace(camera.at("format"), camera.at("id")).second) inspection["cameras"].push_back(camera);
+    for (const InspectedCamera& camera : found.cameras) {
+      if (known_cameras.emplace(camera.format, camera.id).second) inspection.cameras.push_back(camera);
     }
   }
-  return inspection.at("cameras").empty() ? SourceRoot{folder, ""} : above;
+  return inspection.cameras.empty() ? SourceRoot{folder, ""} : above;
 }
 
 std::optional<std::string> GuessSkeletonFiles(const ClipVotes& source, const SourceRoot& root,
@@ -80,7 +73,7 @@ std::optional<std::string> GuessSkeletonFiles(const ClipVotes& source, const Sou
   std::set<std::string> places;
   bool beside = true, top = true;
   for (std::size_t i = 0; i < skeletons.size(); ++i) {
-    const std::string motion = source.clips()[i]->at("file");
+    const std::string motion = source.clips()[i]->file;
     motions.push_back(motion);
     const auto place = skeletons[i].empty() ? std::optional<std::string>()
                                             : SkeletonBelow(root.folder, root.prefix + motion, skeletons[i]);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,7 +21,7 @@ struct SourceRoot {
 SourceRoot RootOfSkeletons(const ClipVotes& source, const std::filesystem::path& folder);
 
 /// Where no cameras are in the inspection: those of the files directly in the folder above, added to it, if there are.
-SourceRoot RootOfCameras(const std::filesystem::path& folder, nlohmann::json& inspection);
+SourceRoot RootOfCameras(const std::filesystem::path& folder, Inspection& inspection);
 
 /// ingest.source.skeleton_files, from where the skeletons lie below `root`: fields of `guessed` (whose names have no
 /// prefix) if they give each, else the one file that all share. Nothing where neither does.

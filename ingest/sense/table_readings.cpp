@@ -272,17 +272,17 @@ std::optional<ObservedClip> KnownReading(const JointTable& rows, const std::vect
     if (!IsKnownCount(layout.joints)) continue;
     ObservedClip clip = ReadRows(rows, layout);
     if (!RecogniseOrder(clip) || Roughness(clip) > kSmooth) continue;
-    const bool better = !best || clip.skeleton_confidence > best->skeleton_confidence;
+    const bool better = !best || clip.skeleton.confidence > best->skeleton.confidence;
     if (best) {
       others += (others.empty() ? "" : ", ") + std::to_string(better ? best->joints : clip.joints);
     }
     if (better) best = std::move(clip);
   }
   if (best && !others.empty()) {
-    best->remarks.push_back(MakeFinding("layout_ambiguous", Severity::kWarning, best->skeleton_confidence,
+    best->remarks.push_back(MakeFinding("layout_ambiguous", Severity::kWarning, best->skeleton.confidence,
                                         "the row count also allows " + others +
                                             " joints, and bone lengths do not exclude it; this reading is " +
-                                            RoundedText(100.0 * best->skeleton_confidence, 3) + " % sure"));
+                                            RoundedText(100.0 * best->skeleton.confidence, 3) + " % sure"));
   }
   return best;
 }

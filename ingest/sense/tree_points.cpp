@@ -73,10 +73,7 @@ bool HangsAlike(const std::vector<std::string>& names, const std::vector<int>& p
 void FollowTree(const std::vector<int>& parents, const std::string& evidence, ObservedClip& clip) {
   clip.parents = parents;
   clip.points = PointsOfTree(clip.names, parents);
-  clip.skeleton = "own tree of " + std::to_string(clip.joints) + " joints";
-  clip.skeleton_from = "declared";
-  clip.skeleton_confidence = 1.0;
-  clip.skeleton_evidence = evidence;
+  clip.skeleton = AsDeclared("own tree of " + std::to_string(clip.joints) + " joints", evidence);
   for (const char* known : {"bandai22", "cmu31", "smpl24"}) {
     const auto skeleton = KnownSkeleton(known);
     if (!skeleton || (*skeleton)->joint_count() != clip.joints) continue;
@@ -85,9 +82,9 @@ void FollowTree(const std::vector<int>& parents, const std::string& evidence, Ob
                                   [&](const std::string& joint) { return (*skeleton)->FindJoint(joint).has_value(); });
     if (!same) continue;
     if (HangsAlike(names, parents, **skeleton)) {
-      clip.skeleton = known;
+      clip.skeleton.value = known;
     } else {
-      clip.skeleton_evidence = evidence + ": joints named as in '" + known + "', some hang from others than there";
+      clip.skeleton.evidence = evidence + ": joints named as in '" + known + "', some hang from others than there";
     }
     if (clip.points.knee[0] < 0) FollowFormat(known, names, evidence, clip);
   }

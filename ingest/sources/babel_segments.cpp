@@ -36,12 +36,7 @@ std::string Newer(std::string name) {
 }
 
 Finding Found(const char* code, double value, std::string message, FindingAction action) {
-  Finding finding;
-  finding.code = code;
-  finding.value = value;
-  finding.message = std::move(message);
-  finding.action = action;
-  return finding;
+  return MakeFinding(code, Severity::kWarning, value, std::move(message), action);
 }
 
 std::string NameOfLabel(const BabelLabel& label) {

@@ -29,13 +29,12 @@ JointPositions InFile(const SourceOptions& source, JointPositions positions) {
 
 /// What to do about a contradiction, in the words of the declaration.
 std::string Advice(const SourceOptions& source, const Comparison& comparison) {
-  if (comparison.code == "units_contradiction" && source.units.empty())
-    return comparison.message + "; files of this format are in metres: repair the files";
-  if (comparison.code == "units_contradiction") return comparison.message + "; mend ingest.source.units";
-  if (comparison.code == "up_contradiction") {
-    return "with axes '" + source.axes + "' " + comparison.message + "; mend ingest.source.axes";
-  }
-  return comparison.message + ": with axes '" + source.axes + "' the motion is " + comparison.measured +
+  const std::string &code = comparison.finding.code, &message = comparison.finding.message;
+  if (code == "units_contradiction" && source.units.empty())
+    return message + "; files of this format are in metres: repair the files";
+  if (code == "units_contradiction") return message + "; mend ingest.source.units";
+  if (code == "up_contradiction") return "with axes '" + source.axes + "' " + message + "; mend ingest.source.axes";
+  return message + ": with axes '" + source.axes + "' the motion is " + comparison.measured +
          "-handed, or left and right are exchanged; mend ingest.source.axes";
 }
 
@@ -58,9 +57,7 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
   observed.rate_hz = clip.rate.hz();
   observed.rate_evidence = "of the clip";
   observed.layout_evidence = "as the source declares";
-  observed.skeleton = source.skeleton;
-  observed.skeleton_from = "declared";
-  observed.skeleton_confidence = 1.0;
+  observed.skeleton = AsDeclared(source.skeleton, "");
   for (const auto& [key, text] : clip.provenance) observed.facts.emplace_back(key, text);
   const FormatDriver& driver = DriverOf(source.format);
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
@@ -77,7 +74,8 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
       observed.parents.push_back(joint.parent);
     }
     observed.points = PointsOfBody(*clip.motion->skeleton);
-    if (source.skeleton.empty()) observed.skeleton = "own tree of " + std::to_string(observed.names.size()) + " joints";
+    if (source.skeleton.empty())
+      observed.skeleton = AsDeclared("own tree of " + std::to_string(observed.names.size()) + " joints", "");
   } else {
     SilenceOf(clip, observed);
     return observed;
@@ -97,25 +95,18 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
 }
 
 void CheckPoints(const SourceOptions& source, const ObservedClip& observed, IngestedClip& ingested) {
-  const auto contradict = [&](const std::string& code, double value, std::string message) {
-    Finding finding;
-    finding.code = code;
-    finding.severity = Severity::kError;
-    finding.value = value;
-    finding.message = std::move(message);
-    finding.action =
-        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
-    ingested.findings.push_back(finding);
-  };
   for (const Comparison& comparison : CompareFrame(StatementsOf(observed, source), Measure(observed))) {
-    const auto told = ingested.shown.find(comparison.code);
+    const Finding& finding = comparison.finding;
+    const auto told = ingested.shown.find(finding.code);
     if (told != ingested.shown.end() && told->second.contradicts) continue;
-    ingested.shown[comparison.code] = {comparison.contradicts, comparison.weight};
-    if (comparison.contradicts) contradict(comparison.code, comparison.value, Advice(source, comparison));
+    ingested.shown[finding.code] = {comparison.contradicts, comparison.weight};
+    if (!comparison.contradicts) continue;
+    ingested.findings.push_back(Contradiction(source, finding.code, finding.value, Advice(source, comparison)));
   }
   for (const Finding& remark : observed.remarks) {
     if (remark.code != "joint_order_contradiction") continue;
-    contradict(remark.code, remark.value, remark.message + "; mend ingest.source.joints");
+    ingested.findings.push_back(
+        Contradiction(source, remark.code, remark.value, remark.message + "; mend ingest.source.joints"));
   }
 }
 
@@ -123,7 +114,7 @@ void CheckBody(const SourceOptions& source, IngestedClip& ingested) {
   if (!ingested.clip.evidence.tracks && !ingested.clip.motion) return;
   const ObservedClip observed = ObserveClip(source, ingested.clip);
   CheckPoints(source, observed, ingested);
-  if (!observed.skeleton_evidence.empty())
+  if (!observed.skeleton.evidence.empty())
     ingested.shown["joint_order_contradiction"] = {!observed.remarks.empty(), 1.0};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "core/motion/kinematics.h"
 
 namespace mocurate {
 namespace {
@@ -71,6 +72,20 @@ void MarkBridged(const std::vector<DamagedFrame>& bridged, Motion& motion, std::
     for (int f = finding.frame_begin; all && f < end; ++f) all = is_bridged[static_cast<std::size_t>(f)];
     if (all) finding.action = FindingAction::kInterpolated;
   }
+}
+
+Status AddMotion(const std::vector<int>& damaged, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
+                 std::vector<Vector3d> root, std::vector<Quaterniond> rotation, const std::string& name,
+                 IngestedClip& ingested) {
+  const FrameRate rate = ingested.clip.rate;
+  const auto bridged = BridgeFrames(damaged, static_cast<int>(root.size()), rate.hz(), name);
+  if (!bridged) return Forward(bridged);
+  const auto joints = static_cast<std::size_t>(skeleton->joint_count());
+  Bridge(*bridged, skeleton->joint_count(), root, rotation);
+  for (std::size_t j = 0; j < joints; ++j) MakeSignContinuous(rotation.data() + j, root.size(), joints);
+  ingested.clip.motion = MakeMotion(skeleton, rate, std::move(root), std::move(rotation), bone_length);
+  MarkBridged(*bridged, *ingested.clip.motion, ingested.findings);
+  return {};
 }
 
 }  // namespace mocurate

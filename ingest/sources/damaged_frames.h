@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/finding.h"
 #include "core/motion/motion.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 
@@ -31,5 +32,11 @@ void Bridge(const std::vector<DamagedFrame>& bridged, int joints, std::vector<Ve
 
 /// Says so: `motion.state` is kInterpolated there, and findings of these frames have the action "interpolated".
 void MarkBridged(const std::vector<DamagedFrame>& bridged, Motion& motion, std::vector<Finding>& findings);
+
+/// The clip's motion from the rotations (F*joints of `skeleton`) of a file: damaged frames (rising) are bridged and
+/// marked, signs are continuous. `bone_length` empty: those of the rest pose. Errors of BridgeFrames.
+Status AddMotion(const std::vector<int>& damaged, const SkeletonPtr& skeleton, const std::vector<double>& bone_length,
+                 std::vector<Vector3d> root, std::vector<Quaterniond> rotation, const std::string& name,
+                 IngestedClip& ingested);
 
 }  // namespace mocurate

@@ -68,12 +68,10 @@ Status AddDepthBeside(const SourceFile& file, const Rig& rig, const std::map<std
       view.time_s.push_back(time_s);
     }
     if (missing > 0) {
-      Finding finding = CameraFinding(kMissing, missing,
-                                      "camera '" + name + "' has no depth image of " + std::to_string(missing) +
-                                          " of " + std::to_string(span.frames) + " frames",
-                                      FindingAction::kMissing);
-      finding.severity = Severity::kInfo;
-      ingested.findings.push_back(std::move(finding));
+      ingested.findings.push_back(MakeFinding(kMissing, Severity::kInfo, missing,
+                                              "camera '" + name + "' has no depth image of " + std::to_string(missing) +
+                                                  " of " + std::to_string(span.frames) + " frames",
+                                              FindingAction::kMissing));
     }
     ingested.clip.evidence.depth_views.push_back(std::move(view));
   }

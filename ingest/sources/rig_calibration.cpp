@@ -87,13 +87,7 @@ Status Declare(const SourceOptions& source, Calibration& calibration, std::vecto
                                                       {CameraPose::kCameraToWorld, PoseReading::kCameraToWorld}};
   const PoseReading pose = readings.at(source.camera_pose);
   const auto contradict = [&](const std::string& message) {
-    Finding finding;
-    finding.code = "calibration_contradiction";
-    finding.severity = Severity::kError;
-    finding.message = message;
-    finding.action =
-        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
-    findings.push_back(std::move(finding));
+    findings.push_back(Contradiction(source, "calibration_contradiction", 0.0, message));
   };
   if (pose != PoseReading::kUnknown) {
     if (calibration.reading != PoseReading::kUnknown && calibration.reading != pose) {
@@ -131,17 +125,11 @@ void CheckUp(const SourceOptions& source, const AxisConvention& axes, const Meas
   if (up.value.empty()) return;
   const double rises = (axes.canonical_from_source * Direction(up.value)).y();
   if (rises > 0.5) return;
-  Finding finding;
-  finding.code = "up_contradiction";
-  finding.severity = Severity::kError;
-  finding.value = up.confidence;
-  finding.message = "with axes '" + source.axes +
-                    "' the cameras lie on their sides or heads: the top of their images " + "points to " + up.value +
-                    ", " + RoundedText(100.0 * up.confidence, 3) + " % sure (" + up.evidence +
-                    "); mend ingest.source.axes";
-  finding.action =
-      source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
-  findings.push_back(std::move(finding));
+  findings.push_back(Contradiction(source, "up_contradiction", up.confidence,
+                                   "with axes '" + source.axes +
+                                       "' the cameras lie on their sides or heads: the top of their images points to " +
+                                       up.value + ", " + RoundedText(100.0 * up.confidence, 3) + " % sure (" +
+                                       up.evidence + "); mend ingest.source.axes"));
 }
 
 }  // namespace
@@ -186,14 +174,7 @@ Expected<Rig> ReadRig(const SourceFile& file) {
   rig.meaning = ToldMeasure("pose", sense.reading, pose_given) + ", " +
                 ToldMeasure("unit", sense.unit, calibration->metres_per_unit > 0.0);
   for (const Finding& remark : sense.remarks) {
-    Finding finding;
-    finding.code = remark.code;
-    finding.severity = Severity::kError;
-    finding.value = remark.value;
-    finding.message = remark.message;
-    finding.action =
-        file.source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
-    rig.findings.push_back(std::move(finding));
+    rig.findings.push_back(Contradiction(file.source, remark.code, remark.value, remark.message));
   }
   CheckUp(file.source, *axes, sense.up, rig.findings);
   const RigidTransform world_from_source{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};
@@ -289,12 +270,7 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
 }
 
 Finding CameraFinding(const std::string& code, double value, const std::string& message, FindingAction action) {
-  Finding finding;
-  finding.code = code;
-  finding.value = value;
-  finding.message = message;
-  finding.action = action;
-  return finding;
+  return MakeFinding(code, Severity::kWarning, value, message, action);
 }
 
 }  // namespace mocurate

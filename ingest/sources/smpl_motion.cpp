@@ -3,16 +3,12 @@
 #include "core/geometry/axes.h"
 
 namespace mocurate {
-namespace {
 
-/// SMPL's joints in the order of its pose; those of the hands are SMPL's alone, not SMPL-H's.
-const char* const kNames[kSmplJoints] = {"pelvis",     "left_hip",      "right_hip",      "spine1",      "left_knee",
-                                         "right_knee", "spine2",        "left_ankle",     "right_ankle", "spine3",
-                                         "left_foot",  "right_foot",    "neck",           "left_collar", "right_collar",
-                                         "head",       "left_shoulder", "right_shoulder", "left_elbow",  "right_elbow",
-                                         "left_wrist", "right_wrist",   "left_hand",      "right_hand"};
-
-}  // namespace
+const char* const kSmplJointNames[kSmplJoints] = {
+    "pelvis",     "left_hip",    "right_hip",    "spine1",      "left_knee",     "right_knee",
+    "spine2",     "left_ankle",  "right_ankle",  "spine3",      "left_foot",     "right_foot",
+    "neck",       "left_collar", "right_collar", "head",        "left_shoulder", "right_shoulder",
+    "left_elbow", "right_elbow", "left_wrist",   "right_wrist", "left_hand",     "right_hand"};
 
 bool HasSmplTree(const Skeleton& skeleton) {
   return skeleton.joint_count() == kSmplJoints && SmplColumns(skeleton, kSmplJoints).has_value();
@@ -21,10 +17,10 @@ bool HasSmplTree(const Skeleton& skeleton) {
 Expected<std::vector<int>> SmplColumns(const Skeleton& skeleton, int joints_in_file) {
   std::vector<int> columns(skeleton.joints.size(), -1);
   for (int k = 0; k < kSmplJoints; ++k) {
-    const std::optional<int> joint = skeleton.FindJoint(kNames[k]);
+    const std::optional<int> joint = skeleton.FindJoint(kSmplJointNames[k]);
     if (!joint || (k == 0) != (skeleton.joints[*joint].parent < 0)) {
       return Fail(ErrorCode::kConfig,
-                  "skeleton '" + skeleton.name + "' has no joint '" + kNames[k] + "' of SMPL's tree",
+                  "skeleton '" + skeleton.name + "' has no joint '" + kSmplJointNames[k] + "' of SMPL's tree",
                   "ingest.source.skeleton", "rotations of SMPL are read on smpl24");
     }
     if (k < joints_in_file) columns[*joint] = 3 * k;

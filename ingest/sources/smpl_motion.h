@@ -8,6 +8,8 @@
 namespace mocurate {
 
 inline constexpr int kSmplJoints = 24;
+/// In the order of its pose; those of the hands are SMPL's alone, not SMPL-H's.
+extern const char* const kSmplJointNames[kSmplJoints];
 
 /// Rotation vectors of SMPL's joints, as its files have them: (frames, columns) radians, three columns per joint.
 struct SmplRotations {

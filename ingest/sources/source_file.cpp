@@ -7,6 +7,7 @@
 
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "core/quality/tracked_points.h"
 #include "ingest/sense/comparison.h"
 
 namespace mocurate {
@@ -185,6 +186,14 @@ Status AddDepthImage(const StageInput& image, double time_s, DepthView& view) {
   return {};
 }
 
+FindingAction ContradictionAction(const SourceOptions& source) {
+  return source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
+}
+
+Finding Contradiction(const SourceOptions& source, std::string code, double value, std::string message) {
+  return MakeFinding(std::move(code), Severity::kError, value, std::move(message), ContradictionAction(source));
+}
+
 FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested,
                      std::optional<Finding> doubt) {
   if (!source.rate_hz && doubt) {
@@ -192,17 +201,12 @@ FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& 
     ingested.findings.push_back(*std::move(doubt));
   }
   if (!source.rate_hz) return FrameRate::FromHz(file_hz);
-  const std::optional<Comparison> differs = CompareRate(source, file_hz);
+  const std::optional<Finding> differs = CompareRate(source, file_hz);
   ingested.shown["rate_contradiction"] = {differs.has_value(), 1.0};
   if (differs) {
-    Finding finding;
-    finding.code = differs->code;
-    finding.severity = Severity::kError;
-    finding.value = differs->value;
-    finding.message = differs->message + "; mend ingest.source.rate, or leave it out where the files are right";
-    finding.action =
-        source.on_contradiction == OnContradiction::kRefuse ? FindingAction::kRefused : FindingAction::kFlagged;
-    ingested.findings.push_back(std::move(finding));
+    ingested.findings.push_back(
+        Contradiction(source, differs->code, differs->value,
+                      differs->message + "; mend ingest.source.rate, or leave it out where the files are right"));
   }
   return FrameRate::FromHz(*source.rate_hz);
 }
@@ -227,16 +231,12 @@ void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vec
   }
   for (int f = 0; f < frames; ++f) {
     if (!empty(f) || told[static_cast<std::size_t>(f)] != 0) continue;
-    Finding finding;
-    finding.code = "no_joint_seen";
-    finding.frame_begin = f;
+    const int begin = f;
     while (f < frames && empty(f) && told[static_cast<std::size_t>(f)] == 0) ++f;
-    finding.frame_end = f;
-    finding.value = finding.frame_end - finding.frame_begin;
-    finding.message = "no joint is seen in " + std::to_string(finding.frame_end - finding.frame_begin) + " of " +
-                      Counted(frames, "frame");
-    finding.action = FindingAction::kMissing;
-    findings.push_back(std::move(finding));
+    findings.push_back(
+        FrameFinding("no_joint_seen", begin, f, "", f - begin,
+                     "no joint is seen in " + std::to_string(f - begin) + " of " + Counted(frames, "frame")));
+    findings.back().action = FindingAction::kMissing;
   }
 }
 

@@ -88,6 +88,12 @@ struct SourceFile {
   std::vector<ViewFile> views = {};      ///< ntu_skeleton with views.together: all of them, the first is the file too
 };
 
+/// What is done about a contradiction between a clip and its declaration: the clip is flagged, or refused where
+/// `on_contradiction` asks for it.
+FindingAction ContradictionAction(const SourceOptions& source);
+/// An error of that kind.
+Finding Contradiction(const SourceOptions& source, std::string code, double value, std::string message);
+
 /// The rate of a clip whose file says one: the declared rate if there is one. Where they differ that is a finding
 /// (error) "rate_contradiction". `doubt`: what is wrong with the file's (sense/rate_sense.h); without a declared one
 /// the clip is then refused.

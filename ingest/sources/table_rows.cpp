@@ -43,11 +43,8 @@ std::string CountWords(const JointRows& rows, int per_frame) {
 }  // namespace
 
 Finding DecimalCommas() {
-  Finding finding =
-      FrameFinding("decimal_comma", 0, 0, "", 0.0, "numbers have a decimal comma (1,5): it is read as a point");
-  finding.severity = Severity::kInfo;
-  finding.action = FindingAction::kRepaired;
-  return finding;
+  return MakeFinding("decimal_comma", Severity::kInfo, 0.0, "numbers have a decimal comma (1,5): it is read as a point",
+                     FindingAction::kRepaired);
 }
 
 Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view bytes, const std::string& name) {

@@ -36,15 +36,12 @@ Expected<UestcFolder> ReadUestcFolder(const std::filesystem::path& folder) {
 
 std::optional<Finding> DoubtFrameCount(int announced, std::size_t frames, int entry) {
   if (announced <= 0 || static_cast<std::size_t>(announced) <= frames) return std::nullopt;
-  Finding finding;
-  finding.code = "count_contradiction";
-  finding.severity = Severity::kError;
-  finding.value = announced;
-  finding.message = std::string(kCounts) + ":" + std::to_string(entry + 1) + " announces " + std::to_string(announced) +
-                    " frames, VIBE's track of the video has " + std::to_string(frames) +
-                    ": those are taken; correct the line, or copy info/ and the cache again if others differ too";
-  finding.action = FindingAction::kKept;
-  return finding;
+  return MakeFinding("count_contradiction", Severity::kError, announced,
+                     std::string(kCounts) + ":" + std::to_string(entry + 1) + " announces " +
+                         std::to_string(announced) + " frames, VIBE's track of the video has " +
+                         std::to_string(frames) +
+                         ": those are taken; correct the line, or copy info/ and the cache again if others differ too",
+                     FindingAction::kKept);
 }
 
 }  // namespace mocurate

@@ -34,7 +34,7 @@ Status ForEachTake(const SyntheticOptions& options, const std::function<Status(c
 SourceOptions StudioSource() {
   SourceOptions source;
   source.name = "studio";
-  source.format = SourceFormat::kJointTable;
+  source.format = "joint_table";
   source.files = "{action}_p{person}_r{repetition}.txt";
   source.licence = "CC0";
   source.units = "mm";

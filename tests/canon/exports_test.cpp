@@ -69,7 +69,7 @@ Written WriteExport(const std::string& layout, const Dataset& dataset, const fs:
   set.labels = dataset.labels;
   set.splits = dataset.splits;
   set.folder = folder;
-  for (const std::string& code : CheckCodes()) set.check_actions[code] = "ignore";
+  for (const std::string& code : CheckCodes()) set.checks[code] = "{action: ignore}";
   Written written;
   const auto write = [&](const std::vector<ExportedFile>& files) {
     for (const ExportedFile& file : files) {

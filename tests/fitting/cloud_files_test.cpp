@@ -213,7 +213,7 @@ TEST_F(CloudFilesOfStudio, AreIngestedMeasuredAndFittedByTheStages) {
   IngestOptions ingest;
   ingest.path = FolderOfClouds();
   ingest.source.name = "studio";
-  ingest.source.format = SourceFormat::kClouds;
+  ingest.source.format = "clouds";
   ingest.source.files = "staged_{frame}.ply";
   ingest.source.other_files = OtherFiles::kIgnore;
   ingest.source.units = "cm";

@@ -98,7 +98,7 @@ TEST_F(Acclaim, TheLegsOfTheTakeAreThoseOfItsBvh) {
   IngestOptions bvh;
   bvh.path = TestData() + "/cmu/asf_amc";
   bvh.source.name = "cmu_bvh";
-  bvh.source.format = SourceFormat::kBvh;
+  bvh.source.format = "bvh";
   bvh.source.files = "{person}_{take}.bvh";
   bvh.source.other_files = OtherFiles::kIgnore;
   bvh.source.units = "2.2222222222222 inch";

@@ -46,7 +46,7 @@ class ArrayClips : public ::testing::Test {
     options.source.roles.clear();
     options.source.exclude.clear();
     options.source.known_issue_lists.clear();
-    options.source.checks.actions["not_joint_positions"] = "report";  // numbers that count up are no body
+    options.source.checks.actions["not_joint_positions"] = OnFinding::kReport;  // numbers that count up are no body
     return options;
   }
   static std::vector<std::string> Items(const Discovery& discovery) {

@@ -27,7 +27,7 @@ IngestOptions SmallSource(const std::string& name, const std::string& rows) {
   options.path = FreshFolder(name);
   Put(options.path / "x_walk.bvh", SmallBvh(rows));
   options.source.name = "small";
-  options.source.format = SourceFormat::kBvh;
+  options.source.format = "bvh";
   options.source.files = "{person}_{action}.bvh";
   options.source.units = "cm";
   options.source.axes = "+x +y +z";

@@ -225,7 +225,7 @@ TEST(ClipChecks, FiveFramesAKilometreAwayAreFoundNotRefusedAndMayBeTakenAsMissin
   EXPECT_EQ(told.outcome->findings[0].frame_begin, 20);
   EXPECT_NEAR(told.outcome->findings[0].value, 2000.0, 1.0);
   EXPECT_EQ(told.outcome->summary["missing_share"], 0.0) << "by default it is told only";
-  options.source.checks.actions = {{"teleport", "missing"}};
+  options.source.checks.actions = {{"teleport", OnFinding::kMissing}};
   const Ingested missing = OnlyClip(options, "far");
   ASSERT_TRUE(missing.outcome);
   EXPECT_EQ(missing.outcome->findings[0].action, FindingAction::kMissing);
@@ -245,7 +245,8 @@ TEST(ClipChecks, ASectionThatStandsTwiceIsToldByARunAndByAnInspection) {
   EXPECT_EQ(told.outcome->findings[0].frame_begin, 24);
   EXPECT_EQ(told.outcome->findings[0].value, 10.0);
   EXPECT_EQ(told.outcome->findings[0].action, FindingAction::kFlagged);
-  EXPECT_THAT(InspectPath(options.path, options.source).at("findings").dump(), HasSubstr("frames 24-34"));
+  EXPECT_THAT(nlohmann::json(InspectPath(options.path, options.source)).at("findings").dump(),
+              HasSubstr("frames 24-34"));
 }
 
 TEST(ClipChecks, WhatIsToBeDroppedIsLeftOutByARuleWithValueAndLimit) {
@@ -269,12 +270,24 @@ TEST(ClipChecks, WhatIsToBeDroppedIsLeftOutByARuleWithValueAndLimit) {
   EXPECT_FALSE(std::filesystem::exists(request.output));
 }
 
-TEST(ClipChecks, AnActionOrCodeThatThereIsNotIsAnError) {
-  IngestOptions options = Swaying("actions", [](int, int, Vector3d&) {});
-  options.source.checks.actions = {{"teleports", "drop"}};
-  EXPECT_THAT(Discover(options).error().Message(), HasSubstr("did you mean 'teleport'?"));
-  options.source.checks.actions = {{"teleport", "remove"}};
-  EXPECT_THAT(Discover(options).error().Message(), HasSubstr("is nothing to do about 'teleport'"));
+TEST(ClipChecks, AConfigurationSetsLimitsAndActionsByCode) {
+  const auto read = [](const std::string& text) -> Expected<CheckOptions> {
+    const auto node = LoadConfig(ConfigSource{text, "checks.yaml", {}}, {});
+    return node ? OptionsFromConfig<CheckOptions>(*node) : Forward(node);
+  };
+  const auto said = read("swapped_sides: {ratio: 0.3, action: missing}\nteleport: {distance: 20 cm}\n");
+  ASSERT_TRUE(said) << said.error().Message();
+  const auto kept = OptionsFromJson<CheckOptions>(OptionsToJson(*said), "checks");
+  ASSERT_TRUE(kept) << kept.error().Message();
+  EXPECT_EQ(kept->Limit("swapped_sides", "ratio"), 0.3);
+  EXPECT_EQ(kept->Limit("swapped_sides", "step"), CheckOptions().Limit("swapped_sides", "step"));
+  EXPECT_DOUBLE_EQ(kept->Limit("teleport", "distance"), 0.2);
+  EXPECT_EQ(kept->ActionFor("swapped_sides"), OnFinding::kMissing);
+  EXPECT_EQ(kept->ActionFor("not_joint_positions"), OnFinding::kDrop);
+  EXPECT_EQ(kept->limits.size(), 2u);
+  ExpectError(read("teleports: {action: drop}\n"), ErrorCode::kConfig, "checks.yaml:1:1");
+  ExpectError(read("teleport:\n  action: remove\n"), ErrorCode::kConfig, "checks.yaml:2:11");
+  ExpectError(read("held_joint:\n  frames: 2.5\n"), ErrorCode::kConfig, "checks.yaml:2:11");
 }
 
 TEST(ClipChecks, AnArrayLongerThanItsNameSaysContradictsIt) {
@@ -309,7 +322,7 @@ TEST(ClipChecks, OneTakeUnderTwoNamesIsOneAndMayBeDropped) {
   EXPECT_EQ(outcome->findings[0].code, "duplicate");
   EXPECT_EQ(outcome->summary["items"][0], "kard/s01/a02_s01_e01");
   EXPECT_TRUE(outcome->summary["dropped"].empty());
-  options.source.checks.actions = {{"duplicate", "drop"}};
+  options.source.checks.actions = {{"duplicate", OnFinding::kDrop}};
   all.options = OptionsToJson(options.source.checks);
   EXPECT_TRUE(DuplicatesStage(all)->summary["dropped"].contains("kard/s01/a02_s01_e01"));
 }

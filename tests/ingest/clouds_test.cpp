@@ -44,7 +44,7 @@ IngestOptions ThreeClouds(const std::string& name) {
     Put(options.path / "walk" / ("scan_0" + std::to_string(frame) + ".ply"), PlyOf(frame));
   SourceOptions& source = options.source;
   source.name = "scans";
-  source.format = SourceFormat::kClouds;
+  source.format = "clouds";
   source.files = "{recording}/scan_{frame}.ply";
   source.units = "mm";
   source.axes = "+x +z +y";

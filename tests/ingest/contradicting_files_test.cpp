@@ -126,7 +126,7 @@ TEST_F(ChangedAmass, ADeclarationOfAFolderThatHoldsBabelUsesIt) {
   sequence.feat_p = "CMU/CMU/141/141_05_poses.npz";
   sequence.dur = 5.0;
   Written("babel/train.json", EncodeBabel({sequence}));
-  const auto declared = DeclareSource(Look(), folder_, "mine");
+  const auto declared = DeclareSource(InspectPath(folder_, std::nullopt), folder_, "mine");
   ASSERT_TRUE(declared) << declared.error().Message();
   EXPECT_THAT(declared->yaml, HasSubstr("annotations: [\"babel/train.json\"]"));
   EXPECT_THAT(declared->yaml, HasSubstr("names 1 of the 1 motion"));
@@ -162,7 +162,8 @@ TEST_F(ChangedKard, NoSkeletonIsClaimedWhoseHeadLiesBelowItsTrunk) {
   ASSERT_EQ(inspection.at("clips").size(), 1u);
   EXPECT_NE(Value(inspection.at("clips")[0], "skeleton"), "openni15") << inspection.at("clips")[0].at("skeleton");
   EXPECT_EQ(CountCode(Run(Declared("kard")), "joint_order_contradiction"), 1u);
-  for (const Json& finding : InspectPath(folder_, Declared("kard").source).at("findings"))
+  const Json declared = InspectPath(folder_, Declared("kard").source);
+  for (const Json& finding : declared.at("findings"))
     EXPECT_THAT(finding.at("message"), Not(HasSubstr("within pi"))) << "millimetres are no rotations";
 }
 

@@ -54,7 +54,7 @@ TEST(Declaration, FilesOfAnotherFormatAreAnErrorThatNamesTheirs) {
 
 TEST(Declaration, FilesThatEndAsItsClipsAndAreNamedOtherwiseAreToldWhereOthersAreIgnored) {
   IngestOptions options = SmallTable(FreshFolder("passed_over"));
-  options.source.format = SourceFormat::kBvh;
+  options.source.format = "bvh";
   options.source.files = "walk_{person}.bvh";
   options.source.label = "walk";
   options.source.other_files = OtherFiles::kIgnore;
@@ -77,7 +77,7 @@ TEST(Declaration, APatternThatNoFileMatchesIsToldWithWhatTheFolderHolds) {
 TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {
   SourceOptions source;
   source.name = "made";
-  source.format = SourceFormat::kNpy;
+  source.format = "npy";
   source.files = "{take}.bvh";
   source.units = "m";
   source.axes = "+x +y +z";
@@ -85,7 +85,7 @@ TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {
   source.skeleton = "smpl24";
   for (int take = 10; take < 50; ++take) Written("take" + std::to_string(take) + ".bvh", kDeclaredBvh);
   EXPECT_THAT(Codes(InspectPath(folder_, source), "error"), ::testing::Contains("format_contradiction"));
-  source.format = SourceFormat::kBvh;
+  source.format = "bvh";
   source.skeleton = "";
   source.rate_hz.reset();
   const auto declared = InspectPath(folder_, source);
@@ -107,7 +107,7 @@ TEST_F(WrittenFormats, RatesOfFilesThatDifferAreNoneOfAll) {
 TEST_F(WrittenFormats, InspectedWithADeclarationFilesOfOtherNamesAreNotAccused) {
   SourceOptions source;
   source.name = "made";
-  source.format = SourceFormat::kNpy;
+  source.format = "npy";
   source.files = "{take}.npy";
   source.units = "m";
   source.axes = "+x +y +z";

@@ -27,7 +27,7 @@ IngestOptions Panoptic(const std::filesystem::path& folder) {
   options.path = folder;
   SourceOptions& source = options.source;
   source.name = "dome";
-  source.format = SourceFormat::kPanoptic;
+  source.format = "panoptic";
   source.files = "{recording}/body3DScene_{frame}.json";
   source.axes = "+x -y -z";
   source.rate_hz = 29.97;
@@ -43,7 +43,7 @@ IngestOptions OpenPose(const std::filesystem::path& folder) {
   options.path = folder;
   SourceOptions& source = options.source;
   source.name = "rig";
-  source.format = SourceFormat::kOpenPose;
+  source.format = "openpose";
   source.files = "single/{camera}_json/{camera}.{frame}.json";
   source.other_files = OtherFiles::kIgnore;
   source.axes = "+x +z -y";

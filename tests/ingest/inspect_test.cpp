@@ -58,7 +58,7 @@ Json WithoutScreens(Json inspection) {
   return inspection;
 }
 
-class Inspection : public ::testing::Test {
+class InspectedFiles : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::path(::testing::TempDir()) /
@@ -77,7 +77,7 @@ class Inspection : public ::testing::Test {
 SourceOptions KardSource() {
   SourceOptions source;
   source.name = "kard";
-  source.format = SourceFormat::kJointTable;
+  source.format = "joint_table";
   source.files = "a{action}_s{person}_e{repetition}_realworld.txt";
   source.units = "mm";
   source.axes = "+x +y -z";
@@ -90,7 +90,7 @@ SourceOptions KardSource() {
   return source;
 }
 
-TEST_F(Inspection, AKardFileIsRecognisedWithoutAnyDeclaration) {
+TEST_F(InspectedFiles, AKardFileIsRecognisedWithoutAnyDeclaration) {
   NEEDS_DATA();
   const Json inspection = InspectPath(DataFolder() / "kinect/kard/a17_s01_e01_realworld.txt", std::nullopt);
   ASSERT_EQ(inspection.at("clips").size(), 1u) << inspection.dump(1);
@@ -108,7 +108,7 @@ TEST_F(Inspection, AKardFileIsRecognisedWithoutAnyDeclaration) {
   EXPECT_THAT(Codes(inspection, "error"), ::testing::IsEmpty());
 }
 
-TEST_F(Inspection, AllKardFilesAreRecognised) {
+TEST_F(InspectedFiles, AllKardFilesAreRecognised) {
   NEEDS_DATA();
   const Json inspection = WithoutScreens(InspectPath(DataFolder() / "kinect/kard", std::nullopt));
   ExpectTold(inspection, "units", "mm", 1.0, 0.99);
@@ -117,7 +117,7 @@ TEST_F(Inspection, AllKardFilesAreRecognised) {
   ExpectTold(inspection, "handedness", "left", 0.4, 0.97);
 }
 
-TEST_F(Inspection, OtherKinectSetsAreRecognised) {
+TEST_F(InspectedFiles, OtherKinectSetsAreRecognised) {
   NEEDS_DATA();
   struct Set {
     const char* folder;
@@ -135,7 +135,7 @@ TEST_F(Inspection, OtherKinectSetsAreRecognised) {
   }
 }
 
-TEST_F(Inspection, AnOrderThatPutsTheHeadBelowTheTrunkGivesWayToTheNext) {
+TEST_F(InspectedFiles, AnOrderThatPutsTheHeadBelowTheTrunkGivesWayToTheNext) {
   NEEDS_DATA();
   const Json inspection = InspectPath(DataFolder() / "kinect/utkinect/pickUp_s04_e01.txt", std::nullopt);
   const Json& clip = inspection.at("clips").at(0);
@@ -146,7 +146,7 @@ TEST_F(Inspection, AnOrderThatPutsTheHeadBelowTheTrunkGivesWayToTheNext) {
   EXPECT_EQ(Value(clip, "handedness"), "right");
 }
 
-TEST_F(Inspection, BandaiFilesAreRightHandedInCentimetres) {
+TEST_F(InspectedFiles, BandaiFilesAreRightHandedInCentimetres) {
   NEEDS_DATA();
   const Json inspection = InspectPath(DataFolder() / "bvh/bandai2", std::nullopt);
   EXPECT_EQ(inspection.at("clips").size(), 120u);
@@ -159,7 +159,7 @@ TEST_F(Inspection, BandaiFilesAreRightHandedInCentimetres) {
   EXPECT_THAT(Codes(inspection, "error"), ::testing::IsEmpty());
 }
 
-TEST_F(Inspection, BvhFilesOfTenExportersTellTheirUnit) {
+TEST_F(InspectedFiles, BvhFilesOfTenExportersTellTheirUnit) {
   NEEDS_DATA();
   const Json inspection = InspectPath(DataFolder() / "bvh/misc", std::nullopt);
   std::map<std::string, Json> clips;
@@ -177,7 +177,7 @@ TEST_F(Inspection, BvhFilesOfTenExportersTellTheirUnit) {
   EXPECT_TRUE(Value(clips.at("fairmotion_sinusoidal.bvh"), "handedness").is_null());
 }
 
-TEST_F(Inspection, GeneratedPositionsPointDownAndRotationsAreNoPositions) {
+TEST_F(InspectedFiles, GeneratedPositionsPointDownAndRotationsAreNoPositions) {
   NEEDS_DATA();
   const fs::path generated = DataFolder() / "humanact12/a2m_generated";
   const Json positions = InspectPath(generated / "humanact12_tf/motion_joints500000.npy", std::nullopt);
@@ -189,7 +189,7 @@ TEST_F(Inspection, GeneratedPositionsPointDownAndRotationsAreNoPositions) {
   EXPECT_THAT(Codes(rotations, "error"), ::testing::Contains("not_joint_positions"));
 }
 
-TEST_F(Inspection, ADepthSequenceIsOneClipOfItsJson) {
+TEST_F(InspectedFiles, ADepthSequenceIsOneClipOfItsJson) {
   NEEDS_DATA();
   const Json inspection = InspectPath(DataFolder() / "clouds/rendered_seq", std::nullopt);
   ASSERT_EQ(inspection.at("clips").size(), 1u) << inspection.dump(1);
@@ -201,7 +201,7 @@ TEST_F(Inspection, ADepthSequenceIsOneClipOfItsJson) {
   EXPECT_EQ(clip.at("up").at("from"), "declared");
 }
 
-TEST_F(Inspection, AWrongDeclarationIsContradictedByTheMotion) {
+TEST_F(InspectedFiles, AWrongDeclarationIsContradictedByTheMotion) {
   NEEDS_DATA();
   const fs::path file = DataFolder() / "kinect/kard/a17_s01_e01_realworld.txt";
   EXPECT_THAT(Codes(InspectPath(file, KardSource()), "error"), ::testing::IsEmpty());
@@ -220,11 +220,11 @@ TEST_F(Inspection, AWrongDeclarationIsContradictedByTheMotion) {
   EXPECT_THAT(Codes(InspectPath(file, wrong), "error"), ::testing::Contains("joint_order_contradiction"));
 }
 
-TEST_F(Inspection, ATreeThatIsNotTheDeclaredOneNamesTheJointsThatDiffer) {
+TEST_F(InspectedFiles, ATreeThatIsNotTheDeclaredOneNamesTheJointsThatDiffer) {
   NEEDS_DATA();
   SourceOptions source;
   source.name = "bandai2";
-  source.format = SourceFormat::kBvh;
+  source.format = "bvh";
   source.files = "{clip}.bvh";
   source.units = "cm";
   source.axes = "+x +y +z";
@@ -242,7 +242,7 @@ TEST_F(Inspection, ATreeThatIsNotTheDeclaredOneNamesTheJointsThatDiffer) {
   EXPECT_EQ(contradictions(DataFolder() / "bvh/misc").size(), 7u) << "in the others a joint slides along its bone";
 }
 
-TEST_F(Inspection, TheStudiosFilesAreRecognisedAsDeclared) {
+TEST_F(InspectedFiles, TheStudiosFilesAreRecognisedAsDeclared) {
   SyntheticOptions options;
   options.actions = {"squat", "kick"};
   options.subjects = 2;
@@ -262,7 +262,7 @@ TEST_F(Inspection, TheStudiosFilesAreRecognisedAsDeclared) {
   }
 }
 
-TEST_F(Inspection, WhatCannotBeReadGivesNoClipsAndAnError) {
+TEST_F(InspectedFiles, WhatCannotBeReadGivesNoClipsAndAnError) {
   const Json empty = InspectPath(Written("empty.txt", ""), std::nullopt);
   EXPECT_TRUE(empty.at("clips").empty());
   EXPECT_THAT(Codes(empty, "error"), ::testing::ElementsAre("empty_file"));
@@ -278,7 +278,7 @@ TEST_F(Inspection, WhatCannotBeReadGivesNoClipsAndAnError) {
   EXPECT_THAT(Codes(nothing, "error"), ::testing::ElementsAre("not_found"));
 }
 
-TEST_F(Inspection, NumbersWithoutABodyAreNoMotion) {
+TEST_F(InspectedFiles, NumbersWithoutABodyAreNoMotion) {
   std::string table;
   for (int i = 0; i < 301; ++i) table += std::to_string(i * 37 % 101) + " " + std::to_string(i * 53 % 97) + "\n";
   const Json inspection = InspectPath(Written("table.txt", table), std::nullopt);
@@ -286,13 +286,11 @@ TEST_F(Inspection, NumbersWithoutABodyAreNoMotion) {
   EXPECT_THAT(Codes(inspection, "error"), ::testing::ElementsAre("no_motion"));
 }
 
-TEST_F(Inspection, TheTextNamesWhatTheJsonHolds) {
+TEST_F(InspectedFiles, TheTextNamesWhatTheJsonHolds) {
   NEEDS_DATA();
-  const Json one = InspectPath(DataFolder() / "kinect/kard/a17_s01_e01_realworld.txt", std::nullopt);
-  const std::string text = InspectionText(one);
-  EXPECT_THAT(text, ::testing::HasSubstr("handedness  left  measured"));
-  const Json misc = InspectPath(DataFolder() / "bvh/misc", std::nullopt);
-  EXPECT_THAT(InspectionText(misc), ::testing::HasSubstr("bvh"));
+  const Inspection one = InspectPath(DataFolder() / "kinect/kard/a17_s01_e01_realworld.txt", std::nullopt);
+  EXPECT_THAT(InspectionText(one), ::testing::HasSubstr("handedness  left  measured"));
+  EXPECT_THAT(InspectionText(InspectPath(DataFolder() / "bvh/misc", std::nullopt)), ::testing::HasSubstr("bvh"));
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST_F(KinectTables, WhatIsMissingIsCountedOrUnknownWhereAConfidenceMayTellIt) {
   const std::filesystem::path data = TestData() + "/kinect";
   const auto share = [&](const std::string& file, const std::string& recipe = "") {
     const auto source = recipe.empty() ? std::nullopt : std::optional<SourceOptions>(Declared(recipe).source);
-    return InspectPath(data / file, source).at("clips").at(0).at("missing_share");
+    return nlohmann::json(InspectPath(data / file, source)).at("clips").at(0).at("missing_share");
   };
   const auto msr = share("msr_action3d/a12_s04_e03_skeleton3D.txt");
   EXPECT_TRUE(msr.at("value").is_null());

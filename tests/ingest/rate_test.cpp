@@ -60,7 +60,7 @@ TEST_F(MarkedRates, WhoRaisesAHandMayDoSoSlowlyButNotEightTimesAsFast) {
 TEST_F(MarkedRates, AMotionWithoutARateTellsItWhereThePersonJumps) {
   fs::copy_file(data_ / "cmu/asf_amc/01.asf", folder_ / "01.asf");
   fs::copy_file(data_ / "cmu/asf_amc/01_01.amc", folder_ / "01_01.amc");
-  const Json rate = InspectPath(folder_ / "01_01.amc", std::nullopt).at("clips").at(0).at("rate_hz");
+  const Json rate = Json(InspectPath(folder_ / "01_01.amc", std::nullopt)).at("clips").at(0).at("rate_hz");
   EXPECT_EQ(rate.at("from"), "measured");
   EXPECT_NEAR(rate.at("value"), 120.0, 6.0);
   EXPECT_LT(rate.at("range")[0], 120.0);

@@ -26,7 +26,7 @@ class OtherPrograms : public ::testing::Test {
     options.ingest.path = path;
     SourceOptions& source = options.ingest.source;
     source.name = "dump";
-    source.format = SourceFormat::kNpy;
+    source.format = "npy";
     source.files = "{recording}.npy";
     source.recording = "{file}";
     source.person = kUnknownPerson;
@@ -35,7 +35,7 @@ class OtherPrograms : public ::testing::Test {
     source.rate_hz = 20;
     source.skeleton = skeleton;
     source.damaged_rows = DamagedRows::kRefuse;
-    for (const std::string& code : CheckCodes()) source.checks.actions[code] = "ignore";
+    source.checks.IgnoreAll();
     options.classes = {"walk", "sit", "jump"};
     return options;
   }

@@ -79,7 +79,7 @@ TEST_F(RecordedFormats, NumbersThatAreNoPersonsCostTheirJointAndAreToldByBoth) {
     EXPECT_EQ(clips[0].outcome.findings[0].frame_begin, 6);
     EXPECT_THAT(clips[0].outcome.findings[0].message, HasSubstr("a01_s01_e01_realworld.txt:93: "));
     for (const std::optional<SourceOptions>& source : {std::optional<SourceOptions>(options.source), {}}) {
-      const Json findings = InspectPath(options.path, source).at("findings");
+      const Json findings = Json(InspectPath(options.path, source)).at("findings");
       EXPECT_THAT(findings.dump(), HasSubstr("\"" + code + "\""));
       for (const Json& finding : findings) EXPECT_FALSE(finding.at("value").is_null()) << finding;
     }
@@ -102,7 +102,7 @@ class CutFiles : public WrittenFormats {
     IngestOptions options;
     options.path = folder_;
     options.source.name = "cut";
-    options.source.format = SourceFormat::kBvh;
+    options.source.format = "bvh";
     options.source.files = "{action}_{person}.bvh";
     options.source.units = "cm";
     options.source.axes = "+x +y +z";
@@ -257,7 +257,7 @@ TEST_F(CutTables, NamesOfNtuThatSpeakOfMoreOrFewerPeopleThanThereAreAreToldByIns
   const auto find = [&](const std::string& name, const std::string& bytes, const char* code) {
     const fs::path folder = FreshFolder("ntu_people_told");
     Put(folder / name, bytes);
-    const Json findings = InspectPath(folder, options.source).at("findings");
+    const Json findings = Json(InspectPath(folder, options.source)).at("findings");
     return std::count_if(findings.begin(), findings.end(), [&](const Json& told) { return told.at("code") == code; });
   };
   EXPECT_EQ(find("S001C001P001R001A050.skeleton", one, "people_missing"), 1);

@@ -238,7 +238,7 @@ TEST(Ntu13Vibe, EighteenPointsInThePapersOrderAndThirteenActions) {
   Put(folder / "S001C002P003R002A006.pkl", *EncodeVibeTracks({other}, "tracks"));
   Put(folder / "ntu_vibe_list.txt", "S001C002P003R001A006.pkl\n");
   IngestOptions recipe = Recipe("ntu13_vibe", folder);
-  recipe.source.checks.actions["not_joint_positions"] = "report";  // numbers, nobody's joints
+  recipe.source.checks.actions["not_joint_positions"] = OnFinding::kReport;  // numbers, nobody's joints
   const auto discovery = Discover(recipe);
   ASSERT_TRUE(discovery) << discovery.error().Message();
   ASSERT_EQ(discovery->items.size(), 4u);

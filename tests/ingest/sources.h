@@ -57,7 +57,7 @@ inline IngestOptions SmallTable(const std::filesystem::path& folder) {
   options.path = folder;
   SourceOptions& source = options.source;
   source.name = "small";
-  source.format = SourceFormat::kJointTable;
+  source.format = "joint_table";
   source.files = "a{action}_s{person}.txt";
   source.units = "mm";
   source.axes = "+x +y +z";

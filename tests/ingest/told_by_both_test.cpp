@@ -47,7 +47,7 @@ TEST(ToldByBoth, PeopleWithAnotherNumberOfKeypointsAreCounted) {
     ASSERT_TRUE(WriteFile(folder / ("cam1.000" + std::to_string(f) + ".json"), WriteOpenPose(frame)));
   }
   EXPECT_THAT(ToldBy(folder, std::nullopt), Contains(HasSubstr("keypoint_count: 1 person has another number")));
-  EXPECT_EQ(InspectPath(folder, std::nullopt).at("clips")[0].at("joints").at("value"), 25);
+  EXPECT_EQ(Json(InspectPath(folder, std::nullopt)).at("clips")[0].at("joints").at("value"), 25);
 }
 
 TEST(ToldByBoth, AConfidenceOfMsrThatIsNoneIsAnErrorOfItsFile) {

@@ -36,7 +36,7 @@ class Arrays : public WrittenFormats {
     options_.path = folder_;
     SourceOptions& source = options_.source;
     source.name = "mine";
-    source.format = SourceFormat::kNpy;
+    source.format = "npy";
     source.files = "{clip}.npy";
     source.person = "p";
     source.recording = "{clip}";

@@ -38,7 +38,7 @@ void Write(const T& written) {
 SourceOptions TableSource() {
   SourceOptions source;
   source.name = "fixed";
-  source.format = SourceFormat::kJointTable;
+  source.format = "joint_table";
   source.files = "{action}_p{person}_r{repetition}.txt";
   source.units = "mm";
   source.axes = "+x +y -z";
@@ -79,7 +79,7 @@ TEST_F(StageVersions, IngestOfABvhFile) {
   Put("file.bvh", BvhText());
   SourceOptions source;
   source.name = "fixed";
-  source.format = SourceFormat::kBvh;
+  source.format = "bvh";
   source.files = "{action}_{person}.bvh";
   source.units = "cm";
   source.axes = "+x +y +z";
@@ -315,7 +315,7 @@ TEST_F(StageVersions, MotionsOfAFile) {
   MotionsOptions options;
   SourceOptions& source = options.ingest.source;
   source.name = "fixed";
-  source.format = SourceFormat::kNpy;
+  source.format = "npy";
   source.files = "{recording}.npy";
   source.person = "p";
   source.label = "";
@@ -323,7 +323,7 @@ TEST_F(StageVersions, MotionsOfAFile) {
   source.axes = "+x -y -z";
   source.rate_hz = 15.0;
   source.skeleton = "humanact12";
-  for (const std::string& code : CheckCodes()) source.checks.actions[code] = "ignore";
+  source.checks.IgnoreAll();
   Judge(MotionsDeclaration(), "motions",
         {"motions/two", OptionsToJson(options), {Input("source", "two.npy", "two.npy")}}, kComputed);
 }
