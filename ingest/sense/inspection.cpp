@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "ingest/sense/file_names.h"
 
 namespace mocurate {
 namespace {
