@@ -10,17 +10,6 @@
 #include "ingest/sense/inspect_files.h"
 
 namespace mocurate {
-namespace {
-
-/// The format of files of that kind, by the first that has it; null: none, or not known.
-const FormatDriver* FormatOfKind(FileKind kind) {
-  if (kind == FileKind::kUnknown) return nullptr;
-  const auto& all = FormatDrivers();
-  const auto own = std::find_if(all.begin(), all.end(), [&](const FormatDriver* d) { return d->kind == kind; });
-  return own == all.end() ? nullptr : *own;
-}
-
-}  // namespace
 
 Finding UnmatchedName(const std::string& option, const std::string& kind, const std::string& name,
                       const std::set<std::string>& known) {
@@ -83,11 +72,16 @@ void NoteAmbiguous(const SourceOptions& source, const NamePattern& pattern, cons
 }
 
 Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& items) {
-  const FileKind declared = DriverOf(source.format).kind;
+  const FormatDriver& declared = DriverOf(source.format);
   const FormatDriver* other = nullptr;
   for (const std::size_t at : {std::size_t{0}, items.size() / 2, items.size() - 1}) {
-    const FormatDriver* found = FormatOfKind(KindOf(ReadHead(items[at].inputs[0].path).value_or("")));
-    if (found == nullptr || found->kind == declared || (other != nullptr && other != found)) return {};
+    const StageInput& input = items[at].inputs[0];
+    const Expected<std::string> head = ReadHead(input.path);
+    const FormatDriver* found = head ? RecogniseFormat({*head, input.name, input.path}) : nullptr;
+    // What the first bytes tell; tables of numbers may be of any format whose first bytes tell nothing.
+    if (found == nullptr || found->kind == FileKind::kUnknown || found->kind == declared.kind) return {};
+    if (found->kind == FileKind::kNumbers && declared.kind == FileKind::kUnknown) return {};
+    if (other != nullptr && other != found) return {};
     other = found;
   }
   return Fail(ErrorCode::kConfig,

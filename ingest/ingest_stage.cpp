@@ -286,7 +286,8 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
     if (finding.action != FindingAction::kRefused) continue;
     outcome.kind = OutcomeKind::kRefused;
-    outcome.summary["threshold"] = ContradictionThreshold(finding.code, finding.value, *source);
+    outcome.summary["threshold"] =
+        finding.limit > 0.0 ? finding.limit : ContradictionThreshold(finding.code, finding.value, *source);
     outcome.error = Error{ErrorCode::kInconsistent, finding.message, name,
                           source->on_contradiction == OnContradiction::kRefuse
                               ? "set ingest.source.on_contradiction: flag to keep such clips"

@@ -56,7 +56,8 @@ void SourceOptions::Declare(OptionVisitor& v) {
          "confidence) 4*(x y z confidence)'");
   v.Text("end_word", end_word, "joint_table: word on the line that closes the table, where there is one");
   v.Choice("damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
-           "joint_table, ntu_skeleton, asf_amc, phspd: a row of a wrong length or without numbers refuses the file, or "
+           "joint_table, ntu_skeleton, asf_amc, phspd, expmap, amass, npy: a row of a wrong length or without numbers "
+           "refuses the file, or "
            "what it "
            "holds is missing, in its place; bvh, ntu_skeleton: a count of frames that is not that of the rows, or a "
            "last frame that is cut off, refuses it, or the whole rows decide. Each is a finding, as in `inspect`");

@@ -172,6 +172,12 @@ Status CheckSource(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", OptionPlace("skeleton"),
                 "an array needs one, e.g. humanact12");
   }
+  for (const auto& [option, set] : {std::pair{"known_issue_lists", !s.known_issue_lists.empty()},
+                                    std::pair{"label_table", !s.label_table.empty()}}) {
+    if (s.container.empty() || !set) continue;
+    return Fail(ErrorCode::kConfig, "it is not read of clips in one file", OptionPlace(option),
+                "take it out; `exclude` and `labels` leave clips out and name them");
+  }
   if (driver.container == Container::kMust && s.container.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which file holds its clips",
                 OptionPlace("container"), "e.g. 'humanact12poses.pkl'");

@@ -13,6 +13,17 @@ std::string LimitKey(const FindingKind& kind, const CheckLimit& limit) {
   return std::string(kind.code) + '.' + limit.name;
 }
 
+/// What may be done about a finding, by name.
+std::vector<std::pair<std::string, OnFinding>> ActionsOf(Checked check) {
+  std::vector<std::pair<std::string, OnFinding>> actions = {{"ignore", OnFinding::kIgnore},
+                                                            {"report", OnFinding::kReport}};
+  if (check == Checked::kSamples) actions.emplace_back("missing", OnFinding::kMissing);
+  if (check != Checked::kView) actions.emplace_back("drop", OnFinding::kDrop);
+  if (check == Checked::kSamples || check == Checked::kClip)
+    actions.emplace_back("drop_recorded", OnFinding::kDropRecorded);
+  return actions;
+}
+
 /// Keeps what differs from the table.
 template <class T>
 void Keep(std::map<std::string, T>& said, const std::string& key, T value, T by_default) {
@@ -28,7 +39,7 @@ const std::vector<std::string>& CheckCodes() {
   static const std::vector<std::string> codes = [] {
     std::vector<std::string> checks;
     for (const FindingKind& kind : FindingKinds()) {
-      if (kind.check) checks.emplace_back(kind.code);
+      if (kind.check != Checked::kNothing) checks.emplace_back(kind.code);
     }
     return checks;
   }();
@@ -37,7 +48,7 @@ const std::vector<std::string>& CheckCodes() {
 
 void CheckOptions::Declare(OptionVisitor& v) {
   for (const FindingKind& kind : FindingKinds()) {
-    if (!kind.check) continue;
+    if (kind.check == Checked::kNothing) continue;
     v.BeginGroup(kind.code, kind.help);
     for (const CheckLimit& limit : kind.limits) {
       double value = Limit(kind.code, limit.name);
@@ -52,12 +63,7 @@ void CheckOptions::Declare(OptionVisitor& v) {
     }
     OnFinding action = ActionFor(kind.code);
     v.Choice(
-        "action", action,
-        {{"ignore", OnFinding::kIgnore},
-         {"report", OnFinding::kReport},
-         {"missing", OnFinding::kMissing},
-         {"drop", OnFinding::kDrop},
-         {"drop_recorded", OnFinding::kDropRecorded}},
+        "action", action, ActionsOf(kind.check),
         "ignore it, report it, take the samples of tracks as missing, leave the clip out, or clips of tracks alone");
     Keep(actions, std::string(kind.code), action, kind.by_default);
     v.EndGroup();

@@ -18,13 +18,21 @@ struct CheckLimit {
   bool whole = false;       ///< a count
 };
 
+/// What a check looks at, which decides what may be done about what it finds.
+enum class Checked {
+  kNothing,  ///< no check of ingest.source.checks
+  kSamples,  ///< frames or a joint of a clip, which may be taken as missing
+  kClip,     ///< a clip as a whole
+  kClips,    ///< several clips: one of them may be dropped
+  kView,     ///< images of a camera: it is reported or ignored
+};
+
 /// One kind of finding that `inspect` and the stage `ingest` report.
 struct FindingKind {
   const char* code;
-  const char* severity;  ///< "warning", or what it depends on
-  const char* help;      ///< what it means; `value` where that is not plain
-  /// Of what FindDefects and the stage `duplicates` look for: `ingest.source.checks` says limits and actions.
-  bool check = false;
+  const char* severity;                 ///< "warning", or what it depends on
+  const char* help;                     ///< what it means; `value` where that is not plain
+  Checked check = Checked::kNothing;    ///< of what ingest.source.checks says limits and actions
   std::vector<CheckLimit> limits = {};  ///< the first is the one that `value` crossed
   OnFinding by_default = OnFinding::kReport;
 };

@@ -27,7 +27,7 @@ struct ContainerEntry {
   std::string left_out;  ///< why it is no clip
 };
 
-/// One format of captures: everything that mocurate knows of it. `run` reads clips by it, `inspect` with a source
+/// One format of captures. `run` reads clips by it, `inspect` with a source
 /// reports what that gives, and a declaration is checked by it. docs/adding_a_format.md.
 struct FormatDriver {
   const char* name = "none";           ///< as a configuration says it
@@ -53,7 +53,8 @@ struct FormatDriver {
   /// Rules of a declaration beyond those of all formats. Error kConfig naming the option. Null: none.
   Status (*check)(const SourceOptions& source) = nullptr;
   Expected<IngestedClip> (*to_clip)(const SourceFile& file) = nullptr;
-  /// Whether a file that is not declared is of this format; null: where its `kind` is the format's.
+  /// Whether a file that is not declared is of this format, by its path and at least its first kKindHead bytes. Null:
+  /// where its `kind` is the format's.
   bool (*sniff)(const FileBytes& file, FileKind kind) = nullptr;
   /// All that such a file says of itself. Null: a clip is found by several files together, or by a declaration alone.
   Expected<ObservedFile> (*observe)(const FileBytes& file) = nullptr;
@@ -71,10 +72,12 @@ const std::vector<const FormatDriver*>& FormatDrivers();
 /// Of `none` for a name that no format has.
 const FormatDriver& DriverOf(std::string_view name);
 
-/// The format of a file that is not declared: of those that sniff, else by the first bytes. Null: none observes it.
+/// The format of a file by its path and at least its first kKindHead bytes: of those that sniff, the last that was
+/// added first, else by its kind. Null: none.
 const FormatDriver* RecogniseFormat(const FileBytes& file);
 
 /// A format of a program of one's own: configurations may name it from now on. Called before any thread reads clips.
+/// Throws std::logic_error for a name that there is, without to_clip, and for options that ingest.source has not.
 void AddFormat(const FormatDriver& driver);
 
 /// What the clips of a source hold: that of its format, and depth views where it declares them beside keypoints.

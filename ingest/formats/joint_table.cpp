@@ -105,6 +105,27 @@ void TakeRotations(const JointRows& rows, const SourceFrame& frame, JointTracks&
       Counted(malformed, "recorded rotation") + " marked as sure: the matrix is not orthogonal; taken for missing"));
 }
 
+/// Leaves out the joints that the declaration passes over, "-"; the names of the others.
+std::vector<std::string> TakeNamed(const std::vector<std::string>& joints, JointRows& rows) {
+  const auto is_named = [](const std::string& name) { return name != "-"; };
+  std::vector<std::string> names;
+  std::copy_if(joints.begin(), joints.end(), std::back_inserter(names), is_named);
+  if (names.size() == joints.size()) return names;
+  const auto take = [&](std::vector<double>& values, std::size_t numbers) {
+    std::vector<double> kept;
+    for (std::size_t at = 0; at < values.size(); ++at) {
+      if (is_named(joints[at / numbers % joints.size()])) kept.push_back(values[at]);
+    }
+    values = std::move(kept);
+  };
+  take(rows.position, 3);
+  take(rows.confidence, 1);
+  take(rows.rotation, 9);
+  take(rows.rotation_confidence, 1);
+  rows.joints = static_cast<int>(names.size());
+  return names;
+}
+
 /// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is flipped by its axes, never
 /// otherwise.
 Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
@@ -118,7 +139,7 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   ingested.findings = std::move(rows->findings);
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   JointTracks tracks;
-  tracks.names = source.joints;
+  tracks.names = TakeNamed(source.joints, *rows);
   tracks.positions = JointPositions(rows->frames, rows->joints);
   tracks.confidence.assign(static_cast<std::size_t>(rows->frames) * rows->joints, 0.0);
   std::size_t zeros = 0;
@@ -131,7 +152,7 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
       if (confidence < 0.0 || confidence > 1.0) {
         return Fail(ErrorCode::kInconsistent,
                     "confidence " + FormatDouble(confidence) + " of joint '" +
-                        source.joints[static_cast<std::size_t>(j)] + "' in frame " + std::to_string(f) +
+                        tracks.names[static_cast<std::size_t>(j)] + "' in frame " + std::to_string(f) +
                         " is not in 0..1",
                     file.name, "write `skip` for that column, or bring it to 0..1 first");
       }

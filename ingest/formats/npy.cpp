@@ -113,7 +113,7 @@ Motion Bridged(const JointTracks& tracks, const std::vector<DamagedFrame>& bridg
 
 /// Action2Motion's raw outputs, root translation and a rotation vector per joint, as positions by its released
 /// kinematics (a2m_actor.md B.3).
-Expected<NpyArray> JointsOfLie(const NpyArray& array, const Skeleton& skeleton,
+Expected<NpyArray> JointsOfLie(const NpyArray& array, std::size_t wide, const Skeleton& skeleton,
                                const std::vector<double>& bone_lengths) {
   const auto joints = static_cast<std::size_t>(skeleton.joint_count());
   if (!skeleton.lie || bone_lengths.size() != joints) {
@@ -121,6 +121,12 @@ Expected<NpyArray> JointsOfLie(const NpyArray& array, const Skeleton& skeleton,
                 std::to_string(bone_lengths.size()) + " bone lengths, skeleton '" + skeleton.name + "' has " +
                     std::to_string(joints) + " joints" + (skeleton.lie ? "" : " and no Lie chains"),
                 "ingest.source.lie_bone_lengths", "one per joint, 0 for the root, of a skeleton with lie_chains");
+  }
+  if (wide != joints) {
+    return Fail(ErrorCode::kConfig,
+                std::to_string(wide) + " joints are listed, Lie parameters are of all " + std::to_string(joints) +
+                    " of skeleton '" + skeleton.name + "'",
+                "ingest.source.joints", "take `joints` out");
   }
   NpyArray positions = array;
   std::vector<Vector3d> frame(joints);
@@ -172,7 +178,7 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
   const int frames = static_cast<int>(array->shape[0]);
   NpyArray positions;
   if (!source.lie_bone_lengths.empty()) {
-    Expected<NpyArray> forward = JointsOfLie(*array, **skeleton, source.lie_bone_lengths);
+    Expected<NpyArray> forward = JointsOfLie(*array, wide, **skeleton, source.lie_bone_lengths);
     if (!forward) return Forward(forward);
     positions = std::move(*forward);
     array = &positions;

@@ -16,7 +16,11 @@ constexpr long long kMostBodiesTogether = 3;
 
 Status CheckViews(const SourceOptions& s) {
   const ViewOptions& views = s.views;
-  if (!views.together) return {};
+  if (!views.together) {
+    if (s.depth_files.empty()) return {};
+    return Fail(ErrorCode::kConfig, "depth images are of clips whose views are together", "ingest.source.depth_files",
+                "write views: {together: true}, or take depth_files out");
+  }
   if (s.view.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which camera a file is of",
                 "ingest.source.view", "e.g. view: 'C{camera}'");

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "ingest/formats/driver.h"
 
@@ -59,19 +61,27 @@ const FormatDriver& DriverOf(std::string_view name) {
 }
 
 const FormatDriver* RecogniseFormat(const FileBytes& file) {
+  const auto& all = FormatDrivers();
   const FileKind kind = KindOf(file.bytes);
-  const FormatDriver* by_kind = nullptr;
-  for (const FormatDriver* driver : FormatDrivers()) {
-    if (driver->observe == nullptr) continue;
-    if (driver->sniff != nullptr && driver->sniff(file, kind)) return driver;
-    if (driver->sniff == nullptr && driver->kind == kind) by_kind = driver;
-  }
-  return by_kind;
+  // Formats that a program adds stand behind ours and are asked before them.
+  const auto sniffs = [&](const FormatDriver* d) { return d->sniff != nullptr && d->sniff(file, kind); };
+  const auto sniffed = std::find_if(all.rbegin(), all.rend(), sniffs);
+  if (sniffed != all.rend()) return *sniffed;
+  const auto of_kind = [&](const FormatDriver* d) { return d->sniff == nullptr && d->kind == kind; };
+  const auto own = kind == FileKind::kUnknown ? all.end() : std::find_if(all.begin(), all.end(), of_kind);
+  return own == all.end() ? nullptr : *own;
 }
 
 void AddFormat(const FormatDriver& driver) {
+  const std::string name = driver.name;
+  if (DriverOf(name).name == name) throw std::logic_error("there is a format '" + name + "' already");
+  if (driver.to_clip == nullptr) throw std::logic_error("format '" + name + "' has no to_clip");
+  const nlohmann::json options = OptionsToJson(SourceOptions());
+  for (const std::string& option : driver.options) {
+    if (!options.contains(option)) throw std::logic_error("ingest.source has no option '" + option + "'");
+  }
   AllFormats().push_back(&driver);
-  AddSourceFormat(driver.name);
+  AddSourceFormat(name);
 }
 
 bool FormatDriver::HasOption(std::string_view option) const {

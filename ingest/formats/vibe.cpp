@@ -25,10 +25,31 @@ struct OpenCache {
   VibeCache cache;
 };
 
-/// The videos of UESTC's cache, as info/ beside it names them; the second camera's moving view is left out.
-Expected<std::vector<ContainerEntry>> UestcEntries(const SourceOptions&, const std::filesystem::path& folder) {
-  const Expected<UestcFolder> info = ReadUestcFolder(folder);
+Expected<std::shared_ptr<const OpenCache>> CacheOf(const std::filesystem::path& container) {
+  static KeptOpen<OpenCache> last;
+  return last.Get(container, [](const std::filesystem::path& path) -> Expected<OpenCache> {
+    auto bytes = MappedFile::Open(path);
+    if (!bytes) return Forward(bytes);
+    Expected<VibeCache> cache = VibeCache::Open((*bytes)->bytes(), DisplayPath(path.filename()));
+    if (!cache) return Forward(cache);
+    return OpenCache{std::move(*bytes), std::move(*cache)};
+  });
+}
+
+/// The videos of UESTC's cache, as info/ beside it names them; the second camera's moving view is left out. Error
+/// kInconsistent where it names more or fewer than there are: which name is whose is not known then.
+Expected<std::vector<ContainerEntry>> UestcEntries(const SourceOptions& source, const std::filesystem::path& folder) {
+  const std::filesystem::path container = folder / source.container;
+  const Expected<UestcFolder> info = ReadUestcFolder(container.parent_path());
   if (!info) return Forward(info);
+  const auto cache = CacheOf(container);
+  if (!cache) return Forward(cache);
+  if ((*cache)->cache.size() != info->videos.size()) {
+    return Fail(ErrorCode::kInconsistent,
+                "info/names.txt names " + Counted(static_cast<long long>(info->videos.size()), "video") +
+                    ", the file holds " + std::to_string((*cache)->cache.size()) + ": which name is whose is not known",
+                DisplayPath(source.container), "take info/ and cache of one release");
+  }
   std::vector<ContainerEntry> entries;
   for (std::size_t i = 0; i < info->videos.size(); ++i) {
     const UestcVideo& video = info->videos[i];
@@ -41,14 +62,7 @@ Expected<std::vector<ContainerEntry>> UestcEntries(const SourceOptions&, const s
 }
 
 Expected<VibeTrack> ReadUestcVideo(const SourceFile& file) {
-  static KeptOpen<OpenCache> last;
-  const auto opened = last.Get(file.container, [](const std::filesystem::path& path) -> Expected<OpenCache> {
-    auto bytes = MappedFile::Open(path);
-    if (!bytes) return Forward(bytes);
-    Expected<VibeCache> cache = VibeCache::Open((*bytes)->bytes(), DisplayPath(path.filename()));
-    if (!cache) return Forward(cache);
-    return OpenCache{std::move(*bytes), std::move(*cache)};
-  });
+  const auto opened = CacheOf(file.container);
   if (!opened) return Forward(opened);
   const VibeCache& cache = (*opened)->cache;
   if (Status there = CheckEntry(file.entry, cache.size(), file.name); !there) return Forward(there);

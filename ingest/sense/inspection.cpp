@@ -14,6 +14,9 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// Texts of files may be of any encoding.
+std::string Dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 constexpr std::size_t kMostPlaces = 3;  // named per code of findings or format of companions
 
 /// Calls `visit(name, field)` for what is reported of a clip, in the order of the text.
@@ -158,7 +161,7 @@ template <class T>
 std::string ValueText(const std::optional<T>& value) {
   if (!value) return "?";
   if constexpr (std::is_same_v<T, std::string>) return *value;
-  return ValueJson(*value).dump();
+  return Dumped(ValueJson(*value));
 }
 
 std::string WholePercent(double share) { return std::to_string(static_cast<int>(share * 100.0 + 0.5)) + " %"; }
@@ -186,7 +189,7 @@ std::string FieldText(const char* name, const Reported<T>& field) {
 std::string ClipText(const InspectedClip& clip) {
   std::string text = clip.id + ": " + clip.format + "\n";
   ForEachField(clip, [&](const char* name, const auto& field) { text += FieldText(name, field); });
-  if (!clip.facts.empty()) text += NamedLine("facts", FactsJson(clip.facts).dump());
+  if (!clip.facts.empty()) text += NamedLine("facts", Dumped(FactsJson(clip.facts)));
   return text;
 }
 
@@ -243,7 +246,8 @@ std::string SceneText(const Inspection& inspection) {
   }
   std::map<std::string, std::vector<std::string>> companions;
   for (const ObservedCompanion& companion : inspection.companions) {
-    companions[companion.format].push_back(companion.file + " " + FactsJson(companion.texts, companion.numbers).dump());
+    companions[companion.format].push_back(companion.file + " " +
+                                           Dumped(FactsJson(companion.texts, companion.numbers)));
   }
   for (const auto& [format, lines] : companions) {
     text += "\n" + std::to_string(lines.size()) + " " + format + "\n" + FirstLines(lines);

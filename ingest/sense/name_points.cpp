@@ -108,25 +108,10 @@ void DoubtPositions(ObservedClip& clip) {
   }
 }
 
-void DeclareOrder(const SourceOptions& source, ObservedClip& clip) {
+void CompareOrder(const SourceOptions& source, ObservedClip& clip) {
   clip.skeleton = AsDeclared(source.skeleton, "");
-  clip.names = source.joints;
-  const auto skeleton = KnownSkeleton(source.skeleton.empty() ? "smpl24" : source.skeleton);
-  if (!skeleton) {
-    clip.remarks.push_back(MakeFinding("unknown_skeleton", Severity::kError, 0.0, skeleton.error().Message()));
-    return;
-  }
-  if (clip.names.empty()) {
-    for (const Joint& joint : (*skeleton)->joints) clip.names.push_back(joint.name);
-  }
-  if (static_cast<int>(clip.names.size()) != clip.joints) {
-    clip.remarks.push_back(MakeFinding("layout_contradiction", Severity::kError, static_cast<double>(clip.joints),
-                                       "the file has " + std::to_string(clip.joints) + " joints, the declaration " +
-                                           std::to_string(clip.names.size())));
-    clip.names.clear();
-    return;
-  }
-  clip.points = PointsByName(clip.names, **skeleton);
+  const auto skeleton = KnownSkeleton(source.skeleton);
+  if (!skeleton) return;
   const BodyScore score = ScoreBody(clip.positions, clip.confidence, BonesOf(clip.names, **skeleton));
   clip.skeleton.evidence = clip.frames < 2
                                ? "1 frame does not tell whether bones keep their length"

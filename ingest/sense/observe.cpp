@@ -35,7 +35,8 @@ Expected<ObservedFile> ObserveCalibration(const FileBytes& file) {
 
 Expected<ObservedFile> ObserveFile(const FileBytes& file) {
   const FileKind kind = KindOf(file.bytes);
-  if (const FormatDriver* format = RecogniseFormat(file)) return format->observe(file);
+  const FormatDriver* format = RecogniseFormat(file);
+  if (format != nullptr && format->observe != nullptr) return format->observe(file);
   switch (kind) {
     case FileKind::kOpenSim:
       return ObserveOpenSim(file);

@@ -62,8 +62,9 @@ struct ObservedClip {
 bool RecogniseOrder(ObservedClip& clip);
 /// Remarks when no two points of a clip without names keep their distance.
 void DoubtPositions(ObservedClip& clip);
-/// Names the points as declared, and compares with known orders.
-void DeclareOrder(const SourceOptions& source, ObservedClip& clip);
+/// Remarks "joint_order_contradiction" where points that are named as declared are no body of the declared skeleton and
+/// another order is one.
+void CompareOrder(const SourceOptions& source, ObservedClip& clip);
 /// Names the points, of a skeleton of configs/skeletons, as the format says.
 void FollowFormat(const std::string& skeleton, const std::vector<std::string>& joints, const std::string& evidence,
                   ObservedClip& clip);

@@ -17,10 +17,12 @@ std::optional<Finding> DoubtPath(const JointPositions& places, const HandednessP
   const std::optional<RootScale> scale = MeasureRootScale(places, body);
   if (!scale || !std::isfinite(scale->factor) || !(scale->factor > 0.0)) return std::nullopt;
   if (scale->factor < kOtherUnit && scale->factor > 1.0 / kOtherUnit) return std::nullopt;
-  return MakeFinding("units_contradiction", Severity::kError, FourDecimals(scale->factor),
-                     "the path of the root and the lengths of the bones are of two units (" + scale->evidence +
-                         "): multiply the positions of the root by " + Digits(scale->factor) +
-                         ", or give the bones the unit of the path");
+  Finding finding = MakeFinding("units_contradiction", Severity::kError, FourDecimals(scale->factor),
+                                "the path of the root and the lengths of the bones are of two units (" +
+                                    scale->evidence + "): multiply the positions of the root by " +
+                                    Digits(scale->factor) + ", or give the bones the unit of the path");
+  finding.limit = scale->factor > 1.0 ? kOtherUnit : 1.0 / kOtherUnit;
+  return finding;
 }
 
 }  // namespace mocurate

@@ -82,11 +82,8 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
   }
   observed.joints = observed.positions.joints;
   observed.units = "m";
-  if (driver.lists_joints && !source.skeleton.empty() && observed.frames >= kFewestBodyFrames) {
-    const HandednessPoints points = observed.points;
-    DeclareOrder(source, observed);
-    observed.points = points;
-  }
+  if (driver.lists_joints && !source.skeleton.empty() && observed.frames >= kFewestBodyFrames)
+    CompareOrder(source, observed);
   if (driver.lengths_assumed) {
     observed.lengths_assumed = true;  // the skeleton's: only the path of the root is the file's
     observed.root_scale = MeasureRootScale(observed.positions, observed.points);

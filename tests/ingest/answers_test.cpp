@@ -23,6 +23,13 @@
 namespace mocurate {
 namespace {
 
+/// Severities are among those of the table.
+void CheckSeverity(const std::string& code, const std::string& severity) {
+  const FindingKind* kind = FindFindingKind(code);
+  if (kind == nullptr) return;
+  EXPECT_NE(std::string(kind->severity).find(severity), std::string::npos) << code << " is of severity " << severity;
+}
+
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
@@ -85,6 +92,7 @@ void AddInspection(const fs::path& path, const std::optional<SourceOptions>& sou
     book.Add("beside " + Word(beside.at("file")) + " " + Word(beside.at("format")));
   std::vector<std::string> findings;
   for (const Json& finding : said.at("findings")) {
+    CheckSeverity(finding.at("code"), finding.at("severity"));
     findings.push_back(Word(finding.at("severity")) + " " + Word(finding.at("code")) + " " +
                        Placed(Word(finding.at("where")), path) + " " + Word(finding.at("value")));
   }
@@ -132,6 +140,7 @@ std::string NumbersOf(const Clip& clip) {
 }
 
 std::string FindingLine(const Finding& finding) {
+  CheckSeverity(finding.code, std::string(Name(finding.severity)));
   return std::string(Name(finding.severity)) + " " + finding.code + " " + std::to_string(finding.frame_begin) + "-" +
          std::to_string(finding.frame_end) + " " + finding.joint + " " + Number(finding.value);
 }

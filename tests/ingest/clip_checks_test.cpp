@@ -31,7 +31,8 @@ std::vector<std::string> Found(const std::string& source, const std::vector<std:
     const auto& outcome = run.outcomes[i];
     if (!outcome) continue;
     for (const Finding& finding : outcome->findings) {
-      if (const FindingKind* kind = FindFindingKind(finding.code); kind == nullptr || !kind->check) continue;
+      if (const FindingKind* kind = FindFindingKind(finding.code); kind == nullptr || kind->check == Checked::kNothing)
+        continue;
       lines.push_back(item.substr(item.rfind('/') + 1) + " " + finding.code +
                       (finding.joint.empty() ? "" : " " + finding.joint) + " " + std::to_string(finding.frame_begin) +
                       "-" + std::to_string(finding.frame_end));

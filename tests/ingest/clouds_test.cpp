@@ -139,16 +139,16 @@ TEST(CloudSource, ADeclarationWithoutFramesOrOfAnotherFormatIsRefused) {
 TEST(CloudSource, IsInspectedWithAndWithoutItsDeclaration) {
   const IngestOptions options = ThreeClouds("cloud_inspection");
   Put(options.path / "walk/scan_013.ply", PlyOf(13));
-  const nlohmann::json declared = InspectPath(options.path, options.source);
-  ASSERT_EQ(declared.at("clips").size(), 1u);
-  EXPECT_EQ(declared.at("clips")[0].at("format"), "clouds");
-  EXPECT_EQ(declared.at("clips")[0].at("frames").at("value"), 4);
-  EXPECT_TRUE(declared.at("clouds").empty()) << "they are the clip";
-  EXPECT_TRUE(declared.at("findings").empty()) << declared.at("findings");
+  const Inspection declared = InspectPath(options.path, options.source);
+  ASSERT_EQ(declared.clips.size(), 1u);
+  EXPECT_EQ(declared.clips[0].format, "clouds");
+  EXPECT_EQ(declared.clips[0].frames.value, 4);
+  EXPECT_TRUE(declared.clouds.empty()) << "they are the clip";
+  EXPECT_TRUE(declared.findings.empty());
 
-  const nlohmann::json bare = InspectPath(options.path, std::nullopt);
-  EXPECT_EQ(bare.at("format"), "ply");
-  EXPECT_EQ(bare.at("clouds").size(), 4u);
+  const Inspection bare = InspectPath(options.path, std::nullopt);
+  EXPECT_EQ(bare.format, "ply");
+  EXPECT_EQ(bare.clouds.size(), 4u);
   EXPECT_THAT(InspectionText(bare), HasSubstr("4 clouds in walk/"));
   const auto draft = DeclareSource(bare, options.path, "scans");
   ASSERT_TRUE(draft) << draft.error().Message();
@@ -161,14 +161,14 @@ TEST(CloudSource, IsInspectedWithAndWithoutItsDeclaration) {
 TEST(CloudSource, PointsFarFromTheOthersAreReported) {
   const std::filesystem::path folder = FreshFolder("cloud_far");
   std::string cloud = PlyOf(0);
-  EXPECT_TRUE(InspectPath(folder, std::nullopt).at("clouds").empty());
+  EXPECT_TRUE(InspectPath(folder, std::nullopt).clouds.empty());
   Put(folder / "near.ply", cloud);
   cloud.replace(cloud.rfind('\n', cloud.size() - 2), std::string::npos, "\n0 0 65535\n");
   Put(folder / "far.ply", cloud);
-  const nlohmann::json findings = InspectPath(folder, std::nullopt).at("findings");
-  ASSERT_EQ(findings.size(), 1u) << findings;
-  EXPECT_EQ(findings[0].at("code"), "point_far");
-  EXPECT_EQ(findings[0].at("where"), "far.ply");
+  const std::vector<Finding> findings = InspectPath(folder, std::nullopt).findings;
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "point_far");
+  EXPECT_EQ(findings[0].clip, "far.ply");
 }
 
 }  // namespace

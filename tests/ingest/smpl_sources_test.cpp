@@ -200,10 +200,7 @@ TEST(Uestc, WithoutWhatStandsBesideItTheFileThatIsMissingIsNamed) {
   std::string classes;
   for (int a = 0; a < 40; ++a) classes += "action " + std::to_string(a) + "\n";
   Put(folder / "info/action_classes.txt", classes);
-  const auto discovery = Discover(Recipe("uestc", folder));
-  ASSERT_TRUE(discovery) << discovery.error().Message();
-  ExpectError(RunIngest(discovery->items.at(1), "uestc_bare").outcome, ErrorCode::kInconsistent,
-              "a1_d0_p001_c1_color.avi");
+  ExpectError(Discover(Recipe("uestc", folder)), ErrorCode::kInconsistent, "vibe_cache_refined.pkl");
 }
 
 TEST(Uestc, RotationsInDegreesAreToldByARunAndAnInspection) {

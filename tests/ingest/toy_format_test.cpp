@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "ingest/formats/driver.h"
 #include "ingest/sense/inspect.h"
@@ -10,20 +12,40 @@
 namespace mocurate {
 namespace {
 
+/// JSON, a list of frames of `numbers` each; 0: of any.
+Expected<std::vector<std::vector<double>>> ToyRows(std::string_view bytes, const std::string& name,
+                                                   std::size_t numbers) {
+  const nlohmann::json frames = nlohmann::json::parse(bytes, nullptr, false);
+  if (!frames.is_array()) {
+    return Fail(ErrorCode::kMalformed, "the file is no list of frames", name, "export it again");
+  }
+  std::vector<std::vector<double>> rows;
+  for (const nlohmann::json& frame : frames) {
+    const bool sound = frame.is_array() && (numbers == 0 || frame.size() == numbers) &&
+                       std::all_of(frame.begin(), frame.end(), [](const auto& value) { return value.is_number(); });
+    if (!sound) {
+      return Fail(ErrorCode::kMalformed, "the frame is no list of " + std::to_string(numbers) + " numbers",
+                  name + ": frame " + std::to_string(rows.size()), "list x, y, z of each joint that is declared");
+    }
+    rows.push_back(frame.get<std::vector<double>>());
+  }
+  return rows;
+}
+
 /// A format of a program of one's own: JSON, the places of the declared joints in each frame, x y z.
 Expected<IngestedClip> ReadToyClip(const SourceFile& file) {
   const Expected<SourceFrame> frame = FrameOf(file.source);
   if (!frame) return Forward(frame);
-  const nlohmann::json rows = nlohmann::json::parse(file.bytes, nullptr, false);
-  if (!rows.is_array()) return Fail(ErrorCode::kMalformed, "the file is no list of frames", file.name);
+  const auto rows = ToyRows(file.bytes, file.name, 3 * file.source.joints.size());
+  if (!rows) return Forward(rows);
   IngestedClip ingested;
   ingested.clip.rate = FrameRate::FromHz(*file.source.rate_hz);
   JointTracks tracks;
   tracks.names = file.source.joints;
-  tracks.positions = JointPositions(static_cast<int>(rows.size()), static_cast<int>(tracks.names.size()));
-  tracks.confidence.assign(rows.size() * tracks.names.size(), 1.0);
+  tracks.positions = JointPositions(static_cast<int>(rows->size()), static_cast<int>(tracks.names.size()));
+  tracks.confidence.assign(rows->size() * tracks.names.size(), 1.0);
   for (int f = 0; f < tracks.positions.frames; ++f) {
-    const std::vector<double> row = rows[static_cast<std::size_t>(f)];
+    const std::vector<double>& row = (*rows)[static_cast<std::size_t>(f)];
     tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
     for (int j = 0; j < tracks.positions.joints; ++j)
       tracks.positions.at(f, j) = frame->metres_from_file * Vector3d(row[3 * j], row[3 * j + 1], row[3 * j + 2]);
@@ -34,11 +56,11 @@ Expected<IngestedClip> ReadToyClip(const SourceFile& file) {
 
 /// What a toy says without a declaration: its frames.
 Expected<ObservedFile> ToyIn(const FileBytes& file) {
-  const nlohmann::json rows = nlohmann::json::parse(file.bytes, nullptr, false);
-  if (!rows.is_array()) return Fail(ErrorCode::kMalformed, "the file is no list of frames", file.name);
+  const auto rows = ToyRows(file.bytes, file.name, 0);
+  if (!rows) return Forward(rows);
   ObservedClip clip;
   clip.format = "toy";
-  clip.frames = static_cast<int>(rows.size());
+  clip.frames = static_cast<int>(rows->size());
   return ObservedFile::Of(std::move(clip));
 }
 
@@ -46,6 +68,7 @@ class ToyFormat : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     static FormatDriver driver;
+    if (driver.to_clip != nullptr) return;  // added before
     driver.name = "toy";
     driver.inspected = "toy";
     driver.gives = Gives::kJointTracks;
@@ -99,12 +122,26 @@ TEST_F(ToyFormat, FilesAreRecognisedWithoutADeclaration) {
 
 TEST_F(ToyFormat, ItsErrorsAndRulesAreThoseOfEveryFormat) {
   ExpectError(IngestOnly(Source("toy_torn", "[[10, 90"), "toy_torn"), ErrorCode::kMalformed, "wave_anna.toy");
+  ExpectError(IngestOnly(Source("toy_short", "[[1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5]]"), "toy_short"),
+              ErrorCode::kMalformed, "wave_anna.toy: frame 1");
   IngestOptions options = Source("toy_rules", "[]");
   options.source.columns = {"x", "z", "y"};
   ExpectError(CheckSource(options.source), ErrorCode::kConfig, "ingest.source.columns");
   options = Source("toy_rules", "[]");
   options.source.rate_hz.reset();
   ExpectError(CheckSource(options.source), ErrorCode::kConfig, "ingest.source.rate");
+}
+
+TEST_F(ToyFormat, ADriverWithoutAReaderOrOfATakenNameIsRefused) {
+  FormatDriver driver;
+  driver.name = "no_reader";
+  EXPECT_THROW(AddFormat(driver), std::logic_error);
+  driver.to_clip = ReadToyClip;
+  driver.options = {"no_such_option"};
+  EXPECT_THROW(AddFormat(driver), std::logic_error);
+  driver.options = {};
+  driver.name = "bvh";
+  EXPECT_THROW(AddFormat(driver), std::logic_error);
 }
 
 }  // namespace

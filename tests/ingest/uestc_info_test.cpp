@@ -68,6 +68,11 @@ TEST_F(UestcInfo, ACountOfMoreFramesThanTheTrackHasIsAFindingOfThatClipAndLine) 
   EXPECT_TRUE(told);
 }
 
+TEST_F(UestcInfo, NamesOfAnotherReleaseAreRefused) {
+  Put("info/names.txt", Bytes("uestc/info/names.txt") + "a7_d2_p001_c1_color.avi\n");
+  EXPECT_FALSE(Discover(Declared("uestc", {"ingest.path=" + (folder / "uestc").string()})));
+}
+
 TEST_F(UestcInfo, FewerFramesThanTheTrackHasAreNoContradiction) {
   Announce(3, "20");
   const IngestOptions options = Declared("uestc", {"ingest.path=" + (folder / "uestc").string()});
