@@ -18,6 +18,8 @@ std::string PlaceInFile(const ItemSpec& item) {
   return "";
 }
 
+std::string RecordingOf(const ItemSpec& item) { return item.item.substr(item.item.rfind('/') + 1); }
+
 bool NamesClip(const std::string& wanted, const std::string& file, const std::string& place) {
   if (!place.empty() && (wanted == place || "[" + wanted + "]" == place)) return true;
   const std::filesystem::path path(file);

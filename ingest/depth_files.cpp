@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "ingest/chosen_clips.h"
+
 namespace mocurate {
 
 DepthFiles::DepthFiles(const std::vector<FolderFile>& files, const NamePattern& pattern, const NamePattern& source) {
@@ -26,12 +28,6 @@ std::vector<std::string> DepthFiles::Key(const NameFields& fields) const {
   for (const std::string& field : common_) key.push_back(fields.count(field) > 0 ? fields.at(field) : "");
   return key;
 }
-
-namespace {
-
-std::string RecordingOf(const ItemSpec& item) { return item.item.substr(item.item.rfind('/') + 1); }
-
-}  // namespace
 
 Status CheckOwnImages(const SourceOptions& source, const std::vector<ItemSpec>& items) {
   const Expected<NamePattern> pattern = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");

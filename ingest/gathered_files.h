@@ -26,9 +26,9 @@ class GatheredFiles {
   bool empty() const { return clips_.empty(); }
   /// A file of a clip that is named by another one, a calibration, a mask or a depth image.
   bool BelongsToAnother(const std::string& name) const;
-  /// Replaces the inputs of the clip that `first` names: its files (role "source"; depth images, masks and clouds "depth"), and
-  /// what calibrates its cameras (role "calibration"). Files that cannot be read are left to be missed. Error
-  /// kUnreadable where all of them are such, or the calibration is; kNotFound naming the calibration.
+  /// Replaces the inputs of the clip that `first` names: its files (role "source"; depth images, masks and clouds
+  /// "depth"), and what calibrates its cameras (role "calibration"). Files that cannot be read are left to be missed.
+  /// Error kUnreadable where all of them are such, or the calibration is; kNotFound naming the calibration.
   Status AddInputs(const std::string& first, const NameFields& fields, ItemSpec& item) const;
 
  private:

@@ -67,6 +67,7 @@ class Inspector {
   void Refuse(const FolderFile& file, FileKind kind, const Error& error);
   Status AddStoragesBeside(const FolderFile& file);
   std::string Below(const std::string& name) const;
+  std::string PlaceOfClip(const ItemSpec& item) const;
   void AddItem(const ItemSpec& item);
   void AddLeftOut(const std::filesystem::path& folder, const ItemResult& file);
   void Add(const ObservedFile& file, const std::string& name);
@@ -75,7 +76,8 @@ class Inspector {
 
   const std::optional<SourceOptions>& source_;
   std::set<std::filesystem::path> read_, refused_by_run_;
-  std::string below_;  ///< the folder asked for, from that of the source on
+  std::map<std::string, std::set<std::string>> recordings_;  ///< of clips of many files, by folder
+  std::string below_;                                        ///< the folder asked for, from that of the source on
   bool folder_;
   const VideoProbe& probe_;
   std::vector<FolderFile> videos_;
@@ -131,10 +133,16 @@ Status Inspector::AddStoragesBeside(const FolderFile& file) {
   return {};
 }
 
-/// The place of a clip: its file, and where it stands in a file of several.
-std::string PlaceOfClip(const ItemSpec& item, const SourceOptions& source) {
-  const std::string name =
-      DriverOf(source.format).gathered() ? FolderOf(item.inputs.front().name) : item.inputs.front().name;
+/// The place of a clip: its file, and where it stands in a file of several. Of a clip of many files their folder; its
+/// recording too where that is the folder asked for or holds other recordings.
+std::string Inspector::PlaceOfClip(const ItemSpec& item) const {
+  std::string name = item.inputs.front().name;
+  if (DriverOf(source_->format).gathered()) {
+    name = FolderOf(name);
+    const auto others = recordings_.find(name);
+    const bool shared = others != recordings_.end() && others->second.size() > 1;
+    if (name.empty() || shared) name += (name.empty() ? "" : "/") + RecordingOf(item);
+  }
   const std::string place = PlaceInFile(item);
   if (!place.empty() || !item.options.contains("body")) return name + place;
   return name + "[" + std::to_string(item.options.at("body").get<int>() - 1) + "]";
@@ -154,7 +162,7 @@ void Inspector::AddItem(const ItemSpec& item) {
   for (StageInput& input : request.inputs) {
     if (input.role == "depth") input.sha256 = "not read";  // an inspection reports nothing about images
   }
-  const std::string where = Below(PlaceOfClip(item, *source_));
+  const std::string where = Below(PlaceOfClip(item));
   const Expected<ReadItem> read = ReadSourceItem(request);
   const bool kept = read && (read->clip.motion || !read->clip.evidence.empty());
   const bool read_clouds = GivesOf(*source_) == Gives::kPointClouds;
@@ -266,6 +274,7 @@ void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vecto
     below_ = FolderOf(found->items[0].inputs[0].name);
   if (!folder_ && !below_.empty()) below_ += "/";
   for (const ItemResult& file : found->left_out) AddLeftOut(options.path, file);
+  for (const ItemSpec& item : found->items) recordings_[FolderOf(item.inputs.front().name)].insert(RecordingOf(item));
   for (const ItemSpec& item : found->items) AddItem(item);
 }
 

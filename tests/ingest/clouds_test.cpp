@@ -158,6 +158,17 @@ TEST(CloudSource, IsInspectedWithAndWithoutItsDeclaration) {
   EXPECT_THAT(draft->unknown, ElementsAre("axes", "rate"));
 }
 
+TEST(CloudSource, ClipsOfOneFolderAreToldApartByTheirRecordings) {
+  IngestOptions options = ThreeClouds("cloud_folder");
+  options.path = FreshFolder("cloud_folder");
+  options.source.files = "{recording}_{frame}.ply";
+  for (const char* name : {"run_1.ply", "run_2.ply", "walk_1.ply"}) Put(options.path / name, PlyOf(1));
+  const Inspection inspection = InspectPath(options.path, options.source);
+  ASSERT_EQ(inspection.clips.size(), 2u);
+  EXPECT_EQ(inspection.clips[0].file, "run");
+  EXPECT_EQ(inspection.clips[1].file, "walk");
+}
+
 TEST(CloudSource, PointsFarFromTheOthersAreReported) {
   const std::filesystem::path folder = FreshFolder("cloud_far");
   std::string cloud = PlyOf(0);
