@@ -123,7 +123,8 @@ Status CheckValues(const JobOptions& options, const ConfigNode& node) {
   const SourceOptions& source = options.ingest.source;
   ValueCheck check(node);
   if (!source.units.empty()) check.Needs("ingest.source.units", MetresPerUnit(source.units));
-  if (!source.axes.empty()) check.Needs("ingest.source.axes", AxisConvention::Parse(source.axes));
+  const bool open = source.axes.rfind(kFillIn, 0) == 0;  // CheckSource names it, with all others
+  if (!source.axes.empty() && !open) check.Needs("ingest.source.axes", AxisConvention::Parse(source.axes));
   const std::vector<std::string> roles = {"train", "validation", "test"};
   for (const auto& [person, role] : source.roles) {
     if (std::find(roles.begin(), roles.end(), role) != roles.end()) continue;

@@ -282,9 +282,13 @@ std::string FindingTables() {
     }
     checks += row + " " + limits + " | " + ActionText(kind.by_default) + " |\n";
   }
-  return "What is wrong with a clip; `checks` sets limits and, as `action`, one of `ignore`, `report`, `missing`, "
-         "`drop`"
-         "\nand `drop_recorded`: `checks: {held_joint: {frames: 5, action: missing}}`.\n\n" +
+  return "What is wrong with a clip. In a source, `checks: {held_joint: {frames: 5, action: missing}}` sets limits and "
+         "what is"
+         "\ndone: `ignore` it, `report` it, take the samples of tracks as `missing` (of findings of frames or joints), "
+         "or `drop`"
+         "\nthe clip; `drop_recorded` drops clips of tracks and reports given motion, which may stand still. A fit "
+         "repairs tracks"
+         "\nby rules of its own (`fitting.repair`), whatever is said here.\n\n" +
          checks + "\nAll else:\n\n" + others;
 }
 

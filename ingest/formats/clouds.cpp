@@ -47,7 +47,8 @@ Expected<IngestedClip> ReadCloudsClip(const SourceFile& file) {
   const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
     const Expected<PointCloud> cloud = ParsePointCloud(bytes, name);
     if (!cloud) return Forward(cloud);
-    if (!cloud->points.empty()) sizes_m.push_back(metres * MeanMedian(DistancesFromMiddle(cloud->points)));
+    if (cloud->points.empty()) return Fail(ErrorCode::kMalformed, "the cloud holds no point", name, "export it again");
+    sizes_m.push_back(metres * MeanMedian(DistancesFromMiddle(cloud->points)));
     clouds.files[static_cast<std::size_t>(f)] = name;
     clouds.sha256[static_cast<std::size_t>(f)] = Sha256Hex(bytes);
     return {};

@@ -95,6 +95,11 @@ class Inspector {
   std::map<std::string, std::vector<std::string>> reasons_;  ///< why others could not be read -> which
 };
 
+std::filesystem::path WholePath(const std::filesystem::path& path) {
+  std::error_code unknown;
+  return std::filesystem::absolute(path, unknown).lexically_normal();
+}
+
 /// Into the sequences, or at once.
 Status Inspector::Read(const FolderFile& file, FileKind kind) {
   const Expected<std::string> bytes = ReadFile(file.path);
@@ -167,7 +172,7 @@ void Inspector::AddItem(const ItemSpec& item) {
   const bool kept = read && (read->clip.motion || !read->clip.evidence.empty());
   const bool read_clouds = GivesOf(*source_) == Gives::kPointClouds;
   for (const StageInput& input : request.inputs) {
-    if (input.role == "source" || read_clouds) (kept ? read_ : refused_by_run_).insert(input.path);
+    if (input.role == "source" || read_clouds) (kept ? read_ : refused_by_run_).insert(WholePath(input.path));
   }
   const auto refuse = [&](Error error) {
     error.where = Below(error.where);
@@ -195,7 +200,7 @@ void Inspector::AddItem(const ItemSpec& item) {
 /// What a rule leaves out is not looked at.
 void Inspector::AddLeftOut(const std::filesystem::path& folder, const ItemResult& file) {
   const std::string code = file.outcome.findings.empty() ? std::string() : file.outcome.findings.front().code;
-  if (code == "excluded" || code == "known_issue") read_.insert(folder / file.outcome.error.where);
+  if (code == "excluded" || code == "known_issue") read_.insert(WholePath(folder / file.outcome.error.where));
   for (const Finding& finding : file.outcome.findings) findings().push_back(FindingAt(Below(file.item), finding));
 }
 
@@ -255,9 +260,7 @@ void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vecto
   const Expected<Discovery> found = DiscoverAbove(options, files, folder_ && pattern ? pattern->depth() : 0, below_);
   if (!found) {
     const Error& error = found.error();
-    const auto about = [&](const char* option) {
-      return error.code == ErrorCode::kConfig && error.where == std::string("ingest.source.") + option;
-    };
+    const auto about = [&](const char* option) { return error.where == std::string("ingest.source.") + option; };
     const char* code = about("format")     ? "format_contradiction"
                        : about("units")    ? "units_unknown"
                        : about("skeleton") ? "unknown_skeleton"
@@ -316,7 +319,7 @@ void Inspector::AddVideos() {
 
 /// Files of unknown content are errors where they are asked for, and counted in a folder.
 void Inspector::Look(const FolderFile& file) {
-  if (read_.count(file.path) != 0) return;
+  if (read_.count(WholePath(file.path)) != 0) return;
   if (!file.problem.empty()) {
     findings().push_back(FindingAt(file.name, "no_regular_file", folder_ ? Severity::kWarning : Severity::kError, 0.0,
                                    "is no regular file: not read"));
@@ -357,7 +360,7 @@ void Inspector::Look(const FolderFile& file) {
 }
 
 void Inspector::Refuse(const FolderFile& file, FileKind kind, const Error& error) {
-  if (refused_by_run_.count(file.path) != 0) return;
+  if (refused_by_run_.count(WholePath(file.path)) != 0) return;
   if (folder_ && kind == FileKind::kUnknown) {
     others_.push_back(file.name);
     return;

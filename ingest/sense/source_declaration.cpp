@@ -122,6 +122,13 @@ void WriteRecordedRotations(const ClipVotes& source, const std::string& format, 
   writer.Line("fitting: {method: none}");
 }
 
+/// How the clips are fitted, where a job by itself would fit joint tracks.
+void WriteMethod(const std::string& format, DeclarationWriter& writer) {
+  const Gives gives = DriverOf(format).gives;
+  if (gives == Gives::kKeypoints) writer.Line("fitting: {method: keypoints}");
+  if (gives == Gives::kDepthViews || gives == Gives::kPointClouds) writer.Line("fitting: {method: point_clouds}");
+}
+
 void WriteSkeleton(const ClipVotes& source, const std::string& format, DeclarationWriter& writer) {
   const Vote<std::string> skeleton = source.Ask(&InspectedClip::skeleton);
   if (format == "bvh" || format == "asf_amc") {
@@ -248,7 +255,9 @@ WrittenDeclaration DeclareSurfaces(const Inspection& inspection, const std::file
   DeclarationWriter writer(written);
   const auto count = static_cast<long long>(images ? inspection.cameras.size() : inspection.clouds.size());
   WriteHead(images ? "depth images of " + Counted(count, "calibrated camera") : Counted(count, "point cloud"), writer);
-  WriteSource(written.path, name, images ? "depth_views" : "clouds", writer);
+  const char* format = images ? "depth_views" : "clouds";
+  WriteMethod(format, writer);
+  WriteSource(written.path, name, format, writer);
   if (images)
     WriteDepthViews(inspection, path, writer);
   else
@@ -316,6 +325,7 @@ Expected<WrittenDeclaration> DeclareSource(Inspection inspection, const std::fil
   }
   WriteFittedSkeleton(source, format, writer);
   WriteRecordedRotations(source, format, writer);
+  WriteMethod(format, writer);
   WriteSource(written.path, name, format, writer);
   if (gathered) {
     WriteGathered(source, inspection, asked, root.prefix, format, writer);

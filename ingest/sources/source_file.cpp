@@ -158,7 +158,11 @@ void CheckJointNames(const SourceOptions& source, const Skeleton& skeleton, Prob
 Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source) {
   if (source.skeleton.empty()) return SkeletonPtr();
   Expected<SkeletonPtr> skeleton = LoadSkeleton(source.skeleton);
-  if (!skeleton) return skeleton;
+  if (!skeleton) {
+    Error error = skeleton.error();
+    if (error.where.empty()) error.where = "ingest.source.skeleton";
+    return tl::unexpected<Error>(std::move(error));
+  }
   ProblemList problems;
   CheckJointNames(source, **skeleton, problems);
   if (Status known = problems.Result(); !known) return Forward(known);

@@ -155,6 +155,7 @@ TEST(CloudSource, IsInspectedWithAndWithoutItsDeclaration) {
   EXPECT_THAT(draft->yaml, HasSubstr("format: clouds"));
   EXPECT_THAT(draft->yaml, HasSubstr("files: \"{recording}/scan_{frame}.ply\""));
   EXPECT_THAT(draft->yaml, HasSubstr("units: mm"));
+  EXPECT_THAT(draft->yaml, HasSubstr("fitting: {method: point_clouds}"));
   EXPECT_THAT(draft->unknown, ElementsAre("axes", "rate"));
 }
 

@@ -120,6 +120,24 @@ TEST(DeclaredOptions, OnesThatWouldNotBeReadAreRefused) {
   ExpectError(CheckSource(uestc.source), ErrorCode::kConfig, "ingest.source.known_issue_lists");
 }
 
+TEST(DeclaredOptions, ASkeletonThatThereIsNotIsAnErrorOfTheInspection) {
+  IngestOptions options = SmallTable(FreshFolder("no_skeleton"));
+  Put(options.path / "a1_s1.txt", "10 20 30\n40 50 60\n");
+  options.source.skeleton = "bogus";
+  const Inspection inspection = InspectPath(options.path, options.source);
+  EXPECT_THAT(CodesOf(inspection.findings), Contains("unknown_skeleton"));
+}
+
+TEST(DeclaredOptions, AFileByARelativePathIsOneClip) {
+  const IngestOptions options = SmallTable(FreshFolder("relative_path"));
+  Put(options.path / "a1_s1.txt", "10 20 30\n40 50 60\n");
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(options.path);
+  const Inspection inspection = InspectPath("a1_s1.txt", options.source);
+  std::filesystem::current_path(before);
+  EXPECT_EQ(inspection.clips.size(), 1u);
+}
+
 TEST(DeclaredOptions, ActionsAreThoseThatACheckCanTake) {
   const auto read = [](const std::string& text) -> Expected<CheckOptions> {
     const auto node = LoadConfig(ConfigSource{text, "checks.yaml", {}}, {});
