@@ -62,11 +62,10 @@ TEST(OpenCvStorage, RefusesDamageWithItsPlace) {
       {kView + "junk\n", "a.yml:junk"},
       {kHead + "K: !!opencv-matrix\n   rows: 3\n", "a.yml:K"},
       {kHead + "K: !!opencv-matrix\n   ro", "a.yml:K"},
-      {kHead + "K: {rows: 2, cols: 3, data: [1, 2]}\n", "a.yml:K"},
       {kHead + "K: {rows: 9223372036854775807, cols: 3, data: [.Nan]}\n", "a.yml:K"},
       {kHead + "K: {data: [[1]]}\n", "a.yml:K"},
-      {kHead + "K: {data: [1, 2\n", "a.yml:4"},
-      {kHead + "a: " + std::string(1'000'000, '['), "a.yml:3"},
+      {kHead + "K: {data: [1, 2\n", "a.yml:4:1"},
+      {kHead + "a: " + std::string(1'000'000, '['), "a.yml:3:1"},
       {kHead + "a: \xFF\n", "a.yml:3"},
       {kHead + "a: \x04\n", "a.yml:3"},
       {kHead + "K: {data: [1], data: [2]}\n", "a.yml:K:data"},
@@ -78,6 +77,8 @@ TEST(OpenCvStorage, RefusesDamageWithItsPlace) {
     const std::string storage = "<opencv_storage>" + std::string(text) + "</opencv_storage>";
     ExpectMalformed(ParseOpenCvCalibration({{"a.xml", storage}}), place);
   }
+  ExpectError(ParseOpenCvCalibration({{"a.yml", kHead + "K: {rows: 2, cols: 3, data: [1, 2]}\n"}}),
+              ErrorCode::kInconsistent, "a.yml:K");
   ExpectError(ParseOpenCvCalibration({{"a.yml", kHead + "- 1\n"}}), ErrorCode::kUnsupported, "a.yml");
   ExpectError(ParseOpenCvCalibration({}), ErrorCode::kUnsupported, "");
 }

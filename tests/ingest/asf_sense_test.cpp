@@ -1,9 +1,6 @@
 // What an Acclaim skeleton says that no body can be, beside the recorded ones.
 
-#include <gmock/gmock.h>
-
-#include "tests/ingest/inspections.h"
-#include "tests/ingest/runs.h"
+#include "tests/ingest/changed_files.h"
 
 namespace mocurate {
 namespace {
@@ -15,16 +12,14 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-class AsfSense : public WrittenFormats {
+class AsfSense : public ChangedFiles {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
-    WrittenFormats::SetUp();
-    skeleton_ = Cmu("01.asf");
-    Written("01_01.amc", Cmu("01_01.amc"));
+    ChangedFiles::SetUp();
+    if (IsSkipped()) return;
+    skeleton_ = Recorded("cmu/asf_amc/01.asf");
+    Written("01_01.amc", Recorded("cmu/asf_amc/01_01.amc"));
   }
-
-  static std::string Cmu(const std::string& name) { return *ReadFile(TestData() + "/cmu/asf_amc/" + name); }
 
   /// `key` of bone `bone` becomes `value`.
   std::string With(const std::string& bone, const std::string& key, const std::string& value) const {
@@ -35,15 +30,13 @@ class AsfSense : public WrittenFormats {
   /// The errors of the skeleton file as a run of its motion reports them, with the bone as the joint.
   std::vector<Finding> Errors(const std::string& skeleton) {
     Written("01.asf", skeleton);
-    const Json inspection = InspectPath(folder_, std::nullopt);
+    const Json inspection = Look();
     std::vector<std::string> codes;
     for (const Json& finding : inspection.at("findings")) {
       if (finding.at("severity") == "error" && finding.at("where") == "01.asf") codes.push_back(finding.at("code"));
     }
-    IngestOptions options = Declared("cmu_amc");
-    options.path = folder_;
     std::vector<Finding> errors;
-    for (const Finding& finding : RunAll(options).at(0).outcome.findings) {
+    for (const Finding& finding : RunOne(From("cmu_amc")).findings) {
       if (std::count(codes.begin(), codes.end(), finding.code) > 0) errors.push_back(finding);
     }
     EXPECT_EQ(errors.size(), codes.size());
@@ -88,7 +81,7 @@ TEST_F(AsfSense, ADirectionWithTheSignOfXChangedIsToldOfTheBoneThatPointsToTheWr
 TEST_F(AsfSense, AnOrderOfTheRootThatLacksAnAngleIsOneErrorOfTheSkeletonAndNoneOfTheMotion) {
   std::string five = skeleton_;
   Written("01.asf", five.replace(five.find("TX TY TZ RX RY RZ"), 17, "TX TY TZ RX RY"));
-  const Json inspection = InspectPath(folder_, std::nullopt);
+  const Json inspection = Look();
   EXPECT_THAT(Codes(inspection, "error"), ElementsAre("malformed", "no_clips"));
   EXPECT_THAT(Places(inspection), Contains("malformed 01.asf:14"));
 }

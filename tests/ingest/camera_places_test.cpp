@@ -1,10 +1,7 @@
 // A camera of a rig that is not where the others are, and numbers of lenses that nobody makes.
 
-#include <gmock/gmock.h>
-
 #include "core/formats/amass.h"
-#include "tests/ingest/inspections.h"
-#include "tests/ingest/sources.h"
+#include "tests/ingest/changed_files.h"
 
 namespace mocurate {
 namespace {
@@ -14,16 +11,10 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-class CameraPlaces : public WrittenFormats {
+class CameraPlaces : public ChangedFiles {
  protected:
-  void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
-    WrittenFormats::SetUp();
-  }
-
-  static Json Recorded(const std::string& name) { return Json::parse(*ReadFile(TestData() + "/cameras/" + name)); }
-  static Json Panoptic() { return Recorded("panoptic/calibration_160906_band1.json"); }
-  static Json Human36m() { return Recorded("human36m/camera-parameters.json"); }
+  static Json Panoptic() { return Json::parse(Recorded("cameras/panoptic/calibration_160906_band1.json")); }
+  static Json Human36m() { return Json::parse(Recorded("cameras/human36m/camera-parameters.json")); }
 
   /// The only finding of a calibration.
   Json Only(const Json& calibration) {
@@ -87,7 +78,7 @@ TEST_F(CameraPlaces, WhatIsWrongWithACameraIsAnErrorAtItsPlace) {
 }
 
 TEST_F(CameraPlaces, MarkersOfAmassInMillimetresAreBlamedAndNotThePerson) {
-  Amass amass = *ParseAmass(*ReadFile(TestData() + "/amass_babel/amass_sample.npz"), "sample.npz");
+  Amass amass = *ParseAmass(Recorded("amass_babel/amass_sample.npz"), "sample.npz");
   const auto findings = [&] {
     return InspectPath(Written("motion.npz", *EncodeAmass(amass, "motion.npz")), std::nullopt);
   };

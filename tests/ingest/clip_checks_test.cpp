@@ -172,7 +172,7 @@ TEST(KnownIssueLists, AFileOfOnesOwnDropsReportsOrIsIgnoredAndMustSayItsSource) 
     Put(options.path / name, "1 2 3\n4 5 6\n1 3 3\n4 6 6\n2 3 3\n5 6 7\n");
   }
   const auto list = FreshFolder("listed_file") / "mine.yaml";
-  Put(list, "issues:\n  - {kind: broken, source: me, note: falls over, clips: [a1_s1]}\n");
+  Put(list, "issues:\n  - {kind: broken, source: Miller, note: falls over, clips: [a1_s1]}\n");
   options.source.known_issue_lists = {list.string()};
   options.source.known_issues = KnownIssueAction::kDrop;
   auto discovery = Discover(options);
@@ -180,7 +180,7 @@ TEST(KnownIssueLists, AFileOfOnesOwnDropsReportsOrIsIgnoredAndMustSayItsSource) 
   EXPECT_EQ(discovery->items.size(), 1u);
   EXPECT_EQ(discovery->left_out.at(0).outcome.findings.at(0).code, "known_issue");
   EXPECT_THAT(discovery->left_out.at(0).outcome.error.what,
-              AllOf(HasSubstr("broken"), HasSubstr("falls over"), HasSubstr("me")));
+              AllOf(HasSubstr("broken"), HasSubstr("falls over"), HasSubstr("Miller")));
   options.source.known_issues = KnownIssueAction::kReport;
   discovery = Discover(options);
   ASSERT_EQ(discovery->items.size(), 2u);

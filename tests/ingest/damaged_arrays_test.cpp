@@ -178,10 +178,14 @@ TEST_F(Arrays, AFileThatGivesNoClipHasOneCodeAndEveryErrorAWayOut) {
   };
   NpyArray transposed = Take();
   std::swap(transposed.shape[1], transposed.shape[2]);
-  const std::pair<std::string, const char*> cases[] = {
-      {whole.substr(0, 60), "X"}, {whole.substr(0, 5000), "X"},    {whole.substr(0, 9), "X"},
-      {whole + "more", "X"},      {nobody(kNan), "no_joint_seen"}, {nobody(kInfinite), "no_joint_seen"},
-      {"", "empty_file"},         {WriteNpy(transposed), "X"}};
+  const std::pair<std::string, const char*> cases[] = {{whole.substr(0, 60), "malformed"},
+                                                       {whole.substr(0, 5000), "count_contradiction"},
+                                                       {whole.substr(0, 9), "malformed"},
+                                                       {whole + "more", "count_contradiction"},
+                                                       {nobody(kNan), "no_joint_seen"},
+                                                       {nobody(kInfinite), "no_joint_seen"},
+                                                       {"", "empty_file"},
+                                                       {WriteNpy(transposed), "layout_contradiction"}};
   for (const auto& [bytes, code] : cases) {
     const Told told = Of(bytes);
     const Error error = told.run ? told.run->error : told.run.error();

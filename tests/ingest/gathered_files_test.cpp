@@ -156,7 +156,8 @@ TEST(GatheredFiles, OfKeypointsThatAreDamagedOrMissingAreToldByInspection) {
     }
   }
   const nlohmann::json inspection = InspectPath(folder, std::nullopt);
-  EXPECT_THAT(Places(inspection, "warning"), ElementsAre("X"));
+  EXPECT_THAT(Places(inspection, "warning"),
+              ElementsAre("unreadable_frames cam01_json", "unreadable_frames cam02_json", "frames_missing cam03_json"));
   const auto broken = FindingsOf(inspection, "unreadable_frames");
   EXPECT_THAT(broken.at(0).at("message"), HasSubstr("cam01.1004.json"));
   EXPECT_THAT(broken.at(1).at("message"), HasSubstr("cam02.1007.json"));

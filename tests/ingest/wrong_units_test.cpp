@@ -1,8 +1,5 @@
 // Lengths and angles in another unit than the file, its folder or its source says: the cause is named.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -10,8 +7,8 @@
 #include "core/formats/amc.h"
 #include "core/formats/bvh.h"
 #include "core/formats/opensim_table.h"
-#include "tests/ingest/inspections.h"
-#include "tests/ingest/runs.h"
+#include "tests/formats/corruption.h"
+#include "tests/ingest/changed_files.h"
 
 namespace mocurate {
 namespace {
@@ -27,13 +24,8 @@ const Json* FindCode(const Json& inspection, const std::string& code) {
   return nullptr;
 }
 
-class WrongUnits : public WrittenFormats {
+class WrongUnits : public ChangedFiles {
  protected:
-  void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
-    WrittenFormats::SetUp();
-  }
-
   /// Six clips of KARD, the last `scaled` of them multiplied.
   void WriteKard(double factor, int scaled) {
     std::vector<fs::path> files;
@@ -65,8 +57,6 @@ class WrongUnits : public WrittenFormats {
     Written(name, mocurate::WriteBvh(bvh));
   }
 
-  Json Look() const { return InspectPath(folder_, std::nullopt); }
-
   /// CMU's skeleton and motion, changed; the findings of severity error of an inspection and of a run, of its clip.
   void ExpectAcclaim(const std::string& skeleton, const std::string& motion, const std::string& code) {
     Written("01.asf", skeleton);
@@ -75,13 +65,9 @@ class WrongUnits : public WrittenFormats {
     const Json* told = FindCode(inspection, code);
     ASSERT_NE(told, nullptr) << inspection.at("findings").dump(1);
     EXPECT_EQ(told->at("severity"), "error");
-    IngestOptions options = Declared("cmu_amc");
-    options.path = folder_;
-    const auto clips = RunAll(options);
-    ASSERT_EQ(clips.size(), 1u);
-    EXPECT_THAT(ErrorCodes(clips[0].outcome), Contains(code));
+    EXPECT_THAT(ErrorCodes(RunOne(From("cmu_amc"))), Contains(code));
   }
-  static std::string Cmu(const std::string& name) { return *ReadFile(TestData() + "/cmu/asf_amc/" + name); }
+  static std::string Cmu(const std::string& name) { return Recorded("cmu/asf_amc/" + name); }
   /// With another word for the unit, and angles of bones times `factor`, of the root as well unless it is left.
   static std::string Angles(const std::string& word, double factor, bool root = true) {
     AmcOptions options;
@@ -96,11 +82,6 @@ class WrongUnits : public WrittenFormats {
     amc.degrees = word == ":DEGREES";
     return WriteAmc(amc);
   }
-  static std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return text.replace(at, from.size(), to);
-  }
 };
 
 TEST_F(WrongUnits, OneClipOfAFolderThatIsAPowerOfTenOfTheOthersIsAnErrorThatSaysHowMuch) {
@@ -113,9 +94,7 @@ TEST_F(WrongUnits, OneClipOfAFolderThatIsAPowerOfTenOfTheOthersIsAnErrorThatSays
   EXPECT_EQ(Codes(inspection, "error"), std::vector<std::string>{"units_outlier"});
   EXPECT_EQ(Value(inspection.at("clips")[0], "units"), "mm");
   EXPECT_EQ(Value(inspection.at("clips")[5], "units"), "0.00001 m");
-  IngestOptions options = Declared("kard");
-  options.path = folder_;
-  EXPECT_EQ(CountCode(RunAll(options), "units_contradiction"), 1u) << "a run knows the unit, and tells the clip";
+  EXPECT_EQ(CountCode(RunAll(From("kard")), "units_contradiction"), 1u) << "a run knows the unit, and tells the clip";
 }
 
 TEST_F(WrongUnits, OfABvhInMetresAmongCentimetresTheFactorIsTold) {
@@ -142,8 +121,7 @@ TEST_F(WrongUnits, AFolderThatIsMultipliedAsAWholeHasTheUnitThatMakesItPeople) {
 
 TEST_F(WrongUnits, BonesOfABvhInMetresUnderAPathInCentimetresAreOneErrorAndNoTeleports) {
   Bvh bvh = *ParseBvh(*ReadFile(TestData() + "/bvh/misc/olafhaag_walk01.bvh"), "walk");
-  IngestOptions options = Declared("bandai2");
-  options.path = folder_;
+  IngestOptions options = From("bandai2");
   options.source.skeleton = "";
   options.source.rate_hz.reset();
   for (const bool mixed : {false, true}) {
@@ -247,8 +225,7 @@ TEST_F(WrongUnits, ALengthThatMakesAPersonOfAChildsSizeOrIsNotTheUnitOfTheSource
   EXPECT_NEAR(FindCode(child, "length_unit_contradiction")->at("value"), 0.75, 0.01);
   Written("01.asf", Replaced(Cmu("01.asf"), "length 0.45", "length 0.4"));
   EXPECT_EQ(FindCode(Look(), "length_unit_contradiction"), nullptr) << "1.87 m";
-  IngestOptions options = Declared("cmu_amc");
-  options.path = folder_;
+  const IngestOptions options = From("cmu_amc");
   EXPECT_EQ(CountCode(RunAll(options), "length_unit_contradiction"), 1u) << "1.67 m by the source";
   Written("01.asf", Cmu("01.asf"));
   EXPECT_EQ(CountCode(RunAll(options), "length_unit_contradiction"), 0u);
