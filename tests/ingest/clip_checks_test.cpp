@@ -159,8 +159,7 @@ TEST_F(RecordedSets, TheListOfNtu60IsPartOfThatOfNtu120AndNoFileHereIsOnIt) {
 
 TEST(KnownIssueLists, AnUnknownListIsAnErrorThatNamesTheNearest) {
   const auto issues = KnownIssues::Load({"ntu60_missing_skeleton"});
-  ASSERT_FALSE(issues);
-  EXPECT_EQ(issues.error().code, ErrorCode::kConfig);
+  ExpectError(issues, ErrorCode::kNotFound, "ingest.source.known_issue_lists");
   EXPECT_THAT(issues.error().Message(), HasSubstr("'ntu60_missing_skeletons'"));
   EXPECT_TRUE(MatchesWildcard("*50002_one*", "DFaust_67.50002.50002_one_leg_jump_poses"));
   EXPECT_FALSE(MatchesWildcard("50002_one", "DFaust_67.50002_one_leg_jump"));
@@ -190,7 +189,7 @@ TEST(KnownIssueLists, AFileOfOnesOwnDropsReportsOrIsIgnoredAndMustSayItsSource) 
   options.source.known_issues = KnownIssueAction::kIgnore;
   EXPECT_EQ(RunIngest(Discover(options)->items.at(0), "silent").outcome->findings.size(), 0u);
   Put(list, "issues:\n  - {kind: broken, clips: [a1_s1]}\n");
-  ExpectError(Discover(options), ErrorCode::kConfig, "X");
+  ExpectError(Discover(options), ErrorCode::kConfig, list.string());
 }
 
 /// A table of KARD's joints in which somebody sways, changed by `plant`.

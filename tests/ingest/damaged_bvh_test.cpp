@@ -108,7 +108,7 @@ TEST_F(DamagedBvh, MoreThanHalfASecondIsNotBridged) {
   std::string text = Take();
   for (int f = kFrame; f < kFrame + 16; ++f) text[RowOf(text, f).first] = 'x';
   const Ingested refused = Ingest(text);
-  ExpectMalformed(refused.outcome, kTake);
+  ExpectError(refused.outcome, ErrorCode::kInconsistent, kTake);
   EXPECT_THAT(refused.outcome.error().what, AllOf(HasSubstr("16 "), HasSubstr(" 40"))) << "frames, from which on";
 }
 
@@ -210,7 +210,7 @@ TEST_F(DamagedBvh, WithoutBonesItIsRefusedByBoth) {
   }
   Written(kTake, WriteBvh(bvh));
   EXPECT_THAT(Places(Look()), Contains(std::string("malformed ") + kTake));
-  ExpectMalformed(IngestOnly(From("bandai1"), "no_bones"), kTake);
+  ExpectError(IngestOnly(From("bandai1"), "no_bones"), ErrorCode::kInconsistent, kTake);
 }
 
 TEST_F(DamagedBvh, WhatAnExporterPutsBeforeTheNamesOfJointsHidesNoSkeleton) {

@@ -61,9 +61,9 @@ TEST_F(DamagedNtu, AnotherCountOfJointsIsAnErrorAtItsLine) {
   }
 }
 
-TEST_F(WrittenFormats, ASkeletonFileWithoutFramesShowsNobody) {
+TEST_F(WrittenFormats, ASkeletonFileWithoutFramesIsMalformed) {
   const std::string name = "S001C001P001R001A001.skeleton";
-  EXPECT_THAT(Places(InspectPath(Written(name, "0\n"), std::nullopt)), ElementsAre("no_joint_seen " + name));
+  EXPECT_THAT(Places(InspectPath(Written(name, "0\n"), std::nullopt)), ElementsAre("malformed " + name));
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(Declaration, APatternThatNoFileMatchesIsToldWithWhatTheFolderHolds) {
   IngestOptions options = TwoTables("endings");
   options.source.files = "{action}.bvh";
   const auto discovery = Discover(options);
-  ExpectError(discovery, ErrorCode::kConfig, "ingest.source.files");
+  ExpectError(discovery, ErrorCode::kNotFound, options.path.string());
   EXPECT_THAT(discovery.error().Message(), HasSubstr("2 .txt"));
 }
 
