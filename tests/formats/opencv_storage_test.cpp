@@ -3,15 +3,12 @@
 
 #include "core/formats/opencv_storage.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/formats/json_place.h"
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
-
-using ::testing::HasSubstr;
 
 std::string Matrix(const std::string& key, const std::string& numbers) {
   return key + ": !!opencv-matrix\n   rows: 1\n   cols: 1\n   dt: d\n   data: [ " + numbers + " ]\n";
@@ -20,11 +17,6 @@ std::string Matrix(const std::string& key, const std::string& numbers) {
 const std::string kHead = "%YAML:1.0\n---\n";
 const std::string kView = kHead + Matrix("intrinsic", "500, 0, 320, 0, 500, 240., 0, 0, 1") +
                           Matrix("R", "1, 0, 0, 0, 1, 0, 0, 0, 1") + Matrix("t", "1, 2,\n  3");
-
-std::string MessageOf(const std::vector<std::pair<std::string, std::string>>& storages) {
-  const auto calibration = ParseOpenCvCalibration(storages);
-  return calibration ? "parsed" : calibration.error().Message();
-}
 
 TEST(OpenCvStorage, XmlAndYamlGiveTheSameView) {
   const std::string xml =
@@ -61,32 +53,34 @@ TEST(OpenCvStorage, NamesMayBeNumbersOrHoldBlanks) {
   }
   auto files = rig("names: [01]\n");
   files[0].second += "H_01: 1e30\n";
-  EXPECT_EQ(MessageOf(files), "i:H_01: 1e+30 is no size in pixels");
+  ExpectMalformed(ParseOpenCvCalibration(files), "i:H_01");
 }
 
 TEST(OpenCvStorage, RefusesDamageWithItsPlace) {
-  const auto yaml = [](const std::string& text) { return MessageOf({{"a.yml", kHead + text}}); };
-  const auto xml = [](const std::string& text) {
-    return MessageOf({{"a.xml", "<opencv_storage>" + text + "</opencv_storage>"}});
-  };
-  EXPECT_THAT(MessageOf({{"a.yml", kView + "R: 1\n"}}), HasSubstr("a.yml:R: the key stands twice"));
-  EXPECT_THAT(xml("<a>1</a><a>2</a>"), HasSubstr("a.xml:a: the key stands twice"));
-  EXPECT_THAT(yaml("K: !!opencv-matrix\n   rows: 3\n"), HasSubstr("a.yml:K: the data are missing"));
-  EXPECT_THAT(yaml("K: !!opencv-matrix\n   ro"), HasSubstr("a.yml:K: the data are missing"));
-  EXPECT_THAT(MessageOf({{"a.yml", kView + "junk\n"}}), HasSubstr("a.yml:junk: the data are missing"));
-  EXPECT_THAT(xml("<K type_id=\"opencv-matrix\"/>"), HasSubstr("a.xml:K: the data are missing"));
-  EXPECT_THAT(yaml("K: {rows: 2, cols: 3, data: [1, 2]}\n"), HasSubstr("a.yml:K: 2 rows of 3, 6 numbers, are"));
-  EXPECT_THAT(yaml("K: {rows: 9223372036854775807, cols: 3, data: [.Nan]}\n"), HasSubstr("'.Nan' is no finite number"));
-  EXPECT_THAT(yaml("K: {data: [[1]]}\n"), HasSubstr("a.yml:K: a list of values is expected"));
-  EXPECT_THAT(yaml("K: {data: [1, 2\n"), HasSubstr("the file is no YAML"));
-  EXPECT_THAT(yaml("a: " + std::string(1'000'000, '[')), HasSubstr("a.yml:3:"));
-  EXPECT_THAT(yaml("a: \xFF\n"), HasSubstr("a.yml:3: a byte is not UTF-8"));
-  EXPECT_THAT(yaml("a: \x04\n"), HasSubstr("a.yml:3: a control character"));
-  EXPECT_THAT(yaml("K: {data: [1], data: [2]}\n"), HasSubstr("a.yml:K:data: the key stands twice"));
-  EXPECT_THAT(yaml("a: 1\n---\na: 2\n"), HasSubstr("a.yml: one YAML document is expected"));
-  EXPECT_THAT(yaml("- 1\n"), HasSubstr("a.yml: the storage is no calibration"));
-  EXPECT_THAT(MessageOf({{"a.yml", "names: [a]\n"}}), HasSubstr("a.yml:1: the storage begins with neither"));
-  EXPECT_THAT(MessageOf({}), HasSubstr("no calibration"));
+  const std::pair<std::string, const char*> yaml[] = {
+      {kView + "R: 1\n", "a.yml:R"},
+      {kView + "junk\n", "a.yml:junk"},
+      {kHead + "K: !!opencv-matrix\n   rows: 3\n", "a.yml:K"},
+      {kHead + "K: !!opencv-matrix\n   ro", "a.yml:K"},
+      {kHead + "K: {rows: 9223372036854775807, cols: 3, data: [.Nan]}\n", "a.yml:K"},
+      {kHead + "K: {data: [[1]]}\n", "a.yml:K"},
+      {kHead + "K: {data: [1, 2\n", "a.yml:4:1"},
+      {kHead + "a: " + std::string(1'000'000, '['), "a.yml:3:1"},
+      {kHead + "a: \xFF\n", "a.yml:3"},
+      {kHead + "a: \x04\n", "a.yml:3"},
+      {kHead + "K: {data: [1], data: [2]}\n", "a.yml:K:data"},
+      {kHead + "a: 1\n---\na: 2\n", "a.yml"},
+      {"names: [a]\n", "a.yml:1"}};
+  for (const auto& [text, place] : yaml) ExpectMalformed(ParseOpenCvCalibration({{"a.yml", text}}), place);
+  for (const auto& [text, place] :
+       {std::pair{"<a>1</a><a>2</a>", "a.xml:a"}, {"<K type_id=\"opencv-matrix\"/>", "a.xml:K"}}) {
+    const std::string storage = "<opencv_storage>" + std::string(text) + "</opencv_storage>";
+    ExpectMalformed(ParseOpenCvCalibration({{"a.xml", storage}}), place);
+  }
+  ExpectError(ParseOpenCvCalibration({{"a.yml", kHead + "K: {rows: 2, cols: 3, data: [1, 2]}\n"}}),
+              ErrorCode::kInconsistent, "a.yml:K");
+  ExpectError(ParseOpenCvCalibration({{"a.yml", kHead + "- 1\n"}}), ErrorCode::kUnsupported, "a.yml");
+  ExpectError(ParseOpenCvCalibration({}), ErrorCode::kUnsupported, "");
 }
 
 }  // namespace

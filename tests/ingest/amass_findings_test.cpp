@@ -12,10 +12,10 @@ namespace mocurate {
 namespace {
 
 using Json = nlohmann::json;
-using ::testing::Contains;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 
 constexpr const char* kLabels = "amass/babel_v1.0_release/train.json";
 constexpr const char* kMotion = "amass/STUDIO/p01/01_01_poses.npz";
@@ -44,20 +44,20 @@ class AmassFindings : public Layouts {
   }
 
   std::vector<Json> Inspected(const std::string& code) const {
-    std::vector<Json> found;
-    const Json inspection = InspectPath(folder / "amass", std::nullopt);
-    for (const Json& finding : inspection.at("findings")) {
-      if (finding.at("code") == code) found.push_back(finding);
-    }
-    return found;
+    return FindingsOf(InspectPath(folder / "amass", std::nullopt), code);
   }
 
-  std::size_t InRun(const std::string& code) const {
-    std::size_t count = 0;
+  /// "begin-end severity" of the findings of that code.
+  std::vector<std::string> InRun(const std::string& code) const {
+    std::vector<std::string> spans;
     for (const ItemResult& clip : RunAll(Declared("amass", {"ingest.path=" + (folder / "amass").string()}))) {
-      for (const Finding& finding : clip.outcome.findings) count += finding.code == code ? 1 : 0;
+      for (const Finding& finding : clip.outcome.findings) {
+        if (finding.code != code) continue;
+        spans.push_back(std::to_string(finding.frame_begin) + "-" + std::to_string(finding.frame_end) + " " +
+                        std::string(Name(finding.severity)));
+      }
     }
-    return count;
+    return spans;
   }
 
   std::string key_;
@@ -65,7 +65,7 @@ class AmassFindings : public Layouts {
 
 TEST_F(AmassFindings, PosesThatAreHeldOrZeroWhileTheRootGoesOnAreTold) {
   EXPECT_THAT(Inspected("frozen_pose"), IsEmpty());
-  EXPECT_EQ(InRun("frozen_pose"), 0u);
+  EXPECT_THAT(InRun("frozen_pose"), IsEmpty());
   Change([](Amass& amass) {
     const auto wide = static_cast<std::ptrdiff_t>(amass.pose_columns);
     for (std::ptrdiff_t f = 101; f < 140; ++f)
@@ -75,13 +75,11 @@ TEST_F(AmassFindings, PosesThatAreHeldOrZeroWhileTheRootGoesOnAreTold) {
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0].at("value"), 40);
   EXPECT_EQ(told[0].at("severity"), "warning");
-  EXPECT_THAT(told[0].at("message"), HasSubstr("40 frames on end (100-140)"));
-  EXPECT_EQ(InRun("frozen_pose"), 1u);
+  EXPECT_THAT(InRun("frozen_pose"), ElementsAre("100-140 warning"));
   Change([](Amass& amass) { std::fill(amass.poses.begin(), amass.poses.end(), 0.0); });
   told = Inspected("frozen_pose");
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0].at("severity"), "error");
-  EXPECT_THAT(told[0].at("message"), HasSubstr("the poses are not there"));
 }
 
 TEST_F(AmassFindings, PosesOfZerosAmongOthersAreToldThoughTheRootIsZeroToo) {
@@ -93,9 +91,9 @@ TEST_F(AmassFindings, PosesOfZerosAmongOthersAreToldThoughTheRootIsZeroToo) {
   });
   const std::vector<Json> told = Inspected("frozen_pose");
   ASSERT_EQ(told.size(), 2u);
-  EXPECT_THAT(told[0].at("message"), HasSubstr("all rotations of the body are 0 in 5 frames on end (100-105)"));
-  EXPECT_THAT(told[1].at("message"), HasSubstr("in 1 frame on end (140-141)"));
-  EXPECT_EQ(InRun("frozen_pose"), 2u);
+  EXPECT_EQ(told[0].at("value"), 5);
+  EXPECT_EQ(told[1].at("value"), 1);
+  EXPECT_THAT(InRun("frozen_pose"), ElementsAre("100-105 warning", "140-141 warning"));
 }
 
 TEST_F(AmassFindings, ABodyWithoutAPathIsTold) {
@@ -105,7 +103,7 @@ TEST_F(AmassFindings, ABodyWithoutAPathIsTold) {
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0].at("severity"), "warning");
   EXPECT_THAT(Inspected("zero_joint"), IsEmpty()) << "it is the same";
-  EXPECT_EQ(InRun("path_missing"), 1u);
+  EXPECT_EQ(InRun("path_missing").size(), 1u);
 }
 
 TEST_F(AmassFindings, WhoRepeatsAsAWholeIsFrozenAndNoPoseCarriedOn) {
@@ -126,8 +124,7 @@ TEST_F(AmassFindings, ADurationThatIsNotTheMotionsIsToldWithItsFileAndSequence) 
   const std::vector<Json> told = Inspected("annotation_duration");
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0].at("where"), "babel_v1.0_release/train.json:" + key_);
-  EXPECT_THAT(told[0].at("message"), HasSubstr("STUDIO/p01/01_01_poses.npz"));
-  EXPECT_EQ(InRun("annotation_duration"), 1u);
+  EXPECT_EQ(InRun("annotation_duration").size(), 1u);
 }
 
 TEST_F(AmassFindings, APathThatNamesNoFileOfItsFolderIsToldAndOneOfAPartThatIsNotHereIsCounted) {
@@ -137,7 +134,7 @@ TEST_F(AmassFindings, APathThatNamesNoFileOfItsFolderIsToldAndOneOfAPartThatIsNo
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0].at("severity"), "warning");
   EXPECT_EQ(told[0].at("where"), "babel_v1.0_release/train.json:" + key_);
-  EXPECT_THAT(told[0].at("message"), HasSubstr("'STUDIO/STUDIO/p01/01_07_poses.npz'"));
+  EXPECT_THAT(told[0].at("message"), HasSubstr("STUDIO/STUDIO/p01/01_07_poses.npz"));
   ChangeLabels([](BabelSequence& sequence) { sequence.feat_p = "KIT/KIT/3/jump_poses.npz"; });
   told = Inspected("motion_missing");
   ASSERT_EQ(told.size(), 1u);
@@ -159,8 +156,7 @@ TEST_F(AmassFindings, ACategoryThatBabelDoesNotKnowIsToldWithItsSequence) {
   });
   const std::vector<Json> told = Inspected("category_unknown");
   ASSERT_EQ(told.size(), 2u);
-  EXPECT_THAT(told[0].at("message"), HasSubstr(key_ + ": category 'walkk' of 1 label"));
-  EXPECT_THAT(told[0].at("message"), HasSubstr("did you mean 'walk'?"));
+  EXPECT_THAT(told[0].at("message"), AllOf(HasSubstr(key_), HasSubstr("'walkk'"), HasSubstr("'walk'")));
   EXPECT_THAT(told[1].at("message"), HasSubstr("'flying on a carpet'"));
 }
 

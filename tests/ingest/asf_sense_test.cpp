@@ -1,11 +1,6 @@
 // What an Acclaim skeleton says that no body can be, beside the recorded ones.
 
-#include <gmock/gmock.h>
-
-#include <regex>
-
-#include "tests/ingest/inspections.h"
-#include "tests/ingest/runs.h"
+#include "tests/ingest/changed_files.h"
 
 namespace mocurate {
 namespace {
@@ -13,19 +8,18 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using ::testing::Contains;
-using ::testing::HasSubstr;
+using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
-class AsfSense : public WrittenFormats {
+class AsfSense : public ChangedFiles {
  protected:
   void SetUp() override {
-    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
-    WrittenFormats::SetUp();
-    skeleton_ = Cmu("01.asf");
-    Written("01_01.amc", Cmu("01_01.amc"));
+    ChangedFiles::SetUp();
+    if (IsSkipped()) return;
+    skeleton_ = Recorded("cmu/asf_amc/01.asf");
+    Written("01_01.amc", Recorded("cmu/asf_amc/01_01.amc"));
   }
-
-  static std::string Cmu(const std::string& name) { return *ReadFile(TestData() + "/cmu/asf_amc/" + name); }
 
   /// `key` of bone `bone` becomes `value`.
   std::string With(const std::string& bone, const std::string& key, const std::string& value) const {
@@ -33,68 +27,63 @@ class AsfSense : public WrittenFormats {
     return std::string(skeleton_).replace(at, skeleton_.find('\r', at) - at, key + " " + value);
   }
 
-  /// The findings of severity error of the skeleton file; a run of its motion tells the same codes.
-  std::vector<Json> Errors(const std::string& skeleton) {
+  /// The errors of the skeleton file as a run of its motion reports them, with the bone as the joint.
+  std::vector<Finding> Errors(const std::string& skeleton) {
     Written("01.asf", skeleton);
-    std::vector<Json> errors;
+    const Json inspection = Look();
     std::vector<std::string> codes;
-    const Json inspection = InspectPath(folder_, std::nullopt);
     for (const Json& finding : inspection.at("findings")) {
-      if (finding.at("severity") != "error" || finding.at("where") != "01.asf") continue;
-      errors.push_back(finding);
-      codes.push_back(finding.at("code"));
+      if (finding.at("severity") == "error" && finding.at("where") == "01.asf") codes.push_back(finding.at("code"));
     }
-    IngestOptions options = Declared("cmu_amc");
-    options.path = folder_;
-    for (const std::string& code : codes) EXPECT_THAT(ErrorCodes(RunAll(options).at(0).outcome), Contains(code));
+    std::vector<Finding> errors;
+    for (const Finding& finding : RunOne(From("cmu_amc")).findings) {
+      if (std::count(codes.begin(), codes.end(), finding.code) > 0) errors.push_back(finding);
+    }
+    EXPECT_EQ(errors.size(), codes.size());
     return errors;
   }
 
   std::string skeleton_;
 };
 
-TEST_F(AsfSense, ABoneWithoutLengthIsToldWithItsLine) {
-  for (const std::string bone : {"lfemur", "upperback"}) {
-    const std::vector<Json> errors = Errors(With(bone, "length", "0"));
+TEST_F(AsfSense, ABoneWithoutLengthIsReportedWithItsLine) {
+  for (const auto& [bone, line] : {std::pair<std::string, int>{"lfemur", 26}, {"upperback", 122}}) {
+    const std::vector<Finding> errors = Errors(With(bone, "length", "0"));
     ASSERT_EQ(errors.size(), 1u) << bone;
-    EXPECT_EQ(errors[0].at("code"), "bone_length");
-    EXPECT_EQ(errors[0].at("value"), 0.0);
-    EXPECT_TRUE(std::regex_search(errors[0].at("message").get<std::string>(),
-                                  std::regex("^01.asf:[0-9]+: bone '" + bone + "' .*length 0.*mend")))
-        << errors[0];
+    EXPECT_EQ(errors[0].code, "bone_length");
+    EXPECT_EQ(errors[0].joint, bone);
+    EXPECT_EQ(errors[0].value, 0.0);
+    EXPECT_THAT(errors[0].message, StartsWith("01.asf:" + std::to_string(line) + ":"));
   }
 }
 
 TEST_F(AsfSense, AThighThatIsLongerThanTheOtherByMoreThanAnyRecordedOneIsTold) {
   const double length = 7.1578;
-  const std::vector<Json> errors = Errors(With("lfemur", "length", std::to_string(1.6 * length)));
+  const std::vector<Finding> errors = Errors(With("lfemur", "length", std::to_string(1.6 * length)));
   ASSERT_EQ(errors.size(), 1u);
-  EXPECT_EQ(errors[0].at("code"), "bone_length");
-  EXPECT_NEAR(errors[0].at("value"), 1.6 * length / 7.43374, 0.01);
-  EXPECT_THAT(errors[0].at("message"), HasSubstr("times shorter than 'lfemur'"));
+  EXPECT_EQ(errors[0].code, "bone_length");
+  EXPECT_EQ(errors[0].joint, "rfemur") << "the shorter one";
+  EXPECT_NEAR(errors[0].value, 1.6 * length / 7.43374, 0.01);
   EXPECT_THAT(Errors(With("lfemur", "length", std::to_string(1.2 * length))), IsEmpty());
 }
 
 TEST_F(AsfSense, ADirectionWithTheSignOfXChangedIsToldOfTheBoneThatPointsToTheWrongSide) {
   for (const auto& [bone, direction] :
        {std::pair<std::string, std::string>{"lfemur", "-0.34202 -0.939693 0"}, {"rfemur", "0.34202 -0.939693 0"}}) {
-    const std::vector<Json> errors = Errors(With(bone, "direction", direction));
+    const std::vector<Finding> errors = Errors(With(bone, "direction", direction));
     ASSERT_EQ(errors.size(), 1u) << bone;
-    EXPECT_EQ(errors[0].at("code"), "bone_direction");
-    EXPECT_NEAR(errors[0].at("value"), 40.0, 0.1);
-    EXPECT_THAT(errors[0].at("message"), HasSubstr(": bone '" + bone + "' has the direction"));
-    EXPECT_THAT(errors[0].at("message"), HasSubstr("sign of x changed"));
+    EXPECT_EQ(errors[0].code, "bone_direction");
+    EXPECT_EQ(errors[0].joint, bone);
+    EXPECT_NEAR(errors[0].value, 40.0, 0.1);
   }
 }
 
 TEST_F(AsfSense, AnOrderOfTheRootThatLacksAnAngleIsOneErrorOfTheSkeletonAndNoneOfTheMotion) {
   std::string five = skeleton_;
   Written("01.asf", five.replace(five.find("TX TY TZ RX RY RZ"), 17, "TX TY TZ RX RY"));
-  const Json inspection = InspectPath(folder_, std::nullopt);
-  ASSERT_EQ(inspection.at("findings").size(), 2u) << inspection.at("findings").dump(1);
-  EXPECT_EQ(inspection.at("findings").at(1).at("code"), "no_clips");
-  EXPECT_THAT(inspection.at("findings").at(0).at("where").get<std::string>(), HasSubstr("01.asf:"));
-  EXPECT_THAT(inspection.at("findings").at(0).at("message"), HasSubstr("names 5 channels and lacks rz"));
+  const Json inspection = Look();
+  EXPECT_THAT(Codes(inspection, "error"), ElementsAre("malformed", "no_clips"));
+  EXPECT_THAT(Places(inspection), Contains("malformed 01.asf:14"));
 }
 
 TEST_F(AsfSense, OfEveryRecordedSkeletonNothingIsTold) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "tests/formats/expect_error.h"
 
 namespace mocurate {
 namespace {
@@ -59,9 +60,7 @@ TEST_F(CapturedFiles, FilesOfOthersStayWhateverHappens) {
 TEST_F(CapturedFiles, AFileOfAnotherInTheWayIsNamedAndNotOverwritten) {
   Write("a.txt", "mine");
   const Status refused = Unpack({{"a.txt", "1"}});
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kCannotWrite);
-  EXPECT_NE(refused.error().where.find("a.txt"), std::string::npos);
+  ExpectError(refused, ErrorCode::kCannotWrite, (folder_ / "capture/a.txt").string());
   EXPECT_EQ(Text("a.txt"), "mine");
 }
 

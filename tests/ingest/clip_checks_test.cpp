@@ -10,13 +10,16 @@
 
 #include "ingest/checks/finding_table.h"
 #include "ingest/known_issues.h"
-#include "ingest/sense/inspect.h"
 #include "ingest/sources/source_file.h"
+#include "tests/formats/expect_error.h"
+#include "tests/ingest/inspections.h"
 #include "tests/ingest/runs.h"
 
 namespace mocurate {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -112,7 +115,7 @@ TEST_F(RecordedSets, WhoeverJumpsOrRunsTellsThatTheRateIsMarkedTooHighOrTooLow) 
     EXPECT_THAT(Found("cmu_amc", {std::string("ingest.source.rate=") + rate, "ingest.source.files='01_{take:2}.amc'",
                                   "ingest.source.person='1'", "ingest.source.recording='{take}'",
                                   "ingest.source.skeleton_files=01.asf"}),
-                ElementsAre(HasSubstr("rate_doubtful")))
+                ElementsAre("01 rate_doubtful 0-0"))
         << rate;
   }
 }
@@ -157,8 +160,8 @@ TEST_F(RecordedSets, TheListOfNtu60IsPartOfThatOfNtu120AndNoFileHereIsOnIt) {
 
 TEST(KnownIssueLists, AnUnknownListIsAnErrorThatNamesTheNearest) {
   const auto issues = KnownIssues::Load({"ntu60_missing_skeleton"});
-  ASSERT_FALSE(issues);
-  EXPECT_THAT(issues.error().Message(), HasSubstr("did you mean 'ntu60_missing_skeletons'?"));
+  ExpectError(issues, ErrorCode::kNotFound, "ingest.source.known_issue_lists");
+  EXPECT_THAT(issues.error().Message(), HasSubstr("'ntu60_missing_skeletons'"));
   EXPECT_TRUE(MatchesWildcard("*50002_one*", "DFaust_67.50002.50002_one_leg_jump_poses"));
   EXPECT_FALSE(MatchesWildcard("50002_one", "DFaust_67.50002_one_leg_jump"));
 }
@@ -169,14 +172,15 @@ TEST(KnownIssueLists, AFileOfOnesOwnDropsReportsOrIsIgnoredAndMustSayItsSource) 
     Put(options.path / name, "1 2 3\n4 5 6\n1 3 3\n4 6 6\n2 3 3\n5 6 7\n");
   }
   const auto list = FreshFolder("listed_file") / "mine.yaml";
-  Put(list, "issues:\n  - {kind: broken, source: me, note: falls over, clips: [a1_s1]}\n");
+  Put(list, "issues:\n  - {kind: broken, source: Miller, note: falls over, clips: [a1_s1]}\n");
   options.source.known_issue_lists = {list.string()};
   options.source.known_issues = KnownIssueAction::kDrop;
   auto discovery = Discover(options);
   ASSERT_TRUE(discovery) << discovery.error().Message();
   EXPECT_EQ(discovery->items.size(), 1u);
   EXPECT_EQ(discovery->left_out.at(0).outcome.findings.at(0).code, "known_issue");
-  EXPECT_THAT(discovery->left_out.at(0).outcome.error.what, HasSubstr("broken: falls over (me)"));
+  EXPECT_THAT(discovery->left_out.at(0).outcome.error.what,
+              AllOf(HasSubstr("broken"), HasSubstr("falls over"), HasSubstr("Miller")));
   options.source.known_issues = KnownIssueAction::kReport;
   discovery = Discover(options);
   ASSERT_EQ(discovery->items.size(), 2u);
@@ -186,8 +190,7 @@ TEST(KnownIssueLists, AFileOfOnesOwnDropsReportsOrIsIgnoredAndMustSayItsSource) 
   options.source.known_issues = KnownIssueAction::kIgnore;
   EXPECT_EQ(RunIngest(Discover(options)->items.at(0), "silent").outcome->findings.size(), 0u);
   Put(list, "issues:\n  - {kind: broken, clips: [a1_s1]}\n");
-  ASSERT_FALSE(Discover(options));
-  EXPECT_THAT(Discover(options).error().Message(), HasSubstr("does not say its source"));
+  ExpectError(Discover(options), ErrorCode::kConfig, list.string());
 }
 
 /// A table of KARD's joints in which somebody sways, changed by `plant`.
@@ -246,8 +249,8 @@ TEST(ClipChecks, ASectionThatStandsTwiceIsToldByARunAndByAnInspection) {
   EXPECT_EQ(told.outcome->findings[0].frame_begin, 24);
   EXPECT_EQ(told.outcome->findings[0].value, 10.0);
   EXPECT_EQ(told.outcome->findings[0].action, FindingAction::kFlagged);
-  EXPECT_THAT(nlohmann::json(InspectPath(options.path, options.source)).at("findings").dump(),
-              HasSubstr("frames 24-34"));
+  EXPECT_THAT(Places(InspectPath(options.path, options.source), "warning"),
+              ElementsAre("repeated_stretch a01_s01_e01_realworld.txt frames 24-34"));
 }
 
 TEST(ClipChecks, WhatIsToBeDroppedIsLeftOutByARuleWithValueAndLimit) {
@@ -301,7 +304,7 @@ TEST(ClipChecks, AnArrayLongerThanItsNameSaysContradictsIt) {
   ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
   ASSERT_EQ(ingested.outcome->findings.size(), 1u);
   EXPECT_EQ(ingested.outcome->findings[0].code, "name_contradiction");
-  EXPECT_EQ(ingested.outcome->findings[0].message, "the name speaks of 39 frames (0100-0138), the file holds 40");
+  EXPECT_EQ(ingested.outcome->findings[0].value, 40.0);
 }
 
 TEST_F(RecordedSets, TwoPeopleOfOneRecordingAreNoDuplicates) { EXPECT_THAT(Repeated("pose2sim_two"), ElementsAre()); }
@@ -323,6 +326,7 @@ TEST(ClipChecks, OneTakeUnderTwoNamesIsOneAndMayBeDropped) {
   EXPECT_EQ(outcome->findings[0].code, "duplicate");
   EXPECT_EQ(outcome->summary["items"][0], "kard/s01/a02_s01_e01");
   EXPECT_TRUE(outcome->summary["dropped"].empty());
+  EXPECT_THAT(Codes(InspectPath(options.path, std::nullopt), "warning"), Contains("duplicate"));
   options.source.checks.actions = {{"duplicate", OnFinding::kDrop}};
   all.options = OptionsToJson(options.source.checks);
   EXPECT_TRUE(DuplicatesStage(all)->summary["dropped"].contains("kard/s01/a02_s01_e01"));

@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 
 #include "ingest/formats/driver.h"
+#include "tests/formats/expect_error.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/sources.h"
 
 namespace mocurate {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -36,18 +38,16 @@ TEST(Declaration, ARecordingToExcludeThatIsNotThereIsToldWithTheNearest) {
   ASSERT_EQ(discovery->findings.size(), 1u);
   EXPECT_EQ(discovery->findings[0].code, "name_unmatched");
   EXPECT_EQ(discovery->findings[0].severity, Severity::kWarning);
-  EXPECT_THAT(discovery->findings[0].message, HasSubstr("ingest.source.exclude: there is no recording 'a1_s01'"));
-  EXPECT_THAT(discovery->findings[0].message, HasSubstr("did you mean 'a1_s1'?"));
+  EXPECT_THAT(discovery->findings[0].message,
+              AllOf(HasSubstr("ingest.source.exclude"), HasSubstr("'a1_s01'"), HasSubstr("'a1_s1'")));
 }
 
 TEST(Declaration, FilesOfAnotherFormatAreAnErrorThatNamesTheirs) {
   IngestOptions options = SmallTable(FreshFolder("bvh_as_table"));
   for (const char* name : {"a1_s1.txt", "a2_s1.txt"}) Put(options.path / name, kDeclaredBvh);
   const auto bvh = Discover(options);
-  ASSERT_FALSE(bvh);
-  EXPECT_EQ(bvh.error().code, ErrorCode::kConfig);
-  EXPECT_EQ(bvh.error().where, "ingest.source.format");
-  EXPECT_THAT(bvh.error().what, HasSubstr("the source is declared joint_table, its files are bvh, e.g. 'a1_s1.txt'"));
+  ExpectError(bvh, ErrorCode::kConfig, "ingest.source.format");
+  EXPECT_THAT(bvh.error().what, AllOf(HasSubstr("joint_table"), HasSubstr("bvh"), HasSubstr("'a1_s1.txt'")));
   Put(options.path / "a2_s1.txt", "1 2 3\n4 5 6\n");
   EXPECT_TRUE(Discover(options)) << "one file of another format is that file's failure";
 }
@@ -63,15 +63,16 @@ TEST(Declaration, FilesThatEndAsItsClipsAndAreNamedOtherwiseAreToldWhereOthersAr
   ASSERT_TRUE(discovery) << discovery.error().Message();
   ASSERT_EQ(discovery->findings.size(), 1u);
   EXPECT_EQ(discovery->findings[0].code, "name_mismatch");
-  EXPECT_THAT(discovery->findings[0].message, HasSubstr("1 file that could be of this source, e.g. 'run_1.bvh'"));
+  EXPECT_EQ(discovery->findings[0].value, 1.0);
+  EXPECT_THAT(discovery->findings[0].message, HasSubstr("'run_1.bvh'"));
 }
 
 TEST(Declaration, APatternThatNoFileMatchesIsToldWithWhatTheFolderHolds) {
   IngestOptions options = TwoTables("endings");
   options.source.files = "{action}.bvh";
   const auto discovery = Discover(options);
-  ASSERT_FALSE(discovery);
-  EXPECT_THAT(discovery.error().Message(), HasSubstr("the folder holds 2 .txt"));
+  ExpectError(discovery, ErrorCode::kNotFound, options.path.string());
+  EXPECT_THAT(discovery.error().Message(), HasSubstr("2 .txt"));
 }
 
 TEST_F(WrittenFormats, InspectedWithADeclarationOfAnotherFormatContradictIt) {

@@ -3,12 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <regex>
 #include <set>
 
 #include "core/base/file.h"
 #include "ingest/checks/finding_table.h"
+#include "tests/ingest/inspections.h"
 
 namespace mocurate {
 namespace {
@@ -53,6 +57,37 @@ TEST(FindingTable, OfTheDocumentIsThatOfTheProgram) {
     return;
   }
   EXPECT_TRUE(made == *text) << "run MOCURATE_REGENERATE=1 test_ingest --gtest_filter='FindingTable*'";
+}
+
+/// Numbers of a text, as written.
+std::vector<double> NumbersIn(const std::string& text) {
+  static const std::regex number(R"((?:^|[^\w.])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?))");
+  std::vector<double> numbers;
+  for (auto at = std::sregex_iterator(text.begin(), text.end(), number); at != std::sregex_iterator(); ++at) {
+    numbers.push_back(std::stod((*at)[1]));
+  }
+  return numbers;
+}
+
+TEST_F(RecordedFormats, TheValueOfAFindingIsANumberOfItsMessage) {
+  std::size_t stated_values = 0;
+  for (const char* path : {"ntu", "cameras", "bvh", "cmu", "humanact12", "kinect/cad60", "kinect/msr_action3d",
+                           "pose2sim", "amass_babel"}) {
+    const nlohmann::json inspection = Look(path);
+    for (const Json& finding : inspection.at("findings")) {
+      const double value = finding.at("value");
+      if (value == 0.0) continue;  // the message states none
+      ++stated_values;
+      const std::string message = finding.at("message");
+      const std::vector<double> numbers = NumbersIn(message);
+      const bool stated = std::any_of(numbers.begin(), numbers.end(), [&](double number) {
+        const double slack = 0.006 * std::abs(value) + 1e-4;
+        return std::abs(number - value) <= slack || std::abs(number / 100.0 - value) <= slack;
+      });
+      EXPECT_TRUE(stated) << finding;
+    }
+  }
+  EXPECT_GT(stated_values, 20u);
 }
 
 }  // namespace

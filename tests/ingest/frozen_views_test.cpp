@@ -60,7 +60,7 @@ TEST(FrozenViews, OfKeypointsAreToldByARunAndAnInspection) {
   EXPECT_EQ(told.code, "frozen_view");
   EXPECT_EQ(told.frame_begin, 1);
   EXPECT_EQ(told.value, 4.0);
-  EXPECT_THAT(told.message, HasSubstr("cam_02"));
+  EXPECT_THAT(told.message, HasSubstr("'cam_02'"));
   std::vector<std::string> places;
   const nlohmann::json inspection = InspectPath(folder, std::nullopt);
   for (const nlohmann::json& finding : inspection.at("findings")) {

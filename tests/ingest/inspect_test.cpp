@@ -139,7 +139,7 @@ TEST_F(InspectedFiles, AnOrderThatPutsTheHeadBelowTheTrunkGivesWayToTheNext) {
   NEEDS_DATA();
   const Json inspection = InspectPath(DataFolder() / "kinect/utkinect/pickUp_s04_e01.txt", std::nullopt);
   const Json& clip = inspection.at("clips").at(0);
-  EXPECT_THAT(clip.at("skeleton").at("evidence").get<std::string>(), ::testing::StartsWith("order 'kinect1'"));
+  EXPECT_THAT(clip.at("skeleton").at("evidence").get<std::string>(), ::testing::HasSubstr("'kinect1'"));
   EXPECT_LT(clip.at("skeleton").at("confidence"), 0.2) << "bending, and badly followed";
   EXPECT_EQ(Value(clip, "units"), "m");
   EXPECT_EQ(Value(clip, "up"), "+y");
@@ -230,12 +230,7 @@ TEST_F(InspectedFiles, ATreeThatIsNotTheDeclaredOneNamesTheJointsThatDiffer) {
   source.axes = "+x +y +z";
   source.skeleton = "bandai22";
   const auto contradictions = [&](const fs::path& path) {
-    std::vector<std::string> messages;
-    const Json inspection = InspectPath(path, source);
-    for (const Json& finding : inspection.at("findings")) {
-      if (finding.at("code") == "joints_contradiction") messages.push_back(finding.at("message"));
-    }
-    return messages;
+    return FindingsOf(InspectPath(path, source), "joints_contradiction");
   };
   EXPECT_THAT(contradictions(DataFolder() / "bvh/bandai2/dataset-2_walk_normal_001.bvh"), ::testing::IsEmpty());
   EXPECT_EQ(contradictions(DataFolder() / "bvh/misc/olafhaag_walk01.bvh").size(), 1u);

@@ -25,6 +25,25 @@ inline std::vector<std::string> Codes(const nlohmann::json& inspection, const st
   return codes;
 }
 
+/// Those of one code, in order.
+inline std::vector<nlohmann::json> FindingsOf(const nlohmann::json& inspection, const std::string& code) {
+  std::vector<nlohmann::json> findings;
+  for (const nlohmann::json& finding : inspection.at("findings")) {
+    if (finding.at("code") == code) findings.push_back(finding);
+  }
+  return findings;
+}
+
+/// "code where" of the findings of one severity.
+inline std::vector<std::string> Places(const nlohmann::json& inspection, const std::string& severity = "error") {
+  std::vector<std::string> places;
+  for (const nlohmann::json& finding : inspection.at("findings")) {
+    if (finding.at("severity") != severity) continue;
+    places.push_back(finding.at("code").get<std::string>() + " " + finding.at("where").get<std::string>());
+  }
+  return places;
+}
+
 inline void ExpectFrame(const nlohmann::json& clip, const nlohmann::json& units, const nlohmann::json& up,
                         const nlohmann::json& handedness) {
   EXPECT_EQ(Value(clip, "units"), units) << clip.at("id") << clip.at("units");

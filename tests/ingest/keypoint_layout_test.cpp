@@ -79,7 +79,6 @@ TEST_F(Trials, AreBody25BByTheirBones) {
     }
     const Measured layout = SenseKeypointLayout(people);
     EXPECT_EQ(layout.value, "BODY_25B") << trial << " " << layout.confidence << ": " << layout.evidence;
-    EXPECT_THAT(layout.evidence, HasSubstr("as BODY_25 bones are off by"));
     // The same people in the other orders.
     const auto& layouts = KeypointLayouts();
     for (const std::size_t other : {0u, 2u, 3u}) {
@@ -114,7 +113,7 @@ TEST_F(Trials, AWrongLayoutIsToldByTheBones) {
   ASSERT_TRUE(other);
   const Ingested refused = RunIngest(other->items.at(0), "coco");
   ASSERT_FALSE(refused.outcome);
-  EXPECT_THAT(refused.outcome.error().Message(), HasSubstr("people have 25 keypoints, the layout COCO_17 has 17"));
+  EXPECT_EQ(refused.outcome.error().code, ErrorCode::kInconsistent);
 }
 
 TEST(KeypointLayoutSense, IsUnknownForNobodyAndForUnknownCounts) {

@@ -13,7 +13,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 class MirroredClip : public WrittenFormats {
@@ -81,7 +80,6 @@ TEST_F(MirroredClip, WhoseFeetAreSureInheritsNothingFromTheOthers) {
   EXPECT_THAT(Outliers(inspection), ::testing::ElementsAre("carry_s02_e02.txt"));
   const Json& handedness = Clip(inspection, "carry_s02_e02.txt").at("handedness");
   EXPECT_TRUE(handedness.at("value").is_null()) << handedness;
-  EXPECT_THAT(handedness.at("evidence"), HasSubstr("feet point backwards (100 %"));
 }
 
 TEST_F(MirroredClip, NoneIsFoundWhereNoneIs) {

@@ -4,17 +4,19 @@
 
 #include "core/base/text.h"
 #include "core/formats/phspd_text.h"
-#include "tests/ingest/inspections.h"
+#include "tests/ingest/changed_files.h"
 #include "tests/ingest/studio_folders.h"
 
 namespace mocurate {
 namespace {
 
 using Json = nlohmann::json;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 class PhspdInspection : public Layouts {
  protected:
@@ -83,13 +85,40 @@ TEST_F(PhspdInspection, AFrameThatComesTwiceIsNamedByItsLine) {
   std::vector<std::string> lines = Lines();
   lines.insert(lines.begin() + 6, lines[5]);
   Put(lines);
-  for (const Json& inspection : Inspections()) {
-    ASSERT_THAT(Codes(inspection, "error"), ElementsAre("malformed"));
-    for (const Json& finding : inspection.at("findings")) {
-      if (finding.at("severity") != "error") continue;
-      EXPECT_THAT(finding.at("where").get<std::string>(), HasSubstr(":7"));
-    }
+  for (const Json& inspection : Inspections())
+    EXPECT_THAT(Places(inspection), ElementsAre("malformed subject01_group1_time1/pose.txt:7"));
+}
+
+TEST_F(PhspdInspection, ARootThatIsAKilometreAwayForFiveFramesIsATeleport) {
+  PhspdPose pose = *ParsePhspdPose(*ReadFile(pose_), "pose.txt");
+  ASSERT_GT(pose.frame.size(), 40u);
+  const int far = pose.frame[20] - pose.frame[0];
+  for (std::size_t row = 20; row < 25; ++row) {
+    for (std::size_t i = 0; i < 3 * kPhspdJoints; i += 3) pose.position_m[row * 3 * kPhspdJoints + i] += 1000.0;
   }
+  ASSERT_TRUE(WriteFile(pose_, WritePhspdPose(pose)));
+  std::vector<Finding> told;
+  for (const ItemResult& clip : RunAll(options_)) {
+    for (const Finding& finding : FindingsOf(clip.outcome, "teleport")) told.push_back(finding);
+  }
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].frame_begin, far);
+  const std::vector<Json> inspected = FindingsOf(Inspections()[0], "teleport");
+  ASSERT_EQ(inspected.size(), 1u);
+  EXPECT_THAT(inspected[0].at("where"), HasSubstr(" frames " + std::to_string(far) + "-"));
+}
+
+TEST_F(PhspdInspection, APoseInAFolderOfAnotherNameIsReported) {
+  const auto whole = Discover(options_);
+  ASSERT_TRUE(whole) << whole.error().Message();
+  EXPECT_TRUE(whole->left_out.empty()) << whole->left_out.front().item;
+  EXPECT_TRUE(whole->findings.empty()) << whole->findings.front().message;
+  std::filesystem::rename(pose_.parent_path(), folder / "phspd/pose/somebody");
+  const auto renamed = Discover(options_);
+  ASSERT_TRUE(renamed) << renamed.error().Message();
+  ASSERT_EQ(renamed->findings.size(), 1u);
+  EXPECT_EQ(renamed->findings[0].code, "name_mismatch");
+  EXPECT_THAT(renamed->findings[0].message, HasSubstr("pose/somebody/pose.txt"));
 }
 
 TEST_F(PhspdInspection, ANumberThatIsNoneIsToldWithItsLineAndJoint) {
@@ -98,11 +127,10 @@ TEST_F(PhspdInspection, ANumberThatIsNoneIsToldWithItsLineAndJoint) {
   lines[5].replace(third, lines[5].find(' ', third) - third, "nan");
   Put(lines);
   for (const Json& inspection : Inspections()) {
-    std::vector<std::string> told;
-    for (const Json& finding : inspection.at("findings")) {
-      if (finding.at("code") == "not_a_number") told.push_back(finding.at("message"));
-    }
-    EXPECT_THAT(told, ElementsAre(HasSubstr(":6: 'nan' is not a finite number (column 3, 'position of joint 0, y')")));
+    const std::vector<Json> told = FindingsOf(inspection, "not_a_number");
+    ASSERT_EQ(told.size(), 1u);
+    EXPECT_THAT(told[0].at("where").get<std::string>(), StartsWith("subject01_group1_time1/pose.txt"));
+    EXPECT_THAT(told[0].at("message"), AllOf(HasSubstr(":6:"), HasSubstr("joint 0, y")));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/formats/pickle_writer.h"
 #include "core/motion/kinematics.h"
 #include "ingest/sense/source_declaration.h"

@@ -16,6 +16,7 @@
 #include "core/store/body_file.h"
 #include "ingest/sense/calibration_sense.h"
 #include "tests/formats/damage.h"
+#include "tests/formats/expect_error.h"
 #include "tests/ingest/jpeg_masks.h"
 
 namespace mocurate {
@@ -23,7 +24,6 @@ namespace {
 
 using Json = nlohmann::json;
 using test::RecordedFile;
-using ::testing::HasSubstr;
 
 class RecordedDepth : public ::testing::Test {
  protected:
@@ -272,7 +272,7 @@ TEST_F(RecordedDepth, BodiesOfTheTemplateHaveTheirHeights) {
   for (std::size_t v = 0; v < male.vertices.size(); v += 100) {
     EXPECT_LT((male.vertices[v] - (given.vertices[v] - given.joints[0])).norm(), 1e-5);
   }
-  EXPECT_THAT(ReadBodyTemplate("nowhere.h5").error().Message(), HasSubstr("nowhere.h5"));
+  ExpectError(ReadBodyTemplate("nowhere.h5"), ErrorCode::kNotFound, "nowhere.h5");
 }
 
 }  // namespace

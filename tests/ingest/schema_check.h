@@ -39,7 +39,7 @@ class SchemaCheck {
   void CheckObject(const nlohmann::json& schema, const nlohmann::json& value, const std::string& place) {
     const nlohmann::json own = schema.value("properties", nlohmann::json::object());
     for (const auto& [key, entry] : value.items()) {
-      const Json* rule = own.contains(key) ? &own.at(key) : nullptr;
+      const nlohmann::json* rule = own.contains(key) ? &own.at(key) : nullptr;
       if (rule == nullptr && schema.contains("additionalProperties")) rule = &schema.at("additionalProperties");
       if (rule != nullptr) Check(*rule, entry, place + "/" + key);
     }

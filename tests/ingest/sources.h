@@ -104,10 +104,4 @@ inline Status IngestOnly(const IngestOptions& options, const std::string& name) 
   return result.outcome ? Status() : Status(Forward(result.outcome));
 }
 
-/// The same as text; "done" without an error.
-inline std::string RefusalOf(const IngestOptions& options, const std::string& name) {
-  const Status status = IngestOnly(options, name);
-  return status ? "done" : status.error().Message();
-}
-
 }  // namespace mocurate

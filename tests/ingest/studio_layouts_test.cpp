@@ -352,7 +352,8 @@ TEST_F(Layouts, AnActionThatTheLayoutLacksIsNamedWithTheNearest) {
   options.actions = {"boxin"};
   const auto counts = WriteStudioLayout(options, folder, 1);
   ASSERT_FALSE(counts);
-  EXPECT_THAT(counts.error().Message(), ::testing::HasSubstr("did you mean 'boxing'?"));
+  EXPECT_EQ(counts.error().code, ErrorCode::kConfig);
+  EXPECT_THAT(counts.error().Message(), ::testing::HasSubstr("'boxing'"));
   EXPECT_FALSE(fs::exists(folder));
 }
 

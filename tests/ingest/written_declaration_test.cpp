@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "ingest/sense/declaration_writer.h"
 #include "ingest/sense/source_declaration.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/studio_folders.h"
@@ -17,6 +18,15 @@ std::string Declaration(const fs::path& folder) {
   const auto declared = DeclareSource(InspectPath(folder, std::nullopt), folder, "mine");
   EXPECT_TRUE(declared) << declared.error().Message();
   return declared ? declared->yaml : "";
+}
+
+TEST(ImageNames, ACameraOfOneLetterIsOnlyWhereItStandsAlone) {
+  const std::vector<std::string> names = {"p_depth_0001.png", "p_depth_0002.png"};
+  EXPECT_EQ(GuessImages(names, {"p"}, "camera"), "{camera}_depth_{frame:4}.png");
+  EXPECT_EQ(GuessImages({"depth/0001.png"}, {"p"}, "camera"), "");
+  EXPECT_EQ(GuessImages({"depth/p0001.png"}, {"p"}, "camera"), "depth/{camera}{frame:4}.png");
+  EXPECT_EQ(GuessImages({"cam10_0001.png"}, {"cam1", "cam10"}, "camera"), "{camera}_{frame:4}.png");
+  EXPECT_EQ(GuessImages({"cam10_0001.png"}, {"cam1"}, "camera"), "");
 }
 
 class DeclaredNtu : public Layouts {};

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/ingest/inspections.h"
+#include "tests/ingest/runs.h"
+
+namespace mocurate {
+
+/// Recorded files with something changed, in a folder of one test: what an inspection and a run report of them.
+class ChangedFiles : public WrittenFormats {
+ protected:
+  void SetUp() override {
+    if (TestData().empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
+    WrittenFormats::SetUp();
+  }
+
+  static std::string Recorded(const std::string& path) { return *ReadFile(TestData() + "/" + path); }
+
+  nlohmann::json Look(const std::optional<SourceOptions>& source = {}) const { return InspectPath(folder_, source); }
+
+  /// A declaration of configs/sources for the files of the test, without annotations.
+  IngestOptions From(const std::string& declaration) const {
+    IngestOptions options = Declared(declaration);
+    options.path = folder_;
+    options.source.annotations.clear();
+    return options;
+  }
+
+  /// The only clip of a run.
+  static StageOutcome RunOne(const IngestOptions& options) {
+    const std::vector<ItemResult> clips = RunAll(options);
+    EXPECT_EQ(clips.size(), 1u);
+    return clips.empty() ? StageOutcome() : clips[0].outcome;
+  }
+};
+
+/// Those of one code, in order.
+inline std::vector<Finding> FindingsOf(const StageOutcome& outcome, const std::string& code) {
+  std::vector<Finding> findings;
+  for (const Finding& finding : outcome.findings) {
+    if (finding.code == code) findings.push_back(finding);
+  }
+  return findings;
+}
+
+}  // namespace mocurate
