@@ -8,6 +8,7 @@
 #include "ingest/formats/driver.h"
 #include "ingest/sense/file_kind.h"
 #include "ingest/sense/inspect_files.h"
+#include "ingest/sense/observe.h"
 
 namespace mocurate {
 

@@ -63,7 +63,7 @@ Expected<PointCloud> ParsePointCloud(std::string_view bytes, const std::string& 
   const std::string_view begin = bytes.substr(std::min(bytes.size(), bytes.find_first_not_of(" \t\r\n")));
   if (begin.substr(0, 3) == "ply") return FromPly(bytes, name);
   if (begin.substr(0, 1) == "#" || begin.substr(0, 7) == "VERSION") return FromPcd(bytes, name);
-  return Fail(ErrorCode::kUnsupported, "the file is no PLY or PCD cloud", name);
+  return Fail(ErrorCode::kUnsupported, "the file is no PLY or PCD cloud", name, "export it as PLY or PCD");
 }
 
 std::vector<double> DistancesFromMiddle(const std::vector<Vector3d>& points) {

@@ -60,6 +60,7 @@ std::vector<int> Connect(int seed, double reach, const open3d::geometry::KDTreeF
 }  // namespace
 
 void EstimateNormals(const Eigen::Matrix3Xd& cloud, double radius, FusedCloud& thin) {
+  if (thin.size() == 0) return;        // all points were outliers
   const Eigen::MatrixXd kept = cloud;  // the tree refers to it
   const open3d::geometry::KDTreeFlann tree(kept);
   std::vector<std::size_t> counts;

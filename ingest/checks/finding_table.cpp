@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/text.h"
+#include "core/base/units.h"
 
 namespace mocurate {
 namespace {
@@ -18,24 +19,19 @@ const char* ActionText(OnFinding action) {
   return action == OnFinding::kDropRecorded ? "drop_recorded" : "report";
 }
 
-const char* UnitText(Unit unit) {
-  if (unit == Unit::kMetre) return " m";
-  return unit == Unit::kMetrePerSecond ? " m/s" : "";
-}
-
 }  // namespace
 
 const std::vector<FindingKind>& FindingKinds() {
   static const std::vector<FindingKind> kinds = {
       // Checks of a clip.
-      {"zero_frames", "warning; info in a lifeless clip", "frames whose joints are all at 0 0 0; value: frames",
-       Checked::kSamples},
+      {"zero_frames", "warning; info where it is nearly the whole clip",
+       "frames whose joints are all at 0 0 0; value: frames", Checked::kSamples},
       {"zero_joint", "warning", "a joint at 0 0 0 among others that are not; value: frames", Checked::kSamples},
       {"joint_never_seen", "info", "joints that are missing in every frame; value: how many", Checked::kClip},
-      {"collapsed_frames", "warning; info in a lifeless clip", "frames whose joints lie in one point; value: frames",
-       Checked::kSamples},
+      {"collapsed_frames", "warning; info where it is nearly the whole clip",
+       "frames whose joints lie in one point; value: frames", Checked::kSamples},
       {"frozen_frames",
-       "warning; info in a lifeless clip",
+       "warning; info where it is nearly the whole clip",
        "frames equal to the last digit; value: frames",
        Checked::kSamples,
        {Frames(2.0, "equal frames on end", kKinects)}},
@@ -216,7 +212,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"bodies_left_out", "warning", "people of a file beyond those declared"},
       {"people_missing", "warning; error of a file of one person", "fewer people than are declared"},
       {"second_person", "warning", "another person is there nearly as long"},
-      {"ghost_body", "warning", "a false track: short, without motion, furniture, or a double"},
+      {"ghost_body", "warning", "a false track: short, still, furniture, or a second one of the same person"},
       // Cameras, keypoints, depth.
       {"frames_missing", "warning", "numbers of frames without a file"},
       {"unreadable_frames", "warning", "files of frames that cannot be read; the first is named"},
@@ -277,8 +273,9 @@ std::string FindingTables() {
     }
     std::string limits;
     for (const CheckLimit& limit : kind.limits) {
+      const std::string unit(Name(limit.unit));
       limits += (limits.empty() ? "`" : "; `") + std::string(limit.name) + ": " + FormatDouble(limit.value) +
-                UnitText(limit.unit) + "` " + limit.help + ", " + limit.source;
+                (unit.empty() ? "" : " " + unit) + "` " + limit.help + ", " + limit.source;
     }
     checks += row + " " + limits + " | " + ActionText(kind.by_default) + " |\n";
   }

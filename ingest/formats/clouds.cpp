@@ -6,6 +6,7 @@
 #include "core/formats/point_cloud.h"
 #include "ingest/formats/driver.h"
 #include "ingest/gathered_files.h"
+#include "ingest/sense/observe.h"
 #include "ingest/sources/frame_files.h"
 
 namespace mocurate {

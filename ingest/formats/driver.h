@@ -5,10 +5,12 @@
 #include <vector>
 
 #include "ingest/sense/file_kind.h"
-#include "ingest/sense/observe.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
+
+struct FileBytes;
+struct ObservedFile;
 
 /// What the clips of a source hold when they are ingested.
 enum class Gives { kNothing, kJointTracks, kDepthViews, kPointClouds, kKeypoints, kKeypointsAndDepth, kMotion };

@@ -11,27 +11,16 @@
 #include "ingest/sense/posed_joints.h"
 #include "ingest/sources/body_check.h"
 #include "ingest/sources/kept_open.h"
-#include "ingest/sources/mapped_file.h"
 #include "ingest/sources/smpl_motion.h"
 
 namespace mocurate {
 namespace {
 
-/// The archive with the bytes that it points into.
-struct OpenPickle {
-  std::shared_ptr<const MappedFile> file;
-  HumanAct12Archive archive;
-};
+using OpenPickle = MappedArchive<HumanAct12Archive>;
 
 Expected<std::shared_ptr<const OpenPickle>> PickleOf(const std::filesystem::path& path) {
   static KeptOpen<OpenPickle> last;
-  return last.Get(path, [](const std::filesystem::path& pickle) -> Expected<OpenPickle> {
-    auto file = MappedFile::Open(pickle);
-    if (!file) return Forward(file);
-    Expected<HumanAct12Archive> archive = HumanAct12Archive::Open((*file)->bytes(), DisplayPath(pickle.filename()));
-    if (!archive) return Forward(archive);
-    return OpenPickle{std::move(*file), std::move(*archive)};
-  });
+  return last.Get(path, OpenPickle::Open);
 }
 
 /// The pickle names no clip: "c0007_y04" are the place in the file and the class, from 1.

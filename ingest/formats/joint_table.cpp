@@ -6,6 +6,7 @@
 #include "core/formats/joint_layout.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
+#include "ingest/sense/observe.h"
 #include "ingest/sources/table_rows.h"
 
 namespace mocurate {

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "ingest/formats/driver.h"
+#include "ingest/sense/observe.h"
 
 namespace mocurate {
 

@@ -12,28 +12,17 @@
 #include "ingest/sense/observe.h"
 #include "ingest/sources/body_check.h"
 #include "ingest/sources/kept_open.h"
-#include "ingest/sources/mapped_file.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/sources/uestc_folder.h"
 
 namespace mocurate {
 namespace {
 
-/// UESTC's cache with the bytes that it points into.
-struct OpenCache {
-  std::shared_ptr<const MappedFile> file;
-  VibeCache cache;
-};
+using OpenCache = MappedArchive<VibeCache>;
 
 Expected<std::shared_ptr<const OpenCache>> CacheOf(const std::filesystem::path& container) {
   static KeptOpen<OpenCache> last;
-  return last.Get(container, [](const std::filesystem::path& path) -> Expected<OpenCache> {
-    auto bytes = MappedFile::Open(path);
-    if (!bytes) return Forward(bytes);
-    Expected<VibeCache> cache = VibeCache::Open((*bytes)->bytes(), DisplayPath(path.filename()));
-    if (!cache) return Forward(cache);
-    return OpenCache{std::move(*bytes), std::move(*cache)};
-  });
+  return last.Get(container, OpenCache::Open);
 }
 
 /// The videos of UESTC's cache, as info/ beside it names them; the second camera's moving view is left out. Error
@@ -44,10 +33,11 @@ Expected<std::vector<ContainerEntry>> UestcEntries(const SourceOptions& source, 
   if (!info) return Forward(info);
   const auto cache = CacheOf(container);
   if (!cache) return Forward(cache);
-  if ((*cache)->cache.size() != info->videos.size()) {
+  if ((*cache)->archive.size() != info->videos.size()) {
     return Fail(ErrorCode::kInconsistent,
                 "info/names.txt names " + Counted(static_cast<long long>(info->videos.size()), "video") +
-                    ", the file holds " + std::to_string((*cache)->cache.size()) + ": which name is whose is not known",
+                    ", the file holds " + std::to_string((*cache)->archive.size()) +
+                    ": which name is whose is not known",
                 DisplayPath(source.container), "take info/ and cache of one release");
   }
   std::vector<ContainerEntry> entries;
@@ -64,7 +54,7 @@ Expected<std::vector<ContainerEntry>> UestcEntries(const SourceOptions& source, 
 Expected<VibeTrack> ReadUestcVideo(const SourceFile& file) {
   const auto opened = CacheOf(file.container);
   if (!opened) return Forward(opened);
-  const VibeCache& cache = (*opened)->cache;
+  const VibeCache& cache = (*opened)->archive;
   if (Status there = CheckEntry(file.entry, cache.size(), file.name); !there) return Forward(there);
   return cache.Track(static_cast<std::size_t>(file.entry));
 }

@@ -22,6 +22,7 @@
 #include "ingest/sense/inspect_duplicates.h"
 #include "ingest/sense/inspect_files.h"
 #include "ingest/sense/inspect_groups.h"
+#include "ingest/sense/observe.h"
 #include "ingest/sense/scene_report.h"
 #include "ingest/sources/body_check.h"
 #include "ingest/sources/pattern.h"

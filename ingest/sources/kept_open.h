@@ -1,12 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "core/base/error.h"
+#include "core/base/file.h"
+#include "ingest/sources/mapped_file.h"
 
 namespace mocurate {
 
@@ -37,6 +40,22 @@ class KeptOpen {
   std::uintmax_t size_ = 0;
   std::filesystem::file_time_type written_;
   std::shared_ptr<const Opened> opened_;
+};
+
+/// An archive that is not read at once, with the mapped bytes that it points into.
+template <class Archive>
+struct MappedArchive {
+  std::shared_ptr<const MappedFile> file;
+  Archive archive;
+
+  /// Errors of MappedFile::Open and Archive::Open.
+  static Expected<MappedArchive> Open(const std::filesystem::path& path) {
+    auto bytes = MappedFile::Open(path);
+    if (!bytes) return Forward(bytes);
+    Expected<Archive> opened = Archive::Open((*bytes)->bytes(), DisplayPath(path.filename()));
+    if (!opened) return Forward(opened);
+    return MappedArchive{std::move(*bytes), std::move(*opened)};
+  }
 };
 
 /// Error of a place in a container of `count` clips that is beyond its end; fine otherwise.

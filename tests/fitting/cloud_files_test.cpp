@@ -14,6 +14,7 @@
 #include "fitting/clouds/cloud_files.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/cloud_tracking.h"
+#include "fitting/clouds/depth_normals.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/person_points.h"
 #include "fitting/stages.h"
@@ -104,6 +105,22 @@ CloudFiles ScannedClouds(const std::vector<DepthView>& views, const std::string&
     writer.Add(cloud.points, cloud.normals, views[0].time_s[f]);
   }
   return writer.files();
+}
+
+TEST(CloudFiles, CloudsOfNoOrFewPointsAreThinnedToNoMore) {
+  FusedCloud nothing{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
+  EstimateNormals(Eigen::Matrix3Xd::Zero(3, 2), 0.02, nothing);
+  EXPECT_EQ(nothing.size(), 0);
+  FusionOptions options;
+  options.voxel_size = 0.02;
+  for (const int count : {0, 1, 3}) {
+    std::vector<Vector3d> points;
+    for (int i = 0; i < count; ++i) points.emplace_back(0.5 * i, 1.0, 2.0 * i * i);
+    const auto fused = FusePoints(points, {}, options);
+    ASSERT_TRUE(fused) << fused.error().Message();
+    EXPECT_LE(fused->size(), count);
+    EXPECT_TRUE(fused->normals.allFinite());
+  }
 }
 
 /// The people of two of the studio's clips as PHSPD's depth cameras see them.

@@ -26,21 +26,12 @@ class Arrays : public ChangedFiles {
  protected:
   void SetUp() override {
     ChangedFiles::SetUp();
-    options_.path = folder_;
-    SourceOptions& source = options_.source;
-    source.name = "mine";
-    source.format = "npy";
-    source.files = "{clip}.npy";
-    source.person = "p";
-    source.recording = "{clip}";
-    source.units = "m";
-    source.axes = "+x +y +z";
-    source.rate_hz = 20.0;
-    source.skeleton = "smpl24";
-    source.joints = {"pelvis",     "left_hip",    "right_hip",    "spine1",     "left_knee",     "right_knee",
-                     "spine2",     "left_ankle",  "right_ankle",  "spine3",     "left_foot",     "right_foot",
-                     "neck",       "left_collar", "right_collar", "head",       "left_shoulder", "right_shoulder",
-                     "left_elbow", "right_elbow", "left_wrist",   "right_wrist"};
+    options_ = SmallArrays(folder_);
+    options_.source.joints = {"pelvis",     "left_hip",      "right_hip",      "spine1",      "left_knee",
+                              "right_knee", "spine2",        "left_ankle",     "right_ankle", "spine3",
+                              "left_foot",  "right_foot",    "neck",           "left_collar", "right_collar",
+                              "head",       "left_shoulder", "right_shoulder", "left_elbow",  "right_elbow",
+                              "left_wrist", "right_wrist"};
   }
   static NpyArray Take() {
     NpyArray array = *ParseNpy(Recorded("humanact12/humanml3d_sample/012314_joints.npy"), "a");

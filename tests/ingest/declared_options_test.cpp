@@ -23,22 +23,6 @@ std::vector<std::string> CodesOf(const std::vector<Finding>& findings) {
   return codes;
 }
 
-IngestOptions ArraySource(const std::string& name) {
-  IngestOptions options;
-  options.path = FreshFolder(name);
-  SourceOptions& source = options.source;
-  source.name = "mine";
-  source.format = "npy";
-  source.files = "{clip}.npy";
-  source.person = "p";
-  source.recording = "{clip}";
-  source.units = "m";
-  source.axes = "+x +y +z";
-  source.rate_hz = 20.0;
-  source.skeleton = "smpl24";
-  return options;
-}
-
 /// The take's columns in another order; -1: a column of zeros.
 NpyArray Columns(const NpyArray& take, const std::vector<int>& from) {
   NpyArray array = take;
@@ -58,7 +42,7 @@ TEST_F(RecordedSets, JointsOfAnArrayMayBeInAnyOrderAndPassedOver) {
   NpyArray take = *ParseNpy(*ReadFile(TestData() + "/humanact12/humanml3d_sample/012314_joints.npy"), "a");
   take.dtype = "<f8";
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-  IngestOptions options = ArraySource("array_order");
+  IngestOptions options = SmallArrays(FreshFolder("array_order"));
   std::vector<int> from;
   for (int j = static_cast<int>(take.shape[1]) - 1; j >= 0; --j) from.push_back(j);
   std::rotate(from.begin(), from.begin() + 5, from.end());
@@ -83,7 +67,7 @@ TEST_F(RecordedSets, JointsOfAnArrayMayBeInAnyOrderAndPassedOver) {
 }
 
 TEST(DeclaredOptions, LieParametersAreOfAllJoints) {
-  IngestOptions options = ArraySource("lie_joints");
+  IngestOptions options = SmallArrays(FreshFolder("lie_joints"));
   options.source.skeleton = "humanact12";
   const SkeletonPtr skeleton = *LoadSkeleton("humanact12");
   options.source.lie_bone_lengths.assign(skeleton->joints.size(), 0.2);

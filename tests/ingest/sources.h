@@ -66,6 +66,23 @@ inline IngestOptions SmallTable(const std::filesystem::path& folder) {
   return options;
 }
 
+/// Arrays of SMPL's joints in a made-up source, metres.
+inline IngestOptions SmallArrays(const std::filesystem::path& folder) {
+  IngestOptions options;
+  options.path = folder;
+  SourceOptions& source = options.source;
+  source.name = "mine";
+  source.format = "npy";
+  source.files = "{clip}.npy";
+  source.person = "p";
+  source.recording = "{clip}";
+  source.units = "m";
+  source.axes = "+x +y +z";
+  source.rate_hz = 20.0;
+  source.skeleton = "smpl24";
+  return options;
+}
+
 struct Ingested {
   Expected<StageOutcome> outcome;
   std::filesystem::path artifact;

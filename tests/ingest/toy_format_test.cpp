@@ -6,6 +6,7 @@
 
 #include "ingest/formats/driver.h"
 #include "ingest/sense/inspect.h"
+#include "ingest/sense/observe.h"
 #include "tests/formats/expect_error.h"
 #include "tests/ingest/sources.h"
 
