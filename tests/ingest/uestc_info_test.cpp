@@ -70,7 +70,11 @@ TEST_F(UestcInfo, ACountOfMoreFramesThanTheTrackHasIsAFindingOfThatClipAndLine) 
 
 TEST_F(UestcInfo, NamesOfAnotherReleaseAreRefused) {
   Put("info/names.txt", Bytes("uestc/info/names.txt") + "a7_d2_p001_c1_color.avi\n");
-  EXPECT_FALSE(Discover(Declared("uestc", {"ingest.path=" + (folder / "uestc").string()})));
+  Put("info/num_frames_min.txt", Bytes("uestc/info/num_frames_min.txt") + "20\n");
+  const auto discovery = Discover(Declared("uestc", {"ingest.path=" + (folder / "uestc").string()}));
+  ASSERT_FALSE(discovery);
+  EXPECT_EQ(discovery.error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(discovery.error().where, "vibe_cache_refined.pkl") << discovery.error().Message();
 }
 
 TEST_F(UestcInfo, FewerFramesThanTheTrackHasAreNoContradiction) {
