@@ -32,7 +32,7 @@ Error UnknownVerbOf(const std::string& called, const std::string& word, const st
           near ? "did you mean '" + called + " " + *near + "'?" : "there are: " + ListedNames(verbs)};
 }
 
-/// A path where a verb should stand: the verb that takes it.
+/// A path instead of a verb: suggests a verb for it.
 Error UnknownFirstVerb(const std::filesystem::path& word, const std::vector<std::string>& verbs) {
   const bool config = word.extension() == ".yaml" || word.extension() == ".yml";
   std::error_code ignored;
@@ -43,7 +43,7 @@ Error UnknownFirstVerb(const std::filesystem::path& word, const std::vector<std:
           meant.empty() ? "the verbs are: " + ListedNames(verbs) : "did you mean 'mocurate " + meant + "'?"};
 }
 
-/// The verb that the words led to, and how it is called: "mocurate cache".
+/// The verb that the words select, and its full name: "mocurate cache".
 const CLI::App& Reached(const CLI::App& app, std::string& called) {
   const CLI::App* at = &app;
   for (called = "mocurate"; !at->get_subcommands().empty(); called += " " + at->get_name()) {
@@ -63,10 +63,10 @@ std::vector<std::string> OptionsOf(const CLI::App& app) {
   return names;
 }
 
-/// Words that are left over: an option that does not exist, or more words than the verb takes.
+/// Unexpected words: an option that does not exist, or more words than the verb accepts.
 Error Unexpected(const CLI::App& verb, const std::string& called, const std::vector<std::string>& words) {
   const auto option = std::find_if(words.begin(), words.end(), [](const std::string& word) { return word[0] == '-'; });
-  const std::string help = "'" + called + " --help' lists what there is";
+  const std::string help = "'" + called + " --help' lists the options";
   if (option == words.end()) {
     return {ErrorCode::kUsage, "'" + DisplayPath(words.front()) + "' is one word too many for '" + called + "'",
             "command line", help};
@@ -85,7 +85,7 @@ std::optional<Error> UnknownVerb(const CLI::App& app, int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     const std::vector<std::string> verbs = VerbsOf(*at);
-    if (verbs.empty()) break;                      // what follows are the verb's own words
+    if (verbs.empty()) break;                      // the rest are the verb's own words
     if (word.empty() || word[0] == '-') continue;  // all options before the last verb are flags
     if (std::find(verbs.begin(), verbs.end(), word) == verbs.end()) {
       return at == &app ? UnknownFirstVerb(word, verbs) : UnknownVerbOf(called, DisplayPath(word), verbs);
@@ -108,7 +108,7 @@ Error UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, ch
     return {ErrorCode::kUsage, "'" + called + "' alone does nothing", "command line",
             "there are: " + ListedNames(verbs)};
   }
-  return {ErrorCode::kUsage, error.what(), "command line", "'" + called + " --help' tells more"};
+  return {ErrorCode::kUsage, error.what(), "command line", "'" + called + " --help' has more information"};
 }
 
 }  // namespace mocurate

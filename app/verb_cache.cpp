@@ -1,46 +1,30 @@
-#include <cstdio>
-#include <nlohmann/json.hpp>
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
 
-#include "app/verbs.h"
-#include "core/base/file.h"
-#include "core/base/text.h"
-#include "core/pipeline/runner.h"
+#include "app/commands.h"
 
 namespace mocurate {
-namespace {
 
-void Print(CommonArguments& common, const nlohmann::json& document, const std::string& text) {
-  common.answered = common.json;
-  std::printf("%s\n", common.json ? document.dump(1).c_str() : text.c_str());
-}
-
-}  // namespace
-
-Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
-  Cache cache(DefaultCacheFolder());
-  const std::string folder = DisplayPath(cache.folder());
-  if (arguments.action == "verify") {
-    const std::vector<std::string> damaged = cache.Verify();
-    const std::string count = Counted(static_cast<long long>(damaged.size()), "cache object");
-    std::string text = folder + ": damaged: " + count;
-    for (const std::string& key : damaged) text += "\n  " + key;
-    Print(common, {{"folder", folder}, {"damaged", damaged}}, text);
-    if (damaged.empty()) return {};
-    return Fail(ErrorCode::kInconsistent, "damaged: " + count + " of another content than recorded", folder,
-                "delete them (mocurate cache prune --days 0 removes all); they are made again");
-  }
-  const bool prune = arguments.action == "prune";
-  const Cache::Statistics statistics = prune ? cache.Prune(arguments.days, arguments.dry_run) : cache.Stat();
-  const char* removed = !prune ? "" : arguments.dry_run ? "would remove " : "removed ";
-  Print(common,
-        {{"folder", folder},
-         {"objects", statistics.objects},
-         {"bytes", statistics.bytes},
-         {"action", arguments.action},
-         {"dry_run", arguments.dry_run}},
-        folder + ": " + removed + Counted(static_cast<long long>(statistics.objects), "object") + ", " +
-            std::to_string(statistics.bytes / 1000000) + " MB");
-  return {};
+void AddCache(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<CacheArguments>();
+  CLI::App* cache = app.add_subcommand("cache", "Inspect and clean the cache of finished work");
+  cache->require_subcommand(1);
+  const auto add = [&](const char* action, const char* help, const char* example) {
+    CLI::App* sub = cache->add_subcommand(action, help);
+    sub->footer(std::string("Example:\n  mocurate cache ") + example);
+    sub->callback([&common, &verb, arguments, action] {
+      arguments->action = action;
+      verb = [&common, arguments] { return CacheVerb(common, *arguments); };
+    });
+    return sub;
+  };
+  add("stat", "Count objects and bytes", "stat");
+  add("verify", "Compare every object with its recorded hash", "verify");
+  CLI::App* prune = add("prune", "Remove objects not used recently", "prune --days 7");
+  prune->add_option("--days", arguments->days, "remove objects unused for this many days (default 30)")
+      ->check(CLI::Range(0.0, 36500.0));
+  prune->add_flag("-n,--dry-run", arguments->dry_run, "show what would be removed, remove nothing");
 }
 
 }  // namespace mocurate

@@ -1,60 +1,40 @@
-#include <cstdio>
-#include <nlohmann/json.hpp>
+#include <CLI/CLI.hpp>
+#include <memory>
 
-#include "app/config_loading.h"
-#include "app/verbs.h"
-#include "ingest/synthetic/studio_options.h"
+#include "app/commands.h"
 
 namespace mocurate {
-namespace {
 
-/// The same tree as the options, with the origin of each value in its place.
-nlohmann::json OriginsOf(const nlohmann::json& options, const ConfigNode* node) {
-  if (options.is_object() && !options.empty()) {
-    nlohmann::json origins = nlohmann::json::object();
-    for (const auto& [name, value] : options.items()) {
-      origins[name] = OriginsOf(value, node == nullptr ? nullptr : node->Find(name));
-    }
-    return origins;
-  }
-  const bool groups = options.is_array() && !options.empty() && options.front().is_object();
-  if (groups && node != nullptr && node->sequence.size() == options.size()) {
-    nlohmann::json origins = nlohmann::json::array();
-    for (std::size_t i = 0; i < options.size(); ++i) origins.push_back(OriginsOf(options[i], &node->sequence[i]));
-    return origins;
-  }
-  return node == nullptr || node->origin.file.empty() ? "default" : node->origin.Text();
-}
-
-}  // namespace
-
-Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments) {
-  const auto job = LoadJob(arguments.config, arguments.assignments);
-  if (!job) return Forward(job);
-  const nlohmann::json options = OptionsToJson(job->options);
-  if (common.json && arguments.origins)
-    std::printf("%s\n",
-                nlohmann::json{{"options", options}, {"origins", OriginsOf(options, &job->node)}}.dump(1).c_str());
-  else if (common.json)
-    std::printf("%s\n", options.dump(1).c_str());
-  else
-    std::printf("%s", ShowOptions(job->options, job->node, arguments.origins).c_str());
-  return {};
-}
-
-Status ConfigSchemaVerb(CommonArguments&) {
-  std::printf("%s\n", OptionsSchema<JobOptions>().dump(1).c_str());
-  return {};
-}
-
-Status ConfigReferenceVerb(CommonArguments& common) {
-  const std::string reference = OptionsReference<JobOptions>("Options of a job") + "\n" +
-                                OptionsReference<StudioOptions>("Options of `mocurate synthesize`");
-  if (common.json)
-    std::printf("%s\n", nlohmann::json{{"markdown", reference}}.dump(1).c_str());
-  else
-    std::printf("%s", reference.c_str());
-  return {};
+void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<ConfigArguments>();
+  CLI::App* config = app.add_subcommand(
+      "config", "Show a resolved config, write a declaration for captures, the JSON Schema, all options");
+  config->require_subcommand(1);
+  CLI::App* show = config->add_subcommand("show", "Resolved options as YAML");
+  show->add_option("config", arguments->config,
+                   "YAML file, or the name of a job, as for run (default: the embedded config)");
+  show->add_option("--set", arguments->assignments, "override an option")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  show->add_flag("--origins", arguments->origins, "show the origin of each value");
+  show->footer("Example:\n  mocurate config show kard --origins");
+  show->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return ShowConfigVerb(common, *arguments); }; });
+  auto making = std::make_shared<InitConfigArguments>();
+  CLI::App* init = config->add_subcommand("init", "Write the declaration of a source from an inspection of its files");
+  init->add_option("path", making->path, "file or folder with captures")->required();
+  init->add_option("-o,--output", making->output, "file to write (default: stdout)");
+  init->add_option("--name", making->name, "name of the source (default: of the folder)");
+  init->add_flag("--force", making->force, "overwrite the file");
+  init->footer("Example:\n  mocurate config init /data/my_kinect -o my.yaml");
+  init->callback([&common, &verb, making] { verb = [&common, making] { return InitConfigVerb(common, *making); }; });
+  CLI::App* schema = config->add_subcommand("schema", "JSON Schema of configs, for editors");
+  schema->footer("Example:\n  mocurate config schema > mocurate.schema.json");
+  schema->callback([&common, &verb] { verb = [&common] { return ConfigSchemaVerb(common); }; });
+  CLI::App* reference =
+      config->add_subcommand("reference", "Every option with unit, default, range and help (Markdown)");
+  reference->footer("Example:\n  mocurate config reference > options.md");
+  reference->callback([&common, &verb] { verb = [&common] { return ConfigReferenceVerb(common); }; });
 }
 
 }  // namespace mocurate

@@ -1,116 +1,46 @@
-#include <cstdio>
-#include <nlohmann/json.hpp>
+#include <CLI/CLI.hpp>
+#include <memory>
 
-#include "app/config_loading.h"
-#include "app/dataset_stages.h"
-#include "app/motion_files.h"
-#include "app/output_checks.h"
-#include "app/run_outputs.h"
-#include "app/verbs.h"
-#include "core/base/file.h"
-#include "core/base/log.h"
-#include "core/base/text.h"
-#include "report/options.h"
+#include "app/commands.h"
 
 namespace mocurate {
-namespace {
 
-namespace fs = std::filesystem;
-
-/// "NAME=PATH", or a path whose file gives the name.
-std::pair<std::string, fs::path> NamedPath(const std::string& text) {
-  std::error_code unknown;
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0 || fs::exists(text, unknown)) {
-    return {fs::path(text).stem().string(), text};
-  }
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
-/// A set of motions as a dataset or MotionSet: one of ours as it is, other files as the stage `motions` reads them.
-Expected<StageInput> MotionsOf(const std::string& text, const std::string& source, DatasetStages& stages) {
-  const auto [name, path] = NamedPath(text);
-  std::error_code unknown;
-  if (!fs::exists(path, unknown)) {
-    return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(path), "FILE, or NAME=FILE");
-  }
-  if (IsMotionStore(path)) return StageInput{"motions", name, path, ""};
-  if (source.empty() && AreBareArrays(path)) {
-    return Fail(ErrorCode::kUsage, "bare arrays say neither joints nor axes nor unit", DisplayPath(path),
-                "--source FILE declares them (docs/adding_a_source.md)");
-  }
-  auto item = MakeMotionsItem(name, {path, source, {}, {}}, ExtractorOptions());
-  if (!item) return Forward(item);
-  const auto read = stages.One(MotionsDeclaration(), std::move(item->item));
-  if (!read) return Forward(read);
-  for (const RefusedClip& refused : item->unreadable) LogWarning(refused.error.Message());
-  for (const Finding& finding : read->outcome.findings) {
-    if (finding.severity != Severity::kInfo) LogWarning(name + ": " + finding.message);
-  }
-  return StageInput{"motions", name, read->artifact, read->sha256};
-}
-
-Expected<MotionPictureOptions> PictureOf(const DrawArguments& arguments) {
-  nlohmann::json json = OptionsToJson(MotionPictureOptions());
-  json["title"] = arguments.title;
-  json["labels"] = arguments.labels;
-  json["clips"] = arguments.clips;
-  json["samples"] = arguments.samples;
-  json["stills"] = arguments.stills;
-  json["figure"] = arguments.figure;
-  json["scale"] = arguments.scale;
-  const std::string ending = arguments.output.extension().string();
-  if (ending != ".mp4") json["format"] = ending == ".png" ? "png" : "svg";
-  return OptionsFromJson<MotionPictureOptions>(json, "draw");
-}
-
-}  // namespace
-
-Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
-  const std::string ending = arguments.output.extension().string();
-  if (ending != ".svg" && ending != ".png" && ending != ".mp4") {
-    return Fail(ErrorCode::kUsage, "a picture ends in .svg or .png, a video in .mp4", DisplayPath(arguments.output),
-                "-o motions.svg");
-  }
-  const auto options = PictureOf(arguments);
-  if (!options) return Forward(options);
-  std::vector<fs::path> inputs;
-  for (const std::string& text : arguments.motions) inputs.push_back(NamedPath(text).second);
-  if (Status free = CheckOutputs({arguments.output}, inputs, arguments.force); !free) return free;
-  auto stages = DatasetStages::Make(common);
-  if (!stages) return Forward(stages);
-  ItemSpec item{"motions", OptionsToJson(*options), {}};
-  for (const std::string& text : arguments.motions) {
-    auto motions = MotionsOf(text, arguments.source, **stages);
-    if (!motions) return Forward(motions);
-    item.inputs.push_back(std::move(*motions));
-  }
-  if (options->figure == FigureChoice::kSkin) {
-    const fs::path body = arguments.body.empty() ? FindBody() : arguments.body;
-    if (body.empty()) {
-      return Fail(ErrorCode::kMissingOnHost, "no body is named, and none lies below MOCURATE_WEIGHTS", "--body",
-                  "--body SMPL_NEUTRAL.pkl or body_cc0.h5; --figure capsules needs none");
-    }
-    item.inputs.push_back({"body", body.filename().string(), body, ""});
-  }
-  const StageDeclaration stage = ending == ".mp4" ? MotionVideoDeclaration() : MotionPictureDeclaration();
-  const auto drawn = (*stages)->One(stage, std::move(item));
-  if (!drawn) return Forward(drawn);
-  if (const fs::path folder = arguments.output.parent_path(); !folder.empty()) {
-    if (Status made = MakeFolder(folder); !made) return made;
-  }
-  if (Status copied = CopyWhole(drawn->artifact, arguments.output); !copied) return copied;
-  for (const nlohmann::json& without : drawn->outcome.summary.value("without", nlohmann::json::array())) {
-    LogWarning(without.get<std::string>() + " has no motion of the labels or clips that are shown");
-  }
-  const long long rows = drawn->outcome.summary.value("rows", 0LL);
-  if (common.json) {
-    common.answered = true;
-    std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)}, {"rows", rows}}).dump(1).c_str());
-  } else if (!common.quiet) {
-    std::printf("%s in %s\n", Counted(rows, "motion").c_str(), DisplayPath(arguments.output).c_str());
-  }
-  return {};
+void AddDraw(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<DrawArguments>();
+  CLI::App* draw = app.add_subcommand("draw", "Draw motions: rows of equally spaced frames, or a video");
+  draw->add_option("motions", arguments->motions,
+                   "datasets, MotionSets, or files and folders of motions; NAME=PATH names the row")
+      ->required();
+  draw->add_option("-o,--output", arguments->output, "picture (.svg, .png) or video (.mp4) to write")->required();
+  draw->add_option("--label", arguments->labels, "class to show; may be repeated (default: all classes)")
+      ->allow_extra_args(false);
+  draw->add_option("--clip", arguments->clips, "id of a clip, or its end, instead of --label; may be repeated")
+      ->allow_extra_args(false);
+  draw->add_option("--samples", arguments->samples, "number of motions of each label and file")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  draw->add_option("--stills", arguments->stills, "number of equally spaced frames of a row")
+      ->check(CLI::Range(1, 60))
+      ->capture_default_str();
+  draw->add_option("--figure", arguments->figure, "draw bones, capsules around them, or the skin of a rigged body")
+      ->check(CLI::IsMember({"bones", "capsules", "skin"}))
+      ->capture_default_str();
+  draw->add_option("--body", arguments->body,
+                   "SMPL_NEUTRAL.pkl or body_cc0.h5 for --figure skin (default: below MOCURATE_WEIGHTS)");
+  draw->add_option("--source", arguments->source, "source declaration, for files without one of their own");
+  draw->add_option("--title", arguments->title, "title above the picture");
+  draw->add_option("--scale", arguments->scale, "pixels of a PNG or video per unit of the drawing")
+      ->check(CLI::Range(0.25, 8.0))
+      ->capture_default_str();
+  draw->add_flag("--force", arguments->force, "overwrite the output");
+  draw->footer(
+      "Left limbs are blue, right ones orange. Brackets below a row are the parts of a long motion; the box to the\n"
+      "right shows the root's path from above.\n\n"
+      "Examples:\n  mocurate draw walk.bvh -o walk.svg\n"
+      "  mocurate draw Real=runs/kard/dataset.h5 ours.h5 --label kick --samples 3 -o kick.png\n"
+      "  mocurate draw long.h5 --stills 24 --figure capsules -o long.svg\n"
+      "  mocurate draw long.h5 -o long.mp4");
+  draw->callback([&common, &verb, arguments] { verb = [&common, arguments] { return DrawVerb(common, *arguments); }; });
 }
 
 }  // namespace mocurate

@@ -1,238 +1,55 @@
-#include <algorithm>
-#include <cstdio>
-#include <nlohmann/json.hpp>
-#include <set>
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
 
-#include "app/export_clips.h"
-#include "app/output_checks.h"
-#include "app/verbs.h"
+#include "app/commands.h"
 #include "canon/exports/layout.h"
-#include "core/base/file.h"
-#include "core/base/text.h"
-#include "train/checkpoint/checkpoint.h"
 
 namespace mocurate {
-namespace {
 
-namespace fs = std::filesystem;
-
-void PrintDocument(const nlohmann::json& document) {
-  std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-}
-
-/// The weights of a checkpoint for other programs.
-Status ExportNetwork(CommonArguments& common, const ExportArguments& arguments) {
-  if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
-  const Expected<Checkpoint> checkpoint = ReadCheckpoint(arguments.path);
-  if (!checkpoint) return Forward(checkpoint);
-  if (Status written = ExportSafetensors(*checkpoint, arguments.output); !written) return written;
-  common.answered = common.json;
-  if (common.json) {
-    PrintDocument({{"path", DisplayPath(arguments.output)},
-                   {"network", checkpoint->kind},
-                   {"tensors", checkpoint->parameters.size()}});
-  } else {
-    std::printf("%s of %s in %s\n", Counted(static_cast<long long>(checkpoint->parameters.size()), "tensor").c_str(),
-                checkpoint->kind.c_str(), DisplayPath(arguments.output).c_str());
+void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* verb_export =
+      app.add_subcommand("export", "Write motions in the layouts of other programs, or a network as safetensors");
+  verb_export->add_option("path", arguments->path, "file or folder of motions: dataset, BVH, AMASS, ...")->required();
+  verb_export
+      ->add_option("-o,--output", arguments->output,
+                   "a folder; or FILE.npz, FILE.csv or FILE.bvh for one clip, FILE.pkl for --layout actor, "
+                   "FILE.safetensors for a network")
+      ->required();
+  std::vector<std::string> layouts;
+  std::string layout_help = "layout of the output (default npz):";
+  for (const Layout& layout : Layouts()) {
+    layouts.emplace_back(layout.name);
+    layout_help += (layouts.size() > 1 ? "; " : " ") + std::string(layout.name) + ": " + std::string(layout.help);
   }
-  return {};
-}
-
-/// Where an export goes.
-struct ExportPlace {
-  fs::path folder;        ///< of the files
-  std::string file;       ///< the one file of -o FILE.ending; empty: a folder is named
-  bool one_clip = false;  ///< which holds one clip, and nothing beside it
-};
-
-Expected<ExportPlace> PlaceOf(const ExportArguments& arguments, const Layout& layout) {
-  const std::string ending = arguments.output.extension().string();
-  for (const Layout& other : Layouts()) {
-    if (ending.empty() || other.ending != ending || other.ending == layout.ending) continue;
-    return Fail(ErrorCode::kUsage, "'" + ending + "' is the ending of --layout " + std::string(other.name),
-                DisplayPath(arguments.output),
-                "--layout " + std::string(layout.name) + " writes a folder" +
-                    (layout.ending.empty() ? "" : ", or a file that ends in " + std::string(layout.ending)));
+  verb_export->add_option("--layout", arguments->layout, layout_help)
+      ->check(CLI::IsMember(layouts))
+      ->type_name("LAYOUT");
+  std::vector<std::string> names;
+  std::string help = "with npz: rotations as (default " + std::string(kRotationArraysNames.front().name) + "):";
+  for (const RotationArraysName& name : kRotationArraysNames) {
+    names.emplace_back(name.name);
+    help += " " + std::string(name.name) + (name.value == RotationArrays::kNone ? "" : ",");
   }
-  if (layout.ending.empty() || ending != layout.ending) return ExportPlace{arguments.output, "", false};
-  const fs::path parent = arguments.output.parent_path();
-  return ExportPlace{parent.empty() ? fs::path(".") : parent, arguments.output.filename().string(),
-                     !layout.Is(LayoutTrait::kAllInOneFile)};
-}
-
-/// What the command line asks of a layout that it has not.
-Status CheckLayoutArguments(const ExportArguments& arguments, const Layout& layout, const ExportPlace& place) {
-  if (!arguments.rotations.empty() && !layout.Is(LayoutTrait::kRepresentations)) {
-    return Fail(ErrorCode::kUsage, "layout " + std::string(layout.name) + " has one way to write a motion", "--as",
-                "leave --as out; it is for --layout npz");
-  }
-  if (!arguments.split.empty() && place.one_clip) {
-    return Fail(ErrorCode::kUsage, "a file of one clip carries no split", "--split",
-                "leave --split out, or name a folder with -o");
-  }
-  return {};
-}
-
-/// Nothing is overwritten, and no folder that holds other things is added to, without --force.
-Status CheckExportPlace(const ExportArguments& arguments, const ExportPlace& place) {
-  std::error_code unknown;
-  const fs::path& output = arguments.output;
-  if (Status apart = CheckOutputs({place.file.empty() ? fs::path() : output}, {arguments.path}, true); !apart) {
-    return apart;
-  }
-  if (fs::is_directory(output, unknown) && fs::exists(output / "run.json", unknown)) {
-    return Fail(ErrorCode::kUsage, "the folder is that of a run", DisplayPath(output), "name another folder with -o");
-  }
-  if (arguments.force || !fs::exists(output, unknown)) return {};
-  if (!place.file.empty() || !fs::is_directory(output, unknown)) {
-    return Fail(ErrorCode::kUsage, "the file is there already", DisplayPath(output),
-                "--force overwrites it, -o names another");
-  }
-  if (fs::is_empty(output, unknown)) return {};
-  return Fail(ErrorCode::kUsage, "the folder is there already, and not empty", DisplayPath(output),
-              "name another folder with -o; --force overwrites files of the same names and keeps the others");
-}
-
-Status CheckRotations(const ClipsToExport& clips, const Layout& layout, const ExportArguments& arguments) {
-  const bool wanted = layout.Is(LayoutTrait::kNeedsRotations) ||
-                      (layout.Is(LayoutTrait::kRepresentations) && clips.set.rotations != RotationArrays::kNone);
-  if (!wanted || !clips.set.joints_only) return {};
-  return Fail(ErrorCode::kInconsistent,
-              "the motions have joints alone, layout " + std::string(layout.name) + " needs rotations",
-              DisplayPath(arguments.path),
-              "`mocurate fit` finds rotations; --layout npz --as joints, csv and humanact12 take joints");
-}
-
-/// What became of the clips.
-struct Exported {
-  nlohmann::json files = nlohmann::json::array();  ///< {clip, path}
-  std::set<fs::path> written;
-  std::vector<RefusedClip> refused;
-  std::vector<std::string> notes;
-};
-
-Status WriteFiles(const std::vector<ExportedFile>& files, const fs::path& folder, Exported& exported) {
-  for (const ExportedFile& file : files) {
-    const fs::path path = folder / fs::path(file.path);
-    if (Status made = MakeFolder(path.parent_path()); !made) return made;
-    if (Status written = WriteFile(path, file.bytes); !written) return written;
-    exported.written.insert(path.lexically_normal());
-  }
-  return {};
-}
-
-/// Clip by clip. Errors of writing; a clip that cannot be read or taken is refused and costs no other.
-Status ExportClips(const ClipsToExport& clips, const Layout& layout, const ExportPlace& place, Exported& exported) {
-  const std::unique_ptr<LayoutWriter> writer = layout.make(clips.set);
-  NotCarried lost(layout);
-  for (std::size_t position = 0; position < clips.set.ids.size(); ++position) {
-    const std::string& id = clips.set.ids[position];
-    const Expected<Clip> clip = clips.read(position);
-    Expected<std::vector<ExportedFile>> files = clip ? writer->Add(position, *clip) : Forward(clip);
-    if (!files) {
-      exported.refused.push_back({id, files.error()});
-      continue;
-    }
-    if (place.one_clip) files->front().path = place.file;
-    if (Status written = WriteFiles(*files, place.folder, exported); !written) return written;
-    lost.Count(*clip);
-    exported.files.push_back({{"clip", id}, {"path", files->empty() ? "" : files->front().path}});
-  }
-  if (exported.files.empty()) return tl::unexpected<Error>(exported.refused.front().error);
-  const std::string note = lost.Note();
-  if (!note.empty()) exported.notes.push_back(note);
-  std::vector<ExportedFile> beside;
-  if (!place.one_clip) {
-    Expected<std::vector<ExportedFile>> tables = writer->Finish(exported.notes);
-    if (!tables) return Forward(tables);
-    beside = std::move(*tables);
-  }
-  for (nlohmann::json& file : exported.files) {
-    std::string path = file["path"].get<std::string>();
-    if (path.empty()) path = beside.front().path;
-    file["path"] = DisplayPath(place.folder / path);
-  }
-  return WriteFiles(beside, place.folder, exported);
-}
-
-/// Files of the folder that this export did not write.
-std::size_t OtherFilesIn(const fs::path& folder, const std::set<fs::path>& written) {
-  std::size_t others = 0;
-  std::error_code problem;
-  for (fs::recursive_directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
-    std::error_code unknown;
-    if (at->is_directory(unknown)) continue;
-    others += written.count(at->path().lexically_normal()) == 0 ? 1 : 0;
-  }
-  return others;
-}
-
-void PrintExported(const CommonArguments& common, const ExportArguments& arguments, const std::string& representation,
-                   const Exported& exported) {
-  if (common.json) {
-    nlohmann::json refused = nlohmann::json::object();
-    for (const RefusedClip& clip : exported.refused) refused[clip.item] = clip.error.Message();
-    nlohmann::json answer = {
-        {"layout", arguments.layout}, {"files", exported.files}, {"refused", refused}, {"notes", exported.notes}};
-    if (!representation.empty()) answer["representation"] = representation;
-    PrintDocument(answer);
-    return;
-  }
-  std::printf("%s as %s in %s\n", Counted(static_cast<long long>(exported.files.size()), "clip").c_str(),
-              representation.empty() ? arguments.layout.c_str() : representation.c_str(),
-              DisplayPath(arguments.output).c_str());
-  for (const RefusedClip& clip : exported.refused) {
-    std::printf("refused: %s: %s\n", clip.item.c_str(), clip.error.Message().c_str());
-  }
-  for (const std::string& note : exported.notes) std::printf("note: %s\n", note.c_str());
-}
-
-}  // namespace
-
-Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
-  if (arguments.output.extension() == ".safetensors") return ExportNetwork(common, arguments);
-  const Layout& layout = *FindLayout(arguments.layout);
-  const Expected<ExportPlace> place = PlaceOf(arguments, layout);
-  if (!place) return Forward(place);
-  if (Status fits = CheckLayoutArguments(arguments, layout, *place); !fits) return fits;
-  if (Status free = CheckExportPlace(arguments, *place); !free) return free;
-  Expected<ClipsToExport> clips = OpenClipsToExport(arguments);
-  if (!clips) return Forward(clips);
-  if (place->one_clip && clips->set.ids.size() > 1) {
-    return Fail(ErrorCode::kUsage,
-                Counted(static_cast<long long>(clips->set.ids.size()), "clip") + " do not fit one " +
-                    std::string(layout.ending) + " file",
-                DisplayPath(arguments.output),
-                "name a folder, or choose one with --clip, e.g. --clip '" + clips->set.ids.front() + "'");
-  }
-  std::error_code unknown;
-  clips->set.folder = fs::absolute(place->folder, unknown).lexically_normal();
-  clips->set.file = place->one_clip ? "" : place->file;
-  std::string representation;
-  if (layout.Is(LayoutTrait::kRepresentations)) {
-    representation = arguments.rotations.empty() ? kRotationArraysNames.front().name : arguments.rotations;
-    clips->set.rotations =
-        std::find_if(kRotationArraysNames.begin(), kRotationArraysNames.end(), [&](const RotationArraysName& name) {
-          return name.name == representation;
-        })->value;
-  }
-  if (Status rotations = CheckRotations(*clips, layout, arguments); !rotations) return rotations;
-  Exported exported;
-  exported.refused = std::move(clips->refused);
-  if (Status written = ExportClips(*clips, layout, *place, exported); !written) return written;
-  const std::size_t others = place->file.empty() ? OtherFilesIn(place->folder, exported.written) : 0;
-  if (others > 0) {
-    exported.notes.push_back(Counted(static_cast<long long>(others), "other file") +
-                             " stay in the folder: source.yaml reads those that are named as clips are");
-  }
-  common.answered = common.json;
-  PrintExported(common, arguments, representation, exported);
-  if (exported.refused.empty()) return {};
-  const auto& [name, error] = exported.refused.front();
-  return Fail(ErrorCode::kTooManyFailures,
-              Counted(static_cast<long long>(exported.refused.size()), "clip") + " could not be exported; " + name +
-                  ": " + error.what,
-              error.where, error.hint);
+  verb_export->add_option("--as", arguments->rotations, help)->check(CLI::IsMember(names))->type_name("REPRESENTATION");
+  verb_export->add_option("--source", arguments->source, "source declaration, for files without one of their own");
+  verb_export->add_option("--clip", arguments->clips, "clip to export, by its id or the end of it (default: all)")
+      ->allow_extra_args(false);
+  verb_export->add_option("--split", arguments->split,
+                          "split to write (default: all; amass_babel contains only one, the first)");
+  verb_export->add_flag("--force", arguments->force, "overwrite files, and write into a folder that is not empty");
+  verb_export->footer(
+      "Each folder contains source.yaml, with which mocurate can read it (docs/exports.md).\n\n"
+      "Examples:\n  mocurate export walk.h5 -o walk.npz --as axis_angle\n"
+      "  mocurate export walk.bvh -o walk.npz --as quaternion\n"
+      "  mocurate export runs/kard/dataset.h5 -o arrays --as 6d_rows\n"
+      "  mocurate export runs/kard/dataset.h5 -o blender --layout bvh\n"
+      "  mocurate export runs/kard/dataset.h5 -o amass --layout amass_babel --split cross_subject\n"
+      "  mocurate export runs/demo/checkpoints/Action2Motion_1.h5 -o action2motion.safetensors");
+  verb_export->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return ExportVerb(common, *arguments); }; });
 }
 
 }  // namespace mocurate

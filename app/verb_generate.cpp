@@ -1,432 +1,81 @@
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <nlohmann/json.hpp>
-#include <set>
+#include <CLI/CLI.hpp>
+#include <memory>
 
-#include "app/blas_kernels.h"
-#include "app/config_loading.h"
-#include "app/mesh_files.h"
-#include "app/motion_scripts.h"
-#include "app/run_outputs.h"
-#include "app/scratch_folder.h"
-#include "app/stage_runs.h"
-#include "app/verbs.h"
-#include "core/base/file.h"
-#include "core/base/random.h"
-#include "core/base/text.h"
-#include "core/motion/limbs.h"
-#include "core/motion/request.h"
-#include "core/store/dataset_clips.h"
-#include "core/store/store.h"
-#include "train/checkpoint/checkpoint.h"
-#include "train/options.h"
+#include "app/commands.h"
 
 namespace mocurate {
-namespace {
 
-namespace fs = std::filesystem;
-
-constexpr double kLargestScale = 100.0;
-constexpr double kMostFramesInAll = 2e7;  // 100 GB of joints and rotations
-
-/// Classes that are asked for, in order: "sit:10" ten times, "3" the class of that index, nothing each class once.
-Expected<std::vector<int>> LabelsOf(const std::vector<std::string>& wanted, const std::vector<std::string>& labels) {
-  std::vector<int> result;
-  for (std::size_t c = 0; wanted.empty() && c < labels.size(); ++c) result.push_back(static_cast<int>(c));
-  for (const std::string& text : wanted) {
-    const std::size_t colon = text.rfind(':');
-    const auto count = colon == std::string::npos ? std::optional<long long>(1) : ParseInteger(text.substr(colon + 1));
-    const std::string name = text.substr(0, colon);
-    const auto found = std::find(labels.begin(), labels.end(), name);
-    const auto index = ParseInteger(name);
-    const bool by_index = found == labels.end() && index && *index >= 0 && *index < std::int64_t(labels.size());
-    if (found == labels.end() && !by_index) {
-      std::string known;
-      for (const std::string& label : labels) known += (known.empty() ? "" : ", ") + label;
-      const auto near = Nearest(name, labels);
-      return Fail(ErrorCode::kUsage, "the network has no class '" + name + "'", "--label",
-                  (near ? "did you mean '" + *near + "'? " : "") + "it has: " + known);
-    }
-    if (!count || *count < 1 || *count > 1000000) {
-      return Fail(ErrorCode::kUsage, "'" + text.substr(colon + 1) + "' is no number of motions", "--label",
-                  "LABEL:COUNT, e.g. sit:10");
-    }
-    const int label = by_index ? static_cast<int>(*index) : static_cast<int>(found - labels.begin());
-    result.insert(result.end(), static_cast<std::size_t>(*count), label);
-  }
-  return result;
-}
-
-/// Whether two skeletons have the same joints in the same tree.
-bool SameJoints(const Skeleton& a, const Skeleton& b) {
-  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
-                    [](const Joint& x, const Joint& y) { return x.name == y.name && x.parent == y.parent; });
-}
-
-/// Mean length of each bone along the chains, over the frames of all motions of a dataset: (J), 0 for the root.
-Expected<std::vector<double>> LengthsOf(const fs::path& path, const Skeleton& skeleton) {
-  const Expected<Dataset> set = ReadDataset(path);
-  if (!set) return Forward(set);
-  if (!SameJoints(*set->skeleton, skeleton)) {
-    return Fail(ErrorCode::kInconsistent,
-                "the motions have skeleton '" + set->skeleton->name + "', the network has '" + skeleton.name + "'",
-                DisplayPath(path), "give motions of skeleton '" + skeleton.name + "'");
-  }
-  std::vector<double> lengths(static_cast<std::size_t>(skeleton.joint_count()), 0.0);
-  const std::vector<int> parents = skeleton.lie ? skeleton.LieParents() : std::vector<int>();
-  double frames = 0.0;
-  for (const Clip& clip : set->clips) {
-    if (!clip.motion) continue;
-    for (int f = 0; f < clip.motion->frame_count(); ++f, ++frames) {
-      for (int j = 1; j < skeleton.joint_count(); ++j) {
-        const auto at = static_cast<std::size_t>(j);
-        const int parent = parents.empty() ? skeleton.joints[at].parent : parents[at];
-        lengths[at] += (clip.motion->joints.at(f, j) - clip.motion->joints.at(f, parent)).norm();
-      }
-    }
-  }
-  if (frames == 0.0) {
-    return Fail(ErrorCode::kInconsistent, "the dataset holds no frame of a motion", DisplayPath(path),
-                "give a dataset of at least one motion");
-  }
-  for (double& length : lengths) length /= frames;
-  return lengths;
-}
-
-/// Joints that hang below `root`.
-std::vector<bool> Below(const Skeleton& skeleton, int root) {
-  std::vector<bool> below(static_cast<std::size_t>(skeleton.joint_count()), false);
-  for (int j = 1; j < skeleton.joint_count() && root >= 0; ++j) {
-    const int parent = skeleton.joints[static_cast<std::size_t>(j)].parent;
-    below[static_cast<std::size_t>(j)] = parent == root || (parent >= 0 && below[static_cast<std::size_t>(parent)]);
-  }
-  return below;
-}
-
-/// "legs=1.25,arms=0.9,all=1.1" of bone lengths.
-Status Scale(const std::string& text, const Skeleton& skeleton, std::vector<double>& lengths) {
-  if (text.empty()) return {};
-  const Limbs limbs = LimbsOf(skeleton);
-  std::set<std::string> seen;
-  for (const std::string_view part : SplitText(text, ',')) {
-    const std::size_t equals = part.find('=');
-    const auto factor =
-        equals == std::string_view::npos ? std::nullopt : ParseDouble(std::string(Trim(part.substr(equals + 1))));
-    const std::string group(Trim(part.substr(0, equals)));
-    if (!factor || !(*factor > 0.0 && *factor <= kLargestScale)) {
-      return Fail(ErrorCode::kUsage, "'" + std::string(part) + "' is no GROUP=FACTOR", "--scale",
-                  "e.g. --scale legs=1.25,arms=1.25");
-    }
-    if (group != "legs" && group != "arms" && group != "all") {
-      return Fail(ErrorCode::kUsage, "there is no group '" + group + "'", "--scale", "legs, arms, all");
-    }
-    if (!seen.insert(group).second) {
-      return Fail(ErrorCode::kUsage, "'" + group + "' stands there twice", "--scale", "give each group one factor");
-    }
-    for (std::size_t side = 0; side < 2; ++side) {
-      const Limb& limb = group == "legs" ? limbs.leg[side] : limbs.arm[side];
-      if (group != "all" && !limb.known()) {
-        return Fail(ErrorCode::kInconsistent, "skeleton '" + skeleton.name + "' has no known " + group, "--scale",
-                    "scale all bones: all=" + RoundedText(*factor));
-      }
-      const std::vector<bool> of_group =
-          group == "all" ? std::vector<bool>(lengths.size(), side == 0) : Below(skeleton, limb.root);
-      for (std::size_t j = 0; j < lengths.size(); ++j) lengths[j] *= of_group[j] ? *factor : 1.0;
-    }
-  }
-  return {};
-}
-
-/// Bone lengths that the motions are laid out with; empty: the network's own.
-Expected<std::vector<double>> BoneLengthsOf(const GenerateArguments& arguments, const Checkpoint& checkpoint,
-                                            const NetworkOptions& options) {
-  if (arguments.scale.empty() && arguments.bone_lengths.empty()) return std::vector<double>();
-  const bool lays_out = (options.kind == NetworkKind::kAction2Motion && options.action2motion.lie) ||
-                        (options.kind == NetworkKind::kActMoCoGan && options.act_mocogan.lie) ||
-                        options.kind == NetworkKind::kMacvae ||
-                        (options.kind == NetworkKind::kActor && options.actor.NeedsRotations());
-  if (!lays_out) {
-    return Fail(ErrorCode::kUsage, "the network generates positions: it has no rotations to lay other bones out with",
-                arguments.scale.empty() ? "--bone-lengths" : "--scale",
-                "give a network of rotations: lie: true, or kind actor");
-  }
-  std::vector<double> lengths = checkpoint.facts.value("bone_length", std::vector<double>());
-  if (lengths.empty()) lengths = checkpoint.skeleton->RestBoneLengths();
-  if (static_cast<int>(lengths.size()) != checkpoint.skeleton->joint_count()) {
-    return Fail(ErrorCode::kMalformed,
-                Counted(static_cast<long long>(lengths.size()), "bone length") + " for a skeleton of " +
-                    Counted(checkpoint.skeleton->joint_count(), "joint"),
-                DisplayPath(arguments.checkpoint), "take the file as `mocurate` wrote it");
-  }
-  if (!arguments.bone_lengths.empty()) {
-    auto given = LengthsOf(arguments.bone_lengths, *checkpoint.skeleton);
-    if (!given) return Forward(given);
-    lengths = std::move(*given);
-  }
-  if (Status scaled = Scale(arguments.scale, *checkpoint.skeleton, lengths); !scaled) return Forward(scaled);
-  return lengths;
-}
-
-/// "60" or "40:120:5".
-Expected<std::vector<int>> DurationsOf(const std::string& text, int trained) {
-  if (text.empty()) return std::vector<int>{trained};
-  std::vector<long long> numbers;
-  for (const std::string_view part : SplitText(text, ':')) {
-    const auto number = ParseInteger(part);
-    if (!number || *number < 1 || *number > 100000) numbers.clear();
-    if (!number || *number < 1 || *number > 100000) break;
-    numbers.push_back(*number);
-  }
-  const bool range = numbers.size() == 2 || numbers.size() == 3;
-  if ((numbers.size() != 1 && !range) || (range && numbers[1] < numbers[0])) {
-    return Fail(ErrorCode::kUsage, "'" + text + "' is no number of frames", "--frames",
-                "1 to 100000, e.g. 60, or FIRST:LAST:STEP, e.g. 40:120:5");
-  }
-  std::vector<int> durations;
-  const long long last = range ? numbers[1] : numbers[0], step = numbers.size() == 3 ? numbers[2] : 1;
-  for (long long frames = numbers[0]; frames <= last; frames += step) durations.push_back(static_cast<int>(frames));
-  return durations;
-}
-
-std::uint64_t SeedOf(Random& random) {
-  const std::uint64_t high = random.Next();
-  return (high << 32) | random.Next();
-}
-
-Expected<std::vector<MotionRequest>> RequestsOf(const GenerateArguments& arguments, const Checkpoint& checkpoint,
-                                                const NetworkOptions& options) {
-  const auto labels = LabelsOf(arguments.labels, checkpoint.labels);
-  if (!labels) return Forward(labels);
-  const auto lengths = BoneLengthsOf(arguments, checkpoint, options);
-  if (!lengths) return Forward(lengths);
-  const auto durations = DurationsOf(arguments.frames, static_cast<int>(options.data.frames));
-  if (!durations) return Forward(durations);
-  constexpr int kMostFrames = 5000;  // rows of ACTOR's positional table
-  if (options.kind == NetworkKind::kActor && durations->back() > kMostFrames) {
-    return Fail(ErrorCode::kUsage, "'" + arguments.frames + "': the network's positions end at 5000 frames", "--frames",
-                "ask for at most 5000");
-  }
-  double all = 0.0;
-  for (const int frames : *durations) {
-    all += static_cast<double>(frames) * static_cast<double>(labels->size()) * std::max(1, arguments.interpolate);
-  }
-  if (all > kMostFramesInAll) {
-    return Fail(ErrorCode::kUsage, "that is " + RoundedText(all, 3) + " frames in all", "--frames",
-                "ask for at most 2e7 at once");
-  }
-  if (arguments.interpolate > 0 && options.kind != NetworkKind::kActor) {
-    return Fail(ErrorCode::kUsage, "the network has no latent of a whole motion", "--interpolate",
-                "give a network of kind actor");
-  }
-  std::vector<MotionRequest> requests;
-  for (const int frames : *durations) {
-    for (std::size_t i = 0; i < labels->size(); ++i) {
-      Random random(arguments.seed, "generate", std::to_string(i));
-      MotionRequest request;
-      request.label = (*labels)[i];
-      request.frames = frames;
-      request.seed = SeedOf(random);
-      request.bone_length = *lengths;
-      requests.push_back(request);
-      if (arguments.interpolate > 0) request.to_seed = SeedOf(random);
-      for (int k = 1; k < arguments.interpolate; ++k) {
-        request.fraction = static_cast<double>(k) / (arguments.interpolate - 1);
-        requests.push_back(request);
-      }
-    }
-  }
-  return requests;
-}
-
-/// Requests of scripts, and what else the item reads for them.
-Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arguments, const Checkpoint& checkpoint,
-                                                    const NetworkOptions& options, ItemSpec& item) {
-  const bool others =
-      !arguments.labels.empty() || arguments.interpolate > 0 || !arguments.frames.empty() || !arguments.mesh.empty();
-  if (others) {
-    return Fail(ErrorCode::kUsage, "a script says which actions there are and how long", "--script",
-                "leave out --label, --frames, --interpolate and --mesh; write ACTION:FRAMES");
-  }
-  const bool continues = options.kind == NetworkKind::kMacvae;
-  if (!continues && !(options.kind == NetworkKind::kActor && options.actor.NeedsRotations())) {
-    return Fail(ErrorCode::kUsage, "the network answers no scripts", "--script",
-                "give a network of kind macvae, or an actor with a pose of rotations");
-  }
-  if (continues && arguments.first.empty() == arguments.previous.empty()) {
-    return Fail(ErrorCode::kUsage,
-                arguments.first.empty() ? "nothing makes the first action: the network continues motions"
-                                        : "a first action is made and a previous motion is given",
-                "--script", "give one of --first ACTOR.h5 and --previous SET.h5");
-  }
-  if (continues ? (arguments.align || !arguments.fill.empty())
-                : (arguments.snap || !arguments.first.empty() || !arguments.previous.empty())) {
-    return Fail(ErrorCode::kUsage,
-                continues ? "the network makes its transitions itself" : "an actor's motions are joined, not continued",
-                "--script", continues ? "leave out --align and --fill" : "leave out --first, --previous and --snap");
-  }
-  for (const auto& [role, file] : {std::pair("first", &arguments.first), std::pair("fill", &arguments.fill),
-                                   std::pair("previous", &arguments.previous)}) {
-    if (!file->empty()) item.inputs.push_back({role, DisplayPath(*file), *file, ""});
-  }
-  std::vector<std::string> clips;  // that may be continued
-  if (!arguments.previous.empty()) {
-    const auto set = DatasetClips::Open(arguments.previous, DatasetClips::Check::kNone);
-    if (!set) return Forward(set);
-    for (std::size_t row = 0; row < set->size(); ++row) clips.push_back(set->Id(row));
-    const bool known = std::find(clips.begin(), clips.end(), arguments.previous_clip) != clips.end();
-    if (clips.empty() || (!arguments.previous_clip.empty() && !known)) {
-      const auto near = Nearest(arguments.previous_clip, clips);
-      return Fail(ErrorCode::kUsage, "the set has no clip '" + arguments.previous_clip + "'", "--previous-clip",
-                  near ? "did you mean '" + *near + "'?" : "`mocurate inspect SET.h5` lists its clips");
-    }
-    if (known) clips = {arguments.previous_clip};
-  } else if (!arguments.previous_clip.empty()) {
-    return Fail(ErrorCode::kUsage, "no set of previous motions is given", "--previous-clip", "add --previous SET.h5");
-  }
-  const auto lengths = BoneLengthsOf(arguments, checkpoint, options);
-  if (!lengths) return Forward(lengths);
-  double all = 0.0;
-  std::vector<MotionRequest> requests;
-  for (const std::string& text : arguments.scripts) {
-    auto script = ReadScript(text);
-    if (!script) return Forward(script);
-    if (arguments.transition_frames > 0) {
-      for (ScriptActionOptions& action : script->actions) action.transition_frames = arguments.transition_frames;
-    }
-    const auto steps = StepsOf(*script, checkpoint, !clips.empty());
-    if (!steps) return Forward(steps);
-    if (continues && clips.empty() && steps->size() < 2) {
-      return Fail(ErrorCode::kUsage, "the script has one action, which --first makes alone", "--script",
-                  "add a second one, or ask the other network: --label ACTION");
-    }
-    for (int k = 0; k < arguments.count; ++k) {
-      Random random(arguments.seed, "script", std::to_string(requests.size()));
-      MotionRequest request;
-      request.seed = SeedOf(random);
-      request.bone_length = *lengths;
-      request.script = *steps;
-      request.label = steps->front().label;
-      request.frames = steps->front().frames;
-      if (clips.empty()) {
-        request.script.erase(request.script.begin());
-      } else {
-        request.previous_clip = clips[static_cast<std::size_t>(random.Below(clips.size()))];
-      }
-      all += static_cast<double>(request.answered_frames());
-      if (all > kMostFramesInAll) {
-        return Fail(ErrorCode::kUsage, "the scripts are more than 2e7 frames in all", "--count",
-                    "ask for fewer at once");
-      }
-      requests.push_back(std::move(request));
-    }
-  }
-  item.options = OptionsToJson(LongMotionOptions{arguments.snap, arguments.align});
-  return requests;
-}
-
-}  // namespace
-
-Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments) {
-  ChooseBlasKernels();
-  std::error_code unknown;
-  if (fs::exists(arguments.output, unknown) && !arguments.force) {
-    return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(arguments.output), "--force overwrites it");
-  }
-  const Expected<Checkpoint> checkpoint = ReadCheckpoint(arguments.checkpoint);
-  if (!checkpoint) return Forward(checkpoint);
-  const auto options = OptionsFromJson<NetworkOptions>(checkpoint->options, DisplayPath(arguments.checkpoint));
-  if (!options) return Forward(options);
-  const bool of_scripts = !arguments.first.empty() || !arguments.fill.empty() || !arguments.previous.empty() ||
-                          !arguments.previous_clip.empty() || arguments.align || arguments.snap ||
-                          arguments.count != 1 || arguments.transition_frames != 0;
-  if (arguments.scripts.empty() && of_scripts) {
-    return Fail(
-        ErrorCode::kUsage,
-        "--first, --fill, --previous, --previous-clip, --align, --snap, --count and --transition-frames are of scripts",
-        "--script", "add --script ACTION,ACTION,...");
-  }
-  MeshBodies bodies{arguments.body.empty() ? FindBody() : arguments.body, arguments.shapes, arguments.seed};
-  if (!arguments.mesh.empty()) {
-    if (!arguments.scale.empty() || !arguments.bone_lengths.empty()) {
-      return Fail(ErrorCode::kUsage, "a mesh has the bones of its body", "--mesh",
-                  "leave out --scale and --bone-lengths, or --mesh; --shapes varies bodies");
-    }
-    if (!options->NeedsRotations()) {
-      return Fail(ErrorCode::kUsage, "the network gives no rotations to pose a body with", "--mesh",
-                  "give a network of kind actor");
-    }
-    if (Status body = CheckMeshBody(bodies, *checkpoint->skeleton); !body) return body;
-    if (fs::exists(arguments.mesh, unknown) && !fs::is_directory(arguments.mesh, unknown)) {
-      return Fail(ErrorCode::kUsage, "a file is in the place of the folder", DisplayPath(arguments.mesh),
-                  "--mesh names a folder");
-    }
-    if (fs::exists(arguments.mesh, unknown) && !fs::is_empty(arguments.mesh, unknown) && !arguments.force) {
-      return Fail(ErrorCode::kUsage, "the folder is not empty", DisplayPath(arguments.mesh), "--force overwrites");
-    }
-  } else if (arguments.shapes != 1 || !arguments.body.empty()) {
-    return Fail(ErrorCode::kUsage, "no meshes are asked for", arguments.body.empty() ? "--shapes" : "--body",
-                "add --mesh FOLDER");
-  }
-  const ScratchFolder scratch;
-  if (scratch.path().empty()) return scratch.Missing();
-  ItemSpec item{"motions", nlohmann::json::object(), {{"generator", "network", arguments.checkpoint, ""}}};
-  std::size_t asked = 0;
-  if (arguments.denoise.empty()) {
-    const auto requests = arguments.scripts.empty() ? RequestsOf(arguments, *checkpoint, *options)
-                                                    : ScriptRequests(arguments, *checkpoint, *options, item);
-    if (!requests) return Forward(requests);
-    asked = requests->size();
-    const fs::path file = scratch.path() / "requests.json";
-    if (Status written = WriteRequests(*requests, file); !written) return written;
-    item.inputs.push_back({"requests", "requests", file, ""});
-  } else {
-    const bool more = !arguments.labels.empty() || !arguments.scripts.empty() || !arguments.frames.empty() ||
-                      arguments.interpolate > 0 || !arguments.scale.empty() || !arguments.bone_lengths.empty();
-    if (more) {
-      return Fail(ErrorCode::kUsage, "clips keep their labels, lengths and bones", "--denoise",
-                  "leave out --label, --script, --frames, --interpolate, --scale and --bone-lengths");
-    }
-    RemakeOptions remake;
-    remake.seed = static_cast<std::int64_t>(arguments.seed);
-    item.options = OptionsToJson(remake);
-    item.inputs.push_back({"motions", DisplayPath(arguments.denoise), arguments.denoise, ""});
-  }
-  RunnerOptions settings;
-  settings.run_folder = scratch.path();
-  settings.quiet = common.quiet;
-  settings.tell_failures = false;
-  auto runner = Runner::Make(settings);
-  if (!runner) return Forward(runner);
-  std::vector<StageReport> reports;
-  const auto generated = StageRuns(**runner, reports).One(GenerateDeclaration(), std::move(item));
-  if (!generated) return Forward(generated);
-  asked = generated->outcome.summary.value("motions", asked);
-  if (Status copied = CopyWhole(generated->artifact, arguments.output); !copied) return copied;
-  int meshes = 0;
-  if (!arguments.mesh.empty()) {
-    const auto set = ReadDataset(arguments.output);
-    if (!set) return Forward(set);
-    const auto written = WriteMeshes(*set, bodies, arguments.mesh);
-    if (!written) return Forward(written);
-    meshes = *written;
-  }
-  if (common.json) {
-    common.answered = true;
-    std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)},
-                                        {"network", checkpoint->kind},
-                                        {"motions", asked},
-                                        {"meshes", meshes}})
-                            .dump(1)
-                            .c_str());
-  } else if (!common.quiet) {
-    std::printf("%s by %s in %s\n", Counted(static_cast<long long>(asked), "motion").c_str(), options->name.c_str(),
-                DisplayPath(arguments.output).c_str());
-    if (meshes > 0) {
-      std::printf("%s in %s\n", Counted(meshes, "mesh file").c_str(), DisplayPath(arguments.mesh).c_str());
-    }
-  }
-  return {};
+void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<GenerateArguments>();
+  CLI::App* generate = app.add_subcommand("generate", "Generate motions with a trained network");
+  generate->add_option("checkpoint", arguments->checkpoint, "checkpoint of a generator: RUN/checkpoints/NAME_SEED.h5")
+      ->required();
+  generate
+      ->add_option("--label", arguments->labels,
+                   "class, by name or index, and number of motions: sit:10; may be repeated (default: each class once)")
+      ->allow_extra_args(false);
+  generate->add_option("--frames", arguments->frames,
+                       "frames of each motion (default: as in training); FIRST:LAST[:STEP]: each of these");
+  generate
+      ->add_option("--interpolate", arguments->interpolate,
+                   "for each requested motion, this number of motions interpolated between two latents (kind actor)")
+      ->check(CLI::Range(2, 100000));
+  generate
+      ->add_option("--script", arguments->scripts,
+                   "motion of several actions: throw,catch:30,throw (ACTION:FRAMES), a name of "
+                   "configs/scripts, or a YAML file; may be repeated (kind macvae, or actor with joined motions)")
+      ->allow_extra_args(false);
+  generate->add_option("--count", arguments->count, "number of motions of each script")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  generate
+      ->add_option("--transition-frames", arguments->transition_frames,
+                   "frames of each transition (default: as in the script, else usual ones of the training set)")
+      ->check(CLI::Range(1, 100000));
+  generate->add_option("--first", arguments->first,
+                       "checkpoint of an actor for the first action, for a network that continues motions");
+  generate->add_option("--previous", arguments->previous,
+                       "dataset whose motions the scripts continue, instead of a generated first action");
+  generate->add_option("--previous-clip", arguments->previous_clip,
+                       "id of the motion to continue (default: drawn by --seed)");
+  generate->add_option("--fill", arguments->fill,
+                       "checkpoint of an ssmct for transitions between an actor's motions (default: linear)");
+  generate->add_flag("--align", arguments->align,
+                     "rotate and move each of an actor's motions to the end of the previous one");
+  generate->add_flag("--snap", arguments->snap,
+                     "start each continuation at the last frame's place and heading, as MultiAct's code does");
+  generate->add_option("--denoise", arguments->denoise,
+                       "dataset whose clips are encoded and decoded, with their labels and durations (kind actor)");
+  generate->add_option("--seed", arguments->seed, "seed of the noise; equal seeds give equal motions")
+      ->capture_default_str();
+  generate->add_option("--scale", arguments->scale,
+                       "scale bone lengths, rotations unchanged: legs=1.25,arms=1.25 or all=0.8");
+  generate->add_option("--bone-lengths", arguments->bone_lengths,
+                       "dataset or MotionSet whose mean bone lengths the motions get");
+  generate->add_option("--mesh", arguments->mesh,
+                       "also write meshes to this folder: an .npz of vertices and faces for each motion and body");
+  generate->add_option("--shapes", arguments->shapes, "number of bodies per motion: the mean one, then random ones")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  generate->add_option(
+      "--body", arguments->body,
+      "body of the meshes: SMPL_NEUTRAL.pkl or body_cc0.h5 (default: the one below MOCURATE_WEIGHTS or MOCURATE_DATA)");
+  generate->add_option("-o,--output", arguments->output, "MotionSet (.h5), a valid input of eval, export and fit")
+      ->required();
+  generate->add_flag("--force", arguments->force, "overwrite");
+  generate->footer(
+      "Examples:\n  mocurate generate runs/demo/checkpoints/Action2Motion_1.h5 --label kick:10 --label walk:5 -o "
+      "made.h5\n"
+      "  mocurate generate runs/demo/checkpoints/Action2Motion_1.h5 --scale legs=1.25,arms=1.25 -o long_limbs.h5\n"
+      "  mocurate generate ACTOR_1.h5 --label walk:10 --frames 40:120:5 -o durations.h5\n"
+      "  mocurate generate ACTOR_1.h5 --label walk --interpolate 9 -o between.h5\n"
+      "  mocurate generate ACTOR_1.h5 --denoise runs/demo/dataset.h5 -o denoised.h5\n"
+      "  mocurate generate ACTOR_1.h5 --label walk --mesh meshes --shapes 3 --body body_cc0.h5 -o walk.h5\n"
+      "  mocurate generate MACVAE_1.h5 --first ACTOR_1.h5 --script throw,catch:30,throw -o long.h5\n"
+      "  mocurate generate MACVAE_1.h5 --previous dataset.h5 --script throw_catch --count 10 -o continued.h5\n"
+      "  mocurate eval --protocol own --run runs/demo --generated made.h5");
+  generate->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return GenerateVerb(common, *arguments); }; });
 }
 
 }  // namespace mocurate

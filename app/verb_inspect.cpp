@@ -1,110 +1,23 @@
-#include <chrono>
-#include <cstdio>
-#include <nlohmann/json.hpp>
+#include <CLI/CLI.hpp>
+#include <memory>
 
-#include "app/config_loading.h"
-#include "app/inspect_made.h"
-#include "app/named_configs.h"
-#include "app/verbs.h"
-#include "app/video_probe.h"
-#include "core/base/file.h"
-#include "core/base/log.h"
-#include "ingest/sense/inspect.h"
+#include "app/commands.h"
 
 namespace mocurate {
-namespace {
 
-void PrintJson(const nlohmann::json& document) {
-  std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-}
-
-/// Now and then how far a large folder is read, on stderr.
-InspectProgress TellProgress() {
-  using Clock = std::chrono::steady_clock;
-  return [told = Clock::now()](std::size_t done, std::size_t all) mutable {
-    constexpr std::chrono::seconds kEvery{3};
-    if (done == all || Clock::now() - told < kEvery) return;
-    told = Clock::now();
-    LogInfo(std::to_string(done) + " of " + std::to_string(all) + " files read");
-  };
-}
-
-/// The first finding of severity error as the error of the verb, where there are no clips.
-Status FirstError(const Inspection& inspection) {
-  for (const Finding& finding : inspection.findings) {
-    if (finding.severity != Severity::kError || !inspection.clips.empty()) continue;
-    return Fail(ErrorCode::kMalformed, finding.message, finding.clip);
-  }
-  return {};
-}
-
-/// What cannot be looked at is told in the form of every answer.
-Status Unreadable(CommonArguments& common, const std::filesystem::path& path, const Error& error) {
-  if (common.json) {
-    PrintJson({{"path", DisplayPath(path)},
-               {"format", "unknown"},
-               {"clips", nlohmann::json::array()},
-               {"findings",
-                {{{"code", Name(error.code)},
-                  {"severity", "error"},
-                  {"where", error.where.empty() ? DisplayPath(path) : error.where},
-                  {"value", nullptr},
-                  {"message", error.what}}}}});
-    common.answered = true;
-  }
-  return tl::unexpected<Error>(error);
-}
-
-/// A config, or a source declaration by its name; one whose folder is in no variable is of the files that are looked
-/// at.
-Expected<SourceOptions> LoadSource(const InspectArguments& arguments) {
-  const std::string name = arguments.source.string();
-  const Expected<ConfigSource> source = SourceOf(name);
-  if (!source) return Forward(source);
-  auto job = LoadJob(*source, {});
-  if (!job && NamedSource(name)) job = LoadJob(*source, {"ingest.path=."});
-  if (!job) return Forward(job);
-  return job->options.ingest.source;
-}
-
-}  // namespace
-
-Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(arguments.path, ignored)) {
-    return Unreadable(common, arguments.path,
-                      {ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path), ""});
-  }
-  if (!std::filesystem::is_directory(arguments.path, ignored) &&
-      !std::filesystem::is_regular_file(arguments.path, ignored)) {
-    return Unreadable(common, arguments.path,
-                      {ErrorCode::kUnreadable, "is no regular file", DisplayPath(arguments.path),
-                       "a pipe or a device is not read: save what it gives to a file"});
-  }
-  if (IsMade(arguments.path)) {
-    const auto description = DescribeMade(arguments.path);
-    if (!description) return Unreadable(common, arguments.path, description.error());
-    common.answered = common.json;
-    if (common.json)
-      PrintJson(*description);
-    else
-      std::printf("%s", MadeText(arguments.path, *description).c_str());
-    return {};
-  }
-  std::optional<SourceOptions> source;
-  if (!arguments.source.empty()) {
-    Expected<SourceOptions> declared = LoadSource(arguments);
-    if (!declared) return Forward(declared);
-    source = *std::move(declared);
-  }
-  const InspectProgress progress = common.quiet ? InspectProgress() : TellProgress();
-  const Inspection inspection = InspectPath(arguments.path, source, AskVideoProgram(), progress);
-  common.answered = common.json;
-  if (common.json)
-    PrintJson(inspection);
-  else
-    std::printf("%s", InspectionText(inspection).c_str());
-  return FirstError(inspection);
+void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb) {
+  auto arguments = std::make_shared<InspectArguments>();
+  CLI::App* inspect =
+      app.add_subcommand("inspect", "Describe a file or folder: declarations, measurements, suspect clips");
+  inspect->add_option("path", arguments->path, "file or folder")->required();
+  inspect->add_option("--source", arguments->source,
+                      "name of a source declaration of configs/sources (precedes a file of that name, "
+                      "./NAME), or a config");
+  inspect->footer(
+      "Examples:\n  mocurate inspect walk.bvh\n  mocurate inspect runs/kard/dataset.h5 --json\n"
+      "  mocurate inspect a01_s01_e01.txt --source kard");
+  inspect->callback(
+      [&common, &verb, arguments] { verb = [&common, arguments] { return InspectVerb(common, *arguments); }; });
 }
 
 }  // namespace mocurate

@@ -20,14 +20,13 @@
 namespace mocurate {
 namespace {
 
-/// The best class but its own of a clip, and the margin of its own over it.
+/// The best other class of a clip, and the margin of its own class over it.
 struct NearestClass {
   double margin = 0.0;
   std::string label;
 };
 
-/// Clips that look like those of another class, the lowest margin first. `input`: probabilities of another classifier,
-/// or null.
+/// Clips that resemble another class, the lowest margin first. `input`: probabilities of another classifier, or null.
 Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const LabelNoiseOptions& options,
                                                   const StageInput* input, nlohmann::json& summary,
                                                   std::map<std::string, NearestClass>& nearest) {
@@ -66,9 +65,9 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
     if (judged.suspect) {
       found.suggested = near;
       found.finding.message =
-          "labelled '" + clip.label + "', moves like '" + near + "' (margin " + RoundedText(judged.margin, 2) + ")";
+          "labelled '" + clip.label + "', resembles '" + near + "' (margin " + RoundedText(judged.margin, 2) + ")";
     } else {
-      found.finding.message = "labelled '" + clip.label + "', moves like no class that others perform";
+      found.finding.message = "labelled '" + clip.label + "', resembles no class that other people perform";
     }
     found.finding.action = FindingAction::kFlagged;
     findings.push_back(std::move(found));
@@ -78,7 +77,7 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
   return findings;
 }
 
-/// Takes the findings away that a review calls none; how many.
+/// Removes the findings that a review rejects; returns their number.
 Expected<std::size_t> DropAccepted(const StageInput& input, const Dataset& dataset,
                                    std::vector<AuditFinding>& findings) {
   const auto review = ReadReview(input.path);
@@ -113,8 +112,7 @@ nlohmann::json JsonOf(const AuditFinding& found) {
           {"message", finding.message}};
 }
 
-/// A line per clip: id, label, person, fingerprint, margin of its label, and its measures; null where it does not have
-/// one.
+/// A line per clip: id, label, person, fingerprint, margin of its label, and its measures; null where it lacks one.
 nlohmann::json ClipsJson(const Dataset& dataset, const std::vector<std::vector<double>>& measures,
                          const std::map<std::string, NearestClass>& nearest) {
   nlohmann::json clips = nlohmann::json::array();
@@ -140,13 +138,13 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   const auto options = OptionsFromJson<AuditOptions>(request.options, "audit");
   if (!options) return Forward(options);
   const StageInput* input = FindInput(request, "dataset");
-  if (input == nullptr) return Fail(ErrorCode::kInternal, "audit got no dataset", request.item);
+  if (input == nullptr) return Fail(ErrorCode::kInternal, "the stage audit has no dataset", request.item);
   const auto dataset = ReadDataset(input->path);
   if (!dataset) return Forward(dataset);
 
   if (!(dataset->axes == AxisConvention())) {
     return Fail(ErrorCode::kUnsupported, "the dataset's axes are " + dataset->axes.Text() + ", not +x +y +z",
-                input->name, "read it as a source and write it again: mocurate run CONFIG --to assemble");
+                input->name, "declare it as a source and write it again: mocurate run CONFIG --to assemble");
   }
   std::map<std::string, int> per_label;
   std::map<std::string, int> per_person;

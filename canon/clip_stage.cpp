@@ -21,11 +21,12 @@
 namespace mocurate {
 namespace {
 
-/// The clip with a motion that canonicalising starts from.
+/// The clip with the motion to canonicalise.
 Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& options, std::vector<Finding>& findings) {
   if (const StageInput* fitted = FindInput(request, "motion")) return ReadMotionClip(*fitted, &findings);
   const StageInput* tracked = FindInput(request, "tracks");
-  if (tracked == nullptr) return Fail(ErrorCode::kInternal, "canon got neither 'motion' nor 'tracks'", request.item);
+  if (tracked == nullptr)
+    return Fail(ErrorCode::kInternal, "the stage canon has neither 'motion' nor 'tracks'", request.item);
   auto clip = ReadEvidence(tracked->path, &findings);
   if (!clip) return Forward(clip);
   const auto skeleton = LoadSkeleton(options.skeleton);
@@ -39,7 +40,7 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
   return clip;
 }
 
-/// Two samples over the same frames: a clip is known by its frames.
+/// Two samples over the same frames: clip ids contain the frames, so that only one can stay.
 Finding SameFrames(const Clip& clip, const ActionTriple& triple) {
   Finding finding;
   finding.clip = clip.id();
@@ -47,7 +48,7 @@ Finding SameFrames(const Clip& clip, const ActionTriple& triple) {
   finding.frame_begin = triple.first_frame;
   finding.frame_end = triple.end_frame();
   finding.message =
-      "'" + triple.previous + "' to '" + triple.current + "' is over the same frames as another sample, which was kept";
+      "'" + triple.previous + "' to '" + triple.current + "' has the same frames as another sample, which was kept";
   finding.action = FindingAction::kDropped;
   return finding;
 }
@@ -68,12 +69,12 @@ Finding NothingLikeIt(const Clip& clip) {
   finding.clip = clip.id();
   finding.code = "no_example_found";
   finding.frame_end = clip.motion->frame_count();
-  finding.message = "no span is like the marked ones; trim.by_example.min_confidence decides";
+  finding.message = "no span is similar enough to the marked ones; lower trim.by_example.min_confidence";
   finding.action = FindingAction::kDropped;
   return finding;
 }
 
-/// Why a heading is suspect: what it was read from is nearly vertical in the anchor frame. Nothing for one that is not.
+/// Why a heading is suspect: its axis is nearly vertical in the anchor frame. Nothing for a reliable one.
 std::optional<Finding> SuspectHeading(const FacingOptions& options, const Clip& clip, const Heading& heading) {
   Finding finding;
   finding.clip = clip.id();
@@ -88,7 +89,7 @@ std::optional<Finding> SuspectHeading(const FacingOptions& options, const Clip& 
   finding.code = "heading_ill_conditioned";
   finding.message = std::string(heading.source == YawSource::kTwist ? "the person is nearly upside down"
                                                                     : "the hip axis is nearly vertical") +
-                    " in the anchor frame: yaw changes fast there; facing.anchor names another frame";
+                    " in the anchor frame, where yaw is unstable; set facing.anchor to another frame";
   return finding;
 }
 
@@ -100,7 +101,7 @@ std::string WhatIsMissing(const TrimOptions& options) {
 
 using Examples = std::map<std::string, std::vector<Motion>>;
 
-/// The clips of a recording, where they lie in it.
+/// The clips of a recording, with their frames in it.
 Expected<std::vector<Clip>> CutClips(const TrimOptions& options, const Examples& examples, const Clip& clip,
                                      std::vector<Finding>& findings) {
   std::vector<Clip> cuts;
@@ -218,14 +219,14 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   auto kept = Canonicalise(*options, *examples, std::move(*clip), outcome.findings);
   if (!kept) return Forward(kept);
   if (kept->empty()) {
-    // Every span that is dropped has a finding that says which rule did so; one that is wrong says why.
-    outcome.kind = OutcomeKind::kLeftOut;
+    // Every dropped span has a finding that names its rule, and an invalid one its error.
+    outcome.kind = OutcomeKind::kExcluded;
     const auto wrong = std::find_if(outcome.findings.begin(), outcome.findings.end(),
                                     [](const Finding& finding) { return finding.severity == Severity::kError; });
     if (wrong != outcome.findings.end()) std::rotate(wrong, wrong + 1, outcome.findings.end());
     const std::string reason =
-        outcome.findings.empty() ? "nothing left: " + WhatIsMissing(options->trim) : outcome.findings.back().message;
-    outcome.error = Error{ErrorCode::kInconsistent, reason, request.item, "canon.trim holds the rule"};
+        outcome.findings.empty() ? "no span is left: " + WhatIsMissing(options->trim) : outcome.findings.back().message;
+    outcome.error = Error{ErrorCode::kInconsistent, reason, request.item, "see canon.trim"};
     const auto limit =
         outcome.findings.empty() ? std::nullopt : LimitOfTrim(options->trim, outcome.findings.back().code);
     if (limit) outcome.summary["threshold"] = *limit;

@@ -46,7 +46,7 @@ Expected<std::map<std::string, std::vector<Motion>>> ReadExamples(const CanonOpt
         return Fail(ErrorCode::kConfig,
                     "the marked span of '" + span.label + "' at " +
                         RoundedText(clip->motion->rate.FrameTime(span.begin)) + " s is shorter than two frames",
-                    clip->id(), "mark a longer one in canon.trim.by_example.examples");
+                    clip->id(), "mark a longer span in canon.trim.by_example.examples");
       }
       const auto cut = Cut(*clip, span.begin, span.end);
       if (!cut) return Forward(cut);

@@ -12,8 +12,9 @@ namespace {
 Finding UnknownFloor(const std::string& group) {
   Finding finding;
   finding.code = "floor_unknown";
-  finding.message = "the floor under the clips of " + group +
-                    " is unknown: no foot ever stands, or the skeleton has no legs; they were not levelled";
+  finding.message =
+      "the floor under the clips of " + group +
+      " is unknown: no foot is ever at rest on it, or the skeleton has no legs; the clips were not levelled";
   finding.action = FindingAction::kFlagged;
   return finding;
 }
@@ -26,7 +27,7 @@ Finding SensorTilt(const std::string& group, const FloorPlane& floor) {
   finding.value = degrees(floor.tilt());
   finding.message = "sensor (" + group + "): tilted by " + RoundedText(finding.value, 3) + " +- " +
                     RoundedText(degrees(floor.tilt_sigma), 2) + " degrees, the floor " + RoundedText(-floor.height, 3) +
-                    " m below it; feet stood " + std::to_string(floor.contacts) + " times in " +
+                    " m below it; stance phases: " + std::to_string(floor.contacts) + " times in " +
                     Counted(floor.clips, "clip");
   finding.action = FindingAction::kRepaired;
   return finding;
@@ -47,7 +48,7 @@ Expected<StageOutcome> LevelStage(const StageRequest& request) {
   StageOutcome outcome;
   const std::optional<FloorPlane> floor = EstimateFloor(*options, motions);
   if (!floor) {
-    outcome.kind = OutcomeKind::kDoubtful;
+    outcome.kind = OutcomeKind::kSuspect;
     outcome.findings.push_back(UnknownFloor(request.item));
   } else {
     outcome.findings.push_back(SensorTilt(request.item, *floor));

@@ -11,46 +11,47 @@
 
 namespace mocurate {
 
-/// How the frames of interest are found.
+/// How the frames of interest are selected.
 enum class TrimRule {
   kNone,          ///< whole clip
   kAnnotated,     ///< one clip per annotated segment
   kMotionEnergy,  ///< still frames at both ends are cut
   kTriples,       ///< samples of two actions and the transition between them
-  kChangePoints,  ///< cut where what is done changes
+  kChangePoints,  ///< cut where the action changes
   kCycles,        ///< one clip per repetition of an exercise
-  kByExample,     ///< spans that are like marked ones
+  kByExample,     ///< spans similar to marked ones
 };
 
 /// MultiAct's samples [previous action, transition, action] (canon/recipes/action_triples.h). Numbers of frames are
 /// those of a sample; the defaults are the released code's (multiact.md A.3).
 struct TripleOptions {
-  double rate_hz = 20.0;  ///< of samples: every so-many-th recorded frame, rounded down
+  double rate_hz = 20.0;  ///< of samples: every n-th recorded frame, n rounded down
   std::string transition = "transition";
-  double transition_share = 0.1;  ///< of a neighbour that a transition takes, twice that where none is labelled
-  std::int64_t most_taken = 5;    ///< frames of a neighbour that a transition takes at most, twice that as above
-  std::int64_t extra_frames = 3;  ///< that the action runs past its label
+  double transition_share =
+      0.1;                      ///< share of each neighbour that a transition includes, doubled where none is labelled
+  std::int64_t most_taken = 5;  ///< maximum frames of each neighbour that a transition includes, doubled as above
+  std::int64_t extra_frames = 3;  ///< frames after the label that the action includes
   std::int64_t least_frames = 20;
   std::int64_t most_frames = 120;
   std::int64_t least_part = 3;  ///< frames of each part
-  std::int64_t context = 4;     ///< last frames of the previous action that the network is given: it has one more
+  std::int64_t context = 4;  ///< last frames of the previous action in the network's input: the action needs one more
 
   void Declare(OptionVisitor& v);
 };
 
-/// What of a segment becomes the label of its clip. With kCategory the segment's label is the fine label.
+/// The field of a segment that becomes the label of its clip. With kCategory the segment's label is the fine label.
 enum class ClassFrom { kLabel, kCategory };
 
-/// Where a recording is cut into what is done one after the other (canon/trim/change_points.h). Penalties are seconds
-/// of a segment that is like nothing around it.
+/// Where a recording is cut into consecutive actions (canon/trim/change_points.h). Penalties are in seconds of a
+/// segment unlike its surroundings.
 struct ChangePointOptions {
   double rest_penalty_s = 0.3;      ///< of a boundary at rest
   double moving_penalty_s = 1.0;    ///< of a boundary in the middle of a movement
   double restless_penalty_s = 0.5;  ///< of a boundary in a recording without rests
   double least_segment_s = 0.3;
-  double least_rest_s = 0.5;    ///< shorter rests are one boundary in their middle
-  double longest_s = 60.0;      ///< over which a segment is compared with itself
-  double min_confidence = 0.0;  ///< less confident boundaries are none
+  double least_rest_s = 0.5;    ///< shorter rests become one boundary in their middle
+  double longest_s = 60.0;      ///< longest segment
+  double min_confidence = 0.0;  ///< less confident boundaries are dropped
   bool keep_rests = false;
 
   void Declare(OptionVisitor& v);
@@ -64,10 +65,10 @@ struct CycleOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// How marked spans of an action find others (canon/trim/by_example.h).
+/// How marked spans of an action are used to find others (canon/trim/by_example.h).
 struct ByExampleOptions {
   std::filesystem::path examples;  ///< table clip,begin_s,end_s,label
-  double join_gap_s = 0.5;         ///< between two found spans that are one
+  double join_gap_s = 0.5;         ///< found spans with a smaller gap are merged
   double min_confidence = 0.5;     ///< measured: precision 0.9
 
   void Declare(OptionVisitor& v);
@@ -75,18 +76,18 @@ struct ByExampleOptions {
 
 struct TrimOptions {
   TrimRule rule = TrimRule::kNone;
-  double still_speed = 0.15;    ///< m/s of the fastest joint, below which a frame is still
-  double moving_speed = 0.15;   ///< m/s that a movement must reach to be one; less than still_speed: the same as it
-  double speed_window_s = 0.4;  ///< a speed is the slope of a joint's path over this time
+  double still_speed = 0.15;   ///< m/s of the fastest joint, below which a frame is still
+  double moving_speed = 0.15;  ///< m/s that a movement must reach; smaller values than still_speed count as still_speed
+  double speed_window_s = 0.4;  ///< window for the slope of a joint's path, its speed
   double margin_s = 0.2;        ///< kept before the first and after the last moving frame
   double min_length_s = 0.25;   ///< shorter clips are dropped
   std::vector<std::string> drop_labels;
-  /// Spans of clips (canon/recipes/spans_file.h), in place of their annotated segments; empty: none. The stage `canon`
-  /// takes the file as an input.
+  /// Spans of clips (canon/recipes/spans_file.h), in place of their annotated segments; empty: none. The file is an
+  /// input of the stage `canon`.
   std::filesystem::path spans;
   std::string spans_of;  ///< a table of configs/spans, where `spans` is empty: "humanact12"
   ClassFrom class_from = ClassFrom::kLabel;
-  bool as_segments = false;          ///< recordings stay whole, spans become their segments, for a person to look at
+  bool as_segments = false;          ///< recordings stay whole, spans become their segments for review
   TripleOptions triples;             ///< with TrimRule::kTriples
   ChangePointOptions change_points;  ///< with TrimRule::kChangePoints
   CycleOptions cycles;               ///< with TrimRule::kCycles
@@ -95,15 +96,15 @@ struct TrimOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// What the world of a clip is turned by (canon/frames/facing.h).
+/// Rule of the clip's world rotation (canon/frames/facing.h).
 enum class FacingRule {
-  kNone,    ///< nothing is moved: the world stays as the source, or a levelled floor, has it
+  kNone,    ///< no change: the world of the source, or of a levelled floor
   kOrigin,  ///< heading as recorded, the anchor's root to the origin
   kHips,    ///< facing +z by the hip axis; where that is nearly vertical, by the forward axis
-  kEuler,   ///< facing +z by the yaw of ZYX Euler angles, as MultiAct's code has it
-  kTwist,   ///< facing +z by the turn about the vertical: continuous in every pose but upside down
+  kEuler,   ///< facing +z by the yaw of ZYX Euler angles, as in MultiAct's code
+  kTwist,   ///< facing +z by the twist about the vertical: continuous in every pose except upside down
   kZero,    ///< the anchor's root rotation becomes the identity (MultiAct's ablation)
-  kGiven,   ///< a rotation for each person or view, as ACTOR turns PHSPD into one camera's axes
+  kGiven,   ///< a rotation for each person or view, as ACTOR rotates PHSPD into one camera's axes
 };
 enum class Anchor { kFirst, kMiddle, kLast, kFirstSegment, kFrame };
 enum class HeightOrigin { kRoot, kFloor };
@@ -117,13 +118,13 @@ struct GivenRotationOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// Canonicalisation of place and heading (multiact.md B, y-up form B.3).
+/// Canonicalisation of position and heading (multiact.md B, y-up form B.3).
 struct FacingOptions {
   FacingRule rule = FacingRule::kHips;
   Anchor anchor = Anchor::kFirst;
   std::int64_t anchor_frame = 0;  ///< with Anchor::kFrame
   HeightOrigin height = HeightOrigin::kRoot;
-  double min_horizontal = 0.2;  ///< shortest horizontal part of the hip axis that yaw is read from
+  double min_horizontal = 0.2;  ///< smallest horizontal part of the hip axis that determines yaw
   std::vector<GivenRotationOptions> given;
 
   void Declare(OptionVisitor& v);
@@ -131,10 +132,10 @@ struct FacingOptions {
 
 enum class FloorRule {
   kNone,
-  kHeight,  ///< the floor under the feet comes to y = 0
-  kTilt,    ///< and a tilted sensor is levelled
+  kHeight,  ///< the floor under the feet moves to y = 0
+  kTilt,    ///< a tilted sensor is also levelled
 };
-/// What stands before one floor and one sensor.
+/// The clips that share one floor and one sensor.
 enum class LevelOf { kSet, kSession, kView, kPerson, kClip };
 
 /// The floor under the clips of a sensor (canon/frames/level.h).
@@ -144,7 +145,7 @@ struct LevelOptions {
   double height_sigma = 0.03;     ///< metres, of a standing foot's height: a tracker's noise and people's ankles
   double body_sigma = 0.07;       ///< radians, of a standing person's axis around the vertical and the common lean
   double lean_sigma = 0.05;       ///< radians, prior of the common lean
-  std::int64_t most_clips = 300;  ///< that the floor is estimated from, drawn by hash of their ids
+  std::int64_t most_clips = 300;  ///< maximum for estimating the floor, drawn by hash of their ids
 
   void Declare(OptionVisitor& v);
 };
@@ -155,8 +156,8 @@ struct CanonOptions {
   LevelOptions level;
   FacingOptions facing;
   std::string rate;  ///< "20", "30", "120000/1001"; empty keeps each clip's own
-  /// Decisions about clips of the dataset (canon/review/review.h), or empty. The stages `assemble` and `audit` take
-  /// the file as an input, the stage `canon` does not know it.
+  /// Decisions about clips of the dataset (canon/review/review.h), or empty. The file is an input of the stages
+  /// `assemble` and `audit`, not of `canon`.
   std::filesystem::path review;
 
   void Declare(OptionVisitor& v);
@@ -165,13 +166,13 @@ struct CanonOptions {
 enum class SplitBy { kPerson, kStyle, kFraction, kRole };
 
 /// What happens when the set has none of the persons or styles that a split names for a part: other recordings of a
-/// known layout bring other people. Drawing takes `test_share` or `validation_share` of those that are there, and only
-/// such as no part names.
+/// known layout have other people. Drawing uses `test_share` or `validation_share` of those in the set that no part
+/// names.
 enum class AbsentGroups { kDraw, kRefuse };
 
-/// Which clips train, select and test. By person or style: the names in `test` and `validation`, all others train;
-/// those in `train` also where others are drawn. By fraction: shares of the performances, drawn by hash of their names
-/// and `seed`; what several cameras saw at once is one.
+/// The train, validation and test parts. By person or style: the names in `test` and `validation`, all others train;
+/// names in `train` are never drawn. By fraction: shares of the performances, drawn by hash of their names and `seed`;
+/// all cameras of one performance stay together.
 struct SplitOptions {
   std::string name = "default";
   SplitBy by = SplitBy::kFraction;
@@ -179,7 +180,7 @@ struct SplitOptions {
   std::vector<std::string> validation;
   std::vector<std::string> train;
   AbsentGroups absent = AbsentGroups::kDraw;
-  bool sessions_together = false;  ///< by fraction: the clips of one session of a person are one group
+  bool sessions_together = false;  ///< by fraction: the clips of a person's session are one group
   double test_share = 0.2;
   double validation_share = 0.1;
   std::int64_t seed = 1;
@@ -192,14 +193,14 @@ struct SplitOptions {
 /// One class of a dataset; its index is its position in the list.
 struct ClassOptions {
   std::string name;
-  std::vector<std::string> from;  ///< labels of clips that it takes, beside its own name
+  std::vector<std::string> from;  ///< labels that map to it, beside its own name
   std::vector<std::string> fine;  ///< its fine labels, in order
-  std::optional<double> clips;    ///< how many it is expected to have
+  std::optional<double> clips;    ///< expected number
 
   void Declare(OptionVisitor& v);
 };
 
-/// Counts that a published set is known to have.
+/// Expected counts of a published set.
 struct ExpectedCounts {
   std::optional<double> clips;
   std::optional<double> frames;
@@ -209,7 +210,7 @@ struct ExpectedCounts {
 };
 
 struct AssembleOptions {
-  std::string recipe;  ///< free text that says how the set was made
+  std::string recipe;  ///< description of how the set was made
   std::vector<ClassOptions> classes;
   std::vector<std::string> label_order;  ///< where no classes are listed
   ExpectedCounts expected;
@@ -218,20 +219,20 @@ struct AssembleOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// How label errors are looked for (canon/audit/label_noise.h). Measured on KARD with 3 and 10 % of the labels
-/// exchanged, 20 draws each: docs/audited_sets.md.
+/// Search for label errors (canon/audit/label_noise.h). Measured on KARD with 3 and 10 % of the labels exchanged, 20
+/// draws each: docs/audited_sets.md.
 struct LabelNoiseOptions {
   bool enabled = true;
   std::int64_t frames = 32;        ///< that a clip is resampled to
-  double velocity_weight = 3.0;    ///< of differences beside places
+  double velocity_weight = 3.0;    ///< weight of time differences relative to positions
   double width = 1.0;              ///< exponent at the median squared distance of two clips
   double ridge = 0.1;              ///< added to the kernel's diagonal of ones
-  double other_share = 0.7;        ///< of a class's usual score that another class's clip must reach
-  double own_share = 0.25;         ///< of its own class's usual score that it must stay below
-  double none_share = 0.15;        ///< of every class's usual score that a clip of no class stays below
-  double least_usual = 0.05;       ///< usual score below which a class is not recognised at all, and not judged
-  std::int64_t most_clips = 4000;  ///< that a fold learns from
-  std::int64_t most_folds = 10;    ///< that persons are spread over
+  double other_share = 0.7;        ///< share of a class's mean own score that a clip of another class must reach
+  double own_share = 0.25;         ///< share of its own class's mean own score that it must stay below
+  double none_share = 0.15;        ///< share of every class's mean own score that a clip of no class stays below
+  double least_usual = 0.05;       ///< classes with a smaller mean own score are not judged
+  std::int64_t most_clips = 4000;  ///< maximum training clips of a fold
+  std::int64_t most_folds = 10;    ///< maximum for distributing persons
   std::int64_t drawn_folds = 5;    ///< of clips, where there are fewer than three persons
 
   void Declare(OptionVisitor& v);
@@ -241,17 +242,18 @@ struct LabelNoiseOptions {
 struct OutlierOptions {
   bool enabled = true;
   double deviations = 8.0;       ///< robust standard deviations from the median
-  std::int64_t least_clips = 8;  ///< of a class that is compared with itself
+  std::int64_t least_clips = 8;  ///< smaller classes are compared with the whole set
 
   void Declare(OptionVisitor& v);
 };
 
 struct AuditOptions {
-  std::string split;  ///< of the nearest-neighbour figure; empty: the first one
+  std::string split;  ///< of the nearest-neighbour baseline; empty: the first one
   std::int64_t nearest_neighbour_frames = 32;
   LabelNoiseOptions labels;
   OutlierOptions outliers;
-  double repeated_distance_m = 0.004;  ///< of two clips (StretchLimits::distance), below which they show the same
+  double repeated_distance_m =
+      0.004;  ///< of two clips (StretchLimits::distance), below which they have the same motion
 
   void Declare(OptionVisitor& v);
 };
@@ -262,14 +264,14 @@ inline constexpr const char* kSpansRole = "spans";
 /// Roles of the table of marked spans, and of the clips that it names.
 inline constexpr const char* kExamplesRole = "examples";
 inline constexpr const char* kExampleRole = "example";
-/// Role of the floor under such a clip; the input's name is that of the clip's.
+/// Role of the floor under an example clip; the input's name is the clip's.
 inline constexpr const char* kExampleFloorRole = "example_floor";
 
-/// Role of the floor under a clip, what the stage `level` gives.
+/// Role of the floor under a clip, an output of the stage `level`.
 inline constexpr const char* kFloorRole = "floor";
 
-/// Roles of a file of decisions. By id: also about motions other than those that were looked at, such as the unfitted
-/// tracks of the same clips.
+/// Roles of a file of decisions. By id: decisions also apply to other motions of the same clips, such as unfitted
+/// tracks.
 inline constexpr const char* kReviewRole = "review";
 inline constexpr const char* kReviewByIdRole = "review_by_id";
 

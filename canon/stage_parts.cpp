@@ -41,7 +41,7 @@ Status LevelByFloor(const StageInput& input, Clip& clip) {
     const auto floor = nlohmann::json::parse(*text);
     if (!floor.is_null()) LevelClip(floor.get<FloorPlane>(), clip);
   } catch (const nlohmann::json::exception& problem) {
-    return Fail(ErrorCode::kMalformed, std::string("no floor: ") + problem.what(), input.name);
+    return Fail(ErrorCode::kMalformed, std::string("not a floor: ") + problem.what(), input.name);
   }
   return {};
 }

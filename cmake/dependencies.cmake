@@ -1,4 +1,4 @@
-# Libraries from Debian's packages; docs/dependencies.md says why each is there.
+# Libraries from Debian's packages; docs/dependencies.md has the reason for each.
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(nlohmann_json REQUIRED)

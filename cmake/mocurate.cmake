@@ -1,9 +1,9 @@
-# Compiler and linker settings, and the one way to add a library or a test.
+# Compiler and linker settings, and functions to add a library or a test.
 
 find_program(MOCURATE_CCACHE ccache)
 if(MOCURATE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_C_COMPILER_LAUNCHER ${MOCURATE_CCACHE})
-  # What ccache asks for where headers are precompiled.
+  # Settings that ccache requires with precompiled headers.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
     ${MOCURATE_CCACHE})
 endif()
@@ -14,7 +14,7 @@ endif()
 
 add_library(mocurate_settings INTERFACE)
 target_include_directories(mocurate_settings INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
-# g++ 12 takes Eigen's fixed-size storage for uninitialised after inlining.
+# g++ 12 wrongly reports Eigen's fixed-size storage as uninitialised after inlining.
 target_compile_options(mocurate_settings INTERFACE -Wall -Wextra -Wshadow -Wno-psabi
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 if(MOCURATE_WARNINGS_AS_ERRORS)
@@ -29,25 +29,38 @@ if(MOCURATE_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
-# mocurate_unity(TARGET [BATCH N]): up to N sources of a target, else 16, are compiled as one, as parsing headers is most of
-# what a small source takes. All sources of a room must then have names of their own in their unnamed namespaces
-# (tests/layers); debug builds, the sanitizers and scripts/tidy.sh compile each source apart, where an include that is
-# missing is noticed. Larger batches gain little: three quarters of the time of 16 is spent on their code. Eigen-heavy sources
-# are all code: 16 of fitting took 95 s and 2 GB, so fewer are taken there, for two processors to share them.
+# mocurate_unity(TARGET [GROUP N]): sources of one folder are compiled N at a time (default 8), as parsing headers is most
+# of what a small source takes. Debug builds, the sanitizers and scripts/tidy.sh compile each source alone, where a
+# missing include is noticed. Two sources of a group that name something alike in their unnamed namespaces do not
+# compile: what they share belongs in a header. Eigen-heavy sources are all code: fitting takes smaller groups.
 function(mocurate_unity target)
-  cmake_parse_arguments(arg "" "BATCH" "" ${ARGN})
-  if(NOT arg_BATCH)
-    set(arg_BATCH 16)
+  cmake_parse_arguments(arg "" "GROUP" "" ${ARGN})
+  if(NOT MOCURATE_UNITY)
+    return()
   endif()
-  if(MOCURATE_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${arg_BATCH})
-    # A type of an unnamed namespace is of one source still, if not of the one that g++ was given.
-    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  if(NOT arg_GROUP)
+    set(arg_GROUP 8)
   endif()
+  get_target_property(sources ${target} SOURCES)
+  foreach(source ${sources})
+    cmake_path(ABSOLUTE_PATH source)
+    cmake_path(GET source PARENT_PATH folder)
+    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE name)
+    string(MAKE_C_IDENTIFIER "${name}" name)
+    if(NOT DEFINED count_${name})
+      set(count_${name} 0)
+    endif()
+    math(EXPR group "${count_${name}} / ${arg_GROUP}")
+    math(EXPR count_${name} "${count_${name}} + 1")
+    set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${name}_${group}")
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # A type of an unnamed namespace is of one source still, if not of the one that g++ was given.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
-# What nearly every source includes, parsed once for all of them: a quarter of the time that compiling the libraries takes.
-# Only for g++, which takes one header for targets whose other options differ.
+# Common headers, parsed once for all sources: a quarter of the libraries' compile time. Only for g++, which accepts one
+# precompiled header for targets with different options.
 function(mocurate_headers)
   add_library(mocurate_headers OBJECT ${PROJECT_SOURCE_DIR}/core/precompiled.cpp)
   target_link_libraries(mocurate_headers PRIVATE mocurate_settings Eigen3::Eigen nlohmann_json::nlohmann_json)
@@ -55,11 +68,11 @@ function(mocurate_headers)
   target_precompile_headers(mocurate_headers PRIVATE ${PROJECT_SOURCE_DIR}/core/precompiled.h)
 endfunction()
 
-# mocurate_library(NAME SOURCES ... PUBLIC ... PRIVATE ... [OWN_HEADERS] [BATCH N]): static library mocurate_NAME. Sources may be
+# mocurate_library(NAME SOURCES ... PUBLIC ... PRIVATE ... [OWN_HEADERS] [GROUP N]): static library mocurate_NAME. Sources may be
 # globs relative to the calling folder. PUBLIC and PRIVATE are libraries to link. OWN_HEADERS: nothing is precompiled for
-# it (libraries that ask for another ABI macro). BATCH: of mocurate_unity.
+# it (libraries that ask for another ABI macro). GROUP: of mocurate_unity.
 function(mocurate_library name)
-  cmake_parse_arguments(arg "OWN_HEADERS" "BATCH" "SOURCES;EXCLUDE;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "OWN_HEADERS" "GROUP" "SOURCES;EXCLUDE;PUBLIC;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${arg_SOURCES})
   foreach(pattern ${arg_EXCLUDE})
     list(FILTER sources EXCLUDE REGEX "${pattern}")
@@ -71,14 +84,14 @@ function(mocurate_library name)
   endif()
   add_library(mocurate_${name} STATIC ${sources})
   target_link_libraries(mocurate_${name} PUBLIC mocurate_settings ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
-  mocurate_unity(mocurate_${name} BATCH ${arg_BATCH})
+  mocurate_unity(mocurate_${name} GROUP ${arg_GROUP})
   if(TARGET mocurate_headers AND NOT arg_OWN_HEADERS)
     target_precompile_headers(mocurate_${name} REUSE_FROM mocurate_headers)
   endif()
 endfunction()
 
-# What nearly every test includes, parsed once for all of them: a quarter of the time that compiling the tests takes.
-# Tests are compiled with -O1, which takes a fifth less; what they test is compiled as it is installed.
+# Common headers of tests, parsed once: a quarter of the tests' compile time. Tests are compiled with -O1, which saves a
+# fifth; the tested libraries have the options of the installed ones.
 set(MOCURATE_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 function(mocurate_test_headers)
   add_library(mocurate_test_headers OBJECT ${PROJECT_SOURCE_DIR}/tests/precompiled.cpp)
@@ -88,10 +101,19 @@ function(mocurate_test_headers)
   target_precompile_headers(mocurate_test_headers PRIVATE ${PROJECT_SOURCE_DIR}/tests/precompiled.h)
 endfunction()
 
-# Suites of the cases in test sources; CMake runs again when one of these changes.
+# Suites of the cases in test sources; CMake runs again when one of these changes. With DATA: only those of sources that
+# read recorded data or goldens.
+set(MOCURATE_READS_DATA "MOCURATE_(DATA|GOLDENS|RECORDED)|TestData\\(|DataFolder\\(|Recorded(Data|File|Folder|Path)"
+                        "|ReferenceFolder\\(|changed_files.h|DepthTakes|CloudTakes|Golden[A-Z][a-z]+\\(")
+string(CONCAT MOCURATE_READS_DATA ${MOCURATE_READS_DATA})
 function(mocurate_suites result)
+  cmake_parse_arguments(arg "DATA" "" "" ${ARGN})
   set(suites "")
-  foreach(source ${ARGN})
+  foreach(source ${arg_UNPARSED_ARGUMENTS})
+    file(STRINGS ${source} reads LIMIT_COUNT 1 REGEX "${MOCURATE_READS_DATA}")
+    if(arg_DATA AND NOT reads)
+      continue()
+    endif()
     file(STRINGS ${source} cases REGEX "^TEST(_F|_P)?\\(")
     foreach(case ${cases})
       string(REGEX REPLACE "^TEST[_FP]*\\(([A-Za-z0-9]+),.*" "\\1" suite "${case}")
@@ -99,16 +121,18 @@ function(mocurate_suites result)
     endforeach()
   endforeach()
   list(REMOVE_DUPLICATES suites)
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${ARGN})
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${arg_UNPARSED_ARGUMENTS})
   set(${result} ${suites} PARENT_SCOPE)
 endfunction()
 
-# mocurate_test(NAME LIBRARIES ... [WHOLE | SUITES | TOGETHER suites]): one executable test_NAME from tests/NAME/*.cpp.
-# Each case is a CTest test. With WHOLE the executable is one CTest test, with SUITES each suite is (programs whose
-# start-up is slow); so are suites of TOGETHER, whose cases share what takes long to make.
+# mocurate_test(NAME LIBRARIES ... [WHOLE | SUITES | TOGETHER suites] [SLOW suites]): one executable test_NAME from
+# tests/NAME/*.cpp and the folders of subjects in it. Each case is a CTest test. With WHOLE the executable is one CTest
+# test, with SUITES each suite is (programs whose start-up is slow); so are suites of TOGETHER, whose cases share what
+# takes long to make. CTest's labels: slow (SLOW, TOGETHER, WHOLE), data (reads recorded data or goldens), else unit.
 function(mocurate_test name)
-  cmake_parse_arguments(arg "WHOLE;SUITES" "TIMEOUT" "LIBRARIES;TOGETHER" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${name}/*.cpp)
+  cmake_parse_arguments(arg "WHOLE;SUITES" "TIMEOUT" "LIBRARIES;TOGETHER;SLOW" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${name}/*.cpp
+                                      ${PROJECT_SOURCE_DIR}/tests/${name}/*/*_test.cpp)
   if(NOT sources)
     return()
   endif()
@@ -125,26 +149,39 @@ function(mocurate_test name)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
-  # One process for several cases: a failure fails it, a skip is reported only when nothing failed.
+  # One process for several cases: a failure fails it, a skip is only reported without a failure.
   set(whole ${PROJECT_SOURCE_DIR}/cmake/run_whole.sh $<TARGET_FILE:test_${name}> --gtest_brief=1)
   if(arg_WHOLE)
     add_test(NAME ${name} COMMAND ${whole})
-    set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} SKIP_RETURN_CODE 77)
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} SKIP_RETURN_CODE 77 LABELS slow COST 100)
     return()
   endif()
-  if(arg_SUITES)
-    mocurate_suites(arg_TOGETHER ${sources})
-  endif()
+  set(cost_slow 100)  # CTest starts costly tests first, so that the last one to end is a short one
+  set(cost_data 10)
+  set(cost_unit 1)
+  mocurate_suites(suites ${sources})
+  mocurate_suites(data_suites DATA ${sources})
   math(EXPR together_timeout "3 * ${arg_TIMEOUT}")
-  set(others "*-")
-  foreach(suite ${arg_TOGETHER})
-    add_test(NAME ${name}.${suite} COMMAND ${whole} --gtest_filter=${suite}.*:*/${suite}.*)
-    set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT ${together_timeout} SKIP_RETURN_CODE 77)
-    string(APPEND others "${suite}.*:")
+  foreach(suite ${suites})
+    set(label unit)
+    if(suite IN_LIST arg_SLOW OR suite IN_LIST arg_TOGETHER)
+      set(label slow)
+    elseif(suite IN_LIST data_suites)
+      set(label data)
+    endif()
+    if(arg_SUITES OR suite IN_LIST arg_TOGETHER)
+      add_test(NAME ${name}.${suite} COMMAND ${whole} --gtest_filter=${suite}.*:*/${suite}.*)
+      set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT ${together_timeout} SKIP_RETURN_CODE 77 LABELS ${label}
+                                                       COST ${cost_${label}})
+    else()
+      string(APPEND cases_${label} "${suite}.*:*/${suite}.*:")
+    endif()
   endforeach()
-  if(NOT arg_SUITES)
-    include(GoogleTest)
-    gtest_discover_tests(test_${name} TEST_PREFIX "${name}." TEST_FILTER "${others}" PROPERTIES TIMEOUT ${arg_TIMEOUT}
-      DISCOVERY_TIMEOUT 60)
-  endif()
+  include(GoogleTest)
+  foreach(label unit data slow)
+    if(cases_${label})
+      gtest_discover_tests(test_${name} TEST_PREFIX "${name}." TEST_FILTER "${cases_${label}}" TEST_LIST ${name}_${label}
+        PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${label} COST ${cost_${label}} DISCOVERY_TIMEOUT 60)
+    endif()
+  endforeach()
 endfunction()

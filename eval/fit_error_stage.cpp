@@ -91,7 +91,7 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
   if (total.frames == 0 && first_error) return tl::unexpected<Error>(*first_error);
   if (total.frames == 0) {
     return Fail(ErrorCode::kInconsistent, "no fitted clip has a truth of its id", "fit_error",
-                "the truth belongs to another capture");
+                "use the truth of the same capture");
   }
   for (double* sum : {&total.joint_mm, &total.evidence_mm, &total.rotation_deg, &total.bone_direction_deg}) {
     *sum /= total.frames;

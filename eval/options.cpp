@@ -11,39 +11,38 @@ void DeclareLabels(LabelDraw& labels, OptionVisitor& v) {
 }
 
 void DeclarePerLabel(std::int64_t& per_label, OptionVisitor& v) {
-  v.Integer("per_label", per_label, {0.0, 1e6}, "at most so many motions of each label in a repetition; 0: no limit");
+  v.Integer("per_label", per_label, {0.0, 1e6}, "maximum motions of each label in a repetition; 0: no limit");
 }
 
 void DeclareHidden(HiddenDraw& hidden, OptionVisitor& v) {
   v.Choice("hidden", hidden, {{"zero", HiddenDraw::kZero}, {"normal", HiddenDraw::kNormal}},
-           "initial hidden states of the extractor: zero, or drawn anew for each motion as the released codes do");
+           "initial hidden states of the extractor: zero, or drawn for each motion as in the released codes");
 }
 
 void DeclareCrop(CropDraw& crop, OptionVisitor& v) {
   v.Choice("crop", crop, {{"first", CropDraw::kFirst}, {"released", CropDraw::kReleased}, {"any", CropDraw::kAny}},
-           "window of a longer motion: its first frames, or drawn without the last place (as released) or with it");
+           "window of a longer motion: its first frames, or random without the last start (as released) or with it");
 }
 
 void DeclareReal(RealPart& real, OptionVisitor& v) {
   v.Choice("real", real, {{"all", RealPart::kAll}, {"train", RealPart::kTrain}, {"test", RealPart::kTest}},
-           "which clips are the real motions: all (as published), or one part of the split");
+           "clips used as real motions: all (as published), or one part of the split");
 }
 
 void DeclareInterval(IntervalKind& interval, OptionVisitor& v) {
-  v.Choice(
-      "interval", interval,
-      {{"student", IntervalKind::kStudent},
-       {"action2motion", IntervalKind::kAction2Motion},
-       {"actor", IntervalKind::kActor},
-       {"bootstrap", IntervalKind::kBootstrap}},
-      "what stands behind a +-: Student's t (MultiAct), 1.96 sd / sqrt(n) (Action2Motion), 1.96 times the variance "
-      "(ACTOR: no interval), or resampling");
+  v.Choice("interval", interval,
+           {{"student", IntervalKind::kStudent},
+            {"action2motion", IntervalKind::kAction2Motion},
+            {"actor", IntervalKind::kActor},
+            {"bootstrap", IntervalKind::kBootstrap}},
+           "meaning of +-: Student's t (MultiAct), 1.96 sd / sqrt(n) (Action2Motion), 1.96 times the variance "
+           "(ACTOR: not an interval), or resampling");
 }
 
 void DeclarePart(const char* name, ClipPart& part, OptionVisitor& v) {
   v.Choice(name, part,
            {{"whole", ClipPart::kWhole}, {"transition", ClipPart::kTransition}, {"action", ClipPart::kAction}},
-           "of samples of two actions: all of them, or the transition or second action alone (MultiAct)");
+           "scored part of samples of two actions: all, only the transition, or only the second action (MultiAct)");
 }
 
 void DeclareScript(ScriptDraw& script, OptionVisitor& v) {
@@ -52,15 +51,14 @@ void DeclareScript(ScriptDraw& script, OptionVisitor& v) {
             {"after_sample", ScriptDraw::kAfterSample},
             {"after_generated", ScriptDraw::kAfterGenerated},
             {"chain", ScriptDraw::kChain}},
-           "what is asked: a label and a length; transition and action of a sample, after its previous motion or after "
+           "request: a label and a length; transition and action of a sample, after its previous motion or after "
            "a generated one; or a chain of drawn actions");
 }
 
 void DeclareFilter(OneEuro& filter, OptionVisitor& v) {
   v.Number("least_cutoff", filter.least_cutoff_hz, Unit::kHertz, {0.0, 1000.0},
-           "1-euro filter: cutoff of what stands still; 0: no filter");
-  v.Number("speed", filter.speed, Unit::kNone, {0.0, 1000.0},
-           "1-euro filter: Hz by which the cutoff rises for each m/s");
+           "1-euro filter: cutoff at rest; 0: no filter");
+  v.Number("speed", filter.speed, Unit::kNone, {0.0, 1000.0}, "1-euro filter: increase of the cutoff in Hz per m/s");
   v.Number("speed_cutoff", filter.speed_cutoff_hz, Unit::kHertz, {0.001, 1000.0},
            "1-euro filter: cutoff of the speed itself");
 }
@@ -68,23 +66,23 @@ void DeclareFilter(OneEuro& filter, OptionVisitor& v) {
 }  // namespace
 
 void FilterRowOptions::Declare(OptionVisitor& v) {
-  v.Text("name", name, "of the row");
-  v.Text("network", network, "whose motions are filtered");
+  v.Text("name", name, "name of the row");
+  v.Text("network", network, "network whose motions are filtered");
   DeclareFilter(filter, v);
 }
 
 void ScriptRowOptions::Declare(OptionVisitor& v) {
-  v.Text("name", name, "of the row");
-  v.Text("network", network, "of train.networks: a macvae, or an actor whose motions are joined");
+  v.Text("name", name, "name of the row");
+  v.Text("network", network, "name in train.networks: a macvae, or an actor whose motions are joined");
   DeclareScript(script, v);
-  v.Text("first", first, "actor network that makes the first action where `network` is a macvae");
+  v.Text("first", first, "actor network that generates the first action where `network` is a macvae");
   v.Text("fill", fill, "ssmct network that fills transitions between joined actions; empty: interpolation");
-  v.Bool("align", align, "turn and move each joined action to where the one before ends");
-  v.Integer("steps", steps, {1.0, 1000.0}, "of a chain, each a row of its own");
+  v.Bool("align", align, "rotate and move each joined action to the end of the one before");
+  v.Integer("steps", steps, {1.0, 1000.0}, "steps of a chain, each a row of its own");
 }
 
 void DrawOptions::Declare(OptionVisitor& v) {
-  v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
+  v.Integer("repetitions", repetitions, {1.0, 1000.0}, "number of repetitions of the whole evaluation");
   v.Integer("motions", motions, {0.0, 1e6}, "motions of a set and repetition; 0: each motion once");
   v.Bool("replacement", replacement, "draw real motions with replacement");
   DeclarePerLabel(per_label, v);
@@ -95,15 +93,15 @@ void DrawOptions::Declare(OptionVisitor& v) {
 }
 
 void MetricOptions::Declare(OptionVisitor& v) {
-  v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs behind diversity");
-  v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class behind multimodality");
+  v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs for diversity");
+  v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class for multimodality");
   v.Choice("divisor", divisor, {{"present", MultimodalityDivisor::kPresent}, {"all", MultimodalityDivisor::kAll}},
-           "multimodality where a class has no motions: no figure, or divided by all classes all the same (MultiAct)");
-  v.Integer("kid_subsets", kid_subsets, {1.0, 1000.0}, "random subsets behind KID");
-  v.Integer("kid_size", kid_size, {2.0, 100000.0}, "motions of such a subset");
+           "multimodality where a class has no motions: no value, or divided by all classes (MultiAct)");
+  v.Integer("kid_subsets", kid_subsets, {1.0, 1000.0}, "random subsets for KID");
+  v.Integer("kid_size", kid_size, {2.0, 100000.0}, "motions of a KID subset");
   v.Integer("neighbours", neighbours, {1.0, 100.0}, "k of density and coverage");
   v.Integer("resamples", resamples, {0.0, 10000.0},
-            "resamples behind bootstrap intervals and exchanges behind comparisons; 0: none");
+            "resamples for bootstrap intervals and exchanges for comparisons; 0: none");
 }
 
 const DrawOptions& ProtocolOptions::draw() const {
@@ -111,30 +109,29 @@ const DrawOptions& ProtocolOptions::draw() const {
 }
 
 void ProtocolOptions::Declare(OptionVisitor& v) {
-  v.Text("name", name, "of the protocol");
-  v.Text("paper", paper, "whose protocol it is");
-  v.Text("dataset", dataset, "data set, as the published tables name it");
+  v.Text("name", name, "name of the protocol");
+  v.Text("paper", paper, "paper of the protocol");
+  v.Text("dataset", dataset, "data set, by its name in the published tables");
   v.Text("recipe", recipe, "recipe of the real motions, a name below configs/recipes");
   v.Text("extractor", extractor, "a name below configs/extractors, or a YAML file");
   v.Choice("variant", variant,
            {{"given", ProtocolVariant::kGiven},
             {"released", ProtocolVariant::kReleased},
             {"paper", ProtocolVariant::kPaper}},
-           "given: each motion once, nothing drawn; released: as the paper's code draws; paper: as its text says");
-  v.Integer("seed", seed, {}, "of every draw");
+           "given: each motion once, nothing drawn; released: draws of the paper's code; paper: draws of its text");
+  v.Integer("seed", seed, {}, "random seed of all draws");
   v.Bool("test_reference", test_reference, "score against the test part of the real motions as well (FID_test)");
-  v.Text("split", split, "split of the real motions whose parts are meant; empty: the first one");
+  v.Text("split", split, "split of the real motions; empty: the first one");
   DeclarePart("part", part, v);
   v.Group("given", given, "draws of the variant given");
   v.Group("released", released, "draws of the variant released");
   v.Group("from_paper", from_paper, "draws of the variant paper");
-  v.Group("metrics", metrics, "sizes that metrics take");
-  v.TextMap("equivalent", equivalent,
-            "class -> classes that count as right for it, separated by ', '; itself included");
+  v.Group("metrics", metrics, "sizes of the metrics");
+  v.TextMap("equivalent", equivalent, "class -> classes accepted for it, separated by ', '; itself included");
   v.Numbers("original_clips", original_clips, Unit::kNone, {0.0, 1e9}, "clips of the paper's own real set");
   v.Bool("original_data", original_data,
-         "the real motions are the paper's own data: figures outside the published intervals are marked");
-  v.Texts("notes", notes, "what a reader of the figures has to know");
+         "the real motions are the paper's own data: values outside the published intervals are marked");
+  v.Texts("notes", notes, "notes for readers of the table");
 }
 
 DrawOptions EvaluateOptions::draw() const {
@@ -156,25 +153,26 @@ MetricOptions EvaluateOptions::metrics() const {
 }
 
 void EvaluateOptions::Declare(OptionVisitor& v) {
-  v.Text("published", published, "set whose published numbers stand below the table, as the papers' tables name it");
-  v.Text("paper", paper, "whose published numbers: Action2Motion, ACTOR, MultiAct");
+  v.Text("published", published,
+         "set whose published numbers are listed below the table, by its name in the papers' tables");
+  v.Text("paper", paper, "paper of the published numbers: Action2Motion, ACTOR, MultiAct");
   v.Text("table", table, "number of the paper's table; empty: all of them");
   v.Text("recogniser", recogniser,
-         "network that gives the features of the metrics; empty: the first recogniser that is trained on the dataset");
-  v.Bool("generators", generators, "score generators and real motions; false: the recognisers alone");
-  v.Integer("seed", seed, {}, "of every draw of the evaluation");
-  v.Integer("repetitions", repetitions, {1.0, 1000.0}, "how often the whole evaluation is repeated");
+         "network for the features of the metrics; empty: the first recogniser trained on the dataset");
+  v.Bool("generators", generators, "score generators and real motions; false: only the recognisers");
+  v.Integer("seed", seed, {}, "random seed of the evaluation");
+  v.Integer("repetitions", repetitions, {1.0, 1000.0}, "number of repetitions of the whole evaluation");
   v.Integer("motions", motions, {0.0, 1e6}, "motions per set and repetition; 0: each once");
-  v.Text("protocol", protocol, "name of configs/protocols whose equivalent labels and divisor of multimodality hold");
+  v.Text("protocol", protocol, "name of configs/protocols whose equivalent labels and divisor of multimodality apply");
   v.List("filters", filters, "rows of a network's motions after a 1-euro filter");
-  v.List("rows", rows, "rows whose networks answer scripts (MultiAct); empty: each generator is a row");
+  v.List("rows", rows, "rows whose networks generate scripts (MultiAct); empty: each generator is a row");
   DeclarePart("part", part, v);
   v.Bool("requests_of_test", requests_of_test,
-         "draw what is asked of generators from the test part; else from the real motions");
+         "draw requests for generators from the test part; else from the real motions");
   v.Numbers("durations", durations, Unit::kNone, {1.0, 5000.0},
-            "frames that are asked of generators, each a row of its own; empty: as many as the recogniser reads");
-  v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs behind diversity");
-  v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class behind multimodality");
+            "requested frames, each a row of its own; empty: as many as the recogniser reads");
+  v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs for diversity");
+  v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class for multimodality");
   DeclareLabels(labels, v);
   DeclareReal(real, v);
   v.Bool("test_reference", test_reference,
@@ -182,7 +180,7 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
          "`real` is not read");
   v.Number("settled", settled, Unit::kNone, {0.0, 1.0},
            "a network whose FID changed by more than this share since its last sample counts as not converged");
-  v.Text("split", split, "split whose test part scores the recogniser; empty takes the recogniser's, else the first");
+  v.Text("split", split, "split whose test part scores the recogniser; empty: the recogniser's, else the first");
   DeclareInterval(interval, v);
   v.Bool("random_hidden", random_hidden, "start the recogniser from normal hidden states, as the released code does");
 }
@@ -199,16 +197,17 @@ std::vector<std::string> NotesOf(const EvaluateOptions& options) {
 }
 
 void FeaturesOptions::Declare(OptionVisitor& v) {
-  v.Group("extractor", extractor, "network, and how motions become what it reads");
+  v.Group("extractor", extractor, "network, and the conversion of motions to its input");
   v.Bool("generated", generated, "the motions are generated ones");
-  v.Bool("known_frame", known_frame, "a network of the run made the set: its axes and unit are not looked for");
+  v.Bool("known_frame", known_frame, "a network of the run generated the set: its axes and unit are known");
   DeclareReal(part, v);
-  v.Text("split", split, "split whose part is meant; empty: the first one");
-  v.Integer("seed", seed, {}, "of the draws");
+  v.Text("split", split, "split of the part; empty: the first one");
+  v.Integer("seed", seed, {}, "random seed of the draws");
   v.Text("purpose", purpose, "name of the draws");
   v.Integer("passes", passes, {0.0, 1000.0}, "passes with draws of their own; 0: one, in the order of the motions");
   v.Integer("motions", motions, {0.0, 1e6}, "motions drawn for a pass; 0: all");
-  v.Integer("frames", frames, {0.0, 5000.0}, "asked of a generator and read of its motions; 0: the extractor's");
+  v.Integer("frames", frames, {0.0, 5000.0},
+            "frames requested from a generator and read from its motions; 0: the extractor's");
   v.Bool("replacement", replacement, "draw with replacement");
   DeclarePerLabel(per_label, v);
   DeclareLabels(labels, v);
@@ -216,26 +215,26 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
   DeclareCrop(crop, v);
   DeclarePart("clip_part", clip_part, v);
   DeclareScript(script, v);
-  v.Integer("steps", steps, {1.0, 1000.0}, "of a chain");
-  v.Integer("step", step, {1.0, 1000.0}, "of a script that is scored");
-  v.Bool("align", align, "joined motions are turned and moved");
+  v.Integer("steps", steps, {1.0, 1000.0}, "steps of a chain");
+  v.Integer("step", step, {1.0, 1000.0}, "scored step of a script");
+  v.Bool("align", align, "rotate and move joined motions");
   DeclareFilter(filter, v);
 }
 
 void ScoreOptions::Declare(OptionVisitor& v) {
-  v.Text("name", name, "of the row");
+  v.Text("name", name, "name of the row");
   v.Choice("real", real, {{"none", RealRow::kNone}, {"train", RealRow::kTrain}, {"test", RealRow::kTest}},
-           "whether the row is real motions, and which reference holds the same ones");
-  v.Bool("fresh", fresh, "every repetition scores motions of its own");
-  v.Integer("seed", seed, {}, "of the draws");
-  v.Group("draw", draw, "what is drawn");
-  v.Group("metrics", metrics, "sizes that metrics take");
-  v.TextMap("equivalent", equivalent, "class -> classes that count as right for it");
+           "whether the row is real motions, and the reference that contains them");
+  v.Bool("fresh", fresh, "every repetition scores new motions");
+  v.Integer("seed", seed, {}, "random seed of the draws");
+  v.Group("draw", draw, "draws of the row");
+  v.Group("metrics", metrics, "sizes of the metrics");
+  v.TextMap("equivalent", equivalent, "class -> classes accepted for it");
 }
 
 StageDeclaration FeaturesDeclaration() { return {"features", 6, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration ScoreDeclaration() { return {"score", 3, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration CompareDeclaration() { return {"compare", 3, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration ScoreDeclaration() { return {"score", 4, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration CompareDeclaration() { return {"compare", 4, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

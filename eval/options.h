@@ -13,7 +13,7 @@
 
 namespace mocurate {
 
-/// Which frequencies generated labels follow: A2M draws them uniformly, ACTOR copies the real set's (F6).
+/// Frequencies of generated labels: A2M draws them uniformly, ACTOR copies the real set's (F6).
 enum class LabelDraw { kUniform, kNatural };
 
 /// Which clips are the real motions. The papers use the whole set for training and scoring (F10).
@@ -25,12 +25,12 @@ enum class HiddenDraw { kZero, kNormal };
 /// Where a window of a longer motion starts: at the first frame, or drawn (F15).
 enum class CropDraw { kFirst, kReleased, kAny };
 
-/// What is drawn, and how often. The defaults draw nothing: each motion is scored once.
+/// The draws of a repetition. The defaults draw nothing: each motion is scored once.
 struct DrawOptions {
   std::int64_t repetitions = 1;
   std::int64_t motions = 0;    ///< of a set and repetition; 0: each motion once
   bool replacement = true;     ///< real motions of a repetition
-  std::int64_t per_label = 0;  ///< of a set and repetition at most so many motions of each label; 0: no such limit
+  std::int64_t per_label = 0;  ///< maximum of each label in a set and repetition; 0: no limit
   LabelDraw labels = LabelDraw::kUniform;
   HiddenDraw hidden = HiddenDraw::kZero;
   CropDraw crop = CropDraw::kFirst;
@@ -39,11 +39,11 @@ struct DrawOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// Divisor of multimodality where a class has no motions: then there is no figure, or the sum over the classes that are
-/// there is divided by all of them (MultiAct).
+/// Divisor of multimodality where a class has no motions: either no value, or the sum over the existing classes divided
+/// by all (MultiAct).
 enum class MultimodalityDivisor { kPresent, kAll };
 
-/// Sizes that metrics take.
+/// Sizes of the metrics.
 struct MetricOptions {
   std::int64_t diversity_pairs = 200;
   std::int64_t multimodality_quota = 20;
@@ -56,28 +56,28 @@ struct MetricOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// What is asked of generators: a label and a length; transition and action of a sample, after its own previous motion
-/// or after one that is generated; or a chain of steps with drawn actions (multiact.md A.5).
+/// Requests for generators: a label and a length; transition and action of a sample, after its own or a generated
+/// previous motion; or a chain of steps with drawn actions (multiact.md A.5).
 enum class ScriptDraw { kNone, kAfterSample, kAfterGenerated, kChain };
 
 enum class ProtocolVariant { kGiven, kReleased, kPaper };
 
-/// How a paper scores motions. `given` scores each motion once, with nothing drawn; `released` as the paper's code
-/// does, `paper` as its text says where the two differ.
+/// Protocol of a paper. `given` scores each motion once, with nothing drawn; `released` follows the paper's code,
+/// `paper` its text where the two differ.
 struct ProtocolOptions {
   std::string name;
   std::string paper;
-  std::string dataset;    ///< as the published tables name it
+  std::string dataset;    ///< by its name in the published tables
   std::string recipe;     ///< of the real motions
   std::string extractor;  ///< a name below configs/extractors, or a YAML file
   ProtocolVariant variant = ProtocolVariant::kGiven;
   std::int64_t seed = 1;
   bool test_reference = false;       ///< FID against the test part of the real motions as well
-  std::string split;                 ///< whose parts are meant; empty: the first one
-  ClipPart part = ClipPart::kWhole;  ///< of samples of two actions, what is scored
+  std::string split;                 ///< of the parts; empty: the first one
+  ClipPart part = ClipPart::kWhole;  ///< scored part of samples of two actions
   DrawOptions given, released, from_paper;
   MetricOptions metrics;
-  std::map<std::string, std::string> equivalent;  ///< class -> classes that count as it, separated by ", "
+  std::map<std::string, std::string> equivalent;  ///< class -> accepted classes, separated by ", "
   std::vector<double> original_clips;             ///< sizes of the papers' own real set
   bool original_data = false;                     ///< the real motions are the papers' own
   std::vector<std::string> notes;
@@ -86,14 +86,14 @@ struct ProtocolOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// A row of a table of MultiAct: which networks answer, and what they are asked.
+/// A row of a table of MultiAct: its networks and their requests.
 struct ScriptRowOptions {
   std::string name;
   std::string network;  ///< macvae, or an actor whose motions are joined
   ScriptDraw script = ScriptDraw::kAfterSample;
-  std::string first;       ///< actor that makes the first action where `network` is a macvae
+  std::string first;       ///< actor that generates the first action where `network` is a macvae
   std::string fill;        ///< ssmct that fills transitions; empty: interpolation
-  bool align = false;      ///< turn and move joined motions
+  bool align = false;      ///< rotate and move joined motions
   std::int64_t steps = 1;  ///< of a chain, a row each
 
   void Declare(OptionVisitor& v);
@@ -111,23 +111,23 @@ struct FilterRowOptions {
 /// Evaluation of a run by its own recogniser.
 struct EvaluateOptions {
   std::int64_t seed = 1;
-  std::string published;                ///< set whose published numbers stand below the table; empty: none
-  std::string paper = "Action2Motion";  ///< whose published numbers
+  std::string published;                ///< set whose published numbers are listed below the table; empty: none
+  std::string paper = "Action2Motion";  ///< paper of the published numbers
   std::string table;                    ///< which of its tables; empty: all
-  std::string recogniser;               ///< name of the network that gives the features; empty: the first recogniser
-  bool generators = true;               ///< they and the real motions are rows; else recognisers alone are scored
-  std::string protocol;  ///< a name below configs/protocols, whose equivalent labels and divisor hold; or empty
+  std::string recogniser;               ///< name of the network for the features; empty: the first recogniser
+  bool generators = true;               ///< generators and real motions are rows; else only recognisers are scored
+  std::string protocol;  ///< a name below configs/protocols, whose equivalent labels and divisor apply; or empty
   std::vector<FilterRowOptions> filters;  ///< rows beside those of the networks
-  std::vector<ScriptRowOptions> rows;     ///< empty: each generator is one, asked for labels
-  ClipPart part = ClipPart::kWhole;       ///< of samples of two actions, what is scored
-  bool requests_of_test = false;          ///< what is asked of generators is drawn from the test part
+  std::vector<ScriptRowOptions> rows;     ///< empty: each generator is one, with requests by label
+  ClipPart part = ClipPart::kWhole;       ///< scored part of samples of two actions
+  bool requests_of_test = false;          ///< requests for generators are drawn from the test part
   RealPart real = RealPart::kAll;
-  bool test_reference = false;  ///< the references are the training and the test part, and there is an FID against each
+  bool test_reference = false;  ///< the references are the training and the test part, with an FID against each
   double settled = 0.1;         ///< largest relative change of the FID since the last sample of a converged network
-  std::string split;            ///< whose parts are meant; empty: the first one
+  std::string split;            ///< of the parts; empty: the first one
   std::int64_t repetitions = 20;
   std::int64_t motions = 3000;
-  std::vector<double> durations;  ///< frames that are asked of generators, a row each; empty: the recogniser's
+  std::vector<double> durations;  ///< requested frames, a row each; empty: the recogniser's
   std::int64_t diversity_pairs = 200;
   std::int64_t multimodality_quota = 20;
   LabelDraw labels = LabelDraw::kUniform;
@@ -139,18 +139,18 @@ struct EvaluateOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// What stands below a table of a run about how it was scored: sentences.
+/// Notes below a run's table about its scoring: sentences.
 std::vector<std::string> NotesOf(const EvaluateOptions& options);
 
 /// One set of motions through an extractor: options of the stage `features`.
 struct FeaturesOptions {
   ExtractorOptions extractor;
   bool generated = false;    ///< the extractor's root rule for generated motions applies
-  bool known_frame = false;  ///< a network of the run made the set: its frame is known, however it lies
+  bool known_frame = false;  ///< a network of the run generated the set: its frame is known
   RealPart part = RealPart::kAll;
   std::string split;
   std::int64_t seed = 1;
-  std::string purpose;       ///< names the draws: sets of one purpose and seed draw alike
+  std::string purpose;       ///< key of the draws: sets of one purpose and seed draw alike
   std::int64_t passes = 0;   ///< 0: one pass over the motions in their order
   std::int64_t motions = 0;  ///< drawn for each pass; 0: all, in their order
   bool replacement = true;
@@ -161,22 +161,22 @@ struct FeaturesOptions {
   ClipPart clip_part = ClipPart::kWhole;
   ScriptDraw script = ScriptDraw::kNone;
   std::int64_t steps = 1;   ///< of a chain
-  std::int64_t step = 1;    ///< which of them is scored
-  bool align = false;       ///< joined motions are turned and moved
-  std::int64_t frames = 0;  ///< asked of a generator and read of its motions; 0: the extractor's
+  std::int64_t step = 1;    ///< the scored one
+  bool align = false;       ///< rotate and move joined motions
+  std::int64_t frames = 0;  ///< requested from a generator and read from its motions; 0: the extractor's
   OneEuro filter;           ///< of a generator's motions
 
   void Declare(OptionVisitor& v);
 };
 
-/// Whether a row is real motions itself, and which reference holds the same ones.
+/// Whether a row is real motions itself, and the reference that contains them.
 enum class RealRow { kNone, kTrain, kTest };
 
 /// One row of a table: options of the stage `score`.
 struct ScoreOptions {
   std::string name;
-  RealRow real = RealRow::kNone;  ///< against that reference: two halves where nothing is drawn
-  bool fresh = false;  ///< every repetition scores motions of its own; else repetitions are no independent samples
+  RealRow real = RealRow::kNone;  ///< reference that contains them: two halves where nothing is drawn
+  bool fresh = false;             ///< every repetition scores new motions; else repetitions are not independent samples
   std::int64_t seed = 1;
   DrawOptions draw;
   MetricOptions metrics;

@@ -11,16 +11,16 @@
 
 namespace mocurate {
 
-/// Answers requests with motions, in their order. Any program may; the table does not know which one did.
+/// Generates motions for requests, in their order; the table is independent of the program that does it.
 using AnswerRequests = std::function<Expected<std::vector<Motion>>(const std::vector<MotionRequest>& requests)>;
 
-/// Checkpoints that answer requests together (MultiAct): `first` makes first actions, `fill` transitions; or empty.
+/// Checkpoints used together (MultiAct): `first` generates first actions, `fill` transitions; or empty.
 struct GeneratorFiles {
   std::filesystem::path main, first, fill;
-  bool align = false;  ///< joined motions are turned and moved
+  bool align = false;  ///< rotate and move joined motions
 };
 
-/// Opens generators. `eval` does not know the networks: the worker program passes the loader.
+/// Opens generators. `eval` does not depend on the networks: the worker program passes the loader.
 using OpenGenerator = std::function<Expected<AnswerRequests>(const GeneratorFiles& files, int threads)>;
 
 /// Stage `features`: role "weights" (published weights, or a checkpoint of a recogniser) and "motions" (a dataset or

@@ -13,7 +13,7 @@
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/fit_clouds.h"
-#include "fitting/clouds/frame_doubt.h"
+#include "fitting/clouds/frame_finding.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/evidence/detector_points.h"
@@ -23,12 +23,13 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastShareOfSeen = 0.3;  ///< of the frames in which the camera sees the person
-constexpr double kOtherWay = 0.7;        ///< of the distance, when sides are exchanged: the person faces the other way
-constexpr double kPixelsOfModel = 4.0;   ///< px, that points fixed to joints are off in any case
+constexpr double kMinCoverage = 0.3;  ///< of the frames in which the camera sees the person
+constexpr double kOtherWay =
+    0.7;  ///< ratio of the distances with sides exchanged; below, the person faces the other way
+constexpr double kPixelsOfModel = 4.0;   ///< px, error that is always assumed for points fixed to joints
 constexpr double kMedianOfTwo = 1.1774;  ///< median distance over the standard deviation per axis
 
-/// Bones of the body: those of the skeleton as given, points at rest offsets of the person's size.
+/// Bone lengths of the body: given ones of the skeleton's joints, rest offsets in the person's size for points.
 std::vector<double> BonesOf(const Skeleton& body, const Skeleton& skeleton, const std::vector<double>& given) {
   std::vector<double> bones = given.empty() ? skeleton.RestBoneLengths() : given;
   bones.resize(skeleton.joints.size());
@@ -42,10 +43,10 @@ Finding OneView(const RayAgreement& rays, const std::string& camera, bool used) 
   Finding finding;
   finding.code = kOneKeypointView;
   finding.value = rays.median_px;
-  finding.message = "camera '" + camera + "' alone has keypoints: it sees the person in " +
+  finding.message = "camera '" + camera + "' is the only one with keypoints: it sees the person in " +
                     std::to_string(std::lround(100.0 * rays.share)) + " % of its frames, in the median " +
-                    RoundedText(rays.median_px, 3) + " px from where the depth views put the joints";
-  finding.action = used ? FindingAction::kKept : FindingAction::kLeftOut;
+                    RoundedText(rays.median_px, 3) + " px from the joints of the depth views";
+  finding.action = used ? FindingAction::kKept : FindingAction::kExcluded;
   if (used) finding.severity = Severity::kInfo;
   return finding;
 }
@@ -57,7 +58,7 @@ double HeadingOfMotion(const Motion& motion) {
 }
 
 Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view, const std::vector<int>& joint_of,
-                 const RayAgreement& rays, const FleshBody& body, const FittingOptions& options, FitResult& fit) {
+                 const RayAgreement& rays, const CapsuleBody& body, const FittingOptions& options, FitResult& fit) {
   const PointCloudOptions& cloud_options = options.point_clouds;
   const TriangulationOptions& detections = options.keypoints.triangulation;
   const double noise = std::max(kPixelsOfModel, std::min(rays.median_px / kMedianOfTwo, 2.0 * detections.noise));
@@ -66,17 +67,17 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   const bool stated = !fit.motion.position_cov.empty();
   const double scale = BodyScale(*fit.motion.skeleton, fit.motion.bone_length);
   const std::vector<double> error = BodyErrors(*fit.motion.skeleton, scale);
-  std::vector<double> little_seen(clouds.size(), 0.0);  // m, of frames without rays
-  std::vector<double> residual(clouds.size(), 0.0);     // m, root mean square
+  std::vector<double> low_coverage(clouds.size(), 0.0);  // m, of frames without rays
+  std::vector<double> residual(clouds.size(), 0.0);      // m, root mean square
   std::vector<double> residuals;
   const auto joints = static_cast<std::size_t>(fit.motion.joint_count());
   for (int f = 0; f < fit.motion.frame_count(); ++f) {
-    if (Status on = GoOnUnlessStopped("fit of depth views and keypoints"); !on) return on;
+    if (Status on = StopIfInterrupted("fit of depth views and keypoints"); !on) return on;
     const FusedCloud& cloud = clouds[static_cast<std::size_t>(f)];
     const auto at = static_cast<std::size_t>(f);
     if (cloud.size() < 100) continue;
-    const double unseen = ErrorOfLittleSeen(cloud, cloud_options.voxel_size, scale);
-    if (rays.person[at] < 0) little_seen[at] = unseen;
+    const double unseen = LowCoverageSigma(cloud, cloud_options.voxel_size, scale);
+    if (rays.person[at] < 0) low_coverage[at] = unseen;
     if (rays.person[at] >= 0) {
       FrameFit frame{f, {}, 1.0, static_cast<int>(cloud_options.iterations)};
       if (f > 0) frame.held.push_back({-1, fit.motion.rate.FrameTime(1)});
@@ -86,7 +87,7 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
       if (!fitted) return Forward(fitted);
       fit.iterations += fitted->iterations;
       std::vector<JointState>& states = fit.motion.state;
-      for (const SeenJoint& seen : frame.joints) {
+      for (const JointObservation& seen : frame.joints) {
         states[at * joints + static_cast<std::size_t>(seen.joint)] = JointState::kObserved;
       }
       if (stated) {
@@ -102,9 +103,10 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
           of_body[j] *= factor;
           if (!shown[j]) of_body[j] = std::hypot(of_body[j], unseen);
         }
-        const std::vector<Vector3d> body_turn = BodyTurns(*fit.motion.skeleton, fit.motion.bone_length, of_body);
-        WidenUnseen(shown, *uncertainty, of_body);
-        uncertain.Set(f, *uncertainty, of_body, body_turn);
+        const std::vector<Vector3d> body_rotation =
+            BodyRotations(*fit.motion.skeleton, fit.motion.bone_length, of_body);
+        WidenGaps(shown, *uncertainty, of_body);
+        uncertain.Set(f, *uncertainty, of_body, body_rotation);
       }
     }
     const std::vector<CloudMatch> matches = MatchPoints(body, state, f, cloud, cloud_options.max_distance);
@@ -117,10 +119,10 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
   if (stated) uncertain.Write(fit.motion);
   fit.findings.erase(std::remove_if(fit.findings.begin(), fit.findings.end(),
                                     [](const Finding& finding) {
-                                      return finding.code == kLittleSeen || finding.code == kPoorlyExplained;
+                                      return finding.code == kLowCoverage || finding.code == kPoorlyExplained;
                                     }),
                      fit.findings.end());
-  ReportLittleSeen(little_seen, fit.findings);
+  ReportLowCoverage(low_coverage, fit.findings);
   ReportPoorlyExplained(residual, fit.findings);
   SetResiduals(std::move(residuals), fit);
   return {};
@@ -160,15 +162,15 @@ Expected<FitResult> FitCloudsAndRays(const Clip& clip, const KeypointView& view,
       rays = other;
     }
   }
-  const bool used = rays.share >= kLeastShareOfSeen;
+  const bool used = rays.share >= kMinCoverage;
   if (used) {
-    const std::optional<FleshBody> flesh = BodyFromRadii(bare, fit->motion.bone_length, fit->capsule_radii);
-    if (!flesh) return Fail(ErrorCode::kInternal, "the body of the depth fit cannot be made again", clip.id());
-    if (Status fitted = FitFrames(*clouds, view, joint_of, rays, *flesh, options, *fit); !fitted)
+    const std::optional<CapsuleBody> capsules = BodyFromRadii(bare, fit->motion.bone_length, fit->capsule_radii);
+    if (!capsules) return Fail(ErrorCode::kInternal, "the body of the depth fit cannot be rebuilt", clip.id());
+    if (Status fitted = FitFrames(*clouds, view, joint_of, rays, *capsules, options, *fit); !fitted)
       return Forward(fitted);
   }
   fit->motion = WithoutDetectorPoints(fit->motion, skeleton);
-  TellOfRig(std::move(report), *fit);
+  ReportRig(std::move(report), *fit);
   fit->findings.push_back(OneView(rays, view.camera.name, used));
   return fit;
 }

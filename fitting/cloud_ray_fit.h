@@ -9,19 +9,19 @@
 
 namespace mocurate {
 
-/// Code of the finding of a fit whose keypoints are of one camera; value: median distance in px of its keypoints.
+/// Code of the finding of a fit whose keypoints are of one camera; value: median distance of its keypoints, px.
 inline constexpr const char* kOneKeypointView = "one_keypoint_view";
 
-/// Depth views, and the keypoints of the one camera `view` as rays (RaysOf): FitClouds on `body`, the skeleton with the
-/// detector's points, then every frame again with the rays beside its points. What the depth views alone tell of the
-/// facing is doubted where left and right keypoints lie the other way round: then it is fitted from the opposite
-/// facing. The motion has the skeleton's own joints. Clocks and places of the camera against the others are not
-/// audited. A camera that sees the person in too few frames is left out: the finding says so. Errors of FitClouds.
+/// Fits depth views and the keypoints of the one camera `view` as rays (RaysOf): FitClouds on `body`, the skeleton with
+/// the detector's points, then every frame again with its rays. Where left and right keypoints contradict the facing
+/// from the depth views, the fit starts again from the opposite facing. The motion has the skeleton's own joints. The
+/// camera's clock and pose are not audited. A camera that sees the person in too few frames is excluded, with a
+/// finding. Errors of FitClouds.
 Expected<FitResult> FitCloudsAndRays(const Clip& clip, const KeypointView& view, const SkeletonPtr& skeleton,
                                      const SkeletonPtr& body, const std::vector<double>& bone_length,
                                      const FittingOptions& options);
 
-/// The skeleton with points of no flesh: joints from `skeleton`'s count on.
+/// The skeleton with the detector's points, which have no body shape: joints from `skeleton`'s count on.
 SkeletonPtr WithBarePoints(const SkeletonPtr& body, const SkeletonPtr& skeleton);
 
 }  // namespace mocurate

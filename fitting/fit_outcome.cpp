@@ -22,10 +22,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLargeResidual = 0.15;  ///< metres RMS; beyond, skeleton and evidence hardly belong together
-constexpr double kMostGuessed = 0.3;     ///< share of the frames
-constexpr double kMostRejected = 0.25;   ///< share of samples; trackers lose 2 to 10 %
-constexpr double kNoFit = 0.3;           ///< metres, median of the joints: beyond, nothing is explained
+constexpr double kLargeResidual = 0.15;      ///< metres RMS; beyond, skeleton and evidence hardly match
+constexpr double kMaxUnobservedShare = 0.3;  ///< share of the frames
+constexpr double kMostRejected = 0.25;       ///< share of samples; trackers lose 2 to 10 %
+constexpr double kNoFit = 0.3;               ///< metres, median of the joints: beyond, the fit explains nothing
 constexpr double kNoFitOfStature = 0.25;
 
 double Millimetres(double metres) { return std::round(metres * 1e7) / 1e4; }
@@ -48,7 +48,7 @@ std::string MethodName(FitMethod method) {
   return "";
 }
 
-Finding Doubt(const std::string& code, double value, const std::string& message) {
+Finding SuspectFinding(const std::string& code, double value, const std::string& message) {
   Finding finding;
   finding.code = code;
   finding.value = value;
@@ -57,28 +57,28 @@ Finding Doubt(const std::string& code, double value, const std::string& message)
   return finding;
 }
 
-/// Of a body that depth views gave its size, or may have.
-std::optional<Finding> SizeInDoubt(const FitResult& fit, const FittingOptions& options) {
-  const bool told = options.point_clouds.height.has_value();
-  if (!fit.depth_rig || told || options.method == FitMethod::kJointsAndClouds) return {};
+/// Of a body whose size was measured from depth views.
+std::optional<Finding> SuspectSize(const FitResult& fit, const FittingOptions& options) {
+  const bool height_given = options.point_clouds.height.has_value();
+  if (!fit.depth_rig || height_given || options.method == FitMethod::kJointsAndClouds) return {};
   const Skeleton& skeleton = *fit.motion.skeleton;
   const double stature = Stature(skeleton, fit.motion.bone_length);
-  return FindDoubtfulSize(stature, stature / Stature(skeleton, skeleton.RestBoneLengths()));
+  return CheckStature(stature, stature / Stature(skeleton, skeleton.RestBoneLengths()));
 }
 
-Finding JointsLeftOut(const std::vector<std::string>& names, const Skeleton& skeleton) {
+Finding ExcludedJoints(const std::vector<std::string>& names, const Skeleton& skeleton) {
   Finding finding;
-  finding.code = "joints_left_out";
+  finding.code = "joints_excluded";
   finding.value = static_cast<double>(names.size());
   finding.message = "skeleton '" + skeleton.name + "' has no";
   for (const std::string& name : names) finding.message += (&name == &names.front() ? " " : ", ") + name;
-  finding.action = FindingAction::kLeftOut;
+  finding.action = FindingAction::kExcluded;
   return finding;
 }
 
-/// Frames in which tracks were mended, by the code of the finding, and how many samples were rejected as outliers.
+/// Frames in which tracks were corrected, by the code of the finding, and the number of samples rejected as outliers.
 nlohmann::json RepairCounts(const FitResult& fit) {
-  std::map<std::string, std::vector<bool>> mended;
+  std::map<std::string, std::vector<bool>> repaired_frames;
   double outliers = 0.0;
   const auto frames = static_cast<std::size_t>(fit.motion.frame_count());
   for (const Finding& finding : fit.findings) {
@@ -87,12 +87,12 @@ nlohmann::json RepairCounts(const FitResult& fit) {
         (finding.action != FindingAction::kRepaired && finding.action != FindingAction::kMissing))
       continue;
     for (const std::string& code : {finding.code, std::string("any")}) {
-      std::vector<bool>& of_code = mended.emplace(code, std::vector<bool>(frames, false)).first->second;
+      std::vector<bool>& of_code = repaired_frames.emplace(code, std::vector<bool>(frames, false)).first->second;
       std::fill(of_code.begin() + finding.frame_begin, of_code.begin() + finding.frame_end, true);
     }
   }
   nlohmann::json counts = {{"outlier_samples", outliers}};
-  for (const auto& [code, of_code] : mended)
+  for (const auto& [code, of_code] : repaired_frames)
     counts[code + "_frames"] = std::count(of_code.begin(), of_code.end(), true);
   return counts;
 }
@@ -113,7 +113,7 @@ nlohmann::json KeypointsJson(const KeypointReport& report) {
   for (std::size_t v = 0; v < report.cameras.size(); ++v) {
     const CameraAgreement& camera = report.cameras[v];
     cameras[report.camera_names[v]] = {{"detections", camera.detections},
-                                       {"left_out", camera.left_out},
+                                       {"excluded", camera.excluded},
                                        {"median_px", rounded(camera.median_px)},
                                        {"disagrees", camera.disagrees}};
   }
@@ -154,8 +154,8 @@ nlohmann::json DepthRigJson(const DepthRigReport& report) {
 
 }  // namespace
 
-void TellOfRepairs(const RepairedTracks& repaired, FitResult& fit) {
-  fit.findings.insert(fit.findings.end(), repaired.told.begin(), repaired.told.end());
+void ReportRepairs(const RepairedTracks& repaired, FitResult& fit) {
+  fit.findings.insert(fit.findings.end(), repaired.findings.begin(), repaired.findings.end());
   if (repaired.repairs.empty()) return;
   MarkRepaired(repaired.exchanged, fit.motion);
   const Skeleton& skeleton = *repaired.tracks.skeleton;
@@ -172,14 +172,14 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
   if (!fit) return fit;
   for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
     fit->findings.push_back(std::move(finding));
-  TellOfRepairs(repaired, *fit);
+  ReportRepairs(repaired, *fit);
   return fit;
 }
 
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
                                     const std::vector<double>& bone_length, const FittingOptions& options) {
-  std::vector<std::string> left_out;
-  const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &left_out);
+  std::vector<std::string> excluded;
+  const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &excluded);
   if (!tracks) return Forward(tracks);
   std::optional<Finding> size_differs;
   if (!bone_length.empty()) {
@@ -193,7 +193,7 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   if (!fit) return fit;
   for (Finding& finding : FindImplausibleBody(*tracks)) fit->findings.push_back(std::move(finding));
   if (size_differs) fit->findings.push_back(*std::move(size_differs));
-  if (!left_out.empty()) fit->findings.push_back(JointsLeftOut(left_out, *skeleton));
+  if (!excluded.empty()) fit->findings.push_back(ExcludedJoints(excluded, *skeleton));
   if (!clip.evidence.tracks && clip.motion) AddGivenUncertainty(*clip.motion, fit->motion);
   const SkeletonPtr plain = WithoutTrackerPoints(skeleton);
   if (plain != skeleton) fit->motion = WithoutDetectorPoints(fit->motion, plain);
@@ -235,21 +235,20 @@ Status CheckExplained(const FitResult& fit, const std::string& where) {
               "no pose of the person explains the joints: they lie " + RoundedText(fit.residual_median, 3) +
                   " m off in the median, " + RoundedText(fit.residual_p95, 3) + " m at 95 %, of a person of " +
                   RoundedText(stature, 3) + " m",
-              where, "is it the right unit, order of joints and skeleton, and this person's clip?");
+              where, "check unit, order of joints and skeleton, and the person of the clip");
 }
 
-/// Share of the frames in which no joint is observed or repaired: all of the person is filled in there. 0 where joints
-/// have no states.
-double GuessedShare(const Motion& motion) {
+/// Share of the frames in which no joint is observed or repaired. 0 where joints have no states.
+double UnobservedShare(const Motion& motion) {
   if (motion.state.empty()) return 0.0;
   const auto joints = static_cast<std::ptrdiff_t>(motion.joint_count());
-  int guessed = 0;
+  int unobserved = 0;
   for (auto frame = motion.state.begin(); frame != motion.state.end(); frame += joints) {
-    guessed += std::none_of(frame, frame + joints, [](JointState state) {
+    unobserved += std::none_of(frame, frame + joints, [](JointState state) {
       return state == JointState::kObserved || state == JointState::kRepaired;
     });
   }
-  return static_cast<double>(guessed) / motion.frame_count();
+  return static_cast<double>(unobserved) / motion.frame_count();
 }
 
 StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingOptions& options) {
@@ -257,37 +256,40 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   outcome.findings = fit.findings;
   if (!fit.converged) {
     outcome.findings.push_back(
-        Doubt("fit_not_converged", fit.iterations,
-              "the fit stopped after " + Counted(fit.iterations, "iteration") + ": " + fit.termination));
-    outcome.kind = OutcomeKind::kDoubtful;
+        SuspectFinding("fit_not_converged", fit.iterations,
+                       "the fit stopped after " + Counted(fit.iterations, "iteration") + ": " + fit.termination));
+    outcome.kind = OutcomeKind::kSuspect;
   }
   if (!(fit.residual_rms <= kLargeResidual)) {
-    outcome.findings.push_back(Doubt("large_residual", Millimetres(fit.residual_rms),
-                                     "the body lies far from its evidence: is it the right skeleton and unit?"));
-    outcome.kind = OutcomeKind::kDoubtful;
+    outcome.findings.push_back(
+        SuspectFinding("large_residual", Millimetres(fit.residual_rms),
+                       "the residual of the body is large (rule: 150 mm RMS): check skeleton and unit"));
+    outcome.kind = OutcomeKind::kSuspect;
   }
   if (fit.rejected_share > kMostRejected) {
-    outcome.findings.push_back(Doubt("evidence_rejected", fit.rejected_share,
-                                     "so large a share of the evidence lies far from any pose of the body near in "
-                                     "time, and is not in the residual: is it the right skeleton, order and person?"));
-    outcome.kind = OutcomeKind::kDoubtful;
+    outcome.findings.push_back(
+        SuspectFinding("evidence_rejected", fit.rejected_share,
+                       "more than 25 % of the evidence was rejected as far from the body in neighbouring frames"
+                       "; the residual does not contain it. Check skeleton, order of joints and person"));
+    outcome.kind = OutcomeKind::kSuspect;
   }
-  if (const double share = GuessedShare(fit.motion); share > kMostGuessed) {
-    outcome.findings.push_back(Doubt("mostly_guessed", share,
-                                     "in " + std::to_string(std::lround(100.0 * share)) +
-                                         " % of the frames nothing of the person is observed; leave them out, or train "
-                                         "with the joints' states"));
-    outcome.kind = OutcomeKind::kDoubtful;
+  if (const double share = UnobservedShare(fit.motion); share > kMaxUnobservedShare) {
+    outcome.findings.push_back(
+        SuspectFinding("mostly_unobserved", share,
+                       "in " + std::to_string(std::lround(100.0 * share)) +
+                           " % of the frames (rule: 30 %) no joint is observed; exclude them, or train "
+                           "with the joints' states"));
+    outcome.kind = OutcomeKind::kSuspect;
   }
   if (options.method != FitMethod::kNone) {
     for (Finding& finding : FindJointsBeyondLimits(fit.motion)) outcome.findings.push_back(std::move(finding));
   }
-  if (auto size = SizeInDoubt(fit, options)) outcome.findings.push_back(std::move(*size));
-  if (fit.keypoints && fit.keypoints->doubtful) outcome.kind = OutcomeKind::kDoubtful;
-  if (fit.depth_rig && fit.depth_rig->IsDoubtful()) outcome.kind = OutcomeKind::kDoubtful;
+  if (auto size = SuspectSize(fit, options)) outcome.findings.push_back(std::move(*size));
+  if (fit.keypoints && fit.keypoints->suspect) outcome.kind = OutcomeKind::kSuspect;
+  if (fit.depth_rig && fit.depth_rig->IsAmbiguous()) outcome.kind = OutcomeKind::kSuspect;
   for (Finding& finding : outcome.findings) {
     finding.clip = clip.id();
-    if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
+    if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kSuspect;
   }
 
   const Skeleton& skeleton = *fit.motion.skeleton;
@@ -311,7 +313,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
         MeasuresJson(MeasureJoints(skeleton, tracks.positions, tracks.confidence, tracks.time_s), skeleton);
   };
   if (fit.triangulated) measure_before(*fit.triangulated);
-  if (fit.cloud_trust) outcome.summary["cloud_trust"] = std::round(*fit.cloud_trust * 1e4) / 1e4;
+  if (fit.surface_weight) outcome.summary["surface_weight"] = std::round(*fit.surface_weight * 1e4) / 1e4;
   if (options.method == FitMethod::kJointTracks || options.method == FitMethod::kJointsAndClouds) {
     if (const auto tracks = TracksOfClip(clip, fit.motion.skeleton, options.other_joints)) measure_before(*tracks);
   }

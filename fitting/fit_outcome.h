@@ -10,11 +10,12 @@
 
 namespace mocurate {
 
-/// Marks samples that were exchanged as repaired, and lists what was done: findings and the result's track_repairs.
-void TellOfRepairs(const RepairedTracks& repaired, FitResult& fit);
+/// Gives samples that were exchanged the state repaired, and adds the repairs to findings and the result's
+/// track_repairs.
+void ReportRepairs(const RepairedTracks& repaired, FitResult& fit);
 
-/// Mends the tracks (RepairTracks) and fits what comes of it (FitJointTracks, bones fixed). Samples that were exchanged
-/// are of state repaired; findings and the result's track_repairs list what was done.
+/// Repairs the tracks (RepairTracks) and fits them (FitJointTracks, bones fixed). Exchanged samples get state repaired;
+/// findings and the result's track_repairs list the repairs.
 Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& rate,
                                  const std::vector<double>& bone_length, const RepairOptions& repair,
                                  const JointTrackOptions& options);
@@ -30,13 +31,13 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
 Expected<FitResult> FitKeypointsOfClip(const Clip& clip, const SkeletonPtr& skeleton, const SkeletonPtr& body,
                                        const std::vector<double>& bone_length, const FittingOptions& options);
 
-/// Hands the motion of a clip on as a result. Error kInconsistent without one.
+/// Passes the motion of a clip through as a result. Error kInconsistent without one.
 Expected<FitResult> TakeGivenMotion(const Clip& clip);
 
-/// Error kInconsistent, with numbers, where the median joint lies 0.3 m or a quarter of the stature from its evidence.
+/// Error kInconsistent, with numbers, where the median joint is 0.3 m or a quarter of the stature from its evidence.
 Status CheckExplained(const FitResult& fit, const std::string& where);
 
-/// What the stage tells about a fit: the summary of fitting/stages.h and findings with the clip's id. Doubtful when the
+/// Outcome of the stage for a fit: the summary of fitting/stages.h and findings with the clip's id. Suspect when the
 /// solver did not converge, the residual is large or a finding is an error. `clip` still has its evidence.
 StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingOptions& options);
 

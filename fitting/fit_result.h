@@ -15,27 +15,27 @@ namespace mocurate {
 /// Code of the findings of samples that jump away and back, one per joint; value: their count.
 inline constexpr const char* kOutliersRejected = "outliers_rejected";
 
-/// A fitted motion and how well it explains its evidence. Lengths in metres.
+/// A fitted motion and its residuals. Lengths in metres.
 struct FitResult {
   Motion motion;              ///< with rotations, bone lengths, joints and states
   double residual_rms = 0.0;  ///< evidence to body, observed samples that are not rejected, by their precision if known
   double residual_p95 = 0.0;
   double rejected_share = 0.0;   ///< of the observed samples: outliers
-  double residual_median = 0.0;  ///< of joints (of joints with points: before the points); 0 of a fit to points alone
+  double residual_median = 0.0;  ///< of joints (with points: before the fit to points); 0 of a fit to points alone
   double noise_sigma = 0.0;      ///< per axis, as estimated from the evidence
-  double variance_factor = 1.0;  ///< a-posteriori variance over the assumed one; the uncertainty holds it
+  double variance_factor = 1.0;  ///< a-posteriori variance over the assumed one; included in the uncertainty
   int iterations = 0;            ///< all windows together
   bool converged = false;        ///< every window stopped at its tolerance
-  std::string termination;       ///< "converged", "iteration limit" or the solver's own words
+  std::string termination;       ///< "converged", "iteration limit" or the solver's message
   double initial_cost = 0.0;     ///< whitened, 1/2 sum of rho(|r|^2)
   double final_cost = 0.0;
   std::string capsule_radii;                   ///< RadiiText of the body that was fitted; empty without one
-  std::string track_repairs;                   ///< RepairsText of what was mended in the tracks; empty when nothing was
-  std::string rig_audit;                       ///< FaultsText of what is wrong with the cameras; empty when nothing is
+  std::string track_repairs;                   ///< RepairsText of corrections of the tracks; empty without any
+  std::string rig_audit;                       ///< FaultsText of the cameras; empty without faults
   std::optional<KeypointReport> keypoints;     ///< of a fit to 2-D keypoints
   std::optional<SkeletonTracks> triangulated;  ///< its joints before the fit
   std::optional<DepthRigReport> depth_rig;     ///< of a fit to depth views
-  std::optional<double> cloud_trust;           ///< weight of depth points against joints; of a fit to both
+  std::optional<double> surface_weight;        ///< weight of depth points against joints; of a fit to both
   std::vector<Finding> findings;               ///< clip id left empty
 };
 

@@ -3,7 +3,7 @@
 
 #include "core/base/file.h"
 #include "core/base/version.h"
-#include "core/body/flesh_body.h"
+#include "core/body/capsule_body.h"
 #include "core/store/store.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/cloud_tracking.h"
@@ -23,7 +23,7 @@
 namespace mocurate {
 namespace {
 
-/// The person's body; `skeleton` as it is, and no lengths, without a proportions artifact.
+/// The person's body; without a proportions artifact `skeleton` and no lengths.
 Expected<PersonBody> ReadBody(const StageRequest& request, const SkeletonPtr& skeleton) {
   for (const StageInput& input : request.inputs) {
     if (input.role != "proportions") continue;
@@ -35,7 +35,7 @@ Expected<PersonBody> ReadBody(const StageRequest& request, const SkeletonPtr& sk
   return PersonBody{skeleton, {}};
 }
 
-/// Joint tracks and depth views of the same moments.
+/// Fits joint tracks and depth views of the same times.
 Expected<FitResult> FitTracksAndDepth(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bones,
                                       const FittingOptions& options) {
   const Expected<FitResult> tracks = FitTracksOfClip(clip, skeleton, bones, options);
@@ -51,7 +51,7 @@ Expected<FitResult> FitTracksAndDepth(const Clip& clip, const SkeletonPtr& skele
   if (!clouds) return Forward(clouds);
   Expected<FitResult> both = FitTracksAndClouds(*tracks, *clouds, options.point_clouds);
   if (both) {
-    TellOfRig(std::move(report), *both);
+    ReportRig(std::move(report), *both);
     return both;
   }
   Error error = both.error();
@@ -80,14 +80,14 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   return FitTracksOfClip(clip, body->skeleton, bones, options);
 }
 
-/// Whether ingest took a depth camera's images out, by its findings.
+/// Whether the finding reports that ingest excluded images of a depth camera.
 bool LeavesViewOut(const Finding& finding) {
-  constexpr const char* kCodes[] = {"depth_left_out", "view_left_out", "camera_saw_nobody", "camera_missing",
+  constexpr const char* kCodes[] = {"depth_excluded", "view_excluded", "no_person_in_view", "camera_missing",
                                     "camera_not_calibrated"};
   return std::find(std::begin(kCodes), std::end(kCodes), finding.code) != std::end(kCodes);
 }
 
-/// Error kInconsistent where a clip had depth views, and ingest left out all of them: which, and why.
+/// Error kInconsistent, with reasons, where ingest excluded all depth views of a clip.
 Status CheckDepthIsLeft(const Clip& clip, const std::vector<Finding>& findings, FitMethod method) {
   const bool wanted = method == FitMethod::kPointClouds || method == FitMethod::kJointsAndClouds;
   if (!wanted || !SurfaceTimes(clip.evidence).empty()) return {};
@@ -96,20 +96,20 @@ Status CheckDepthIsLeft(const Clip& clip, const std::vector<Finding>& findings, 
     if (LeavesViewOut(finding)) why += (why.empty() ? "" : "; ") + finding.message;
   }
   if (why.empty()) return {};
-  return Fail(ErrorCode::kInconsistent, "all depth views of the clip were left out when it was read: " + why, clip.id(),
+  return Fail(ErrorCode::kInconsistent, "ingest excluded all depth views of the clip: " + why, clip.id(),
               clip.evidence.tracks ? "complete the images, or fit the tracks alone: fitting.method joint_tracks"
-                                   : "complete the images, or leave the clip out");
+                                   : "complete the images, or exclude the clip");
 }
 
 Expected<SlidingRemoval> RemoveSliding(const ContactOptions& options, const std::string& clip, Motion& motion) {
   if (motion.joints_only()) {
-    return Fail(ErrorCode::kInconsistent, "a motion without rotations cannot be turned", clip,
-                "set fitting.method to joint_tracks, or take fitting.contacts.remove_sliding out");
+    return Fail(ErrorCode::kInconsistent, "foot sliding cannot be removed from a motion without rotations", clip,
+                "set fitting.method to joint_tracks, or remove fitting.contacts.remove_sliding");
   }
   return RemoveFootSliding(options, motion);
 }
 
-/// Rotations are counted from the rest pose of the named skeleton, wherever the person's bones point.
+/// Re-references rotations to the rest pose of the named skeleton, whatever the person's bone directions.
 Status CountFromNamed(const FittingOptions& options, Motion& motion) {
   if (options.method == FitMethod::kNone) return {};
   const Expected<SkeletonPtr> named = LoadSkeleton(options.skeleton);
@@ -123,7 +123,7 @@ Status CountFromNamed(const FittingOptions& options, Motion& motion) {
     own = own || joint.rest_offset != offset;
     joint.rest_offset = offset;
   }
-  if (own) motion.counted_from = std::move(rest_pose);
+  if (own) motion.rotation_reference = std::move(rest_pose);
   return {};
 }
 

@@ -16,25 +16,25 @@
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/joint_cloud_fit.h"
-#include "fitting/clouds/kinds_alignment.h"
+#include "fitting/clouds/modality_alignment.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/keypoint_fit.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kSure = 4.0;          ///< standard deviations
-constexpr double kNotableMove = 0.03;  ///< m; a body that is not the person's looks moved by less
-constexpr double kNotableTurn = 0.05;  ///< rad
-constexpr double kHalfPerson = 0.5;    ///< m, from the middle of a person to the ends
-constexpr double kFarthestMove = 0.3;  ///< m; farther apart are two people, or two worlds
-constexpr double kFarthestTurn = 0.25;
-constexpr double kLeastKindsGain = 0.08;  ///< of the loss, or nothing is told
-constexpr double kNearShare = 0.5;        ///< of the points within reach of the body, or both are not of one person
-constexpr double kUnsure = 0.012;         ///< m, stated of joints; depth alone is about as sure, and tried as a start
+constexpr double kSure = 4.0;              ///< standard deviations that a finding needs
+constexpr double kNotableMove = 0.03;      ///< m; smaller differences are explained by a body that is not the person's
+constexpr double kNotableRotation = 0.05;  ///< rad
+constexpr double kHalfPerson = 0.5;        ///< m, from the middle of a person to the hands and feet
+constexpr double kFarthestMove = 0.3;      ///< m; farther apart are two people, or two world frames
+constexpr double kMaxRotation = 0.25;
+constexpr double kMinModalityGain = 0.08;  ///< of the loss; below, no finding
+constexpr double kNearShare = 0.5;         ///< of the points near the body; below, the two show different people
+constexpr double kUnsure = 0.012;  ///< m, stated sigma of joints; above, the depth-only pose is tried as a start
 constexpr double kMillimetres = 1e3;
 
-Finding KindsFinding(const char* code, double value, std::string message, FindingAction action) {
+Finding ModalityFinding(const char* code, double value, std::string message, FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.value = value;
@@ -43,8 +43,8 @@ Finding KindsFinding(const char* code, double value, std::string message, Findin
   return finding;
 }
 
-/// Views in which anybody is ever seen.
-std::vector<const KeypointView*> SeeingViews(const std::vector<KeypointView>& views) {
+/// Views in which a person is detected in any frame.
+std::vector<const KeypointView*> ViewsWithPerson(const std::vector<KeypointView>& views) {
   std::vector<const KeypointView*> seeing;
   for (const KeypointView& view : views) {
     bool seen = false;
@@ -54,12 +54,12 @@ std::vector<const KeypointView*> SeeingViews(const std::vector<KeypointView>& vi
   return seeing;
 }
 
-/// Moments of which no camera has an image are left out.
+/// Drops times at which no camera has an image.
 void DropEmptyMoments(std::vector<DepthView>& views) {
   std::size_t most = 0;
   for (const DepthView& view : views) most = std::max(most, view.files.size());
   for (const DepthView& view : views) {
-    if (view.files.size() != most) return;  // FuseClip tells
+    if (view.files.size() != most) return;  // FuseClip reports it
   }
   std::vector<DepthView> kept = views;
   for (DepthView& view : kept) view.files.clear(), view.sha256.clear(), view.time_s.clear();
@@ -77,14 +77,14 @@ void DropEmptyMoments(std::vector<DepthView>& views) {
   views = std::move(kept);
 }
 
-/// Which clouds belong to the frames of a motion.
+/// Clouds of the frames of a motion.
 struct Pairing {
   std::vector<int> cloud;  ///< (F) -1: none
-  double shift_s = 0.0;    ///< the clouds show what happens so long after the frames, median
+  double shift_s = 0.0;    ///< median of cloud time minus frame time, after correction
   int paired = 0;
 };
 
-/// A cloud shows what happened `late_s` before its stamp.
+/// A cloud shows the person `late_s` before its time stamp.
 Pairing PairFrames(const Motion& motion, const std::vector<double>& cloud_s, double late_s) {
   Pairing pairing;
   std::vector<double> shifts;
@@ -113,8 +113,8 @@ std::vector<FusedCloud> Paired(const Pairing& pairing, const std::vector<FusedCl
   return paired;
 }
 
-/// What happens `seconds` after the frames: on a line, rotations by slerp. Uncertainty and states stay.
-void ReadLater(double seconds, Motion& motion) {
+/// The motion `seconds` after its frames: linear, rotations by slerp. Uncertainty and states stay.
+void ShiftInTime(double seconds, Motion& motion) {
   if (std::abs(seconds) < 1e-4) return;
   const Motion given = motion;
   const int last = given.frame_count() - 1;
@@ -139,78 +139,81 @@ void ReadLater(double seconds, Motion& motion) {
 
 std::string Mm(double metres) { return RoundedText(kMillimetres * metres, 3) + " mm"; }
 
-/// What is told of the two rigs against each other, and done about it.
-struct KindsVerdict {
+/// Findings about the two rigs against each other, and the correction.
+struct ModalityVerdict {
   bool move = false;   ///< the clouds
-  bool delay = false;  ///< read the clouds later
-  KindsAlignment::Taken taken;
+  bool delay = false;  ///< shift the clouds' clock
+  ModalityAlignment::Taken taken;
   std::vector<Finding> findings;
 };
 
-/// Whether the clouds are read later alone, moved alone, or both: what explains most alone, and the other beside it
-/// where that takes as much of the rest away as it must to be told.
-KindsAlignment::Taken TakenOf(const KindsAlignment& kinds, const RigAuditOptions& audit) {
+/// Correction by clock offset, by rigid motion, or by both: the better one alone, and both where the second reduces the
+/// rest of the loss by at least kMinModalityGain.
+ModalityAlignment::Taken TakenOf(const ModalityAlignment& alignment, const RigAuditOptions& audit) {
   const bool moves = audit.moved != AuditAction::kOff, clocks = audit.clocks != AuditAction::kOff;
-  if (!clocks) return kinds.moved;
-  if (!moves) return kinds.late;
-  const KindsAlignment::Taken& alone = kinds.late.loss <= kinds.moved.loss ? kinds.late : kinds.moved;
-  return kinds.both.loss <= (1.0 - kLeastKindsGain) * alone.loss ? kinds.both : alone;
+  if (!clocks) return alignment.moved;
+  if (!moves) return alignment.late;
+  const ModalityAlignment::Taken& alone =
+      alignment.late.loss <= alignment.moved.loss ? alignment.late : alignment.moved;
+  return alignment.both.loss <= (1.0 - kMinModalityGain) * alone.loss ? alignment.both : alone;
 }
 
-Status CheckOnePerson(const KindsAlignment& kinds, const RigAuditOptions& audit, const std::string& clip) {
-  const KindsAlignment::Taken taken = TakenOf(kinds, audit);
-  const bool one = kinds.near_after >= kNearShare && taken.moved <= kFarthestMove && taken.turned <= kFarthestTurn;
+Status CheckOnePerson(const ModalityAlignment& alignment, const RigAuditOptions& audit, const std::string& clip) {
+  const ModalityAlignment::Taken taken = TakenOf(alignment, audit);
+  const bool one = alignment.near_after >= kNearShare && taken.moved <= kFarthestMove && taken.turned <= kMaxRotation;
   if (one) return {};
   return Fail(ErrorCode::kInconsistent,
               "keypoints and depth views do not show one person in one world: " +
-                  std::to_string(std::lround(100.0 * kinds.near)) +
-                  " % of the depth points lie near the keypoints' body, its middle is " + RoundedText(kinds.apart, 3) +
-                  " m from that of the points, which are " + RoundedText(kinds.size_ratio, 3) + " times its size",
+                  std::to_string(std::lround(100.0 * alignment.near)) +
+                  " % of the depth points lie near the keypoints' body, its middle is " +
+                  RoundedText(alignment.apart, 3) + " m from that of the points, which are " +
+                  RoundedText(alignment.size_ratio, 3) + " times its size",
               clip,
-              "check axes, units and calibration of both kinds of cameras, and ingest.source.subjects; or fit one kind "
+              "check axes, units and calibration of all cameras, and ingest.source.subjects; or fit one modality "
               "alone: fitting.method keypoints or point_clouds");
 }
 
 /// `pose_sigma`: m per axis, of a joint of the keypoints' fit.
-KindsVerdict JudgeKinds(const KindsAlignment& kinds, double step_s, double pose_sigma, const RigAuditOptions& audit) {
-  KindsVerdict verdict;
+ModalityVerdict JudgeModalities(const ModalityAlignment& alignment, double step_s, double pose_sigma,
+                                const RigAuditOptions& audit) {
+  ModalityVerdict verdict;
   const double stated = std::max(kNotableMove, kSure * pose_sigma);
-  const double stated_turn = std::max(kNotableTurn, kSure * pose_sigma / kHalfPerson);
-  const auto is_late = [&](const KindsAlignment::Taken& taken) {
-    return std::abs(taken.late_s) > std::max(0.5 * step_s, kSure * taken.late_spread);
+  const double stated_rotation = std::max(kNotableRotation, kSure * pose_sigma / kHalfPerson);
+  const auto is_late = [&](const ModalityAlignment::Taken& taken) {
+    return std::abs(taken.late_s) > std::max(0.5 * step_s, kSure * taken.clock_offset_sigma);
   };
-  const auto is_moved = [&](const KindsAlignment::Taken& taken) {
-    return taken.moved > std::max(stated, kSure * taken.moved_spread) || taken.turned > stated_turn;
+  const auto is_moved = [&](const ModalityAlignment::Taken& taken) {
+    return taken.moved > std::max(stated, kSure * taken.moved_sigma) || taken.turned > stated_rotation;
   };
-  KindsAlignment::Taken& taken = verdict.taken = TakenOf(kinds, audit);
+  ModalityAlignment::Taken& taken = verdict.taken = TakenOf(alignment, audit);
   if (!is_late(taken)) {
-    taken = kinds.moved;
+    taken = alignment.moved;
   } else if (!is_moved(taken)) {
-    taken = kinds.late;
+    taken = alignment.late;
   }
-  const bool gains = taken.loss <= (1.0 - kLeastKindsGain) * kinds.loss;
+  const bool gains = taken.loss <= (1.0 - kMinModalityGain) * alignment.loss;
   const bool late = gains && is_late(taken), moved = gains && is_moved(taken);
   if (moved && audit.moved != AuditAction::kOff) {
     verdict.move = audit.moved == AuditAction::kCorrect;
-    verdict.findings.push_back(KindsFinding(kKindsApart, kMillimetres * taken.moved,
-                                            "the depth cameras as a whole stand " + Mm(taken.moved) + " and " +
-                                                RoundedText(kDegrees * taken.turned, 2) +
-                                                " degrees off the keypoint cameras' world",
-                                            verdict.move ? FindingAction::kRepaired : FindingAction::kFlagged));
+    verdict.findings.push_back(ModalityFinding(kModalitiesApart, kMillimetres * taken.moved,
+                                               "the depth cameras as a whole are displaced by " + Mm(taken.moved) +
+                                                   " and " + RoundedText(kDegrees * taken.turned, 2) +
+                                                   " degrees against the keypoint cameras' world",
+                                               verdict.move ? FindingAction::kRepaired : FindingAction::kFlagged));
   }
   if (late && audit.clocks != AuditAction::kOff) {
     verdict.delay = audit.clocks == AuditAction::kCorrect;
-    verdict.findings.push_back(KindsFinding(kKindsClock, kMillimetres * taken.late_s,
-                                            "the depth cameras' clock is " +
-                                                RoundedText(kMillimetres * taken.late_s, 3) +
-                                                " ms off the keypoint cameras' (positive: images are stamped late)",
-                                            verdict.delay ? FindingAction::kRepaired : FindingAction::kFlagged));
+    verdict.findings.push_back(
+        ModalityFinding(kModalitiesClock, kMillimetres * taken.late_s,
+                        "the depth cameras' clock offset is " + RoundedText(kMillimetres * taken.late_s, 3) +
+                            " ms against the keypoint cameras (positive: images are stamped late)",
+                        verdict.delay ? FindingAction::kRepaired : FindingAction::kFlagged));
   }
   return verdict;
 }
 
-/// Standard deviation per axis that a motion states of joints that keypoints show, root mean square over the frames.
-/// Those of the others say how bodies differ, which hides no camera that stands elsewhere.
+/// Standard deviation per axis that a motion states of joints with keypoints, root mean square over the frames. Other
+/// joints vary between bodies and do not matter for camera poses.
 double StatedSigma(const Motion& motion, const std::vector<int>& frames) {
   double sum = 0.0;
   double count = 0.0;
@@ -227,8 +230,8 @@ double StatedSigma(const Motion& motion, const std::vector<int>& frames) {
   return std::sqrt(sum / std::max(count, 1.0));
 }
 
-/// Poses of the clouds alone, that begin facing as the keypoints do: a second start where keypoints are unsure. None
-/// where no pose can be followed; error kInterrupted.
+/// Poses of the clouds alone, starting with the keypoints' heading: a second start where keypoints are uncertain. Empty
+/// where tracking fails; error kInterrupted.
 Expected<std::optional<PoseState>> TrackAlone(const Motion& motion, const std::vector<FusedCloud>& clouds, int first,
                                               PointCloudOptions options) {
   if (!options.start.facing) {
@@ -245,8 +248,9 @@ Expected<std::optional<PoseState>> TrackAlone(const Motion& motion, const std::v
 
 Expected<FitResult> KeypointsAlone(FitResult keypoints, const SkeletonPtr& skeleton, std::string why) {
   keypoints.motion = WithoutDetectorPoints(keypoints.motion, skeleton);
-  keypoints.findings.push_back(KindsFinding(kKindMissing, keypoints.motion.frame_count(),
-                                            std::move(why) + "; fitted to the keypoints alone", FindingAction::kKept));
+  keypoints.findings.push_back(ModalityFinding(kModalityMissing, keypoints.motion.frame_count(),
+                                               std::move(why) + "; fitted to the keypoints alone",
+                                               FindingAction::kKept));
   return keypoints;
 }
 
@@ -255,14 +259,14 @@ Expected<FitResult> CloudsAlone(const Clip& clip, const SkeletonPtr& skeleton, s
   bone_length.resize(bone_length.empty() ? 0 : skeleton->joints.size());
   Expected<FitResult> fit = FitClouds(clip, skeleton, bone_length, options);
   if (!fit) return fit;
-  fit->findings.push_back(KindsFinding(kKindMissing, fit->motion.frame_count(),
-                                       std::move(why) + "; fitted to the depth views alone", FindingAction::kKept));
+  fit->findings.push_back(ModalityFinding(kModalityMissing, fit->motion.frame_count(),
+                                          std::move(why) + "; fitted to the depth views alone", FindingAction::kKept));
   return fit;
 }
 
-/// Both kinds, with the points of the detector.
-Expected<FitResult> FitOfBothKinds(const Clip& clip, FitResult keypoints, const std::vector<FusedCloud>& clouds,
-                                   const std::vector<double>& cloud_s, const PointCloudOptions& options) {
+/// Fit to both modalities, with the points of the detector.
+Expected<FitResult> FitBothModalities(const Clip& clip, FitResult keypoints, const std::vector<FusedCloud>& clouds,
+                                      const std::vector<double>& cloud_s, const PointCloudOptions& options) {
   if (keypoints.motion.position_cov.empty()) {
     return Fail(ErrorCode::kInconsistent, "the fit of the keypoints has no uncertainty", clip.id(),
                 "set fitting.joint_tracks.uncertainty to true");
@@ -277,16 +281,17 @@ Expected<FitResult> FitOfBothKinds(const Clip& clip, FitResult keypoints, const 
                     " ms) of a frame of the keypoints: images are from " + RoundedText(cloud_s.front(), 4) + " to " +
                     RoundedText(cloud_s.back(), 4) + " s, keypoints to " +
                     RoundedText(keypoints.motion.rate.FrameTime(keypoints.motion.frame_count() - 1), 4) + " s",
-                clip.id(), "give both by one clock, or fit one kind alone: fitting.method keypoints or point_clouds");
+                clip.id(),
+                "give both the same clock, or fit one modality alone: fitting.method keypoints or point_clouds");
   }
   const Motion& motion = keypoints.motion;
-  const FleshBody body =
-      FleshBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
-  const KindsAlignment kinds =
-      AlignKinds(body, StateOf(motion, body), paired, shown, step, options.audit.longest_s, options.max_distance);
-  if (Status one = CheckOnePerson(kinds, options.audit, clip.id()); !one) return Forward(one);
+  const CapsuleBody body =
+      CapsuleBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
+  const ModalityAlignment alignment =
+      AlignModalities(body, StateOf(motion, body), paired, shown, step, options.audit.longest_s, options.max_distance);
+  if (Status one = CheckOnePerson(alignment, options.audit, clip.id()); !one) return Forward(one);
   const double sigma = StatedSigma(motion, shown);
-  const KindsVerdict verdict = JudgeKinds(kinds, step, sigma, options.audit);
+  const ModalityVerdict verdict = JudgeModalities(alignment, step, sigma, options.audit);
   if (verdict.delay) {
     pairing = PairFrames(keypoints.motion, cloud_s, verdict.taken.late_s);
     paired = Paired(pairing, clouds);
@@ -294,7 +299,7 @@ Expected<FitResult> FitOfBothKinds(const Clip& clip, FitResult keypoints, const 
   if (verdict.move) {
     for (FusedCloud& cloud : paired) cloud = Moved(cloud, verdict.taken.world_from_clouds);
   }
-  ReadLater(pairing.shift_s, keypoints.motion);
+  ShiftInTime(pairing.shift_s, keypoints.motion);
   keypoints.findings.insert(keypoints.findings.end(), verdict.findings.begin(), verdict.findings.end());
   std::optional<PoseState> alone;
   if (sigma > kUnsure) {
@@ -313,7 +318,7 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
   DropEmptyMoments(given.evidence.depth_views);
   const std::vector<DepthView>& views = given.evidence.depth_views;
   const bool depth = !views.empty() && !views[0].files.empty();
-  const std::vector<const KeypointView*> seeing = SeeingViews(clip.evidence.keypoint_views);
+  const std::vector<const KeypointView*> seeing = ViewsWithPerson(clip.evidence.keypoint_views);
   if (seeing.empty() && depth) {
     return CloudsAlone(clip, WithoutDetectorPoints(body, skeleton), bone_length, options.point_clouds,
                        "no keypoint camera sees anybody");
@@ -334,16 +339,17 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
   const Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options.point_clouds);
   if (!clouds) return Forward(clouds);
   if (ShownFrames(*clouds).empty()) {
-    return KeypointsAlone(std::move(*keypoints), skeleton, "the depth images show nobody: no frame has 100 points");
+    return KeypointsAlone(std::move(*keypoints), skeleton,
+                          "the depth images do not show a person: no frame has 100 points");
   }
   keypoints->motion.skeleton = WithBarePoints(keypoints->motion.skeleton, skeleton);
-  Expected<FitResult> both = FitOfBothKinds(clip, std::move(*keypoints), *clouds,
-                                            audited->evidence.depth_views[0].time_s, options.point_clouds);
+  Expected<FitResult> both = FitBothModalities(clip, std::move(*keypoints), *clouds,
+                                               audited->evidence.depth_views[0].time_s, options.point_clouds);
   if (!both) return both;
   both->motion = WithoutDetectorPoints(both->motion, skeleton);
   std::vector<RigFault> faults = both->keypoints->faults;
   faults.insert(faults.end(), report.faults.begin(), report.faults.end());
-  TellOfRig(std::move(report), *both);
+  ReportRig(std::move(report), *both);
   both->rig_audit = faults.empty() ? std::string() : FaultsText(faults);
   return both;
 }

@@ -8,7 +8,7 @@
 #include "core/geometry/symmetric.h"
 #include "fitting/audit/keypoint_files.h"
 #include "fitting/audit/rig_fault.h"
-#include "fitting/audit/rig_readings.h"
+#include "fitting/audit/rig_hypotheses.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/implausible_body.h"
 #include "fitting/evidence/noise.h"
@@ -23,7 +23,7 @@
 namespace mocurate {
 namespace {
 
-/// Leaves out keypoints that are neither a joint of the body nor a point of it.
+/// Excludes keypoints that are neither a joint of the body nor a point of it.
 JointTracks TracksOfBody(const JointTracks& tracks, const Skeleton& body) {
   std::vector<std::size_t> kept;
   for (std::size_t k = 0; k < tracks.names.size(); ++k) {
@@ -58,36 +58,36 @@ std::vector<Matrix3d> PrecisionOnBody(const KeypointTracks& found, const Skeleto
   return precision;
 }
 
-/// Refused where sides that are exchanged throughout may as well be files that are not where they belong.
-Status CheckNamesAreWrong(const Evidence& evidence, const Skeleton& skeleton, const KeypointFitOptions& options,
-                          const BodyExchange& body) {
+/// Error where exchanged sides of the whole clip are explained by exchanged files just as well.
+Status CheckFileNames(const Evidence& evidence, const Skeleton& skeleton, const KeypointFitOptions& options,
+                      const BodyExchange& body) {
   const auto lengths = KnownLengths(DetectorNames(evidence.keypoint_names), skeleton);
-  const std::vector<RigReading> others =
-      FindOverturnedReadings(evidence.keypoint_views, evidence.keypoint_names, lengths,
+  const std::vector<RigHypothesis> others =
+      FindMirroredHypotheses(evidence.keypoint_views, evidence.keypoint_names, lengths,
                              options.triangulation.min_confidence, options.audit.sure);
   if (others.empty()) return {};
-  std::string words = "the person is turned over (" + body.evidence + "): all cameras list left as right";
-  for (const RigReading& reading : others) words += "; or " + WordsOf(reading, evidence.keypoint_views);
-  return Fail(ErrorCode::kInconsistent,
-              words + "; which one nobody can tell: the rig looks the same from several sides", "keypoints",
-              "look at an image of each camera and put the files right; where they are right, set "
-              "fitting.keypoints.audit.exchanged to off: the names are then exchanged; or set "
-              "fitting.keypoints.audit.sides to tell: the person may then be mirrored");
+  std::string words = "left and right are exchanged (" + body.evidence + "): all cameras list left as right";
+  for (const RigHypothesis& hypothesis : others) words += "; or " + WordsOf(hypothesis, evidence.keypoint_views);
+  return Fail(ErrorCode::kInconsistent, words + "; the explanations are ambiguous, because the rig is symmetric",
+              "keypoints",
+              "compare an image of each camera with its file and correct the names; where they are right, set "
+              "fitting.keypoints.audit.exchanged to off, which exchanges the labels; or set "
+              "fitting.keypoints.audit.sides to report, with which the person may be mirrored");
 }
 
-/// Views that agree with each other may all be wrong: rays of one label meet in one point whatever its name is.
-Status MendSidesOfBody(const Evidence& evidence, const Skeleton& skeleton, const KeypointFitOptions& options,
-                       BodyTracks& found) {
+/// Views that agree may all have exchanged labels: rays of one label meet in one point whatever its name is.
+Status CorrectLeftRight(const Evidence& evidence, const Skeleton& skeleton, const KeypointFitOptions& options,
+                        BodyTracks& found) {
   const KeypointAuditOptions& audit = options.audit;
   SkeletonTracks& tracks = found.tracks;
   const std::vector<int> left = LeftJoints(*tracks.skeleton);
   const double sigma = EstimateNoise(tracks, {}).sigma;
-  const bool files_wrong = FilesAreWrong(found.report.faults);
+  const bool files_wrong = FilesAreExchanged(found.report.faults);
   const std::vector<BodyExchange> exchanges = FindBodyExchanges(tracks, sigma, audit.side_margin);
   const bool whole = !exchanges.empty() && CoverAll(exchanges, tracks);
   const bool names_or_files = audit.sides == AuditAction::kCorrect && audit.exchanged == AuditAction::kCorrect;
-  if (whole && names_or_files && !FilesAreMended(found.report.faults)) {
-    if (Status names = CheckNamesAreWrong(evidence, skeleton, options, exchanges[0]); !names) return names;
+  if (whole && names_or_files && !FilesAreCorrected(found.report.faults)) {
+    if (Status names = CheckFileNames(evidence, skeleton, options, exchanges[0]); !names) return names;
   }
   for (const BodyExchange& body : exchanges) {
     RigFault fault;
@@ -100,7 +100,7 @@ Status MendSidesOfBody(const Evidence& evidence, const Skeleton& skeleton, const
     fault.message = "all cameras list left as right in " + Counted(body.frame_end - body.frame_begin, "frame") + ": " +
                     body.evidence;
     found.findings.push_back(FindingOf(fault));
-    found.report.doubtful = found.report.doubtful || IsDoubtful(fault);
+    found.report.suspect = found.report.suspect || IsAmbiguous(fault);
     found.report.faults.push_back(fault);
     if (!fault.corrected) continue;
     ExchangeJoints(left, body.frame_begin, body.frame_end, tracks);
@@ -116,17 +116,17 @@ Status MendSidesOfBody(const Evidence& evidence, const Skeleton& skeleton, const
   return {};
 }
 
-/// Limbs that all views show on the other side, where steps and bones tell. Nothing is exchanged where the audit may
-/// not, or where files are wrong.
-RepairedTracks MendLimbsOfBody(const BodyTracks& found, const std::vector<double>& bones,
-                               const FittingOptions& options) {
+/// Exchanges limbs back that all views label as the other side, by steps and bone lengths. Nothing is exchanged where
+/// the audit forbids it, or where files are wrong.
+RepairedTracks CorrectLimbsOfBody(const BodyTracks& found, const std::vector<double>& bones,
+                                  const FittingOptions& options) {
   const bool may = options.repair.swaps && options.keypoints.audit.sides == AuditAction::kCorrect &&
-                   !FilesAreWrong(found.report.faults);
+                   !FilesAreExchanged(found.report.faults);
   if (!may) return RepairedTracks{found.tracks, {}, {}, {}};
   return RepairLimbs(found.tracks, bones, EstimateNoise(found.tracks, bones).sigma, options.repair.swap_margin);
 }
 
-/// Everything may be off by this, all along.
+/// Adds a constant error of the whole to all positions.
 void AddToCovariances(const Matrix3d& c, Motion& motion) {
   std::array<float, 6> added{};
   ToSixNumbers(c, added.data());
@@ -144,7 +144,7 @@ Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skel
   mapped->precision = PrecisionOnBody(*found, *body);
   BodyTracks tracks{std::move(*mapped), std::move(found->report), std::move(found->findings), {}};
   if (options.audit.sides != AuditAction::kOff) {
-    if (Status mended = MendSidesOfBody(evidence, skeleton, options, tracks); !mended) return Forward(mended);
+    if (Status corrected = CorrectLeftRight(evidence, skeleton, options, tracks); !corrected) return Forward(corrected);
   }
   return tracks;
 }
@@ -161,14 +161,14 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
   }
   const std::vector<double> bones =
       bone_length.empty() ? EstimateBoneLengths({found->tracks}, *body, true).length : bone_length;
-  const RepairedTracks repaired = MendLimbsOfBody(*found, bones, options);
+  const RepairedTracks repaired = CorrectLimbsOfBody(*found, bones, options);
   Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bones, Bones::kFixed, options.joint_tracks);
   if (!fit) return fit;
   for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
     fit->findings.push_back(std::move(finding));
   MarkRepaired(found->exchanged, fit->motion);
-  TellOfRepairs(repaired, *fit);
-  AddToCovariances(found->report.place_doubt, fit->motion);
+  ReportRepairs(repaired, *fit);
+  AddToCovariances(found->report.place_covariance, fit->motion);
   if (!found->report.faults.empty()) fit->rig_audit = FaultsText(found->report.faults);
   fit->keypoints = std::move(found->report);
   fit->findings.insert(fit->findings.begin(), found->findings.begin(), found->findings.end());

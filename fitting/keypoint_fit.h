@@ -9,15 +9,15 @@
 
 namespace mocurate {
 
-/// A person's triangulated keypoints on a body, and what was found on the way.
+/// A person's triangulated keypoints on a body, and findings.
 struct BodyTracks {
   SkeletonTracks tracks;
   KeypointReport report;
   std::vector<Finding> findings;  ///< clip id left empty
-  std::vector<bool> exchanged;    ///< (F*J) or none: what all views call the other side
+  std::vector<bool> exchanged;    ///< (F*J) or empty: samples that all views label as the other side
 };
 
-/// TriangulateKeypoints and MapTracks; keypoints that the body does not know are left out. Where all views call left
+/// TriangulateKeypoints and MapTracks; keypoints that the body does not have are excluded. Where all views label left
 /// what anatomy has on the right (FindBodyExchanges), the sides are exchanged back as `audit.sides` says (fault
 /// "views_swap_sides"). Errors of both.
 Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skeleton, const SkeletonPtr& body,

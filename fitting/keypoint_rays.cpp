@@ -24,7 +24,7 @@ int ImageAt(const KeypointView& view, double time_s, double step_s) {
   return nearest;
 }
 
-/// Distances of an entry's keypoints from the joints; `exchanged`: from those of the other side.
+/// Distances of a detection's keypoints from the joints; `exchanged`: from those of the other side.
 std::vector<double> DistancesFromJoints(const KeypointView& view, const std::vector<int>& joint_of, int image,
                                         int person, const Motion& motion, int frame, bool exchanged) {
   std::vector<double> distances;
@@ -91,9 +91,9 @@ RayAgreement CompareRays(const KeypointView& view, const std::vector<int>& joint
   return found;
 }
 
-std::vector<SeenJoint> RaysOf(const KeypointView& view, const std::vector<int>& joint_of, int image, int person,
-                              double noise_px, double min_confidence, const PoseState& state, int frame) {
-  std::vector<SeenJoint> rays;
+std::vector<JointObservation> RaysOf(const KeypointView& view, const std::vector<int>& joint_of, int image, int person,
+                                     double noise_px, double min_confidence, const PoseState& state, int frame) {
+  std::vector<JointObservation> rays;
   const RigidTransform world_from_camera = Inverse(view.camera.camera_from_world);
   for (std::size_t k = 0; k < joint_of.size(); ++k) {
     const double* point = view.at(image, person, static_cast<int>(k));

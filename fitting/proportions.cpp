@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/median.h"
+#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/limbs.h"
@@ -25,8 +26,8 @@ SkeletonTracks MiddleOfClip(const SkeletonTracks& clip, int frames) {
   return CutTracks(clip, begin, begin + frames);
 }
 
-bool AnythingSeen(const SkeletonTracks& clip) {
-  const std::vector<bool> seen = clip.SeenJoints();
+bool AnythingObserved(const SkeletonTracks& clip) {
+  const std::vector<bool> seen = clip.JointObservations();
   return std::find(seen.begin(), seen.end(), true) != seen.end();
 }
 
@@ -38,7 +39,7 @@ Status RefineLengths(const std::vector<SkeletonTracks>& clips, const Proportions
   for (std::size_t i = 0; i < wanted; ++i) {
     const SkeletonTracks part = OnBody(
         MiddleOfClip(clips[i * clips.size() / wanted], static_cast<int>(options.refine_frames)), person.skeleton);
-    if (!AnythingSeen(part)) continue;
+    if (!AnythingObserved(part)) continue;
     const Expected<FitResult> fit =
         FitJointTracks(part, FrameRate{}, person.bone_length, Bones::kFree, options.joint_tracks);
     if (!fit) return tl::unexpected<Error>(fit.error());
@@ -54,7 +55,7 @@ Status RefineLengths(const std::vector<SkeletonTracks>& clips, const Proportions
   return {};
 }
 
-/// Of the person against the rest skeleton; 1 where the artifact does not say it.
+/// Size of the person over the rest skeleton's; 1 where the artifact does not have it.
 double ScaleFromJson(const nlohmann::json& json) {
   const auto found = json.find("scale");
   if (found == json.end() || !found->is_number()) return 1.0;
@@ -71,7 +72,7 @@ Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& cli
   person.skeleton = options.own_directions ? WithOwnDirections(clips, skeleton, medians, options.symmetric) : skeleton;
   person.bone_length = medians.length;
   person.samples = medians.samples;
-  person.bone_spread = medians.spread;
+  person.bone_sigma = medians.sigma;
   person.scale = medians.scale;
   for (const SkeletonTracks& clip : clips) person.frames += clip.frames();
   if (!clips.empty()) {
@@ -88,11 +89,11 @@ std::vector<double> RoundedLengths(std::vector<double> lengths) {
 
 namespace {
 
-constexpr double kLargestFlesh = 20.0;  ///< deviations
-constexpr double kNobodyStands = 0.25;  ///< of head to toes; people who stand, or sit, are taller in a rest pose
+constexpr double kLargestCapsule = 20.0;   ///< standard deviations
+constexpr double kNoStandingPlace = 0.25;  ///< share of head to toes; rest poses of people who stand or sit are taller
 
-/// Along the bones, from the end of a leg by way of the root to the head, metres: the longest ways from the root to a
-/// joint of the legs (of a skeleton without known legs: to any), and to one in the middle of the body.
+/// Length along the bones from the end of a leg over the root to the head, metres: the longest path from the root to a
+/// joint of the legs (to any joint without known legs), and the longest to a joint on the midline.
 double HeadToToes(const Skeleton& skeleton, const std::vector<double>& bone_length) {
   std::vector<double> way(skeleton.joints.size(), 0.0);
   const Limbs limbs = LimbsOf(skeleton);
@@ -121,7 +122,7 @@ double Stature(const Skeleton& skeleton, const std::vector<double>& bone_length)
     high = std::max(high, joint.y());
   }
   const double along = HeadToToes(skeleton, bone_length);
-  return high - low < kNobodyStands * along ? along : high - low;
+  return high - low < kNoStandingPlace * along ? along : high - low;
 }
 
 nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) {
@@ -129,30 +130,30 @@ nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) 
   const auto tenths_of_mm = [](double metres) { return std::round(metres * 1e4); };
   nlohmann::json lengths = nlohmann::json::object();
   nlohmann::json samples = nlohmann::json::object();
-  nlohmann::json spreads = nlohmann::json::object();
+  nlohmann::json sigmas = nlohmann::json::object();
   nlohmann::json directions = nlohmann::json::object();
   for (int j = 1; j < person.skeleton->joint_count(); ++j) {
     const std::string& name = person.skeleton->joints[j].name;
     lengths[name] = tenths_of_mm(person.bone_length[j]) / 1e4;
     samples[name] = person.samples[j];
-    spreads[name] = tenths_of_mm(person.bone_spread[j]) / 1e1;
+    sigmas[name] = tenths_of_mm(person.bone_sigma[j]) / 1e1;
     const Vector3d& offset = person.skeleton->joints[j].rest_offset;
     if (offset == rest.joints[j].rest_offset) continue;
     const Vector3d direction = offset.normalized();
     directions[name] = {tenths_of_mm(direction.x()) / 1e4, tenths_of_mm(direction.y()) / 1e4,
                         tenths_of_mm(direction.z()) / 1e4};
   }
-  nlohmann::json flesh = nlohmann::json::array();
-  for (const double component : person.skeleton->flesh) {
-    if (person.skeleton->flesh != FleshShape{}) flesh.push_back(std::round(component * 1e3) / 1e3 + 0.0);
+  nlohmann::json body_shape = nlohmann::json::array();
+  for (const double component : person.skeleton->shape) {
+    if (person.skeleton->shape != BodyShape{}) body_shape.push_back(std::round(component * 1e3) / 1e3 + 0.0);
   }
   return {{"person", person.person},
-          {"flesh", flesh},
+          {"body_shape", body_shape},
           {"skeleton", person.skeleton->name},
           {"bone_length_m", lengths},
           {"rest_direction", directions},
           {"samples", samples},
-          {"bone_spread_mm", spreads},
+          {"bone_spread_mm", sigmas},
           {"clips", person.clips},
           {"frames", person.frames},
           {"scale", std::round(person.scale * 1e4) / 1e4},
@@ -161,7 +162,7 @@ nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) 
 
 namespace {
 
-/// Turns rest offsets to the directions that the artifact names.
+/// Sets rest offsets to the directions in the artifact.
 Status TakeDirections(const nlohmann::json& directions, Skeleton& skeleton, const std::string& where) {
   for (const auto& [name, direction] : directions.items()) {
     const auto joint = skeleton.FindJoint(name);
@@ -172,8 +173,9 @@ Status TakeDirections(const nlohmann::json& directions, Skeleton& skeleton, cons
       if (numbers) offset[static_cast<Eigen::Index>(k)] = direction[k].get<double>();
     }
     if (!joint || !numbers || !(std::abs(offset.norm() - 1.0) < 1e-3)) {
-      return Fail(ErrorCode::kMalformed, direction.dump() + " is no direction of the bone that ends at '" + name + "'",
-                  where, "run the stage proportions again");
+      return Fail(ErrorCode::kMalformed,
+                  direction.dump() + " is not a direction of the bone that ends at '" + name + "'", where,
+                  "run the stage proportions again");
     }
     Vector3d& rest = skeleton.joints[*joint].rest_offset;
     rest = RoundedDirection(offset.normalized() * rest.norm());
@@ -181,43 +183,43 @@ Status TakeDirections(const nlohmann::json& directions, Skeleton& skeleton, cons
   return {};
 }
 
-Status TakeFlesh(const nlohmann::json& flesh, Skeleton& skeleton, const std::string& where) {
-  bool numbers = flesh.is_array() && (flesh.empty() || flesh.size() == skeleton.flesh.size());
-  for (std::size_t k = 0; numbers && k < flesh.size(); ++k) {
-    numbers = flesh[k].is_number() && std::abs(flesh[k].get<double>()) <= kLargestFlesh;
-    if (numbers) skeleton.flesh[k] = flesh[k].get<double>();
+Status TakeShape(const nlohmann::json& body_shape, Skeleton& skeleton, const std::string& where) {
+  bool numbers = body_shape.is_array() && (body_shape.empty() || body_shape.size() == skeleton.shape.size());
+  for (std::size_t k = 0; numbers && k < body_shape.size(); ++k) {
+    numbers = body_shape[k].is_number() && std::abs(body_shape[k].get<double>()) <= kLargestCapsule;
+    if (numbers) skeleton.shape[k] = body_shape[k].get<double>();
   }
   if (numbers) return {};
-  return Fail(
-      ErrorCode::kMalformed,
-      "'flesh' " + flesh.dump() + " is not " + std::to_string(kShapeComponents) + " numbers, deviations from -20 to 20",
-      where, "run the stage proportions again");
+  return Fail(ErrorCode::kMalformed,
+              "'body_shape' " + body_shape.dump() + " is not " + std::to_string(kShapeComponents) +
+                  " numbers, deviations from -20 to 20",
+              where, "run the stage proportions again");
 }
 
-/// A bone that nobody has: most often of another unit.
+/// An impossible bone length, most often from another unit.
 tl::unexpected<Error> NoLength(const nlohmann::json& json, double length, const std::string& joint,
                                const std::string& where) {
   const auto found = json.find("scale");
   const double scale = found != json.end() && found->is_number() ? found->get<double>() : 1.0;
   const auto unit = FindUnit(scale);
   return Fail(ErrorCode::kInconsistent,
-              "the bone that ends at '" + joint + "' would be " + RoundedText(length, 3) + " m long, and all bones " +
-                  RoundedText(scale, 3) + " times the skeleton's" +
+              "the bone that ends at '" + joint + "' is " + RoundedText(length, 3) +
+                  " m long; the scale of all bones is " + RoundedText(scale, 3) + " times the skeleton's" +
                   (unit ? ": it looks like " + unit->text : std::string()),
-              where, "is ingest.source.units right? --set ingest.source.units=cm, for example, says another");
+              where, "check ingest.source.units, e.g. --set ingest.source.units=cm");
 }
 
 Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, const Skeleton& skeleton,
                                                   const std::string& where) {
   if (!json.is_object() || !json.contains("skeleton") || !json["skeleton"].is_string() ||
       !json.contains("bone_length_m") || !json["bone_length_m"].is_object()) {
-    return Fail(ErrorCode::kMalformed, "no proportions: 'skeleton' and 'bone_length_m' are expected", where,
+    return Fail(ErrorCode::kMalformed, "the artifact has no 'skeleton' or no 'bone_length_m'", where,
                 "run the stage proportions again");
   }
   const std::string& name = json["skeleton"].get_ref<const std::string&>();
   if (name != skeleton.name) {
     return Fail(ErrorCode::kInconsistent,
-                "proportions are of skeleton '" + name + "', the fit wants '" + skeleton.name + "'", where,
+                "the proportions are of skeleton '" + name + "', the fit uses '" + skeleton.name + "'", where,
                 "give both stages the same skeleton");
   }
   std::vector<double> lengths(skeleton.joints.size(), 0.0);
@@ -228,8 +230,8 @@ Expected<std::vector<double>> BoneLengthsFromJson(const nlohmann::json& json, co
       continue;
     }
     if (found == json["bone_length_m"].end() || !found->is_number()) {
-      return Fail(ErrorCode::kInconsistent, "no length for the bone that ends at '" + skeleton.joints[j].name + "'",
-                  where);
+      return Fail(ErrorCode::kInconsistent,
+                  "no length is given for the bone that ends at '" + skeleton.joints[j].name + "'", where);
     }
     lengths[j] = found->get<double>();
     if (!(lengths[j] >= 0.0 && lengths[j] < 10.0)) {
@@ -249,10 +251,14 @@ Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr&
   if (directions != json.end() && directions->is_object()) {
     if (Status taken = TakeDirections(*directions, *own, where); !taken) return Forward(taken);
   }
-  if (const auto flesh = json.find("flesh"); flesh != json.end()) {
-    if (Status taken = TakeFlesh(*flesh, *own, where); !taken) return Forward(taken);
+  auto body_shape = json.find("body_shape");
+  for (const std::string_view former : FormerNamesOf("body_shape")) {
+    if (body_shape == json.end()) body_shape = json.find(std::string(former));
   }
-  const bool is_same = own->flesh == skeleton->flesh && (directions == json.end() || directions->empty());
+  if (body_shape != json.end()) {
+    if (Status taken = TakeShape(*body_shape, *own, where); !taken) return Forward(taken);
+  }
+  const bool is_same = own->shape == skeleton->shape && (directions == json.end() || directions->empty());
   return PersonBody{is_same ? skeleton : SkeletonPtr(std::move(own)), *std::move(lengths)};
 }
 

@@ -6,7 +6,7 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/body/flesh_body.h"
+#include "core/body/capsule_body.h"
 #include "core/store/store.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/joint_cloud_fit.h"
@@ -28,24 +28,24 @@ Finding NothingFrom(const Clip& clip, const Error& error) {
   finding.clip = clip.id();
   finding.code = "no_proportions_from_clip";
   finding.message = error.Message();
-  finding.action = FindingAction::kLeftOut;
+  finding.action = FindingAction::kExcluded;
   return finding;
 }
 
-constexpr double kSizesApart = 0.08;   ///< of the logarithm of a size: tracks and clouds are not of one body
-constexpr double kNobodysFlesh = 3.5;  ///< deviations of a component
+constexpr double kSizesApart = 0.08;  ///< of the logarithm of a size; beyond, tracks and clouds show different bodies
+constexpr double kMaxShapeDeviation = 3.5;  ///< standard deviations of a component
 
-/// A person's clips and the ids behind them.
+/// A person's clips and their ids.
 struct PersonClips {
   std::vector<SkeletonTracks> tracks;
   std::vector<std::string> ids;
 };
 
-/// Leaves out clips of another size than the person's, and says so.
-void LeaveOutOtherSizes(PersonClips& clips, std::vector<Finding>& findings) {
+/// Excludes clips of another size than the person's, with a finding each.
+void ExcludeOtherSizes(PersonClips& clips, std::vector<Finding>& findings) {
   std::vector<double> sizes;
   for (const SkeletonTracks& clip : clips.tracks) sizes.push_back(SizeAgainst(clip, clip.skeleton->RestBoneLengths()));
-  const std::vector<bool> of_it = OfThePersonsSize(sizes);
+  const std::vector<bool> of_it = HasPersonsSize(sizes);
   PersonClips kept;
   for (std::size_t i = 0; i < of_it.size(); ++i) {
     if (of_it[i]) {
@@ -57,17 +57,18 @@ void LeaveOutOtherSizes(PersonClips& clips, std::vector<Finding>& findings) {
     finding.clip = clips.ids[i];
     finding.code = "another_size";
     finding.value = sizes[i];
-    finding.message = "its bones are " + RoundedText(sizes[i], 3) +
-                      " times the rest skeleton's, which is not the size of the person's other clips";
-    finding.action = FindingAction::kLeftOut;
+    finding.message =
+        "the clip's bones are " + RoundedText(sizes[i], 3) +
+        " times the rest skeleton's and contradict the person's other clips; check the clip's unit and person";
+    finding.action = FindingAction::kExcluded;
     findings.push_back(std::move(finding));
   }
   clips = std::move(kept);
 }
 
-/// Takes the person's size from the clouds of their clips; says which clips told none.
-Status TakeSizeOfClouds(const std::vector<Clip>& clips, const SkeletonPtr& skeleton, const PointCloudOptions& options,
-                        Proportions& person, std::vector<Finding>& findings) {
+/// Measures the person's size on the clouds of their clips; a finding for each clip that has none.
+Status MeasureSizeOfClouds(const std::vector<Clip>& clips, const SkeletonPtr& skeleton,
+                           const PointCloudOptions& options, Proportions& person, std::vector<Finding>& findings) {
   Expected<BodyFromClouds> body = MeasureBodyInClouds(clips, skeleton, options);
   if (!body) return Forward(body);
   for (const auto& [clip, error] : body->nothing_from) findings.push_back(NothingFrom(clips[clip], error));
@@ -77,10 +78,10 @@ Status TakeSizeOfClouds(const std::vector<Clip>& clips, const SkeletonPtr& skele
   return {};
 }
 
-/// Takes bones and flesh of a person whose tracks have told the poses from the clouds. Where clouds say nothing, or
-/// show somebody of another size, the tracks' body stays, and that is said.
-Status TakeBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, const SkeletonPtr& skeleton,
-                      const ProportionsOptions& options, Proportions& person, std::vector<Finding>& findings) {
+/// Measures bones and body shape on the clouds, in poses fitted to the tracks. Without usable clouds, or where they
+/// show another size, the tracks' body stays, with a finding.
+Status MeasureBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, const SkeletonPtr& skeleton,
+                         const ProportionsOptions& options, Proportions& person, std::vector<Finding>& findings) {
   if (options.point_clouds.height) return {};
   JointTrackOptions quick = options.joint_tracks;
   quick.uncertainty = false;
@@ -115,21 +116,21 @@ Status TakeBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen, c
   for (const auto& [clip, error] : body->nothing_from) findings.push_back(NothingFrom(posed[clip], error));
   const double ratio = body->scale / person.scale;
   double unusual = 0.0;
-  for (const double component : body->skeleton->flesh) unusual = std::max(unusual, std::abs(component));
-  if (std::abs(std::log(ratio)) > kSizesApart || unusual > kNobodysFlesh) {
+  for (const double component : body->skeleton->shape) unusual = std::max(unusual, std::abs(component));
+  if (std::abs(std::log(ratio)) > kSizesApart || unusual > kMaxShapeDeviation) {
     Finding finding;
     finding.clip = posed.front().id();
-    finding.code = "kinds_of_other_sizes";
+    finding.code = "modalities_differ_in_size";
     finding.value = ratio;
     finding.message = "the body in the depth views is " + RoundedText(ratio, 3) +
-                      " times as large as the tracks', its flesh up to " + RoundedText(unusual, 2) +
-                      " deviations from usual people's";
-    finding.message += "; the tracks' body kept; check depth_unit, cameras and which joints the tracks name";
+                      " times as large as the tracks', its body shape up to " + RoundedText(unusual, 2) +
+                      " standard deviations from the mean";
+    finding.message += "; the tracks' body is kept. Check depth_unit, cameras and the joint names of the tracks";
     finding.action = FindingAction::kKept;
     findings.push_back(finding);
     return {};
   }
-  TakeBody(*body, person.skeleton, person.bone_length);
+  UseBody(*body, person.skeleton, person.bone_length);
   person.bone_length = RoundedLengths(std::move(person.bone_length));
   person.scale = body->scale;
   return {};
@@ -173,7 +174,8 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       continue;
     }
     if (options->method != FitMethod::kJointTracks && options->method != FitMethod::kJointsAndClouds) continue;
-    if (clips.tracks.empty()) tracked = WithTrackerPoints(*skeleton, *clip);  // clips of a person have one source
+    if (clips.tracks.empty())
+      tracked = WithTrackerPoints(*skeleton, *clip);  // all clips of a person have the same source
     Expected<SkeletonTracks> tracks = TracksOfClip(*clip, tracked, options->other_joints);
     if (tracks) {
       clips.tracks.push_back(std::move(*tracks));
@@ -185,7 +187,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     }
     outcome.findings.push_back(NothingFrom(*clip, tracks.error()));
   }
-  // One body for all clips, whatever points each shows.
+  // One body for all clips, with the points of any clip.
   const SkeletonPtr body = WithDetectorPoints(tracked, {points.begin(), points.end()});
   for (const Clip& clip : keypoint_clips) {
     Expected<BodyTracks> found = TracksOnBody(clip.evidence, **skeleton, body, options->keypoints);
@@ -196,7 +198,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       outcome.findings.push_back(NothingFrom(clip, found.error()));
     }
   }
-  LeaveOutOtherSizes(clips, outcome.findings);
+  ExcludeOtherSizes(clips, outcome.findings);
   if (clips.tracks.empty() && options->method == FitMethod::kKeypointsAndClouds) {
     for (Clip& clip : keypoint_clips) {
       if (!clip.evidence.depth_views.empty()) cloud_clips.push_back(std::move(clip));
@@ -205,13 +207,13 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   Expected<Proportions> person = EstimateProportions(clips.tracks, cloud_clips.empty() ? body : *skeleton, *options);
   if (!person) return Forward(person);
   if (!cloud_clips.empty()) {
-    const Status sized = TakeSizeOfClouds(cloud_clips, *skeleton, options->point_clouds, *person, outcome.findings);
+    const Status sized = MeasureSizeOfClouds(cloud_clips, *skeleton, options->point_clouds, *person, outcome.findings);
     if (!sized) return Forward(sized);
   }
-  if (HasTemplateFlesh(**skeleton) && !clips.tracks.empty()) {
+  if (HasTemplateShape(**skeleton) && !clips.tracks.empty()) {
     const std::vector<Clip>& with_depth =
         options->method == FitMethod::kKeypointsAndClouds ? keypoint_clips : tracked_clips;
-    const Status both = TakeBodyOfBoth(with_depth, clips, *skeleton, *options, *person, outcome.findings);
+    const Status both = MeasureBodyOfBoth(with_depth, clips, *skeleton, *options, *person, outcome.findings);
     if (!both) return Forward(both);
   }
   person->person = request.item;

@@ -4,9 +4,9 @@
 
 namespace mocurate {
 
-/// At most 30 clips of one person (inputs role "evidence", item = person) -> JSON artifact
-/// {"person", "skeleton", "bone_length_m": {joint: length}, "clips", "frames", "scale"...}: one set of bone lengths,
-/// rounded to 0.1 mm. Summary: spread of each bone over frames before (mm), stature.
+/// At most 30 clips of one person (inputs role "evidence", item = person) -> JSON artifact {"person", "skeleton",
+/// "bone_length_m": {joint: length}, "clips", "frames", "scale"...}: one set of bone lengths, rounded to 0.1 mm.
+/// Summary: standard deviation of each bone over frames before the fit (mm), stature.
 Expected<StageOutcome> ProportionsStage(const StageRequest& request);
 
 /// One clip: evidence (role "evidence") and its person's proportions (role "proportions") -> Dataset file with one clip

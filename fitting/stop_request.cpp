@@ -4,9 +4,9 @@
 
 namespace mocurate {
 
-Status GoOnUnlessStopped(const std::string& doing) {
+Status StopIfInterrupted(const std::string& doing) {
   if (!StopRequested()) return {};
-  return Fail(ErrorCode::kInterrupted, "stopped on request", doing, "run again to go on");
+  return Fail(ErrorCode::kInterrupted, "stopped on request", doing, "run again to continue");
 }
 
 }  // namespace mocurate

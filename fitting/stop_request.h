@@ -6,7 +6,7 @@
 
 namespace mocurate {
 
-/// Error kInterrupted once this worker was asked to stop; long loops look at it from frame to frame.
-Status GoOnUnlessStopped(const std::string& doing);
+/// Error kInterrupted once this worker received a stop request; long loops check it in every frame.
+Status StopIfInterrupted(const std::string& doing);
 
 }  // namespace mocurate

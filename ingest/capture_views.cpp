@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-Status BringTogether(const SourceOptions& source, std::vector<ItemSpec>& items) {
+Status GroupViews(const SourceOptions& source, std::vector<ItemSpec>& items) {
   std::map<std::string, std::map<std::string, ItemSpec>> captures;  // by item, then by view
   for (ItemSpec& item : items) {
     const Expected<NamedFile> named = ReadName(source, item.inputs[0].name);

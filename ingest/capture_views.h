@@ -9,6 +9,6 @@ namespace mocurate {
 
 /// Items of several cameras' files of one performance become one each, with all of their files: the source files by
 /// view, then the depth images. Error kConfig: a camera twice.
-Status BringTogether(const SourceOptions& source, std::vector<ItemSpec>& items);
+Status GroupViews(const SourceOptions& source, std::vector<ItemSpec>& items);
 
 }  // namespace mocurate

@@ -11,9 +11,9 @@
 #include "ingest/files_check.h"
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
-#include "ingest/gathered_files.h"
+#include "ingest/grouped_files.h"
 #include "ingest/known_issues.h"
-#include "ingest/left_out.h"
+#include "ingest/skipped_files.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/source_file.h"
@@ -22,16 +22,16 @@ namespace mocurate {
 namespace {
 
 /// Every {field} that names a clip must be one of the pattern: a misspelt one would put all people under one name. The
-/// texts that a declaration has without being told may go empty.
+/// default texts of a declaration may become empty.
 Status CheckFields(const SourceOptions& source, const NamePattern& pattern) {
-  const SourceOptions untold;
+  const SourceOptions defaults;
   std::vector<std::string> known = pattern.FieldNames();
   known.insert(known.end(), {"file", "body"});
   const std::tuple<const char*, const std::string*, const std::string*> texts[] = {
-      {"person", &source.person, &untold.person},    {"recording", &source.recording, &untold.recording},
-      {"label", &source.label, &untold.label},       {"fine_label", &source.fine_label, &untold.fine_label},
-      {"session", &source.session, &untold.session}, {"view", &source.view, &untold.view},
-      {"style", &source.style, &untold.style}};
+      {"person", &source.person, &defaults.person},    {"recording", &source.recording, &defaults.recording},
+      {"label", &source.label, &defaults.label},       {"fine_label", &source.fine_label, &defaults.fine_label},
+      {"session", &source.session, &defaults.session}, {"view", &source.view, &defaults.view},
+      {"style", &source.style, &defaults.style}};
   for (const auto& [option, text, by_default] : texts) {
     if (*text == *by_default) continue;
     for (const std::string& field : FieldsOf(*text)) {
@@ -58,7 +58,7 @@ Status AddSkeletonFile(const std::vector<FolderFile>& files, const std::string& 
     return {};
   }
   return Fail(ErrorCode::kNotFound, "its skeleton file '" + name + "' is not in the folder", item.inputs[0].name,
-              "put it there, or mend ingest.source.skeleton_files");
+              "put it there, or correct ingest.source.skeleton_files");
 }
 
 /// Rows "motion<tab>text" of a table that has tabs, as CMU's index of its motions; lines without one are headings.
@@ -88,7 +88,7 @@ Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions&
   const Expected<std::string> bytes = ReadFile(options.path / name);
   if (!bytes) {
     return Fail(bytes.error().code, "the table of labels cannot be read: " + bytes.error().what, name,
-                "put it there, or mend ingest.source.label_table");
+                "put it there, or correct ingest.source.label_table");
   }
   const bool headed = bytes->substr(0, bytes->find('\n')).find(',') != std::string::npos;
   if (!headed && bytes->find('\t') != std::string::npos) return ReadTabbedLabels(*bytes, name);
@@ -130,7 +130,7 @@ bool BelongsToClip(const std::string& folder, const std::vector<ItemSpec>& items
 
 /// The clips of a file of arrays, an item each; the item itself where the file is the clip, or no such file.
 std::vector<ItemSpec> OfArrays(const ItemSpec& item, const SourceOptions& source, const FolderFile& file,
-                               std::vector<ItemResult>& left_out) {
+                               std::vector<ItemResult>& excluded) {
   if (!DriverOf(source.format).holds_clips) return {item};
   const std::vector<ArrayClip> clips = ArrayClipsOf(file.path, file.name);
   if (clips.empty() || (clips.size() == 1 && clips[0].id.empty())) return {item};
@@ -142,19 +142,19 @@ std::vector<ItemSpec> OfArrays(const ItemSpec& item, const SourceOptions& source
     ItemSpec one = item;
     one.item += RecordingSuffix(clip.id);
     one.options["array"] = clip.id;
-    if (!clip.label.empty() && !one.options.contains("told_label")) {
+    if (!clip.label.empty() && !one.options.contains("label_override")) {
       const Expected<std::string> label = LabelOf(source, clip.label, file.name + clip.id);
       if (!label) {
-        left_out.push_back(LeftOutFile(file.name + clip.id, source, true, label.error()));
+        excluded.push_back(SkippedFile(file.name + clip.id, source, true, label.error()));
         continue;
       }
-      one.options["told_label"] = *label;
+      one.options["label_override"] = *label;
     }
     if (clip.joints == wanted) {
       items.push_back(std::move(one));
       continue;
     }
-    left_out.push_back(ExcludedFile(
+    excluded.push_back(ExcludedFile(
         one.item, file.name + clip.id, kOtherJoints,
         "it has " + std::to_string(clip.joints) + " joints, those of the source have " + std::to_string(wanted),
         "declare it as a source of its own"));
@@ -224,7 +224,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       NamePattern::Parse(source.skeleton_files, "ingest.source.skeleton_files");
   if (!skeleton_pattern) return Forward(skeleton_pattern);
   const int depth =
-      std::max({pattern->depth(), depth_pattern->depth(), skeleton_pattern->depth(), GatheredFiles::Depth(source)});
+      std::max({pattern->depth(), depth_pattern->depth(), skeleton_pattern->depth(), GroupedFiles::Depth(source)});
   const Expected<FolderListing> listing = ListFiles(options.path, depth);
   if (!listing) return Forward(listing);
   const std::vector<FolderFile>& files = listing->files;
@@ -236,14 +236,14 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   Expected<BabelIndex> babel = BabelIndex::Read(options.path, source.annotations);
   if (!babel) return Forward(babel);
 
-  const Expected<GatheredFiles> gathered = GatheredFiles::Of(source, *pattern, files);
+  const Expected<GroupedFiles> gathered = GroupedFiles::Of(source, *pattern, files);
   if (!gathered) return Forward(gathered);
 
   Discovery discovery;
   std::set<std::string> recordings;
   std::vector<std::string> names, passed_over;
   const bool has_truth = DriverOf(source.format).has_truth;
-  const bool has_depth = has_truth || (source.views.together && !source.depth_files.empty());
+  const bool has_depth = has_truth || (source.views.multi_view && !source.depth_files.empty());
   std::optional<DepthFiles> depth_files;
   if (has_depth) depth_files.emplace(files, *depth_pattern, *pattern);
   const nlohmann::json stage_options = OptionsToJson(source);
@@ -251,13 +251,13 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (only && only->count(file.name) == 0) continue;
     names.push_back(file.name);
     if (has_depth && depth_pattern->Match(file.name)) continue;
-    if (gathered->BelongsToAnother(file.name)) continue;
+    if (gathered->BelongsToOtherClip(file.name)) continue;
     if (!source.skeleton_files.empty() && skeleton_pattern->Match(file.name)) continue;
     if (std::count(source.annotations.begin(), source.annotations.end(), file.name) > 0) continue;
     if (file.name == source.label_table) continue;
-    const auto leave_out = [&](ItemResult result) {
+    const auto exclude = [&](ItemResult result) {
       if (IsFailure(result.outcome.kind)) AddSourceHash(file.path, result);
-      discovery.left_out.push_back(std::move(result));
+      discovery.excluded.push_back(std::move(result));
     };
     const bool matches = pattern->Match(file.name).has_value();
     if (!matches && source.other_files == OtherFiles::kIgnore) {
@@ -272,26 +272,26 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     const Expected<NamedFile> named = ReadName(source, file.name);
     if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
     if (!named) {
-      recordings.insert(StemOf(file.name));  // left out anyway
-      leave_out(LeftOutFile(file.name, source, matches, named.error()));
+      recordings.insert(StemOf(file.name));  // excluded anyway
+      exclude(SkippedFile(file.name, source, matches, named.error()));
       continue;
     }
-    const std::string recording = source.views.together ? StemOf(file.name) : named->identity.recording;
+    const std::string recording = source.views.multi_view ? StemOf(file.name) : named->identity.recording;
     recordings.insert(recording);
     const auto excluded = source.exclude.find(recording);
     if (excluded != source.exclude.end()) {
-      leave_out(ExcludedFile(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
+      exclude(ExcludedFile(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
       continue;
     }
     const std::optional<KnownIssue> issue = known_issues->Find(recording);
     if (issue && source.known_issues == KnownIssueAction::kDrop) {
-      leave_out(ExcludedFile(named->item(), file.name, "known_issue", TextOf(*issue),
-                             "ingest.source.known_issues: report keeps such clips"));
+      exclude(ExcludedFile(named->item(), file.name, "known_issue", TextOf(*issue),
+                           "ingest.source.known_issues: report keeps such clips"));
       continue;
     }
     if (!file.problem.empty() && gathered->empty()) {
-      const Error why{ErrorCode::kUnreadable, file.problem, file.name, "mend or remove it"};
-      leave_out(RefusedFile(named->item(), "unreadable_file", why));
+      const Error why{ErrorCode::kUnreadable, file.problem, file.name, "correct or remove it"};
+      exclude(RefusedFile(named->item(), "unreadable_file", why));
       continue;
     }
     ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};
@@ -302,21 +302,21 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
                               : Fail(ErrorCode::kInconsistent, "'" + source.label_table + "' does not name it",
                                      file.name, "add a line, or take the file out");
       if (!label) {
-        leave_out(LeftOutFile(file.name, source, true, label.error()));
+        exclude(SkippedFile(file.name, source, true, label.error()));
         continue;
       }
-      item.options["told_label"] = *label;
+      item.options["label_override"] = *label;
       if (*label != row->second) item.options["label_text"] = row->second;
     }
     if (Status added = gathered->AddInputs(file.name, named->fields, item); !added) {
       const bool missing = added.error().code == ErrorCode::kNotFound;
       const char* code = missing ? "calibration_missing" : "unreadable_file";
-      leave_out(RefusedFile(item.item, code, added.error()));
+      exclude(RefusedFile(item.item, code, added.error()));
       continue;
     }
     if (!source.skeleton_files.empty()) {
       if (Status added = AddSkeletonFile(files, FillFields(source.skeleton_files, named->fields), item); !added) {
-        leave_out(RefusedFile(item.item, "skeleton_file_missing", added.error()));
+        exclude(RefusedFile(item.item, "skeleton_file_missing", added.error()));
         continue;
       }
     }
@@ -333,7 +333,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
       discovery.persons.insert(own ? own->identity.person : named->identity.person);
       discovery.styles.insert(named->style);
       const ItemSpec whole = body == 1 && named->bodies == 1 ? item : OfBody(item, source, file.name, body);
-      for (ItemSpec& clip : OfArrays(whole, source, file, discovery.left_out)) {
+      for (ItemSpec& clip : OfArrays(whole, source, file, discovery.excluded)) {
         discovery.items.push_back(std::move(clip));
       }
     }
@@ -341,18 +341,18 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (!only) {
     for (const auto& [folder, count] : elsewhere) {
       const bool named_so = pattern->Match(folder).has_value();
-      const bool untold = source.other_files == OtherFiles::kIgnore || count == 0;
-      if (!named_so && (untold || BelongsToClip(folder, discovery.items))) continue;
-      discovery.left_out.push_back(NotLookedAt(folder, count, named_so, source));
+      const bool defaults = source.other_files == OtherFiles::kIgnore || count == 0;
+      if (!named_so && (defaults || BelongsToClip(folder, discovery.items))) continue;
+      discovery.excluded.push_back(SkippedFolder(folder, count, named_so, source));
     }
   }
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));
   NoteUnmatched(source, recordings, discovery.findings);
   NotePassedOver(source, passed_over, discovery.findings);
   NoteAmbiguous(source, *pattern, names, discovery.findings);
-  if (!babel->Unused().empty()) discovery.left_out.push_back(WithoutMotion(*babel, source.annotations));
-  if (source.views.together) {
-    if (Status together = BringTogether(source, discovery.items); !together) return Forward(together);
+  if (!babel->Unused().empty()) discovery.excluded.push_back(WithoutMotion(*babel, source.annotations));
+  if (source.views.multi_view) {
+    if (Status together = GroupViews(source, discovery.items); !together) return Forward(together);
   }
   if (Status sorted = SortItems(discovery); !sorted) return Forward(sorted);
   if (Status own = CheckOwnImages(source, discovery.items); !own) return Forward(own);

@@ -18,12 +18,12 @@ inline constexpr const char* kFolderNotRead = "folder_not_read";
 inline constexpr const char* kOtherJoints = "other_joints";
 
 /// What a source folder holds: one item per clip for the stage `ingest` (item = clip id, input role "source"), and what
-/// became of every file that is no such item: kLeftOut when ingest.source.other_files says that such files are passed
+/// became of every file that is no such item: kExcluded when ingest.source.other_files says that such files are passed
 /// over, kRefused when it asks for an error or the name declares a label that there is not. One finding each; files
 /// that lie where the pattern does not look are one finding per folder, which counts them.
 struct Discovery {
   std::vector<ItemSpec> items;  ///< sorted by item
-  std::vector<ItemResult> left_out;
+  std::vector<ItemResult> excluded;
   std::set<std::string> persons;  ///< who performs in the items
   std::set<std::string> styles;   ///< of the items, "" for those without
   std::vector<Finding> findings;  ///< about the declaration: names in it that nothing has

@@ -3,7 +3,7 @@
 #include "core/base/file.h"
 #include "ingest/files_check.h"
 #include "ingest/formats/driver.h"
-#include "ingest/left_out.h"
+#include "ingest/skipped_files.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -15,7 +15,7 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(path, unknown)) {
     return Fail(ErrorCode::kNotFound, "the file that holds all clips is not there", DisplayPath(path),
-                "set ingest.path (--set ingest.path=DIR), or mend ingest.source.container");
+                "set ingest.path (--set ingest.path=DIR), or correct ingest.source.container");
   }
   const Expected<std::vector<ContainerEntry>> entries = driver.entries(source, options.path);
   if (!entries) return Forward(entries);
@@ -27,17 +27,17 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
     const Expected<NamedFile> named = ReadName(source, entry.name);
     if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
     if (!named) {
-      discovery.left_out.push_back(LeftOutFile(entry.name, source, true, named.error()));
+      discovery.excluded.push_back(SkippedFile(entry.name, source, true, named.error()));
       continue;
     }
     recordings.insert(named->identity.recording);
-    if (!entry.left_out.empty()) {
-      discovery.left_out.push_back(
-          ExcludedFile(named->item(), entry.name, "excluded", entry.left_out, "as the set's papers do"));
+    if (!entry.excluded.empty()) {
+      discovery.excluded.push_back(
+          ExcludedFile(named->item(), entry.name, "excluded", entry.excluded, "as the set's papers do"));
       continue;
     }
     if (const auto excluded = source.exclude.find(named->identity.recording); excluded != source.exclude.end()) {
-      discovery.left_out.push_back(
+      discovery.excluded.push_back(
           ExcludedFile(named->item(), entry.name, "excluded", excluded->second, "ingest.source.exclude names it"));
       continue;
     }
@@ -50,16 +50,16 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
     if (!entry.label.empty()) {
       const Expected<std::string> label = LabelOf(source, entry.label, entry.name);
       if (!label) {
-        discovery.left_out.push_back(LeftOutFile(entry.name, source, true, label.error()));
+        discovery.excluded.push_back(SkippedFile(entry.name, source, true, label.error()));
         continue;
       }
-      item.options["told_label"] = *label;
+      item.options["label_override"] = *label;
     }
     discovery.items.push_back(std::move(item));
   }
   if (discovery.items.empty()) {
     return Fail(ErrorCode::kNotFound, "no clip of the file matches the pattern '" + source.files + "'",
-                DisplayPath(path), "mend ingest.source.files");
+                DisplayPath(path), "correct ingest.source.files");
   }
   NoteUnmatched(source, recordings, discovery.findings);
   return discovery;

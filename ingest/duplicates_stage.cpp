@@ -4,8 +4,8 @@
 #include "core/base/file.h"
 #include "core/quality/duplicates.h"
 #include "core/store/store.h"
-#include "ingest/clip_checks.h"
-#include "ingest/duplicate_findings.h"
+#include "ingest/checks/clip_checks.h"
+#include "ingest/checks/duplicate_findings.h"
 #include "ingest/stages.h"
 
 namespace mocurate {

@@ -6,9 +6,9 @@
 
 #include "core/base/text.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/file_kind.h"
-#include "ingest/sense/inspect_files.h"
-#include "ingest/sense/observe.h"
+#include "ingest/inspect/file_kind.h"
+#include "ingest/inspect/inspect_files.h"
+#include "ingest/inspect/read_raw.h"
 
 namespace mocurate {
 
@@ -41,7 +41,7 @@ void NotePassedOver(const SourceOptions& source, const std::vector<std::string>&
                                  Counted(static_cast<long long>(names.size()), "file") +
                                      " that could be of this source, e.g. '" + names.front() + "': the pattern '" +
                                      source.files + "' does not match " + (names.size() == 1 ? "it" : "them"),
-                                 FindingAction::kLeftOut));
+                                 FindingAction::kExcluded));
 }
 
 void NoteAmbiguous(const SourceOptions& source, const NamePattern& pattern, const std::vector<std::string>& names,
@@ -88,7 +88,7 @@ Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& ite
   return Fail(ErrorCode::kConfig,
               "the source is declared " + source.format + ", its files are " + other->name + ", e.g. '" +
                   items[0].inputs[0].name + "'",
-              "ingest.source.format", "write what they are, or mend ingest.source.files or ingest.path");
+              "ingest.source.format", "write what they are, or correct ingest.source.files or ingest.path");
 }
 
 }  // namespace mocurate

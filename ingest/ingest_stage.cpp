@@ -5,11 +5,11 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/store/store.h"
-#include "ingest/clip_checks.h"
+#include "ingest/checks/clip_checks.h"
+#include "ingest/checks/frozen_views.h"
 #include "ingest/formats/driver.h"
-#include "ingest/frozen_views.h"
+#include "ingest/inspect/comparison.h"
 #include "ingest/read_motions.h"
-#include "ingest/sense/comparison.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/source_file.h"
 #include "ingest/stages.h"
@@ -17,7 +17,7 @@
 namespace mocurate {
 namespace {
 
-double UnseenShare(const Clip& clip) {
+double MissingShare(const Clip& clip) {
   std::size_t points = 0, unseen = 0;
   for (const KeypointView& view : clip.evidence.keypoint_views) {
     for (std::size_t i = 2; i < view.values.size(); i += 3) ++points, unseen += view.values[i] == 0.0 ? 1 : 0;
@@ -29,7 +29,7 @@ double UnseenShare(const Clip& clip) {
   return static_cast<double>(missing) / static_cast<double>(std::max<std::size_t>(1, confidence.size()));
 }
 
-/// Farther from the origin than any capture volume in most frames: the unit is wrong. In fewer it is a teleport.
+/// Farther from the origin than any capture volume in most frames: the unit is wrong. In fewer it is a position jump.
 Status CheckExtent(const Clip& clip, const std::string& name) {
   constexpr double kFarthest = 1000.0;
   const JointPositions none;
@@ -91,11 +91,11 @@ ItemFacts TakeFacts(nlohmann::json& options) {
   facts.entry = options.value("entry", -1);
   facts.most_frames = options.value("most_frames", 0);
   facts.array = options.value("array", std::string());
-  if (options.contains("told_label")) facts.label = options.at("told_label").get<std::string>();
+  if (options.contains("label_override")) facts.label = options.at("label_override").get<std::string>();
   facts.label_text = options.value("label_text", std::string());
   facts.role = options.value("annotation_role", std::string());
   facts.known_issue = options.value("known_issue", std::string());
-  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "told_label", "label_text",
+  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "label_override", "label_text",
                           "annotation_role", "known_issue", "array"}) {
     options.erase(key);
   }
@@ -140,9 +140,9 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
 
 nlohmann::json Summary(const Clip& clip, const std::string& style) {
   nlohmann::json summary = {
-      {"clip", clip.id()},         {"person", clip.identity.person},    {"recording", clip.identity.recording},
-      {"label", clip.label},       {"frames", FrameCount(clip)},        {"joints", JointCount(clip)},
-      {"rate_hz", clip.rate.hz()}, {"missing_share", UnseenShare(clip)}};
+      {"clip", clip.id()},         {"person", clip.identity.person},     {"recording", clip.identity.recording},
+      {"label", clip.label},       {"frames", FrameCount(clip)},         {"joints", JointCount(clip)},
+      {"rate_hz", clip.rate.hz()}, {"missing_share", MissingShare(clip)}};
   if (!style.empty()) summary["style"] = style;
   if (const auto first = clip.provenance.find("first_frame"); first != clip.provenance.end()) {
     summary["first_frame"] = ParseDouble(first->second).value_or(0.0);
@@ -189,13 +189,13 @@ Expected<std::vector<ViewFile>> ReadViewFiles(const SourceOptions& source, const
 }
 
 /// No artifact: the last finding names the rule.
-StageOutcome LeftOut(const DroppedClip& dropped, const std::string& name, StageOutcome outcome) {
+StageOutcome Excluded(const DroppedClip& dropped, const std::string& name, StageOutcome outcome) {
   Finding rule = dropped.finding;
   rule.clip = outcome.findings.empty() ? name : outcome.findings.front().clip;
   const auto at = std::find(outcome.findings.begin(), outcome.findings.end(), rule);
   if (at != outcome.findings.end()) outcome.findings.erase(at);
   outcome.findings.push_back(rule);
-  outcome.kind = OutcomeKind::kLeftOut;
+  outcome.kind = OutcomeKind::kExcluded;
   outcome.summary["threshold"] = dropped.threshold;
   outcome.error = Error{ErrorCode::kInconsistent, rule.message, name,
                         "ingest.source.checks." + rule.code + ".action: report keeps such clips"};
@@ -232,7 +232,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   file.entry = facts.entry;
   file.most_frames = facts.most_frames;
   std::string read = *bytes;
-  if (source->views.together) {
+  if (source->views.multi_view) {
     Expected<std::vector<ViewFile>> views = ReadViewFiles(*source, request.inputs, *named);
     if (!views) return Forward(views);
     file.views = std::move(*views);
@@ -257,7 +257,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
     return ReadItem{{}, std::move(*unusable)};
   }
   const bool checks = !source->checks.IgnoresAll();
-  if (checks && !SpoilsPoses(ingested->findings)) CheckBody(*source, *ingested);
+  if (checks && !InvalidatesPoses(ingested->findings)) CheckBody(*source, *ingested);
   if (Status near = CheckExtent(ingested->clip, name); !near && !RefuseUnit(ingested->findings)) return Forward(near);
   if (source->checks.ActionFor("frozen_view") != OnFinding::kIgnore) {
     std::map<std::string, std::filesystem::path> images;
@@ -281,9 +281,9 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   for (const auto& [code, shown] : ingested->shown) {
     outcome.summary["shown"][code] = {{"contradicts", shown.contradicts}, {"weight", shown.weight}};
   }
-  if (dropped) return ReadItem{std::move(ingested->clip), LeftOut(*dropped, input->name, std::move(outcome))};
+  if (dropped) return ReadItem{std::move(ingested->clip), Excluded(*dropped, input->name, std::move(outcome))};
   for (const Finding& finding : outcome.findings) {
-    if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kDoubtful;
+    if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kSuspect;
     if (finding.action != FindingAction::kRefused) continue;
     outcome.kind = OutcomeKind::kRefused;
     outcome.summary["threshold"] =

@@ -65,7 +65,7 @@ Expected<KnownIssues> KnownIssues::Load(const std::vector<std::string>& names) {
     for (KnownIssue& issue : file->issues) {
       if (issue.source.empty()) {
         return Fail(ErrorCode::kConfig, "issue '" + issue.kind + "' does not say its source", source->name,
-                    "a known issue is somebody's word: write whose under `source`");
+                    "a known issue needs its origin: name it under `source`");
       }
       known.issues_.push_back(std::move(issue));
     }

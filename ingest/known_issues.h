@@ -11,7 +11,7 @@ namespace mocurate {
 
 /// One thing that others have found wrong with clips of a data set.
 struct KnownIssue {
-  std::string kind;                ///< "missing_skeletons", "ghost_body", ...
+  std::string kind;                ///< "missing_skeletons", "false_track", ...
   std::string source;              ///< where it is said
   std::string note;                ///< what is said
   std::vector<std::string> clips;  ///< names of recordings; "*" stands for any characters

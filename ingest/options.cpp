@@ -130,11 +130,11 @@ void SourceOptions::Declare(OptionVisitor& v) {
          "labels by patterns, for texts that `labels` does not list, such as descriptions; the first that fits");
   v.TextMap("fine_labels", fine_labels, "names of the fine labels; one that is not listed keeps its text");
   v.Choice("other_labels", other_labels,
-           {{"error", OtherLabels::kError}, {"leave_out", OtherLabels::kLeaveOut}, {"keep", OtherLabels::kKeep}},
+           {{"error", OtherLabels::kError}, {"exclude", OtherLabels::kLeaveOut}, {"keep", OtherLabels::kKeep}},
            "what becomes of a file whose label is not listed under `labels`; keep: its label is as the text says");
   v.TextMap("roles", roles, "person -> train, validation or test, where the source prescribes it");
   v.TextMap("exclude", exclude,
-            "recordings that are left out, each with the reason; with views.together files, without ending");
+            "recordings that are excluded, each with the reason; with views.multi_view files, without ending");
   v.Choice("on_contradiction", on_contradiction,
            {{"flag", OnContradiction::kFlag}, {"refuse", OnContradiction::kRefuse}},
            "what becomes of clips whose motion contradicts the declared units, axes or order of joints; where enough "
@@ -153,31 +153,32 @@ void SourceOptions::Declare(OptionVisitor& v) {
 }
 
 void PeopleOptions::Declare(OptionVisitor& v) {
-  v.Choice(
-      "rule", rule,
-      {{"motion", TrackRule::kMotion},
-       {"official", TrackRule::kOfficial},
-       {"presence", TrackRule::kPresence},
-       {"nearest", TrackRule::kNearest},
-       {"uestc_released", TrackRule::kUestcReleased},
-       {"uestc_corrected", TrackRule::kUestcCorrected}},
-      "who is taken: motion (who moves most of those there for half as long as the longest), official (NTU's: "
-      "largest summed variance, neither stitched nor freed of ghosts), presence (longest), nearest (to the sensor), "
-      "uestc_released and uestc_corrected (VIBE's tracks by their boxes, as ACTOR's code does and with its faults "
-      "mended)");
+  v.Choice("rule", rule,
+           {{"motion", TrackRule::kMotion},
+            {"official", TrackRule::kOfficial},
+            {"presence", TrackRule::kPresence},
+            {"nearest", TrackRule::kNearest},
+            {"uestc_released", TrackRule::kUestcReleased},
+            {"uestc_corrected", TrackRule::kUestcCorrected}},
+           "who is taken: motion (who moves most of those there for half as long as the longest), official (NTU's: "
+           "largest summed variance, neither stitched nor freed of false tracks), presence (longest), nearest (to the "
+           "sensor), "
+           "uestc_released and uestc_corrected (VIBE's tracks by their boxes, as ACTOR's code does and with its faults "
+           "corrected)");
   v.Numbers("start", start_px, Unit::kPixel, {},
             "uestc_released, uestc_corrected: where the performer is in the first frame of the video; ACTOR reads it "
             "from the sensor's skeletons");
   v.Bool("stitch", stitch, "join ids that are one person: lost and found again with the same bones, or interleaved");
-  v.Bool("ghosts", ghosts, "set aside what is nobody: short, frozen, furniture, a second body in one place");
+  v.Bool("false_tracks", false_tracks, "exclude false tracks: short, frozen, furniture, a second body in one place");
   v.Number("max_gap", max_gap_s, Unit::kSecond, {0.0, 600.0}, "longest time over which ids are joined");
-  v.Number("max_speed", max_speed, Unit::kMetrePerSecond, {0.0, 100.0}, "that somebody may have had meanwhile");
+  v.Number("max_speed", max_speed, Unit::kMetrePerSecond, {0.0, 100.0},
+           "of a person between two joined tracks, at most");
   v.Number("max_signature", max_signature, Unit::kNone, {0.0, 10.0},
            "mean difference of log bone lengths of what may be one person");
 }
 
 void ViewOptions::Declare(OptionVisitor& v) {
-  v.Bool("together", together,
+  v.Bool("multi_view", multi_view,
          "files that give the same person and recording and differ in `view` are one clip: their joints are brought "
          "into the world of one of them and merged, their depth images are its views");
   v.Texts("cameras", cameras, "`view` of every camera of a capture; one that is not there is a finding");
@@ -206,10 +207,10 @@ void IngestOptions::Declare(OptionVisitor& v) {
   v.Path(
       "truth", truth,
       "what really happened, as `mocurate synthesize` writes it beside a capture: its folder truth, or a file of it; "
-      "the error of the fits against it is told");
-  v.Text("obtain", obtain, "where the captures come from and what has to be signed; told by `doctor --source`");
+      "the error of the fits against it is reported");
+  v.Text("obtain", obtain, "where the captures come from and what has to be signed; shown by `doctor --source`");
   v.TextMap("expected", expected,
-            "path below the folder -> what lies there, beside the files of the pattern; told by `doctor --source`");
+            "path below the folder -> what lies there, beside the files of the pattern; shown by `doctor --source`");
   v.Group("source", source, "what the captures are");
   v.Group("synthetic", synthetic, "a capture made by the program itself");
 }
@@ -219,9 +220,9 @@ void MotionsOptions::Declare(OptionVisitor& v) {
   v.Texts("classes", classes, "a motion without a label takes the one that its file's or folder's name begins with");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 40, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration MotionsDeclaration() { return {"motions", 3, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration DuplicatesDeclaration() { return {"duplicates", 7, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 41, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration MotionsDeclaration() { return {"motions", 4, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration DuplicatesDeclaration() { return {"duplicates", 8, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }
 

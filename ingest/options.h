@@ -33,14 +33,14 @@ struct LabelRule {
 
 /// What becomes of a file whose label is not listed under `labels`.
 enum class OtherLabels { kError, kLeaveOut, kKeep };
-/// By what the people of a file are told from the others that the tracker followed.
+/// The rule that separates the people of a file from other tracks.
 enum class TrackRule {
   kMotion,    ///< those there in half as many frames as the longest, by how much they move; then the others by length
   kOfficial,  ///< NTU's: by the summed variance of the joints, however short they are there
   kPresence,  ///< by how long they are there
   kNearest,   ///< by how near they stand to the sensor (median distance of their middle)
   kUestcReleased,   ///< VIBE's tracks of UESTC as ACTOR's released preprocessing picks them (people/uestc.h)
-  kUestcCorrected,  ///< the same with its faults mended
+  kUestcCorrected,  ///< the same with its faults corrected
 };
 /// Whether the rule reads the boxes of people in a video.
 inline bool ByBoxes(TrackRule rule) { return rule == TrackRule::kUestcReleased || rule == TrackRule::kUestcCorrected; }
@@ -56,7 +56,7 @@ struct PeopleOptions {
   TrackRule rule = TrackRule::kMotion;
   std::vector<double> start_px{480.0, 270.0};
   bool stitch = true;
-  bool ghosts = true;
+  bool false_tracks = true;
   double max_gap_s = 2.0;
   double max_speed = 3.0;
   double max_signature = 0.12;
@@ -66,7 +66,7 @@ struct PeopleOptions {
 
 /// Several sensors that saw one performance, each in a file of its own.
 struct ViewOptions {
-  bool together = false;             ///< files that give one item and differ in `view` alone are one clip
+  bool multi_view = false;           ///< files that give one item and differ in `view` alone are one clip
   std::vector<std::string> cameras;  ///< `view` of each that belongs to a capture; empty: whichever are there
   std::vector<double> intrinsics;    ///< fx, fy, cx, cy of the depth images, pixels
   std::vector<double> image_size;    ///< width, height, pixels
@@ -116,7 +116,8 @@ struct SourceOptions {
   MissingValue missing = MissingValue::kNone;
   std::vector<double> lie_bone_lengths;  ///< npy: (J) in the file's unit; the array holds Lie parameters
   double max_slide = 0.002;              ///< bvh: metres a bone may change its length before the clip is refused
-  std::string depth_files;  ///< depth_sequence: "depth/{view}_{frame}.png"; ntu_skeleton with views.together; openpose
+  std::string
+      depth_files;  ///< depth_sequence: "depth/{view}_{frame}.png"; ntu_skeleton with views.multi_view; openpose
   double depth_unit = 0.001;  ///< of those: metres per step of a depth value
   std::string mask_files;     ///< depth_views: "views/{camera}_mask.jpg"; the person in the image of the same fields
   std::vector<std::string> calibration;  ///< openpose, depth_views: below the folder; {camera}: one per camera
@@ -137,7 +138,7 @@ struct SourceOptions {
   std::map<std::string, std::string> fine_labels;  ///< fine label text -> name
   OtherLabels other_labels = OtherLabels::kError;
   std::map<std::string, std::string> roles;    ///< person -> role
-  std::map<std::string, std::string> exclude;  ///< recording -> why its file is left out
+  std::map<std::string, std::string> exclude;  ///< recording -> why its file is excluded
   std::vector<std::string> known_issue_lists;  ///< of configs/known_issues, or paths
   KnownIssueAction known_issues = KnownIssueAction::kReport;
   std::string frames_in_name;  ///< "{first}-{last}": frames that the name speaks of, both ends included
@@ -164,8 +165,8 @@ struct SyntheticOptions {
 struct IngestOptions {
   std::filesystem::path
       path;  ///< folder of the source, or one of its files; empty with synthetic.enabled: the capture's folder
-  std::filesystem::path truth;                  ///< folder of truth files, or one; the error of fits against it is told
-  std::string obtain;                           ///< where the set comes from and what has to be signed
+  std::filesystem::path truth;  ///< folder of truth files, or one; the error of fits against it is reported
+  std::string obtain;           ///< where the set comes from and what has to be signed
   std::map<std::string, std::string> expected;  ///< path below the folder -> what lies there, beside source.files
   SourceOptions source;
   SyntheticOptions synthetic;

@@ -54,7 +54,7 @@ Status FitsSet(const Dataset& set, const Clip& clip) {
 void ShareSkeleton(const Dataset& set, Motion& motion) {
   const bool shared = motion.joints_only() || SameRestOffsets(*motion.skeleton, *set.skeleton);
   motion.skeleton = shared ? set.skeleton : WithRestOffsetsOf(*set.skeleton, *motion.skeleton);
-  motion.counted_from = shared ? nullptr : set.skeleton;
+  motion.rotation_reference = shared ? nullptr : set.skeleton;
 }
 
 /// Letters and digits in lower case: what a class and a file name are compared by.
@@ -95,7 +95,8 @@ std::string OrderOfName(const std::string& name) {
   return order;
 }
 
-/// Gives clips their labels: those of a file beside the motions, the clip's own, else the class its name begins with.
+/// EvidenceKind clips their labels: those of a file beside the motions, the clip's own, else the class its name begins
+/// with.
 class LabelAssignment {
  public:
   /// The order of motions is that of the files' names, whose numbers count as numbers, and within a file that of its
@@ -230,15 +231,15 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
   const LabelAssignment assignment(labels, options.classes, discovery->items);
   ReadMotions read;
   read.set.created_by = CreatedBy();
-  for (const ItemResult& left_out : discovery->left_out) {
-    if (IsFailure(left_out.outcome.kind)) {
-      read.refused.push_back({left_out.item, left_out.outcome.error});
+  for (const ItemResult& excluded : discovery->excluded) {
+    if (IsFailure(excluded.outcome.kind)) {
+      read.refused.push_back({excluded.item, excluded.outcome.error});
     } else {
-      const std::vector<Finding>& findings = left_out.outcome.findings;
-      read.left_out.insert(read.left_out.end(), findings.begin(), findings.end());
+      const std::vector<Finding>& findings = excluded.outcome.findings;
+      read.excluded.insert(read.excluded.end(), findings.begin(), findings.end());
     }
   }
-  read.left_out.insert(read.left_out.end(), discovery->findings.begin(), discovery->findings.end());
+  read.excluded.insert(read.excluded.end(), discovery->findings.begin(), discovery->findings.end());
   if (Status counts = assignment.Check(); !counts) {
     if (auto unreadable = FirstUnreadable(discovery->items)) return tl::unexpected<Error>(std::move(*unreadable));
     return Forward(counts);
@@ -304,7 +305,7 @@ Expected<StageOutcome> MotionsStage(const StageRequest& request) {
   Expected<ReadMotions> read = ReadAllMotions(*options, labels);
   if (!read) return Forward(read);
   StageOutcome outcome;
-  outcome.findings = read->left_out;
+  outcome.findings = read->excluded;
   for (const RefusedClip& refused : read->refused) {
     outcome.findings.push_back(
         MakeFinding("clip_refused", Severity::kError, 0.0, refused.error.Message(), FindingAction::kRefused));

@@ -31,7 +31,7 @@ struct RefusedClip {
 struct ReadMotions {
   Dataset set;  ///< sorted by id; recorded rotations kept, joint tracks as joints-only motions, else as they come
   std::vector<RefusedClip> refused;
-  std::vector<Finding> left_out;  ///< about files and entries that the declaration leaves out
+  std::vector<Finding> excluded;  ///< about files and entries that the declaration leaves out
 };
 
 /// Labels that stand beside motions: one a motion in their order, or by the name of each.

@@ -77,16 +77,16 @@ Status CheckFilledIn(const SourceOptions& s) {
 /// An option of other formats that is set. Error kConfig naming it and the formats that have it.
 Status CheckOwnOptions(const SourceOptions& s, const FormatDriver& driver) {
   const nlohmann::json said = OptionsToJson(s);
-  static const nlohmann::json unsaid = OptionsToJson(SourceOptions());
+  static const nlohmann::json unset_options = OptionsToJson(SourceOptions());
   std::map<std::string, std::string> formats;  // of each option
   for (const FormatDriver* format : FormatDrivers()) {
     for (const std::string& option : format->options)
       formats[option] += (formats[option].empty() ? "" : ", ") + std::string(format->name);
   }
   for (const auto& [option, of] : formats) {
-    if (driver.HasOption(option) || said.at(option) == unsaid.at(option)) continue;
+    if (driver.HasOption(option) || said.at(option) == unset_options.at(option)) continue;
     return Fail(ErrorCode::kConfig, "format " + std::string(driver.name) + " has no option '" + option + "'",
-                OptionPlace(option.c_str()), "it is of " + of + ": take it out, or mend ingest.source.format");
+                OptionPlace(option.c_str()), "it is of " + of + ": take it out, or correct ingest.source.format");
   }
   return {};
 }
@@ -101,9 +101,9 @@ Status CheckBodies(const SourceOptions& s) {
                   "write a whole number from 1 to 6");
     }
   }
-  const bool told_apart =
+  const bool has_body_field =
       s.person.find("{body}") != std::string::npos || s.recording.find("{body}") != std::string::npos;
-  if ((!s.bodies.empty() || s.subjects > 1) && !told_apart) {
+  if ((!s.bodies.empty() || s.subjects > 1) && !has_body_field) {
     return Fail(ErrorCode::kConfig, "several people of one file would be one clip", OptionPlace("bodies"),
                 "write {body} into ingest.source.person, e.g. person: 'P{person}{body}'");
   }
@@ -111,7 +111,7 @@ Status CheckBodies(const SourceOptions& s) {
 }
 
 bool HasDepthBeside(const SourceOptions& source) {
-  return DriverOf(source.format).gives == Gives::kKeypoints && !source.depth_files.empty();
+  return DriverOf(source.format).gives == EvidenceKind::kKeypoints && !source.depth_files.empty();
 }
 
 Expected<double> MetresPerUnit(const std::string& units) {
@@ -159,7 +159,7 @@ Status CheckSource(const SourceOptions& s) {
                 "write where its x, y and z point, e.g. axes: '+x +y +z' (right-handed, y up, a person faces +z)");
   }
   if (Status units = CheckSourceUnits(s); !units) return units;
-  if (!driver.says_rate && !s.rate_hz) {
+  if (!driver.states_rate && !s.rate_hz) {
     return Fail(ErrorCode::kConfig,
                 "source '" + s.name + "' does not say its frame rate, and " + s.format + " files do not either",
                 OptionPlace("rate"), "write e.g. `rate: 30 Hz`");

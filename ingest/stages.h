@@ -10,14 +10,14 @@ Expected<StageOutcome> IngestStage(const StageRequest& request);
 
 /// All evidence of a source (inputs of role "evidence", named by their items) -> a JSON list of findings: clips that
 /// show what another, earlier by name, shows (core/quality/duplicates.h). Options: CheckOptions. Summary: "items", the
-/// item of each finding; "dropped", items that are to be left out with the threshold of the rule.
+/// item of each finding; "dropped", items that are to be excluded with the threshold of the rule.
 Expected<StageOutcome> DuplicatesStage(const StageRequest& request);
 
 /// The truth that a source carries beside its evidence -> truth artifact (ReadTruth). Only `evaluate` reads it.
 Expected<StageOutcome> TruthStage(const StageRequest& request);
 
 /// The studio: one synthetic capture (a whole set) as the files a real tracker gives, packed in one folder that the run
-/// unpacks; see ingest/synthetic/README.md.
+/// unpacks; see docs/studio.md.
 Expected<StageOutcome> CaptureStage(const StageRequest& request);
 
 }  // namespace mocurate

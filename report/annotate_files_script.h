@@ -2,7 +2,7 @@
 
 namespace mocurate {
 
-/// What the annotating page reads from its cards and writes to spans.csv.
+/// Reads the cards of the annotation page and writes spans.csv.
 inline constexpr const char* kAnnotateFilesScript = R"js(
 'use strict';
 const annotateFiles = {

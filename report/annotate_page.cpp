@@ -54,7 +54,7 @@ std::string TimeField(const char* name) {
          "\" step=\"0.001\" disabled> s</label>";
 }
 
-/// Bytes that the script of the page decodes when it needs them.
+/// Bytes that the page's script decodes on demand.
 std::string BytesHtml(const char* name, const std::string& bytes) {
   return "<script type=\"text/plain\" class=\"" + std::string(name) + "\">data:;base64," + Base64(bytes) +
          "</script>\n";
@@ -101,17 +101,17 @@ std::string AnnotateHeaderHtml(const AnnotatePageInput& input) {
              "Drag on a timeline to mark a span, drag an edge to move it. Keys: <kbd>space</kbd> play and pause; "
              "<kbd>←</kbd> <kbd>→</kbd> a frame, with shift ten, <kbd>Home</kbd> <kbd>End</kbd>; <kbd>[</kbd> and "
              "<kbd>]</kbd> (or <kbd>b</kbd> and <kbd>e</kbd>) begin and end of a new span at the frame that the player "
-             "shows, <kbd>{</kbd> and <kbd>}</kbd> (or <kbd>B</kbd> and <kbd>E</kbd>) of the span that is selected; a "
+             "shows, <kbd>{</kbd> and <kbd>}</kbd> (or <kbd>B</kbd> and <kbd>E</kbd>) of the selected span; a "
              "digit or <kbd>l</kbd> and its name choose the label; <kbd>a</kbd> accepts a proposed span; <kbd>,</kbd> "
-             "and <kbd>.</kbd> previous and next span; <kbd>Delete</kbd> removes it, <kbd>Esc</kbd> lets go of it; "
+             "and <kbd>.</kbd> previous and next span; <kbd>Delete</kbd> removes it, <kbd>Esc</kbd> deselects it; "
              "<kbd>ctrl-z</kbd> or <kbd>u</kbd> undo, <kbd>ctrl-y</kbd> redo; <kbd>+</kbd> and <kbd>-</kbd> zoom; "
              "<kbd>x</kbd> speed; <kbd>j</kbd> and <kbd>p</kbd> next and previous clip; <kbd>d</kbd> done, "
-             "<kbd>f</kbd> hide what is done; <kbd>s</kbd> save.",
+             "<kbd>f</kbd> hide clips that are done; <kbd>s</kbd> save.",
              "soft") +
          "</header>\n<div class=\"bar\"><div><progress id=\"progress\" max=\"" +
          std::to_string(std::max<std::size_t>(1, input.cards.size())) +
          "\" value=\"0\" aria-label=\"Clips done\"></progress><span id=\"count\"></span><label><input "
-         "type=\"checkbox\" id=\"undone\"> hide what is done <kbd>f</kbd></label><button type=\"button\" "
+         "type=\"checkbox\" id=\"undone\"> hide clips that are done <kbd>f</kbd></label><button type=\"button\" "
          "id=\"save\">Save spans.csv <kbd>s</kbd></button><span id=\"message\" aria-live=\"polite\"></span></div>"
          "<div id=\"labels\" role=\"group\" aria-label=\"Labels\"></div></div>\n<datalist "
          "id=\"label-names\"></datalist>\n";
@@ -143,12 +143,13 @@ std::string MakeAnnotatePage(const AnnotatePageInput& input) {
          "<section><h2>Spans</h2>\n<details id=\"text\"><summary>spans.csv as text</summary>\n<textarea id=\"csv\" "
          "readonly rows=\"16\" aria-label=\"Spans as CSV\"></textarea></details>\n" +
          Paragraph(
-             "Seconds are counted from the first frame of the recording. <code>canon.trim: {rule: annotated, spans: "
-             "spans.csv}</code> in a config cuts by the file; <code>mocurate review DATASET --annotate --spans "
-             "spans.csv</code> goes on with it. The browser keeps what is marked, also when it has been saved.",
+             "Seconds count from the first frame of the recording. <code>canon.trim: {rule: annotated, spans: "
+             "spans.csv}</code> in a config cuts recordings by this file; <code>mocurate review DATASET --annotate "
+             "--spans "
+             "spans.csv</code> continues from it. The browser keeps the marked spans, also after saving.",
              "soft") +
-         "<p><button type=\"button\" id=\"forget\">Forget what was marked here</button> <button type=\"button\" "
-         "id=\"sure\" hidden>Yes, begin again</button></p>\n</section>\n</main>\n<footer>\n" +
+         "<p><button type=\"button\" id=\"forget\">Delete the spans marked here</button> <button type=\"button\" "
+         "id=\"sure\" hidden>Yes, start again</button></p>\n</section>\n</main>\n<footer>\n" +
          Paragraph("Made by " + EscapeHtml(CreatedBy()) + ".") +
          "</footer>\n<script type=\"application/json\" id=\"annotate-data\">" + JsonForScript(page) +
          "</script>\n<script>" + kPlayerScript + "</script>\n<script>" + kPageToolsScript + "</script>\n<script>" +

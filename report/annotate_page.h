@@ -17,13 +17,13 @@ struct AnnotatedSpan {
   double end_s = 0.0;
   std::string label;       ///< or empty
   std::string fine_label;  ///< or empty
-  bool proposed = false;   ///< by a program: to be confirmed
+  bool proposed = false;   ///< by a program: needs confirmation
 };
 
-/// One clip that a person marks spans in.
+/// One clip on the annotation page.
 struct AnnotateCard {
   std::string clip;       ///< id
-  std::string recording;  ///< id without the span: what spans.csv names
+  std::string recording;  ///< id without the span, as in spans.csv
   std::string person;
   std::string label;  ///< of the whole clip, or empty
   int frames = 0;
@@ -35,7 +35,7 @@ struct AnnotateCard {
   PackedSpeeds speeds;
   std::vector<AnnotatedSpan> spans;
   bool done = false;  ///< has spans of an earlier session
-  std::string key;    ///< of the browser's store: sixteen digits of its id, motion and spans
+  std::string key;    ///< key in the browser's store: sixteen digits of its id, motion and spans
 };
 
 struct AnnotatePageInput {
@@ -43,22 +43,21 @@ struct AnnotatePageInput {
   std::vector<std::string> labels;
   SkeletonPtr skeleton;
   std::vector<AnnotateCard> cards;
-  nlohmann::json rest = nlohmann::json::array();  ///< spans of an earlier session that no card shows; are saved again
+  nlohmann::json rest = nlohmann::json::array();  ///< spans of an earlier session that no card shows; saved again
 };
 
-/// One page without addresses outside it: a card per clip with a player and a timeline on which spans are marked, given
-/// labels, and saved as the spans.csv that canon.trim reads (docs/review.md).
+/// One self-contained page: a card per clip with a player and a timeline, on which spans are marked and labelled. They
+/// are saved as the spans.csv that canon.trim reads (docs/review.md).
 std::string MakeAnnotatePage(const AnnotatePageInput& input);
 
-/// When the first frame of a clip is, in seconds from the first frame of its recording.
+/// Time of a clip's first frame, in seconds from the first frame of its recording.
 double BeginInRecording(const Clip& clip);
 
 /// Inputs: roles "dataset" and, if there is an earlier session, "spans" (a JSON list of {"clip", "begin", "end",
 /// "in_frames", "label", "fine_label"}: id, id without its frames, or name of the recording; in seconds or frames of
-/// it) -> the page. Spans of the session take the place of the segments of the recordings that it names. Clips are
-/// read one at a time; while all poses take more than options.poses_bytes, every second one is left out. Errors: kUsage
-/// for a clip that is not there, kInconsistent when no clip is to be shown, or when no span is of a recording of the
-/// dataset.
+/// it) -> the page. Spans of the session replace the segments of the recordings that they name. Clips are read one at a
+/// time; while all poses exceed options.poses_bytes, every second one is dropped. Errors: kUsage for an unknown clip,
+/// kInconsistent when no clip is to be shown, or when no span is of a recording of the dataset.
 Expected<StageOutcome> AnnotateStage(const StageRequest& request);
 
 }  // namespace mocurate

@@ -2,10 +2,10 @@
 
 namespace mocurate {
 
-/// Reads #annotate-data (annotate_page.cpp); poses and speeds of a clip stand in its card and are decoded while the
-/// card is near the window. Seconds of spans are from the first frame of the recording. What is marked is kept in the
-/// browser's store under the clip's key. "Save" writes spans.csv, which also stands in #csv. Sets data-annotate on
-/// <html> to the number of cards.
+/// Reads #annotate-data (annotate_page.cpp); each card contains poses and speeds of its clip, which are decoded while
+/// the card is near the window. Seconds of spans are from the first frame of the recording. Marked spans are stored in
+/// the browser under the clip's key. "Save" writes spans.csv, which is also in #csv. Sets data-annotate on <html> to
+/// the number of cards.
 inline constexpr const char* kAnnotateScript = R"js(
 'use strict';
 (() => {

@@ -27,7 +27,7 @@ bool EndsIn(const std::string& text, const std::string& end) {
 
 /// A span of an earlier session.
 struct SessionSpan {
-  std::string clip;  ///< as the session names it
+  std::string clip;  ///< name in the session
   double begin = 0.0;
   double end = 0.0;
   bool in_frames = false;
@@ -35,14 +35,14 @@ struct SessionSpan {
   std::string fine_label;
 };
 
-/// By id or name of the recording, as the session has it.
+/// By id or name of the recording, as in the session.
 using SessionSpans = std::map<std::string, std::vector<SessionSpan>>;
 
 Expected<SessionSpans> ReadSession(const StageInput& input) {
   const auto text = ReadFile(input.path);
   if (!text) return Forward(text);
   const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_array()) return Fail(ErrorCode::kMalformed, "no list of spans", input.name);
+  if (!json.is_array()) return Fail(ErrorCode::kMalformed, "not a list of spans", input.name);
   SessionSpans spans;
   for (const nlohmann::json& span : json) {
     const auto begin = NumberOf(span, "begin"), end = NumberOf(span, "end");
@@ -54,8 +54,7 @@ Expected<SessionSpans> ReadSession(const StageInput& input) {
   return spans;
 }
 
-/// Rows of the clips to show: those that were chosen, else those without a label, or all. Error kUsage of a name that
-/// no clip has.
+/// Rows of the clips to show: the chosen ones, else those without a label, or all. Error kUsage for an unknown name.
 Expected<std::vector<std::size_t>> ChooseRows(const DatasetClips& clips, const AnnotateOptions& options,
                                               const std::string& dataset) {
   std::vector<std::size_t> rows;
@@ -78,8 +77,8 @@ Expected<std::vector<std::size_t>> ChooseRows(const DatasetClips& clips, const A
   if (rows.empty()) {
     return Fail(ErrorCode::kInconsistent,
                 clips.size() == 0 ? "the dataset has no clips" : "every clip has a label already", dataset,
-                clips.size() == 0 ? "curation_log.jsonl of its run says why each is missing"
-                                  : "--all shows them too, --clip chooses some");
+                clips.size() == 0 ? "curation_log.jsonl of its run lists why each is missing"
+                                  : "show them with --all, or choose some with --clip");
   }
   return rows;
 }
@@ -126,13 +125,14 @@ AnnotateCard* CardOfSpan(const std::vector<AnnotateCard*>& cards, double begin_s
   return best;
 }
 
-/// What became of the spans of an earlier session.
+/// Result of assigning the spans of an earlier session.
 struct PlacedSession {
   std::size_t known = 0;     ///< recordings that the dataset has
-  std::size_t left_out = 0;  ///< spans in frames of recordings that no card shows: their rate is not known
+  std::size_t excluded = 0;  ///< spans in frames of recordings that no card shows, whose rate is unknown
 };
 
-/// Gives each span of the session to the card of its recording that shows most of it; the others are kept aside.
+/// Assigns each span of the session to the card of its recording that shows most of it; the others are stored
+/// separately.
 PlacedSession PlaceSession(const SessionSpans& session, const std::set<std::string>& recordings,
                            AnnotatePageInput& input) {
   PlacedSession placed;
@@ -151,7 +151,7 @@ PlacedSession PlaceSession(const SessionSpans& session, const std::set<std::stri
     }
     for (const SessionSpan& span : spans) {
       if (span.in_frames && cards.empty()) {
-        ++placed.left_out;
+        ++placed.excluded;
         continue;
       }
       const double unit_s = span.in_frames ? 1.0 / cards.front()->recorded_hz : 1.0;
@@ -183,7 +183,7 @@ void FinishCard(const std::string& fingerprint, AnnotateCard& card) {
   card.key = hash.Hex().substr(0, 16);
 }
 
-/// The labels that are given and those of spans, in their order.
+/// The given labels and those of spans, in their order.
 void AddLabelsOfSpans(AnnotatePageInput& input) {
   std::set<std::string> known(input.labels.begin(), input.labels.end());
   for (const AnnotateCard& card : input.cards) {
@@ -219,7 +219,7 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
       session = std::move(*read);
     }
   }
-  if (!clips) return Fail(ErrorCode::kInternal, "the stage got no dataset", request.item);
+  if (!clips) return Fail(ErrorCode::kInternal, "the stage has no dataset", request.item);
   input.labels = options->labels.empty() ? clips->labels() : options->labels;
   input.skeleton = clips->skeleton();
   const auto rows = ChooseRows(*clips, *options, input.dataset);
@@ -251,7 +251,7 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
   if (!session.empty() && placed.known == 0) {
     return Fail(ErrorCode::kInconsistent,
                 "none of its " + Counted(static_cast<long long>(session.size()), "recording") + " is in the dataset",
-                request.item, "they are spans of another dataset: '" + session.begin()->first + "'");
+                request.item, "use the spans of this dataset; these are of another: '" + session.begin()->first + "'");
   }
   std::size_t spans = 0;
   double least = options->rate_hz;
@@ -271,7 +271,7 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
                      {"poses_per_second", least},
                      {"labels", input.labels.size()},
                      {"unknown", session.size() - placed.known},
-                     {"left_out", placed.left_out}};
+                     {"excluded", placed.excluded}};
   return outcome;
 }
 

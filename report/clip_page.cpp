@@ -25,7 +25,7 @@ constexpr int kMostCurvePoints = 1200;  ///< of a curve
 
 using Points = std::vector<std::pair<double, double>>;
 
-/// A curve over time; long ones keep the largest of each stretch, so that no peak is lost.
+/// A curve over time; for long ones the largest value of each interval is kept, so that no peak is lost.
 Points Over(const std::vector<double>& time, const std::vector<double>& values) {
   Points points;
   const std::size_t step = (values.size() + kMostCurvePoints - 1) / kMostCurvePoints;
@@ -72,7 +72,7 @@ std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
     html += "<div><dt>" + name + "</dt><dd>" + value + "<small>" + note + "</small></dd></div>\n";
   };
   if (clip.fitted.fit_rms > 0.0) {
-    tile("Residual", FixedText(1e3 * clip.fitted.fit_rms, 1) + " mm", "RMS over the evidence that is used");
+    tile("Residual", FixedText(1e3 * clip.fitted.fit_rms, 1) + " mm", "RMS over the evidence used");
   }
   if (series.raw_bones) {
     double raw = 0.0;
@@ -84,14 +84,14 @@ std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
       fitted += bone.fitted_spread;
       ++bones;
     }
-    tile("Bone lengths spread", FixedText(fitted / std::max(1, bones), 1) + " mm",
+    tile("Bone length deviation", FixedText(fitted / std::max(1, bones), 1) + " mm",
          FixedText(raw / std::max(1, bones), 1) + " mm before");
   }
   if (!Finite(series.jerk_raw).empty()) {
     tile("Jerk", FixedText(RmsOf(series.jerk_fitted), 0) + " m/s³", FixedText(RmsOf(series.jerk_raw), 0) + " before");
   }
   if (!series.sigma_mm.empty()) {
-    tile("Stated standard deviation", FixedText(RmsOf(series.sigma_mm), 1) + " mm", "of a joint's place, per axis");
+    tile("Estimated standard deviation", FixedText(RmsOf(series.sigma_mm), 1) + " mm", "of a joint position, per axis");
   }
   return html + "</dl>\n";
 }
@@ -102,12 +102,12 @@ std::string SeenHtml(const ClipPageInput& input) {
   std::string html;
   if (!input.options.video.empty()) {
     html += "<video controls preload=\"metadata\" src=\"" + EscapeHtml(input.options.video) +
-            "\">The video lies beside this page: " + EscapeHtml(input.options.video) + "</video>\n";
+            "\">The video is beside this page: " + EscapeHtml(input.options.video) + "</video>\n";
   } else if (!input.options.no_video.empty()) {
     html += Paragraph("No video: " + EscapeHtml(input.options.no_video), "soft");
   }
   if (clip.evidence.evidence.tracks) {
-    html += Figure("Before: what was tracked", FilmstripSvg(clip, stills, StripLayers::kEvidence));
+    html += Figure("Before: the tracked points", FilmstripSvg(clip, stills, StripLayers::kEvidence));
   }
   html += Figure("After: the fitted motion", FilmstripSvg(clip, stills, StripLayers::kFit));
   const bool points = clip.evidence.evidence.tracks.has_value();
@@ -148,16 +148,14 @@ std::string TimeHtml(const ClipSeries& series) {
   if (!Finite(series.jerk_raw).empty()) jerk.curves.push_back({"before", Over(series.time_s, series.jerk_raw), 5});
   if (!Finite(series.jerk_fitted).empty()) jerk.curves.push_back({"after", Over(series.time_s, series.jerk_fitted), 0});
   charts += Figure("Jerk, m/s³", jerk.Svg());
-  if (charts.empty()) return Paragraph("A clip this short has nothing over time.");
+  if (charts.empty()) return Paragraph("The clip is too short for curves over time.");
   return "<div class=\"charts wide\">\n" + charts + "</div>\n" +
-         Paragraph("Read both together: what smooths away motion has little jerk and a large residual.", "soft");
+         Paragraph("Compare both: over-smoothed motion has low jerk and a large residual.", "soft");
 }
 
 std::string BonesHtml(const ClipSeries& series, const Skeleton& skeleton) {
   if (!series.raw_bones) {
-    return Paragraph(
-        "The evidence holds no joints whose distances could be compared; the fit's bones have one length "
-        "each.");
+    return Paragraph("The evidence has no joints to measure bone lengths from; the fit's bones have constant lengths.");
   }
   std::vector<const BoneSeries*> sorted;
   for (const BoneSeries& bone : series.bones) {
@@ -177,7 +175,7 @@ std::string BonesHtml(const ClipSeries& series, const Skeleton& skeleton) {
         {{"before", Over(series.time_s, bone.raw), 5}, {"after", Over(series.time_s, bone.fitted), 0}}};
     charts += Figure(EscapeHtml(name) + ", mm", chart.Svg());
   }
-  HtmlTable table{"All bones, mm", {"Ends at", "Before, mean", "Before, spread", "After", "After, spread"}, {}, true};
+  HtmlTable table{"All bones, mm", {"Ends at", "Before, mean", "Before, std", "After", "After, std"}, {}, true};
   for (const BoneSeries* bone : sorted) {
     table.rows.push_back({EscapeHtml(skeleton.joints[bone->joint].name), FixedText(bone->raw_mean, 1),
                           FixedText(bone->raw_spread, 1), FixedText(bone->fitted.front(), 1),
@@ -190,8 +188,7 @@ std::string BonesHtml(const ClipSeries& series, const Skeleton& skeleton) {
 std::string RepairsHtml(const ClipPageInput& input) {
   const Clip& fitted = input.clip.fitted;
   std::string html;
-  HtmlTable table{
-      "What was mended before the fit; each can be taken back", {"Frames", "What", "Joints", "Value"}, {}, false};
+  HtmlTable table{"Corrections before the fit; each can be undone", {"Frames", "What", "Joints", "Value"}, {}, false};
   const auto repairs = fitted.provenance.find("track_repairs");
   if (repairs != fitted.provenance.end()) {
     const nlohmann::json list = nlohmann::json::parse(repairs->second, nullptr, false);
@@ -209,12 +206,11 @@ std::string RepairsHtml(const ClipPageInput& input) {
     }
     if (table.rows.size() < Elements(list).size()) {
       html += Paragraph(CountText(static_cast<long long>(Elements(list).size() - table.rows.size())) +
-                            " more repairs stand in the clip's provenance.",
+                            " more corrections are in the clip's provenance.",
                         "soft");
     }
   }
-  html =
-      (table.rows.empty() ? Paragraph("Nothing was exchanged, and nothing taken for missing.") : table.Html()) + html;
+  html = (table.rows.empty() ? Paragraph("No joints were exchanged or set to missing.") : table.Html()) + html;
   HtmlTable findings{"Findings", {"Frames", "Code", "Joint", "What", "Done"}, {}, false};
   for (const Finding& finding : input.findings) {
     if (findings.rows.size() >= kMostRepairs) break;
@@ -227,21 +223,21 @@ std::string RepairsHtml(const ClipPageInput& input) {
   if (map.empty()) return html;
   return html +
          Paragraph(
-             "Where each joint comes from, joint by joint over the frames: <span class=\"s-observed\"></span>"
-             "observed<span class=\"s-repaired\"></span>repaired (observed as the other side)"
+             "Source of each joint over the frames: <span class=\"s-observed\"></span>"
+             "observed<span class=\"s-repaired\"></span>corrected (observed as the other side)"
              "<span class=\"s-interpolated\"></span>interpolated<span class=\"s-inferred\"></span>inferred",
              "key soft") +
          map;
 }
 
 std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
-  if (series.sigma_mm.empty()) return Paragraph("The fit states no uncertainty.");
-  const LineChart chart{"Stated standard deviation of a joint's place, per axis",
+  if (series.sigma_mm.empty()) return Paragraph("The fit has no uncertainty estimate.");
+  const LineChart chart{"Estimated standard deviation of a joint position, per axis",
                         "s",
                         "mm",
                         {{"root mean square over joints", Over(series.time_s, series.sigma_mm), 0}}};
   HtmlTable table{"Means over the frames",
-                  {"Joint", "Place, mm per axis", "Largest", "Rotation, degrees", "Axes the evidence decided, of 3"},
+                  {"Joint", "Position, mm per axis", "Largest", "Rotation, degrees", "Observable axes, of 3"},
                   {},
                   true};
   const int frames = motion.frame_count();
@@ -262,14 +258,14 @@ std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
                           motion.rotation_sigma.empty() ? "–" : FixedText(turn, 1),
                           motion.rotation_observed.empty() ? "–" : FixedText(decided, 2)});
   }
-  const std::string drawn = frames > 1 ? "<div class=\"charts wide\">" +
-                                             Figure("Stated standard deviation of a joint's place, mm", chart.Svg()) +
-                                             "</div>\n"
-                                       : "";
+  const std::string drawn =
+      frames > 1 ? "<div class=\"charts wide\">" +
+                       Figure("Estimated standard deviation of a joint position, mm", chart.Svg()) + "</div>\n"
+                 : "";
   return drawn + "<details><summary>Joint by joint</summary>" + table.Html() + "</details>\n" +
          Paragraph(
-             "An axis that no evidence decides, such as the twist of a straight limb, keeps the spread of what "
-             "people do; it is not certain.",
+             "An unobservable axis, such as the twist of a straight limb, keeps the prior's standard deviation "
+             "and is uncertain.",
              "soft");
 }
 
@@ -307,7 +303,7 @@ std::string ViewsHtml(const ClipPageInput& input, const ClipSeries& series) {
   if (shown < views) html += Paragraph(std::to_string(shown) + " of " + std::to_string(views) + " views.", "soft");
   return html + Paragraph(
                     "White: outline of the fitted body. Depth: near is bright. Keypoints: those of the person "
-                    "yellow, other people's grey; the camera stands where the calibration says.",
+                    "yellow, other people's grey; the camera pose is that of the calibration.",
                     "soft");
 }
 
@@ -333,8 +329,8 @@ Expected<std::string> MakeClipPage(const ClipPageInput& input) {
   section("seen-section", "Before and after", SeenHtml(input));
   section("time", "Residual and jerk", TimeHtml(*series));
   section("bones", "Bone lengths", BonesHtml(*series, *motion.skeleton));
-  section("repairs", "Repairs and doubts", RepairsHtml(input));
-  section("uncertainty", "How sure", SigmaHtml(*series, motion));
+  section("repairs", "Corrections and findings", RepairsHtml(input));
+  section("uncertainty", "Uncertainty", SigmaHtml(*series, motion));
   section("views", "Over the views", ViewsHtml(input, *series));
   const nlohmann::json players = nlohmann::json::array({PlayerData(input.clip, kClipPlayerNumbers)});
   return html + "</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + " from stored results.") +

@@ -9,16 +9,16 @@
 
 namespace mocurate {
 
-/// What a page about one clip is made from.
+/// Input of a page about one clip.
 struct ClipPageInput {
   DrawnClip clip;                 ///< with a fitted motion
   std::vector<Finding> findings;  ///< of ingest and fit, stored with the fit
   ClipPageOptions options;
 };
 
-/// One clip before and after its fit: video, filmstrips, player, residual beside jerk, bone lengths, repairs, states,
-/// uncertainty, and the body over every view. Self-contained but for the video beside it. Error kInconsistent without a
-/// motion.
+/// One clip before and after its fit: video, filmstrips, player, residual and jerk, bone lengths, corrections, states,
+/// uncertainty, and the body over every view. Self-contained except for the video beside it. Error kInconsistent
+/// without a motion.
 Expected<std::string> MakeClipPage(const ClipPageInput& input);
 
 }  // namespace mocurate

@@ -56,10 +56,10 @@ void AddTrackResiduals(const Motion& motion, const TracksOfJoints& tracks, ClipS
   }
 }
 
-/// Median distance of what the depth views saw near the body from its surface: every sixth row and column.
+/// Median distance of the depth views' points near the body from its surface: every sixth row and column.
 double CloudResidual(const Clip& fitted, const Evidence& evidence, int frame) {
   constexpr int kStep = 6;
-  constexpr double kReach = 0.2;  // metres: farther things are not the person
+  constexpr double kReach = 0.2;  // metres: farther points are not the person's
   const PosedBody body = BodyOf(fitted, frame);
   std::vector<double> distances;
   for (const int v : ChosenViews(evidence, std::min<int>(8, static_cast<int>(evidence.depth_views.size())))) {

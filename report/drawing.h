@@ -10,8 +10,8 @@
 
 namespace mocurate {
 
-/// A picture as a list of shapes, which SVG, PNG and video show alike. Pixels, x to the right, y down; later shapes
-/// cover earlier ones.
+/// A picture as a list of shapes, drawn alike to SVG, PNG and video. Pixels, x to the right, y down; later shapes cover
+/// earlier ones.
 
 using Colour = std::array<std::uint8_t, 3>;  ///< red, green, blue
 

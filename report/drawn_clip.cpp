@@ -21,7 +21,7 @@ Expected<DrawnClip> ReadDrawnClip(const StageRequest& request, std::vector<Findi
   if (!evidence) return Forward(evidence);
   auto fit = ReadDataset(fit_input->path);
   if (!fit) return Forward(fit);
-  if (fit->clips.empty()) return Fail(ErrorCode::kInconsistent, "the fit holds no clip", request.item);
+  if (fit->clips.empty()) return Fail(ErrorCode::kInconsistent, "the fit has no clip", request.item);
   DrawnClip drawn;
   drawn.item = fit_input->name;
   drawn.evidence = std::move(*evidence);

@@ -7,13 +7,13 @@
 
 namespace mocurate {
 
-/// Text as it may stand in HTML and in attribute values. Bytes that are not UTF-8 become U+FFFD.
+/// Text escaped for HTML and attribute values. Bytes that are not UTF-8 become U+FFFD.
 std::string EscapeHtml(std::string_view text);
 
-/// JSON that may stand inside <script type="application/json">: no "</" and no "<!--" can occur in it.
+/// JSON safe inside <script type="application/json">: it contains no "</" and no "<!--".
 std::string JsonForScript(const nlohmann::json& json);
 
-/// Fixed digits with a point in any locale; an en dash for what is not finite.
+/// Fixed digits with a point in any locale; an en dash for non-finite values.
 std::string FixedText(double value, int digits);
 /// About three significant digits, as HTML: "0.012", "12.3", "1234", "&lt; 0.001".
 std::string ShortText(double value);

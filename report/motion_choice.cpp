@@ -40,7 +40,7 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
       }
     }
     if (rows.size() > before) continue;
-    return Fail(ErrorCode::kNotFound, "no clip's id ends so", wanted, "`mocurate inspect FILE` lists them");
+    return Fail(ErrorCode::kNotFound, "no clip id has this ending", wanted, "`mocurate inspect FILE` lists them");
   }
   std::vector<std::string> labels = options.labels;
   const bool some_long = std::any_of(sets.begin(), sets.end(), IsLong);
@@ -50,11 +50,11 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
     const auto near = Nearest(label, names);
     std::string list;
     if (list.empty() && known == std::set<std::string>{""}) {
-      return Fail(ErrorCode::kNotFound, "the motions have no labels", label, "--clip names clips by their ids");
+      return Fail(ErrorCode::kNotFound, "the motions have no labels", label, "choose clips by their ids with --clip");
     }
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
     return Fail(ErrorCode::kNotFound, "no motion has this label", label,
-                (near ? "did you mean '" + *near + "'? " : std::string()) + "there are: " + list);
+                (near ? "did you mean '" + *near + "'? " : std::string()) + "the labels are: " + list);
   }
   if (labels.empty() && options.clips.empty() && !some_long) {
     for (const NamedMotions& set : sets) {
@@ -87,9 +87,10 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
     return Fail(ErrorCode::kUsage,
                 Counted(static_cast<long long>(rows.size()), "row") + ", a picture has " +
                     std::to_string(options.most_rows) + " at most",
-                "picture", "name labels or clips, or fewer samples");
+                "picture", "choose labels or clips, or fewer samples");
   }
-  if (rows.empty()) return Fail(ErrorCode::kInconsistent, "there is no motion to draw", "picture", "name other files");
+  if (rows.empty())
+    return Fail(ErrorCode::kInconsistent, "there is no motion to draw", "picture", "choose other files");
   return rows;
 }
 

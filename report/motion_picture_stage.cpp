@@ -22,7 +22,7 @@ Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const Mot
   }
   auto rows = ChooseMotionRows(sets, options);
   if (!rows || options.figure != FigureChoice::kSkin) return rows;
-  if (body == nullptr) return Fail(ErrorCode::kInternal, "a skin needs a body", request.item);
+  if (body == nullptr) return Fail(ErrorCode::kInternal, "drawing a skin needs a body", request.item);
   for (MotionRow& row : *rows) {
     if (row.clip.motion->joints_only()) {
       return Fail(ErrorCode::kUnsupported, "the motion has no rotations to pose a skin with", row.clip.id(),
@@ -55,7 +55,7 @@ Expected<StageOutcome> MotionPictureStage(const StageRequest& request) {
   const double pixels = drawing.width * drawing.height * options->scale * options->scale;
   if (options->format == PictureFormat::kPng && pixels > kMostPixels) {
     return Fail(ErrorCode::kUsage, RoundedText(pixels / 1e6, 3) + " million pixels, a PNG has 200 million at most",
-                "picture", "a smaller --scale, fewer rows or stills, or .svg");
+                "picture", "use a smaller --scale, fewer rows or stills, or .svg");
   }
   const std::string bytes = options->format == PictureFormat::kSvg ? ToSvg(drawing) : ToPng(drawing, options->scale);
   if (Status written = WriteFile(request.output, bytes); !written) return Forward(written);

@@ -36,7 +36,7 @@ Colour Shaded(const Colour& colour, double light) {
   return shaded;
 }
 
-/// A figure as seen in a frame, metres: x to the right of the root, y up in the world, z towards the eye.
+/// A figure in a frame, metres: x to the right of the root, y up in the world, z towards the viewer.
 struct SeenFigure {
   struct Part {
     double depth = 0.0;  ///< the farther from the eye, the less
@@ -49,7 +49,7 @@ struct SeenFigure {
   double left = 0.0, right = 0.0, low = 0.0, high = 0.0;
 };
 
-/// Where things of a row are seen: level with the horizon, so that heights stay heights.
+/// The view of a row: level with the horizon, so that heights are preserved.
 class Eye {
  public:
   explicit Eye(const Motion& motion) : view_(FrontView(motion)) { view_.pitch = 0.0; }
@@ -62,7 +62,7 @@ class Eye {
   Viewpoint view_;
 };
 
-/// The outline of two discs and what lies between them.
+/// The convex hull of two discs.
 std::vector<Vector2d> HullOfDiscs(const Vector2d& a, const Vector2d& b, double radius) {
   constexpr int kSteps = 8;
   const Vector2d along = b - a;
@@ -167,7 +167,7 @@ void Write(double x, double y, std::string text, double size, TextAnchor anchor,
   shapes.emplace_back(TextShape{Vector2d(x, y), std::move(text), size, anchor, colour, bold});
 }
 
-/// As many characters as a width holds, about.
+/// Approximate number of characters that fit a width.
 std::string Shortened(const std::string& text, double width, double size) {
   auto most = static_cast<std::size_t>(std::max(1.0, width / (0.56 * size)));
   if (text.size() <= most) return text;
@@ -183,7 +183,7 @@ struct SeenRow {
   double low = 1e9, high = -1e9;
 };
 
-/// The root's way on the floor, metres: x to the right, y towards the eye, as the row is seen.
+/// The root's path on the floor, metres: x to the right, y towards the viewer, in the row's view.
 std::vector<Vector2d> PathOf(const Motion& motion, const Eye& eye) {
   std::vector<Vector2d> path;
   const Vector3d start = motion.joints.at(0, 0);

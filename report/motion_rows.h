@@ -13,24 +13,24 @@
 
 namespace mocurate {
 
-/// A motion of a picture: what made it, and what it shows.
+/// A motion of a picture: its source and content.
 struct MotionRow {
   std::string method;
   std::string label;
   Clip clip;
-  std::optional<Skin> skin;  ///< drawn in the place of bones
+  std::optional<Skin> skin;  ///< drawn instead of bones
 };
 
-/// A set of motions with the name of what made them.
+/// A set of motions with the name of its source.
 struct NamedMotions {
   std::string method;
   Dataset motions;
 };
 
-/// Which motions are shown: of each label of the options and each set the first `samples` clips, or the clips that are
-/// named; without either one of each class, or of sets of long motions (clips with segments) the first ones. Error
-/// kNotFound for a label that no set has and for a clip that is not there, kInconsistent for clips without a motion,
-/// kUsage for more than `most_rows`.
+/// The motions to show: of each label of the options and each set the first `samples` clips, or the named clips;
+/// without either one of each class, or for sets of long motions (clips with segments) the first ones. Errors:
+/// kNotFound for a label that no set has and for an unknown clip, kInconsistent for clips without a motion, kUsage for
+/// more than `most_rows`.
 Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions>& sets,
                                                   const MotionPictureOptions& options);
 
@@ -38,7 +38,7 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
 /// below, brackets over the segments of long motions (transitions dashed), the root's path from above to the right.
 Drawing DrawMotionRows(const std::vector<MotionRow>& rows, const MotionPictureOptions& options);
 
-/// All rows in their frame of one moment, side by side; a motion that has ended holds its last frame.
+/// All rows at one moment, side by side; a motion that has ended stays at its last frame.
 class MotionGrid {
  public:
   MotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOptions& options);

@@ -16,7 +16,7 @@ const cv::Scalar kNothing(34, 28, 24);
 const cv::Scalar kBystander(120, 116, 112);
 const cv::Scalar kDetection(90, 235, 250);
 
-/// The part of a view that shows the body in `frames`, with a margin; the whole view when the body is out of sight.
+/// The part of a view that contains the body in `frames`, with a margin; the whole view when the body is outside.
 cv::Rect CropOf(const Clip& fitted, const Camera& camera, const std::vector<int>& frames) {
   constexpr double kNear = 0.1;  // metres before the camera
   const cv::Rect whole(0, 0, camera.width, camera.height);
@@ -128,8 +128,8 @@ Expected<ViewPainter> ViewPainter::Make(const Clip& fitted, const Evidence& evid
   }
   const Camera& camera = ViewCamera(evidence, view);
   if (camera.width <= 0 || camera.height <= 0) {
-    return Fail(ErrorCode::kInconsistent, "the size of the images is not known", camera.name,
-                "a calibration that says it");
+    return Fail(ErrorCode::kInconsistent, "the size of the images is unknown", camera.name,
+                "use a calibration that states it");
   }
   ViewPainter painter;
   painter.fitted_ = &fitted;

@@ -7,10 +7,10 @@
 
 namespace mocurate {
 
-/// Poses of a motion in few bytes, for pages with many long clips. A row a pose: the root as three int16
-/// (little-endian, from where it is in the first frame), then each other joint as three int8 from the root; x, y, z in
-/// multiples of `root_mm` and `joint_mm`. The error is at most half of these: about 4 mm of a body with joints up to 1
-/// m away from its root.
+/// Compact poses of a motion, for pages with many long clips. One row per pose: the root as three int16 (little-endian,
+/// relative to the first frame), then each other joint as three int8 relative to the root; x, y, z in multiples of
+/// `root_mm` and `joint_mm`. The error is at most half of these: about 4 mm for a body with joints up to 1 m away from
+/// its root.
 struct PackedFrames {
   int step = 1;           ///< frames from one row to the next
   double root_mm = 1.0;   ///< of one unit of the root
@@ -23,14 +23,14 @@ struct PackedFrames {
 };
 PackedFrames PackFrames(const Motion& motion, int step);
 
-/// How fast a motion is, for a curve below a timeline.
+/// Speed curve of a motion, for display below a timeline.
 struct PackedSpeeds {
-  double fastest = 0.0;  ///< m/s, of the top of the curve
+  double fastest = 0.0;  ///< m/s, top of the curve
   std::string values;    ///< a byte per stretch of time, 255 times the square root of speed over `fastest`
 };
 
-/// Speed of the fastest joint in each frame, m/s, (F): how far it gets in the 0.2 s around the frame (at the ends in
-/// the part of them that there is), at least from one neighbour to the other, so that jitter hardly counts.
+/// Speed of the fastest joint in each frame, m/s, (F): displacement over the 0.2 s around the frame (truncated at the
+/// ends), at least from one neighbour to the other, to suppress jitter.
 std::vector<double> FastestJointSpeeds(const Motion& motion);
 /// The fastest frame of each of at most `most` equal stretches.
 PackedSpeeds PackSpeeds(const std::vector<double>& speeds, std::size_t most);

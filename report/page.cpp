@@ -52,7 +52,7 @@ std::string MakePage(const ReportInput& input) {
   html += "</main>\n<footer>\n" +
           Paragraph("Made by " + EscapeHtml(TextOf(input.run, "created_by")) + " from stored results.");
   if (const std::string takes = TextOf(input.run, "takes"); !takes.empty())
-    html += Paragraph("This run takes " + EscapeHtml(takes) + ".");
+    html += Paragraph("This run uses " + EscapeHtml(takes) + ".");
   return html + "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(PlayersJson(input)) +
          "</script>\n<script>" + kPlayerScript + "</script>\n</body>\n</html>\n";
 }

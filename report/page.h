@@ -6,7 +6,7 @@
 
 namespace mocurate {
 
-/// The whole page: self-contained, no address outside it. Same input, same bytes.
+/// The whole page, self-contained. Same input, same bytes.
 std::string MakePage(const ReportInput& input);
 
 }  // namespace mocurate

@@ -2,15 +2,15 @@
 
 namespace mocurate {
 
-/// Light and dark by the reader's preference; system fonts; nothing is loaded from anywhere.
+/// Light and dark by the reader's preference; system fonts; no external resources.
 inline constexpr const char* kPageStyle = R"css(
 :root { color-scheme: light dark;
   --page: #f6f7f9; --card: #ffffff; --ink: #1c2127; --soft: #5a6470; --rule: #d9dee5; --grid: #e3e7ec;
-  --before: #8b95a1; --after: #2563c9; --left: #2563c9; --right: #c2571a; --good: #2c7d4f; --doubt: #b07d00; --bad: #b3392f;
+  --before: #8b95a1; --after: #2563c9; --left: #2563c9; --right: #c2571a; --good: #2c7d4f; --suspect: #b07d00; --bad: #b3392f;
   --heat: 37, 99, 201; }
 @media (prefers-color-scheme: dark) { :root {
   --page: #14171b; --card: #1c2127; --ink: #e6e9ed; --soft: #a0a9b4; --rule: #343b44; --grid: #2b323a;
-  --before: #8b95a1; --after: #6ba0f5; --left: #6ba0f5; --right: #f0965a; --good: #5fbf8a; --doubt: #e0b040; --bad: #ee7d72;
+  --before: #8b95a1; --after: #6ba0f5; --left: #6ba0f5; --right: #f0965a; --good: #5fbf8a; --suspect: #e0b040; --bad: #ee7d72;
   --heat: 70, 130, 235; } }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--page); color: var(--ink); font: 16px/1.5 system-ui, -apple-system, "Segoe UI", Roboto,
@@ -37,7 +37,7 @@ thead th { color: var(--soft); font-weight: 600; white-space: nowrap; } tbody th
 .numeric td, .numeric thead th:not(:first-child) { text-align: right; white-space: nowrap; }
 svg { display: block; width: 100%; height: auto; } svg.strip { background: var(--page); border-radius: 8px; max-height: 240px; }
 .label { font-size: 12px; fill: var(--soft); } .value { font-size: 12px; fill: var(--ink); }
-.before { fill: var(--before); } .after { fill: var(--after); } .good { fill: var(--good); } .doubt { fill: var(--doubt); }
+.before { fill: var(--before); } .after { fill: var(--after); } .good { fill: var(--good); } .suspect { fill: var(--suspect); }
 .bad { fill: var(--bad); } .axis { stroke: var(--soft); } .grid { stroke: var(--grid); }
 .median { stroke: var(--ink); stroke-width: 1.5; stroke-dasharray: 3 2; }
 .curve { fill: none; stroke-width: 2; stroke-linejoin: round; } .c0 { stroke: #2563c9; } .c1 { stroke: #c2571a; }
@@ -54,7 +54,7 @@ code { white-space: nowrap; }
 video { display: block; max-width: 100%; max-height: 560px; border-radius: 8px; margin: 0 0 14px; background: #181c22; }
 .player.alone { max-width: 560px; margin-top: 14px; } .player.alone canvas { height: 340px; }
 .s-observed { fill: var(--grid); background: var(--grid); } .s-repaired { fill: var(--bad); background: var(--bad); }
-.s-interpolated { fill: var(--doubt); background: var(--doubt); } .s-inferred { fill: var(--soft); background: var(--soft); }
+.s-interpolated { fill: var(--suspect); background: var(--suspect); } .s-inferred { fill: var(--soft); background: var(--soft); }
 .states .label { font-size: 10px; }
 .player canvas { width: 100%; height: 230px; display: block; background: var(--page); border-radius: 8px; cursor: grab;
   touch-action: none; }
@@ -71,7 +71,7 @@ button { font: inherit; padding: 2px 10px; min-width: 64px; border: 1px solid va
 .heat th { padding: 3px 10px 3px 0; border: 0; } .heat thead th { text-align: center; padding: 3px 0; } .heat .hot { color: #fff; }
 .key span { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin: 0 5px 0 12px; vertical-align: -1px; }
 .key .k-before { background: var(--before); margin-left: 0; } .key .k-left { background: var(--left); } .key .k-right { background: var(--right); }
-.key .k-good { background: var(--good); margin-left: 0; } .key .k-doubt { background: var(--doubt); } .key .k-bad { background: var(--bad); }
+.key .k-good { background: var(--good); margin-left: 0; } .key .k-suspect { background: var(--suspect); } .key .k-bad { background: var(--bad); }
 .key .k-after { background: var(--after); }
 summary { cursor: pointer; font-size: 14px; color: var(--soft); }
 @media (max-width: 760px) { .charts.wide { grid-template-columns: 1fr; } .clip { grid-template-columns: 1fr; } header, main, footer { padding-left: 14px; padding-right: 14px; } }

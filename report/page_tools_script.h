@@ -2,7 +2,7 @@
 
 namespace mocurate {
 
-/// What the pages share that a person works on: the browser's store, saving a file, and which keys are the page's.
+/// Shared by the interactive pages: the browser's store, saving a file, and the page's keys.
 inline constexpr const char* kPageToolsScript = R"js(
 'use strict';
 const pageTools = {

@@ -10,8 +10,8 @@
 
 namespace mocurate {
 
-/// What draws one frame of a clip after the other with a crop that stays; only for files that draw with OpenCV. The
-/// clip and the evidence must outlive the painter.
+/// Draws the frames of a clip one after the other with a constant crop; only for files that draw with OpenCV. The clip
+/// and the evidence must outlive the painter.
 
 /// The views of an evidence that a body can be drawn over: depth views first, then views of keypoints.
 int ViewCount(const Evidence& evidence);
@@ -19,12 +19,12 @@ const Camera& ViewCamera(const Evidence& evidence, int view);
 /// At most `most` of them, evenly chosen.
 std::vector<int> ChosenViews(const Evidence& evidence, int most);
 
-/// What one view saw, cut to the person over `frames`, with the outline of the fitted body and its bones over it: depth
+/// The image of one view, cut to the person over `frames`, with the outline and bones of the fitted body over it: depth
 /// in false colours, keypoints as dots (those of the person bright, other people's grey).
 class ViewPainter {
  public:
   /// `height` pixels of every picture; depth is enlarged by whole factors up to four unless `exact`. Errors
-  /// kInconsistent for a view or frame that is not there, and of ReadDepth.
+  /// kInconsistent for a missing view or frame, and of ReadDepth.
   static Expected<ViewPainter> Make(const Clip& fitted, const Evidence& evidence, int view,
                                     const std::vector<int>& frames, int height, bool exact);
   Expected<cv::Mat> Draw(int frame) const;
@@ -44,8 +44,8 @@ class ViewPainter {
   double high_ = 1.0;
 };
 
-/// Which of the people of an image are the fitted person: the median distance of their keypoints from the projected
-/// joints that bear their names is least. -1 for nobody within a quarter of the body's height in the image.
+/// Index of the detected person that matches the fit: with the smallest median distance of the keypoints from the
+/// projected joints of the same names. -1 where none is within a quarter of the body's height in the image.
 struct SeenPerson {
   int index = -1;
   double median_px = 0.0;
@@ -53,7 +53,7 @@ struct SeenPerson {
 SeenPerson FindPerson(const Motion& motion, int frame, const Evidence& evidence, int keypoint_view, int image);
 /// The image of a keypoint view nearest in time to a frame of the clip; -1 when none is within half a frame.
 int ImageOfFrame(const Motion& motion, int frame, const KeypointView& view);
-/// Joint of the skeleton behind each keypoint; -1 for points that are no joints.
+/// Joint of the skeleton for each keypoint; -1 for points that are not joints.
 std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& names);
 
 /// The fitted body from its front, the tracked points before it, time below.

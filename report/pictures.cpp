@@ -63,7 +63,7 @@ cv::Mat Smaller(const cv::Mat& image) {
   return smaller;
 }
 
-/// What the frames take up: heights in the world, and the reach to either side of the root as seen.
+/// Extent of the frames: heights in the world, and the reach to either side of the root in the view.
 struct Extent {
   Vector3d low = Vector3d::Constant(1e9);
   Vector3d high = Vector3d::Constant(-1e9);
@@ -104,7 +104,7 @@ Expected<std::vector<Vector3d>> CloudNear(const PosedBody& body, const Evidence&
   return points;
 }
 
-/// Points in front of the body or just below its surface veil it, those farther behind are hidden by it.
+/// Points in front of the body or just below its surface are drawn over it; those farther behind are occluded.
 void DrawCloud(const std::vector<Vector3d>& points, const Camera& camera, const std::vector<float>& body_depth,
                cv::Mat& image) {
   constexpr double kVeil = 0.5;

@@ -7,15 +7,15 @@
 
 namespace mocurate {
 
-/// Pictures of fits as PNG, drawn with OpenCV. Bodies are drawn as they were fitted to point clouds, else as capsules
+/// Pictures of fits as PNG, drawn with OpenCV. Bodies are drawn with the shape fitted to point clouds, else as capsules
 /// with the skeleton's radii, scaled by the person's bone lengths. Errors: kInconsistent when `fitted` has no motion or
 /// a frame or view does not exist, kNotFound and kMalformed for depth images, kCannotWrite.
 
 /// `frames` stills of the fitted body with the tracked points (dark) in front, time below.
 Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, int frames, const std::filesystem::path& png);
 
-/// What a view saw (depth in false colours, keypoints as dots; depth views come first), cut to the person, with the
-/// outline of the fitted body and its bones over it.
+/// The image of a view (depth in false colours, keypoints as dots; depth views come first), cut to the person, with the
+/// outline and bones of the fitted body over it.
 Status WriteBodyOverlay(const Clip& fitted, const Evidence& evidence, int view, int frame,
                         const std::filesystem::path& png);
 /// The same, as bytes of a PNG.

@@ -2,12 +2,12 @@
 
 namespace mocurate {
 
-/// The players of the page: play and pause, a slider for the frame, turning by drag or arrow keys. Reads the JSON in
-/// #player-data, where the page has it; sets data-ready on <html> to the number of players when all stand.
-/// mocuratePlayer(root, clip) makes one and answers {frame(), show(frame), toggle(), pause(), draw()}. Beside what
-/// PlayerData gives, `clip` may hold: thinned, the frames from one row of joints to the next (poses between are
-/// interpolated), and count, the frames of all; zero_s, the time of the first; follow, the root stays in the middle;
-/// speed, 1 as recorded; away, not to be drawn; moved(frame), called after every draw.
+/// The players of the page: play and pause, a slider for the frame, rotation by drag or arrow keys. Reads the JSON in
+/// #player-data, where the page has it; sets data-ready on <html> to the number of players when all are ready.
+/// mocuratePlayer(root, clip) creates one and returns {frame(), show(frame), toggle(), pause(), draw()}. Beside the
+/// fields of PlayerData, `clip` may have: thinned, the frames from one row of joints to the next (poses between are
+/// interpolated), and count, the number of frames; zero_s, the time of the first; follow, the root stays in the middle;
+/// speed, 1 as recorded; away, not drawn; moved(frame), called after every draw.
 inline constexpr const char* kPlayerScript = R"js(
 'use strict';
 const mocuratePlayer = (() => {

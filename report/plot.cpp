@@ -130,7 +130,7 @@ Expected<std::vector<Plot>> PlotsOf(const nlohmann::json& json) {
       plots.push_back(std::move(plot));
     }
   } catch (const nlohmann::json::exception& problem) {
-    return Fail(ErrorCode::kMalformed, std::string("no plots: ") + problem.what(), "plots");
+    return Fail(ErrorCode::kMalformed, std::string("not plots: ") + problem.what(), "plots");
   }
   return plots;
 }

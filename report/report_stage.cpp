@@ -32,11 +32,11 @@ Expected<nlohmann::json> ReadRun(const StageInput& input) {
   if (!text) return Forward(text);
   nlohmann::json run = nlohmann::json::parse(*text, nullptr, false);
   if (!run.is_object())
-    return Fail(ErrorCode::kMalformed, "the summary of the run is no JSON object", DisplayPath(input.path));
+    return Fail(ErrorCode::kMalformed, "the summary of the run is not a JSON object", DisplayPath(input.path));
   return run;
 }
 
-/// One clip with its fit; a clip that cannot be read costs its strip, not the page.
+/// One clip with its fit; an unreadable clip only loses its strip.
 Expected<DrawnClip> ReadDrawn(const StageInput& evidence, const StageInput* fit,
                               const std::map<std::string, std::filesystem::path>& depth_files) {
   DrawnClip drawn;
@@ -52,7 +52,7 @@ Expected<DrawnClip> ReadDrawn(const StageInput& evidence, const StageInput* fit,
   }
   auto fitted = ReadDataset(fit->path);
   if (!fitted) return Forward(fitted);
-  if (fitted->clips.empty()) return Fail(ErrorCode::kInconsistent, "the fit holds no clip", fit->name);
+  if (fitted->clips.empty()) return Fail(ErrorCode::kInconsistent, "the fit has no clip", fit->name);
   drawn.fitted = std::move(fitted->clips.front());
   return drawn;
 }
@@ -105,7 +105,7 @@ Expected<StageOutcome> ReportStage(const StageRequest& request) {
       input.generated.emplace_back(candidate.name, std::move(*motions));
     }
   }
-  if (!has_run) return Fail(ErrorCode::kInternal, "the report got no summary of a run", request.item);
+  if (!has_run) return Fail(ErrorCode::kInternal, "the stage report has no summary of a run", request.item);
   ReadDrawnClips(request, input);
   const std::string page = MakePage(input);
   if (Status written = WriteFile(request.output, page); !written) return Forward(written);

@@ -91,7 +91,7 @@ Expected<nlohmann::json> ReadJson(const StageInput& input) {
   const auto text = ReadFile(input.path);
   if (!text) return Forward(text);
   nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  if (json.is_discarded()) return Fail(ErrorCode::kMalformed, "no JSON", input.name);
+  if (json.is_discarded()) return Fail(ErrorCode::kMalformed, "not JSON", input.name);
   return json;
 }
 
@@ -130,7 +130,7 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
                    "lead") +
          Paragraph(
              "Keys: <kbd>j</kbd> and <kbd>p</kbd> next and previous clip; <kbd>k</kbd> keep, the finding is wrong; "
-             "<kbd>d</kbd> drop; <kbd>r</kbd> relabel to the class that is chosen; <kbd>[</kbd> and <kbd>]</kbd> "
+             "<kbd>d</kbd> drop; <kbd>r</kbd> relabel to the chosen class; <kbd>[</kbd> and <kbd>]</kbd> "
              "begin and end at the frame that the player shows, then <kbd>c</kbd> cut; <kbd>u</kbd> undo; "
              "<kbd>s</kbd> save.",
              "soft") +
@@ -141,8 +141,8 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
          "as "
          "YAML\"></textarea>\n" +
          Paragraph(
-             "<code>mocurate dataset apply DATASET decisions.yaml -o NEW.h5</code> carries them out on this file; "
-             "<code>canon.review: decisions.yaml</code> in a config does so in every run. The browser keeps them "
+             "<code>mocurate dataset apply DATASET decisions.yaml -o NEW.h5</code> applies them to this file; "
+             "<code>canon.review: decisions.yaml</code> in a config applies them in every run. The browser keeps them "
              "until they are saved.",
              "soft") +
          "</section>\n</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + ".") +
@@ -173,10 +173,10 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request) {
     if (!json) return Forward(json);
     (given.role == "audit" ? audit : input.decisions) = std::move(*json);
   }
-  if (!clips) return Fail(ErrorCode::kInternal, "the review got no dataset", request.item);
+  if (!clips) return Fail(ErrorCode::kInternal, "the stage review has no dataset", request.item);
   if (!audit.is_object() || !Field(audit, "findings").is_array()) {
-    return Fail(ErrorCode::kMalformed, "no audit: it holds no list of findings", request.item,
-                "mocurate audit DATASET -o FOLDER writes one");
+    return Fail(ErrorCode::kMalformed, "not an audit: it has no list of findings", request.item,
+                "create one with mocurate audit DATASET -o FOLDER");
   }
   std::map<std::string, std::size_t> row_of;
   for (std::size_t row = 0; row < clips->size(); ++row) row_of[clips->Id(row)] = row;
@@ -209,7 +209,7 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request) {
     return Fail(
         ErrorCode::kInconsistent,
         "none of its " + Counted(static_cast<long long>(unknown), "finding") + " is about a clip of the dataset",
-        request.item, "it is the audit of another dataset");
+        request.item, "use the audit of this dataset");
   }
   const std::string page = MakeReviewPage(input);
   if (Status written = WriteFile(request.output, page); !written) return Forward(written);

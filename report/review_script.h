@@ -16,8 +16,8 @@ textarea { width: 100%; font: 13px ui-monospace, monospace; color: inherit; back
 )css";
 
 /// Needs kPageToolsScript and kPlayerScript. Reads #review-data: {"dataset", "decisions": [...] made earlier}. One
-/// decision a clip, finding and pair; the decisions stand as YAML in #yaml, and under the page's name in the browser's
-/// store until they are saved. Sets data-review on <html> to the number of clips that can be decided on.
+/// decision per clip, finding and pair. The decisions are in #yaml as YAML, and in the browser's store under the page's
+/// name until they are saved. Sets data-review on <html> to the number of clips to decide.
 inline constexpr const char* kReviewScript = R"js(
 'use strict';
 (() => {

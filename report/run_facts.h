@@ -7,11 +7,11 @@
 
 namespace mocurate {
 
-/// Careful reading of the run summary: whatever a run did not reach is absent there, and absent here.
+/// Tolerant access to the run summary: parts that a run did not reach are absent there, and absent here.
 
-/// Null when `json` is no object or lacks the key.
+/// Null when `json` is not an object or lacks the key.
 const nlohmann::json& Field(const nlohmann::json& json, const char* key);
-/// Empty for what is no array.
+/// Empty for anything but an array.
 const std::vector<nlohmann::json>& Elements(const nlohmann::json& json);
 std::optional<double> NumberOf(const nlohmann::json& json, const char* key);
 long long CountOf(const nlohmann::json& json, const char* key);

@@ -102,7 +102,7 @@ Expected<std::string> EncodePng(const cv::Mat& image) {
     if (cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
       return std::string(bytes.begin(), bytes.end());
   } catch (const cv::Exception&) {
-    // Told below.
+    // Reported below.
   }
   return Fail(ErrorCode::kInternal, "a picture cannot be encoded as PNG");
 }

@@ -12,7 +12,7 @@
 
 namespace mocurate {
 
-/// All that a page is made from.
+/// Input of the report page.
 struct ReportInput {
   nlohmann::json run;  ///< the summary of the run; parts that it did not reach are absent
   std::optional<Dataset> dataset;
@@ -22,9 +22,9 @@ struct ReportInput {
   ReportOptions options;
 };
 
-/// Each gives the inside of one <section>; what the run did not reach is said in words, never left out.
+/// Each returns the inside of one <section>; parts that the run did not reach are reported there.
 std::string HeadHtml(const ReportInput& input);        ///< name, verdict, figures
-std::string FunnelHtml(const ReportInput& input);      ///< clips by stage, reasons of those left out
+std::string FunnelHtml(const ReportInput& input);      ///< clips by stage, reasons of excluded ones
 std::string DatasetHtml(const ReportInput& input);     ///< labels, splits
 std::string QualityHtml(const ReportInput& input);     ///< before and after
 std::string TruthHtml(const ReportInput& input);       ///< error against truth

@@ -18,7 +18,7 @@ std::string Change(const nlohmann::json& fitting, const char* key, int digits) {
   return NumberCell(Field(fitting, "before"), key, digits) + " → " + NumberCell(Field(fitting, "after"), key, digits);
 }
 
-/// Share of the observations that the fit took for outliers: they are not in the residual.
+/// Share of observations that the fit rejected as outliers; the residual excludes them.
 std::string RejectedCell(const nlohmann::json& fitting) {
   const auto share = NumberOf(fitting, "rejected_share");
   return share ? PercentText(*share) : "–";
@@ -45,7 +45,7 @@ std::string ClipsHtml(const ReportInput& input) {
   });
   HtmlTable table{
       "Best fits first, those with a page of their own on top",
-      {"Clip", "Residual RMS, mm", "Rejected", "Bone spread, mm", "Jerk, m/s³", "Frames mended", "Findings"},
+      {"Clip", "Residual RMS, mm", "Rejected", "Bone length std, mm", "Jerk, m/s³", "Frames corrected", "Findings"},
       {},
       true};
   for (const nlohmann::json* clip : clips) {

@@ -26,12 +26,12 @@ std::string Plural(long long count, const std::string& noun) {
   return CountText(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/// What speaks against the clips in the dataset; the headline does not call a run sound above it.
+/// Evidence against the clips in the dataset; if there is any, the headline does not call the run sound.
 struct Suspicion {
-  long long clips = 0;          ///< with a finding of severity error, or a fit that its stage calls doubtful
+  long long clips = 0;          ///< with a finding of severity error, or a suspect fit
   double residual_mm = 0.0;     ///< largest RMS of their fits
-  long long far_clips = 0;      ///< farther from the truth than report.suspect_joint_error
-  double joint_error_mm = 0.0;  ///< of the worst of these, or of all clips together
+  long long far_clips = 0;      ///< with a joint error above report.suspect_joint_error
+  double joint_error_mm = 0.0;  ///< of the worst of these, or over all clips
   long long set_findings = 0;   ///< of severity error
 
   bool any() const { return clips > 0 || joint_error_mm > 0.0 || set_findings > 0; }
@@ -61,16 +61,15 @@ Suspicion SuspicionOf(const ReportInput& input) {
 std::string SuspicionText(const Suspicion& suspicion, const ReportOptions& options) {
   std::string text;
   if (suspicion.joint_error_mm > 0.0) {
-    text += "The fits are suspect: joints lie " + FixedText(suspicion.joint_error_mm, 1) +
-            " mm from the truth in the mean of " +
+    text += "The fits are suspect: the mean joint error is " + FixedText(suspicion.joint_error_mm, 1) + " mm for " +
             (suspicion.far_clips > 0 ? "the worst of " + Plural(suspicion.far_clips, "clip") : "all clips") +
-            ", farther than the " + FixedText(1e3 * options.suspect_joint_error, 0) +
+            ", above the " + FixedText(1e3 * options.suspect_joint_error, 0) +
             " mm of <code>report.suspect_joint_error</code>. ";
   }
   if (suspicion.clips > 0) {
     text +=
         Plural(suspicion.clips, "clip") + (suspicion.clips == 1 ? " is" : " are") +
-        " suspect, by a finding of severity error or a doubtful fit" +
+        " suspect, by a finding of severity error or a suspect fit" +
         (suspicion.residual_mm > 0.0 ? " (residual up to " + FixedText(suspicion.residual_mm, 1) + " mm RMS)" : "") +
         ". ";
   }
@@ -95,8 +94,8 @@ std::string Verdict(const ReportInput& input, const Suspicion& suspicion) {
   else if (kept == total)
     text += "All " + Plural(total, "clip") + done(total) + ".";
   else
-    text +=
-        CountText(kept) + " of " + Plural(total, "clip") + done(kept) + "; " + CountText(total - kept) + " left out.";
+    text += CountText(kept) + " of " + Plural(total, "clip") + done(kept) + "; " + CountText(total - kept) +
+            " excluded or refused.";
   if (const long long replaced = CountOf(input.run, "replaces_rotations"); replaced > 0)
     text += " The recorded rotations of " + Plural(replaced, "clip") +
             " are replaced by fitted ones; <code>fitting.method: none</code> keeps them.";
@@ -109,7 +108,7 @@ std::string Verdict(const ReportInput& input, const Suspicion& suspicion) {
   } else if (after) {
     text += " Error against truth " + FixedText(*after, 1) + " mm.";
   }
-  // The recogniser that gives the features, by the name of its item ("recogniser/1").
+  // The recogniser of the features, by the name of its item ("recogniser/1").
   const std::string extractor = TextOf(Field(input.run, "metrics"), "extractor");
   const nlohmann::json& recognisers = Field(Field(input.run, "metrics"), "recognisers");
   const nlohmann::json& named = Field(recognisers, extractor.substr(0, extractor.rfind('/')).c_str());
@@ -118,13 +117,13 @@ std::string Verdict(const ReportInput& input, const Suspicion& suspicion) {
                                      : recognisers.is_object() && !recognisers.empty() ? *recognisers.begin()
                                                                                        : none;
   if (const auto mean = NumberOf(recogniser, "mean"))
-    text += " The recogniser is right on " + PercentText(*mean) + " of the test clips.";
+    text += " The recogniser classifies " + PercentText(*mean) + " of the test clips correctly.";
   else if (const std::string why = TextOf(recogniser, "scored"); !why.empty())
     text += " The recogniser is not scored: " + EscapeHtml(why) + ".";
   return text;
 }
 
-/// The headline; what it warns of is in attributes as well, for programs that read the page.
+/// The headline; its warnings are also attributes, for programs that read the page.
 std::string VerdictHtml(const ReportInput& input) {
   const Suspicion suspicion = SuspicionOf(input);
   std::string attributes;
@@ -162,7 +161,7 @@ std::string Tiles(const ReportInput& input) {
   return html + "</dl>\n";
 }
 
-/// First clips of a group and how many more.
+/// First clips of a group and the number of others.
 std::string ClipList(const std::vector<std::string>& clips) {
   std::string html;
   for (std::size_t i = 0; i < std::min(kShownClips, clips.size()); ++i)
@@ -183,7 +182,7 @@ struct Group {
 std::string ReasonsTable(const nlohmann::json& run) {
   std::map<std::pair<std::string, std::string>, Group> groups;
   for (const nlohmann::json& clip : Elements(Field(run, "clips"))) {
-    for (const char* how : {"failure", "left_out"}) {
+    for (const char* how : {"failure", "excluded"}) {
       const nlohmann::json& reason = Field(clip, how);
       if (!reason.is_object()) continue;
       Group& group = groups[{TextOf(reason, "stage"), TextOf(reason, "code")}];
@@ -192,9 +191,11 @@ std::string ReasonsTable(const nlohmann::json& run) {
       group.clips.push_back(TextOf(clip, "item"));
     }
   }
-  if (groups.empty()) return Paragraph("No clip was left out.");
-  HtmlTable table{
-      "Why clips were left out", {"Stage", "Reason", "Failure", "Clips", "First message", "Which"}, {}, false};
+  if (groups.empty()) return Paragraph("No clip was excluded or refused.");
+  HtmlTable table{"Reasons of excluded and refused clips",
+                  {"Stage", "Reason", "Failure", "Clips", "First message", "Which"},
+                  {},
+                  false};
   for (const auto& [key, group] : groups) {
     table.rows.push_back({EscapeHtml(key.first), EscapeHtml(key.second), group.severity,
                           CountText(static_cast<long long>(group.clips.size())), EscapeHtml(group.message),
@@ -203,16 +204,16 @@ std::string ReasonsTable(const nlohmann::json& run) {
   return table.Html();
 }
 
-/// Persons drawn, leaks, rates that differ: what was found about the set as a whole.
+/// Findings about the whole set: drawn persons, leaks, different rates.
 std::string SetFindingsHtml(const nlohmann::json& run) {
-  HtmlTable table{"Found about the set and its splits", {"Finding", "Severity", "Message", "Done about it"}, {}, false};
+  HtmlTable table{"Findings about the set and its splits", {"Finding", "Severity", "Message", "Action"}, {}, false};
   for (const nlohmann::json& finding : Elements(Field(run, "findings"))) {
     const std::string clip = TextOf(finding, "clip");
     table.rows.push_back({EscapeHtml(TextOf(finding, "code")), EscapeHtml(TextOf(finding, "severity")),
                           EscapeHtml((clip.empty() ? "" : clip + ": ") + TextOf(finding, "message")),
                           EscapeHtml(TextOf(finding, "action"))});
   }
-  return table.rows.empty() ? Paragraph("Nothing was found wrong or doubtful about the set and its splits.")
+  return table.rows.empty() ? Paragraph("Nothing was found wrong or suspect about the set and its splits.")
                             : table.Html();
 }
 
@@ -229,36 +230,36 @@ std::string HeadHtml(const ReportInput& input) {
 
 std::string FunnelHtml(const ReportInput& input) {
   BarChart chart;
-  chart.title = "Clips that went into each stage: done, doubtful, left out by rule, failed";
+  chart.title = "Clips of each stage: done, suspect, excluded by rule, failed";
   const long long listed = static_cast<long long>(Elements(Field(input.run, "clips")).size());
-  HtmlTable table{"", {"Stage", "Items", "Done", "Doubtful", "Left out by rule", "Refused", "Crashed"}, {}, true};
+  HtmlTable table{"", {"Stage", "Items", "Done", "Suspect", "Excluded by rule", "Refused", "Crashed"}, {}, true};
   std::map<std::string, int> seen;
   for (const nlohmann::json& stage : Elements(Field(input.run, "stages"))) {
     const std::string name = TextOf(stage, "stage");
     const auto count = [&stage](const char* key) { return CountOf(stage, key); };
     const std::string branch = TextOf(stage, "branch");
     table.rows.push_back({EscapeHtml(branch.empty() ? name : name + " (" + branch + ")"), CountText(count("items")),
-                          CountText(count("done")), CountText(count("doubtful")), CountText(count("left_out")),
+                          CountText(count("done")), CountText(count("suspect")), CountText(count("excluded")),
                           CountText(count("refused")), CountText(count("crashed"))});
     const bool per_clip = name == "ingest" || name == "fitting" || name == "canon";
     if (!per_clip || seen[name]++ > 0 || count("items") == 0) continue;
-    const long long ruled = count("left_out");
+    const long long ruled = count("excluded");
     const long long lost = count("refused") + count("crashed");
     chart.rows.push_back({name,
                           {{static_cast<double>(count("done")), "good", "done"},
-                           {static_cast<double>(count("doubtful")), "doubt", "doubtful"},
-                           {static_cast<double>(ruled), "before", "left out by rule"},
+                           {static_cast<double>(count("suspect")), "suspect", "suspect"},
+                           {static_cast<double>(ruled), "before", "excluded by rule"},
                            {static_cast<double>(lost), "bad", "failed"}},
                           std::to_string(count("items") - ruled - lost) + " of " + std::to_string(count("items"))});
   }
   chart.rows.push_back({"kept",
                         {{static_cast<double>(KeptClips(input.run)), "after", "kept"}},
                         std::to_string(KeptClips(input.run)) + " of " + std::to_string(listed)});
-  std::string html = Paragraph("What became of " + Plural(listed, "clip") + " on the way to the dataset.");
+  std::string html = Paragraph("Results of " + Plural(listed, "clip") + " by stage.");
   html += Paragraph(
-      "<span class=\"k-good\"></span>done<span class=\"k-doubt\"></span>doubtful, but kept<span class=\"k-before\" "
+      "<span class=\"k-good\"></span>done<span class=\"k-suspect\"></span>suspect, but kept<span class=\"k-before\" "
       "style=\"margin-left:12px\"></span>"
-      "left out by a rule<span class=\"k-bad\"></span>failed<span class=\"k-after\"></span>in the dataset",
+      "excluded by a rule<span class=\"k-bad\"></span>failed<span class=\"k-after\"></span>in the dataset",
       "key soft");
   html += chart.Svg() + ReasonsTable(input.run);
   return html + "<details><summary>All stages</summary>" + table.Html() + "</details>\n";
@@ -267,7 +268,7 @@ std::string FunnelHtml(const ReportInput& input) {
 std::string DatasetHtml(const ReportInput& input) {
   const nlohmann::json& audit = Field(input.run, "audit");
   const nlohmann::json& labels = Field(audit, "per_label");
-  if (!audit.is_object()) return Paragraph("The run ended before the dataset was looked at.");
+  if (!audit.is_object()) return Paragraph("The run ended before the audit of the dataset.");
   std::string html;
   HtmlTable splits{"Splits", {"Split", "Train", "Validation", "Test", "Rule", "Leak check"}, {}, false};
   for (const nlohmann::json& split : Elements(Field(audit, "splits"))) {
@@ -309,11 +310,11 @@ std::string FindingsHtml(const ReportInput& input) {
   const bool set = !Elements(Field(input.run, "findings")).empty();
   const std::string elsewhere =
       set ? Paragraph(
-                "What was found about the set and its splits stands under <a href=\"#dataset\">Labels and "
+                "Findings about the set and its splits are under <a href=\"#dataset\">Labels and "
                 "splits</a>.")
           : "";
-  if (groups.empty()) return Paragraph("Nothing was found wrong or doubtful about any clip.") + elsewhere;
-  HtmlTable table{"", {"Finding", "Severity", "Times", "Clips", "Done about it", "First message", "Which"}, {}, false};
+  if (groups.empty()) return Paragraph("Nothing was found wrong or suspect about any clip.") + elsewhere;
+  HtmlTable table{"", {"Finding", "Severity", "Times", "Clips", "Action", "First message", "Which"}, {}, false};
   for (const auto& [code, group] : groups) {
     table.rows.push_back({EscapeHtml(code), EscapeHtml(group.severity), CountText(group.count),
                           CountText(static_cast<long long>(group.clips.size())), EscapeHtml(group.action),

@@ -15,7 +15,7 @@ constexpr int kPlayerNumbers = 450000;  ///< positions in all players together, 
 constexpr std::size_t kOverlayClips = 3;
 constexpr std::size_t kOverlayViews = 3;
 constexpr int kMostPersons = 24;
-constexpr std::size_t kFewClips = 4;  ///< below, a table says it all
+constexpr std::size_t kFewClips = 4;  ///< below, a table suffices
 
 struct Measure {
   const char* name;
@@ -24,7 +24,7 @@ struct Measure {
   double factor;
 };
 
-constexpr Measure kMeasures[] = {{"Bone length spread", "bone_spread_mm", "mm", 1.0},
+constexpr Measure kMeasures[] = {{"Bone length deviation", "bone_spread_mm", "mm", 1.0},
                                  {"Jerk", "jerk", "m/s³", 1.0},
                                  {"Missing joints", "missing_share", "%", 100.0},
                                  {"Frozen frames", "frozen_frames", "frames", 1.0},
@@ -76,11 +76,10 @@ std::string Overlays(const DrawnClip& clip) {
       html += Paragraph("Not drawn over " + view + ": " + EscapeHtml(png.error().Message()), "soft");
       continue;
     }
-    html += "<figure><img alt=\"Fitted body outlined over what " + view + "\" src=\"data:image/png;base64," +
-            Base64(*png) + "\"><figcaption>Fit over " + view + "</figcaption></figure>\n";
+    html += "<figure><img alt=\"Fitted body outlined over " + view + "\" src=\"data:image/png;base64," + Base64(*png) +
+            "\"><figcaption>Fit over " + view + "</figcaption></figure>\n";
   }
-  return html + "</div>\n" +
-         Paragraph("White: outline of the body as it was fitted; colours: depth, near is bright.", "soft");
+  return html + "</div>\n" + Paragraph("White: outline of the fitted body; colours: depth, near is bright.", "soft");
 }
 
 std::string Figures(const DrawnClip& clip) {
@@ -93,10 +92,10 @@ std::string Figures(const DrawnClip& clip) {
   return Paragraph(text, "soft");
 }
 
-/// Of the whitened errors, the share that lies within so many stated standard deviations, beside what is right.
+/// Share of whitened errors within a number of estimated standard deviations, beside the expected share.
 std::string CoverageChart(const nlohmann::json& error) {
-  LineChart chart{"Errors within so many stated standard deviations", "standard deviations", "%", {{}, {}}};
-  chart.curves[0] = {"if the statements were exact", {{0.0, 0.0}}, 5};
+  LineChart chart{"Errors within a number of estimated standard deviations", "standard deviations", "%", {{}, {}}};
+  chart.curves[0] = {"if calibrated", {{0.0, 0.0}}, 5};
   chart.curves[1] = {"measured", {{0.0, 0.0}}, 0};
   double sigmas = 0.0;
   for (const double share : NumbersOf(Field(error, "within_quarters_of_sigma"))) {
@@ -105,7 +104,7 @@ std::string CoverageChart(const nlohmann::json& error) {
     chart.curves[1].points.emplace_back(sigmas, 100.0 * share);
   }
   if (sigmas == 0.0) return "";
-  return "<div class=\"charts wide\"><figure><figcaption>Errors within so many stated standard deviations, "
+  return "<div class=\"charts wide\"><figure><figcaption>Errors within a number of estimated standard deviations, "
          "%</figcaption>" +
          chart.Svg() + "</figure></div>\n";
 }
@@ -136,7 +135,7 @@ std::string QualityHtml(const ReportInput& input) {
   }
   const std::string fit = ResidualTable(input.run);
   if (table.rows.empty() && fit.empty())
-    return Paragraph("Nothing was fitted in this run: the motion was given, or no fit came about.");
+    return Paragraph("Nothing was fitted in this run: the motion was given, or no fit succeeded.");
   std::string html;
   if (!table.rows.empty()) html += table.Html();
   html += fit;
@@ -151,7 +150,7 @@ std::string QualityHtml(const ReportInput& input) {
 
 std::string TruthHtml(const ReportInput& input) {
   const nlohmann::json& error = Field(input.run, "fit_error");
-  if (!error.is_object() || error.empty()) return Paragraph("This source carries no truth to compare with.");
+  if (!error.is_object() || error.empty()) return Paragraph("This source has no truth to compare with.");
   const auto cell = [&error](const char* key) {
     const auto value = NumberOf(error, key);
     return value && *value > 0.0 ? FixedText(*value, 2) : std::string("–");
@@ -169,19 +168,19 @@ std::string TruthHtml(const ReportInput& input) {
     return value ? FixedText(100.0 * *value, 1) : std::string("–");
   };
   table.rows.push_back(
-      {"Errors within one stated standard deviation, % (68.3 is right)", "–", share("within_one_sigma")});
-  table.rows.push_back({"within two, % (95.4 is right)", "–", share("within_two_sigma")});
+      {"Errors within one estimated standard deviation, % (68.3 expected)", "–", share("within_one_sigma")});
+  table.rows.push_back({"within two, % (95.4 expected)", "–", share("within_two_sigma")});
   return table.Html() + CoverageChart(error) +
-         Paragraph("The truth was opened by the evaluation alone; no stage before it has seen it.", "soft");
+         Paragraph("Only the evaluation reads the truth; no earlier stage does.", "soft");
 }
 
 std::string FilmstripsHtml(const ReportInput& input) {
   std::string html;
   if (input.drawn.empty())
-    html += Paragraph("No clip came far enough to be drawn.");
+    html += Paragraph("No clip has a fit to draw.");
   else {
     html += Paragraph(
-        "Fits in the order of their residual, from the best to the worst. Play the clip, drag it to turn it, or use "
+        "Fits ordered by residual, from the best to the worst. Play the clip; rotate it by dragging or with "
         "the arrow keys.");
     html += Paragraph(
         "<span class=\"k-before\"></span>evidence (grey lines, light points)<span class=\"k-left\"></span>left side "
@@ -215,7 +214,7 @@ nlohmann::json PlayersJson(const ReportInput& input) {
 std::string PersonsHtml(const ReportInput& input) {
   const nlohmann::json& persons = Field(input.run, "persons");
   if (!persons.is_object() || persons.empty()) return Paragraph("No bone lengths were estimated in this run.");
-  HtmlTable table{"Bone that ends at the joint, mm; one set per body", {"Joint"}, {}, true};
+  HtmlTable table{"Length of the bone that ends at the joint, mm; one set per body", {"Joint"}, {}, true};
   std::vector<std::string> bones;
   std::vector<const nlohmann::json*> shown;
   for (const auto& [name, person] : persons.items()) {

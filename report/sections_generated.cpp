@@ -29,16 +29,16 @@ std::string Strip(const std::string& title, const Clip* clip, int stills) {
 std::string GeneratedHtml(const ReportInput& input) {
   std::string failed;
   for (const auto& [network, reason] : Field(input.run, "ungenerated").items()) {
-    failed += Paragraph(EscapeHtml(network) + " generated none: " + EscapeHtml(reason.get<std::string>()), "soft");
+    failed +=
+        Paragraph(EscapeHtml(network) + " generated no motions: " + EscapeHtml(reason.get<std::string>()), "soft");
   }
   if (input.generated.empty() || !input.dataset) {
     return failed.empty() ? Paragraph("No network of this run generated motions.") : failed;
   }
   const auto stills = static_cast<int>(input.options.filmstrip_frames);
-  std::string html =
-      failed +
-      Paragraph(
-          "One motion of each class by each network, its first seed, beside the first real one. They are not chosen.");
+  std::string html = failed + Paragraph(
+                                  "One motion of each class by each network, its first seed, beside the first real "
+                                  "one. They are not selected.");
   bool open = true;
   for (const std::string& label : input.dataset->labels) {
     html += "<details" + std::string(open ? " open" : "") + "><summary>" + EscapeHtml(label) + "</summary>" +

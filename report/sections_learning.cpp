@@ -27,7 +27,7 @@ std::string PlainText(std::string_view markdown) {
   return text;
 }
 
-/// Cells of a row of a table; an escaped bar ends no cell. Empty for a line that is no row.
+/// Cells of a row of a table; an escaped bar does not end a cell. Empty for a line that is not a row.
 std::vector<std::string> CellsOfLine(std::string_view line) {
   std::vector<std::string> cells;
   const std::string_view row = Trim(line);
@@ -71,9 +71,9 @@ std::string ConfusionTable(const nlohmann::json& scored) {
   const std::vector<nlohmann::json>& labels = Elements(Field(scored, "labels"));
   if (matrix.empty() || matrix.size() != labels.size()) return "";
   std::string html =
-      "<div class=\"scroll\"><table class=\"heat\"><caption>Rows: what it is. Columns: what the recogniser says "
+      "<div class=\"scroll\"><table class=\"heat\"><caption>Rows: true class. Columns: predicted class "
       "(numbers as in the "
-      "rows). Counts over all seeds; the darker, the larger the share of the row.</caption><thead><tr><th "
+      "rows). Counts over all seeds; darker cells have a larger share of the row.</caption><thead><tr><th "
       "scope=\"col\">Label</th>";
   for (std::size_t c = 0; c < labels.size(); ++c) html += "<th scope=\"col\">" + std::to_string(c + 1) + "</th>";
   html += "</tr></thead><tbody>\n";
@@ -96,7 +96,7 @@ std::string ConfusionTable(const nlohmann::json& scored) {
   return html + "</tbody></table></div>\n";
 }
 
-/// Means over blocks, so that a chart has at most kMostPoints; NaN is left out. `x` may be empty: 1, 2, 3, ...
+/// Means over blocks, so that a chart has at most kMostPoints; NaN is skipped. `x` may be empty: 1, 2, 3, ...
 std::vector<std::pair<double, double>> Thinned(const std::vector<double>& x, const std::vector<double>& y) {
   std::vector<std::pair<double, double>> points;
   const std::size_t count = x.empty() ? y.size() : std::min(x.size(), y.size());
@@ -131,8 +131,8 @@ std::string Chart(const LineChart& chart) {
   return "<figure><figcaption>" + EscapeHtml(chart.title) + "</figcaption>" + chart.Svg() + "</figure>\n";
 }
 
-/// " (250 iterations, batches of 64 clips)" of trainings that belong together; what differs between them, or is not
-/// known, is left out.
+/// " (250 iterations, batches of 64 clips)" of a group of trainings; values that differ between them or are unknown are
+/// omitted.
 std::string LengthText(const std::vector<std::pair<std::string, const nlohmann::json*>>& trainings) {
   std::string text;
   const auto add = [&](const char* key, const char* before, const char* noun) {
@@ -176,7 +176,7 @@ std::string RecogniserCharts(const std::string& kind,
   return Chart(loss) + Chart(accuracy);
 }
 
-/// Networks that the run was to train and did not, with the reason; empty when there are none.
+/// Networks that the run did not train, with the reason; empty when there are none.
 std::string UntrainedHtml(const nlohmann::json& run) {
   HtmlTable table{"Not trained", {"Item", "Reason", "Message"}, {}, false};
   const nlohmann::json& untrained = Field(run, "untrained");
@@ -193,7 +193,7 @@ std::string TableHtml(const ReportInput& input) {
   const std::string markdown = TextOf(input.run, "table_markdown");
   if (!markdown.empty()) return MarkdownToHtml(markdown);
   if (!TextOf(input.run, "recognition_markdown").empty()) {
-    return Paragraph("Only recognisers were scored: their table stands under Recognition.");
+    return Paragraph("Only recognisers were scored: their table is under Recognition.");
   }
   const nlohmann::json& failed = Field(input.run, "unevaluated");
   if (failed.is_object()) {
@@ -205,7 +205,7 @@ std::string TableHtml(const ReportInput& input) {
 std::string RecognisersHtml(const ReportInput& input) {
   const nlohmann::json& metrics = Field(input.run, "metrics");
   HtmlTable table{
-      "Share of the test clips that are recognised", {"Recogniser", "Mean", "By seed", "Test clips"}, {}, true};
+      "Share of correctly recognised test clips", {"Recogniser", "Mean", "By seed", "Test clips"}, {}, true};
   const nlohmann::json& recognisers = Field(metrics, "recognisers");
   for (const auto& [name, scored] : recognisers.items()) {
     const auto mean = NumberOf(scored, "mean");
@@ -223,7 +223,7 @@ std::string RecognisersHtml(const ReportInput& input) {
   if (!nearest.is_object()) nearest = Field(Field(input.run, "audit"), "nearest_neighbour");
   if (const auto accuracy = NumberOf(nearest, "accuracy")) {
     const bool scored = NumberOf(nearest, "count").value_or(0.0) > 0.0;
-    table.rows.push_back({"Nearest neighbour, nothing trained", scored ? FixedText(*accuracy, 3) : "not scored", "–",
+    table.rows.push_back({"Nearest neighbour, without training", scored ? FixedText(*accuracy, 3) : "not scored", "–",
                           CountText(CountOf(nearest, "count"))});
   }
   if (table.rows.empty()) return Paragraph("No recogniser was scored in this run.");
@@ -250,7 +250,7 @@ std::string CurvesHtml(const ReportInput& input) {
       recognisers[item.substr(0, item.find('/'))].emplace_back(item.substr(item.find('/') + 1), training);
   }
   for (const auto& [kind, seeds] : recognisers) charts += RecogniserCharts(kind, seeds);
-  if (charts.empty()) return Paragraph("No training of this run left a history.");
+  if (charts.empty()) return Paragraph("No training of this run has a history.");
   return "<div class=\"charts wide\">\n" + charts + "</div>\n";
 }
 
@@ -299,27 +299,28 @@ std::string StopsHtml(const ReportInput& input) {
 
 std::string ReadingHtml(const ReportInput&) {
   const char* lines[] = {
-      "<dt>Residual</dt><dd>Distance of the fitted joints (or body surface) from what was observed. It says how well "
+      "<dt>Residual</dt><dd>Distance of the fitted joints (or body surface) from the observations. It measures how "
+      "well "
       "the fit explains the evidence, "
-      "not how right the evidence was.</dd>",
-      "<dt>Bone length spread</dt><dd>Standard deviation of each bone's length over the frames of a clip, averaged "
+      "not how accurate the evidence is.</dd>",
+      "<dt>Bone length deviation</dt><dd>Standard deviation of each bone's length over the frames of a clip, averaged "
       "over bones. A person's bones do "
       "not change: before fitting this is tracker noise, after it is zero by construction.</dd>",
-      "<dt>Jerk</dt><dd>Root mean square of the third derivative of joint positions. Less is smoother, and says "
-      "nothing about truth: read it beside "
+      "<dt>Jerk</dt><dd>Root mean square of the third derivative of joint positions. Less is smoother, but does "
+      "not mean accuracy: compare it with "
       "the residual.</dd>",
-      "<dt>Missing joints</dt><dd>Samples without an observation. Fitted motion has none; what was filled in is marked "
-      "so in the dataset.</dd>",
+      "<dt>Missing joints</dt><dd>Samples without an observation. Fitted motion has none; inferred samples are marked "
+      "in the dataset.</dd>",
       "<dt>FID ↓</dt><dd>Fréchet distance between features of generated and of real motion; features are the "
-      "recogniser's, so figures compare only "
+      "recogniser's, so values compare only "
       "within one recogniser.</dd>",
-      "<dt>Accuracy ↑</dt><dd>Share of the motions in which the recogniser sees the label that was asked for.</dd>",
+      "<dt>Accuracy ↑</dt><dd>Share of the motions that the recogniser classifies as the requested label.</dd>",
       "<dt>Diversity →, Multimodality →</dt><dd>Mean feature distance between motions of any labels, and of the same "
       "label. Best is closest to the "
       "row <em>Real</em>.</dd>",
-      "<dt>±</dt><dd>As the line below the table says. It covers the repetitions of the evaluation, not another "
+      "<dt>±</dt><dd>See the line below the table. It covers the repetitions of the evaluation, not another "
       "training.</dd>",
-      "<dt>Best, median, worst</dt><dd>By residual, among the clips that have a fit. A clip that failed is in the "
+      "<dt>Best, median, worst</dt><dd>By residual, among the clips that have a fit. Failed clips are in the "
       "funnel's reasons.</dd>"};
   std::string html = "<dl>\n";
   for (const char* line : lines) html += std::string(line) + "\n";

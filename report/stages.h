@@ -15,11 +15,11 @@ Expected<StageOutcome> PictureStage(const StageRequest& request);
 /// One fitted clip (roles "evidence", "fit", "depth") -> an HTML page about it.
 Expected<StageOutcome> ClipPageStage(const StageRequest& request);
 
-/// The same -> an H.264 video (MP4). In a library and a program of its own (report_video, mocurate-video), as video
-/// coders load some 200 libraries. Error kMissingOnHost without an encoder.
+/// The same -> an H.264 video (MP4). It has a library and program of its own (report_video, mocurate-video), because
+/// video coders load some 200 libraries. Error kMissingOnHost without an encoder.
 Expected<StageOutcome> ClipVideoStage(const StageRequest& request);
 
-/// Sets of motions (role "motions", named after what made them; role "body": a skin to draw them with) -> SVG or PNG.
+/// Sets of motions (role "motions", named after their source; role "body": a skin to draw them with) -> SVG or PNG.
 Expected<StageOutcome> MotionPictureStage(const StageRequest& request);
 
 /// Numbers (the first input, as of PlotsOf) -> SVG of diagrams.

@@ -17,14 +17,14 @@ namespace {
 
 constexpr std::size_t kUsualQuestions = 40;
 
-/// What a round asks once: a pair of sources or one source, about a label.
+/// One item of a round: a pair of sources or one source, with a label.
 struct SurveyCell {
-  std::vector<std::size_t> sources;  ///< places among the sources
+  std::vector<std::size_t> sources;  ///< indices of the sources
   std::string sources_name;          ///< theirs, one a line
   std::string label;                 ///< what is asked about
   std::vector<std::vector<std::string>>
       motions;                ///< of each of the sources, clips in the order in which they are shown
-  std::size_t questions = 0;  ///< that the motions are enough for
+  std::size_t questions = 0;  ///< maximum that the motions allow
 };
 
 void Shuffle(Random random, std::vector<std::size_t>& values) {
@@ -47,18 +47,19 @@ Status CheckSources(const SurveyOptions& options, const std::vector<SurveySource
   std::vector<std::string> names;
   for (const SurveySource& source : sources) {
     if (std::find(names.begin(), names.end(), source.name) != names.end()) {
-      return Fail(ErrorCode::kUsage, "two sources are called '" + source.name + "'", "--motions",
-                  "give each a name of its own: --motions NAME=FILE");
+      return Fail(ErrorCode::kUsage, "two sources have the name '" + source.name + "'", "--motions",
+                  "give each its own name: --motions NAME=FILE");
     }
     names.push_back(source.name);
   }
   if (names.size() < 2) {
-    return Fail(ErrorCode::kUsage, Counted(static_cast<long long>(names.size()), "source") + ", at least 2 are needed",
-                "--motions", "--motions NAME=FILE --motions NAME=FILE");
+    return Fail(ErrorCode::kUsage,
+                Counted(static_cast<long long>(names.size()), "source") + ", at least 2 are required", "--motions",
+                "--motions NAME=FILE --motions NAME=FILE");
   }
   if (options.kind == SurveyKind::kRealOrFake && std::find(names.begin(), names.end(), options.real) == names.end()) {
-    return Fail(ErrorCode::kUsage, "no source is called '" + options.real + "', which holds the recordings", "--real",
-                "the sources are: " + Listed(names) + "; --real NAME says which of them are recordings");
+    return Fail(ErrorCode::kUsage, "no source has the name '" + options.real + "' of the recordings", "--real",
+                "the sources are: " + Listed(names) + "; set --real to that of the recordings");
   }
   return {};
 }
@@ -73,7 +74,7 @@ Expected<std::vector<std::string>> LabelsToAsk(const SurveyOptions& options, con
     if (labels.empty()) {
       return Fail(ErrorCode::kInconsistent,
                   "none of its " + Counted(static_cast<long long>(source.motions.size()), "motion") + " has a label",
-                  source.name, "give motions with labels: a dataset, or --labels FILE");
+                  source.name, "use motions with labels: a dataset, or --labels FILE");
     }
     for (const std::string& label : labels) ++sources_with[label];
   }
@@ -83,7 +84,7 @@ Expected<std::vector<std::string>> LabelsToAsk(const SurveyOptions& options, con
   }
   if (common.empty()) {
     return Fail(ErrorCode::kInconsistent, "the sources have no label in common", "--motions",
-                "`mocurate dataset relabel` gives equal actions equal names");
+                "unify the labels with `mocurate dataset relabel`");
   }
   if (options.labels.empty()) return common;
   std::vector<std::string> chosen;
@@ -132,7 +133,7 @@ std::vector<SurveyCell> CellsOf(const SurveyOptions& options, const std::vector<
   return cells;
 }
 
-/// Which of a pair stands left in its n-th question: of the questions 2k and 2k+1 each once.
+/// Which of a pair is on the left in its n-th question: each once in the questions 2k and 2k+1.
 bool IsExchanged(const SurveyOptions& options, const std::string& pair, std::size_t n) {
   Random side(static_cast<std::uint64_t>(options.seed), "survey sides", pair + std::to_string(n / 2));
   return (side.Below(2) + n) % 2 == 1;
@@ -163,9 +164,9 @@ Expected<SurveyKey> DrawSurvey(const SurveyOptions& options, const std::vector<S
       options.questions == 0 ? std::min(most, kUsualQuestions) : static_cast<std::size_t>(options.questions);
   if (wanted > most) {
     return Fail(ErrorCode::kUsage,
-                Counted(options.questions, "question") + " are asked for, the motions are enough for " +
-                    std::to_string(most) + " as none is shown twice",
-                "--questions", "--questions " + std::to_string(most) + ", or give more motions");
+                Counted(options.questions, "question") + " are requested, the motions suffice for " +
+                    std::to_string(most) + ", because none is shown twice",
+                "--questions", "--questions " + std::to_string(most) + ", or add motions");
   }
   SurveyKey key;
   key.kind = options.kind;

@@ -1,4 +1,4 @@
-// Shares of votes as a file of its own: SVG with its style inside.
+// Shares of votes as an SVG file with its own style.
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kBarWidth = 360.0;  ///< of the share 1, pixels
 constexpr double kRowHeight = 24.0;
-constexpr double kTextWidth = 6.8;  ///< of a character, about
+constexpr double kTextWidth = 6.8;  ///< of a character, approximately
 constexpr double kTop = 56.0;       ///< of the first row
 
 constexpr const char* kFigureStyle =
@@ -42,7 +42,7 @@ std::string Whisker(const ShareInterval& interval, double left, double middle) {
 }
 
 std::string TallyHead(const TallyRow& row) {
-  return row.second.empty() ? row.first : row.first + " rather than " + row.second;
+  return row.second.empty() ? row.first : row.first + " preferred to " + row.second;
 }
 
 /// The bar of one row, `middle` pixels from the top.
@@ -71,7 +71,7 @@ std::string TallyToSvg(const SurveyTally& tally) {
   const std::string people = tally.participants.empty()
                                  ? "There are no answers."
                                  : Counted(static_cast<long long>(tally.participants.size()), "participant") +
-                                       "; whiskers: 95 % (Wilson), which takes votes as independent";
+                                       "; whiskers: 95 % (Wilson), assuming independent votes";
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + Coordinate(left + kBarWidth + 130.0) +
                     " " + Coordinate(height) + "\" role=\"img\" aria-label=\"" + EscapeHtml(title) + "\">\n" +
                     kFigureStyle + "<rect width=\"100%\" height=\"100%\" class=\"page\"/>\n" +

@@ -1,4 +1,4 @@
-// key.json and answers_PARTICIPANT.json, checked to the letter: people edit files, and a count must not follow.
+// key.json and answers_PARTICIPANT.json, checked strictly: edited files must not change a count.
 
 #include <algorithm>
 #include <map>
@@ -15,8 +15,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kLongestParticipant = 40;
-constexpr const char* kSaveAgain = "save the file again from the page, or leave it out with --skip-bad";
-constexpr const char* kMakeAgain = "take the key.json that `mocurate survey make` wrote beside the page";
+constexpr const char* kSaveAgain = "save the file again from the page, or skip it with --skip-bad";
+constexpr const char* kMakeAgain = "use the key.json that `mocurate survey make` wrote beside the page";
 
 std::string DumpedJson(const Json& value) { return value.dump(-1, ' ', true, Json::error_handler_t::replace); }
 
@@ -33,7 +33,7 @@ std::string LineOfByte(std::string_view bytes, std::size_t at) {
   return std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ":" + std::to_string(column + 1);
 }
 
-/// An object of JSON. A key that stands twice in an object is an error too: only one of its values could count.
+/// An object of JSON. A repeated key in an object is also an error, because only one of its values would count.
 Expected<Json> ParseObject(std::string_view bytes, const std::string& name, const char* hint) {
   std::vector<std::set<std::string>> keys;
   std::string twice;
@@ -49,19 +49,19 @@ Expected<Json> ParseObject(std::string_view bytes, const std::string& name, cons
   try {
     json = Json::parse(bytes.begin(), bytes.end(), watch);
   } catch (const Json::parse_error& error) {
-    return Fail(ErrorCode::kMalformed, "the file is no JSON", name + ":" + LineOfByte(bytes, error.byte), hint);
+    return Fail(ErrorCode::kMalformed, "the file is not JSON", name + ":" + LineOfByte(bytes, error.byte), hint);
   } catch (const Json::exception&) {
-    return Fail(ErrorCode::kMalformed, "a number in it is out of range", name, hint);
+    return Fail(ErrorCode::kMalformed, "a number is out of range", name, hint);
   }
-  if (!twice.empty()) return Fail(ErrorCode::kMalformed, "the key " + twice + " stands twice", name, hint);
-  if (!json.is_object()) return Fail(ErrorCode::kMalformed, "the file is no JSON object", name + ": /", hint);
+  if (!twice.empty()) return Fail(ErrorCode::kMalformed, "the key " + twice + " is repeated", name, hint);
+  if (!json.is_object()) return Fail(ErrorCode::kMalformed, "the file is not a JSON object", name + ": /", hint);
   return json;
 }
 
 /// Whether an object has these keys and no others.
 Status CheckKeys(const Json& object, const std::vector<std::string>& keys, const std::string& where) {
   if (!object.is_object()) {
-    return Fail(ErrorCode::kMalformed, "an object is expected, not " + ShownValue(object), where, kSaveAgain);
+    return Fail(ErrorCode::kMalformed, "expected is an object, not " + ShownValue(object), where, kSaveAgain);
   }
   for (const auto& item : object.items()) {
     if (std::find(keys.begin(), keys.end(), item.key()) != keys.end()) continue;
@@ -86,7 +86,7 @@ std::vector<std::string> PlacesOf(SurveyKind kind) {
   return {"shown"};
 }
 
-/// Throws Json::exception for a value that is missing or of another type.
+/// Throws Json::exception for a value that is missing or has another type.
 SurveyKey KeyOfJson(const Json& json) {
   SurveyKey key;
   key.kind = json.at("kind") == "preference" ? SurveyKind::kPreference : SurveyKind::kRealOrFake;
@@ -125,7 +125,7 @@ Json ContentOfKey(const SurveyKey& key) {
   return json;
 }
 
-/// Place of the answer in AnswersOf.
+/// Index of the answer in AnswersOf.
 Expected<int> ChoiceOf(const Json& answer, SurveyKind kind, const std::string& where) {
   const std::array<std::string, 2> choices = AnswersOf(kind);
   for (int i = 0; i < 2; ++i) {
@@ -153,16 +153,17 @@ Expected<SurveyKey> ReadSurveyKey(std::string_view bytes, const std::string& nam
   try {
     key = KeyOfJson(*json);
   } catch (const Json::exception&) {
-    return Fail(ErrorCode::kMalformed, "the file is no key of a survey", name, kMakeAgain);
+    return Fail(ErrorCode::kMalformed, "the file is not a key of a survey", name, kMakeAgain);
   }
   const Json written = KeyToJson(key);
   if (const auto id = json->find("survey"); id == json->end() || *id != written.at("survey")) {
     return Fail(ErrorCode::kInconsistent,
-                "its survey id is " + (id == json->end() ? "missing" : ShownValue(*id)) + ", that of its content is " +
-                    ShownValue(written.at("survey")) + ": it was edited",
+                "its survey id is " + (id == json->end() ? "missing" : ShownValue(*id)) +
+                    ", but that of its content is " + ShownValue(written.at("survey")) + ": it was edited",
                 name, kMakeAgain);
   }
-  if (written != *json) return Fail(ErrorCode::kMalformed, "it holds more than a key of a survey", name, kMakeAgain);
+  if (written != *json)
+    return Fail(ErrorCode::kMalformed, "the file has more than a key of a survey", name, kMakeAgain);
   return key;
 }
 
@@ -175,18 +176,18 @@ Expected<SurveyAnswers> ReadSurveyAnswers(std::string_view bytes, const std::str
   if (const std::string id = SurveyId(key); json->at("survey") != id) {
     return Fail(ErrorCode::kInconsistent,
                 "answers of survey " + ShownValue(json->at("survey")) + ", the key is of survey \"" + id + "\"",
-                name + ": /survey", "name the key.json that was made with the page, or leave the file out: --skip-bad");
+                name + ": /survey", "use the key.json made with the page, or skip the file with --skip-bad");
   }
   SurveyAnswers answers;
   const Json& participant = json->at("participant");
   if (!participant.is_string() || !IsParticipant(participant.get<std::string>())) {
     return Fail(ErrorCode::kMalformed,
-                "participant " + ShownValue(participant) + ", 1 to 40 of A-Z a-z 0-9 _ - are expected",
+                "participant " + ShownValue(participant) + ", allowed are 1 to 40 of A-Z a-z 0-9 _ -",
                 name + ": /participant", kSaveAgain);
   }
   answers.participant = participant.get<std::string>();
   if (!json->at("answers").is_array()) {
-    return Fail(ErrorCode::kMalformed, "a list is expected, not " + ShownValue(json->at("answers")),
+    return Fail(ErrorCode::kMalformed, "expected is a list, not " + ShownValue(json->at("answers")),
                 name + ": /answers", kSaveAgain);
   }
   std::map<std::string, std::size_t> place_of;
@@ -200,7 +201,7 @@ Expected<SurveyAnswers> ReadSurveyAnswers(std::string_view bytes, const std::str
     const auto place = question.is_string() ? place_of.find(question.get<std::string>()) : place_of.end();
     if (place == place_of.end()) {
       return Fail(ErrorCode::kMalformed,
-                  "there is no question " + ShownValue(question) + ", the survey has " +
+                  "unknown question " + ShownValue(question) + ", the survey has " +
                       (key.questions.empty() ? "none" : key.questions.front().id + " to " + key.questions.back().id),
                   where + "/question", kSaveAgain);
     }
@@ -223,11 +224,11 @@ Expected<SurveyAnswers> ReadSurveyAnswers(std::string_view bytes, const std::str
                 std::to_string(key.questions.size() - missing.size()) + " of " +
                     Counted(static_cast<long long>(key.questions.size()), "question") +
                     " are answered; missing: " + list + (missing.size() > 8 ? ", ..." : ""),
-                name + ": /answers", "answer them on the page and save again, or leave the file out with --skip-bad");
+                name + ": /answers", "answer them on the page and save again, or skip the file with --skip-bad");
   }
   if (json->at("missing") != Json::array()) {
     return Fail(ErrorCode::kMalformed,
-                "all questions are answered, yet " + ShownValue(json->at("missing")) + " is listed as missing",
+                "all questions are answered, but " + ShownValue(json->at("missing")) + " is listed as missing",
                 name + ": /missing", kSaveAgain);
   }
   return answers;

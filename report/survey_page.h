@@ -9,7 +9,7 @@
 
 namespace mocurate {
 
-/// What a page shows of a question: the label, and what the players draw (PlayerData), from left to right.
+/// A question on the page: the label, and the data of the players (PlayerData), from left to right.
 struct SurveyPageQuestion {
   std::string id;
   std::string label;
@@ -22,13 +22,13 @@ struct SurveyPageInput {
   std::vector<SurveyPageQuestion> questions;
 };
 
-/// One page without addresses outside it, which asks one question at a time and saves answers_PARTICIPANT.json. It has
-/// nothing but what the input has: no name of a source or clip.
+/// One self-contained page, which asks one question at a time and saves answers_PARTICIPANT.json. It contains only its
+/// input: no name of a source or clip.
 std::string MakeSurveyPage(const SurveyPageInput& input);
 
-/// Inputs of role "motions": datasets or MotionSets, the name of each is that of its source -> the page. The summary
-/// has the key ("key"), what was shown and what may tell sources apart ("notes"). Motions are shown at the lowest rate
-/// of all, for at most options.seconds from their begin. Errors: those of DrawSurvey and of reading.
+/// Inputs of role "motions": datasets or MotionSets, each named by its source -> the page. The summary has the key
+/// ("key"), what was shown and what may reveal sources ("notes"). Motions are shown at the lowest rate of all, for at
+/// most options.seconds from their begin. Errors: those of DrawSurvey and of reading.
 Expected<StageOutcome> SurveyStage(const StageRequest& request);
 
 }  // namespace mocurate

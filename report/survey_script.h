@@ -20,9 +20,9 @@ inline constexpr const char* kSurveyStyle = R"css(
 )css";
 
 /// Needs kPageToolsScript and kPlayerScript. Reads #survey-data: {"survey", "answers": [first, second], "questions":
-/// [{"id", "motions"}]}. Answers stand in the browser's store under the survey's id until another person begins.
-/// "Save" writes answers_PARTICIPANT.json, which also stands in #answers: {"survey", "participant", "answers":
-/// [{"question", "answer"}], "missing": [questions]}. Sets data-survey on <html> to the number of questions.
+/// [{"id", "motions"}]}. Answers are in the browser's store under the survey's id until another person begins. "Save"
+/// writes answers_PARTICIPANT.json, which is also in #answers: {"survey", "participant", "answers": [{"question",
+/// "answer"}], "missing": [questions]}. Sets data-survey on <html> to the number of questions.
 inline constexpr const char* kSurveyScript = R"js(
 'use strict';
 (() => {

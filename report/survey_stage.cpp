@@ -15,10 +15,10 @@ namespace mocurate {
 namespace {
 
 constexpr int kMostNumbers = 400000;       ///< of one motion: 60 s at 60 Hz of 37 joints
-constexpr double kUnlikeDurations = 1.05;  ///< longest over shortest motion beyond which length may tell sources apart
+constexpr double kUnlikeDurations = 1.05;  ///< longest over shortest motion above which length may reveal sources
 constexpr const char* kShownName = "motion";
 
-/// A file of motions, and where each clip stands in it.
+/// A file of motions, and the index of each clip in it.
 struct OpenSource {
   DatasetClips clips;
   std::map<std::string, std::size_t> row_of;  ///< by id
@@ -47,7 +47,7 @@ Expected<ClipsOfKey> ReadShown(const SurveyKey& key, const std::map<std::string,
       if (!clip) return Forward(clip);
       if (!clip->motion || clip->motion->frame_count() < 2) {
         return Fail(ErrorCode::kInconsistent, "the clip has no motion of two frames or more",
-                    shown.source + ": " + shown.clip, "leave it out: `mocurate dataset subset --where 'frames >= 2'`");
+                    shown.source + ": " + shown.clip, "remove it: `mocurate dataset subset --where 'frames >= 2'`");
       }
       at->second = std::move(*clip);
     }
@@ -55,7 +55,7 @@ Expected<ClipsOfKey> ReadShown(const SurveyKey& key, const std::map<std::string,
   return clips;
 }
 
-/// All at the lowest rate of them, and for `seconds` at most: neither may tell a source.
+/// All at their lowest rate, and for at most `seconds`: neither may reveal a source.
 Status MakeAlike(double seconds, ClipsOfKey& clips) {
   FrameRate lowest = clips.begin()->second.motion->rate;
   for (const auto& [place, clip] : clips) {
@@ -72,7 +72,7 @@ Status MakeAlike(double seconds, ClipsOfKey& clips) {
   return {};
 }
 
-/// What spoils a survey: what may tell the sources apart although the page names none, and questions about nothing.
+/// Problems of a survey: cues that may reveal the sources although the page names none, and meaningless questions.
 nlohmann::json NotesOf(const ClipsOfKey& clips, const SurveyKey& key) {
   std::set<std::vector<int>> trees;
   double shortest = 1e300, longest = 0.0;
@@ -86,12 +86,12 @@ nlohmann::json NotesOf(const ClipsOfKey& clips, const SurveyKey& key) {
   nlohmann::json notes = nlohmann::json::array();
   if (trees.size() > 1) {
     notes.push_back(std::to_string(trees.size()) +
-                    " different skeletons are shown: their bones can tell the sources apart; export or generate all "
+                    " different skeletons are shown: their bones can reveal the sources; export or generate all "
                     "with one skeleton");
   }
   if (longest > kUnlikeDurations * shortest) {
     notes.push_back("the motions last " + RoundedText(shortest, 3) + " to " + RoundedText(longest, 3) +
-                    " s: their length can tell the sources apart; --seconds " + RoundedText(shortest, 3) +
+                    " s: their length can reveal the sources; --seconds " + RoundedText(shortest, 3) +
                     " shows all for the same time");
   }
   const auto same = std::count_if(key.questions.begin(), key.questions.end(), [](const SurveyQuestion& question) {
@@ -99,7 +99,7 @@ nlohmann::json NotesOf(const ClipsOfKey& clips, const SurveyKey& key) {
   });
   if (same > 0) {
     notes.push_back(Counted(same, "question") +
-                    " of the survey shows one motion twice: two sources share motions; name different files");
+                    " of the survey shows one motion twice: two sources share motions; use different files");
   }
   return notes;
 }

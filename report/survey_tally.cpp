@@ -22,7 +22,7 @@ struct OwnVotes {
   std::int64_t votes = 0;
 };
 
-/// Whether a question is about a row, and which answer counts for it.
+/// Whether a question belongs to a row, and which answer counts for it.
 std::optional<int> CountedAnswer(const SurveyQuestion& question, const TallyRow& row) {
   if (!row.label.empty() && question.label != row.label) return std::nullopt;
   if (row.second.empty()) return question.shown.front().source == row.first ? std::optional<int>(0) : std::nullopt;
@@ -88,7 +88,7 @@ std::string CsvNumbers(const std::optional<ShareInterval>& interval) {
   return interval ? FixedText(interval->low, 4) + "," + FixedText(interval->high, 4) : ",";
 }
 
-/// As it may stand in a cell of a Markdown table.
+/// Text escaped for a cell of a Markdown table.
 std::string MarkdownCell(const std::string& text) {
   std::string cell;
   for (const char c : text) cell += c == '|' ? std::string("\\|") : std::string(1, c == '\n' || c == '\r' ? ' ' : c);
@@ -113,10 +113,10 @@ std::string MarkdownIntroduction(const SurveyTally& tally) {
                      : "The share is that of votes that a motion of the source is real; recordings are " +
                            MarkdownCell(tally.real) + ".\n\n";
   text +=
-      "Wilson's 95 % interval takes every vote as independent. Votes of one participant are not: the bootstrap draws\n"
+      "Wilson's 95 % interval assumes independent votes. Votes of one participant are not: the bootstrap draws\n"
       "participants. ";
   text += tally.participants.size() < kFewestForBootstrap
-              ? "It needs " + std::to_string(kFewestForBootstrap) + " participants and is left out.\n\n"
+              ? "It needs " + std::to_string(kFewestForBootstrap) + " participants and is omitted.\n\n"
               : "It has " + std::to_string(kResamples) + " resamples, seed " + std::to_string(tally.seed) + ".\n\n";
   return text;
 }

@@ -17,18 +17,18 @@ struct ShareInterval {
   double high = 1.0;
 };
 
-/// Wilson's score interval (Wilson, JASA 1927) of `chosen` out of `votes` independent votes; none without a vote.
+/// Wilson's score interval (Wilson, JASA 1927) of `chosen` out of `votes` independent votes; nothing without a vote.
 std::optional<ShareInterval> WilsonInterval(std::int64_t chosen, std::int64_t votes);
 
 /// Votes about a pair or a source: all of them, or those about one label.
 struct TallyRow {
-  std::string first;        ///< preference: the one that `chosen` counts; real_or_fake: the source
+  std::string first;        ///< preference: the source that `chosen` counts; real_or_fake: the source
   std::string second;       ///< preference: the other one; else empty
   std::string label;        ///< empty: all labels
   std::int64_t chosen = 0;  ///< votes for `first`, or votes that it is real
   std::int64_t votes = 0;
   std::optional<ShareInterval> wilson;
-  std::optional<ShareInterval> bootstrap;  ///< over participants; none for less than three of them
+  std::optional<ShareInterval> bootstrap;  ///< over participants; nothing for fewer than three
 
   double share() const { return votes > 0 ? static_cast<double>(chosen) / static_cast<double>(votes) : 0.0; }
 };
@@ -50,16 +50,15 @@ struct SurveyTally {
   std::vector<SkippedAnswers> skipped;
 };
 
-/// Counts the votes of answers to the questions of `key`. The bootstrap draws as many participants as there are, with
-/// replacement, 2000 times, keyed by the seed of the key and the row; its ends are the 2.5th and 97.5th percentile of
-/// the share.
+/// Counts the votes of answers to the questions of `key`. The bootstrap draws the participants with replacement, 2000
+/// times, keyed by the seed of the key and the row; its ends are the 2.5th and 97.5th percentile of the share.
 SurveyTally TallySurvey(const SurveyKey& key, const std::vector<SurveyAnswers>& answers);
 
 nlohmann::json TallyToJson(const SurveyTally& tally);
 std::string TallyToCsv(const SurveyTally& tally);
-/// What the figures mean, and a table of them.
+/// Explanation of the values, and their table.
 std::string TallyToMarkdown(const SurveyTally& tally);
-/// An SVG file: a bar a row, Wilson's interval as a whisker; without answers it says that there are none.
+/// An SVG file: one bar per row, Wilson's interval as a whisker; without answers a note.
 std::string TallyToSvg(const SurveyTally& tally);
 
 }  // namespace mocurate

@@ -6,7 +6,7 @@
 
 namespace mocurate {
 
-/// Charts as inline SVG text. Colours are classes of the page's style ("before", "after", ...), so that they follow the
+/// Charts as inline SVG text. Colours are classes of the page's style ("before", "after", ...), which follow the
 /// reader's light or dark scheme. `title` is the text alternative. All texts are escaped here.
 
 struct BarPart {
@@ -29,7 +29,7 @@ struct BarChart {
 };
 
 /// Two samples of one measure over a common axis: `before` upwards, `after` downwards. Values beyond the 98th
-/// percentile of both gather in the last bin. One sample alone stands upwards.
+/// percentile of both are in the last bin. A single sample is drawn upwards.
 struct TwoSidedHistogram {
   std::string title;
   std::string unit;
@@ -45,7 +45,7 @@ struct LineChart {
   struct Curve {
     std::string name;
     std::vector<std::pair<double, double>> points;
-    int colour = -1;  ///< of the six of the page's style (0 blue, 1 orange, 5 grey); -1: its place among the curves
+    int colour = -1;  ///< of the six of the page's style (0 blue, 1 orange, 5 grey); -1: the curve's index
   };
   std::string title;
   std::string x_name;

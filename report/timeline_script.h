@@ -2,11 +2,11 @@
 
 namespace mocurate {
 
-/// mocurateTimeline(root, clip, on): spans of a clip over its speed curve, in the `.track` of `root`. Dragging on a
-/// free place makes a span, dragging an edge of one moves it, a click moves the playhead. `clip`: {frames, hz, begin_s,
+/// mocurateTimeline(root, clip, on): spans of a clip over its speed curve, in the `.track` of `root`. Dragging on an
+/// empty area creates a span, dragging an edge moves it, a click moves the playhead. `clip`: {frames, hz, begin_s,
 /// fastest}: seconds of the first frame in the recording, m/s of the curve's top. `on`: spans() in order, bounds(span)
 /// -> [begin, end] in frames, selected(), hue(label), select(span or null), create(begin, end), adjust(span, edge,
-/// frame), seek(frame). Answers {wake(speeds), rest(), show(), playhead(frame), mark(frame or null), zoom(factor)};
+/// frame), seek(frame). Returns {wake(speeds), rest(), show(), playhead(frame), mark(frame or null), zoom(factor)};
 /// `speeds` are bytes, 255 times the square root of speed over the fastest.
 inline constexpr const char* kTimelineScript = R"js(
 'use strict';

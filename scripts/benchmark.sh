@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the benchmarks and runs those whose name holds the given text, with one thread each. Usage: scripts/benchmark.sh [NAME [ARGUMENTS ...]]
-# Without NAME all of them, with their defaults; arguments go to each benchmark that runs (tests/benchmarks/README.md).
+# Builds the benchmarks and runs those whose name contains NAME, with one thread each. Usage: scripts/benchmark.sh [NAME [ARGUMENTS ...]]
+# Without NAME all of them, with their defaults; arguments go to each benchmark that runs (docs/benchmarks.md).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ -f /usr/include/benchmark/benchmark.h ] || scripts/install.sh develop
@@ -11,7 +11,7 @@ for source in tests/benchmarks/*"$name"*.cpp; do
   [ -e "$source" ] && benchmarks+=("bench_$(basename "$source" .cpp)")
 done
 if [ ${#benchmarks[@]} -eq 0 ]; then
-  echo "benchmark.sh: no benchmark is named '$name'; there are: $(cd tests/benchmarks && basename -s .cpp *.cpp | xargs)" >&2
+  echo "benchmark.sh: no benchmark is named '$name'; the benchmarks are: $(cd tests/benchmarks && basename -s .cpp *.cpp | xargs)" >&2
   exit 2
 fi
 if [ -d ../shared/data ] && [ -z "${MOCURATE_DATA:-}" ]; then

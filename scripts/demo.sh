@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds the programs and runs the main job on a synthetic capture that they make themselves.
+# Installs what is missing, builds the programs and runs the main job on a synthetic capture that they generate.
 # Usage: scripts/demo.sh [RUN_FOLDER]
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Formats every source file; with --check only tells which ones differ.
+# Formats every source file; with --check it only lists files that differ.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 command -v clang-format >/dev/null || scripts/install.sh develop

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Runs every table and figure of the papers in profile smoke: whether each runs, in minutes. A table of how each ended.
+# Runs every table and figure of the papers in profile smoke, in minutes, and prints a table of the exit codes.
 #
 #   scripts/reproduce_smoke.sh [FOLDER] [ID...]        default: build/reproduce_smoke, all items
 #

@@ -11,7 +11,7 @@ if [ -d ../shared/data ]; then
   bash ../shared/data/unpack.sh "$MOCURATE_DATA" >/dev/null
   export MOCURATE_GOLDENS="$(cd ../shared/goldens && pwd)"
 fi
-# A crash of a library is a signal there too: readers that are tried with damaged files tell it from an answer.
+# A crash of a library is a signal there too: tests of readers on damaged files detect it.
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=1 UBSAN_OPTIONS=print_stacktrace=1
 export LSAN_OPTIONS=suppressions=$PWD/cmake/leaks.supp
 cmake --preset "$preset"

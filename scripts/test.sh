@@ -10,13 +10,13 @@ if [ -d ../shared/data ]; then
   bash ../shared/data/unpack.sh "$MOCURATE_DATA" >/dev/null
   export MOCURATE_GOLDENS="$(cd ../shared/goldens && pwd)"
 else
-  echo "test.sh: ../shared/data is not here: tests on recorded data will be skipped and say so"
+  echo "test.sh: ../shared/data is not here: tests on recorded data are reported as skipped"
 fi
 
 cmake --preset test
 cmake --build --preset test
 
-export TMPDIR="$PWD/build/test/tmp" TEST_TMPDIR="$PWD/build/test/tmp/"  # what tests leave goes with the folder
+export TMPDIR="$PWD/build/test/tmp" TEST_TMPDIR="$PWD/build/test/tmp/"  # files that tests leave are removed with the folder
 rm -rf "$TMPDIR"
 mkdir -p "$TMPDIR"
 trap 'rm -rf "$TMPDIR"' EXIT

@@ -16,7 +16,7 @@ namespace {
 constexpr double kMostIterations = 1e8;  // range of `iterations`
 constexpr const char* kRealRows[] = {"Real", "Real-test", "reference", "reference_test"};
 
-/// The item of a network with this seed, else with its first one; empty where none has the name.
+/// The item of a network with this seed, else with its first one; empty for an unknown name.
 std::string ItemOf(const TrainOptions& options, const std::string& name, double seed) {
   for (const NetworkOptions& network : options.networks) {
     if (name.empty() || network.name != name) continue;
@@ -26,7 +26,7 @@ std::string ItemOf(const TrainOptions& options, const std::string& name, double 
   return {};
 }
 
-/// The set that a network of this seed is trained on, made by the generator of the same seed, else of its first.
+/// The generated set for training with this seed: from the generator of the same seed, else of its first.
 std::optional<MadeSet> MadeFor(const NetworkOptions& network, double seed, const TrainOptions& options) {
   const std::optional<RemakeRule> rule = RuleOf(network.trained_on);
   if (!rule) return std::nullopt;
@@ -38,14 +38,14 @@ void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const S
              const std::string& from, const std::optional<MadeSet>& made, std::vector<TrainItem>& items) {
   NetworkOptions one = network;
   const bool mixed = made && network.made_share < 1.0;
-  if (made && !mixed) {  // made of the right clips already
+  if (made && !mixed) {  // generated from the right clips already
     one.data.split.clear();
     one.data.all_clips = false;
     one.data.fraction = 1.0;
   }
   one.seeds = {seed};
   one.learning.samples_at.clear();
-  one.learning.weights.clear();  // their content is an input: where they lie does not matter
+  one.learning.weights.clear();  // their content is an input; their path does not matter
   one.learning.start_from.clear();
   one.learning.start_from_network.clear();
   one.body().clear();
@@ -74,15 +74,16 @@ Status CheckSeeds(const NetworkOptions& network, const std::string& where) {
       return Fail(ErrorCode::kConfig, RoundedText(seed) + " is not a whole number", where);
     }
     if (!seen.insert(seed).second) {
-      return Fail(ErrorCode::kConfig, "seed " + RoundedText(seed, 12) + " stands there twice", where,
+      return Fail(ErrorCode::kConfig, "seed " + RoundedText(seed, 12) + " is listed twice", where,
                   "a network is named after its seed");
     }
   }
   if (!network.seeds.empty()) return {};
-  return Fail(ErrorCode::kConfig, "the list is empty", where, "one network is trained per seed: leave the network out");
+  return Fail(ErrorCode::kConfig, "the list is empty", where,
+              "one network is trained per seed: list a seed, or remove the network");
 }
 
-/// What networks are trained with beside their sizes.
+/// Training requirements of networks beside their sizes.
 Status CheckLosses(const NetworkOptions& network, const std::string& where) {
   if (network.enabled && network.NeedsBody() && network.body().empty()) {
     return Fail(ErrorCode::kConfig, "a loss on vertices needs a body",
@@ -90,53 +91,54 @@ Status CheckLosses(const NetworkOptions& network, const std::string& where) {
                 "set body: to SMPL's file or body_cc0.h5, or MOCURATE_WEIGHTS to their folder");
   }
   if (network.kind == NetworkKind::kActor && network.data.longest_frames > 0 && network.data.include_last_start) {
-    return Fail(ErrorCode::kConfig, "windows of drawn length begin as released", where + ".include_last_start",
-                "leave it out, or set longest_frames: 0");
+    return Fail(ErrorCode::kConfig, "windows of random length use the released start", where + ".include_last_start",
+                "remove it, or set longest_frames: 0");
   }
   return {};
 }
 
-/// Whether two networks learn from the same clips.
+/// Whether two networks have the same training clips.
 bool SameClips(const NetworkOptions& a, const NetworkOptions& b) {
   return a.data.split == b.data.split && a.data.all_clips == b.data.all_clips && a.data.fraction == b.data.fraction &&
          a.trained_on == b.trained_on;
 }
 
-/// A generator makes what a network is trained on of the clips that it learned from itself: they are the network's.
+/// A generator makes training motions from its own training clips, so that both networks must have the same clips.
 Status CheckMade(const NetworkOptions& network, const TrainOptions& options, const std::string& where) {
   if (!network.enabled) return {};
   if (!RuleOf(network.trained_on)) {
     if (network.generator.empty() && network.made_share == 1.0) return {};
-    return Fail(ErrorCode::kConfig, "the network is trained on no motions that another one makes",
+    return Fail(ErrorCode::kConfig, "the network is not trained on generated motions",
                 where + (network.generator.empty() ? ".made_share" : ".generator"),
                 "set trained_on: denoised, interpolated or generated");
   }
   if (network.NeedsParts() || network.data.part != ClipPart::kWhole) {
-    return Fail(ErrorCode::kConfig, "motions that a network makes have no parts of samples", where + ".trained_on",
+    return Fail(ErrorCode::kConfig, "generated motions have no parts of samples", where + ".trained_on",
                 "set trained_on: dataset");
   }
   const auto found = std::find_if(options.networks.begin(), options.networks.end(),
                                   [&](const NetworkOptions& one) { return one.name == network.generator; });
   if (found == options.networks.end() || found->kind != NetworkKind::kActor || !found->enabled) {
     return Fail(ErrorCode::kConfig,
-                network.generator.empty() ? std::string("nothing says which network makes the motions")
-                                          : "there is no actor network '" + network.generator + "' that is trained",
+                network.generator.empty() ? std::string("no generator is declared for the motions")
+                                          : "no trained actor network is named '" + network.generator + "'",
                 where + ".generator", "name one of train.networks of kind actor");
   }
   NetworkOptions as_generator = network;
   as_generator.trained_on = TrainingSetChoice::kDataset;
   if (!SameClips(*found, as_generator)) {
-    return Fail(ErrorCode::kConfig, "'" + network.generator + "' learns from other clips than the network",
+    return Fail(ErrorCode::kConfig, "'" + network.generator + "' has other training clips than the network",
                 where + ".generator",
-                "give both the same split, all_clips and fraction, and the generator trained_on: dataset");
+                "set the same split, all_clips and fraction for both, and trained_on: dataset for the generator");
   }
   if (network.made_share < 1.0 && network.learning.batch < 2) {
-    return Fail(ErrorCode::kConfig, "a batch of one clip holds no two kinds", where + ".batch", "2 or more");
+    return Fail(ErrorCode::kConfig, "a batch of one clip cannot mix recorded and generated clips", where + ".batch",
+                "set 2 or more");
   }
   return {};
 }
 
-/// Whether the parameters of two networks of one kind have the same shapes, as far as the options say.
+/// Whether the parameters of two networks of one kind have the same shapes, according to their options.
 bool SameSizes(const NetworkOptions& a, const NetworkOptions& b) {
   const auto sizes = [](const NetworkOptions& network) {
     const ActorOptions& actor = network.actor;
@@ -152,7 +154,8 @@ bool SameSizes(const NetworkOptions& a, const NetworkOptions& b) {
   return sizes(a) == sizes(b);
 }
 
-/// The network that another one begins with is of its kind and size, learns from the same clips and stands before it.
+/// The network whose weights another one starts from has its kind and size, the same training clips, and is listed
+/// before it.
 Status CheckStart(const TrainOptions& options, std::size_t at, const std::string& where) {
   const NetworkOptions& network = options.networks[at];
   const std::string& name = network.learning.start_from_network;
@@ -161,25 +164,25 @@ Status CheckStart(const TrainOptions& options, std::size_t at, const std::string
     return Fail(ErrorCode::kConfig, what, where + ".start_from_network", hint);
   };
   if (!network.learning.start_from.empty() || !network.learning.weights.empty()) {
-    return refused("the network begins with the weights of a file too", "leave start_from and weights out");
+    return refused("the network also starts from the weights of a file", "remove start_from and weights");
   }
   const auto end = options.networks.begin() + static_cast<std::ptrdiff_t>(at);
   const auto found =
       std::find_if(options.networks.begin(), end, [&](const NetworkOptions& one) { return one.name == name; });
   if (found == end || !found->enabled || found->kind != network.kind) {
-    return refused("no trained network '" + name + "' of the same kind stands above it", "name one that does");
+    return refused("no trained network '" + name + "' of the same kind is listed before it", "name one that is");
   }
   if (!SameClips(*found, network)) {
-    return refused("'" + name + "' learns from other clips: test clips of this network may be among them",
-                   "give both the same split, all_clips, fraction and trained_on");
+    return refused("'" + name + "' has other training clips: test clips of this network may be among them",
+                   "set the same split, all_clips, fraction and trained_on for both");
   }
   if (!SameSizes(*found, network)) {
-    return refused("'" + name + "' has parameters of other sizes", "give both the same sizes, coders and pose");
+    return refused("'" + name + "' has parameters of other sizes", "set the same sizes, coders and pose for both");
   }
   return {};
 }
 
-/// Every row of the table is one network's, and none of them has the name of the real motions' rows.
+/// Each row of the table belongs to one network, and none has the name of a row of real motions.
 Status CheckRowNames(const TrainOptions& options) {
   std::set<std::string> seen(std::begin(kRealRows), std::end(kRealRows));
   for (std::size_t i = 0; i < options.networks.size(); ++i) {
@@ -189,9 +192,9 @@ Status CheckRowNames(const TrainOptions& options) {
     if (!GeneratesMotions(options.networks[i].kind)) continue;
     for (const TrainItem& item : items) {
       if (seen.insert(item.row).second) continue;
-      return Fail(ErrorCode::kConfig, "the row '" + item.row + "' is there already",
+      return Fail(ErrorCode::kConfig, "the row '" + item.row + "' exists already",
                   "train.networks[" + std::to_string(i) + "].name",
-                  "a network NAME of several seeds has rows NAME/SEED");
+                  "rename the network; with several seeds its rows are NAME/SEED");
     }
   }
   return {};
@@ -211,9 +214,9 @@ std::string FileNameOf(std::string item) {
 }
 
 void TrainOptions::Declare(OptionVisitor& v) {
-  v.Integer("most_iterations", most_iterations, {0.0, 1e8}, "bound of every generator's iterations; 0: none");
-  v.Integer("most_epochs", most_epochs, {0.0, 100000.0}, "bound of every recogniser's epochs; 0: none");
-  v.List("networks", networks, "networks that are trained; generators become rows of the table");
+  v.Integer("most_iterations", most_iterations, {0.0, 1e8}, "maximum iterations of every generator; 0: no limit");
+  v.Integer("most_epochs", most_epochs, {0.0, 100000.0}, "maximum epochs of every recogniser; 0: no limit");
+  v.List("networks", networks, "networks to train; generators become rows of the table");
 }
 
 void BoundTraining(TrainOptions& options) {
@@ -260,12 +263,13 @@ Status CheckMacvae(const NetworkOptions& network, const std::string& where) {
   const bool attends = macvae.backbone == MacvaeBackbone::kTransformer;
   if ((attends && macvae.width % macvae.heads != 0) || macvae.width % 2 != 0) {
     return refused(
-        "width", std::to_string(macvae.width) + " is odd or no multiple of " + std::to_string(macvae.heads) + " heads",
+        "width",
+        std::to_string(macvae.width) + " is odd or not a multiple of " + std::to_string(macvae.heads) + " heads",
         "choose another width");
   }
   if (network.data.frames < macvae.previous_frames + 6) {
     return refused("frames",
-                   std::to_string(network.data.frames) + " hold no sample whose previous motion has " +
+                   std::to_string(network.data.frames) + " are too few for a sample whose previous motion has " +
                        Counted(macvae.previous_frames, "frame"),
                    "set frames to 120, as published");
   }
@@ -279,7 +283,7 @@ Status CheckSizes(const NetworkOptions& network, const std::string& where) {
   if (network.kind == NetworkKind::kSsmct && network.ssmct.width % network.ssmct.heads != 0) {
     return Fail(
         ErrorCode::kConfig,
-        std::to_string(network.ssmct.width) + " is no multiple of " + std::to_string(network.ssmct.heads) + " heads",
+        std::to_string(network.ssmct.width) + " is not a multiple of " + std::to_string(network.ssmct.heads) + " heads",
         where + ".width", "choose another width");
   }
   if (network.kind != NetworkKind::kActor) return {};
@@ -289,22 +293,23 @@ Status CheckSizes(const NetworkOptions& network, const std::string& where) {
   };
   const bool attends = actor.coders == ActorCoders::kTransformer || actor.coders == ActorCoders::kAutoregressive;
   if (attends && (actor.latent % actor.heads != 0 || actor.latent % 2 != 0)) {
-    return refused("latent",
-                   std::to_string(actor.latent) + " is odd or no multiple of " + std::to_string(actor.heads) + " heads",
-                   "choose another width");
+    return refused(
+        "latent",
+        std::to_string(actor.latent) + " is odd or not a multiple of " + std::to_string(actor.heads) + " heads",
+        "choose another width");
   }
   if (actor.pose == PoseChoice::kJoints && actor.vertex_weight > 0.0) {
-    return refused("vertex_weight", "joints alone pose no body", "choose a pose of rotations");
+    return refused("vertex_weight", "a pose of joints cannot drive a body", "choose a pose of rotations");
   }
   const std::int64_t longest = network.data.longest_frames;
   if (longest > 0 && longest < network.data.frames) {
-    return refused("longest_frames", std::to_string(longest) + " is less than frames", "0, or at least `frames`");
+    return refused("longest_frames", std::to_string(longest) + " is less than frames", "set 0, or at least `frames`");
   }
   if (longest > 0 && actor.coders == ActorCoders::kFullyConnected) {
     return refused("longest_frames", "the fully connected coder has one length", "set longest_frames: 0");
   }
   if (longest > 0 && actor.pose == PoseChoice::kJoints) {
-    return refused("longest_frames", "windows of drawn length are read with rotations", "choose a pose of rotations");
+    return refused("longest_frames", "windows of random length need rotations", "choose a pose of rotations");
   }
   return {};
 }
@@ -321,8 +326,8 @@ Status CheckNetworks(const TrainOptions& given, const std::string& first_split) 
     const bool of_a_file = !network.name.empty() && network.name.front() != '.' &&
                            network.name.find_first_of("@\\\n") == std::string::npos;
     if (!of_a_file) {
-      return Fail(ErrorCode::kConfig, "'" + network.name + "' is no name for a network", where + ".name",
-                  "a name without '@' and '\\'; it names rows and, with '_' for '/', files");
+      return Fail(ErrorCode::kConfig, "'" + network.name + "' is not a valid network name", where + ".name",
+                  "use a name without '@' and '\\'; it names rows and, with '_' for '/', files");
     }
     if (!names.insert(FileNameOf(network.name)).second) {
       return Fail(ErrorCode::kConfig, "two networks have the name '" + network.name + "'", where + ".name",
@@ -330,8 +335,8 @@ Status CheckNetworks(const TrainOptions& given, const std::string& first_split) 
     }
     if (Status seeds = CheckSeeds(network, where + ".seeds"); !seeds) return seeds;
     if (!network.learning.weights.empty() && (network.seeds.size() > 1 || !network.learning.samples_at.empty())) {
-      return Fail(ErrorCode::kConfig, "weights of a file are one network of one step", where + ".weights",
-                  "leave samples_at out, and name one seed");
+      return Fail(ErrorCode::kConfig, "a file of weights is one network at one step", where + ".weights",
+                  "remove samples_at, and list one seed");
     }
     if (Status sizes = CheckSizes(network, where); !sizes) return sizes;
     if (Status start = CheckStart(options, i, where); !start) return start;
@@ -346,11 +351,11 @@ Status CheckNetworks(const TrainOptions& given, const std::string& first_split) 
       return Fail(ErrorCode::kConfig,
                   "step " + RoundedText(steps.back(), 12) + " is beyond the " +
                       Counted(network.learning.iterations, "iteration") + " of the network",
-                  where + ".samples_at", "leave it out, or train longer");
+                  where + ".samples_at", "remove it, or train longer");
     }
     for (const double step : steps) {
       if (step == std::floor(step)) continue;
-      return Fail(ErrorCode::kConfig, RoundedText(step) + " is no whole number of steps", where + ".samples_at");
+      return Fail(ErrorCode::kConfig, RoundedText(step) + " is not a whole number of steps", where + ".samples_at");
     }
   }
   return CheckRowNames(options);
@@ -364,7 +369,7 @@ Status ScaleTraining(double budget, TrainOptions& options) {
     if (!(iterations <= kMostIterations)) {
       return Fail(ErrorCode::kUsage,
                   RoundedText(budget) + " times " + Counted(network.learning.iterations, "iteration") +
-                      " is more than '" + network.name + "' can be trained (1e8)",
+                      " exceeds the maximum of '" + network.name + "' (1e8)",
                   "--budget", "choose a smaller budget");
     }
     LearningOptions& learning = network.learning;
@@ -414,8 +419,8 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
     }
     notes.push_back(
         network.name +
-        " learns windows and the recogniser sees whole clips (or the reverse): its FID and accuracy are not "
-        "like for like with Real; set `input` of the two alike.");
+        " is trained on windows and the recogniser reads whole clips (or the reverse): its FID and accuracy are not "
+        "comparable with Real; set the same `input` for both.");
   }
   return notes;
 }

@@ -9,7 +9,7 @@
 
 namespace mocurate {
 
-/// Which networks a job trains: its group `train`.
+/// The networks that a job trains: its group `train`.
 struct TrainOptions {
   std::vector<NetworkOptions> networks;
   std::int64_t most_iterations = 0;  ///< of every generator; 0: no bound
@@ -20,13 +20,13 @@ struct TrainOptions {
   bool NeedsUnfitted() const;
 };
 
-/// The data sets that the items of a job train on.
+/// The data sets for the training items of a job.
 struct TrainingInputs {
   StageInput dataset;
   std::optional<StageInput> unfitted;  ///< the same clips before fitting
 };
 
-/// Motions that a network of a job makes of the clips it learned from.
+/// Motions that a network of a job generates from its training clips.
 struct MadeSet {
   std::string generator;       ///< name of the network
   std::string generator_item;  ///< of its seed: "ACTOR/1"
@@ -35,40 +35,39 @@ struct MadeSet {
   std::uint64_t seed() const;  ///< the generator's
 };
 
-/// One network of a job: a seed of it, perhaps after some of its steps.
+/// One network of a job: one seed, perhaps at an intermediate step.
 struct TrainItem {
   ItemSpec spec;
   std::size_t network = 0;      ///< position in TrainOptions::networks
   std::string row;              ///< of a generator in tables: NAME, NAME/SEED where it has several, NAME@STEP
-  std::string after;            ///< item whose checkpoint it goes on from, its input of role "start"; or empty
-  std::string from;             ///< item whose weights it begins with, its input of role "start_from"; or empty
-  std::optional<MadeSet> made;  ///< what takes the place of the dataset, or is mixed with it as the input "made"
-  bool mixed = false;           ///< the dataset stays, `made` is mixed with it
+  std::string after;            ///< item whose checkpoint it continues, its input of role "start"; or empty
+  std::string from;             ///< item whose weights it starts from, its input of role "start_from"; or empty
+  std::optional<MadeSet> made;  ///< replaces the dataset, or is mixed with it as the input "made"
+  bool mixed = false;           ///< `made` is mixed with the dataset
 };
 
-/// The items of the stage `train`, generators, which take longest, first: item "NAME/SEED", or "NAME/SEED@STEP" for a
-/// network that is kept after so many steps. Networks on unfitted clips only where `inputs` has them.
+/// The items of the stage `train`, generators first because they take longest: item "NAME/SEED", or "NAME/SEED@STEP"
+/// for a network kept at that step. Networks on unfitted clips only where `inputs` has them.
 std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInputs& inputs);
 
 /// Name of the file of an item: "Ours w/o Lie/1" -> "Ours w_o Lie_1".
 std::string FileNameOf(std::string item);
 
-/// Lowers iterations and epochs to the bounds, and leaves out samples beyond them.
+/// Limits iterations and epochs, and removes samples beyond the limits.
 void BoundTraining(TrainOptions& options);
 
-/// Error kConfig for a seed that is not whole or stands twice, for names that stand twice or are no names of files, and
-/// for steps of `samples_at` that do not rise.
-/// `first_split`: of the set, which an empty `split` means.
+/// Error kConfig for seeds that are not whole or repeated, for names that are repeated or not valid file names, and for
+/// steps of `samples_at` that do not rise. `first_split`: the set's default for an empty `split`.
 Status CheckNetworks(const TrainOptions& options, const std::string& first_split = {});
 
-/// Whether the sizes of a network fit each other. Error kConfig.
+/// Whether the sizes of a network are consistent. Error kConfig.
 Status CheckSizes(const NetworkOptions& network, const std::string& where);
 
 /// Multiplies the generators' iterations by `budget`. Error kUsage when a product is more than the option allows.
 Status ScaleTraining(double budget, TrainOptions& options);
 
-/// What stands below a table of results about how its networks were trained: sentences. `recogniser`: the network that
-/// gives the features.
+/// Notes below a table of results about the training of its networks: sentences. `recogniser`: the network of the
+/// features.
 std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::string& recogniser);
 
 }  // namespace mocurate

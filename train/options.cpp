@@ -8,18 +8,18 @@ void AugmentationOptions::Declare(OptionVisitor& v) {
   v.Number("yaw", yaw_rad, Unit::kRadian, {0.0, 3.2}, "rotation about the vertical, uniform in plus or minus this");
   v.Number("scale", scale, Unit::kNone, {0.0, 0.5}, "size, uniform in 1 plus or minus this");
   v.Number("noise", noise_m, Unit::kMetre, {0.0, 0.5}, "standard deviation added to every coordinate");
-  v.Number("crop", crop, Unit::kNone, {0.0, 0.9}, "largest part of a clip's frames that is cut off at its ends");
+  v.Number("crop", crop, Unit::kNone, {0.0, 0.9}, "largest share of a clip's frames cut off at its ends");
   v.Number("warp", warp, Unit::kNone, {0.0, 0.9}, "largest relative change of speed inside a clip");
-  v.Bool("mirror", mirror, "mirror half of the clips (changes sides: only for actions that have none)");
+  v.Bool("mirror", mirror, "mirror half of the clips (exchanges left and right: only for actions without a side)");
 }
 
 void TrainingDataOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   const bool parts = kind == NetworkKind::kMacvae || kind == NetworkKind::kSsmct;
   const bool rotations = kind == NetworkKind::kStGcn || kind == NetworkKind::kActor || parts;
   v.Text("split", split, "split of the dataset to train on; empty: its first one, or all clips without one");
-  v.Bool("all_clips", all_clips, "train on every clip, as the released code does");
+  v.Bool("all_clips", all_clips, "train on every clip, as in the released code");
   v.Number("fraction", fraction, Unit::kNone, {0.01, 1.0},
-           "part of the training clips of each class; a smaller fraction is a part of a larger one");
+           "share of the training clips of each class; a smaller fraction is a subset of a larger one");
   v.Bool("balance", balance, "draw every class equally often, whatever its number of clips");
   if (!rotations) {
     v.Choice(
@@ -36,13 +36,14 @@ void TrainingDataOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   if (!parts) {
     v.Choice("part", part,
              {{"whole", ClipPart::kWhole}, {"transition", ClipPart::kTransition}, {"action", ClipPart::kAction}},
-             "of samples of two actions: all of a clip, or its transition or second action alone (MultiAct)");
-    v.Bool("include_last_start", include_last_start, "let a crop begin at the last possible frame (released: never)");
+             "part of samples of two actions: all, only the transition, or only the second action (MultiAct)");
+    v.Bool("include_last_start", include_last_start,
+           "allow a crop to begin at the last possible frame (released: never)");
   }
-  v.Integer("frames", frames, {2.0, 1000.0}, "frames of a training window; to which whole clips are padded");
+  v.Integer("frames", frames, {2.0, 1000.0}, "frames of a training window; whole clips are padded to it");
   if (kind == NetworkKind::kActor) {
     v.Integer("longest_frames", longest_frames, {0.0, 4000.0},
-              "windows of `frames` to so many frames, drawn; 0: all have `frames`");
+              "maximum length of a window, random from `frames` on; 0: all have `frames`");
   }
   if (!rotations) v.Group("augmentation", augmentation, "random changes of the training clips");
 }
@@ -52,59 +53,59 @@ void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   if (kind != NetworkKind::kStGcn && kind != NetworkKind::kSsmct && kind != NetworkKind::kMacvae)
     v.Integer(
         "shards", shards, {1.0, 64.0},
-        "parts of a batch whose gradients are summed in order; each may have a core, the bytes do not depend on it");
-  v.Number("learning_rate", learning_rate, Unit::kNone, {1e-8, 1.0}, "of the optimiser");
+        "parts of a batch whose gradients are summed in order, one core each; the result does not depend on the cores");
+  v.Number("learning_rate", learning_rate, Unit::kNone, {1e-8, 1.0}, "learning rate of the optimiser");
   v.Number("weight_decay", weight_decay, Unit::kNone, {0.0, 1.0}, "L2 term of Adam");
-  v.Number("gradient_clip", gradient_clip, Unit::kNone, {0.0, 1e6}, "largest norm of a step's gradient; 0: no bound");
-  v.Integer("save_every", save_every, {1.0, 1e8}, "steps between two saved states, for runs that are killed");
+  v.Number("gradient_clip", gradient_clip, Unit::kNone, {0.0, 1e6}, "largest norm of a step's gradient; 0: no limit");
+  v.Integer("save_every", save_every, {1.0, 1e8}, "steps between two saved states, for resuming killed runs");
   v.Choice("device", device, {{"cpu", TrainDevice::kCpu}, {"cuda", TrainDevice::kCuda}},
-           "where it is trained; cuda needs a libtorch with CUDA");
-  v.Path("start_from", start_from, "begin with the weights of this file and a fresh optimiser (files as of `weights`)");
+           "device of the training; cuda needs a libtorch with CUDA");
+  v.Path("start_from", start_from,
+         "start from the weights of this file and a new optimiser (formats as for `weights`)");
   v.Path("weights", weights,
-         "take the weights of this file (released .tar or .pth, .h5, .safetensors) and train nothing; options as they "
+         "use the weights of this file (released .tar or .pth, .h5, .safetensors) without training; options as they "
          "were trained");
   if (!GeneratesMotions(kind)) return;
   v.Text("start_from_network", start_from_network,
-         "begin with the weights of this network, which stands above it, and a fresh optimiser");
+         "start from the weights of this network, listed before it, and a new optimiser");
   v.Integer("iterations", iterations, {1.0, 1e8}, "training steps");
-  v.Integer("until", until, {0.0, 1e8}, "stop after so many of the steps; 0: all");
+  v.Integer("until", until, {0.0, 1e8}, "stop after this many steps; 0: all");
   v.Numbers("samples_at", samples_at, Unit::kNone, {1.0, 1e8},
-            "steps at which the network is kept and scored as a row NAME@STEP");
+            "steps at which the network is saved and scored as a row NAME@STEP");
 }
 
 void GruRecogniserOptions::Declare(OptionVisitor& v) {
   v.Integer("layers", layers, {1.0, 8.0}, "GRU layers of the network");
   v.Integer("hidden", hidden, {4.0, 1024.0}, "size of the recurrent state");
-  v.Number("label_smoothing", label_smoothing, Unit::kNone, {0.0, 0.5}, "of the cross entropy");
-  v.Bool("standardise", standardise,
-         "train on numbers of zero mean and unit deviation; the stored weights take plain joints again");
+  v.Number("label_smoothing", label_smoothing, Unit::kNone, {0.0, 0.5}, "label smoothing of the cross entropy");
+  v.Bool("standardise", standardise, "train on standardised inputs; the stored weights read plain joints");
   v.Choice("initial_hidden", initial_hidden, {{"zero", InitialHidden::kZero}, {"normal", InitialHidden::kNormal}},
            "initial recurrent state while training (released: normal)");
   v.Choice("read_out", read_out, {{"last_frame", ReadOutChoice::kLastFrame}, {"last_valid", ReadOutChoice::kLastValid}},
-           "output that counts: of the last frame, padding included (released), or of the clip's last one");
+           "output used: of the last frame, padding included (released), or of the clip's last frame");
   DeclareEpochs(v);
 }
 
 void GruRecogniserOptions::DeclareEpochs(OptionVisitor& v) {
   v.Integer("epochs", epochs, {1.0, 100000.0}, "passes over the training clips");
   v.Bool("anneal", anneal,
-         "let the learning rate fall to zero along half a cosine; then all epochs count, no best one is chosen");
+         "decay the learning rate to zero along half a cosine; then all epochs are trained, no best one is chosen");
   v.Integer("check_every", check_every, {1.0, 100000.0}, "epochs between checks on the validation fold");
-  v.Bool("refit", refit, "train once more, on all training clips, for as many epochs as were chosen");
+  v.Bool("refit", refit, "train again on all training clips for the chosen number of epochs");
   v.Number("smallest_validation", smallest_validation, Unit::kNone, {0.01, 0.5},
-           "part of the training clips held out when the split has no validation part and persons are too few");
+           "share of the training clips held out when the split has no validation part and too few persons");
 }
 
 void Action2MotionOptions::Declare(OptionVisitor& v) {
   v.Bool("lie", lie, "decode rotations and compute joints; without it joints are decoded");
   v.Choice("protocol", protocol, {{"released", Protocol::kReleased}, {"paper", Protocol::kPaper}},
-           "whose rules hold where code and paper differ; each part below can be set alone");
+           "rules where code and paper differ; the options below override single ones");
   v.OptionalNumber("self_feed_probability", self_feed_probability, Unit::kNone, {0.0, 1.0},
-                   "chance that a step feeds the model's own prediction back (released 0.6, paper 0.4)");
+                   "probability that a step feeds back the model's own prediction (released 0.6, paper 0.4)");
   v.Choice(
       "feedback", feedback,
       {{"protocol", FeedbackChoice::kProtocol}, {"raw", FeedbackChoice::kRaw}, {"joints", FeedbackChoice::kJoints}},
-      "what is fed back: the raw output (released) or joints (paper)");
+      "prediction that is fed back: the raw output (released) or joints (paper)");
   v.Choice("time_counter", time_counter,
            {{"protocol", TimeChoice::kProtocol},
             {"none", TimeChoice::kNone},
@@ -114,7 +115,7 @@ void Action2MotionOptions::Declare(OptionVisitor& v) {
   v.Choice(
       "reconstruction", reconstruction,
       {{"protocol", LossChoice::kProtocol}, {"mean", LossChoice::kMean}, {"squared_norm", LossChoice::kSquaredNorm}},
-      "mean over all numbers (released) or squared norm per pose (paper)");
+      "mean over all values (released) or squared norm per pose (paper)");
   v.OptionalNumber("kl_weight", kl_weight, Unit::kNone, {0.0, 100.0},
                    "weight of the KL term (released 0.001 with Lie, 0.0001 without; paper 0.01)");
   v.Choice("lie_exp", lie_exp, {{"released", LieExpChoice::kReleased}, {"exact", LieExpChoice::kExact}},
@@ -126,28 +127,29 @@ void Action2MotionOptions::Declare(OptionVisitor& v) {
 void CondGruOptions::Declare(OptionVisitor& v) {
   v.Integer("hidden", hidden, {4.0, 1024.0}, "size of the recurrent state");
   v.Number("teacher_forcing", teacher_forcing, Unit::kNone, {0.0, 1.0},
-           "chance that a sequence is fed the truth while training");
+           "probability of teacher forcing for a sequence");
   v.Choice("evaluation", evaluation,
            {{"rollout", CondGruEvaluation::kRollout}, {"released_zeros", CondGruEvaluation::kReleasedZeros}},
-           "what it answers: a rollout, or a real pose and frames of zeros, which the published rows scored (F4)");
+           "scored output: a rollout, or a real pose followed by zeros, as in the published rows (F4)");
 }
 
 void ActMoCoGanOptions::Declare(OptionVisitor& v) {
   v.Bool("lie", lie, "generate rotations and compute joints; without it joints are generated");
   v.Integer("hidden", hidden, {8.0, 1024.0}, "size of the recurrent states");
   v.Integer("latent", latent, {1.0, 1024.0}, "size of the noise per frame");
-  v.Number("category_weight", category_weight, Unit::kNone, {0.0, 100.0}, "of the class in the generator's loss");
-  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 100.0}, "of the pose discriminator; 0: there is none");
+  v.Number("category_weight", category_weight, Unit::kNone, {0.0, 100.0},
+           "weight of the class in the generator's loss");
+  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 100.0}, "weight of the pose discriminator; 0: none");
   v.Number("smoothness_weight", smoothness_weight, Unit::kNone, {0.0, 100.0},
-           "of the differences between frames (0.3 with the released switch)");
+           "weight of the differences between frames (0.3 with the released switch)");
 }
 
 void TwoStageGanOptions::Declare(OptionVisitor& v) {
   v.Integer("latent", latent, {1.0, 1024.0}, "size of a pose's latent");
   v.Integer("pose_hidden", pose_hidden, {4.0, 1024.0}, "width of the pose generator and its critic");
   v.Integer("motion_hidden", motion_hidden, {4.0, 1024.0}, "width of the motion generator and its critic");
-  v.Number("pose_share", pose_share, Unit::kNone, {0.01, 0.99}, "part of the iterations for the pose generator");
-  v.Integer("critic_steps", critic_steps, {1.0, 100.0}, "steps of a critic for each of its generator");
+  v.Number("pose_share", pose_share, Unit::kNone, {0.01, 0.99}, "share of the iterations for the pose generator");
+  v.Integer("critic_steps", critic_steps, {1.0, 100.0}, "critic steps per generator step");
   v.Number("weight_clip", weight_clip, Unit::kNone, {1e-6, 10.0}, "largest absolute weight of a critic");
 }
 
@@ -157,80 +159,79 @@ void ActorOptions::Declare(OptionVisitor& v) {
             {"gru", ActorCoders::kGru},
             {"fully_connected", ActorCoders::kFullyConnected},
             {"autoregressive", ActorCoders::kAutoregressive}},
-           "encoder and decoder: the paper's, or those of its ablation (Table 2)");
+           "encoder and decoder: the paper's, or an ablation (Table 2)");
   v.Choice("distribution", distribution,
            {{"tokens", DistributionChoice::kTokens}, {"average", DistributionChoice::kAverage}},
            "mean and variance from two tokens of the class, or from the mean over the frames (Table 2 b)");
-  v.Choice(
-      "condition", condition,
-      {{"bias", ConditionChoice::kBias},
-       {"one_hot", ConditionChoice::kOneHot},
-       {"concatenated", ConditionChoice::kConcatenated}},
-      "how the decoder learns the class: a bias, its one-hot code (Table 2 c), or the bias as a second memory entry");
+  v.Choice("condition", condition,
+           {{"bias", ConditionChoice::kBias},
+            {"one_hot", ConditionChoice::kOneHot},
+            {"concatenated", ConditionChoice::kConcatenated}},
+           "class input of the decoder: a bias, its one-hot code (Table 2 c), or the bias as a second memory entry");
   v.Choice("pose", pose,
            {{"rotation_6d", PoseChoice::kRotation6D},
             {"matrix", PoseChoice::kMatrix},
             {"quaternion", PoseChoice::kQuaternion},
             {"axis_angle", PoseChoice::kAxisAngle},
             {"joints", PoseChoice::kJoints}},
-           "what a frame is; joints need no rotations in the dataset");
-  v.Bool("translation", translation, "encode the root's place as one row more");
+           "representation of a frame; joints need no rotations in the dataset");
+  v.Bool("translation", translation, "encode the root's position as an additional row");
   v.Integer("latent", latent, {4.0, 4096.0}, "width of the network and of its latent; a multiple of `heads`");
   v.Integer("layers", layers, {1.0, 64.0}, "layers of the encoder and of the decoder each");
   v.Integer("heads", heads, {1.0, 64.0}, "attention heads");
-  v.Integer("feed_forward", feed_forward, {4.0, 16384.0}, "width of the layer between");
-  v.Number("dropout", dropout, Unit::kNone, {0.0, 0.9}, "part of the numbers that a training step leaves out");
-  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 1e6}, "of the loss on the numbers of a frame");
-  v.Number("joint_weight", joint_weight, Unit::kNone, {0.0, 1e6}, "of the loss on joints (forward kinematics)");
-  v.Number("vertex_weight", vertex_weight, Unit::kNone, {0.0, 1e6}, "of the loss on the vertices of `body`");
-  v.Bool("body_translation", body_translation, "let joints and vertices of the losses move with the root");
-  v.Number("kl_weight", kl_weight, Unit::kNone, {0.0, 100.0}, "of the KL term");
-  v.Bool("kl_mean", kl_mean, "divide the KL term by the batch (released: its sum, so that its weight grows with it)");
+  v.Integer("feed_forward", feed_forward, {4.0, 16384.0}, "width of the feed-forward layer");
+  v.Number("dropout", dropout, Unit::kNone, {0.0, 0.9}, "dropout probability in training");
+  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 1e6}, "weight of the loss on a frame's values");
+  v.Number("joint_weight", joint_weight, Unit::kNone, {0.0, 1e6}, "weight of the loss on joints (forward kinematics)");
+  v.Number("vertex_weight", vertex_weight, Unit::kNone, {0.0, 1e6}, "weight of the loss on the vertices of `body`");
+  v.Bool("body_translation", body_translation, "include the root's translation in the losses on joints and vertices");
+  v.Number("kl_weight", kl_weight, Unit::kNone, {0.0, 100.0}, "weight of the KL term");
+  v.Bool("kl_mean", kl_mean,
+         "divide the KL term by the batch size (released: the sum, whose weight grows with the batch)");
   v.Path("body", body, "skinned body of the vertex loss: SMPL's file, or body_cc0.h5");
 }
 
 void MacvaeOptions::Declare(OptionVisitor& v) {
   v.Choice("protocol", protocol, {{"released", Protocol::kReleased}, {"paper", Protocol::kPaper}},
-           "whose rules hold where code and paper differ: positions, what a frame is, posterior and losses");
+           "rules where code and paper differ: positions, representation of a frame, posterior and losses");
   v.Choice("backbone", backbone,
            {{"transformer", MacvaeBackbone::kTransformer},
             {"lstm", MacvaeBackbone::kLstm},
             {"gru", MacvaeBackbone::kGru},
             {"mlp", MacvaeBackbone::kMlp}},
-           "what codes the frames: the paper's, or those of Table B");
+           "coder of the frames: the paper's, or those of Table B");
   v.Choice(
       "canonical", canonical,
       {{"face_front", CanonicalChoice::kFaceFront}, {"zero", CanonicalChoice::kZero}, {"none", CanonicalChoice::kNone}},
-      "where the last frame of the previous motion stands: at the origin facing +z; with its root's rotation undone; "
-      "where the source has it (Table 1)");
-  v.Bool("separate_latents", separate_latents, "a latent of the transition and one of the action; else one of both");
-  v.Bool("action_to_previous", action_to_previous, "let PrevNet learn the action too (Table 1)");
-  v.Bool("whole_previous", whole_previous, "let PrevNet read the whole previous motion (Table 1)");
+      "pose of the last frame of the previous motion: at the origin facing +z; with its root's rotation inverted; "
+      "as in the source (Table 1)");
+  v.Bool("separate_latents", separate_latents, "separate latents of transition and action; else one for both");
+  v.Bool("action_to_previous", action_to_previous, "give PrevNet the action too (Table 1)");
+  v.Bool("whole_previous", whole_previous, "PrevNet reads the whole previous motion (Table 1)");
   v.Integer("previous_frames", previous_frames, {1.0, 100.0}, "last frames of the previous motion that PrevNet reads");
   v.Bool("postprocessor", postprocessor, "smooth by a convolution over five frames (without it: no published row)");
   v.Choice("fill", fill,
            {{"protocol", FillChoice::kProtocol}, {"released", FillChoice::kReleased}, {"last", FillChoice::kLast}},
-           "frame behind the action that the convolution reads: of the released index, or the last one");
+           "frame after the action that the convolution reads: of the released index, or the last one");
   v.Choice("layout", layout,
            {{"protocol", LayoutChoice::kProtocol},
             {"released", LayoutChoice::kReleased},
             {"columns", LayoutChoice::kColumns}},
-           "6-D rotations of the previous motion in the postprocessor: rows as released, or columns as all others");
+           "6-D rotations of the previous motion in the postprocessor: rows as released, or columns like all others");
   v.Choice(
       "points", points,
       {{"markers", PointChoice::kMarkers}, {"joints", PointChoice::kJoints}, {"vertices", PointChoice::kVertices}},
       "points of the loss: joints with three points 5 cm along each joint's axes, joints, or the vertices of `body`");
-  v.Integer("vocabulary", vocabulary, {0.0, 1e6},
-            "rows of the tables of words; 0: as many as the set has (released 5396)");
+  v.Integer("vocabulary", vocabulary, {0.0, 1e6}, "rows of the word tables; 0: as many as the set has (released 5396)");
   v.Integer("width", width, {4.0, 4096.0}, "width of the network and of its latents; a multiple of `heads`");
   v.Integer("layers", layers, {1.0, 64.0}, "layers of the encoder and of the decoder each");
   v.Integer("heads", heads, {1.0, 64.0}, "attention heads");
-  v.Integer("feed_forward", feed_forward, {4.0, 16384.0}, "width of the layer between");
-  v.Number("dropout", dropout, Unit::kNone, {0.0, 0.9}, "part of the numbers that a training step leaves out");
-  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 1e6}, "of the loss on the numbers of a frame");
-  v.Number("point_weight", point_weight, Unit::kNone, {0.0, 1e6}, "of the loss on `points`");
-  v.Number("acceleration_weight", acceleration_weight, Unit::kNone, {0.0, 1e6}, "of the loss on accelerations");
-  v.Number("kl_weight", kl_weight, Unit::kNone, {0.0, 100.0}, "of the KL term");
+  v.Integer("feed_forward", feed_forward, {4.0, 16384.0}, "width of the feed-forward layer");
+  v.Number("dropout", dropout, Unit::kNone, {0.0, 0.9}, "dropout probability in training");
+  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 1e6}, "weight of the loss on a frame's values");
+  v.Number("point_weight", point_weight, Unit::kNone, {0.0, 1e6}, "weight of the loss on `points`");
+  v.Number("acceleration_weight", acceleration_weight, Unit::kNone, {0.0, 1e6}, "weight of the loss on accelerations");
+  v.Number("kl_weight", kl_weight, Unit::kNone, {0.0, 100.0}, "weight of the KL term");
   v.Path("body", body, "skinned body of the vertex loss: SMPL's file, or body_cc0.h5");
 }
 
@@ -238,10 +239,10 @@ void SsmctOptions::Declare(OptionVisitor& v) {
   v.Integer("width", width, {4.0, 4096.0}, "width of the network; a multiple of `heads`");
   v.Integer("layers", layers, {1.0, 64.0}, "layers of the encoder");
   v.Integer("heads", heads, {1.0, 64.0}, "attention heads");
-  v.Integer("feed_forward", feed_forward, {4.0, 16384.0}, "width of the layer between");
-  v.Number("dropout", dropout, Unit::kNone, {0.0, 0.9}, "part of the numbers that a training step leaves out");
-  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 1e6}, "of the loss on the numbers of a frame");
-  v.Number("joint_weight", joint_weight, Unit::kNone, {0.0, 1e6}, "of the loss on joints (forward kinematics)");
+  v.Integer("feed_forward", feed_forward, {4.0, 16384.0}, "width of the feed-forward layer");
+  v.Number("dropout", dropout, Unit::kNone, {0.0, 0.9}, "dropout probability in training");
+  v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 1e6}, "weight of the loss on a frame's values");
+  v.Number("joint_weight", joint_weight, Unit::kNone, {0.0, 1e6}, "weight of the loss on joints (forward kinematics)");
 }
 
 void StGcnOptions::Declare(OptionVisitor& v) {
@@ -339,18 +340,18 @@ std::optional<RemakeRule> RuleOf(TrainingSetChoice choice) {
 }
 
 void RemakeOptions::Declare(OptionVisitor& v) {
-  v.Integer("seed", seed, {}, "of the draws");
+  v.Integer("seed", seed, {}, "random seed of the draws");
   v.Choice("rule", rule,
            {{"denoise", RemakeRule::kDenoise},
             {"interpolate", RemakeRule::kInterpolate},
             {"generate", RemakeRule::kGenerate}},
-           "how a clip becomes a motion of the network");
-  v.Bool("training_windows", training_windows, "of windows of the clips that the network learned from");
+           "how the network remakes a clip");
+  v.Bool("training_windows", training_windows, "use windows of the network's training clips");
 }
 
 void LongMotionOptions::Declare(OptionVisitor& v) {
-  v.Bool("snap", snap, "let what continues begin at the last frame's place and heading, as released");
-  v.Bool("align", align, "turn and move joined motions to where the one before ends");
+  v.Bool("snap", snap, "begin a continuation at the last frame's position and heading, as released");
+  v.Bool("align", align, "rotate and move joined motions to the end of the one before");
 }
 
 void NetworkOptions::Declare(OptionVisitor& v) {
@@ -364,10 +365,10 @@ void NetworkOptions::Declare(OptionVisitor& v) {
             {"macvae", NetworkKind::kMacvae},
             {"ssmct", NetworkKind::kSsmct},
             {"st_gcn", NetworkKind::kStGcn}},
-           "which network it is; the options below are those of its kind");
+           "kind of the network; the options below depend on it");
   if (kind != defaults_of_) *this = NetworkOptions(kind);
-  v.Text("name", name, "of its row in tables and of its checkpoints");
-  v.Bool("enabled", enabled, "train it; a set of a table over several can leave it out");
+  v.Text("name", name, "name of its row in tables and of its checkpoints");
+  v.Bool("enabled", enabled, "train it; a table over several sets can exclude it from one");
   v.Numbers("seeds", seeds, Unit::kNone, {0.0, 1e9}, "one network per seed");
   v.Choice("trained_on", trained_on,
            {{"dataset", TrainingSetChoice::kDataset},
@@ -375,10 +376,11 @@ void NetworkOptions::Declare(OptionVisitor& v) {
             {"denoised", TrainingSetChoice::kDenoised},
             {"interpolated", TrainingSetChoice::kInterpolated},
             {"generated", TrainingSetChoice::kGenerated}},
-           "the dataset, the same clips before fitting, or motions that `generator` makes of its training clips: "
+           "the dataset, the same clips before fitting, or motions that `generator` makes from its training clips: "
            "encoded and decoded, between two of a class, or drawn");
-  v.Text("generator", generator, "name of the actor network that makes them");
-  v.Number("made_share", made_share, Unit::kNone, {0.01, 1.0}, "part of each batch that it made; the rest is recorded");
+  v.Text("generator", generator, "name of the actor network that generates them");
+  v.Number("made_share", made_share, Unit::kNone, {0.01, 1.0},
+           "share of generated clips in each batch; the rest is recorded");
   data.Declare(v, kind);
   learning.Declare(v, kind);
   switch (kind) {
@@ -404,7 +406,7 @@ void NetworkOptions::Declare(OptionVisitor& v) {
   }
 }
 
-StageDeclaration TrainDeclaration() { return {"train", 10, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration TrainDeclaration() { return {"train", 11, "mocurate-learn", WholeSetLimits()}; }
 
 StageDeclaration GenerateDeclaration() { return {"generate", 3, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration TrainCostDeclaration() { return {"train_cost", 1, "mocurate-learn", WholeSetLimits()}; }

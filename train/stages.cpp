@@ -31,7 +31,7 @@ nlohmann::json LastOf(const Checkpoint& checkpoint, const std::string& column) {
                                                                     : nlohmann::json(found->second.back());
 }
 
-/// Columns of the history; what a step has no number of is null.
+/// Columns of the history; missing values are null.
 nlohmann::json HistoryOf(const Checkpoint& checkpoint) {
   nlohmann::json history = nlohmann::json::object();
   for (const auto& [name, column] : checkpoint.history) {
@@ -76,7 +76,7 @@ Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
   if (!options) return Forward(options);
   const StageInput* dataset = InputOf(request, "dataset");
   if (dataset == nullptr) {
-    return Fail(ErrorCode::kInternal, "the stage got no input of role 'dataset'", request.stage + " " + request.item);
+    return Fail(ErrorCode::kInternal, "the stage has no input of role 'dataset'", request.stage + " " + request.item);
   }
   Expected<TrainingSet> set = ReadTrainingSet(dataset->path, NeedsOf(*options));
   if (!set) return Forward(set);
@@ -91,7 +91,7 @@ Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
   if (const StageInput* body = InputOf(request, "body")) {
     if (IsOfOneGender(body->name)) {
       return Fail(ErrorCode::kInconsistent, "the body is of one gender, the loss is on the neutral one", body->name,
-                  "give SMPL_NEUTRAL.pkl");
+                  "use SMPL_NEUTRAL.pkl");
     }
     Expected<Skin> skin = ReadSkin(body->path, *input.set.skeleton);
     if (!skin) return Forward(skin);
@@ -116,7 +116,7 @@ Expected<std::vector<MotionRequest>> RequestsOf(const StageRequest& request, con
                                     [&](const Clip& candidate) { return candidate.id() == one.previous_clip; });
     if (found == set->clips.end() || !found->motion) {
       return Fail(ErrorCode::kInconsistent, "the set has no motion '" + one.previous_clip + "'", previous->name,
-                  "name a clip of the set");
+                  "use a clip of the set");
     }
     if (clip == nullptr) {
       const auto parts = PartsOf(*found);
@@ -130,7 +130,7 @@ Expected<std::vector<MotionRequest>> RequestsOf(const StageRequest& request, con
   return requests;
 }
 
-/// Networks that answer scripts together with the first one.
+/// Networks that generate scripts together with the first one.
 Status OpenPartners(const StageRequest& request, LongMotionNetworks& networks) {
   if (InputOf(request, "motions") == nullptr && !request.options.empty()) {
     const auto options = OptionsFromJson<LongMotionOptions>(request.options);
@@ -203,7 +203,7 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
     if (!options) return Forward(options);
     auto read = ReadDataset(noisy->path);
     if (!read) return Forward(read);
-    const auto placed = [&](const Error& error) {  // in the file, not in "motions"
+    const auto placed = [&](const Error& error) {  // error in the file, not in "motions"
       Error own = error;
       if (own.where == "motions") own.where = noisy->name;
       return tl::unexpected<Error>(own);

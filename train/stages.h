@@ -4,19 +4,18 @@
 
 namespace mocurate {
 
-/// Input role "dataset", and "made" for clips that are mixed with its (AddMade); options (NetworkOptions) say which
-/// network. -> checkpoint (HDF5) of the trained network with
-/// its history (loss per step, validation accuracy per check). Partial state goes to request.scratch and training goes
-/// on from there bit for bit.
+/// Input role "dataset", and "made" for clips that are mixed with its clips (AddMade); options (NetworkOptions) define
+/// the network. -> checkpoint (HDF5) of the trained network with its history (loss per step, validation accuracy per
+/// check). Partial state is saved in request.scratch, and training resumes from it bit for bit.
 Expected<StageOutcome> TrainStage(const StageRequest& request);
 
-/// Input and options of an item of `train` -> what its training would take here, from a few steps of it: {"steps",
-/// "seconds_per_step", "parameters"}. Never cached: it is a figure of the machine.
+/// Input and options of an item of `train` -> estimated cost of its training here, from a few steps: {"steps",
+/// "seconds_per_step", "parameters"}. Never cached, because it depends on the machine.
 Expected<StageOutcome> TrainCostStage(const StageRequest& request);
 
-/// Inputs "generator" (checkpoint) and "requests" -> the MotionSet that answers them, with "first" and "fill"
-/// (checkpoints) and "previous" (a dataset whose clips requests name) those of scripts as LongMotionOptions say; with
-/// "motions" (a dataset) in the place of requests a motion for each of its clips as RemakeOptions say.
+/// Inputs "generator" (checkpoint) and "requests" -> the MotionSet generated for them; for scripts also "first" and
+/// "fill" (checkpoints) and "previous" (a dataset whose clips requests name) by LongMotionOptions. With "motions" (a
+/// dataset) instead of requests: a motion for each of its clips by RemakeOptions.
 Expected<StageOutcome> GenerateStage(const StageRequest& request);
 
 }  // namespace mocurate

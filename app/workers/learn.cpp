@@ -13,7 +13,7 @@
 
 namespace {
 
-/// Networks that answer requests, as the evaluation asks them.
+/// Opens networks that answer the evaluation's requests.
 mocurate::Expected<mocurate::AnswerRequests> OpenGenerators(const mocurate::GeneratorFiles& files, int threads) {
   using namespace mocurate;
   LongMotionNetworks networks;

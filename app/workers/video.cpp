@@ -1,6 +1,6 @@
-// Everything that needs OpenCV's video coders: a program of its own, as they load some 200 libraries, and what a
-// damaged file makes of them ends here. mocurate-video FILE ... tells of video files for `mocurate inspect`: a line of
-// JSON per file, at once, with the file's place among the arguments ("index", from 0). Without arguments it is the
+// Everything that needs OpenCV's video coders. It is a separate program because they load some 200 libraries, and a
+// damaged file may crash them. mocurate-video FILE ... reports video files for `mocurate inspect`: a line of JSON per
+// file, flushed at once, with the file's index among the arguments ("index", from 0). Without arguments it is the
 // worker that writes the videos of a report.
 
 #include <cstdio>

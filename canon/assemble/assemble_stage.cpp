@@ -19,9 +19,9 @@
 namespace mocurate {
 namespace {
 
-/// By item: whether nothing of it is kept, which findings say why clips of it are excluded, and the way out.
-nlohmann::json LeftOutOfSet(const std::map<std::string, std::string>& item_of, const std::vector<Clip>& kept,
-                            const std::vector<Finding>& findings) {
+/// By item: whether nothing of it is kept, the findings that exclude its clips, and the remedy.
+nlohmann::json ExcludedFromSet(const std::map<std::string, std::string>& item_of, const std::vector<Clip>& kept,
+                               const std::vector<Finding>& findings) {
   nlohmann::json items = nlohmann::json::object();
   for (std::size_t i = 0; i < findings.size(); ++i) {
     nlohmann::json& item = items[item_of.at(findings[i].clip)];
@@ -30,7 +30,7 @@ nlohmann::json LeftOutOfSet(const std::map<std::string, std::string>& item_of, c
     if (findings[i].code == kLabelNotListed) {
       item["hint"] = "add the label to assemble.classes";
     } else if (findings[i].code == kReviewDrop) {
-      item["hint"] = "take the decision out of canon.review";
+      item["hint"] = "remove the decision from canon.review";
     } else {
       if (findings[i].value > 0.0) item["threshold"] = kSameRestPose;
       item["hint"] =
@@ -44,20 +44,20 @@ nlohmann::json LeftOutOfSet(const std::map<std::string, std::string>& item_of, c
   return items;
 }
 
-/// What was found about clips as a set, before they came here: a JSON list.
+/// Findings about the clips as a set, made before this stage: a JSON list.
 Status ReadFindings(const StageInput& input, std::vector<Finding>& findings) {
   const auto text = ReadFile(input.path);
   if (!text) return Forward(text);
   try {
     for (const nlohmann::json& finding : nlohmann::json::parse(*text)) findings.push_back(finding.get<Finding>());
   } catch (const nlohmann::json::exception& problem) {
-    return Fail(ErrorCode::kMalformed, std::string("no list of findings: ") + problem.what(), input.name);
+    return Fail(ErrorCode::kMalformed, std::string("not a list of findings: ") + problem.what(), input.name);
   }
   return {};
 }
 
-/// Carries a review out, if `by_id` whatever the motions are. `excluding` gets the findings about clips that it drops;
-/// the others are given back.
+/// Applies a review; with `by_id`, whatever the motions are. `excluding` receives the findings about clips that it
+/// drops; the others are returned.
 Expected<std::vector<Finding>> TakeReview(const std::filesystem::path& file, bool by_id, ClipFiles& files,
                                           Dataset& dataset, std::map<std::string, std::string>& item_of,
                                           std::vector<Finding>& excluding) {
@@ -70,17 +70,17 @@ Expected<std::vector<Finding>> TakeReview(const std::filesystem::path& file, boo
   for (const Decision& decision : review->decisions) named.insert(decision.clip);
   for (Clip& clip : dataset.clips) {
     if (named.count(clip.id()) == 0) continue;
-    auto whole = files.WithFrames(clip);  // a decision is about the motion that was looked at
+    auto whole = files.WithFrames(clip);  // a decision applies to the motion that was reviewed
     if (!whole) return Forward(whole);
     clip = *std::move(whole);
   }
   auto applied = ApplyReview(*review, dataset);
   if (!applied) return Forward(applied);
   if (dataset.clips.empty()) {
-    return Fail(ErrorCode::kConfig, "every clip is dropped by the review", DisplayPath(file), "keep some");
+    return Fail(ErrorCode::kConfig, "every clip is dropped by the review", DisplayPath(file), "keep at least one clip");
   }
   for (const auto& [old_id, new_id] : applied->new_ids) {
-    // Of a clip that was cut twice the id between is no clip's: its recording tells.
+    // A clip that was cut twice had an intermediate id that no clip has; its recording identifies it.
     const auto own = item_of.find(old_id);
     const auto recording = item_of.lower_bound(old_id.substr(0, old_id.rfind('#') + 1));
     item_of[new_id] = own != item_of.end() ? own->second : recording->second;
@@ -114,7 +114,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   dataset.findings.insert(dataset.findings.end(), noted.begin(), noted.end());
   if (dataset.clips.empty()) {
     return Fail(ErrorCode::kInconsistent, "no clip is left to assemble", "assemble",
-                "curation_log.jsonl says why each was dropped");
+                "curation_log.jsonl lists why each was dropped");
   }
   SortById(dataset.clips);
   StageOutcome outcome;
@@ -125,8 +125,8 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   if (dataset.clips.empty()) {
     std::string known;
     for (const std::string& label : labels) known += (known.empty() ? "'" : ", '") + label + "'";
-    return Fail(ErrorCode::kInconsistent, "no clip is of a listed class; the clips are labelled " + known,
-                "assemble.classes", "list those, or name them under `from` of a class");
+    return Fail(ErrorCode::kInconsistent, "no clip has a listed class; the labels are " + known, "assemble.classes",
+                "list them, or add them to `from` of a class");
   }
   std::map<std::string, std::string> item_of = files.items();
   std::vector<Finding> reviewed;
@@ -136,7 +136,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
     if (!findings) return Forward(findings);
     reviewed = std::move(*findings);
   }
-  const nlohmann::json left_out = LeftOutOfSet(item_of, dataset.clips, outcome.findings);
+  const nlohmann::json excluded = ExcludedFromSet(item_of, dataset.clips, outcome.findings);
   outcome.findings.insert(outcome.findings.end(), reviewed.begin(), reviewed.end());
   FindMixedRates(dataset, outcome.findings);
   for (Finding& finding : FindEmptyClasses(*options, dataset)) outcome.findings.push_back(std::move(finding));
@@ -144,7 +144,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
 
   outcome.summary = {
       {"clips", dataset.clips.size()}, {"labels", dataset.labels.size()}, {"splits", nlohmann::json::array()}};
-  if (!left_out.empty()) outcome.summary["left_out"] = left_out;
+  if (!excluded.empty()) outcome.summary["excluded"] = excluded;
   const auto contents = options->splits.empty() ? Expected<std::vector<std::string>>() : files.Contents(dataset);
   if (!contents) return Forward(contents);
   for (const SplitOptions& split_options : options->splits) {
@@ -163,7 +163,7 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   }
   const bool suspect = std::any_of(outcome.findings.begin(), outcome.findings.end(),
                                    [](const Finding& finding) { return finding.severity != Severity::kInfo; });
-  if (suspect) outcome.kind = OutcomeKind::kDoubtful;
+  if (suspect) outcome.kind = OutcomeKind::kSuspect;
   dataset.findings.insert(dataset.findings.end(), outcome.findings.begin(), outcome.findings.end());
   if (Status written = files.Write(dataset, request.output); !written) return Forward(written);
   return outcome;

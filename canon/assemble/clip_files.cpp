@@ -13,10 +13,10 @@ Status ClipFiles::Add(const StageInput& input, Dataset& set) {
   if (!part) return Forward(part);
   if (set.clips.empty()) set.joints_only = part->joints_only;
   if (part->joints_only != set.joints_only) {
-    return Fail(ErrorCode::kInconsistent,
-                part->joints_only ? "holds joints only where the others have rotations"
-                                  : "holds rotations where the others have joints only",
-                input.name, "one dataset holds either");
+    return Fail(
+        ErrorCode::kInconsistent,
+        part->joints_only ? "has joints only, the others have rotations" : "has rotations, the others have joints only",
+        input.name, "put them into separate datasets");
   }
   for (std::size_t row = 0; row < part->clips.size(); ++row) {
     Clip& clip = part->clips[row];
@@ -61,10 +61,10 @@ Expected<Clip> ClipFiles::WithFrames(const Clip& clip) {
   auto read = (*clips)->Read(place.row);
   if (!read) return Forward(read);
   Clip whole = clip;
-  const SkeletonPtr skeleton = clip.motion->skeleton, counted_from = clip.motion->counted_from;
+  const SkeletonPtr skeleton = clip.motion->skeleton, rotation_reference = clip.motion->rotation_reference;
   whole.motion = std::move(read->motion);
   whole.motion->skeleton = skeleton;
-  whole.motion->counted_from = counted_from;
+  whole.motion->rotation_reference = rotation_reference;
   return whole;
 }
 

@@ -13,21 +13,21 @@
 
 namespace mocurate {
 
-/// Dataset files whose clips become one set. In memory are the clips without frames; frames are read when they are
-/// written, those of one clip at a time.
+/// Dataset files whose clips become one set. Clips are in memory without frames; frames are read when they are written,
+/// one clip at a time.
 class ClipFiles {
  public:
   /// Appends the clips of a file, without frames, and its findings to `set`. Errors of DatasetClips; kInconsistent
-  /// where one file holds joints only and another rotations.
+  /// where one file has joints only and another rotations.
   Status Add(const StageInput& input, Dataset& set);
 
-  /// Name of the input that each clip came with, by its id.
+  /// Name of the input of each clip, by its id.
   const std::map<std::string, std::string>& items() const { return items_; }
 
-  /// Hash of the motion of each clip of the set that does not know what it was made from; of the others empty.
+  /// Motion hash of each clip of the set whose source is unknown; empty for the others.
   Expected<std::vector<std::string>> Contents(const Dataset& set) const;
 
-  /// The clip with its frames; skeleton, labels and all else as it is given.
+  /// The clip with its frames; skeleton, labels and the rest unchanged.
   Expected<Clip> WithFrames(const Clip& clip);
 
   /// Writes the set; clips that have their frames in memory are written as they are. Errors of DatasetWriter.
@@ -45,7 +45,7 @@ class ClipFiles {
   std::vector<std::filesystem::path> files_;
   std::map<std::string, Place> places_;  ///< by clip id
   std::map<std::string, std::string> items_;
-  std::optional<std::pair<std::size_t, DatasetClips>> opened_;  ///< the file that was read last, checked whole
+  std::optional<std::pair<std::size_t, DatasetClips>> opened_;  ///< the file read last, checked in full
 };
 
 /// Whether a clip of a set has its frames in memory.

@@ -14,12 +14,12 @@
 namespace mocurate {
 namespace {
 
-constexpr double kWhole = 0.9;         ///< share of both clips from which on they are said to show the same
-constexpr double kShortClips = 1.5;    ///< shortest stretches below which a clip is compared as a whole
+constexpr double kWhole = 0.9;         ///< share of both clips from which on they count as equal as a whole
+constexpr double kShortClips = 1.5;    ///< in shortest stretches: a shorter clip is compared as a whole
 constexpr int kFewJoints = 6;          ///< of a motion that is compared as a whole too
-constexpr double kIdentical_m = 1e-5;  ///< what the storing of a motion may move its joints by
+constexpr double kIdentical_m = 1e-5;  ///< error of joint positions through storage
 
-/// A motion's joints as the detectors read points; what it refers to lives as long as this.
+/// A motion's joints as input of the detectors; it refers to the motion, which must outlive it.
 struct PointsOfMotion {
   std::vector<double> confidence, time_s;
   TrackedPoints points;
@@ -46,14 +46,14 @@ void AddFindings(const std::vector<Finding>& found, const char* code, const Clip
   }
 }
 
-/// Knees alone are no proof: depth trackers bend straight legs backwards, and fits to them do so with constant bones
+/// Knees alone are insufficient: depth trackers bend straight legs backwards, and fits with constant bones follow them
 /// (KARD: 8 of 432 clips, all by knees alone).
 bool ShownByFeetOrHands(const HandednessMeasure& measure) {
   return std::any_of(measure.cues.begin(), measure.cues.end(),
                      [](const HandednessCue& cue) { return cue.name != "knees" && cue.frames > 0 && cue.score > 0.0; });
 }
 
-/// Part of every clip in each split: 0 train, 1 validation, 2 test, -1 none. Rows may stand in any order.
+/// Part of every clip in each split: 0 train, 1 validation, 2 test, -1 none. Rows may be in any order.
 std::vector<std::vector<int>> PartsOfSplits(const Dataset& dataset) {
   std::vector<std::vector<int>> parts;
   for (const Split& split : dataset.splits) {
@@ -66,7 +66,7 @@ std::vector<std::vector<int>> PartsOfSplits(const Dataset& dataset) {
   return parts;
 }
 
-/// Two clips that show the same, in frames of each.
+/// Two clips with the same motion, in frames of each.
 struct Repeat {
   std::size_t first = 0, second = 0;
   bool mirrored = false;
@@ -75,8 +75,8 @@ struct Repeat {
   int begin = 0, end = 0, second_begin = 0, second_end = 0;
 };
 
-/// Whether one of two clips can go without loss: one person, the same labels, segments, joints and rotations.
-bool SayTheSame(const Clip& a, const Clip& b) {
+/// Whether one of two clips is redundant: same person, labels, segments, joints and rotations.
+bool HaveSameText(const Clip& a, const Clip& b) {
   const auto same_segment = [](const Segment& x, const Segment& y) {
     return x.label == y.label && std::abs(x.begin_s - y.begin_s) < 1e-6 && std::abs(x.end_s - y.end_s) < 1e-6;
   };
@@ -100,7 +100,7 @@ std::array<int, 2> FramesOf(const Motion& motion, double begin_s, double end_s) 
           std::clamp(static_cast<int>(std::lround(end_s * hz)) + 1, 0, motion.frame_count())};
 }
 
-/// Shared stretches, and pairs that share equal poses although they hardly move or are short.
+/// Shared stretches; and pairs of short or nearly still clips with equal poses.
 std::vector<Repeat> RepeatsOf(const Dataset& dataset, const StretchLimits& limits) {
   const auto motion_at = [&](std::size_t i) { return dataset.clips[i].motion ? &*dataset.clips[i].motion : nullptr; };
   std::map<std::pair<std::size_t, std::size_t>, Repeat> repeats;
@@ -169,7 +169,7 @@ std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const Stretc
       if (a >= 0 && b >= 0 && a != b) splits += (splits.empty() ? "'" : ", '") + dataset.splits[s].name + "'";
     }
     const std::string what =
-        std::string(repeat.whole ? "shows the same as " : "shows in part the same as ") +
+        std::string(repeat.whole ? "has the same motion as " : "shares a part with ") +
         (repeat.mirrored ? "the mirror image of " : "") + second.id() +
         (repeat.whole ? ""
                       : ", frames " + std::to_string(repeat.second_begin) + " to " + std::to_string(repeat.second_end));
@@ -182,7 +182,7 @@ std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const Stretc
     const bool one_part = std::all_of(parts.begin(), parts.end(), [&](const std::vector<int>& part) {
       return part[repeat.first] == part[repeat.second];
     });
-    const bool alike = one_part && repeat.whole && !repeat.mirrored && SayTheSame(first, second);
+    const bool alike = one_part && repeat.whole && !repeat.mirrored && HaveSameText(first, second);
     if (alike) found.safe_to_drop = second.id();
     findings.push_back(std::move(found));
   }

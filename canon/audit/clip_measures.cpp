@@ -15,9 +15,9 @@ namespace mocurate {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSpeedShare = 0.99;  ///< of the frames that are slower than the top speed
+constexpr double kSpeedShare = 0.99;  ///< percentile of the frame speeds that is the top speed
 
-/// m/s of the fastest joint, the 99th percentile over frames: a single jump is the matter of other checks.
+/// Speed of the fastest joint in m/s, the 99th percentile over frames: other checks find single jumps.
 double TopSpeed(const Clip& clip) {
   const Motion& motion = *clip.motion;
   std::vector<double> speeds;
@@ -42,7 +42,7 @@ double ObservedShare(const Clip& clip) {
   return static_cast<double>(seen) / static_cast<double>(state.size());
 }
 
-/// The spread is never taken for less: classes of equal clips have none of their own. Of logarithms, and of shares.
+/// Lower bound of the standard deviation, for classes of equal clips. For logarithms, and for shares.
 constexpr double kLeastSpread = 0.15;
 constexpr double kLeastSpreadOfShares = 0.05;
 
@@ -129,8 +129,9 @@ std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector
       found.finding.frame_end = clip.motion->frame_count();
       found.finding.value = away;
       found.finding.message = std::string(kind.name) + " is " + RoundedText(measures[i][k], 3) + unit + ", of " +
-                              (by_class ? "'" + clip.label + "'" : "all classes") + " it is " + RoundedText(median, 3) +
-                              unit + " in the middle: " + RoundedText(away, 1) + " robust standard deviations";
+                              (by_class ? "'" + clip.label + "'" : "all classes") + " the median is " +
+                              RoundedText(median, 3) + unit + ": " + RoundedText(away, 1) +
+                              " robust standard deviations apart";
       found.finding.action = FindingAction::kFlagged;
     }
   }

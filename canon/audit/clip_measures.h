@@ -9,13 +9,13 @@
 
 namespace mocurate {
 
-/// One number about a clip, for all clips of a dataset alike.
+/// One number about a clip, defined alike for all clips of a dataset.
 struct MeasureKind {
   const char* name;
   const char* unit;
   /// Which side of its class is an outlier: +1 the high one, -1 the low one, 0 both.
   int side;
-  double grain;                       ///< differences below it do not matter, in the measure's unit
+  double grain;                       ///< differences below it are ignored, in the measure's unit
   double (*value)(const Clip& clip);  ///< NaN where a clip does not have it
 };
 
@@ -26,10 +26,10 @@ const std::vector<MeasureKind>& MeasuresOfClips();
 /// (clips, measures); NaN where a clip does not have one.
 std::vector<std::vector<double>> MeasureClips(const Dataset& dataset);
 
-/// "outlier" (info): clips of which a measure lies further from the median of its class than `options.deviations`
-/// robust standard deviations, on a scale of logarithms above its grain where the measure has no upper bound; the worst
-/// measure of a clip, the furthest clips first. Classes of fewer than `options.least_clips` are compared with the whole
-/// set.
+/// "outlier" (info): clips with a measure further from the median of its class than `options.deviations` robust
+/// standard deviations. Measures without an upper bound are compared on a logarithmic scale above their grain. Listed
+/// is the worst measure of a clip, the furthest clips first. Classes of fewer than `options.least_clips` are compared
+/// with the whole set.
 std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector<std::vector<double>>& measures,
                                        const OutlierOptions& options);
 

@@ -40,7 +40,7 @@ Eigen::MatrixXf ColumnsOf(const Eigen::MatrixXf& all, const std::vector<int>& wh
   return some;
 }
 
-/// Median squared distance of two clips, of at most 500 drawn ones.
+/// Median squared distance of two clips, from a sample of at most 500.
 double MedianDistance(const Eigen::MatrixXf& descriptors) {
   constexpr Eigen::Index kDrawn = 500;
   const Eigen::Index step = std::max<Eigen::Index>(1, descriptors.cols() / kDrawn);
@@ -139,7 +139,7 @@ Expected<Eigen::MatrixXd> OutOfFoldScores(const Eigen::MatrixXf& descriptors, co
     Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> solver(kernel);
     if (solver.info() != Eigen::Success) {
       return Fail(ErrorCode::kConfig, "the kernel of the clips cannot be inverted", "audit.labels.ridge",
-                  "raise it: it is " + RoundedText(options.ridge, 3));
+                  "raise it; the value is " + RoundedText(options.ridge, 3));
     }
     const Eigen::MatrixXd weights = solver.solve(targets);
     const Eigen::MatrixXf towards = (SquaredDistances(ColumnsOf(descriptors, judged), known) * scale).array().exp();
@@ -152,7 +152,7 @@ Expected<Eigen::MatrixXd> OutOfFoldScores(const Eigen::MatrixXf& descriptors, co
 std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::vector<int>& labels,
                                      const LabelNoiseOptions& options, const std::vector<bool>& judged_classes) {
   const auto classes = static_cast<int>(scores.cols());
-  std::vector<double> usual(static_cast<std::size_t>(classes), 0.0), count(usual);  // own score of clips of a class
+  std::vector<double> usual(static_cast<std::size_t>(classes), 0.0), count(usual);  // mean own score of a class's clips
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto label = static_cast<std::size_t>(labels[i]);
     usual[label] += scores(static_cast<Eigen::Index>(i), labels[i]);
@@ -209,7 +209,7 @@ Expected<LabelAudit> AuditLabels(const Dataset& dataset, const LabelNoiseOptions
   const auto classes = static_cast<int>(dataset.labels.size());
   const auto scores = OutOfFoldScores(descriptors, labels, folds, classes, options);
   if (!scores) return Forward(scores);
-  // A class of one fold is never learned where it is judged.
+  // A class that occurs in one fold only is never trained when that fold is scored.
   std::vector<std::set<int>> folds_of(dataset.labels.size());
   for (std::size_t i = 0; i < labels.size(); ++i) folds_of[static_cast<std::size_t>(labels[i])].insert(folds[i]);
   std::vector<bool> judged(dataset.labels.size());
@@ -257,7 +257,7 @@ Expected<LabelAudit> AuditLabelsBy(const FeatureSet& features, const Dataset& da
                 "no clip has probabilities for its labels; of " + std::to_string(features.clip.size()) +
                     " clips the first is '" + theirs + "', the dataset's first is '" + ours + "'",
                 "probabilities",
-                "give features/SET.h5 of this dataset: mocurate eval --protocol own --extractor CHECKPOINT --generated "
+                "use features/SET.h5 of this dataset: mocurate eval --protocol own --extractor CHECKPOINT --generated "
                 "DATASET -o FOLDER");
   }
   Eigen::MatrixXd scores(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(dataset.labels.size()));

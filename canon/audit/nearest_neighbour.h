@@ -4,9 +4,9 @@
 
 namespace mocurate {
 
-/// Nearest-neighbour recognition without learning, a sanity figure for every trained recogniser: joints relative to the
-/// root of frame 0, divided by the clip's extent, resampled linearly to `frames` frames, Euclidean distance; each test
-/// clip takes the label of the nearest training clip.
+/// Nearest-neighbour recognition without training, a baseline for every recogniser: joints relative to the root of
+/// frame 0, divided by the clip's extent, resampled linearly to `frames` frames, Euclidean distance. Each test clip
+/// gets the label of the nearest training clip.
 struct NearestNeighbourResult {
   int correct = 0;
   int count = 0;

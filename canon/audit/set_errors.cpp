@@ -19,7 +19,7 @@ AuditFinding OfSet(const char* code, const std::string& message) {
   return found;
 }
 
-/// A name as a person reads it: without blanks and case.
+/// A name without blanks and case.
 std::string Plain(const std::string& name) {
   std::string plain;
   for (const char c : name) {
@@ -46,8 +46,8 @@ std::vector<AuditFinding> FindSetErrors(const Dataset& dataset) {
         if (trained.count(label) > 0) continue;
         findings.push_back(
             OfSet("class_not_trained", "split '" + split.name + "' " + part + " class '" + label +
-                                           "', of which no clip trains: split otherwise, or leave it out "
-                                           "of assemble.classes"));
+                                           "', which has no training clip: change the split, or remove it "
+                                           "from assemble.classes"));
       }
     }
   }
@@ -60,8 +60,8 @@ std::vector<AuditFinding> FindSetErrors(const Dataset& dataset) {
     for (const std::string& name : names) all += (all.empty() ? "'" : ", '") + name + "'";
     findings.push_back(
         OfSet("names_alike", "persons " + all +
-                                 " differ in case or blanks only: if they are one, a split by person parts "
-                                 "them; name them alike in the source"));
+                                 " differ in case or blanks only: if they are the same, a split by person separates "
+                                 "them; unify the names in the source"));
   }
   return findings;
 }

@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-/// A cell of a Markdown table: what would end it is escaped.
+/// A cell of a Markdown table, with special characters escaped.
 std::string Cell(const std::string& text) {
   std::string cell;
   for (const char c : text) {

@@ -50,7 +50,7 @@ std::string SegmentsText(const Clip& clip) {
   return text;
 }
 
-/// Null where both motions are alike to what a dataset stores.
+/// Null where both motions are equal to storage precision.
 nlohmann::json MotionDifference(const std::optional<Motion>& before, const std::optional<Motion>& after) {
   constexpr double kStored = 1e-6;  // metres and radians: float32
   const int frames_before = before ? before->frame_count() : 0, frames_after = after ? after->frame_count() : 0;

@@ -1,7 +1,7 @@
-// The layout actor: one pickle as ACTOR's humanact12poses.pkl: `poses`, a list of (T,72) rotation vectors of SMPL's
-// joints, `joints3D` of (T,24,3) metres, `y` of class indices, `oldposes` []; x to the image's right, y down, the
-// person faces -z. Further keys, which ACTOR does not read: `labels` (names of the classes), `clips` (ids), `persons`,
-// `rate_hz`, `splits` {name: {train, validation, test: places in the lists}}.
+// The layout actor: one pickle in the form of ACTOR's humanact12poses.pkl: `poses`, a list of (T,72) rotation vectors
+// of SMPL's joints, `joints3D` of (T,24,3) metres, `y` of class indices, `oldposes` []; x to the image's right, y down,
+// the person faces -z. Further keys, which ACTOR does not read: `labels` (names of the classes), `clips` (ids),
+// `persons`, `rate_hz`, `splits` {name: {train, validation, test: list indices}}.
 
 #include <algorithm>
 
@@ -19,7 +19,7 @@ constexpr const char* kActorAxes = "+x -y -z";
 constexpr const char* kActorFile = "actor.pkl";
 constexpr double kSamePlace = 1e-4;  // metres
 
-/// Lists of the pickle; the arrays of all clips are kept until the end, as each list stands whole in the file.
+/// Lists of the pickle; all clips' arrays are kept until the end, because the file stores each list as a whole.
 class ActorWriter : public LayoutWriter {
  public:
   explicit ActorWriter(const ExportSet& set) : set_(set) {}
@@ -29,7 +29,7 @@ class ActorWriter : public LayoutWriter {
     if (!order) return Forward(order);
     const auto label = std::find(set_.labels.begin(), set_.labels.end(), clip.label);
     if (label == set_.labels.end()) {
-      return Fail(ErrorCode::kUnsupported, "the clip has no class: its label is '" + clip.label + "'", clip.id(),
+      return Fail(ErrorCode::kUnsupported, "the clip has no class, its label is '" + clip.label + "'", clip.id(),
                   "`y` needs one; label the clip (`mocurate review`), or export with another layout");
     }
     if (Status same = rate_.Check(clip); !same) return Forward(same);
@@ -41,7 +41,7 @@ class ActorWriter : public LayoutWriter {
     classes_.push_back(label - set_.labels.begin());
     farthest_ = std::max(farthest_, FarthestReadBack(motion.motion, *order, BonesReadBack::kPersons));
     clips_.push_back(WrittenClipOf(position, clip, FileName()));
-    clips_.back().person = "unknown";  // as the file is read: no person is named in ACTOR's lists
+    clips_.back().person = "unknown";  // as ingest reads the file: ACTOR's lists name no person
     return std::vector<ExportedFile>();
   }
 
@@ -52,7 +52,7 @@ class ActorWriter : public LayoutWriter {
     std::vector<ExportedFile> files = {{FileName(), *std::move(bytes)}};
     notes.push_back(
         "ACTOR's lists name neither persons nor recordings: clips come back as c0001, c0002, ... of person "
-        "'unknown'; the keys `clips`, `persons` and `splits` say more");
+        "'unknown'; the keys `clips`, `persons` and `splits` hold the originals");
     if (farthest_ > kSamePlace) {
       notes.push_back("read again, on the rest pose of smpl24 and these bone lengths, joints lie up to " +
                       RoundedText(1000.0 * farthest_, 2) + " mm off `joints3D`");
@@ -76,7 +76,7 @@ class ActorWriter : public LayoutWriter {
     const std::string name =
         set_.file.empty() ? "source.yaml" : std::filesystem::path(set_.file).stem().string() + ".source.yaml";
     ExportSet without_splits = set_;
-    without_splits.splits.clear();  // persons are not read back
+    without_splits.splits.clear();  // ingest does not read persons back
     for (ExportedFile& file : DeclarationFiles(without_splits, clips_, declaration, name, notes)) {
       files.push_back(std::move(file));
     }

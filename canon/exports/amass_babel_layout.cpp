@@ -1,6 +1,6 @@
-// The layout amass_babel: SET/PERSON/TAKE_poses.npz as AMASS has SMPL-H (156 numbers a frame, metres, z up) and
-// babel_v1.0_release/{train,val,test}.json as BABEL has them. `trans` is the pelvis itself: SMPL-H's rest pelvis, a
-// constant of the body model, is not added. Fingers are straight, `betas` 0.
+// The layout amass_babel: SET/PERSON/TAKE_poses.npz in AMASS's form of SMPL-H (156 numbers a frame, metres, z up) and
+// babel_v1.0_release/{train,val,test}.json in BABEL's. `trans` is the pelvis itself: SMPL-H's rest pelvis, a constant
+// of the body model, is not added. Fingers are straight, `betas` 0.
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kZUp = "+x -z +y";
 constexpr const char* kBabelFolder = "babel_v1.0_release/";
 constexpr const char* kLabelTable = "labels.csv";
-/// Part of a split -> file; what is in no part stands in the last one. All but that are written in any case.
+/// Part of a split -> file; clips of no part go to the last one. All other files are always written.
 constexpr std::pair<const char*, const char*> kBabelParts[] = {
     {"train", "train.json"}, {"validation", "val.json"}, {"test", "test.json"}, {"other", "other.json"}};
 constexpr std::size_t kSmplHColumns = 156;  // root, 21 of the body, two hands of 15
@@ -34,7 +34,7 @@ bool EndsInPoses(const std::string& name) {
   return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
 }
 
-/// BABEL's categories as Segment::category lists them: "walk, turn".
+/// BABEL's categories in the form of Segment::category: "walk, turn".
 std::vector<std::string> Categories(const std::string& text, const std::string& label) {
   std::vector<std::string> categories;
   for (const std::string_view category : SplitText(text, ',')) {
@@ -70,7 +70,7 @@ BabelAnnotation AnnotationOfLabels(std::vector<BabelLabel> labels) {
   return annotation;
 }
 
-/// Segments are frame labels; the clip's label is the sequence's, else each action of its segments is.
+/// Segments become frame labels; the clip's label becomes the sequence's, without one the label of each action segment.
 BabelSequence SequenceOf(const Clip& clip, const std::string& feat_p) {
   BabelSequence sequence;
   sequence.feat_p = feat_p;
@@ -91,7 +91,7 @@ BabelSequence SequenceOf(const Clip& clip, const std::string& feat_p) {
   return sequence;
 }
 
-/// A text that a cell of labels.csv holds as it is: ingest cuts lines at commas and takes blanks away.
+/// A text that fits a cell of labels.csv: ingest splits lines at commas and strips blanks.
 bool FitsCell(const std::string& text) {
   return !text.empty() && Trim(text) == text && text.find_first_of(",\r\n") == std::string::npos;
 }
@@ -184,15 +184,15 @@ class AmassBabelWriter : public LayoutWriter {
   void NoteLosses(std::vector<std::string>& notes) const {
     notes.push_back("read again, on the bones of smpl24, joints lie up to " + RoundedText(1000.0 * farthest_, 2) +
                     " mm off; the joints left_hand and right_hand have no rotation in SMPL-H");
-    if (parts_.empty()) notes.push_back("the set has no split: all labels stand in train.json");
+    if (parts_.empty()) notes.push_back("the set has no split: train.json has all labels");
     if (set_.splits.size() > 1) {
       notes.push_back("the labels are divided by split '" + set_.splits.front().name + "', the first of " +
-                      std::to_string(set_.splits.size()) + "; --split takes another");
+                      std::to_string(set_.splits.size()) + "; choose another with --split");
     }
-    if (sequences_.count("other") > 0) notes.push_back("labels of clips that the split has in no part: other.json");
+    if (sequences_.count("other") > 0) notes.push_back("labels of clips in no part of the split: other.json");
   }
 
-  /// Sequences without a number of BABEL's get those that are left.
+  /// Sequences without a BABEL number get unused ones.
   const std::vector<BabelSequence>& Numbered(std::vector<BabelSequence>& sequences) {
     for (BabelSequence& sequence : sequences) {
       while (sequence.babel_sid == 0) {
@@ -203,8 +203,8 @@ class AmassBabelWriter : public LayoutWriter {
     return sequences;
   }
 
-  /// "motion,label" for each take: BABEL's labels come back as segments, not as the clip's label. `codes` gets what
-  /// stands for each label where one does not fit a cell.
+  /// "motion,label" for each take: BABEL's labels come back as segments, not as the clip's label. `codes` receives a
+  /// replacement for each label that does not fit a cell.
   ExportedFile LabelTable(std::map<std::string, std::string>& codes) const {
     FileNames names;
     bool plain = true;
@@ -232,8 +232,8 @@ class AmassBabelWriter : public LayoutWriter {
   std::map<std::string, std::vector<BabelSequence>> sequences_;  ///< by part
   std::set<std::int64_t> sids_;
   std::int64_t last_sid_ = 0;
-  bool named_poses_ = true;      ///< the recordings are called as AMASS's files: nothing is added to their names
-  bool parts_come_back_ = true;  ///< every clip is in a part, and stands in that part's file
+  bool named_poses_ = true;      ///< the recordings have AMASS's suffix already: nothing is appended to their names
+  bool parts_come_back_ = true;  ///< every clip is in a part, and in that part's file
   double farthest_ = 0.0;        ///< metres
 };
 

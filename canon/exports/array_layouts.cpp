@@ -25,7 +25,7 @@ DeclaredOptions DeclareNpz(const ExportSet&, const FrameRate& rate) {
   return {{"format", "npy"}, {"units", "m"}, {"rate", RateText(rate)}};
 }
 
-/// A number with six digits behind the point: micrometres and microseconds.
+/// A number with six decimals: micrometres and microseconds.
 void AppendMicro(double value, std::string& text) {
   char digits[64];
   const int length = std::snprintf(digits, sizeof(digits), "%.6f", value);

@@ -1,4 +1,4 @@
-// The layout bvh: root position and rotations of every joint, on the person's own bones, in centimetres.
+// The layout bvh: root position and rotations of every joint, with the person's own bone lengths, in centimetres.
 
 #include <cmath>
 
@@ -11,16 +11,16 @@ namespace mocurate {
 namespace {
 
 constexpr double kCentimetresPerMetre = 100.0;
-constexpr double kEndSiteShare = 0.5;  ///< of the bone that ends at a leaf: how far its End Site lies behind it
+constexpr double kEndSiteShare = 0.5;  ///< length of an End Site relative to the bone that ends at the leaf
 
-/// Six digits behind the point: 1e-6 degrees, 1e-8 m.
+/// Six decimals: 1e-6 degrees, 1e-8 m.
 double Rounded(double value) { return std::round(value * 1e6) / 1e6 + 0.0; }
 
 Vector3d RoundedOffset(const Vector3d& metres) {
   return (kCentimetresPerMetre * metres).unaryExpr([](double v) { return Rounded(v); });
 }
 
-/// Joints in the order in which a file's braces name them: each before its children, branch after branch.
+/// Joints in the order of the file's hierarchy: each before its children, depth first.
 std::vector<int> OrderOfBranches(const Skeleton& skeleton) {
   const std::vector<std::vector<int>> children = skeleton.Children();
   std::vector<int> order, open = {0};
@@ -38,7 +38,7 @@ std::string NameWithoutBlanks(std::string name) {
   return name;
 }
 
-/// The tree of a motion with this person's bones.
+/// The tree of a motion with this person's bone lengths.
 std::vector<BvhJoint> TreeOf(const Motion& motion, const std::vector<int>& order) {
   using Channel = BvhChannel;
   const Skeleton& skeleton = *motion.skeleton;
@@ -69,14 +69,14 @@ std::vector<BvhJoint> TreeOf(const Motion& motion, const std::vector<int>& order
   return tree;
 }
 
-/// The same angle, as near to the one before as whole turns bring it.
+/// The same angle, shifted by whole rotations to be nearest to the previous one.
 double NearestTurn(double degrees, double before) { return degrees + 360.0 * std::round((before - degrees) / 360.0); }
 
 Expected<std::string> BvhOfClip(const Clip& clip, const ExportSet&) {
   const Motion& motion = *clip.motion;
   if (motion.joints_only()) {
     return Fail(ErrorCode::kInconsistent, "the motion has joints alone, no rotations", clip.id(),
-                "`mocurate fit` finds rotations");
+                "`mocurate fit` estimates rotations");
   }
   static const EulerOrder kOrder = *EulerOrder::Parse("ZXY");
   const std::vector<int> order = OrderOfBranches(*motion.skeleton);
@@ -109,7 +109,7 @@ std::vector<std::pair<std::string, std::string>> DeclareBvh(const ExportSet&, co
 std::unique_ptr<LayoutWriter> MakeBvhLayout(const ExportSet& set) {
   LabelledFolder folder{"bvh", ".bvh", BvhOfClip, DeclareBvh};
   folder.holds_rate = true;
-  folder.says_rate = false;
+  folder.declares_rate = false;
   folder.holds_tree = true;
   return MakeLabelledFolder(set, folder);
 }

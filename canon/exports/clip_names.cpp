@@ -13,7 +13,7 @@ std::string LowerCase(std::string text) {
   return text;
 }
 
-/// `name`, or with a number behind it where it is taken.
+/// `name`, with a number appended where it is used already.
 std::string Untaken(const std::string& name, std::set<std::string>& taken) {
   std::string free = name;
   for (int copy = 2; !taken.insert(LowerCase(free)).second; ++copy) free = name + "~" + std::to_string(copy);

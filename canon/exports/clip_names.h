@@ -19,18 +19,19 @@ struct ClipIdParts {
 
 ClipIdParts PartsOfClipId(std::string_view id);
 
-/// A text as the name of a file or folder: what a file system or a file pattern refuses (control characters, blanks at
-/// the ends, / \ : * ? " < > | # { } and commas, a leading dot, bytes that are not UTF-8) becomes '_'; an empty text is
-/// "_".
+/// A text as the name of a file or folder. Characters that a file system or a file pattern refuses (control characters,
+/// blanks at the ends, / \ : * ? " < > | # { } and commas, a leading dot, bytes that are not UTF-8) become '_'; an
+/// empty text is "_".
 std::string NameForFile(std::string_view text);
 
-/// Gives texts names for files: the same text the same name, two texts never one (case apart: "Walk", "walk~2").
+/// Assigns file names to texts: the same text gets the same name, two texts never share one, even up to case: "Walk",
+/// "walk~2".
 class FileNames {
  public:
   const std::string& Of(const std::string& text);
-  /// name -> text of all that were asked for.
+  /// name -> text of all texts so far.
   std::map<std::string, std::string> Texts() const;
-  /// Whether all names are their texts.
+  /// Whether all names equal their texts.
   bool Plain() const;
 
  private:
@@ -43,18 +44,18 @@ enum class RecordingNames {
   kOfSet,     ///< no two clips
 };
 
-/// How an export calls the person and the recording of each clip. The recording keeps its name where it is a name for a
-/// file and the clip is the only one of it. Several clips of one recording get their spans, "walk.30-90"; where two
-/// persons' names meet (kOfSet), the person goes before. Persons of several sources are "source.person".
+/// Names of the person and the recording of each clip in an export. The recording keeps its name where that is a valid
+/// file name and the clip is its only one. Several clips of one recording get their spans, "walk.30-90"; where names of
+/// two persons collide (kOfSet), the person comes first. Persons of several sources are "source.person".
 class ClipNames {
  public:
   ClipNames(const std::vector<std::string>& ids, RecordingNames unique);
 
-  /// The source where there is one alone, else "export".
+  /// The source where there is only one, else "export".
   const std::string& source() const { return source_; }
   const std::string& Person(std::size_t position) const { return persons_[position]; }
   const std::string& Recording(std::size_t position) const { return recordings_[position]; }
-  /// How many recordings are called otherwise than in the ids.
+  /// Number of recordings whose name differs from the id.
   std::size_t renamed() const { return renamed_; }
 
  private:

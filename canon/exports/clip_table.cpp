@@ -79,10 +79,10 @@ Status OneRate::Check(const Clip& clip) {
   if (!rate_) rate_ = rate;
   if (rate == *rate_) return {};
   return Fail(ErrorCode::kUnsupported,
-              FormatDouble(rate.hz()) + " frames per second, the clips before it have " + FormatDouble(rate_->hz()) +
-                  ": the files of this layout do not hold a rate",
+              FormatDouble(rate.hz()) + " frames per second, the clips before have " + FormatDouble(rate_->hz()) +
+                  ": files of this layout have no rate",
               clip.id(),
-              "export the clips of one rate: mocurate dataset subset --where 'rate == " + FormatDouble(rate_->hz()) +
+              "export clips of one rate: mocurate dataset subset --where 'rate == " + FormatDouble(rate_->hz()) +
                   "', or make the set with canon.rate");
 }
 

@@ -1,6 +1,6 @@
 // The layout humanact12: PssGggRrrFffffTttttAaaaa.npy, one a clip, (T,J,3) doubles, metres, x to the image's right, y
-// down, the person faces -z (Action2Motion's HumanAct12). Person, group, repetition, first and last frame, both
-// included, class and fine class stand in the name.
+// down, the person faces -z (Action2Motion's HumanAct12). The name contains person, group, repetition, first and last
+// frame (inclusive), class and fine class.
 
 #include <algorithm>
 #include <map>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kYDown = "+x -y -z";
 constexpr int kTwoDigits = 99;
-constexpr int kMostFrames = 9999;  // the last one's number has four digits
+constexpr int kMostFrames = 9999;  // the last frame number has four digits
 
 std::string Padded(int number, std::size_t width) {
   const std::string digits = std::to_string(number);
@@ -41,8 +41,8 @@ class ActionCodes {
     }
   }
 
-  /// Whether the code of a name, "0203", may stand for these labels: the class is the code's, and no other fine label
-  /// has it. It stands for them from now on.
+  /// Whether the code of a name, "0203", can represent these labels: the class has that code, and no other fine label
+  /// uses it. If so, it is assigned to them.
   bool Keep(const std::string& code, const std::string& label, const std::string& fine) {
     if (code.substr(0, 2) != Coarse(label)) return false;
     const auto text = texts_.find(code);
@@ -67,7 +67,7 @@ class ActionCodes {
     return Fail(ErrorCode::kUnsupported,
                 "label '" + label + "'" + (fine.empty() ? "" : ", '" + fine + "'") +
                     ": a name has two digits for the class and two for the fine label, 1 to 99 each",
-                clip, "leave classes out of the recipe (assemble.classes), or export with another layout");
+                clip, "remove classes from the recipe (assemble.classes), or export with another layout");
   }
 
   /// Coarse code -> label, of those that were used.
@@ -99,7 +99,7 @@ class HumanAct12Writer : public LayoutWriter {
   explicit HumanAct12Writer(const ExportSet& set)
       : set_(set), names_(set.ids, RecordingNames::kOfPerson), codes_(set.labels, set.fine_labels) {
     for (std::size_t i = 0; i < set.ids.size(); ++i) persons_.emplace(names_.Person(i), 0);
-    // "P07" keeps its number; the others take those that are left, in their order.
+    // "P07" keeps its number; the others get unused numbers, in their order.
     static const std::regex kPerson("P(0[1-9]|[1-9]\\d)");
     std::set<int> numbers;
     int next = 0;
@@ -133,7 +133,7 @@ class HumanAct12Writer : public LayoutWriter {
     if (clips_.empty()) return files;
     if (made_ > 0) {
       notes.push_back(Counted(made_, "clip") +
-                      " got names as HumanAct12's, and persons numbers; clips.csv has the clips' ids");
+                      " got names in HumanAct12's form, persons got numbers; clips.csv has the clips' ids");
     }
     FileDeclaration declaration;
     declaration.layout = "humanact12";
@@ -162,7 +162,7 @@ class HumanAct12Writer : public LayoutWriter {
   }
 
  private:
-  /// The recording's own name where it is one of HumanAct12's that tells the truth, else a new one.
+  /// The recording's own name where it is one of HumanAct12's and correct for this clip, else a new one.
   Expected<std::string> NameOf(std::size_t position, const Clip& clip) {
     static const std::regex kName("P\\d\\dG\\d\\dR\\d\\dF\\d{4}T\\d{4}A(\\d{4})");
     const std::string& recording = names_.Recording(position);
@@ -187,7 +187,7 @@ class HumanAct12Writer : public LayoutWriter {
     const long long begin = clip.identity.begin_frame + before;
     const int first = begin >= 0 && begin + frames - 1 <= kMostFrames ? static_cast<int>(begin) : 0;
     if (const auto phspd = ParsePhspdRecording(clip.identity.recording); phspd && phspd->subject == person) {
-      // What HumanAct12 was cut from: the name is that of the set.
+      // A clip cut as HumanAct12 was: the set's own name.
       const std::string name = "P" + Padded(person, 2) + "G" + Padded(phspd->group, 2) + "R" + Padded(phspd->time, 2) +
                                "F" + Padded(first, 4) + "T" + Padded(first + frames - 1, 4) + "A" + *action;
       if (taken_.insert(name).second) return name;

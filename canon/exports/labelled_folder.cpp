@@ -31,15 +31,16 @@ class LabelledFolderWriter : public LayoutWriter {
   Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) override {
     if (names_.renamed() > 0) {
       notes.push_back(Counted(static_cast<long long>(names_.renamed()), "recording") +
-                      " come back under the names of the files; clips.csv has the clips' ids");
+                      " come back with the file names; clips.csv has the clips' ids");
     }
     std::vector<ExportedFile> files = {ClipTable(set_, clips_)};
     if (clips_.empty()) return files;
     const FrameRate& first = clips_.front().rate;
     const bool one_rate =
         std::all_of(clips_.begin(), clips_.end(), [&](const WrittenClip& c) { return c.rate == first; });
-    if (folder_.says_rate && !one_rate) {
-      notes.push_back("the clips have different rates: there is no source.yaml, which could declare one alone");
+    if (folder_.declares_rate && !one_rate) {
+      notes.push_back(
+          "the clips have different rates: no source.yaml is written, because it can declare one rate only");
       return files;
     }
     FileDeclaration declaration{folder_.layout, names_.source(), {}, "", folder_.holds_tree, folder_.joint_table};

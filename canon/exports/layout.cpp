@@ -63,7 +63,7 @@ const std::vector<Layout>& Layouts() {
        {C::kRotations, C::kBoneLengths, C::kFineLabel, C::kStates, C::kUncertainty, C::kContacts},
        MakeNpzLayout},
       {"humanact12",
-       "HumanAct12's .npy files: joints, y down, all else in the names",
+       "HumanAct12's .npy files: joints, y down; the file names hold the rest",
        "",
        {},
        {C::kFineLabel},

@@ -19,23 +19,23 @@ struct ExportedFile {
   std::string bytes;
 };
 
-/// What a layout has to know of all clips before it gets the first one.
+/// Properties of the whole set that a layout needs before its first clip.
 struct ExportSet {
   SkeletonPtr skeleton;
   bool joints_only = false;
   std::vector<std::string> ids;     ///< of the clips, in their order: "source/person/recording#begin-end"
   std::vector<std::string> labels;  ///< classes in the recipe's order
   std::vector<FineLabel> fine_labels;
-  std::vector<Split> splits;     ///< rows are positions in `ids`
-  std::filesystem::path folder;  ///< where the files will lie, absolute: source.yaml may have to name it
-  std::string file;              ///< name of the file that holds all clips; empty: its usual name
-  RotationArrays rotations = RotationArrays::kQuaternion;  ///< of layouts that have a choice
-  /// ingest.source.checks of source.yaml, by code: the clips were checked when the set was made, none is dropped for
-  /// it.
+  std::vector<Split> splits;                               ///< rows are positions in `ids`
+  std::filesystem::path folder;                            ///< output folder, absolute: source.yaml may have to name it
+  std::string file;                                        ///< name of a single output file; empty: its usual name
+  RotationArrays rotations = RotationArrays::kQuaternion;  ///< for layouts with a choice
+  /// ingest.source.checks of source.yaml, by code: the clips were checked when the set was made, so that no check drops
+  /// one.
   std::map<std::string, std::string> checks;
 };
 
-/// What a clip may hold beside joints, label, rate and names.
+/// Contents of a clip beside joints, label, rate and names.
 enum class ClipContent {
   kRotations,
   kBoneLengths,
@@ -48,29 +48,30 @@ enum class ClipContent {
   kContacts
 };
 
-/// One layout at work: gets the clips one after the other and keeps none of them. Same clips, same bytes.
+/// An export in progress: receives the clips one after the other and keeps none of them. Same clips, same bytes.
 class LayoutWriter {
  public:
   virtual ~LayoutWriter() = default;
-  /// The files of the clip at `position` of ExportSet::ids. Error: why the layout cannot take it; the others go on.
+  /// The files of the clip at `position` of ExportSet::ids. Error: why the layout cannot write it; the export continues
+  /// with the others.
   virtual Expected<std::vector<ExportedFile>> Add(std::size_t position, const Clip& clip) = 0;
-  /// After the last clip: tables, and source.yaml, the declaration that reads the export again. Lines for the user
-  /// about what does not come back are appended to `notes`.
+  /// After the last clip: tables, and source.yaml, the declaration that reads the export again. Appends notes for the
+  /// user about lost information.
   virtual Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) = 0;
 };
 
 enum class LayoutTrait {
   kNeedsRotations,
-  kRepresentations,  ///< takes ExportSet::rotations
-  kAllInOneFile,     ///< a file of Layout::ending holds all clips, not one
-  kOneSplit,         ///< carries the first of ExportSet::splits alone
+  kRepresentations,  ///< uses ExportSet::rotations
+  kAllInOneFile,     ///< a file of Layout::ending has all clips
+  kOneSplit,         ///< writes only the first of ExportSet::splits
 };
 
 /// A row of the table of layouts.
 struct Layout {
   std::string_view name;
   std::string_view help;
-  std::string_view ending;  ///< of an output that is a file and no folder, ".bvh"; empty: always a folder
+  std::string_view ending;  ///< of an output that is a single file, ".bvh"; empty: always a folder
   std::vector<LayoutTrait> traits;
   std::vector<ClipContent> carries;
   std::unique_ptr<LayoutWriter> (*make)(const ExportSet& set);
@@ -81,10 +82,10 @@ struct Layout {
 
 /// npz, humanact12, actor, amass_babel, csv, bvh.
 const std::vector<Layout>& Layouts();
-/// Null when there is none of that name.
+/// Null for an unknown name.
 const Layout* FindLayout(std::string_view name);
 
-/// Counts what clips hold that a layout does not carry.
+/// Counts the contents of clips that a layout cannot write.
 class NotCarried {
  public:
   explicit NotCarried(const Layout& layout) : layout_(layout) {}

@@ -28,7 +28,7 @@ void AddTexts(Npz& npz, const char* name, std::vector<std::size_t> shape, std::v
   npz.members.push_back({name, {std::move(shape), "<U" + std::to_string(longest), {}, std::move(texts)}, ""});
 }
 
-/// Numbers of one rotation.
+/// Number of values per rotation.
 std::vector<double> Numbers(const Quaterniond& rotation, RotationArrays as) {
   if (as == RotationArrays::kQuaternion) return {rotation.w(), rotation.x(), rotation.y(), rotation.z()};
   if (as == RotationArrays::kAxisAngle) {
@@ -85,7 +85,7 @@ bool HasLieChains(const Skeleton& skeleton) {
   return true;
 }
 
-/// Rest offsets of the person's own lengths, and parents, of the tree or along the Lie chains.
+/// Rest offsets with the person's bone lengths, and parents, of the tree or along the Lie chains.
 void AddBody(const Motion& motion, bool lie, Npz& npz) {
   const Skeleton& skeleton = *motion.skeleton;
   const auto joints = static_cast<std::size_t>(skeleton.joint_count());
@@ -108,7 +108,7 @@ void AddBody(const Motion& motion, bool lie, Npz& npz) {
   Add(npz, "lie_chain", {joints}, std::move(chain), "<i4");
 }
 
-/// What the clip states of its own quality, where it does.
+/// The clip's uncertainties, states and contacts, where it has them.
 void AddQuality(const Motion& motion, Npz& npz) {
   const auto frames = static_cast<std::size_t>(motion.frame_count());
   const auto joints = static_cast<std::size_t>(motion.joint_count());
@@ -134,13 +134,13 @@ Expected<Npz> ArraysOfMotion(const Clip& clip, RotationArrays rotations) {
   const bool lie = rotations == RotationArrays::kLie;
   if (rotations != RotationArrays::kNone && motion.joints_only()) {
     return Fail(ErrorCode::kInconsistent, "the motion has joints alone, no rotations", clip.id(),
-                "--as joints writes them; `mocurate fit` finds rotations");
+                "write them with --as joints; `mocurate fit` estimates rotations");
   }
   if (lie && !HasLieChains(*motion.skeleton)) {
     return Fail(ErrorCode::kUnsupported, "skeleton '" + motion.skeleton->name + "' has no Lie chains along its tree",
                 clip.id(), "choose another --as, or fit a skeleton that has them, e.g. smpl24");
   }
-  if (!motion.joints_only()) ComputeJoints(motion);  // files may hold them in fewer digits than rotations
+  if (!motion.joints_only()) ComputeJoints(motion);  // a file's joints may have fewer digits than its rotations
   Npz npz;
   if (lie) {
     AddLieParameters(motion, npz);

@@ -9,7 +9,7 @@
 
 namespace mocurate {
 
-/// How the rotations of an exported motion are written.
+/// Representation of the rotations of an exported motion.
 enum class RotationArrays { kQuaternion, kAxisAngle, kMatrix, k6dRows, k6dColumns, kLie, kNone };
 
 struct RotationArraysName {
@@ -18,7 +18,7 @@ struct RotationArraysName {
   std::string_view help;
 };
 
-/// As they are named on the command line and in an exported file.
+/// Their names on the command line and in an exported file.
 inline constexpr std::array<RotationArraysName, 7> kRotationArraysNames = {{
     {"quaternion", RotationArrays::kQuaternion, "poses (F,J,4), w x y z"},
     {"axis_angle", RotationArrays::kAxisAngle, "poses (F,J,3), as SMPL's and AMASS's"},
@@ -26,7 +26,7 @@ inline constexpr std::array<RotationArraysName, 7> kRotationArraysNames = {{
     {"6d_rows", RotationArrays::k6dRows, "poses (F,J,6), the first two rows, as ACTOR's"},
     {"6d_columns", RotationArrays::k6dColumns, "poses (F,J,6), the first two columns, interleaved, as MultiAct's"},
     {"lie", RotationArrays::kLie, "lie (F,J,3), as Action2Motion's: root translation, then a vector per bone"},
-    {"joints", RotationArrays::kNone, "positions alone"},
+    {"joints", RotationArrays::kNone, "positions only"},
 }};
 
 /// The motion of a clip as arrays of numpy, numbers as doubles. F frames, J joints; metres, radians, y up,

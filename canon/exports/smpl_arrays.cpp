@@ -9,7 +9,7 @@ namespace mocurate {
 
 MotionInAxes::MotionInAxes(const Clip& clip, const AxisConvention& axes)
     : motion(*clip.motion), file_from_world(axes.canonical_from_source.transpose()) {
-  if (!motion.joints_only()) ComputeJoints(motion);  // files may hold them in fewer digits than rotations
+  if (!motion.joints_only()) ComputeJoints(motion);  // a file's joints may have fewer digits than its rotations
 }
 
 std::vector<double> MotionInAxes::Joints(const std::vector<int>& order) const {
@@ -68,7 +68,7 @@ double FarthestReadBack(const Motion& motion, const std::vector<int>& order, Bon
 Expected<std::vector<int>> SmplOrder(const Clip& clip) {
   if (clip.motion->joints_only()) {
     return Fail(ErrorCode::kUnsupported, "the motion has joints alone, no rotations", clip.id(),
-                "`mocurate fit --skeleton smpl24` finds rotations");
+                "`mocurate fit --skeleton smpl24` estimates rotations");
   }
   const Skeleton& skeleton = *clip.motion->skeleton;
   const Expected<SkeletonPtr> smpl = LoadSkeleton("smpl24");
@@ -82,7 +82,7 @@ Expected<std::vector<int>> SmplOrder(const Clip& clip) {
       return Fail(ErrorCode::kUnsupported,
                   "skeleton '" + skeleton.name + "' with " + Counted(skeleton.joint_count(), "joint") +
                       " is not SMPL's tree of 24" + (own ? "" : ": it has no '" + joint.name + "'"),
-                  clip.id(), "`mocurate fit --skeleton smpl24` fits the clip on that tree");
+                  clip.id(), "`mocurate fit --skeleton smpl24` fits the clip to that tree");
     }
     order.push_back(*own);
   }

@@ -12,7 +12,7 @@ inline constexpr int kSmplBodyJoints = 24;
 
 /// A clip's motion in the axes of a layout. F frames, J joints of the skeleton.
 struct MotionInAxes {
-  Motion motion;  ///< joints of its rotations, where it has any
+  Motion motion;  ///< joints computed from its rotations, where it has any
   Matrix3d file_from_world;
 
   MotionInAxes(const Clip& clip, const AxisConvention& axes);
@@ -20,18 +20,19 @@ struct MotionInAxes {
   std::vector<double> Joints(const std::vector<int>& order = {}) const;
   /// (F*3) metres.
   std::vector<double> RootTranslation() const;
-  /// (F*3*N) rotation vectors, radians, of the first N joints in this order; the root's is turned to the file's axes.
+  /// (F*3*N) rotation vectors, radians, of the first N joints in this order; the root's is rotated into the file's
+  /// axes.
   std::vector<double> RotationVectors(const std::vector<int>& order) const;
 };
 
-/// Whose bone lengths a motion is laid out with when it is read on smpl24.
+/// The bone lengths used when a motion is read on smpl24.
 enum class BonesReadBack { kPersons, kSmpl24 };
 
-/// Metres that a joint lies off at most when rotations and root are laid out again on the rest directions of smpl24.
+/// Largest distance of a joint, in metres, after rotations and root are applied to the rest directions of smpl24.
 double FarthestReadBack(const Motion& motion, const std::vector<int>& order, BonesReadBack bones);
 
-/// For each of SMPL's 24 joints, in their order, the joint of the skeleton. Error kUnsupported names the joint that the
-/// skeleton lacks, or the clip's missing rotations; `clip` for messages.
+/// For each of SMPL's 24 joints, in their order, the joint of the skeleton. Error kUnsupported names the missing joint,
+/// or reports missing rotations; `clip` for messages.
 Expected<std::vector<int>> SmplOrder(const Clip& clip);
 
 }  // namespace mocurate

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kSkeletonFile = "skeleton.yaml";
 
-/// Whether the name means a built-in skeleton of the same joints.
+/// Whether the name is a built-in skeleton's with the same joints.
 bool IsBuiltIn(const Skeleton& skeleton) {
   if (skeleton.name.empty() || skeleton.name.find_first_of("/.") != std::string::npos) return false;
   const auto known = LoadSkeleton(skeleton.name);
@@ -23,7 +23,7 @@ std::string YamlNumbers(const Vector3d& v) {
   return "[" + FormatDouble(v.x()) + ", " + FormatDouble(v.y()) + ", " + FormatDouble(v.z()) + "]";
 }
 
-/// As configs/skeletons: names, tree, rest pose, mirror partners, synonyms, limits.
+/// In the form of configs/skeletons: names, tree, rest pose, mirror partners, synonyms, limits.
 std::string SkeletonText(const Skeleton& skeleton) {
   std::string text = "name: " + YamlText(skeleton.name) + "\njoints:\n";
   for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
@@ -68,7 +68,7 @@ std::string SplitsText(const ExportSet& set, const std::vector<WrittenClip>& cli
     }
     const auto persons = PersonsOfParts(PartOfEachClip(split, set.ids.size()), clips);
     if (!persons) {
-      notes.push_back("split '" + split.name + "' is not by person, which is all that source.yaml can declare");
+      notes.push_back("split '" + split.name + "' is not by person: source.yaml cannot declare it");
       continue;
     }
     text += "    - {name: " + YamlText(split.name) + ", by: person, absent: refuse";
@@ -82,7 +82,8 @@ std::string SplitsText(const ExportSet& set, const std::vector<WrittenClip>& cli
   return text.empty() ? "" : "  splits:\n" + text;
 }
 
-/// Classes in their order; with clips that have no label, the order alone: a list of classes would leave them out.
+/// Classes in their order. With unlabelled clips only the order is written, because a list of classes would exclude
+/// them.
 std::string ClassesText(const ExportSet& set, const std::vector<WrittenClip>& clips) {
   if (set.labels.empty()) return "";
   const bool labelled = std::all_of(clips.begin(), clips.end(), [&](const WrittenClip& clip) {
@@ -94,7 +95,7 @@ std::string ClassesText(const ExportSet& set, const std::vector<WrittenClip>& cl
   return text;
 }
 
-/// The value that all clips have; empty where they differ.
+/// The value common to all clips; empty where they differ.
 template <class Value>
 std::string InCommon(const std::vector<WrittenClip>& clips, Value value) {
   for (const WrittenClip& clip : clips) {
@@ -103,7 +104,7 @@ std::string InCommon(const std::vector<WrittenClip>& clips, Value value) {
   return clips.empty() ? "" : value(clips.front());
 }
 
-/// person -> role of those whose clips all have it.
+/// person -> role of persons whose clips all have it.
 std::map<std::string, std::string> RolesOf(const std::vector<WrittenClip>& clips) {
   std::map<std::string, std::set<std::string>> roles;
   for (const WrittenClip& clip : clips) roles[clip.person].insert(clip.role);
@@ -146,12 +147,13 @@ std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vect
     skeleton = (set.folder / kSkeletonFile).string();
     files.push_back({kSkeletonFile, SkeletonText(*set.skeleton)});
     notes.push_back("skeleton '" + set.skeleton->name +
-                    "' is none that is built in: source.yaml names skeleton.yaml by its place, change that when the "
+                    "' is not built in: source.yaml has the path of skeleton.yaml, change it when the "
                     "folder moves");
   }
   const bool joints = declaration.layout == "npz" || declaration.layout == "humanact12" || declaration.layout == "csv";
   if (declaration.layout == "npz" && !set.joints_only && set.rotations != RotationArrays::kNone) {
-    notes.emplace_back("mocurate reads the joints of .npz files, not their rotations; bvh brings rotations back");
+    notes.emplace_back(
+        "mocurate reads the joints of .npz files, not their rotations; use layout bvh to keep rotations");
   }
   std::string text = "# Written by `mocurate export --layout " + declaration.layout +
                      "`: how mocurate reads these files again,\n#   mocurate export . --source source.yaml -o arrays" +

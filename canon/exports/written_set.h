@@ -12,7 +12,7 @@
 
 namespace mocurate {
 
-/// A clip that stands in a folder, under the names that it has there.
+/// A clip in an export, under its names there.
 struct WrittenClip {
   std::size_t position = 0;  ///< in ExportSet::ids
   std::string file;          ///< below the folder
@@ -35,10 +35,10 @@ inline constexpr const char* kClipTable = "clips.csv";
 /// "split_NAME" of train, validation, test or nothing. RFC 4180.
 ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& clips);
 
-/// "train", "validation", "test" or empty for each of so many clips.
+/// "train", "validation", "test" or empty for each of `clips` clips.
 std::vector<std::string> PartOfEachClip(const Split& split, std::size_t clips);
 
-/// Refuses a clip of another rate than the first one: the files do not say it, the declaration says one for all.
+/// Refuses a clip of another rate than the first one: the files have no rate, and the declaration has one for all.
 class OneRate {
  public:
   Status Check(const Clip& clip);
@@ -52,20 +52,20 @@ std::string YamlText(std::string_view text);
 std::string YamlList(const std::vector<std::string>& texts);
 std::string YamlMap(const std::map<std::string, std::string>& texts);
 
-/// What a layout says of its files: options of ingest.source, beside name, licence and skeleton, and their values in
-/// YAML.
+/// A layout's declaration of its files: options of ingest.source, except name, licence and skeleton, and their values
+/// in YAML.
 struct FileDeclaration {
   std::string layout;
   std::string source;  ///< name
   std::vector<std::pair<std::string, std::string>> options;
   std::string role_split;    ///< split whose parts come back as roles of the clips, or empty
-  bool has_tree = false;     ///< the files hold the tree of joints themselves
+  bool has_tree = false;     ///< the files contain the tree of joints
   bool joint_table = false;  ///< read as joint tracks, which `run` fits
 };
 
-/// source.yaml, a job that reads the export again: classes in their order and those splits that are by person in
-/// `assemble`. Beside it skeleton.yaml, where the skeleton is none that is built in and the files do not hold it.
-/// `name`: of the declaration. Notes say which splits it cannot declare.
+/// source.yaml, a job that reads the export again: classes in their order and the splits by person in `assemble`.
+/// Beside it skeleton.yaml, where the skeleton is not built in and the files do not contain it. `name`: of the
+/// declaration. Notes name the splits that it cannot declare.
 std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vector<WrittenClip>& clips,
                                            const FileDeclaration& declaration, const std::string& name,
                                            std::vector<std::string>& notes);

@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-/// World rotation of the clip by the one entry of `given` that names it.
+/// World rotation of the clip by the single entry of `given` that matches it.
 Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& clip) {
   const auto names = [](const std::vector<std::string>& list, const std::string& name) {
     return list.empty() || std::find(list.begin(), list.end(), name) != list.end();
@@ -20,15 +20,16 @@ Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& cl
   for (const GivenRotationOptions& entry : options.given) {
     if (!names(entry.persons, clip.identity.person) || !names(entry.views, clip.identity.view)) continue;
     if (found != nullptr) {
-      return Fail(ErrorCode::kConfig, "two rotations are given for person '" + clip.identity.person + "'",
+      return Fail(ErrorCode::kConfig, "canon.facing.given has two rotations for person '" + clip.identity.person + "'",
                   "canon.facing.given", "name each person and view once");
     }
     found = &entry;
   }
   if (found == nullptr) {
     return Fail(ErrorCode::kConfig,
-                "no rotation is given for person '" + clip.identity.person + "', view '" + clip.identity.view + "'",
-                "canon.facing.given", "add an entry that names them, or one without persons and views for all");
+                "canon.facing.given has no rotation for person '" + clip.identity.person + "', view '" +
+                    clip.identity.view + "'",
+                "canon.facing.given", "add an entry for them, or one without persons and views for all");
   }
   const std::vector<double>& r = found->rotation;
   if (r.size() != 9) {
@@ -41,7 +42,7 @@ Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& cl
   const double apart = (matrix - rotation).cwiseAbs().maxCoeff();
   if (apart > 1e-3) {
     return Fail(ErrorCode::kConfig,
-                "the matrix is no rotation: the nearest one differs by " + RoundedText(apart) + ", 0.001 is allowed",
+                "the matrix is not a rotation: the nearest one differs by " + RoundedText(apart) + ", 0.001 is allowed",
                 "canon.facing.given", "give an orthogonal matrix of determinant +1");
   }
   return Quaterniond(rotation);
@@ -77,7 +78,7 @@ Expected<int> AnchorFrame(const FacingOptions& options, const Clip& clip) {
     case Anchor::kFirstSegment: {
       if (clip.segments.empty()) {
         return Fail(ErrorCode::kConfig, "the clip has no segment whose end could be the anchor", clip.id(),
-                    "canon.facing.anchor: first_segment is for clips of several segments (trim.rule: triples)");
+                    "use canon.facing.anchor: first_segment with clips of several segments only (trim.rule: triples)");
       }
       const auto first =
           std::min_element(clip.segments.begin(), clip.segments.end(), [](const Segment& a, const Segment& b) {
@@ -99,7 +100,7 @@ Expected<int> AnchorFrame(const FacingOptions& options, const Clip& clip) {
 
 Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
   if (!clip.motion || clip.motion->frame_count() == 0) {
-    return Fail(ErrorCode::kInconsistent, "clip has no motion to canonicalise", clip.id(),
+    return Fail(ErrorCode::kInconsistent, "the clip has no motion to canonicalise", clip.id(),
                 "run the stage fitting first");
   }
   Heading heading;
@@ -149,7 +150,7 @@ Status FaceAgain(Clip& clip) {
   if (noted == clip.provenance.end()) return {};
   auto options = OptionsFromJson<FacingOptions>(nlohmann::json::parse(noted->second, nullptr, false), kFacingNoted);
   if (!options) return Forward(options);
-  // The world is turned as given already; a frame that was cut away cannot be the anchor.
+  // The given rotation of the world is applied already; a frame that was cut away cannot be the anchor.
   if (options->rule == FacingRule::kGiven) options->rule = FacingRule::kOrigin;
   if (!AnchorFrame(*options, clip)) options->anchor = Anchor::kFirst;
   const auto faced = FaceFront(*options, clip);

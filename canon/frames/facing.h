@@ -6,32 +6,32 @@
 
 namespace mocurate {
 
-/// How a rule that reads a heading reads it; of the others, by the hips.
+/// How a rule determines the heading; rules without one use the hips.
 HeadingRule HeadingRuleOf(FacingRule rule);
 
-/// Whether a rule reads a heading.
+/// Whether a rule uses a heading.
 bool ReadsHeading(FacingRule rule);
 
 /// HeadingOfAxes of one frame. Error of BodyAxes.
 Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, const FacingOptions& options);
 
-/// The anchor's frame. Error kConfig for a frame that the clip lacks, or the end of a first segment where it has none.
+/// The anchor frame. Error kConfig for a frame that the clip lacks, or the end of a first segment where it has none.
 Expected<int> AnchorFrame(const FacingOptions& options, const Clip& clip);
 
 /// Moves the clip into its canonical frame: x -> Q (x - x_anchor), Q by options.rule, so that the anchor's root is at
-/// the origin (with kFloor: above it, at its height over y = 0). kNone moves nothing. Acts on all fields;
-/// canonical_from_source keeps what undoing needs. Errors of BodyAxes and AnchorFrame; kConfig where kGiven has no
-/// rotation for the clip, or two.
+/// the origin (with kFloor: above it, at its height over y = 0). kNone moves nothing. Transforms all fields;
+/// canonical_from_source stores the inverse. Errors of BodyAxes and AnchorFrame; kConfig where kGiven has no rotation
+/// for the clip, or two.
 Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip);
 
 /// The options of FaceFront in a clip's provenance, JSON.
 inline constexpr const char* kFacingNoted = "facing";
 
-/// FaceFront by the options that the clip notes, for a part of a clip that was faced; where its anchor was cut away, by
-/// the first frame. Nothing for a clip that notes none. Errors of FaceFront.
+/// FaceFront with the options in the clip's provenance, for a part of a canonicalised clip; where its anchor was cut
+/// away, the first frame is the anchor. Nothing for a clip without such options. Errors of FaceFront.
 Status FaceAgain(Clip& clip);
 
-/// The clip as it lay in the world of its source.
+/// The clip in the world of its source.
 void UndoCanonical(Clip& clip);
 
 }  // namespace mocurate

@@ -16,9 +16,9 @@
 namespace mocurate {
 namespace {
 
-constexpr int kBodySamples = 8;        // frames of a clip whose body axis is taken, evenly spaced
-constexpr double kExtendedLeg = 0.95;  // hip to ankle over thigh and shank: a standing person's
-constexpr int kIterations = 4;         // of rotating by the estimate and solving for what is left
+constexpr int kBodySamples = 8;        // sampled frames of a clip for its body axis, evenly spaced
+constexpr double kExtendedLeg = 0.95;  // ratio of hip-ankle distance to thigh plus shank, of a standing person
+constexpr int kIterations = 4;         // of rotating by the estimate and solving for the remainder
 constexpr double kConverged = 1e-5;    // radians
 
 /// Unknowns: horizontal parts x and z of the up direction, lean, height.
@@ -45,15 +45,15 @@ double HuberWeight(double residual, double sigma) {
 struct UprightSample {
   Vector3d axis;     // ankles to shoulders, unit
   Vector3d forward;  // unit
-  double weight;     // of all samples of a clip together 1
+  double weight;     // the samples of a clip sum to 1
 };
 
 struct StandingClip {
-  std::vector<Vector3d> feet;  // where each stood, metres
+  std::vector<Vector3d> feet;  // standing positions, metres
   std::vector<UprightSample> body;
 };
 
-/// Places of a motion in a world that is turned by `level_from_world`.
+/// Positions of a motion in a world rotated by `level_from_world`.
 Motion TurnedPlaces(const Motion& motion, const Matrix3d& level_from_world) {
   Motion turned;
   turned.skeleton = motion.skeleton;
@@ -103,7 +103,8 @@ std::vector<UprightSample> UprightSamples(const Motion& motion) {
   return samples;
 }
 
-/// Solves for what is left of tilt, the lean and the height in a world that is nearly level; iteratively reweighted.
+/// Solves for the remaining tilt, the lean and the height in a nearly level world, by iteratively reweighted least
+/// squares.
 struct FloorSolution {
   FloorRow value = FloorRow::Zero();
   FloorMatrix covariance = FloorMatrix::Zero();
@@ -184,7 +185,7 @@ std::optional<FloorPlane> EstimateFloor(const LevelOptions& options, const std::
     floor.contacts = 0;
     for (const Motion& motion : motions) {
       const Motion turned = TurnedPlaces(motion, level_from_world);
-      // Of a sensor far from level, feet are found only once people stand upright.
+      // For a sensor far from level, feet are found only after a first rotation makes people upright.
       const bool upright_first = iteration == 0 && options.rule == FloorRule::kTilt;
       StandingClip clip{upright_first ? std::vector<Vector3d>() : PlacesOfFeet(turned), UprightSamples(turned)};
       floor.contacts += static_cast<int>(clip.feet.size());
@@ -194,7 +195,7 @@ std::optional<FloorPlane> EstimateFloor(const LevelOptions& options, const std::
     if (iteration > 0 || options.rule == FloorRule::kHeight) {
       if (floor.contacts == 0) return std::nullopt;
     } else {
-      clips.push_back({{Vector3d::Zero()}, {}});  // the height is not asked for yet
+      clips.push_back({{Vector3d::Zero()}, {}});  // the height is not estimated yet
     }
     solution = SolveFloor(options, clips);
     const Vector3d up_here = Vector3d(solution.value[0], 1.0, solution.value[1]).normalized();

@@ -9,15 +9,15 @@
 
 namespace mocurate {
 
-/// Where the floor lies before a sensor that stands still: the plane up . x = height, in the world of its clips.
+/// The floor in front of a static sensor: the plane up . x = height, in the world of its clips.
 struct FloorPlane {
   Vector3d up = Vector3d::UnitY();  ///< unit
   double height = 0.0;              ///< metres along `up`
   double tilt_sigma = 0.0;          ///< radians, of `up`, standard deviation of its worse direction
   double height_sigma = 0.0;        ///< metres
-  double lean = 0.0;                ///< radians that standing people lean forward on average
-  int contacts = 0;                 ///< times that a foot stood
-  int clips = 0;                    ///< that had such
+  double lean = 0.0;                ///< mean forward lean of standing people, radians
+  int contacts = 0;                 ///< number of stance phases of a foot
+  int clips = 0;                    ///< clips with stance phases
 
   double tilt() const;  ///< radians between `up` and +y
   /// Up to +y, the floor to y = 0.
@@ -26,10 +26,10 @@ struct FloorPlane {
 void to_json(nlohmann::json& json, const FloorPlane& floor);
 void from_json(const nlohmann::json& json, FloorPlane& floor);
 
-/// The floor by least squares over all motions of one sensor: the lower joint of each foot stands on it (one equation
-/// each time that it stands), and standing people are upright but for a lean along their facing that all share. Where
-/// they faced all ways or stood far apart, the two tell tilt and lean apart; else `tilt_sigma` is that of the prior of
-/// the lean. With FloorRule::kHeight `up` is +y. Nothing where no foot ever stands or the skeletons have no legs.
+/// The floor by least squares over all motions of one sensor. The lower joint of each foot is on it in each stance
+/// phase (one equation each). Standing people are upright except for a common lean along their facing. Where they faced
+/// all directions or stood far apart, tilt and lean are separable; else `tilt_sigma` is that of the lean's prior. With
+/// FloorRule::kHeight `up` is +y. Nothing without stance phases, or where the skeletons have no legs.
 std::optional<FloorPlane> EstimateFloor(const LevelOptions& options, const std::vector<Motion>& motions);
 
 /// Moves the clip onto a floor; its tilt and sigma (degrees) go to provenance ("level.tilt_deg", "level.sigma_deg").

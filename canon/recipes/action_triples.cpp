@@ -19,7 +19,7 @@ struct LabelledSpan {
   int frames() const { return end - begin; }
 };
 
-/// Frames of the recording in each part of a sample, before they are thinned.
+/// Frames of the recording in each part of a sample, before decimation.
 struct RecordedParts {
   int previous = 0;
   int transition = 0;
@@ -29,7 +29,8 @@ struct RecordedParts {
 };
 
 std::vector<LabelledSpan> SpansInFrames(const std::vector<Segment>& segments, FrameRate rate) {
-  // Times are truncated, as the released code does. Listed spans may have been frames: a millionth of one is rounding.
+  // Times are truncated, as in the released code. Listed spans may come from frame numbers, so that 1e-6 frames count
+  // as rounding.
   const auto frame = [&](double seconds, const Segment& segment) {
     return static_cast<int>(seconds * rate.hz() + (segment.origin == kListedOrigin ? 1e-6 : 0.0));
   };
@@ -43,7 +44,8 @@ std::vector<LabelledSpan> SpansInFrames(const std::vector<Segment>& segments, Fr
   return spans;
 }
 
-/// Frames of a neighbour that the transition takes: a share of it, at most `most` of the sample's frames, at least one.
+/// Frames of a neighbour that the transition includes: a share of it, at most `most` of the sample's frames, at least
+/// one.
 int TakenFrames(int frames, double share, double most, int step) {
   return static_cast<int>(std::max(std::min(share * frames, most * step), 1.0));
 }
@@ -90,13 +92,13 @@ std::vector<ActionTriple> FindTriples(const TripleOptions& options, const std::v
       reject("triple_too_long", taken, "trim.triples.most_frames is " + std::to_string(most));
     } else if (taken <= options.least_frames) {
       reject("triple_too_short", taken,
-             "more than trim.triples.least_frames, " + std::to_string(options.least_frames) + ", are wanted");
+             "trim.triples.least_frames is " + std::to_string(options.least_frames) + ", a sample needs more");
     } else if (shortest < least_part || triple.previous_frames < least_previous) {
       reject("triple_too_short", taken,
-             "of which " + std::to_string(triple.previous_frames) + ", " + std::to_string(triple.transition_frames) +
-                 " and " + std::to_string(triple.current_frames) + " in its parts; at least " +
-                 std::to_string(least_previous) + ", " + std::to_string(least_part) + " and " +
-                 std::to_string(least_part) + " are wanted");
+             "with parts of " + std::to_string(triple.previous_frames) + ", " +
+                 std::to_string(triple.transition_frames) + " and " + std::to_string(triple.current_frames) +
+                 " frames; the minimum is " + std::to_string(least_previous) + ", " + std::to_string(least_part) +
+                 " and " + std::to_string(least_part));
     } else {
       triples.push_back(std::move(triple));
     }

@@ -9,9 +9,9 @@
 
 namespace mocurate {
 
-/// A sample [previous action, transition, action] of a long sequence, as MultiAct learns from (multiact.md A.3). Frames
-/// of the sample are every `step`-th of the recording, from `first_frame` on: first those of the previous action, then
-/// of the transition, then of the action.
+/// A sample [previous action, transition, action] of a long sequence, the training data of MultiAct (multiact.md A.3).
+/// Frames of the sample are every `step`-th of the recording, starting at `first_frame`: previous action, transition,
+/// action.
 struct ActionTriple {
   std::string previous, current;  ///< labels
   int first_frame = 0;
@@ -21,20 +21,20 @@ struct ActionTriple {
   int current_frames = 0;
 
   int frames() const { return previous_frames + transition_frames + current_frames; }
-  /// One past the last frame of the recording that the sample takes.
+  /// One past the last recorded frame of the sample.
   int end_frame() const { return first_frame + (frames() - 1) * step + 1; }
 };
 
-/// Samples of a sequence of `frames` frames, whose segments are labelled, in the order of their begin. Two segments
-/// that touch, neither of them a transition, give one: its transition is cut out of both. Two that touch a transition
-/// between them give one too: the transition is lengthened into both. Those that are too short or too long are findings
-/// (severity info: "triple_too_short", "triple_too_long", value: frames of the sample). Segments that overlap make no
-/// pair. Times become frames as the released code has it: truncated.
+/// Samples of a sequence of `frames` frames with labelled segments, ordered by their begin. Two adjacent segments
+/// without a transition give one sample, whose transition is cut out of both. Two segments adjacent to a transition
+/// between them give one too; the transition is extended into both. Samples that are too short or too long are findings
+/// (severity info: "triple_too_short", "triple_too_long", value: frames of the sample). Overlapping segments give no
+/// pair. Times are truncated to frames, as in the released code.
 std::vector<ActionTriple> FindTriples(const TripleOptions& options, const std::vector<Segment>& segments,
                                       FrameRate rate, int frames, std::vector<Finding>& findings);
 
-/// The sample as a clip of its own: frames taken, label of the action, three segments of origin "triple" ("transition"
-/// is that of the options). Error of Cut.
+/// The sample as a clip of its own: its frames, the label of the action, three segments of origin "triple" (the name
+/// "transition" is set by the options). Error of Cut.
 Expected<Clip> TakeTriple(const TripleOptions& options, const ActionTriple& triple, const Clip& clip);
 
 }  // namespace mocurate

@@ -27,15 +27,15 @@ Finding NotListed(const Clip& clip, const std::vector<ClassOptions>& classes) {
   finding.clip = clip.id();
   finding.code = kLabelNotListed;
   finding.severity = Severity::kInfo;
-  finding.message = "label '" + clip.label + "' is of none of the " + std::to_string(classes.size()) +
+  finding.message = "label '" + clip.label + "' maps to none of the " + std::to_string(classes.size()) +
                     (classes.size() == 1 ? " class" : " classes") + " of the recipe" +
                     (near ? "; the nearest is '" + *near + "'" : "");
-  finding.action = FindingAction::kLeftOut;
+  finding.action = FindingAction::kExcluded;
   return finding;
 }
 
-/// Fine labels that clips have, by class and name. One that two classes have is of the first: clips of the other lose
-/// it, with a finding.
+/// Fine labels of the clips, by class and name. A fine label of two classes stays with the first: clips of the other
+/// lose it, with a finding.
 void CollectFineLabels(Dataset& dataset, std::vector<Finding>& findings) {
   std::set<std::pair<int, std::string>> found;
   for (const Clip& clip : dataset.clips) {
@@ -94,8 +94,8 @@ Status CheckClasses(const AssembleOptions& options) {
     const auto [known, added] = seen.emplace(label, name);
     if (added) return {};
     return Fail(ErrorCode::kConfig,
-                std::string(what) + " '" + label + "' belongs to '" + known->second + "' and to '" + name + "'",
-                "assemble.classes", "each stands once");
+                std::string(what) + " '" + label + "' is listed for '" + known->second + "' and '" + name + "'",
+                "assemble.classes", "list it once");
   };
   for (const ClassOptions& listed : options.classes) {
     if (listed.name.empty()) return Fail(ErrorCode::kConfig, "a class has no name", "assemble.classes");
@@ -151,8 +151,8 @@ std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Data
   finding.code = "class_without_clips";
   finding.value = static_cast<double>(empty);
   finding.message = std::to_string(empty) + " of the " + std::to_string(options.classes.size()) +
-                    " classes of assemble.classes without a clip: " + names +
-                    "; their indices stay, so that networks and recognisers of the recipe fit";
+                    " classes of assemble.classes have no clip: " + names +
+                    "; they keep their indices, for networks and recognisers of the recipe";
   finding.action = FindingAction::kFlagged;
   return {finding};
 }

@@ -13,7 +13,7 @@ std::string RecordingId(const Clip& clip) {
   return clip.identity.source + "/" + clip.identity.person + "/" + clip.identity.recording;
 }
 
-/// Where the clip's first frame lies in the recording.
+/// Index of the clip's first frame in the recording.
 double FirstFrame(const Clip& clip) {
   const auto noted = clip.provenance.find("first_frame");
   const long long before = noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0);
@@ -27,7 +27,7 @@ Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Se
   finding.severity = severity;
   finding.value = seconds;
   finding.message = span.place + ": '" + span.label + "' from " + RoundedText(span.begin, 6) + " to " +
-                    RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " is not all in the clip, " +
+                    RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " exceeds the clip, " +
                     RoundedText(FirstFrame(clip) / RecordedRate(clip).hz(), 6) + " to " +
                     RoundedText(FirstFrame(clip) / RecordedRate(clip).hz() + clip.motion->duration(), 6) +
                     " s of its recording";
@@ -50,8 +50,8 @@ Expected<std::vector<ListedSpan>> ListedSpans(const TrimOptions& options) {
   if (options.spans_of.empty()) return std::vector<ListedSpan>();
   const auto table = BuiltInSpans(options.spans_of);
   if (table) return ParseSpanTable(*table, options.spans_of);
-  return Fail(ErrorCode::kConfig, "there is no table of spans '" + options.spans_of + "'", "canon.trim.spans_of",
-              "humanact12 is there; a file is named by canon.trim.spans");
+  return Fail(ErrorCode::kConfig, "no built-in table of spans is named '" + options.spans_of + "'",
+              "canon.trim.spans_of", "use humanact12, or name a file under canon.trim.spans");
 }
 
 bool NamesClip(const ListedSpan& span, const Clip& clip) {

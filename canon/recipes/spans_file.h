@@ -13,27 +13,26 @@
 
 namespace mocurate {
 
-/// A table of configs/spans by its name, "humanact12"; nothing where there is none.
+/// A table of configs/spans by its name, "humanact12"; nothing for an unknown name.
 std::optional<std::string_view> BuiltInSpans(const std::string& name);
 
 /// Reads a table of spans (core/formats/span_table.h). Errors of ReadFile and ParseSpanTable.
 Expected<std::vector<ListedSpan>> ReadSpans(const std::filesystem::path& file);
 
-/// The spans that the options list: of the file, else of the built-in table; none where they name neither. Errors of
-/// ReadSpans; kConfig for a table that is not there.
+/// The spans of the options: of the file, else of the built-in table, else none. Errors of ReadSpans; kConfig for an
+/// unknown table.
 Expected<std::vector<ListedSpan>> ListedSpans(const TrimOptions& options);
 
 /// Segment::origin of listed spans.
 inline constexpr const char* kListedOrigin = "listed";
 
-/// Whether a span is of the clip: it names its id, its id without frames, or its recording alone.
+/// Whether a span names the clip: by its id, its id without frames, or its recording alone.
 bool NamesClip(const ListedSpan& span, const Clip& clip);
 
-/// Gives the clip the spans that name it, as segments (origin "listed") in place of its own; where none names it, it
-/// keeps its own. A span's fine label becomes the segment's label and its label the category. Seconds and frames count
-/// from the recording's first frame, also where the clip begins later. Findings: "span_outside" of a span that ends
-/// after the clip (cut there) or has no frame of it (dropped, severity error). Gives the lines of the spans that were
-/// taken.
+/// Replaces the clip's segments by the spans that name it (origin "listed"); without any, it keeps its own. A span's
+/// fine label becomes the segment's label and its label the category. Seconds and frames count from the recording's
+/// first frame, also where the clip begins later. Findings: "span_outside" of a span that ends after the clip (cut
+/// there) or has no frame of it (dropped, severity error). Returns the lines of the spans used.
 std::vector<int> ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, std::vector<Finding>& findings);
 
 }  // namespace mocurate

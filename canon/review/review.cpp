@@ -9,6 +9,7 @@
 #include "canon/frames/facing.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
+#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/motion/fingerprint.h"
 #include "core/motion/operations.h"
@@ -28,30 +29,31 @@ std::string VerdictName(Verdict verdict) {
       ->first;
 }
 
-/// What is wrong with one decision by itself; empty: nothing.
+/// Error of a single decision; empty: valid.
 std::string Incomplete(const Decision& decision) {
-  if (decision.verdict == Verdict::kUndecided) return "no decision is said: keep, drop, relabel or cut";
+  if (decision.verdict == Verdict::kUndecided) return "decision is missing: keep, drop, relabel or cut";
   const bool of_set = decision.verdict == Verdict::kKeep && !decision.finding.empty();
   if (decision.clip.empty() && !of_set) return "no clip is named";
-  if (decision.verdict == Verdict::kKeep && decision.finding.empty()) return "keep wants the code of a finding";
+  if (decision.verdict == Verdict::kKeep && decision.finding.empty()) return "keep needs the code of a finding";
   const bool fingerprint =
       decision.content.size() == 16 && decision.content.find_first_not_of("0123456789abcdef") == std::string::npos;
   if (!decision.content.empty() && !fingerprint) {
-    return "content '" + decision.content + "' is no fingerprint of 16 hexadecimal digits";
+    return "content '" + decision.content + "' is not a fingerprint of 16 hexadecimal digits";
   }
   if (decision.verdict == Verdict::kCut && decision.end == 0)
-    return "cut wants an end: the frame after the last that stays";
-  if (decision.verdict != Verdict::kRelabel && !decision.label.empty()) return "a label is for relabel";
-  if (decision.verdict == Verdict::kRelabel && decision.label.empty()) return "relabel wants a label";
-  if (decision.verdict != Verdict::kCut && (decision.begin != 0 || decision.end != 0)) return "frames are for cut";
+    return "cut needs end: the frame after the last that stays";
+  if (decision.verdict != Verdict::kRelabel && !decision.label.empty()) return "label is for relabel only";
+  if (decision.verdict == Verdict::kRelabel && decision.label.empty()) return "relabel needs a label";
+  if (decision.verdict != Verdict::kCut && (decision.begin != 0 || decision.end != 0))
+    return "begin and end are for cut only";
   if (decision.verdict == Verdict::kCut && decision.end <= decision.begin) {
-    return "cut wants frames: end " + std::to_string(decision.end) + " is not beyond begin " +
+    return "cut needs frames: end " + std::to_string(decision.end) + " is not beyond begin " +
            std::to_string(decision.begin);
   }
   return "";
 }
 
-/// Why two decisions about one clip cannot both hold; empty: they can.
+/// Why two decisions about one clip contradict each other; empty: they do not.
 std::string Contradiction(const Decision& a, const Decision& b) {
   if (!a.content.empty() && !b.content.empty() && a.content != b.content) {
     return "two motions, " + a.content + " and " + b.content;
@@ -82,15 +84,14 @@ Status Check(const Review& review, const std::filesystem::path& path) {
       const std::string why = Contradiction(*earlier, decision);
       if (!why.empty()) {
         contradicts = true;
-        add(decision.place + ": clip '" + decision.clip + "' is decided otherwise at " + earlier->place + ": " + why);
+        add(decision.place + ": clip '" + decision.clip + "' has another decision at " + earlier->place + ": " + why);
       }
     }
     of_clip[decision.clip].push_back(&decision);
   }
   if (problems.empty()) return {};
-  return Fail(
-      ErrorCode::kConfig, problems, DisplayPath(path),
-      contradicts ? "leave one of two decisions that contradict each other" : "docs/review.md tells the fields");
+  return Fail(ErrorCode::kConfig, problems, DisplayPath(path),
+              contradicts ? "keep one of the two contradicting decisions" : "docs/review.md lists the fields");
 }
 
 Finding About(const Clip& clip, const char* code, FindingAction action, const std::string& message,
@@ -109,7 +110,7 @@ Finding Stale(const Decision& decision, const std::string& why) {
   Finding finding;
   finding.clip = decision.clip;
   finding.code = "review_stale";
-  finding.message = decision.place + ": " + VerdictName(decision.verdict) + " was not carried out: " + why;
+  finding.message = decision.place + ": " + VerdictName(decision.verdict) + " was not applied: " + why;
   finding.action = FindingAction::kFlagged;
   return finding;
 }
@@ -119,14 +120,14 @@ std::string ContentOf(const Clip& clip) { return clip.motion ? MotionFingerprint
 struct Row {
   Clip clip;
   bool dropped = false;
-  std::vector<std::pair<std::int64_t, std::int64_t>> cuts;  ///< that were carried out
+  std::vector<std::pair<std::int64_t, std::int64_t>> cuts;  ///< those applied
 };
 
 Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, AppliedReview& applied) {
   Clip& clip = row.clip;
   const std::pair<std::int64_t, std::int64_t> span(decision.begin, decision.end);
-  const bool said = std::find(row.cuts.begin(), row.cuts.end(), span) != row.cuts.end();
-  if (row.dropped || (decision.verdict == Verdict::kCut && said)) return {};
+  const bool repeated_cut = std::find(row.cuts.begin(), row.cuts.end(), span) != row.cuts.end();
+  if (row.dropped || (decision.verdict == Verdict::kCut && repeated_cut)) return {};
   if (decision.verdict == Verdict::kDrop) {
     applied.findings.push_back(About(clip, kReviewDrop, FindingAction::kDropped, "dropped by a review", decision));
     row.dropped = true;
@@ -151,7 +152,7 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
     if (decision.begin < 0 || decision.end > frames) {
       return Fail(ErrorCode::kConfig,
                   "frames " + std::to_string(decision.begin) + " to " + std::to_string(decision.end) +
-                      " are not all of the clip, which has " + std::to_string(frames),
+                      " exceed the clip, which has " + std::to_string(frames),
                   decision.place, "boundaries can be moved inwards only; canon.trim moves them outwards");
     }
     if (decision.begin == 0 && decision.end == frames) return {};
@@ -174,7 +175,7 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
   return {};
 }
 
-/// Puts the rows back, sorted by id; rows of splits follow.
+/// Stores the rows, sorted by id; rows of splits follow.
 Status PutBack(std::vector<Row> rows, Dataset& dataset, AppliedReview& applied) {
   std::vector<std::size_t> order;
   for (std::size_t row = 0; row < rows.size(); ++row) {
@@ -186,7 +187,7 @@ Status PutBack(std::vector<Row> rows, Dataset& dataset, AppliedReview& applied) 
   for (std::size_t i = 0; i < order.size(); ++i) {
     new_row[order[i]] = static_cast<int>(i);
     if (i > 0 && rows[order[i]].clip.id() == rows[order[i - 1]].clip.id()) {
-      return Fail(ErrorCode::kInconsistent, "two clips become one by their cuts", rows[order[i]].clip.id(),
+      return Fail(ErrorCode::kInconsistent, "two cut clips have the same frames", rows[order[i]].clip.id(),
                   "drop one of them");
     }
     dataset.clips.push_back(std::move(rows[order[i]].clip));
@@ -213,7 +214,7 @@ int BeginOf(const std::string& id) {
   return mark == std::string::npos ? 0 : std::atoi(id.c_str() + mark + 1);
 }
 
-/// Findings follow the clips that were cut; those of dropped clips leave with them.
+/// Findings follow the clips that were cut; findings of dropped clips are removed.
 void MoveFindings(Dataset& dataset, AppliedReview& applied) {
   std::set<std::string> dropped;
   for (const Clip& clip : applied.dropped) dropped.insert(clip.id());
@@ -233,7 +234,7 @@ void MoveFindings(Dataset& dataset, AppliedReview& applied) {
       if (finding.frame_end > finding.frame_begin) {
         finding.frame_begin = std::clamp(finding.frame_begin - moved, 0, frames);
         finding.frame_end = std::clamp(finding.frame_end - moved, 0, frames);
-        if (finding.frame_end == finding.frame_begin) continue;  // it lay in what was cut away
+        if (finding.frame_end == finding.frame_begin) continue;  // its frames were cut away
       }
       finding.clip = id->second;
     }
@@ -246,19 +247,19 @@ void MoveFindings(Dataset& dataset, AppliedReview& applied) {
 
 void Decision::Declare(OptionVisitor& v) {
   v.Text("clip", clip, "id of the clip");
-  v.Text("content", content, "fingerprint of its motion; a decision about another motion is not carried out");
-  v.Text("finding", finding, "code of the finding that it answers");
-  v.Text("other", other, "of a pair that shows the same, the other clip");
-  v.Choice("decision", verdict, {std::begin(kVerdicts), std::end(kVerdicts)}, "what is to be done with the clip");
+  v.Text("content", content, "fingerprint of its motion; a decision about another motion is not applied");
+  v.Text("finding", finding, "code of the finding that it resolves");
+  v.Text("other", other, "for a pair with the same motion, the other clip");
+  v.Choice("decision", verdict, {std::begin(kVerdicts), std::end(kVerdicts)}, "what to do with the clip");
   v.Text("label", label, "relabel: its class");
   v.Integer("begin", begin, {0.0, 1e9}, "cut: first frame that stays");
   v.Integer("end", end, {0.0, 1e9}, "cut: the frame after the last that stays");
-  v.Text("note", note, "for whoever reads it");
+  v.Text("note", note, "free text");
 }
 
 void Review::Declare(OptionVisitor& v) {
-  v.Text("dataset", dataset, "file that was looked at");
-  v.List("decisions", decisions, "about clips");
+  v.Text("dataset", dataset, "file that was reviewed");
+  v.List("decisions", decisions, "decisions about clips");
 }
 
 Expected<Review> ReadReview(const std::filesystem::path& path) {
@@ -270,6 +271,7 @@ Expected<Review> ReadReview(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < review->decisions.size(); ++i) {
     const Origin& origin = list->sequence[i].origin;
     review->decisions[i].place = Origin{DisplayPath(path.filename()), origin.line, origin.column}.Text();
+    review->decisions[i].finding = PresentCode(review->decisions[i].finding);
   }
   if (Status sound = Check(*review, path); !sound) return Forward(sound);
   return review;
@@ -279,7 +281,7 @@ std::string ReviewText(const Review& review) {
   const auto quoted = [](const std::string& text) {
     std::string json = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     for (std::size_t at = json.find("${"); at != std::string::npos; at = json.find("${", at + 3)) json.insert(at, "$");
-    return json;  // a config takes ${NAME} for a reference
+    return json;  // a config reads ${NAME} as a reference
   };
   std::string text =
       "dataset: " + quoted(review.dataset) + "\ndecisions:" + (review.decisions.empty() ? " []" : "") + "\n";
@@ -330,8 +332,9 @@ Expected<AppliedReview> ApplyReview(const Review& review, Dataset& dataset) {
   if (stale > 0 && stale == review.decisions.size()) {
     return Fail(ErrorCode::kInconsistent,
                 "none of the " + Counted(static_cast<long long>(stale), "decision") +
-                    " fits a clip; the first: " + applied.findings.front().message,
-                "review", "it is the review of another dataset, or of one whose motions have all changed");
+                    " matches a clip; the first: " + applied.findings.front().message,
+                "review",
+                "use the review of this dataset; this one is of another, or of motions that have all changed");
   }
   if (Status back = PutBack(std::move(rows), dataset, applied); !back) return Forward(back);
   MoveFindings(dataset, applied);

@@ -28,7 +28,7 @@ Error Impossible(const SplitOptions& options, std::string what, std::string hint
   return {ErrorCode::kConfig, std::move(what), "assemble.splits." + options.name, std::move(hint)};
 }
 
-/// Takes out of `options` the names that no clip has, and gives them back.
+/// Removes from `options` the names that no clip has, and returns them.
 Names TakeAbsent(const std::set<std::string>& groups, SplitOptions& options) {
   Names absent;
   for (auto* names : {&options.test, &options.validation, &options.train}) {
@@ -40,7 +40,7 @@ Names TakeAbsent(const std::set<std::string>& groups, SplitOptions& options) {
   return absent;
 }
 
-/// Nobody plays two parts.
+/// Checks that each name is listed for one part only.
 Status CheckNames(const SplitOptions& options) {
   std::map<std::string, const char*> part_of;
   const std::pair<const char*, const Names*> parts[] = {
@@ -58,7 +58,7 @@ Status CheckNames(const SplitOptions& options) {
   return {};
 }
 
-/// Groups that are named for no part, in the order of a draw keyed by the group, so that other groups do not move it.
+/// Groups that are named for no part, in a random order keyed by the group: other groups do not change it.
 Names InOrderOfDraw(const SplitOptions& options, const std::set<std::string>& groups) {
   std::vector<std::pair<double, std::string>> order;
   for (const std::string& group : groups) {
@@ -73,7 +73,7 @@ Names InOrderOfDraw(const SplitOptions& options, const std::set<std::string>& gr
   return names;
 }
 
-/// Fills the empty part with a share of all groups, at least one, from those that are free; `left` of these stay.
+/// Fills the empty part with a share of all groups, at least one, from the free ones; `left` of these stay.
 void Draw(double share, std::size_t all, std::size_t left, Names& free, Names& part) {
   const auto wanted = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(share * static_cast<double>(all))));
   while (part.size() < wanted && free.size() > left) {
@@ -83,10 +83,10 @@ void Draw(double share, std::size_t all, std::size_t left, Names& free, Names& p
   std::sort(part.begin(), part.end());
 }
 
-Error NobodyTrains(const SplitOptions& options) {
+Error EmptyTrainingPart(const SplitOptions& options) {
   const std::string what = NameOf(options.by);
   return Impossible(options,
-                    "every " + what + " of the set is named to test or to select, and none is left to train: " +
+                    "every " + what + " of the set is named for test or validation, and none is left to train: " +
                         JoinNames(options.test) + (options.validation.empty() ? "" : "; ") +
                         JoinNames(options.validation),
                     "name fewer, or add clips of another " + what);
@@ -116,8 +116,8 @@ std::string JoinNames(const std::vector<std::string>& names) {
   return text;
 }
 
-Expected<MetGroups> MeetGroups(const SplitOptions& options, const std::set<std::string>& groups,
-                               std::vector<Finding>& findings) {
+Expected<ResolvedGroups> ResolveGroups(const SplitOptions& options, const std::set<std::string>& groups,
+                                       std::vector<Finding>& findings) {
   if (Status once = CheckNames(options); !once) return Forward(once);
   SplitOptions met = options;
   const Names absent = TakeAbsent(groups, met);
@@ -134,26 +134,28 @@ Expected<MetGroups> MeetGroups(const SplitOptions& options, const std::set<std::
   const bool selects = options.validation.empty() || !met.validation.empty();
   const bool any_named = met.test.size() + met.validation.size() + met.train.size() > 0;
   Names free = InOrderOfDraw(met, groups);
-  if (any_named && free.empty() && met.train.empty()) return tl::unexpected<Error>(NobodyTrains(met));
+  if (any_named && free.empty() && met.train.empty()) return tl::unexpected<Error>(EmptyTrainingPart(met));
   const bool drawn = !tests || !selects;
-  const std::size_t trainers = met.train.empty() ? 1 : 0;  // of the free
+  const std::size_t trainers = met.train.empty() ? 1 : 0;  // of the free ones
   if (!tests) Draw(options.test_share, groups.size(), trainers, free, met.test);
   if (!selects) Draw(options.validation_share, groups.size(), trainers, free, met.validation);
   if (!tests && met.test.empty() && any_named) {
     return tl::unexpected<Error>(Impossible(options,
-                                            std::string("nobody would test: none of '") + JoinNames(options.test) +
-                                                "' is there, and the others train or select",
+                                            std::string("the test part would be empty: none of '") +
+                                                JoinNames(options.test) +
+                                                "' is in the set, and the others are named for train or validation",
                                             known));
   }
-  if (!drawn) return MetGroups{met, false};
+  if (!drawn) return ResolvedGroups{met, false};
   std::string message = "drawn instead:";
   if (!tests)
-    message = met.test.empty() ? "only one " + std::string(NameOf(options.by)) + ": it trains and nothing tests"
-                               : message + " " + JoinNames(met.test) + " tests";
+    message = met.test.empty()
+                  ? "only one " + std::string(NameOf(options.by)) + ": it trains and the test part is empty"
+                  : message + " " + JoinNames(met.test) + " tests";
   if (!selects && !met.validation.empty()) message += (tests ? " " : ", ") + JoinNames(met.validation) + " selects";
-  if (tests && met.validation.empty()) message = "nothing selects: all others test or train";
+  if (tests && met.validation.empty()) message = "the validation part is empty: all others test or train";
   findings.push_back(SplitFinding(options, "split_drawn", message, FindingAction::kRepaired));
-  return MetGroups{met, true};
+  return ResolvedGroups{met, true};
 }
 
 }  // namespace mocurate

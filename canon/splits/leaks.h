@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// What stands in two parts of a split although it must not.
+/// What two parts of a split share although they must not.
 struct Leaks {
   std::vector<std::string> groups;  ///< persons, styles, performances; sorted
   std::size_t repeated = 0;         ///< contents that clips of two parts have
@@ -23,10 +23,10 @@ Leaks FindLeaks(const std::vector<int>& parts, const std::vector<std::string>& g
 /// the groups, or is empty.
 std::string LeakText(const std::string& what, const Leaks& leaks);
 
-/// What was performed at once: cameras and spans of it are of one group. With `sessions_together`, a person's session.
+/// The group of one performance, with all its cameras and spans. With `sessions_together`, a person's session.
 std::string PerformanceOf(const Clip& clip, bool sessions_together);
 
-/// What the clip was made from, with its span; empty where that is not known.
+/// Identity of the clip's source data, with its span; empty where it is unknown.
 std::string SourceContentOf(const Clip& clip);
 
 }  // namespace mocurate

@@ -15,7 +15,7 @@ namespace {
 
 enum class Part { kTrain, kValidation, kTest };
 
-/// The property of a clip that two parts must not share.
+/// The property of a clip that no two parts share.
 std::string GroupOf(const SplitOptions& options, const Clip& clip) {
   switch (options.by) {
     case SplitBy::kPerson:
@@ -49,16 +49,16 @@ Part PartOf(const SplitOptions& options, const std::string& group, const Clip& c
 
 std::string RuleText(const SplitOptions& options, bool drawn) {
   std::string text = std::string("by ") + NameOf(options.by);
-  if (drawn) text += ", drawn where the set has none of those that are named";
+  if (drawn) text += ", drawn where the set has none of the named ones";
   if (NamesGroups(options.by)) {
-    text += options.test.empty() ? "; nobody tests" : "; test: " + JoinNames(options.test);
+    text += options.test.empty() ? "; no test part" : "; test: " + JoinNames(options.test);
     if (!options.validation.empty()) text += "; validation: " + JoinNames(options.validation);
   }
   return text;
 }
 
-/// Of what the clip was made from, else of its joints: the same file under two persons' names is fitted with the bones
-/// of each, and differs afterwards.
+/// Hash of the clip's source data, else of its joints: the same file under two persons' names is fitted with different
+/// bone lengths, and then differs.
 std::string ContentHash(const Clip& clip) {
   std::string content = SourceContentOf(clip);
   if (!content.empty()) return content;
@@ -66,7 +66,7 @@ std::string ContentHash(const Clip& clip) {
   return Sha256().Add(joints.xyz.data(), joints.xyz.size() * sizeof(double)).Hex();
 }
 
-/// What stands in two parts: groups (persons, styles, recordings) and clips of equal content.
+/// Groups (persons, styles, recordings) and clips of equal content that are in two parts.
 std::string LeakCheck(const SplitOptions& options, const Dataset& dataset, const std::vector<int>& parts,
                       const std::vector<std::string>& hashes) {
   std::vector<std::string> groups, contents;
@@ -79,7 +79,7 @@ std::string LeakCheck(const SplitOptions& options, const Dataset& dataset, const
   return LeakText(what, FindLeaks(parts, groups, contents));
 }
 
-/// Leaves at most so many clips of each label in a part: those whose ids hash lowest. Gives how many were taken out.
+/// Limits the clips of each label in a part to those whose ids hash lowest. Returns the number removed.
 long long TakeAtMost(std::int64_t most, std::int64_t seed, const Dataset& dataset, std::vector<int>& part) {
   std::map<std::string, std::vector<std::pair<double, int>>> by_label;
   for (const int row : part) {
@@ -107,7 +107,7 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
   if (NamesGroups(options.by)) {
     std::set<std::string> groups;
     for (const Clip& clip : dataset.clips) groups.insert(GroupOf(options, clip));
-    auto possible = MeetGroups(options, groups, findings);
+    auto possible = ResolveGroups(options, groups, findings);
     if (!possible) return Forward(possible);
     met = std::move(possible->options);
     drawn = possible->drawn;
@@ -138,7 +138,7 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
     split.rule += "; " + Counted(too_short, "training clip") + " shorter than " +
                   Counted(options.min_train_frames, "frame") + " left aside";
   }
-  std::vector<int> parts(dataset.clips.size(), -1);  // of a clip that is left aside
+  std::vector<int> parts(dataset.clips.size(), -1);  // -1 for a clip that is removed
   const std::vector<int>* rows_of[] = {&split.train, &split.validation, &split.test};
   for (int part = 0; part < 3; ++part) {
     for (const int row : *rows_of[part]) parts[static_cast<std::size_t>(row)] = part;

@@ -31,7 +31,7 @@ void SampleJoints(const Motion& motion, double time_s, double sigma_s, Eigen::Re
   sample /= total;
 }
 
-/// Yaw of each sample; where the axis between the sides is nearly vertical, that of the sample before.
+/// Yaw of each sample; where the left-right axis is nearly vertical, that of the sample before.
 std::vector<double> Yaws(const SampleMatrix& joints, const std::array<int, 2>& sides) {
   std::vector<double> yaws;
   double yaw = 0.0;

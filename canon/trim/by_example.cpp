@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kExampleRateHz = 12.5;
 constexpr double kExampleSmoothingS = 0.1;
-constexpr double kExampleVelocityS = 0.3;  // seconds of movement that count as much as a difference of poses
-constexpr double kEvenDistance = 0.28;     // of a span that is as likely right as wrong
+constexpr double kExampleVelocityS = 0.3;  // seconds of movement with the weight of a pose difference
+constexpr double kEvenDistance = 0.28;     // of a span that is correct with probability 0.5
 constexpr double kSteepness = 7.6;
 
 /// Mean length of the bones, metres.
@@ -53,8 +53,8 @@ struct Alignment {
   double distance = std::numeric_limits<double>::infinity();  ///< mean over the example's samples
 };
 
-/// The best alignment that ends with each sample. Of two steps one at most goes on in the example or the recording
-/// alone, so that a part is half to twice as long as the example.
+/// The best alignment that ends at each sample. Of two steps at most one advances the example or the recording alone,
+/// so that a part is half to twice as long as the example.
 std::vector<Alignment> AlignExample(const SampleMatrix& example, const SampleMatrix& recording) {
   const int rows = static_cast<int>(example.rows()), columns = static_cast<int>(recording.rows());
   const double none = std::numeric_limits<double>::infinity();
@@ -89,7 +89,7 @@ struct SpanCandidate {
   double distance = 0.0;  ///< over the median of all parts of the recording
 };
 
-/// Alignments nearer than those that end beside them.
+/// Alignments with smaller distance than those ending at adjacent samples.
 void AddCandidates(const SampleMatrix& example, const SampleMatrix& recording, std::vector<SpanCandidate>& candidates) {
   const std::vector<Alignment> alignments = AlignExample(example, recording);
   std::vector<double> distances;
@@ -106,7 +106,7 @@ void AddCandidates(const SampleMatrix& example, const SampleMatrix& recording, s
   }
 }
 
-/// Share of true spans among those at such a distance: a logistic regression on its logarithm, fitted to the studio's
+/// Probability that a span at this distance is correct: a logistic regression on its logarithm, fitted to the studio's
 /// long sequences with three examples a label (docs/trimming.md).
 double ConfidenceAt(double distance) { return 1.0 / (1.0 + std::pow(distance / kEvenDistance, kSteepness)); }
 
@@ -136,7 +136,7 @@ Expected<std::vector<FoundSpan>> FindByExample(const ByExampleOptions& options, 
       return Fail(ErrorCode::kInconsistent,
                   "an example has the skeleton '" + example.skeleton->name + "', the recording '" +
                       recording.skeleton->name + "'",
-                  "canon.trim.by_example", "mark examples in clips of the recording's own set");
+                  "canon.trim.by_example", "mark examples in clips of the same set");
     }
     marked.push_back(ExampleFeatures(example));
     if (marked.back().rows() < 2) marked.pop_back();

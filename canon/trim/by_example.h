@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// A span of a recording that is like the examples, frames [begin, end).
+/// A span of a recording that is similar to the examples, frames [begin, end).
 struct FoundSpan {
   int begin = 0;
   int end = 0;
@@ -19,14 +19,14 @@ struct FoundSpan {
   double confidence = 0.0;  ///< that the span shows the action, in [0, 1]
 };
 
-/// Other occurrences of an action of which a few examples are marked.
+/// Other occurrences of an action with a few marked examples.
 ///
-/// Each example is aligned with every part of the recording by subsequence dynamic time warping (Mueller 2007), in
-/// which a part may be up to twice as fast or slow, on the body's poses and velocities (place, heading and stature
-/// taken out). A span's distance is that of the alignment over the median of all parts of the recording, so that the
-/// recording should show other things too. Spans do not overlap: of two the nearer one stays; those below
-/// `min_confidence` are none; spans less than `join_gap_s` apart are one, for an action may take more repetitions than
-/// an example.
+/// Each example is aligned with every part of the recording by subsequence dynamic time warping (Mueller 2007), where a
+/// part may be up to twice as fast or slow. Compared are the body's poses and velocities without position, heading and
+/// stature. A span's distance is that of the alignment divided by the median of all parts of the recording, which
+/// should therefore contain other actions too. Spans do not overlap: of two the nearer one stays. Spans below
+/// `min_confidence` are dropped; spans less than `join_gap_s` apart are merged, because an action may have more
+/// repetitions than an example.
 ///
 /// In order of time. Error kUsage without an example of at least two frames; kInconsistent where the trees of joints
 /// differ.

@@ -13,19 +13,19 @@ namespace {
 
 constexpr double kChangeRateHz = 25.0;
 constexpr double kChangeSmoothingS = 0.1;
-constexpr double kKernelWidth = 0.2;     // of the description, whose unit is a metre of every joint
-constexpr double kPoseSmoothingS = 0.3;  // of poses and speeds: an action is known by more than a moment
+constexpr double kKernelWidth = 0.2;     // of the description, in metres per joint
+constexpr double kPoseSmoothingS = 0.3;  // smoothing of poses and speeds: an action lasts longer than a moment
 constexpr double kSpeedSmoothingS = 0.15;
-constexpr double kSpeedUnit = 0.05;   // m/s, below which speeds are all the same
-constexpr double kSpeedWeight = 0.3;  // metres that a factor of e in speed counts as
-constexpr double kRestWeight = 0.2;   // metres that being at rest counts as
+constexpr double kSpeedUnit = 0.05;   // m/s; smaller speeds count as equal
+constexpr double kSpeedWeight = 0.3;  // metres equivalent to a factor of e in speed
+constexpr double kRestWeight = 0.2;   // metres equivalent to being at rest
 constexpr double kRestSmoothingS = 0.08;
 constexpr double kMostUnrest = 2.0;
-constexpr double kFarFromRest = 6.0;  // unrest from which on a boundary costs the full penalty
+constexpr double kFarFromRest = 6.0;  // distance from rest above which a boundary has the full penalty
 constexpr double kRestUnrest = 1.2;   // median of a segment that is a rest
-constexpr double kEvidenceS = 10.0;   // of each side of a boundary that its confidence is taken from
+constexpr double kEvidenceS = 10.0;   // of each side of a boundary, for its confidence
 
-/// What change points are found in. Rows are samples.
+/// Input of change point detection. Rows are samples.
 struct ChangeDescription {
   SampleMatrix features;  ///< distances between rows are those of the kernel, in units of its width
   Unrest unrest;
@@ -53,7 +53,7 @@ double SampleKernel(const SampleMatrix& features, Eigen::Index a, Eigen::Index b
   return std::exp(-0.5 * (features.row(a) - features.row(b)).squaredNorm());
 }
 
-/// Seconds by which the scatter of samples [a, c) falls when they are split at b.
+/// Decrease of the scatter of samples [a, c), in seconds, when they are split at b.
 double GainOfSplit(const SampleMatrix& features, int a, int b, int c) {
   const int most = static_cast<int>(kEvidenceS * kChangeRateHz);
   a = std::max(a, b - most);
@@ -123,15 +123,14 @@ struct CutPiece {
   int end = 0;
   bool rest = false;
   double at = 0.0;        ///< sample of the boundary at its begin, between two samples
-  double evidence = 0.0;  ///< gain of that boundary over its penalty
+  double evidence = 0.0;  ///< decrease at that boundary divided by its penalty
 };
 
 bool IsRest(const Eigen::VectorXd& unrest, int begin, int end) {
   return Median({unrest.data() + begin, unrest.data() + end}) < kRestUnrest;
 }
 
-/// Pieces between cuts; neighbouring rests are one, and a cut that only keeps pieces from being longer than
-/// options.longest_s is none.
+/// Pieces between cuts. Adjacent rests are merged; cuts made only for options.longest_s are removed.
 std::vector<CutPiece> PiecesBetween(const ChangePointOptions& options, const std::vector<int>& cuts,
                                     const ChangeDescription& description, const Eigen::VectorXd& penalties) {
   const int samples = static_cast<int>(description.features.rows());
@@ -176,8 +175,8 @@ std::vector<CutPiece> WithoutShortRests(const ChangePointOptions& options, const
   return kept;
 }
 
-/// Share of true boundaries among those with such a gain over their penalty: a logistic regression on its logarithm,
-/// fitted to the studio's long sequences and to joined clips of KARD and Bandai 1 (docs/trimming.md).
+/// Probability of a true boundary at this ratio to the penalty: a logistic regression on its logarithm, fitted to the
+/// studio's long sequences and to joined clips of KARD and Bandai 1 (docs/trimming.md).
 double BoundaryConfidence(double evidence) {
   const double odds = 0.5 * evidence * evidence;
   return odds / (1.0 + odds);

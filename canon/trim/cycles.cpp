@@ -12,21 +12,21 @@ namespace {
 
 constexpr double kCycleRateHz = 25.0;
 constexpr double kCycleSmoothingS = 0.05;
-constexpr double kCycleVelocityS = 0.15;   // seconds of movement that count as much as a difference of poses
-constexpr double kMovingShare = 0.15;      // of the movement that 90 % of the samples stay below
+constexpr double kCycleVelocityS = 0.15;   // seconds of movement with the weight of a pose difference
+constexpr double kMovingShare = 0.15;      // of the 90th percentile of the movement
 constexpr double kLeastMoving = 0.15;      // m/s
-constexpr double kLeastRepetitions = 1.8;  // that the moving part has room for at a period
+constexpr double kLeastRepetitions = 1.8;  // minimum number of periods in the moving part
 constexpr double kAgreeing = 0.5;          // of the pairs of samples at a lag
 constexpr double kDip = 0.5;               // of the largest distance at shorter lags
-constexpr double kNearlyBest = 0.05;       // distance by which a shorter period may be worse than the best
+constexpr double kNearlyBest = 0.05;       // maximum excess distance of a shorter period over the best one
 constexpr double kTempo = 4.0;             // cost of a repetition e times as long as the period
 constexpr double kMostTempo = 1.7;         // times longer or shorter than the period
 
-/// Samples [begin, end) in which the body moves, with what is compared of them.
+/// Samples [begin, end) in which the body moves, with their features.
 struct MovingPart {
   int begin = 0;
   int end = 0;
-  SampleMatrix features;  ///< of the part alone
+  SampleMatrix features;  ///< of this part only
   double scale = 1.0;     ///< mean squared distance of two unrelated samples
 };
 
@@ -56,8 +56,8 @@ std::optional<MovingPart> FindMovingPart(const BodyDescription& body) {
   return part;
 }
 
-/// Distance of the part from itself at each lag in samples, 0 to `most`, of the half of the pairs that agree best: what
-/// comes before and after the repetitions does not hide them.
+/// Distance of the part from itself at each lag in samples, 0 to `most`, over the half of the pairs that agree best, so
+/// that movements before and after the repetitions do not hide them.
 std::vector<double> LagDistances(const MovingPart& part, int most) {
   std::vector<double> distances(static_cast<std::size_t>(most) + 1, 0.0);
   const Eigen::Index count = part.features.rows();
@@ -76,8 +76,8 @@ std::vector<double> LagDistances(const MovingPart& part, int most) {
 }
 
 struct CyclePeriod {
-  int lag = 0;          ///< samples; 0: the part does not repeat itself
-  double ratio = 1.0;   ///< distance at the lag over the largest of shorter lags; without one, the least there is
+  int lag = 0;          ///< samples; 0: the part is not periodic
+  double ratio = 1.0;   ///< distance at the lag over the largest of shorter lags; without a period, the smallest ratio
   double distance = 0;  ///< at the lag
 };
 
@@ -109,7 +109,7 @@ CyclePeriod FindPeriod(const CycleOptions& options, const MovingPart& part) {
   return best;
 }
 
-/// Samples of the part at which repetitions begin, and its end.
+/// Samples of the part where repetitions begin, and its end.
 std::vector<int> PlaceBoundaries(const MovingPart& part, int period) {
   const int count = static_cast<int>(part.features.rows());
   const int shortest = std::max(1, static_cast<int>(period / kMostTempo));
@@ -139,7 +139,7 @@ std::vector<int> PlaceBoundaries(const MovingPart& part, int period) {
   return boundaries;
 }
 
-/// Similarity in [0, 1] of the repetitions [a, b) and [b, c), brought to one length.
+/// Similarity in [0, 1] of the repetitions [a, b) and [b, c), resampled to one length.
 double CycleSimilarity(const MovingPart& part, int a, int b, int c) {
   double apart = 0.0;
   const int first = b - a, second = c - b, steps = std::min(first, second);

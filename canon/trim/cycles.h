@@ -11,19 +11,20 @@ namespace mocurate {
 struct Repetition {
   int begin = 0;
   int end = 0;
-  double confidence = 1.0;  ///< similarity to the repetitions beside it, in [0, 1]
+  double confidence = 1.0;  ///< similarity to the adjacent repetitions, in [0, 1]
 };
 
 /// Cuts a recording of one exercise into its repetitions.
 ///
 /// The moving part of the recording is compared with itself: d(lag) is the mean squared distance of the body's poses
-/// and velocities at times `lag` apart, of the half of the times that agree best. A period is a lag at which d falls to
-/// half and less of the largest d of shorter lags (after Cutler and Davis 2000); of several the shortest that is nearly
-/// as good as the best, so that two repetitions are not taken for one. Dynamic programming then places boundaries from
-/// the begin of the moving part to its end: repetitions about as long as the period, and alike where they meet.
+/// and velocities at times `lag` apart, over the half of the times that agree best. A period is a lag where d falls to
+/// at most half of the largest d of shorter lags (after Cutler and Davis 2000). Of several, the shortest that is nearly
+/// as good as the best is used, so that two repetitions do not count as one. Dynamic programming then places boundaries
+/// from the begin of the moving part to its end: repetitions about as long as the period, and similar to their
+/// neighbours.
 ///
-/// Repetitions in order, from the first moving frame to the last one; one of a motion that does not repeat itself
-/// (confidence: the least d of a lag over the largest of shorter ones), none of one that never moves.
+/// Repetitions in order, from the first moving frame to the last one; a single one for a motion that is not periodic
+/// (confidence: the smallest ratio of d to the largest of shorter lags), none for one that never moves.
 std::vector<Repetition> FindCycles(const CycleOptions& options, const Motion& motion);
 
 }  // namespace mocurate

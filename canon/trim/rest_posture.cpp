@@ -8,17 +8,17 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSlow = 0.6;             // m/s of the fastest joint: a tracker's noise is below it, strides are not
-constexpr double kStill = 0.4;            // m/s, scale on which slow movement counts as stillness
-constexpr double kMomentGapS = 0.5;       // between two moments of stillness
-constexpr double kMomentS = 0.6;          // of one moment that counts
-constexpr double kLeastRestS = 0.6;       // score of a rest posture: at least so much,
-constexpr double kLeastRestShare = 0.06;  // and so much of the time away from it
+constexpr double kSlow = 0.6;             // m/s of the fastest joint: above a tracker's noise, below strides
+constexpr double kStill = 0.4;            // m/s, scale of stillness for slow movement
+constexpr double kMomentGapS = 0.5;       // between two still moments
+constexpr double kMomentS = 0.6;          // maximum counted time of one moment
+constexpr double kLeastRestS = 0.6;       // minimum score of a rest posture
+constexpr double kLeastRestShare = 0.06;  // minimum share of the time away from it
 constexpr int kCandidates = 300;
 constexpr double kPostureScale = 0.1;    // metres
 constexpr double kMovementScale = 0.15;  // m/s
 
-/// A slow sample that stands for `weight_s` seconds of its moment.
+/// A slow sample that represents `weight_s` seconds of its moment.
 struct StillSample {
   Eigen::Index sample = 0;
   std::size_t moment = 0;

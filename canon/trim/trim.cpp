@@ -33,22 +33,23 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
     const int end =
         std::clamp(static_cast<int>(std::lround(segment.end_s * motion.rate.hz())), 0, motion.frame_count());
     if (std::find(options.drop_labels.begin(), options.drop_labels.end(), segment.label) != options.drop_labels.end()) {
-      Finding finding = Dropped(clip, "label_left_out", begin, end, segment.end_s - segment.begin_s,
+      Finding finding = Dropped(clip, "label_excluded", begin, end, segment.end_s - segment.begin_s,
                                 "segment '" + segment.label + "' is in trim.drop_labels");
       finding.severity = Severity::kInfo;
       findings.push_back(finding);
       continue;
     }
     const auto same = std::find_if(spans.begin(), spans.end(), [&](const KeptSpan& span) {
-      return span.begin == begin && span.end == end;  // a clip is known by its frames
+      return span.begin == begin && span.end == end;  // a clip id contains its frames
     });
     if (same != spans.end()) {
       findings.push_back(Dropped(
           clip, "same_frames", begin, end, segment.end_s - segment.begin_s,
-          "segment '" + segment.label + "' is over the same frames as segment '" + same->label + "', which was kept"));
+          "segment '" + segment.label + "' has the same frames as segment '" + same->label + "', which was kept"));
       continue;
     }
-    // A listed span with a fine label is of a class; BABEL's labels have several categories, of which the first counts.
+    // A listed span with a fine label has one class; BABEL's labels have several categories, of which the first is
+    // used.
     const bool by_category = options.class_from == ClassFrom::kCategory || segment.origin == kListedOrigin;
     const std::string category = segment.category.substr(0, segment.category.find(", "));
     if (by_category && !category.empty()) {
@@ -64,7 +65,7 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
   return spans;
 }
 
-/// What a movement must reach, in words.
+/// The speed limit of a movement as text.
 std::string SpeedLimit(const TrimOptions& options) {
   const bool still = options.moving_speed <= options.still_speed;
   return std::string(still ? "trim.still_speed" : "trim.moving_speed") + " is " +

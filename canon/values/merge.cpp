@@ -16,13 +16,13 @@ namespace {
 /// Clips of one id in the order of the parts.
 using ClipsById = std::map<std::string, std::vector<std::pair<std::size_t, std::size_t>>>;
 
-Status CheckKindsOfMotion(const std::vector<MergePart>& parts) {
+Status CheckMotionContent(const std::vector<MergePart>& parts) {
   const Dataset& first = parts[0].dataset;
   for (const MergePart& part : parts) {
     if (part.dataset.joints_only != first.joints_only) {
       const MergePart& joints = first.joints_only ? parts[0] : part;
       const MergePart& rotations = first.joints_only ? part : parts[0];
-      return Fail(ErrorCode::kInconsistent, "holds joints only, " + rotations.name + " holds rotations", joints.name,
+      return Fail(ErrorCode::kInconsistent, "has joints only, " + rotations.name + " has rotations", joints.name,
                   "fit rotations to its joints: mocurate fit");
     }
     if (!(part.dataset.axes == first.axes)) {
@@ -34,7 +34,7 @@ Status CheckKindsOfMotion(const std::vector<MergePart>& parts) {
   return {};
 }
 
-/// In what two clips of one id differ; empty: in nothing that matters.
+/// The difference of two clips with one id; empty: none that matters.
 Expected<std::string> DifferenceOf(const MergePart& part_a, std::size_t row_a, const MergePart& part_b,
                                    std::size_t row_b) {
   const Clip& a = part_a.dataset.clips[row_a];
@@ -60,7 +60,7 @@ Expected<std::string> DifferenceOf(const MergePart& part_a, std::size_t row_a, c
   return *hash_a == *hash_b ? std::string() : std::string("motion");
 }
 
-/// Clips of one id that differ: the first of them, and how many ids there are.
+/// Clips with one id that differ: the first of them, and the number of such ids.
 struct Conflict {
   std::string id, difference, first, other;  ///< names of the files
   std::size_t count = 0;
@@ -69,12 +69,12 @@ struct Conflict {
 tl::unexpected<Error> FailBy(const Conflict& conflict) {
   const auto more = static_cast<long long>(conflict.count) - 1;
   return Fail(ErrorCode::kInconsistent,
-              "clip '" + conflict.id + "' is not that of " + conflict.first + ": " + conflict.difference +
+              "clip '" + conflict.id + "' differs from that of " + conflict.first + ": " + conflict.difference +
                   (more > 0 ? "; " + Counted(more, "other clip") + (more > 1 ? " differ too" : " differs too") : ""),
               conflict.other,
-              more > 0 ? "two sources need two names (ingest.source.name), or leave the clips of one out: mocurate "
+              more > 0 ? "give two sources two names (ingest.source.name), or remove the clips of one: mocurate "
                          "dataset subset"
-                       : "leave it out of one: mocurate dataset subset --where \"id != '" + conflict.id + "'\"");
+                       : "remove it from one: mocurate dataset subset --where \"id != '" + conflict.id + "'\"");
 }
 
 Finding RepeatedClip(const std::string& id, std::size_t count, const std::string& first, const std::string& others) {
@@ -88,7 +88,7 @@ Finding RepeatedClip(const std::string& id, std::size_t count, const std::string
   return finding;
 }
 
-/// One clip of each id, and what became of those that stand in several parts.
+/// One clip of each id, and findings about those in several parts.
 Status UniteClips(const std::vector<MergePart>& parts, MergedDataset& merged, MergedRows& new_rows) {
   ClipsById by_id;
   for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -121,7 +121,7 @@ Status UniteClips(const std::vector<MergePart>& parts, MergedDataset& merged, Me
   return conflict.count > 0 ? Status(FailBy(conflict)) : Status();
 }
 
-/// A clip that cannot stand with the others is an error here: all of its file cannot.
+/// An incompatible clip is an error here, because its whole file is incompatible.
 Status UniteTrees(const std::vector<MergePart>& parts, MergedDataset& merged) {
   const std::size_t count = merged.dataset.clips.size();
   std::vector<std::string> ids;
@@ -135,12 +135,12 @@ Status UniteTrees(const std::vector<MergePart>& parts, MergedDataset& merged) {
   const bool pose = finding.value > 0.0;
   const auto degrees = [](double radians) { return RoundedText(radians * 180.0 / kPi, 3) + " degrees"; };
   return Fail(ErrorCode::kInconsistent,
-              pose ? "its rotations are counted from another rest pose: a bone points " + degrees(finding.value) +
-                         " elsewhere, " + degrees(kSameRestPose) + " are allowed"
+              pose ? "its rotations refer to another rest pose: a bone direction differs by " + degrees(finding.value) +
+                         ", allowed are " + degrees(kSameRestPose)
                    : "its joints are not those of skeleton '" + merged.dataset.skeleton->name + "'",
               file + ": " + finding.clip,
               pose ? "fit one skeleton to the joints of all: mocurate fit"
-                   : "bring it to that skeleton first: mocurate fit --skeleton " + merged.dataset.skeleton->name);
+                   : "fit it to that skeleton first: mocurate fit --skeleton " + merged.dataset.skeleton->name);
 }
 
 Status UniteLabels(const std::vector<MergePart>& parts, Dataset& dataset) {
@@ -160,14 +160,14 @@ Status UniteLabels(const std::vector<MergePart>& parts, Dataset& dataset) {
       if (other == parent) continue;
       return Fail(
           ErrorCode::kInconsistent,
-          "fine label '" + fine.name + "' is of class '" + parent + "', in the datasets before it of '" + other + "'",
+          "fine label '" + fine.name + "' is of class '" + parent + "', in the datasets before of '" + other + "'",
           part.name, "rename one of the classes: mocurate dataset relabel");
     }
   }
   return {};
 }
 
-/// Findings of all parts; what two say alike of one clip is there once.
+/// Findings of all parts; equal findings about one clip are listed once.
 std::vector<Finding> UniteFindings(const std::vector<MergePart>& parts) {
   std::vector<Finding> all;
   std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> known;  // clip, code -> places in all
@@ -201,8 +201,8 @@ std::string RecipeOf(const std::vector<MergePart>& parts) {
 }  // namespace
 
 Expected<MergedDataset> MergeDatasets(const std::vector<MergePart>& parts) {
-  if (parts.empty()) return Fail(ErrorCode::kUsage, "no dataset to merge is named");
-  if (Status alike = CheckKindsOfMotion(parts); !alike) return Forward(alike);
+  if (parts.empty()) return Fail(ErrorCode::kUsage, "no dataset to merge is given");
+  if (Status alike = CheckMotionContent(parts); !alike) return Forward(alike);
   MergedDataset merged;
   merged.dataset.joints_only = parts[0].dataset.joints_only;
   merged.dataset.axes = parts[0].dataset.axes;

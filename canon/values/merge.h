@@ -12,27 +12,26 @@ namespace mocurate {
 /// One of the datasets that are merged.
 struct MergePart {
   std::string name;            ///< of its file, for messages and the recipe
-  Dataset dataset;             ///< frames of motions are not looked at and may be absent
+  Dataset dataset;             ///< frames of motions are not read and may be absent
   std::string content_sha256;  ///< for the recipe, or empty
-  /// Hash of the motion of a clip as it is stored; equal motions have equal ones in every file.
+  /// Hash of a clip's stored motion; equal motions have equal hashes in every file.
   std::function<Expected<std::string>(std::size_t row)> motion_hash;
 };
 
 struct MergedDataset {
   Dataset dataset;
   std::vector<std::pair<std::size_t, std::size_t>> origins;  ///< of each clip: its part, and its row there
-  /// "repeated_clip" (info) for each clip that several parts hold, "mixed_rates", "split_incomplete" for clips that a
-  /// split has in no part, "split_part_differs" for a repeated clip that is in two parts of a split, "split_leak"
-  /// (error). Also in the dataset.
+  /// "repeated_clip" (info) for each clip of several parts, "mixed_rates", "split_incomplete" for clips in no part of a
+  /// split, "split_part_differs" for a repeated clip in two parts of a split, "split_leak" (error). Also in the
+  /// dataset.
   std::vector<Finding> findings;
 };
 
-/// The clips of several datasets as one, sorted by id; a clip that several hold alike is there once. Labels and fine
+/// The clips of several datasets as one, sorted by id; equal clips of several datasets are kept once. Labels and fine
 /// labels are united by name: those of the first keep their indices, new ones follow in their order. Splits of one name
-/// are united, and checked again for leaks: for equal content, and for each kind of group (person, style, performance)
-/// that every part's own split keeps apart.
-/// Error kInconsistent naming the files: rotations and joints only, axes, trees or rest poses that differ; one id with
-/// different motions, labels or segments; one fine label of two classes.
+/// are united and checked again for leaks: for equal content, and for each type of group (person, style, performance)
+/// that every part's own split separates. Error kInconsistent naming the files: rotations and joints only, axes, trees
+/// or rest poses that differ; one id with different motions, labels or segments; one fine label of two classes.
 Expected<MergedDataset> MergeDatasets(const std::vector<MergePart>& parts);
 
 }  // namespace mocurate

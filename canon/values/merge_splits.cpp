@@ -24,7 +24,7 @@ std::vector<int> PartsOfRows(const Split& split, std::size_t clips) {
   return parts;
 }
 
-/// What a split may keep apart. People of two sources that have one name are two.
+/// Properties that a split may separate. People of two sources with one name are two.
 enum class GroupKind { kPerson, kStyle, kPerformance };
 constexpr std::pair<GroupKind, const char*> kGroupKinds[] = {
     {GroupKind::kPerson, "person"}, {GroupKind::kStyle, "style"}, {GroupKind::kPerformance, "performance"}};
@@ -42,7 +42,7 @@ std::vector<std::string> GroupsOf(GroupKind kind, const std::vector<Clip>& clips
   return groups;
 }
 
-/// Groups of this kind that are in two parts; clips without one are in none.
+/// Groups of this type that are in two parts; clips without one do not count.
 std::vector<std::string> InTwoParts(GroupKind kind, std::vector<int> parts, const std::vector<Clip>& clips) {
   const std::vector<std::string> groups = GroupsOf(kind, clips);
   for (std::size_t row = 0; row < parts.size(); ++row) {
@@ -75,7 +75,7 @@ std::string RuleOf(const std::vector<MergePart>& parts, const std::vector<SplitO
   return rules.size() == 1 ? *rules.begin() : all;
 }
 
-/// What the clips are made from, or their motions where that is not known.
+/// The clips' source data, or their motions where that is unknown.
 Expected<std::vector<std::string>> ContentsOf(const std::vector<MergePart>& parts, const MergedDataset& merged) {
   std::vector<std::string> contents;
   for (std::size_t row = 0; row < merged.origins.size(); ++row) {
@@ -91,8 +91,7 @@ Expected<std::vector<std::string>> ContentsOf(const std::vector<MergePart>& part
   return contents;
 }
 
-/// Checks the united split again, for all that each of the splits keeps apart by itself; what one of them reports of
-/// itself stays.
+/// Checks the united split again, for all properties that each of the splits separates; leaks reported by a split stay.
 std::string CheckUnited(const std::vector<MergePart>& parts, const std::vector<SplitOfPart>& splits,
                         const std::vector<int>& part_of_row, const std::vector<Clip>& clips,
                         const std::vector<std::string>& contents) {
@@ -119,7 +118,7 @@ std::string CheckUnited(const std::vector<MergePart>& parts, const std::vector<S
   return text;
 }
 
-/// How many clips of the parts that lack a split have no part in it.
+/// Number of clips, of parts that lack a split, that are in no part of it.
 void ReportAbsent(const std::vector<MergePart>& parts, const std::vector<SplitOfPart>& splits, const std::string& name,
                   std::vector<Finding>& findings) {
   for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -127,7 +126,7 @@ void ReportAbsent(const std::vector<MergePart>& parts, const std::vector<SplitOf
     const std::size_t clips = parts[p].dataset.clips.size();
     if (has || clips == 0) continue;
     findings.push_back(AboutSplit("split_incomplete", Severity::kWarning, static_cast<double>(clips),
-                                  "split '" + name + "' is none of " + parts[p].name + ", whose " +
+                                  "split '" + name + "' is missing in " + parts[p].name + ", whose " +
                                       Counted(static_cast<long long>(clips), "clip") + " are in no part of it",
                                   FindingAction::kFlagged));
   }

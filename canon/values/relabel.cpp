@@ -30,13 +30,13 @@ std::string MeantText(const std::optional<std::string>& nearest) {
   return nearest ? "; the nearest is '" + *nearest + "'" : "";
 }
 
-/// What the map says of labels that the dataset has.
+/// The map, restricted to labels that the dataset has.
 std::string NewLabel(const RelabelMap& map, const std::string& label) {
   const auto found = map.labels.find(label);
   return found == map.labels.end() ? label : found->second;
 }
 
-/// Names of the map that fit nothing, each a finding. Error kConfig where nothing fits.
+/// Names of the map that match nothing, each as a finding. Error kConfig where nothing matches.
 Status ReportUnknown(const RelabelMap& map, const Dataset& dataset, std::vector<Finding>& findings) {
   std::set<std::string> present(dataset.labels.begin(), dataset.labels.end());
   std::set<std::string> ids;
@@ -58,7 +58,7 @@ Status ReportUnknown(const RelabelMap& map, const Dataset& dataset, std::vector<
     findings.push_back(
         AboutLabel("unknown_label", Severity::kWarning, 0,
                    "no clip has the label '" + label + "' of " + map.name + MeantText(Nearest(label, known)),
-                   FindingAction::kLeftOut));
+                   FindingAction::kExcluded));
   }
   std::vector<std::string> unknown;
   for (const auto& [clip, label] : map.table) {
@@ -71,14 +71,14 @@ Status ReportUnknown(const RelabelMap& map, const Dataset& dataset, std::vector<
         AboutLabel("unknown_clip", Severity::kWarning, unknown.size(),
                    "the dataset has no clip '" + unknown[0] + "' of " + map.name + MeantText(near) +
                        (unknown.size() > 1 ? ", nor " + std::to_string(unknown.size() - 1) + " others" : ""),
-                   FindingAction::kLeftOut));
+                   FindingAction::kExcluded));
   }
   if (fitting > 0) return {};
-  return Fail(ErrorCode::kConfig, "nothing in it fits the dataset: " + findings.front().message, map.name,
-              "the labels of a dataset: mocurate dataset card");
+  return Fail(ErrorCode::kConfig, "nothing in it matches the dataset: " + findings.front().message, map.name,
+              "list the labels of a dataset with mocurate dataset card");
 }
 
-/// The new label of each clip; empty optional: it leaves.
+/// The new label of each clip; empty optional: the clip is removed.
 Expected<std::vector<std::optional<std::string>>> NewLabels(const RelabelMap& map, const Dataset& dataset) {
   std::vector<std::optional<std::string>> labels(dataset.clips.size());
   std::vector<bool> decided(labels.size(), false);
@@ -140,7 +140,7 @@ Expected<std::vector<std::string>> NewClasses(const RelabelMap& map, const Datas
   return classes;
 }
 
-/// Fine labels follow their classes; those of a class that left leave.
+/// Fine labels follow their classes; those of a removed class are removed.
 std::vector<FineLabel> NewFineLabels(const RelabelMap& map, const Dataset& before,
                                      const std::vector<std::string>& classes) {
   std::vector<FineLabel> fine_labels;
@@ -153,7 +153,7 @@ std::vector<FineLabel> NewFineLabels(const RelabelMap& map, const Dataset& befor
   return fine_labels;
 }
 
-/// Labels of segments; gives how many changed or left.
+/// Labels of segments; returns how many changed or were removed.
 std::size_t RelabelSegments(const RelabelMap& map, std::vector<Segment>& segments) {
   std::size_t changed = 0;
   std::vector<Segment> kept;
@@ -228,7 +228,7 @@ Expected<RelabelledDataset> Relabel(Dataset dataset, const RelabelMap& map) {
   }
   relabelled.rows = KeepRows(keep, dataset);
   if (dataset.clips.empty()) {
-    return Fail(ErrorCode::kInconsistent, "every clip is dropped", map.name, "keep some labels");
+    return Fail(ErrorCode::kInconsistent, "every clip is dropped", map.name, "keep at least one label");
   }
   if (!dropped.empty()) {
     for (Split& split : dataset.splits) {

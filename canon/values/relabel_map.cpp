@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Cells of a line of CSV; cells in quotes may hold commas, and quotes as two.
+/// Cells of a line of CSV; quoted cells may contain commas, and doubled quotes.
 std::vector<std::string> CellsOf(std::string_view line) {
   std::vector<std::string> cells(1);
   bool quoted = false;
@@ -45,8 +45,9 @@ Status ReadTable(const fs::path& path, std::map<std::string, std::string>& table
       clip = static_cast<std::size_t>(std::find(cells.begin(), cells.end(), "clip") - cells.begin());
       label = static_cast<std::size_t>(std::find(cells.begin(), cells.end(), "label") - cells.begin());
       if (clip < columns && label < columns) continue;
-      return Fail(ErrorCode::kConfig, std::string("has no column '") + (clip < columns ? "label" : "clip") + "'", place,
-                  "the first line names the columns: clip,label");
+      return Fail(ErrorCode::kConfig,
+                  std::string("the table has no column '") + (clip < columns ? "label" : "clip") + "'", place,
+                  "write the columns into the first line: clip,label");
     }
     if (cells.size() != columns) {
       return Fail(
@@ -55,15 +56,14 @@ Status ReadTable(const fs::path& path, std::map<std::string, std::string>& table
           place, "put a text with commas into double quotes");
     }
     if (cells[label].empty()) {
-      return Fail(ErrorCode::kConfig, "clip '" + cells[clip] + "' has no label", place,
-                  "give it one, or take the line out");
+      return Fail(ErrorCode::kConfig, "clip '" + cells[clip] + "' has no label", place, "add one, or remove the line");
     }
     const auto [known, added] = table.emplace(cells[clip], cells[label]);
     if (added || known->second == cells[label]) continue;
-    return Fail(
-        ErrorCode::kConfig,
-        "clip '" + cells[clip] + "' has the label '" + known->second + "' further up, here '" + cells[label] + "'",
-        place, "keep one of the lines");
+    return Fail(ErrorCode::kConfig,
+                "clip '" + cells[clip] + "' has the label '" + known->second + "' in an earlier line, here '" +
+                    cells[label] + "'",
+                place, "keep one of the lines");
   }
   return {};
 }
@@ -77,7 +77,7 @@ bool IsPlain(const ConfigNode& node) {
   });
 }
 
-/// Labels that are named twice where once is meant, and none where one is.
+/// Errors for labels that are named twice, and for empty ones.
 Status CheckMap(const RelabelMap& map, const fs::path& path) {
   for (std::size_t i = 0; i < map.classes.size(); ++i) {
     if (std::find(map.classes.begin(), map.classes.begin() + static_cast<std::ptrdiff_t>(i), map.classes[i]) ==
@@ -90,16 +90,16 @@ Status CheckMap(const RelabelMap& map, const fs::path& path) {
     const auto renamed = map.labels.find(dropped);
     if (renamed == map.labels.end()) continue;
     return Fail(ErrorCode::kConfig, "'" + dropped + "' is dropped and becomes '" + renamed->second + "'",
-                DisplayPath(path), "leave one of both out");
+                DisplayPath(path), "remove one of both");
   }
   for (const auto& [old_label, new_label] : map.labels) {
     if (!new_label.empty()) continue;
-    return Fail(ErrorCode::kConfig, "'" + old_label + "' becomes nothing", DisplayPath(path),
-                "drop: ['" + old_label + "'] takes its clips out");
+    return Fail(ErrorCode::kConfig, "'" + old_label + "' has an empty new label", DisplayPath(path),
+                "remove its clips with drop: ['" + old_label + "']");
   }
   for (const RelabelRule& rule : map.rules) {
     if (!rule.label.empty()) continue;
-    return Fail(ErrorCode::kConfig, "the rule has no label", rule.place, "{where: CONDITION, label: NAME}");
+    return Fail(ErrorCode::kConfig, "the rule has no label", rule.place, "write {where: CONDITION, label: NAME}");
   }
   return {};
 }
@@ -108,14 +108,14 @@ Status CheckMap(const RelabelMap& map, const fs::path& path) {
 
 void RelabelRule::Declare(OptionVisitor& v) {
   v.Text("where", where, "condition about a clip (docs/datasets.md)");
-  v.Text("label", label, "of the clips that it holds for");
+  v.Text("label", label, "label of the clips that match");
 }
 
 void RelabelMap::Declare(OptionVisitor& v) {
   v.TextMap("labels", labels, "new label by old label");
   v.Texts("classes", classes, "labels in the order of their class indices");
-  v.Texts("drop", drop, "old labels whose clips leave");
-  v.List("rules", rules, "labels by conditions; the first that holds counts");
+  v.Texts("drop", drop, "old labels whose clips are removed");
+  v.List("rules", rules, "labels by conditions; the first match counts");
   v.Path("clips", clips, "CSV with the columns clip and label");
 }
 
@@ -141,7 +141,8 @@ Expected<RelabelMap> ReadRelabelMap(const fs::path& path) {
   }
   if (Status sound = CheckMap(map, path); !sound) return Forward(sound);
   if (map.labels.empty() && map.classes.empty() && map.drop.empty() && map.rules.empty() && map.table.empty()) {
-    return Fail(ErrorCode::kConfig, "names no label", DisplayPath(path), "old: new, or see docs/datasets.md");
+    return Fail(ErrorCode::kConfig, "the map has no label", DisplayPath(path),
+                "write `old: new`, or see docs/datasets.md");
   }
   return map;
 }

@@ -9,7 +9,7 @@
 namespace mocurate {
 namespace {
 
-/// Frames of an id "source/person/recording#begin-end"; no begin where it names none.
+/// Frames of an id "source/person/recording#begin-end"; no begin where the id has none.
 std::optional<int> SpanBegin(const std::string& id) {
   const std::size_t hash = id.rfind('#');
   if (hash == std::string::npos) return std::nullopt;
@@ -63,7 +63,7 @@ std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& datase
       *part = std::move(of_part);
     }
   }
-  // Findings about whole recordings stay while a clip of them does.
+  // Findings about whole recordings stay while one of their clips does.
   std::set<std::string> recordings;
   for (const Clip& clip : dataset.clips) recordings.insert(RecordingOf(clip.id()));
   std::vector<Finding> findings;

@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-/// Whether two skeletons are the same but for their rest offsets.
+/// Whether two skeletons are equal except for their rest offsets.
 bool SameButRest(const Skeleton& a, const Skeleton& b) {
   const auto same_limits = [](const Joint& x, const Joint& y) {
     if (!x.limits || !y.limits) return x.limits.has_value() == y.limits.has_value();
@@ -25,7 +25,7 @@ bool SameButRest(const Skeleton& a, const Skeleton& b) {
              });
 }
 
-/// A clip that cannot stand in one dataset with the others.
+/// A clip that is incompatible with the others of a dataset.
 Finding OtherSkeleton(const Clip& clip, double apart, const std::string& message) {
   Finding finding;
   finding.clip = clip.id();
@@ -33,7 +33,7 @@ Finding OtherSkeleton(const Clip& clip, double apart, const std::string& message
   finding.severity = Severity::kError;
   finding.value = apart;
   finding.message = message;
-  finding.action = FindingAction::kLeftOut;
+  finding.action = FindingAction::kExcluded;
   return finding;
 }
 
@@ -59,7 +59,7 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
   const bool one_rest = std::all_of(dataset.clips.begin(), dataset.clips.end(), [&](const Clip& clip) {
     return SameRestOffsets(*clip.motion->rest_pose(), *dataset.skeleton);
   });
-  const bool is_name = dataset.skeleton->name.find_first_of("/.") == std::string::npos;  // of no file
+  const bool is_name = dataset.skeleton->name.find_first_of("/.") == std::string::npos;  // not a file's
   if (const auto built_in = one_rest || !is_name ? Expected<SkeletonPtr>() : LoadSkeleton(dataset.skeleton->name);
       built_in && *built_in && SameButRest(**built_in, *dataset.skeleton) &&
       RestPosesApart(**built_in, *dataset.skeleton) <= kSameRestPose) {
@@ -75,15 +75,15 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
     }
     const double apart = dataset.joints_only ? 0.0 : RestPosesApart(*dataset.skeleton, *motion.rest_pose());
     if (apart > kSameRestPose) {
-      findings.push_back(
-          OtherSkeleton(clip, apart,
-                        "its rotations are counted from another rest pose than those of most clips: a bone points " +
-                            FormatDouble(std::round(apart * 1800.0 / kPi) / 10.0) + " degrees elsewhere"));
+      findings.push_back(OtherSkeleton(
+          clip, apart,
+          "its rotations refer to another rest pose than those of most clips: a bone direction differs by " +
+              FormatDouble(std::round(apart * 1800.0 / kPi) / 10.0) + " degrees"));
       continue;
     }
     const bool shared = dataset.joints_only || SameRestOffsets(*motion.skeleton, *dataset.skeleton);
     motion.skeleton = shared ? dataset.skeleton : WithRestOffsetsOf(*dataset.skeleton, *motion.skeleton);
-    motion.counted_from = shared ? nullptr : dataset.skeleton;
+    motion.rotation_reference = shared ? nullptr : dataset.skeleton;
     kept.push_back(std::move(clip));
   }
   dataset.clips = std::move(kept);
@@ -96,11 +96,11 @@ void FindMixedRates(const Dataset& dataset, std::vector<Finding>& findings) {
   Finding finding;
   finding.code = "mixed_rates";
   finding.value = static_cast<double>(rates.size());
-  finding.message = "clips of";
+  finding.message = "the set mixes clips of";
   for (const auto& [rate, count] : rates) {
     finding.message += " " + RoundedText(rate, 6) + " Hz (" + std::to_string(count) + ")";
   }
-  finding.message += " stand together: windows of equal frames last differently; canon.rate brings them to one";
+  finding.message += ": windows of equal frames have different durations; set canon.rate to resample them";
   finding.action = FindingAction::kFlagged;
   findings.push_back(finding);
 }

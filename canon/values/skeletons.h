@@ -7,14 +7,14 @@
 
 namespace mocurate {
 
-/// One skeleton for all clips: the one that most have their rotations counted from (of equally many, the first in the
-/// order of the clips); where these have directions of their own, the built-in one of that name, if it has that tree.
-/// Where a person's bones point is the person's, like their lengths. A clip of another tree, or whose rotations are
-/// counted from another rest pose (a BVH file in an A-pose among T-poses), leaves with a finding "other_skeleton".
-/// Frames are not looked at. There must be a clip.
+/// One skeleton for all clips: the one that most clips' rotations refer to (of equally many, the first in the order of
+/// the clips). Where clips have rest directions of their own, it is the built-in one of that name, if it has that tree.
+/// Rest directions are a person's own, like bone lengths. A clip of another tree, or whose rotations refer to another
+/// rest pose (a BVH file in an A-pose among T-poses), is removed with a finding "other_skeleton". Frames are not read.
+/// There must be a clip.
 void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings);
 
-/// "mixed_rates" where clips of several rates stand together.
+/// "mixed_rates" for clips of several rates in one set.
 void FindMixedRates(const Dataset& dataset, std::vector<Finding>& findings);
 
 }  // namespace mocurate

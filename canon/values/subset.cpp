@@ -43,7 +43,7 @@ Expected<DatasetSubset> SubsetOf(Dataset dataset, const Condition& condition, co
     for (const Condition::UnknownValue& unknown : condition.FindUnknownValues(dataset)) {
       if (unknown.nearest) nearest += (nearest.empty() ? "" : ", ") + unknown.value + " -> " + *unknown.nearest;
     }
-    return Fail(ErrorCode::kInconsistent, "the condition holds for no clip; " + TestCountsText(*counts, holds->size()),
+    return Fail(ErrorCode::kInconsistent, "the condition matches no clip; " + TestCountsText(*counts, holds->size()),
                 options.name, nearest.empty() ? "widen the condition" : "did you mean: " + nearest);
   }
   const std::vector<Split> before = dataset.splits;

@@ -23,24 +23,24 @@ namespace mocurate {
 /// anywhere in a text.
 class Condition {
  public:
-  /// A value that no clip has, so that its test never holds: most often a slip of the pen.
+  /// A value that no clip has, so that its test never matches: most often a typing error.
   struct UnknownValue {
     std::string field;
     std::string value;
-    std::optional<std::string> nearest;  ///< that some clip has
+    std::optional<std::string> nearest;  ///< nearest value of a clip
   };
 
   /// Error kUsage; its place is `place` and the column, counted from 1 in characters: "--where:12".
   static Expected<Condition> Parse(const std::string& text, const std::string& place = "--where");
 
-  /// For each clip whether it holds; of motions only frame_count() and rate are looked at. Error kUsage for a split
-  /// that the dataset has not.
+  /// For each clip whether it matches; of motions only frame_count() and rate are used. Error kUsage for a split that
+  /// the dataset lacks.
   Expected<std::vector<bool>> Holds(const Dataset& dataset) const;
 
-  /// Every test as it is written, and how many clips it holds for. Error as Holds.
+  /// Every test as it is written, and the number of clips that it matches. Error as Holds.
   Expected<std::vector<std::pair<std::string, std::size_t>>> CountTests(const Dataset& dataset) const;
 
-  /// Values of ==, != and in that stand for no clip of a dataset that has clips.
+  /// Values of ==, != and in that no clip of a non-empty dataset has.
   std::vector<UnknownValue> FindUnknownValues(const Dataset& dataset) const;
 
   const std::string& text() const { return text_; }

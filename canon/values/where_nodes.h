@@ -8,14 +8,14 @@
 
 #include "canon/values/where.h"
 
-/// What where_parse.cpp makes of a condition and where.cpp carries out.
+/// The tree that where_parse.cpp makes of a condition and where.cpp evaluates.
 namespace mocurate {
 
-/// A field of a clip that a condition may ask for.
+/// A field of a clip that a condition may use.
 struct ConditionField {
   const char* name;
   bool is_text;          ///< else a number
-  const char* argument;  ///< what stands in the brackets after it; null: there are none
+  const char* argument;  ///< name of the argument in brackets; null: no argument
 };
 
 const std::vector<ConditionField>& ConditionFields();
@@ -29,14 +29,14 @@ struct Condition::Node {
   Test test = Test::kEqual;
   const ConditionField* field = nullptr;
   std::string argument;
-  std::vector<std::string> texts;          ///< what a text is compared with
-  std::vector<double> numbers;             ///< what a number is compared with
+  std::vector<std::string> texts;          ///< operands of a text comparison
+  std::vector<double> numbers;             ///< operands of a number comparison
   std::shared_ptr<const regex_t> pattern;  ///< of kMatches
-  std::size_t begin = 0, end = 0;          ///< bytes of the condition's text that a test takes
+  std::size_t begin = 0, end = 0;          ///< byte range of the test in the condition's text
 };
 
-/// A POSIX extended regular expression. Error kUsage without a place: what is none, and what might take time or memory
-/// without bounds, which are back references and large or nested counts.
+/// A POSIX extended regular expression. Error kUsage without a place for an invalid expression, and for those with
+/// unbounded time or memory: back references and large or nested counts.
 Expected<std::shared_ptr<const regex_t>> CompilePattern(const std::string& text);
 
 /// Column of a byte, counted from 1 in characters.

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "canon/values/where_nodes.h"
+#include "core/base/renamed.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -21,7 +22,7 @@ constexpr std::pair<const char*, Node::Test> kTests[] = {
 struct Token {
   enum class Kind { kWord, kQuoted, kSign, kEnd };
   Kind kind = Kind::kEnd;
-  std::string text;  ///< of kQuoted: what the quotes hold
+  std::string text;  ///< of kQuoted: the text between the quotes
   std::size_t begin = 0, end = 0;
 
   bool Is(const char* word) const { return text == word && (kind == Kind::kWord || kind == Kind::kSign); }
@@ -45,7 +46,7 @@ class ConditionParser {
     if (token_.kind == Token::Kind::kEnd) return node;
     const bool sign = token_.Is("&&") || token_.Is("||");
     return Wrong(token_.begin, token_.Shown() + " was not expected here",
-                 sign ? "write 'and' and 'or'" : "join tests by 'and' or 'or'; a value with blanks stands in quotes");
+                 sign ? "write 'and' and 'or'" : "join tests by 'and' or 'or'; put a value with blanks into quotes");
   }
 
  private:
@@ -76,7 +77,7 @@ class ConditionParser {
       token_ = {Token::Kind::kSign, sign, at, at + std::char_traits<char>::length(sign)};
       return {};
     }
-    return Wrong(at, std::string("'") + text_[at] + "' is no part of a condition", "texts may stand in quotes");
+    return Wrong(at, std::string("'") + text_[at] + "' is not allowed in a condition", "put texts into quotes");
   }
 
   /// Parts joined by one word.
@@ -144,7 +145,7 @@ class ConditionParser {
                    "== != =~ in, not in compare texts");
     }
     if (!node.field->is_text && node.test == Node::Test::kMatches) {
-      return Wrong(sign.begin, "'" + std::string(node.field->name) + "' is a number, =~ is for texts");
+      return Wrong(sign.begin, "'" + std::string(node.field->name) + "' is a number, =~ compares texts only");
     }
     const bool list = test == std::end(kTests);
     if (list && !token_.Is("[")) return Wrong(token_.begin, "a list is expected after 'in'", "in [walk, run]");
@@ -172,18 +173,18 @@ class ConditionParser {
       const auto near = token_.kind == Token::Kind::kWord ? Nearest(token_.text, names) : std::nullopt;
       std::string all;
       for (const std::string& name : names) all += (all.empty() ? "" : " ") + name;
-      return Wrong(token_.begin, token_.Shown() + " is no field of a clip",
+      return Wrong(token_.begin, token_.Shown() + " is not a field of a clip",
                    near ? "did you mean '" + *near + "'?" : "fields: " + all);
     }
     if (Status read = Advance(); !read) return read;
     if (node.field->argument == nullptr) return {};
     const std::string spelled = std::string(node.field->name) + "('" + node.field->argument + "')";
-    if (!token_.Is("(")) return Wrong(token_.begin, "'" + std::string(node.field->name) + "' wants brackets", spelled);
+    if (!token_.Is("(")) return Wrong(token_.begin, "'" + std::string(node.field->name) + "' needs brackets", spelled);
     if (Status read = Advance(); !read) return read;
     if (token_.kind != Token::Kind::kWord && token_.kind != Token::Kind::kQuoted) {
       return Wrong(token_.begin, "a text is expected in the brackets", spelled);
     }
-    node.argument = token_.text;
+    node.argument = node.field->name == std::string_view("findings") ? PresentCode(token_.text) : token_.text;
     if (Status read = Advance(); !read) return read;
     return token_.Is(")") ? Advance() : Wrong(token_.begin, "')' is expected", spelled);
   }
@@ -196,7 +197,8 @@ class ConditionParser {
     node.end = value.end;
     if (!node.field->is_text) {
       const auto number = NumberOf(value.text);
-      if (!number) return Wrong(value.begin, "'" + value.text + "' is no number; " + node.field->name + " is one");
+      if (!number)
+        return Wrong(value.begin, "'" + value.text + "' is not a number, which " + node.field->name + " needs");
       node.numbers.push_back(*number);
     } else if (node.test == Node::Test::kMatches) {
       auto pattern = CompilePattern(value.text);
@@ -207,7 +209,7 @@ class ConditionParser {
       if (std::string_view(node.field->name) == "part" &&
           std::find(parts.begin(), parts.end(), value.text) == parts.end()) {
         const auto near = Nearest(value.text, parts);
-        return Wrong(value.begin, "'" + value.text + "' is no part of a split",
+        return Wrong(value.begin, "'" + value.text + "' is not a part of a split",
                      near ? "did you mean '" + *near + "'?" : "train, validation, test, or '' for none");
       }
       node.texts.push_back(value.text);

@@ -6,12 +6,12 @@
 namespace mocurate {
 namespace {
 
-// glibc copies what + and {counts} repeat, and keeps for each copy which others follow it: without bounds 60 bytes of
-// pattern take gigabytes.
+// glibc copies what + and {counts} repeat, and stores for each copy its successors: without a limit, 60 bytes of
+// pattern use gigabytes.
 constexpr std::size_t kLongestPattern = 128;  // bytes
 constexpr double kMostCopies = 64.0;
 
-/// How often + and {counts} inside each other copy a part of a pattern, at most; empty where it refers back.
+/// Maximum copies of a part of a pattern by nested + and {counts}; empty for back references.
 std::optional<double> CopiesOf(const std::string& pattern) {
   double copies = 1.0;
   for (std::size_t at = 0; at < pattern.size(); ++at) {
@@ -43,13 +43,13 @@ Expected<std::shared_ptr<const regex_t>> CompilePattern(const std::string& text)
                 "the regular expression is too large: " + std::to_string(text.size()) + " bytes of at most " +
                     std::to_string(kLongestPattern) + ", + and {counts} make " + RoundedText(*copies) +
                     " copies of at most " + RoundedText(kMostCopies),
-                "write * for +, or join two tests by 'and'");
+                "use * instead of +, or join two tests by 'and'");
   }
   auto pattern = std::make_unique<regex_t>();
   if (const int failed = ::regcomp(pattern.get(), text.c_str(), REG_EXTENDED | REG_NOSUB); failed != 0) {
     char reason[200] = {};
     ::regerror(failed, pattern.get(), reason, sizeof reason);
-    return Fail(ErrorCode::kUsage, "'" + text + "' is no regular expression: " + reason,
+    return Fail(ErrorCode::kUsage, "'" + text + "' is not a regular expression: " + reason,
                 "POSIX extended: . [a-z] * + ? {2,3} ( | ) ^ $");
   }
   return std::shared_ptr<const regex_t>(pattern.release(), [](const regex_t* compiled) {

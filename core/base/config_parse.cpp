@@ -19,7 +19,7 @@ class TreeBuilder final : public YAML::EventHandler {
 
   ConfigNode root;
   bool has_root = false;
-  /// A bound was met and told; what follows is passed over.
+  /// A limit was reached and reported; the rest is skipped.
   bool stopped() const { return stopped_; }
 
   void OnDocumentStart(const YAML::Mark&) override {}

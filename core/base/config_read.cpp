@@ -1,5 +1,7 @@
 #include "core/base/config_parts.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/base/units.h"
 
@@ -124,11 +126,12 @@ class ConfigReader final : public OptionVisitor {
     std::string text;
     const ConfigNode* node = Find(name);
     if (node == nullptr || !ReadText(*node, Name(name), text)) return;
+    const std::string now(NewNameOf(text));
     for (std::size_t i = 0; i < names.size(); ++i) {
-      if (names[i] == text) {
-        index = i;
-        return;
-      }
+      if (names[i] != text && names[i] != now) continue;
+      if (names[i] == now) LogWarning(node->origin.Text() + ": " + Name(name) + ": " + RenamedText(text, now));
+      index = i;
+      return;
     }
     std::string wanted;
     for (const std::string& candidate : names) wanted += (wanted.empty() ? "" : ", ") + candidate;
@@ -160,7 +163,8 @@ class ConfigReader final : public OptionVisitor {
   struct Level {
     const ConfigNode* node;  ///< null when absent
     std::string name;
-    std::vector<std::string> options;  ///< visited
+    std::vector<std::string> options = {};  ///< visited
+    std::vector<std::string> former = {};   ///< keys of the mapping that are former names of options
   };
   struct List {
     const ConfigNode* node;
@@ -192,7 +196,7 @@ class ConfigReader final : public OptionVisitor {
       if (node->kind != Kind::kNull) Refuse(*node, name, KindText(*node) + " must be a mapping");
       node = nullptr;
     }
-    levels_.push_back({node, name, {}});
+    levels_.push_back({node, name});
   }
 
   void Close() {
@@ -202,14 +206,31 @@ class ConfigReader final : public OptionVisitor {
     for (const auto& [key, value] : level.node->mapping) {
       bool known = false;
       for (const std::string& option : level.options) known = known || option == key;
+      for (const std::string& former : level.former) known = known || former == key;
       const std::string name = level.name.empty() ? key : level.name + "." + key;
       if (!known) problems_.Add(value.key_origin.Text(), "unknown option " + Quoted(name), HintFor(key, level.options));
     }
   }
 
   const ConfigNode* Find(const char* name) {
-    levels_.back().options.emplace_back(name);
-    return levels_.back().node == nullptr ? nullptr : levels_.back().node->Find(name);
+    Level& level = levels_.back();
+    level.options.emplace_back(name);
+    if (level.node == nullptr) return nullptr;
+    const ConfigNode* node = level.node->Find(name);
+    for (const std::string_view former : FormerNamesOf(name)) {
+      const ConfigNode* found = level.node->Find(std::string(former));
+      if (found == nullptr) continue;
+      level.former.emplace_back(former);
+      const std::string where = found->key_origin.Text();
+      if (node != nullptr) {
+        problems_.Add(where, Quoted(Name(std::string(former))) + " and " + Quoted(Name(name)) + " are one option",
+                      "remove the former name");
+        continue;
+      }
+      LogWarning(where + ": " + RenamedText(Name(std::string(former)), Name(name)));
+      node = found;
+    }
+    return node;
   }
 
   const ConfigNode* FindList(const char* name, const char* rule) {

@@ -1,5 +1,6 @@
 #include "core/base/config_parts.h"
 #include "core/base/file.h"
+#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/base/units.h"
 
@@ -105,7 +106,12 @@ class ConfigShower final : public OptionVisitor {
   };
 
   const ConfigNode* Below(const std::string& name) const {
-    return open_.back().node == nullptr ? nullptr : open_.back().node->Find(name);
+    if (open_.back().node == nullptr) return nullptr;
+    const ConfigNode* node = open_.back().node->Find(name);
+    for (const std::string_view former : FormerNamesOf(name)) {
+      if (node == nullptr) node = open_.back().node->Find(std::string(former));
+    }
+    return node;
   }
 
   /// A list and its elements share one step of two blanks: the bullet takes the room of the inner one.
@@ -113,13 +119,13 @@ class ConfigShower final : public OptionVisitor {
 
   void Put(const std::string& name, const std::string& value) { Line(name, value, Below(name), true); }
 
-  void Line(const std::string& name, const std::string& value, const ConfigNode* node, bool tells_origin) {
+  void Line(const std::string& name, const std::string& value, const ConfigNode* node, bool shows_origin) {
     Level& level = open_.back();
     std::string line = Indent(open_.size());
     if (!level.bullet.empty() && level.lines == 0) line.replace(line.size() - 2, 2, level.bullet);
     ++level.lines;
     line += YamlText(name) + ":" + (value.empty() ? "" : " " + value);
-    if (origins_ && tells_origin) {
+    if (origins_ && shows_origin) {
       line += "  # " + (node == nullptr || node->origin.file.empty() ? "default" : node->origin.Text());
     }
     text_ += line + "\n";

@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// What went wrong, by who can mend it. Each code maps to one exit code of the program.
+/// Classes of errors, by who can correct them. Each code maps to one exit code of the program.
 enum class ErrorCode {
   kUsage,            ///< the command line is wrong
   kConfig,           ///< a configuration value, key or reference is wrong
@@ -38,12 +38,12 @@ enum class ExitCode : int {
 /// What a failure is about, where code has to know more than the ErrorCode.
 enum class Reason {
   kNone,
-  kEmptyFile,      ///< no byte, or blanks alone
-  kCount,          ///< a header whose count what follows contradicts; `number` was announced
-  kUnsafePickle,   ///< a pickle that names more than plain data
-  kNobodySeen,     ///< no joint is seen in any frame
-  kPersonMissing,  ///< a file holds fewer people than are declared
-  kOtherTree,      ///< joints that are not those of the declared skeleton
+  kEmptyFile,       ///< no byte, or blanks alone
+  kCount,           ///< a header whose count what follows contradicts; `number` was announced
+  kUnsafePickle,    ///< a pickle that names more than plain data
+  kNoValidSamples,  ///< no joint is seen in any frame
+  kPersonMissing,   ///< a file holds fewer people than are declared
+  kOtherTree,       ///< joints that are not those of the declared skeleton
 };
 
 /// One failure, in facts: `what` names the value and the broken rule, `where` the place (file:line:column or dataset
@@ -56,7 +56,7 @@ struct Error {
   Reason reason = Reason::kNone;
   double number = 0.0;
 
-  /// "where: what (hint)" on one line, parts that are empty left out.
+  /// "where: what (hint)" on one line, parts that are empty excluded.
   std::string Message() const;
 };
 

@@ -193,7 +193,7 @@ Status WriteFileWith(const fs::path& path, const std::function<Status(const fs::
   }
   const fs::path target = TargetOf(path);
   return Publish(target, [&](const fs::path& temporary) -> Status {
-    // A folder that cannot be written is told in our words, not in those of the writer's library.
+    // Our own message for a folder that cannot be written, not that of the library.
     if (Status possible = FillTemporary(temporary, target, {}); !possible) return possible;
     if (Status written = write(temporary); !written) return written;
     if (const int error = SyncPath(temporary, 0); error != 0) return CannotWrite(target, error);

@@ -17,11 +17,11 @@ std::string_view Name(Severity severity);
 enum class FindingAction {
   kFlagged,       ///< nothing: it is reported
   kKept,          ///< what it is about is used as it is
-  kDropped,       ///< frames are lost, or a clip is left out, for it
+  kDropped,       ///< frames are lost, or a clip is excluded, for it
   kMissing,       ///< samples are taken as not seen
   kInterpolated,  ///< samples come from the frames beside them
   kRepaired,      ///< samples or labels were changed
-  kLeftOut,       ///< a file, a camera, a person or a label is not used
+  kExcluded,      ///< a file, a camera, a person or a label is not used
   kRefused,       ///< the clip is refused
   kAudited,       ///< reported by `mocurate audit`, which replaces what it reported before
 };
@@ -30,7 +30,7 @@ std::string_view Name(FindingAction action);
 /// Inverse of Name; kFlagged for another text, as files of former versions have.
 FindingAction FindingActionFromName(std::string_view name);
 
-/// Something wrong or doubtful about a clip. `value` is the measured number that `message` explains. Frames are
+/// Something wrong or suspect about a clip. `value` is the measured number that `message` explains. Frames are
 /// [frame_begin, frame_end) of the clip; an empty span (0, 0) means the whole clip. `joint` is empty when no single
 /// joint is meant.
 struct Finding {

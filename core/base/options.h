@@ -138,7 +138,7 @@ nlohmann::json OptionsToJson(const Options& options) {
   return internal::ToJson(internal::DeclarationOf(copy));
 }
 
-/// Strict: unknown keys, wrong types and values out of range are errors, all told at once. Missing keys keep their
+/// Strict: unknown keys, wrong types and values out of range are errors, all reported at once. Missing keys keep their
 /// defaults; a list that is given replaces the default list.
 template <class Options>
 Expected<Options> OptionsFromJson(const nlohmann::json& json, const std::string& where = "options") {

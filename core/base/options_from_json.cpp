@@ -1,8 +1,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/options.h"
 #include "core/base/problem_list.h"
+#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/base/units.h"
 
@@ -105,11 +107,12 @@ class JsonReader final : public OptionVisitor {
     std::string text;
     const json* found = Find(name);
     if (found == nullptr || !ReadText(name, *found, text)) return;
+    const std::string_view now = NewNameOf(text);
     for (std::size_t i = 0; i < names.size(); ++i) {
-      if (names[i] == text) {
-        index = i;
-        return;
-      }
+      if (names[i] != text && names[i] != now) continue;
+      if (names[i] == now) LogWarning(Where(name) + ": " + RenamedText(text, now));
+      index = i;
+      return;
     }
     problems_.Add(Where(name), "unknown value '" + text + "'", HintFor(text, names));
   }
@@ -141,7 +144,7 @@ class JsonReader final : public OptionVisitor {
   struct Level {
     const json* object;  ///< null when absent
     std::string where;
-    std::vector<std::string> names;  ///< options visited
+    std::vector<std::string> names = {};  ///< options visited, and keys that are former names of them
   };
   struct List {
     const json* array;  ///< null when absent
@@ -162,7 +165,7 @@ class JsonReader final : public OptionVisitor {
       problems_.Add(where, Shown(*object) + " must be a mapping");
       object = nullptr;
     }
-    levels_.push_back({object, where, {}});
+    levels_.push_back({object, where});
   }
 
   void Close() {
@@ -180,8 +183,15 @@ class JsonReader final : public OptionVisitor {
     Level& level = levels_.back();
     level.names.emplace_back(name);
     if (level.object == nullptr) return nullptr;
-    const auto found = level.object->find(name);
-    return found == level.object->end() ? nullptr : &*found;
+    if (const auto found = level.object->find(name); found != level.object->end()) return &*found;
+    for (const std::string_view former : FormerNamesOf(name)) {
+      const auto found = level.object->find(std::string(former));
+      if (found == level.object->end()) continue;
+      level.names.emplace_back(former);
+      LogWarning(level.where + ": " + RenamedText(former, name));
+      return &*found;
+    }
+    return nullptr;
   }
 
   void Refuse(const std::string& name, const json& value, const std::string& rule) {

@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// Problems found in one reading, told together: one stands as it is, more become one error with a line for each.
+/// Problems found in one reading, reported together: one is returned as it is, several as one error with a line each.
 class ProblemList {
  public:
   void Add(std::string where, std::string what, std::string hint = {});

@@ -1,90 +1,68 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "core/geometry/camera.h"
+#include "core/body/bone_capsules.h"
 #include "core/motion/skeleton.h"
 
 namespace mocurate {
 
-/// All points within `radius` metres of the bone from `parent` to `joint` (indices of the skeleton).
-struct Capsule {
-  int joint = 0;
-  int parent = 0;
-  double radius = 0.0;
+/// A capsule that moves with the frame of one joint. It goes from that joint to `end_joint` (a child, or the joint
+/// itself), both ends moved by offsets in the joint's frame: the body is not centred on bones and reaches past the last
+/// joints. Metres.
+struct BodyCapsule {
+  int frame = 0;
+  int end_joint = 0;
+  Vector3d begin_offset = Vector3d::Zero();
+  Vector3d end_offset = Vector3d::Zero();
+  double radius = 0.05;
+  int mirror = 0;  ///< the capsule on the other side; its own index on the midline
 };
 
-/// A body made of one capsule per bone of a skeleton. Posed by joint positions: everywhere below `joints` points to J
-/// world positions in metres, in the skeleton's order.
+/// A body of capsules off the bones: what point clouds are fitted with, and how such a fit is drawn.
 struct CapsuleBody {
   SkeletonPtr skeleton;
-  std::vector<Capsule> capsules;  ///< in the order of their joints
+  std::vector<BodyCapsule> capsules;
 
-  /// Radii are Joint::radius times `radius_scale`; a joint of radius 0 gets no capsule.
-  static CapsuleBody Make(SkeletonPtr skeleton, double radius_scale = 1.0);
+  /// One capsule per bone with the radius of its end; of a skeleton with SMPL's joints (HasTemplateShape) the capsules
+  /// of the CC0 body template that its rest pose is taken from, several per limb, with the person's Skeleton::shape.
+  /// Offsets and radii are scaled by `scale`, radii also by `radius_scale`.
+  static CapsuleBody Make(SkeletonPtr skeleton, double scale, double radius_scale);
+
+  /// (J) joints that turn a capsule.
+  std::vector<bool> MovingJoints() const;
 };
 
-/// The point of a capsule's surface nearest to another point.
-struct CapsulePoint {
-  double distance = 0.0;               ///< metres from the point to the surface, negative inside
-  double fraction = 0.0;               ///< place on the bone: 0 at the parent, 1 at the joint
-  Vector3d point = Vector3d::Zero();   ///< on the surface, world
-  Vector3d normal = Vector3d::Zero();  ///< outward unit normal there; on the bone itself a fixed perpendicular
+/// Ends of a capsule's axis in the world.
+struct CapsuleEnds {
+  Vector3d begin;
+  Vector3d end;
 };
 
-/// For a capsule between two ends; coinciding ends make a ball.
-CapsulePoint ClosestOnCapsule(const Vector3d& parent_end, const Vector3d& joint_end, double radius,
-                              const Vector3d& point);
-double SignedDistance(const Vector3d& parent_end, const Vector3d& joint_end, double radius, const Vector3d& point);
+/// `frame_joint` and `end_joint` are world positions of the joints that the capsule names.
+CapsuleEnds EndsOf(const BodyCapsule& capsule, const Matrix3d& world_from_frame, const Vector3d& frame_joint,
+                   const Vector3d& end_joint);
 
-struct BodyPoint {
-  int capsule = 0;  ///< index into CapsuleBody::capsules
-  CapsulePoint on_capsule;
-};
+/// All capsules of a body in the world. `joints` and `world_from_joint` (J) as ForwardKinematics gives them.
+std::vector<PosedCapsule> PosedCapsules(const CapsuleBody& body, const Vector3d* joints,
+                                        const Quaterniond* world_from_joint);
 
-/// Nearest capsule by signed distance (the deepest one inside the body); the first of equals. Empty for a body without
-/// capsules.
-std::optional<BodyPoint> ClosestOnBody(const CapsuleBody& body, const Vector3d* joints, const Vector3d& point);
+/// Whether the skeleton has SMPL's joints, whose shape the CC0 template defines and Skeleton::shape changes.
+bool HasTemplateShape(const Skeleton& skeleton);
 
-struct SurfaceSample {
-  int capsule = 0;
-  Vector3d point = Vector3d::Zero();
-  Vector3d normal = Vector3d::Zero();
-};
+/// Radii of a body's capsules as text, metres to 0.1 mm, blank-separated, and where it is known the skeleton's shape to
+/// 0.001: what Clip::provenance keeps of a fitted body (key kCapsuleRadii).
+inline constexpr const char* kCapsuleRadii = "capsule_radii";
+std::string RadiiText(const CapsuleBody& body);
 
-/// Evenly spread points on the outer surface, one per `spacing`^2 of area (metres). Deterministic; points inside other
-/// capsules are left out.
-std::vector<SurfaceSample> SampleSurface(const CapsuleBody& body, const Vector3d* joints, double spacing);
+/// The body that such a text was written of: Make at the scale of the bone lengths (J), with those radii and that
+/// shape. Empty for a text that does not give one positive radius per capsule.
+std::optional<CapsuleBody> BodyFromRadii(SkeletonPtr skeleton, const std::vector<double>& bone_length,
+                                         const std::string& radii);
 
-/// A capsule wherever it is: two ends and a radius, metres.
-struct PosedCapsule {
-  Vector3d begin = Vector3d::Zero();
-  Vector3d end = Vector3d::Zero();
-  double radius = 0.0;
-};
-
-/// The least t > 0 at which t * `direction` from the origin enters one of the capsules, whatever the length of
-/// `direction`; infinity where it enters none. A capsule that contains the origin is passed over, as is the one of
-/// index `but`.
-double FirstEntry(const std::vector<PosedCapsule>& capsules, const Vector3d& direction, int but = -1);
-
-/// Direction of each pixel's ray in the camera's frame, scaled to z = 1: (height*width), row-major. Worth keeping when
-/// many frames of one camera with lens distortion are rendered.
-std::vector<Vector2d> PixelRays(const Camera& camera);
-
-/// A rendered view; row-major, (height*width).
-struct DepthRendering {
-  std::vector<float> depth;  ///< metres along the camera's z axis, 0 where no capsule is seen
-  std::vector<int> capsule;  ///< the capsule seen, -1 for none
-};
-
-/// Exact intersection of every pixel's ray with every capsule; capsules that contain the camera are not drawn.
-DepthRendering RenderBody(const CapsuleBody& body, const Vector3d* joints, const Camera& camera,
-                          const std::vector<Vector2d>& rays);
-/// The same for capsules in the world.
-DepthRendering RenderCapsules(const std::vector<PosedCapsule>& capsules, const Camera& camera,
-                              const std::vector<Vector2d>& rays);
-std::vector<float> RenderDepth(const CapsuleBody& body, const Vector3d* joints, const Camera& camera);
+/// Sum of bone lengths (J) over that of the rest skeleton: how much larger the person is. 1 without lengths.
+double BodyScale(const Skeleton& skeleton, const std::vector<double>& bone_length);
 
 }  // namespace mocurate

@@ -3,7 +3,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/body/capsule_body.h"
+#include "core/body/bone_capsules.h"
 
 namespace mocurate {
 namespace {
@@ -129,7 +129,7 @@ std::vector<Vector2d> PixelRays(const Camera& camera) {
   return rays;
 }
 
-double FirstEntry(const std::vector<PosedCapsule>& capsules, const Vector3d& direction, int but) {
+double FirstRayHit(const std::vector<PosedCapsule>& capsules, const Vector3d& direction, int but) {
   double first = kNone;
   for (std::size_t i = 0; i < capsules.size(); ++i) {
     const PosedCapsule& capsule = capsules[i];
@@ -154,7 +154,7 @@ DepthRendering RenderCapsules(const std::vector<PosedCapsule>& capsules, const C
   return rendering;
 }
 
-DepthRendering RenderBody(const CapsuleBody& body, const Vector3d* joints, const Camera& camera,
+DepthRendering RenderBody(const BoneCapsules& body, const Vector3d* joints, const Camera& camera,
                           const std::vector<Vector2d>& rays) {
   std::vector<PosedCapsule> capsules;
   for (const Capsule& capsule : body.capsules) {
@@ -163,7 +163,7 @@ DepthRendering RenderBody(const CapsuleBody& body, const Vector3d* joints, const
   return RenderCapsules(capsules, camera, rays);
 }
 
-std::vector<float> RenderDepth(const CapsuleBody& body, const Vector3d* joints, const Camera& camera) {
+std::vector<float> RenderDepth(const BoneCapsules& body, const Vector3d* joints, const Camera& camera) {
   return RenderBody(body, joints, camera, PixelRays(camera)).depth;
 }
 

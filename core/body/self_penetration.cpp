@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/body/flesh_body.h"
+#include "core/body/capsule_body.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/limbs.h"
 
@@ -60,11 +60,11 @@ std::vector<double> MeanBoneLengths(const Motion& motion) {
 }
 
 /// Capsules along the bones: offsets from the bones need rotations.
-FleshBody BodyOnBones(const SkeletonPtr& skeleton, double scale) {
-  FleshBody body;
+CapsuleBody BodyOnBones(const SkeletonPtr& skeleton, double scale) {
+  CapsuleBody body;
   body.skeleton = skeleton;
-  for (const Capsule& bone : CapsuleBody::Make(skeleton, scale).capsules) {
-    FleshCapsule capsule;
+  for (const Capsule& bone : BoneCapsules::Make(skeleton, scale).capsules) {
+    BodyCapsule capsule;
     capsule.frame = bone.parent;
     capsule.end_joint = bone.joint;
     capsule.radius = bone.radius;
@@ -84,7 +84,8 @@ double Overlap(const PosedCapsule& a, const PosedCapsule& b) {
   return a.radius + b.radius - SegmentDistance(a.begin, a.end, b.begin, b.end);
 }
 
-std::vector<Pair> PairsOf(const FleshBody& body, const std::vector<Place>& places, const std::vector<double>& lengths) {
+std::vector<Pair> PairsOf(const CapsuleBody& body, const std::vector<Place>& places,
+                          const std::vector<double>& lengths) {
   std::vector<Vector3d> joints(places.size());
   const std::vector<Quaterniond> rest(places.size(), Quaterniond::Identity());
   ForwardKinematics(*body.skeleton, Vector3d::Zero(), rest.data(), lengths, joints.data());
@@ -128,8 +129,8 @@ std::optional<SelfPenetration> MeasureSelfPenetration(const Motion& motion, cons
   const bool joints_only = motion.joints_only();
   const std::vector<double> lengths = joints_only ? MeanBoneLengths(motion) : motion.bone_length;
   const double scale = BodyScale(*motion.skeleton, lengths);
-  const FleshBody body =
-      joints_only ? BodyOnBones(motion.skeleton, scale) : FleshBody::Make(motion.skeleton, scale, 1.0);
+  const CapsuleBody body =
+      joints_only ? BodyOnBones(motion.skeleton, scale) : CapsuleBody::Make(motion.skeleton, scale, 1.0);
   const std::vector<Pair> pairs = PairsOf(body, places, lengths);
 
   SelfPenetration measured;

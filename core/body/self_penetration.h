@@ -30,8 +30,8 @@ struct SelfPenetration {
 /// arms and feet with thighs of the same side. Not compared are parts that meet at a joint, and upper arms and thighs
 /// with the trunk, where skin folds.
 ///
-/// Capsules are those of FleshBody (for SMPL's joints the volume of the CC0 template); a motion of joints only has one
-/// per bone (CapsuleBody). The two differ by centimetres: compare figures of one kind only.
+/// Capsules are those of CapsuleBody (for SMPL's joints the volume of the CC0 template); a motion of joints only has
+/// one per bone (BoneCapsules). The two differ by centimetres: compare figures of one kind only.
 ///
 /// Nothing for a skeleton without elbows and knees that LimbsOf finds. The rest pose has to be one in which the limbs
 /// are apart, such as a T-pose.

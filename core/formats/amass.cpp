@@ -53,7 +53,7 @@ class AmassReader {
  private:
   std::string Where(const std::string& key) const { return name_ + ":" + key; }
   tl::unexpected<Error> Bad(const std::string& key, const std::string& what, ErrorCode code = ErrorCode::kMalformed,
-                            const std::string& hint = "mend the array, or leave the file out") const {
+                            const std::string& hint = "correct the array, or leave the file out") const {
     return Fail(code, what, Where(key), hint);
   }
 
@@ -94,7 +94,7 @@ class AmassReader {
     if (shape.size() == 3 && shape[2] == 3 && IsKnown(3 * shape[1])) way = "numpy's poses.reshape(len(poses), -1)";
     if (way.empty()) return {};
     return Bad("poses", "numbers of shape " + ShapeText(shape) + " where (frames, 66, 72, 156 or 165) are expected",
-               ErrorCode::kInconsistent, way + " mends it");
+               ErrorCode::kInconsistent, way + " corrects it");
   }
 
   Status Take(const char* key, const std::vector<std::size_t>& shape, bool needed, std::vector<double>& values) {
@@ -252,12 +252,12 @@ class AmassReader {
       amass_.marker_labels = labels->texts;
     }
     amass_.marker_data_m = data->values;
-    amass_.marker_seen.assign(amass_.frames * amass_.markers, 1);
-    for (std::size_t i = 0; i < amass_.marker_seen.size(); ++i) {
+    amass_.marker_observed.assign(amass_.frames * amass_.markers, 1);
+    for (std::size_t i = 0; i < amass_.marker_observed.size(); ++i) {
       double* xyz = amass_.marker_data_m.data() + 3 * i;
       if (std::isfinite(xyz[0]) && std::isfinite(xyz[1]) && std::isfinite(xyz[2])) continue;
       xyz[0] = xyz[1] = xyz[2] = 0.0;
-      amass_.marker_seen[i] = 0;
+      amass_.marker_observed[i] = 0;
     }
     return {};
   }
@@ -277,7 +277,7 @@ Expected<Amass> ParseAmass(std::string_view bytes, const std::string& name, Dama
   if (!amass && !npz->unsafe.empty()) return tl::unexpected<Error>(npz->unsafe.front());
   if (!amass) return amass;
   for (const Error& unsafe : npz->unsafe) amass->findings.push_back(UnsafeMember(unsafe));
-  TellDamaged(numbers, name, *amass);
+  ReportDamaged(numbers, name, *amass);
   if (amass->damaged.size() == amass->frames) {
     return Fail(ErrorCode::kMalformed,
                 "every frame holds a number that is none of a person; the first: " + numbers.first.begin()->second,
@@ -313,11 +313,11 @@ Expected<std::string> EncodeAmass(const Amass& amass, const std::string& name) {
   if (amass.dmpl_columns > 0) add("dmpls", MakeArray({n, amass.dmpl_columns}, amass.dmpls));
   if (amass.markers > 0) {
     std::vector<double> data = amass.marker_data_m;
-    if (data.size() != n * amass.markers * 3 || amass.marker_seen.size() != n * amass.markers) {
+    if (data.size() != n * amass.markers * 3 || amass.marker_observed.size() != n * amass.markers) {
       return Fail(ErrorCode::kInconsistent, "the markers are not frames x markers x 3", name);
     }
-    for (std::size_t i = 0; i < amass.marker_seen.size(); ++i) {
-      for (std::size_t k = 0; k < 3 && amass.marker_seen[i] == 0; ++k) {
+    for (std::size_t i = 0; i < amass.marker_observed.size(); ++i) {
+      for (std::size_t k = 0; k < 3 && amass.marker_observed[i] == 0; ++k) {
         data[3 * i + k] = std::numeric_limits<double>::quiet_NaN();
       }
     }

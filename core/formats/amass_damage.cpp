@@ -49,7 +49,7 @@ DamagedPoses ClearDamaged(Npz& npz) {
   return damaged;
 }
 
-void TellDamaged(const DamagedPoses& damaged, const std::string& name, Amass& amass) {
+void ReportDamaged(const DamagedPoses& damaged, const std::string& name, Amass& amass) {
   constexpr std::size_t kMostFindings = 200;
   for (const auto& [frame, numbers] : damaged.in_frame) {
     const bool follows = !amass.damaged.empty() && amass.damaged.back() + 1 == frame;

@@ -8,7 +8,7 @@
 
 namespace mocurate {
 
-/// Numbers of a motion that are not finite, or of nobody, by their frames.
+/// Numbers of a motion that are not finite, or in no human range, by their frames.
 struct DamagedPoses {
   std::map<int, long long> in_frame;  ///< how many
   std::map<int, std::string> first;   ///< the first of a frame: "poses[12, 3] is NaN"
@@ -18,6 +18,6 @@ struct DamagedPoses {
 DamagedPoses ClearDamaged(Npz& npz);
 
 /// Fills `damaged` and `findings`.
-void TellDamaged(const DamagedPoses& damaged, const std::string& name, Amass& amass);
+void ReportDamaged(const DamagedPoses& damaged, const std::string& name, Amass& amass);
 
 }  // namespace mocurate

@@ -54,8 +54,8 @@ struct AmcOptions {
 /// one an error. Error kMalformed "name:line" naming frame and bone: an unknown keyword or bone, a bone twice in a
 /// frame, a row of another length than the dof, no finite number, no whole frame number; a frame that lacks a bone
 /// which most frames have; a last frame that lacks the last bone of the one before it (cut off). With kReport a frame
-/// with such a row keeps its place, stands in `damaged` and is reported, and a last frame that was cut off is left out,
-/// with one finding. A bone that most frames lack is missing there, and told once.
+/// with such a row keeps its place, stands in `damaged` and is reported, and a last frame that was cut off is excluded,
+/// with one finding. A bone that most frames lack is missing there, and reported once.
 Expected<Amc> ParseAmc(std::string_view bytes, const AmcOptions& options, const std::string& name);
 
 std::string WriteAmc(const Amc& amc);

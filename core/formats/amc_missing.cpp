@@ -50,7 +50,7 @@ Status JudgeMissingBones(const std::vector<int>& frame_lines, bool reports, cons
     const std::string what = which + " bone '" + Shown(first) + "'" +
                              (others > 0 ? " and " + Counted(others, "other") : "") + ", which most frames have";
     const std::string place = name + ":" + std::to_string(frame_lines[f]);
-    if (!reports) return Fail(ErrorCode::kMalformed, what, place, "mend or cut the frame, or copy the file again");
+    if (!reports) return Fail(ErrorCode::kMalformed, what, place, "correct or cut the frame, or copy the file again");
     NoteMissing(first, f, end, end - f, place + ": " + what, amc);
     for (; f < end; ++f) damaged[f] = 1;
     --f;

@@ -60,8 +60,8 @@ class AmcParser {
   }
 
  private:
-  tl::unexpected<Error> Bad(const std::string& what, const std::string& hint = "mend the line, or leave the file out",
-                            int line = 0) const {
+  tl::unexpected<Error> Bad(const std::string& what,
+                            const std::string& hint = "correct the line, or leave the file out", int line = 0) const {
     const std::string frame =
         amc_.frames > 0 ? ", frame " + std::to_string(amc_.frame_numbers.back()) : std::string(", before any frame");
     return Fail(ErrorCode::kMalformed, what + frame, Place(line > 0 ? line : line_), hint);
@@ -69,7 +69,7 @@ class AmcParser {
 
   std::string Place(int line) const { return name_ + ":" + std::to_string(line); }
 
-  /// Null where so many are told already that this one is not.
+  /// Null when the limit of reported findings is reached.
   Finding* Report(const char* code, const std::string& bone, double value, std::string message, int frame = -1) {
     const bool damage = std::string_view(code) != "frame_number" && frame < 0;
     if (damage && !Damaged()) amc_.damaged.push_back(amc_.frames - 1);
@@ -301,7 +301,7 @@ class AmcParser {
   }
 
   /// A last frame that lacks the bone with which the one before it ends is the mark of a file that was cut off: it is
-  /// left out, as what is left of its last row cannot be told from a whole one.
+  /// dropped: a truncated last row may look complete.
   Status LastFrame() {
     const int last = amc_.frames - 1;
     if (last < 1 || here_[last_before_] != 0 || misspelt_ == last_before_) return {};
@@ -318,16 +318,16 @@ class AmcParser {
     const std::string what = Place(line_) + ": the file is cut off within frame " +
                              std::to_string(amc_.frame_numbers.back()) + ", which begins at line " +
                              std::to_string(frame_lines_.back()) + " and " + lacks;
-    LeaveOutLast();
-    if (Finding* told = Report("cut_off", "", lacking, what, last)) {
-      told->severity = Severity::kError;
-      told->action = FindingAction::kDropped;
+    ExcludeLast();
+    if (Finding* finding = Report("cut_off", "", lacking, what, last)) {
+      finding->severity = Severity::kError;
+      finding->action = FindingAction::kDropped;
     }
     return {};
   }
 
   /// With what was said of it.
-  void LeaveOutLast() {
+  void ExcludeLast() {
     const int last = amc_.frames - 1;
     if (Damaged()) amc_.damaged.pop_back();
     while (!amc_.findings.empty() &&

@@ -52,7 +52,7 @@ Status CheckField(const NpyArray& array, const std::vector<std::size_t>& wanted,
                   "the value at " + PlaceText(i, array.shape) + ", " + FormatDouble(array.values[i]) +
                       ", is no number of a person",
                   where,
-                  "numbers reach to " + FormatDouble(kLargestNumber) + ": mend or cut it, or leave the file out");
+                  "numbers reach to " + FormatDouble(kLargestNumber) + ": correct or cut it, or leave the file out");
     }
   }
   return {};

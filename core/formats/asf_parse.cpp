@@ -52,7 +52,7 @@ class AsfParser {
 
  private:
   tl::unexpected<Error> Bad(std::string what, std::string hint = {}) const {
-    if (hint.empty()) hint = "mend the line, or copy the skeleton file again";
+    if (hint.empty()) hint = "correct the line, or copy the skeleton file again";
     return lines_.Bad(std::move(what), std::move(hint));
   }
 
@@ -116,7 +116,7 @@ class AsfParser {
     if (!value || !std::isfinite(*value)) return Bad("'" + Shown(word) + "' is no finite number: " + field);
     if (std::abs(*value) > kLargestNumber) {
       return Bad("'" + Shown(word) + "' is no number of a skeleton: " + field,
-                 "numbers reach to " + FormatDouble(kLargestNumber) + ": mend it");
+                 "numbers reach to " + FormatDouble(kLargestNumber) + ": correct it");
     }
     return *value;
   }
@@ -183,7 +183,7 @@ class AsfParser {
     }
     if (SameWord(words[0], "axis")) {
       if (words.size() != 2) return Bad("axis of :root needs one word, as XYZ");
-      root_axis_told_ = true;
+      root_axis_reported_ = true;
       return Order(asf_.root_axis, words[1], "axis of :root");
     }
     if (SameWord(words[0], "position")) return Vector(asf_.root_position, words, 4, "position of :root");
@@ -362,8 +362,8 @@ class AsfParser {
   }
 
   /// The axis is the order of the angles of the orientation: it says nothing where these are 0.
-  void DoubtRootAxis() {
-    if (root_axis_told_) return;
+  void CheckRootAxis() {
+    if (root_axis_reported_) return;
     const bool turned = !asf_.root_orientation.isZero();
     Report("root_axis_missing", turned ? Severity::kError : Severity::kWarning, "", 0.0,
            lines_.name() + ": :root has no axis, the order of the angles of its orientation, " +
@@ -375,7 +375,7 @@ class AsfParser {
       if (sections_.count(section) == 0) return lines_.CutOff(std::string("':") + section + "'");
     }
     if (asf_.root_order.empty()) return Fail(ErrorCode::kMalformed, ":root has no order", lines_.name(), kOrderHint);
-    DoubtRootAxis();
+    CheckRootAxis();
     if (asf_.bones.empty()) return Bad(":bonedata holds no bone");
     for (std::size_t i = 0; i < asf_.bones.size(); ++i) {
       if (!hung_[i]) return Bad("bone " + Called(asf_.bones[i]) + " is not in :hierarchy");
@@ -389,7 +389,7 @@ class AsfParser {
   std::set<std::string> sections_;
   std::unordered_map<std::string, int> index_;
   std::set<int> ids_;
-  bool root_axis_told_ = false;
+  bool root_axis_reported_ = false;
   std::vector<bool> hung_;
 };
 

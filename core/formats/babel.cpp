@@ -23,7 +23,7 @@ struct BabelPlace {
 
   tl::unexpected<Error> Bad(const std::string& rule) const {
     return Fail(ErrorCode::kMalformed, rule, *file + ":" + DisplayPath(path),
-                "mend it, or leave the file out of ingest.source.annotations");
+                "correct it, or leave the file out of ingest.source.annotations");
   }
   /// Null stands for a key that is absent.
   BabelPlace Find(const char* key) const {
@@ -191,7 +191,7 @@ Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const st
   try {
     root = ordered_json::parse(bytes);
   } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kMalformed, std::string("no JSON: ") + error.what(), name, "copy it again, or mend it");
+    return Fail(ErrorCode::kMalformed, std::string("no JSON: ") + error.what(), name, "copy it again, or correct it");
   }
   if (!root.is_object())
     return Fail(ErrorCode::kMalformed, "an object of sequences is expected", name, "is it a file of BABEL?");

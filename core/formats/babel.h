@@ -58,7 +58,7 @@ std::vector<BabelProblem> FindBabelProblems(const BabelSequence& sequence);
 bool IsFrequentBabelCategory(std::string_view category);
 std::vector<std::string> FrequentBabelCategories();
 
-/// Text in the layout of the dense or the extra files. Identifiers that are empty are left out.
+/// Text in the layout of the dense or the extra files. Identifiers that are empty are excluded.
 std::string EncodeBabel(const std::vector<BabelSequence>& sequences);
 
 }  // namespace mocurate

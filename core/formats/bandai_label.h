@@ -19,7 +19,7 @@ struct BandaiLabel {
 /// whole number from 0 on.
 Expected<BandaiLabel> ParseBandaiLabel(std::string_view bytes, const std::string& name);
 
-/// One label a line ("dataset-1_walk-back"); the set's prefix up to the first '_' is left out, also where nothing
+/// One label a line ("dataset-1_walk-back"); the set's prefix up to the first '_' is excluded, also where nothing
 /// stands before it ("_raise-up-right-hand"). The last line needs no line end. Error kMalformed "name:line": no label,
 /// an empty line between labels (it would shift those behind it), a label twice.
 Expected<std::vector<std::string>> ParseBandaiLabelList(std::string_view bytes, const std::string& name);

@@ -49,7 +49,7 @@ struct Bvh {
 /// kMalformed "name:line": empty or cut-off file, unknown channel, a channel twice, a frame with another count of
 /// numbers, NaN, frame time that is not from 1e-6 to 1e6 s; kInconsistent: `Frames:` is not the count of rows. Nothing
 /// is allocated on the word of a header. With DamagedRows::kReport a count of frames that is not the count of whole
-/// rows is reported and the rows decide; so is a last row that is cut off, which is left out. Another damaged row keeps
+/// rows is reported and the rows decide; so is a last row that is cut off, which is excluded. Another damaged row keeps
 /// its place, as one line is one frame, and stands in `damaged`; it stays an error where damage may have split or
 /// joined rows (more rows than announced, or a row with too many numbers in a file with fewer), or where it is most of
 /// them.

@@ -17,7 +17,7 @@ namespace {
 using Token = NumberScanner::Token;
 
 constexpr int kMaxTreeDepth = 512;       // no body is deeper; bounds what a hostile file can make a reader of ours do
-constexpr std::size_t kMostTwins = 100;  // names that stand twice, each told; damaged rows are told besides
+constexpr std::size_t kMostTwins = 100;  // duplicate names, each reported; damaged rows are reported besides
 constexpr double kShortestFrame = 1e-6;
 constexpr double kLongestFrame = 1e6;  // seconds
 constexpr const char* kFrameTimeHint = "write the seconds from frame to frame, 0.0333333 for 30 frames a second";
@@ -60,7 +60,7 @@ class BvhParser {
   tl::unexpected<Error> Bad(std::string what, int line = 0, std::string hint = {}) const {
     if (hint.empty()) {
       hint = line == 0 && Trim(lines_.rest()).empty() ? "the file ends there: it is cut off, copy it again"
-                                                      : "mend the line, or export the file again";
+                                                      : "correct the line, or export the file again";
     }
     return Fail(ErrorCode::kMalformed, std::move(what), name_ + ":" + std::to_string(line > 0 ? line : lines_.number()),
                 std::move(hint));
@@ -76,7 +76,7 @@ class BvhParser {
       }
       if (std::abs(*value) > kLargestNumber)
         return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no length of a body", 0,
-                   "numbers reach to " + FormatDouble(kLargestNumber) + ": mend it, or export the file again");
+                   "numbers reach to " + FormatDouble(kLargestNumber) + ": correct it, or export the file again");
       offset[i] = *value;
     }
     return offset;
@@ -123,7 +123,7 @@ class BvhParser {
     bvh_.joints.push_back(joint);
     if (reports_ && !names_.insert(joint.name).second && bvh_.findings.size() < kMostTwins) {
       Report("joint_twice", static_cast<double>(bvh_.joints.size() - 1), lines_.number(), 0,
-             "joint '" + Shown(name) + "' stands twice: which of them a name means cannot be told; rename one");
+             "joint '" + Shown(name) + "' occurs twice, so the name is ambiguous; rename one");
       bvh_.findings.back().severity = Severity::kWarning;
     }
     if (static_cast<int>(stack_.size()) >= kMaxTreeDepth) return Bad("joints are nested too deeply");
@@ -258,7 +258,7 @@ class BvhParser {
     }
     const auto without = std::find_if(bvh_.joints.begin(), bvh_.joints.end(),
                                       [](const BvhJoint& joint) { return joint.channels.empty(); });
-    return "every row has " + FormatDouble(count) + " numbers: mend the CHANNELS of the hierarchy" +
+    return "every row has " + FormatDouble(count) + " numbers: correct the CHANNELS of the hierarchy" +
            (without == bvh_.joints.end() ? "" : "; joint '" + Shown(without->name) + "' has none");
   }
 
@@ -308,7 +308,7 @@ class BvhParser {
                                  std::to_string(in_row) + " is no finite number";
         const std::string comma = CommaHint(scanner.text());
         if (!comma.empty() && rows == 0) return Bad(what, scanner.line(), comma);
-        if (!reports_) return Bad(what, scanner.line(), "mend or cut the frame, or leave the file out");
+        if (!reports_) return Bad(what, scanner.line(), "correct or cut the frame, or leave the file out");
         Damage("not_a_number", static_cast<double>(in_row), line, rows++, what, begin);
         while (token != Token::kLineEnd && token != Token::kEnd) token = scanner.Next();
         more = token != Token::kEnd;

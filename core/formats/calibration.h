@@ -10,7 +10,7 @@
 namespace mocurate {
 
 /// What the rotation R and the vector t of a calibration mean. Files rarely say it.
-enum class PoseReading {
+enum class PoseConvention {
   kUnknown,
   kWorldToCamera,  ///< x_c = R X + t
   kCentre,         ///< x_c = R (X - t): t is the camera's centre
@@ -18,7 +18,7 @@ enum class PoseReading {
 };
 
 /// "world_to_camera", "centre", "camera_to_world", "unknown".
-std::string_view Name(PoseReading reading);
+std::string_view Name(PoseConvention reading);
 
 /// One camera as its file gives it. Camera axes: x right, y down, z forward.
 struct CalibratedView {
@@ -35,9 +35,9 @@ struct CalibratedView {
 
 /// A calibration file of any dialect.
 struct Calibration {
-  std::string dialect;                          ///< "qualisys", "pose2sim_toml", ...
-  PoseReading reading = PoseReading::kUnknown;  ///< where the format says it
-  double metres_per_unit = 0;                   ///< where the format says it; 0: unknown
+  std::string dialect;                                ///< "qualisys", "pose2sim_toml", ...
+  PoseConvention reading = PoseConvention::kUnknown;  ///< where the format says it
+  double metres_per_unit = 0;                         ///< where the format says it; 0: unknown
   std::vector<CalibratedView> views;
   /// Points that the cameras of their world looked at (calibration boards).
   struct SubjectPoint {
@@ -49,7 +49,7 @@ struct Calibration {
 
 /// The camera in metres. `reading` must not be kUnknown, `metres_per_unit` not 0. R is replaced by the nearest
 /// rotation.
-Camera CameraOf(const CalibratedView& view, PoseReading reading, double metres_per_unit);
+Camera CameraOf(const CalibratedView& view, PoseConvention reading, double metres_per_unit);
 
 /// Pinhole numbers of a row-major 3 x 3 matrix into the view. Returns why it is no camera matrix; empty if it is one.
 std::string SetIntrinsics(const std::vector<double>& matrix, CalibratedView& view);

@@ -237,7 +237,7 @@ Expected<Calibration> ParsePose2SimToml(std::string_view bytes, const std::strin
   if (!document) return Forward(document);
   Calibration calibration;
   calibration.dialect = "pose2sim_toml";
-  calibration.reading = PoseReading::kWorldToCamera;
+  calibration.reading = PoseConvention::kWorldToCamera;
   calibration.metres_per_unit = 1.0;
   const JsonPlace root{&*document, "", &name};
   if (Status status = AddViews(root, true, TomlCamera, calibration); !status) return Forward(status);
@@ -262,7 +262,7 @@ Expected<Calibration> ParsePlainCameras(std::string_view bytes, const std::strin
     if (convention->rfind("x_cam = R X_world + t", 0) != 0) {
       return root.Key("convention")->Bad("'x_cam = R X_world + t' is expected");
     }
-    calibration.reading = PoseReading::kWorldToCamera;
+    calibration.reading = PoseConvention::kWorldToCamera;
     return AddViews(*root.Key("cameras"), false, PlainCamera, calibration);
   });
 }
@@ -302,7 +302,7 @@ Expected<Calibration> ParsePanopticCameras(std::string_view bytes, const std::st
   });
 }
 
-bool SpeaksOfCameras(std::string_view bytes) {
+bool LooksLikeCalibration(std::string_view bytes) {
   const auto holds = [&](std::string_view word) { return bytes.find(word) != std::string_view::npos; };
   const std::string_view content = Trim(bytes);
   if (content.empty()) return false;

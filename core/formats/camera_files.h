@@ -9,7 +9,7 @@
 namespace mocurate {
 
 /// Calibrations as JSON and TOML, each a dialect of its own. Where a file does not say what R and t mean or its unit,
-/// the Calibration leaves it unknown (ingest/sense/calibration_sense.h decides by evidence). Errors kMalformed and
+/// the Calibration leaves it unknown (ingest/inspect/calibration_estimate.h decides by evidence). Errors kMalformed and
 /// kInconsistent with the path of the field ("calib.json:/cameras/3/K").
 
 /// Pose2Sim and Anipose: [cam] name, size, matrix, distortions (4 or 5), rotation (rotation vector), translation. The
@@ -30,7 +30,7 @@ Expected<Calibration> ParseCampusShelf(std::string_view bytes, const std::string
 Expected<Calibration> ParsePanopticCameras(std::string_view bytes, const std::string& name);
 
 /// PHSPD rigs: per rig the polarisation camera "p" (the world), Kinect v2 depth "d1".. and colour "c1".. cameras; poses
-/// as qw qx qy qz tx ty tz, normalised here. The lens numbers k1 k2 k3 are left out as the source's own code does. The
+/// as qw qx qy qz tx ty tz, normalised here. The lens numbers k1 k2 k3 are excluded as the source's own code does. The
 /// boards p1w.. are the subject points; the image sizes are those of the sensors (Kinect v2, 1224 x 1024).
 Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& name);
 
@@ -38,7 +38,7 @@ Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& 
 Expected<Calibration> ParsePhspdRigPickle(std::string_view bytes, const std::string& name);
 
 /// Whether a text, however damaged, was written as a calibration: by keys that nothing else has together.
-bool SpeaksOfCameras(std::string_view bytes);
+bool LooksLikeCalibration(std::string_view bytes);
 
 /// Any of them by what the file holds; Qualisys too. Error kUnsupported when it is none.
 Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string& name);

@@ -152,7 +152,7 @@ class JointTableParser {
                " before the first row of numbers: a header, passed over");
       table_.findings.back().frame_end = 0;
       table_.findings.back().severity = Severity::kInfo;
-      table_.findings.back().action = FindingAction::kLeftOut;
+      table_.findings.back().action = FindingAction::kExcluded;
       return {};
     }
     if (table_.columns == 0) table_.columns = row.numbers;
@@ -219,7 +219,7 @@ class JointTableParser {
   }
 
   /// Numbers that stand as NaN in rows that are whole: one finding for all.
-  struct LeftOut {
+  struct Excluded {
     long long numbers = 0;
     long long first_frame = 0;
     long long last_frame = 0;
@@ -237,18 +237,18 @@ class JointTableParser {
     }
   };
 
-  void Report(const char* code, const LeftOut& left_out, const std::string& way) {
-    if (left_out.numbers == 0) return;
-    Tell(code, left_out.first_frame, static_cast<double>(left_out.numbers),
-         name_ + ":" + std::to_string(left_out.first_line) + ": " + left_out.first +
-             (left_out.numbers > 1 ? ", and " + Counted(left_out.numbers - 1, "more such number") : "") +
+  void Report(const char* code, const Excluded& excluded, const std::string& way) {
+    if (excluded.numbers == 0) return;
+    Tell(code, excluded.first_frame, static_cast<double>(excluded.numbers),
+         name_ + ":" + std::to_string(excluded.first_line) + ": " + excluded.first +
+             (excluded.numbers > 1 ? ", and " + Counted(excluded.numbers - 1, "more such number") : "") +
              "; a point is taken for missing where one of its numbers is" + way);
     table_.findings.back().frame_end =
-        static_cast<int>(std::min<long long>(left_out.last_frame, std::numeric_limits<int>::max() - 1)) + 1;
+        static_cast<int>(std::min<long long>(excluded.last_frame, std::numeric_limits<int>::max() - 1)) + 1;
     table_.findings.back().action = FindingAction::kMissing;
   }
 
-  /// Of damaged rows the first thousand are told one by one.
+  /// The first thousand damaged rows are reported one by one.
   void Report(const char* code, long long frame, double value, std::string message) {
     constexpr std::size_t kMostFindings = 1000;
     if (table_.findings.size() >= kMostFindings) return;
@@ -319,8 +319,8 @@ class JointTableParser {
   int header_lines_ = 0;
   int short_line_ = -1;  ///< the last one that had too few numbers
   std::vector<long long> damaged_;
-  LeftOut not_finite_;
-  LeftOut too_large_;
+  Excluded not_finite_;
+  Excluded too_large_;
 };
 
 }  // namespace
@@ -331,7 +331,7 @@ Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLay
   }
   if (layout.rows_per_frame < 1) return Fail(ErrorCode::kUsage, "rows_per_frame must be at least 1", name);
   if (layout.damaged_rows == DamagedRows::kReport && layout.columns < 1) {
-    return Fail(ErrorCode::kUsage, "damaged rows can be told from others only where the columns are declared", name);
+    return Fail(ErrorCode::kUsage, "damaged rows can be detected only where the columns are declared", name);
   }
   return JointTableParser(bytes, layout, name).Run();
 }

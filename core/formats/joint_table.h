@@ -43,7 +43,7 @@ struct JointTable {
 /// empty file, a row with another count of numbers, something that is no number, a number that is not finite or beyond
 /// 1e30, and a count of rows that rows_per_frame does not divide. With DamagedRows::kReport a frame that holds a row of
 /// another length, or with something that is no number, is NaN throughout, keeps its place, and is reported; a number
-/// that is not finite or too large is NaN, with one finding for all; rows after the last whole frame are left out and
+/// that is not finite or too large is NaN, with one finding for all; rows after the last whole frame are excluded and
 /// reported.
 /// The columns must then be declared: a damaged first row says nothing about the others.
 Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLayout& layout, const std::string& name);

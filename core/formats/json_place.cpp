@@ -53,7 +53,7 @@ std::string WithNoNumbersAsTexts(std::string_view bytes) {
 
 }  // namespace
 
-bool IsNoNumber(const json& value) {
+bool IsNonFinite(const json& value) {
   if (value.is_null()) return true;
   if (!value.is_string()) return false;
   const auto& text = value.get_ref<const std::string&>();
@@ -81,7 +81,7 @@ Expected<std::vector<JsonPlace>> JsonPlace::Items() const {
 }
 
 Expected<double> JsonPlace::Number() const {
-  if (IsNoNumber(*value)) {
+  if (IsNonFinite(*value)) {
     return Bad("a finite number is expected, not " + (value->is_null() ? "null" : value->get<std::string>()),
                "write the number that belongs there");
   }
@@ -121,12 +121,12 @@ Expected<std::vector<double>> JsonPlace::Table(std::size_t rows, std::size_t col
   if (!value->is_array() || value->size() != rows) {
     return Bad(std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers are expected" +
                    (value->is_array() ? ", there are " + std::to_string(value->size()) : ""),
-               "mend it, or copy the file again");
+               "correct it, or copy the file again");
   }
   std::vector<double> table;
   for (std::size_t r = 0; r < rows; ++r) {
     const JsonPlace row = Item(r);
-    if (columns == 1 && (row.value->is_number() || IsNoNumber(*row.value))) {
+    if (columns == 1 && (row.value->is_number() || IsNonFinite(*row.value))) {
       const Expected<double> number = row.Number();
       if (!number) return Forward(number);
       table.push_back(*number);
@@ -158,7 +158,7 @@ Expected<Matrix3d> JsonPlace::Rotation(double tolerance) const {
   if (!fault.empty()) {
     return Fail(
         ErrorCode::kInconsistent, fault, Where(),
-        "its rows are to be of length 1 and at right angles: mend the number that is not, or copy the file again");
+        "its rows are to be of length 1 and at right angles: correct the number that is not, or copy the file again");
   }
   return *matrix;
 }

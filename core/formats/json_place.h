@@ -45,7 +45,7 @@ struct JsonPlace {
 Expected<nlohmann::json> ParseJson(std::string_view bytes, const std::string& name);
 
 /// NaN or an infinity as ParseJson reads them, or null, which others write in their place.
-bool IsNoNumber(const nlohmann::json& value);
+bool IsNonFinite(const nlohmann::json& value);
 
 /// How far a matrix is from being a rotation, as words; empty when it is one to `tolerance`.
 std::string RotationFault(const Matrix3d& matrix, double tolerance);

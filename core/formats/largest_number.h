@@ -9,6 +9,6 @@ inline constexpr double kLargestNumber = 1e30;
 /// of the earth.
 inline constexpr double kLargestCoordinate = 1e12;
 inline constexpr const char* kCoordinateHint =
-    "coordinates reach to 1e12 in any unit: mend or leave out the point, or export the file again";
+    "coordinates reach to 1e12 in any unit: correct or leave out the point, or export the file again";
 
 }  // namespace mocurate

@@ -245,7 +245,7 @@ Expected<NpyArray> ParseNpyEntry(std::string_view bytes, std::size_t entry, cons
     return whole;
   }
   const std::optional<ElementType> type = ParseElementType(parts->header.dtype);
-  // What contradicts itself is told of the whole.
+  // Contradictions are reported for the whole file.
   if (!type || type->kind == ElementKind::kObject || !ElementCount(shape, type->bytes, parts->data.size())) {
     return ParseParts(*parts, name);
   }

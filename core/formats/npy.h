@@ -23,7 +23,8 @@ struct NpyArray {
 /// Format versions 1 to 3; bool, i1 to i8, u1 to u8, f2, f4, f8, <U and |S in both byte orders, C and Fortran order.
 /// Error kMalformed for anything that contradicts itself or is cut off, kUnsupported for other types (complex numbers,
 /// dates, records); arrays of Python objects are never executed,
-/// and what they name beside plain data is told as of a pickle. What is allocated is bounded by the size of `bytes`.
+/// and what they name beside plain data is reported as for a pickle. What is allocated is bounded by the size of
+/// `bytes`.
 Expected<NpyArray> ParseNpy(std::string_view bytes, const std::string& name);
 
 /// One entry along the first axis, without that axis: of an array (clips, frames, joints, 3) the clip (frames, joints,

@@ -70,8 +70,8 @@ Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const Np
 Finding UnsafeMember(const Error& unsafe) {
   Finding finding;
   finding.code = "unsafe_pickle";
-  finding.message = unsafe.Message() + "; the member is left out";
-  finding.action = FindingAction::kLeftOut;
+  finding.message = unsafe.Message() + "; the member is excluded";
+  finding.action = FindingAction::kExcluded;
   return finding;
 }
 

@@ -37,7 +37,7 @@ struct NpzLimits {
 /// kUnsupported (limits), kInconsistent (two members of one name).
 Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const NpzLimits& limits = {});
 
-/// "unsafe_pickle" (warning, at no frame): that such a member was left out while others are read.
+/// "unsafe_pickle" (warning, at no frame): that such a member was excluded while others are read.
 Finding UnsafeMember(const Error& unsafe);
 
 /// Not packed, fixed dates: same arrays, same bytes. Errors as of EncodeNpy; skipped members are none to write.

@@ -107,17 +107,17 @@ class NtuParser {
 
   /// The frame in which the file ends; what was said of its lines is said by that.
   void DropLastFrame(const Error& why) {
-    std::vector<Finding>& told = skeleton_.findings;
-    told.erase(
-        std::remove_if(told.begin(), told.end(), [&](const Finding& finding) { return finding.frame_begin == frame_; }),
-        told.end());
+    std::vector<Finding>& findings = skeleton_.findings;
+    findings.erase(std::remove_if(findings.begin(), findings.end(),
+                                  [&](const Finding& finding) { return finding.frame_begin == frame_; }),
+                   findings.end());
     skeleton_.frames.pop_back();
     const int frame = std::exchange(frame_, -1);
     body_ = joint_ = -1;
     Report("cut_off", frame, scanner_.line(), "the file is cut off: " + why.what);
-    told.back().severity = Severity::kError;
-    told.back().frame_begin = frame;
-    told.back().frame_end = frame + 1;
+    findings.back().severity = Severity::kError;
+    findings.back().frame_begin = frame;
+    findings.back().frame_end = frame + 1;
   }
 
   std::string Where() const {
@@ -129,7 +129,7 @@ class NtuParser {
   }
 
   /// Numbers of the next line that is not blank, into `row_`; `line_` is where it stands. Where a damaged line may be
-  /// left out (`damaged` is not null), it says whether it was.
+  /// excluded (`damaged` is not null), it says whether it was.
   Status Row(const char* const* fields, int count, bool* damaged = nullptr) {
     row_.clear();
     Token token = Token::kLineEnd;

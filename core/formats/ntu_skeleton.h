@@ -58,7 +58,7 @@ inline bool operator==(const NtuSkeleton& a, const NtuSkeleton& b) { return a.fr
 /// word of a count. With DamagedRows::kReport a line of a joint or of a body's flags that holds no number, NaN (which
 /// files of the set are known to have) or another count of numbers leaves that joint at tracking state 0 and zeros, or
 /// the flags at 0, and is reported; so is a count of frames that is not the count of whole frames, and a last frame
-/// that is cut off, which is left out. A line too few or too many elsewhere stays an error. Layout: Shahroudy et al.
+/// that is cut off, which is excluded. A line too few or too many elsewhere stays an error. Layout: Shahroudy et al.
 /// 2016, the released reader of the data set.
 Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name,
                                        DamagedRows damaged_rows = DamagedRows::kRefuse);

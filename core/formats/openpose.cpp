@@ -20,9 +20,9 @@ constexpr PointList kLists[] = {{"pose_keypoints_2d", &OpenPosePerson::pose},
                                 {"hand_left_keypoints_2d", &OpenPosePerson::hand_left},
                                 {"hand_right_keypoints_2d", &OpenPosePerson::hand_right}};
 
-/// Whether the point at `first` is to be left out: one of its numbers is none. Counted unless its confidence is 0.
-bool LacksNumbers(const nlohmann::json& list, std::size_t first, OpenPoseFrame& frame) {
-  if (!IsNoNumber(list[first]) && !IsNoNumber(list[first + 1]) && !IsNoNumber(list[first + 2])) return false;
+/// Whether the point at `first` is to be excluded: one of its numbers is none. Counted unless its confidence is 0.
+bool HasMissingNumbers(const nlohmann::json& list, std::size_t first, OpenPoseFrame& frame) {
+  if (!IsNonFinite(list[first]) && !IsNonFinite(list[first + 1]) && !IsNonFinite(list[first + 2])) return false;
   const nlohmann::json& confidence = list[first + 2];
   frame.not_finite += confidence.is_number() && confidence.get<double>() == 0.0 ? 0 : 1;
   return true;
@@ -36,7 +36,7 @@ Expected<Points> ParsePoints(const JsonPlace& place, OpenPoseFrame& frame) {
   Points points;
   for (std::size_t i = 0; i < count; i += 3) {
     DetectedKeypoint point;
-    if (LacksNumbers(*place.value, i, frame)) {
+    if (HasMissingNumbers(*place.value, i, frame)) {
       points.push_back(point);
       continue;
     }
@@ -51,7 +51,7 @@ Expected<Points> ParsePoints(const JsonPlace& place, OpenPoseFrame& frame) {
     }
     if (point.confidence == 0.0 && (point.u_px != 0.0 || point.v_px != 0.0)) {
       point = {};
-      ++frame.unsure_points;
+      ++frame.uncertain_points;
     }
     points.push_back(point);
   }

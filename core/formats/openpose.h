@@ -30,8 +30,8 @@ struct OpenPosePerson {
 struct OpenPoseFrame {
   double version = 1.3;
   std::vector<OpenPosePerson> people;
-  int unsure_points = 0;  ///< had coordinates and the confidence 0, and are read as not detected
-  int not_finite = 0;     ///< points of which a number is NaN, Infinity or null, and that are read as not detected
+  int uncertain_points = 0;  ///< had coordinates and the confidence 0, and are read as not detected
+  int not_finite = 0;        ///< points of which a number is NaN, Infinity or null, and that are read as not detected
 };
 
 bool operator==(const DetectedKeypoint& a, const DetectedKeypoint& b);

@@ -56,7 +56,7 @@ class PcdParser {
  private:
   tl::unexpected<Error> BadLine(const std::string& rule) const {
     return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_),
-                "mend the line, or export the file again");
+                "correct the line, or export the file again");
   }
 
   Status Header() {
@@ -71,7 +71,7 @@ class PcdParser {
       ++line_;
       if (line.empty() || line[0] == '#') continue;
       const std::vector<std::string_view> words = SplitBlanks(line);
-      // COUNT and VIEWPOINT may be left out.
+      // COUNT and VIEWPOINT may be excluded.
       if (words[0] != kOrder[next] && (kOrder[next] == "COUNT" || kOrder[next] == "VIEWPOINT")) ++next;
       if (words[0] != kOrder[next]) {
         return BadLine("'" + std::string(kOrder[next]) + "' is expected, not '" + ShownText(words[0]) + "'");
@@ -192,7 +192,7 @@ class PcdParser {
       return {};
     }
     if (const std::string fault = NumberFault(*value, field.type); !fault.empty()) {
-      return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " " + fault, where(), "mend the number");
+      return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " " + fault, where(), "correct the number");
     }
     if (IsAxis(field) && std::abs(*value) > kLargestCoordinate) {
       return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " is no coordinate of a scan", where(),

@@ -27,7 +27,7 @@ int LineOfFilledRow(std::string_view bytes, int row) {
 }
 
 /// Findings name rows of the table: the frames that these are. A damaged row does not tell its frame; it is the next
-/// one after the row before it. `rows` are those whose frame is told.
+/// one after the row before it. `rows` are those whose frame is known.
 void NameFrames(const std::vector<int>& rows, const std::vector<int>& frames, std::vector<Finding>& findings) {
   if (rows.empty()) return;
   const auto frame_of = [&](int row) {
@@ -55,7 +55,7 @@ Expected<JointTable> Rows(std::string_view bytes, std::vector<std::string> names
   Expected<JointTable> table = ParseJointTable(bytes, layout, name);
   if (!table) return table;
   const auto headers = std::count_if(table->findings.begin(), table->findings.end(),
-                                     [](const Finding& finding) { return finding.action == FindingAction::kLeftOut; });
+                                     [](const Finding& finding) { return finding.action == FindingAction::kExcluded; });
   for (int row = 0; row < table->frames; ++row) {
     const double frame = table->at(row, 0, 0);
     if (std::isnan(frame)) continue;

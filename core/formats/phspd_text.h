@@ -32,7 +32,7 @@ struct PhspdShape {
 
 /// Lines "frame x0 y0 z0 ... x23 y23 z23", 73 numbers. Error kMalformed "name:line" that names the column: a line of
 /// another length, no finite number, a frame that is no whole number or does not come after the one before it. With
-/// DamagedRows::kReport a row of another length, or with a word, is left out and reported, as if nobody had annotated
+/// DamagedRows::kReport a row of another length, or with a word, is dropped and reported, as a frame without annotation
 /// its frame; a number that is not finite or too large is NaN.
 Expected<PhspdPose> ParsePhspdPose(std::string_view bytes, const std::string& name,
                                    DamagedRows damaged = DamagedRows::kRefuse);

@@ -136,8 +136,8 @@ struct PickleLimits {
 /// arrays and joblib's wrappers; every other name or opcode is an error that names it. Errors kMalformed, kUnsupported.
 Expected<Pickle> ParsePickle(std::string_view bytes, const std::string& name, const PickleLimits& limits = {});
 
-/// That error for a pickle that stands within another file, of arrays of objects or of PyTorch; `name` is told with it.
-/// Nothing where all is plain data, or as far as it could be read.
+/// That error for a pickle that stands within another file, of arrays of objects or of PyTorch; `name` is in the
+/// message. Nothing where all is plain data, or as far as it could be read.
 std::optional<Error> ForeignClassIn(std::string_view bytes, const std::string& name);
 
 }  // namespace mocurate

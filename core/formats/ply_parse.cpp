@@ -58,11 +58,11 @@ class PlyParser {
  private:
   tl::unexpected<Error> BadLine(const std::string& rule) const {
     return Fail(ErrorCode::kMalformed, rule, name_ + ":" + std::to_string(line_),
-                "mend the line, or export the file again");
+                "correct the line, or export the file again");
   }
   tl::unexpected<Error> BadItem(const PlyElement& element, std::size_t item, const PlyProperty& property,
                                 const std::string& rule,
-                                const std::string& hint = "mend the number, or export the file again") const {
+                                const std::string& hint = "correct the number, or export the file again") const {
     std::string where = name_ + ":";
     if (ply_.encoding == Ply::Encoding::kAscii) where += std::to_string(line_) + ":";
     return Fail(ErrorCode::kMalformed, rule, where + element.name + " " + std::to_string(item) + "/" + property.name,
@@ -237,7 +237,7 @@ class PlyParser {
     const std::size_t left = bytes_.size() - at_;
     if (left == 0) return {};
     std::size_t smallest = 0;
-    // How many items of lists the bytes left are cannot be told.
+    // The number of list items in the remaining bytes is unknown.
     if (!ply_.elements.empty() && !HasList(ply_.elements.back())) smallest = SmallestItem(ply_.elements.back());
     if (smallest > 0 && left >= smallest && ply_.elements.back().count > 0) {
       const PlyElement& last = ply_.elements.back();

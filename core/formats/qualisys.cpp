@@ -131,7 +131,7 @@ Expected<Calibration> ParseQualisys(std::string_view bytes, const std::string& n
   }
   Calibration calibration;
   calibration.dialect = "qualisys";
-  calibration.reading = PoseReading::kCentre;
+  calibration.reading = PoseConvention::kCentre;
   calibration.metres_per_unit = 0.001;
   for (const pugi::xml_node node : cameras) {
     if (node.type() != pugi::node_element) continue;

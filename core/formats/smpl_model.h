@@ -25,8 +25,8 @@ struct SmplModel {
   std::vector<std::uint32_t> faces;     ///< three vertices each
 };
 
-/// The official .pkl (Python 2, chumpy and sparse matrices included) or .npz, told apart by their bytes. Every field is
-/// checked against the others. Errors kMalformed name the field.
+/// The official .pkl (Python 2, chumpy and sparse matrices included) or .npz, distinguished by their bytes. Every field
+/// is checked against the others. Errors kMalformed name the field.
 Expected<SmplModel> ParseSmplModel(std::string_view bytes, const std::string& name);
 
 /// As .npz. Error kInconsistent: sizes that do not fit.

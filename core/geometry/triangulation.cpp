@@ -10,12 +10,12 @@ constexpr double kParallel = 1e-6;  ///< smallest singular values that still det
 
 }  // namespace
 
-std::optional<Vector3d> TriangulateLinear(const std::vector<Sighting>& sightings) {
+std::optional<Vector3d> TriangulateLinear(const std::vector<ImageObservation>& sightings) {
   Eigen::Matrix<double, Eigen::Dynamic, 4> equations(2 * static_cast<Eigen::Index>(sightings.size()), 4);
   // Relative to the first centre, so that the distance of the world's origin does not matter.
   std::optional<Vector3d> origin;
   Eigen::Index rows = 0;
-  for (const Sighting& sighting : sightings) {
+  for (const ImageObservation& sighting : sightings) {
     if (!(sighting.weight > 0.0)) continue;
     if (!origin) origin = sighting.camera->Centre();
     const Vector3d ray = sighting.camera->Unproject(sighting.pixel, 1.0);
@@ -34,13 +34,13 @@ std::optional<Vector3d> TriangulateLinear(const std::vector<Sighting>& sightings
   return Vector3d(point.head<3>() / point[3] + *origin);
 }
 
-std::optional<double> ReprojectionError(const Sighting& sighting, const Vector3d& point_in_world) {
+std::optional<double> ReprojectionError(const ImageObservation& sighting, const Vector3d& point_in_world) {
   const std::optional<Vector2d> pixel = sighting.camera->ProjectWorld(point_in_world);
   if (!pixel) return std::nullopt;
   return (*pixel - sighting.pixel).norm();
 }
 
-std::optional<AxesMeeting> MeetAxes(const std::vector<RigidTransform>& camera_from_world) {
+std::optional<AxesMeeting> NearestPointToAxes(const std::vector<RigidTransform>& camera_from_world) {
   if (camera_from_world.size() < 2) return std::nullopt;
   Matrix3d normal = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();

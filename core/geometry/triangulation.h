@@ -8,7 +8,7 @@
 namespace mocurate {
 
 /// One view's sight of a point.
-struct Sighting {
+struct ImageObservation {
   const Camera* camera = nullptr;
   Vector2d pixel = Vector2d::Zero();
   double weight = 1.0;  ///< a detector's confidence; 0: not seen, not read
@@ -17,10 +17,10 @@ struct Sighting {
 /// Linear triangulation (DLT; Hartley and Zisserman, section 12.2) of undistorted rays, each view's two equations times
 /// its weight. World, metres. Empty with fewer than two views that see the point, or when their rays are parallel.
 /// Plain: no outliers are sought, and the point may lie behind a camera.
-std::optional<Vector3d> TriangulateLinear(const std::vector<Sighting>& sightings);
+std::optional<Vector3d> TriangulateLinear(const std::vector<ImageObservation>& sightings);
 
 /// Distance in pixels between the sighting and the projection of a point; empty when the point is not in front.
-std::optional<double> ReprojectionError(const Sighting& sighting, const Vector3d& point_in_world);
+std::optional<double> ReprojectionError(const ImageObservation& sighting, const Vector3d& point_in_world);
 
 /// The point nearest to the optical axes of cameras, in the least-squares sense.
 struct AxesMeeting {
@@ -30,6 +30,6 @@ struct AxesMeeting {
 };
 
 /// Empty for fewer than two cameras or when all axes are parallel (to 1e-6).
-std::optional<AxesMeeting> MeetAxes(const std::vector<RigidTransform>& camera_from_world);
+std::optional<AxesMeeting> NearestPointToAxes(const std::vector<RigidTransform>& camera_from_world);
 
 }  // namespace mocurate

@@ -74,7 +74,7 @@ struct CloudFiles {
 
 /// People whom a detector found in the images of one calibrated camera. F images, P people (the most that one image
 /// lists), K points each. Frame f of all views of a clip is the same moment when their times are the same: an image
-/// that is missing is one in which nobody is seen. The order of an image's people is the detector's and means nothing.
+/// that is missing is one that shows no person. The order of an image's people is the detector's and means nothing.
 struct KeypointView {
   Camera camera;               ///< named; two views of a clip have different names
   std::vector<double> time_s;  ///< (F) increasing
@@ -82,7 +82,7 @@ struct KeypointView {
   std::vector<double> values;  ///< (F,P,K,3) u px, v px, confidence in [0, 1]; 0: not seen, u and v are never read
 
   int frames() const { return static_cast<int>(time_s.size()); }
-  /// K; 0 when there is no image or nobody is ever seen.
+  /// K; 0 when there is no image or no person is ever observed.
   int points() const;
   /// u px, v px (as detected: with the lens's distortion, and possibly outside the image), confidence.
   const double* at(int frame, int person, int point) const;

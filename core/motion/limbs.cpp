@@ -118,7 +118,7 @@ class LimbFinder {
   }
 
   /// The one of several that goes on: the only one, else the first whose name has a word of those; -1 for none.
-  int GoesOn(const std::vector<int>& below, std::initializer_list<std::string_view> words) const {
+  int ContinuesWith(const std::vector<int>& below, std::initializer_list<std::string_view> words) const {
     if (below.size() == 1) return below.front();
     const auto named =
         std::find_if(below.begin(), below.end(), [&](int joint) { return Contains(names_[joint].rest, words); });
@@ -147,13 +147,13 @@ class LimbFinder {
     const int above = limb.root < 0 ? -1 : Above(limb.root);
     const bool sided = above > 0 && (names_[above].side == side || Contains(names_[above].rest, {"clav", "collar"}));
     if (sided) limb.collar = above;
-    limb.end = GoesOn(Below(limb.middle), {"wrist", "hand"});
+    limb.end = ContinuesWith(Below(limb.middle), {"wrist", "hand"});
     if (limb.end < 0) return limb;
     std::vector<int> fingers = Below(limb.end);
     fingers.erase(std::remove_if(fingers.begin(), fingers.end(),
                                  [&](int joint) { return Contains(names_[joint].rest, {"thumb"}); }),
                   fingers.end());
-    limb.tip = GoesOn(fingers, {"middle"});
+    limb.tip = ContinuesWith(fingers, {"middle"});
     return limb;
   }
 
@@ -164,13 +164,13 @@ class LimbFinder {
     });
     if (limb.middle < 0) return limb;
     limb.root = RootOf(limb.middle);
-    limb.end = GoesOn(Below(limb.middle), {"ankle", "foot"});
+    limb.end = ContinuesWith(Below(limb.middle), {"ankle", "foot"});
     if (limb.end < 0) return limb;
     std::vector<int> toes = Below(limb.end);
     toes.erase(
         std::remove_if(toes.begin(), toes.end(), [&](int joint) { return Contains(names_[joint].rest, {"heel"}); }),
         toes.end());
-    limb.tip = GoesOn(toes, {"toe", "foot", "ball"});
+    limb.tip = ContinuesWith(toes, {"toe", "foot", "ball"});
     return limb;
   }
 

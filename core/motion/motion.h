@@ -54,7 +54,7 @@ enum class JointState : std::uint8_t { kObserved = 0, kRepaired = 1, kInterpolat
 /// F frames, J joints of `skeleton`.
 struct Motion {
   SkeletonPtr skeleton;
-  SkeletonPtr counted_from;  ///< from whose rest pose rotations are counted; null: from that of `skeleton`
+  SkeletonPtr rotation_reference;  ///< from whose rest pose rotations are counted; null: from that of `skeleton`
   FrameRate rate;
   std::vector<Vector3d> root_translation;  ///< (F) of joint 0 in the world; empty if joints only
   std::vector<Quaterniond> rotation;  ///< (F*J) parent_from_joint; for the root world_from_root; empty if joints only
@@ -72,7 +72,7 @@ struct Motion {
   bool joints_only() const { return rotation.empty(); }
   /// The skeleton that people share whose rotations can be compared: `skeleton` but for where this person's bones
   /// point.
-  const SkeletonPtr& rest_pose() const { return counted_from ? counted_from : skeleton; }
+  const SkeletonPtr& rest_pose() const { return rotation_reference ? rotation_reference : skeleton; }
   double duration() const { return rate.FrameTime(frame_count()); }
 
   Quaterniond& rotation_at(int frame, int joint) {

@@ -168,7 +168,7 @@ void ResampleClouds(CloudFiles& clouds, FrameRate rate) {
   clouds.time_s = times;
 }
 
-/// Nobody is followed from image to image: the nearer image is taken whole.
+/// People are not tracked between images: the nearer image is used whole.
 void ResampleKeypoints(KeypointView& view, FrameRate rate) {
   if (view.time_s.size() < 2) return;
   const std::vector<double> times = TimesBetween(view.time_s.front(), view.time_s.back(), rate);

@@ -50,10 +50,10 @@ struct LieChains {
   std::vector<Vector3d> raw_offsets;  ///< unit vector per joint; zero for the root
 };
 
-/// How a person's flesh differs from a usual person's of the same size, in deviations among people
-/// (`core/body/flesh_shape.h`).
+/// How a person's shape differs from a usual person's of the same size, in deviations among people
+/// (`core/body/shape_offsets.h`).
 inline constexpr int kShapeComponents = 5;
-using FleshShape = std::array<double, kShapeComponents>;
+using BodyShape = std::array<double, kShapeComponents>;
 
 /// A named tree of joints. Joint 0 is the root; parents precede children.
 struct Skeleton {
@@ -61,7 +61,7 @@ struct Skeleton {
   std::vector<Joint> joints;
   std::vector<Landmark> landmarks;
   std::optional<LieChains> lie;
-  FleshShape flesh{};  ///< of the person whose skeleton it is; all 0: not known
+  BodyShape shape{};  ///< of the person whose skeleton it is; all 0: not known
 
   int joint_count() const { return static_cast<int>(joints.size()); }
   /// By name or synonym; empty when there is none.

@@ -67,7 +67,7 @@ Expected<Journal> Journal::Open(const std::filesystem::path& path) {
   char last = '\n';
   const off_t end = lseek(journal.file_, 0, SEEK_END);
   if (end > 0 && pread(journal.file_, &last, 1, end - 1) == 1 && last != '\n') {
-    if (Status mended = WriteWhole(journal.file_, path, "\n"); !mended) return Forward(mended);
+    if (Status corrected = WriteWhole(journal.file_, path, "\n"); !corrected) return Forward(corrected);
   }
   return journal;
 }

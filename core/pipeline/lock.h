@@ -10,7 +10,7 @@ namespace mocurate {
 /// An exclusive lock on a file, made when missing. Held until destroyed or until the process ends, however it ends.
 class FileLock {
  public:
-  /// Empty when somebody else holds it. Error kCannotWrite.
+  /// Empty when another process holds it. Error kCannotWrite.
   static Expected<std::optional<FileLock>> TryTake(const std::filesystem::path& file);
   /// Waits for it. Error kCannotWrite.
   static Expected<FileLock> Take(const std::filesystem::path& file);

@@ -51,8 +51,8 @@ Expected<FileLock> LockRunFolder(const fs::path& folder) {
 std::string Summary(const StageReport& report) {
   std::string text = report.title() + ": " + Counted(static_cast<long long>(report.items.size()), "item") + ", " +
                      std::to_string(report.done) + " done";
-  const std::pair<int, const char*> parts[] = {{report.doubtful, " doubtful"},
-                                               {report.left_out, " left out by rule"},
+  const std::pair<int, const char*> parts[] = {{report.suspect, " suspect"},
+                                               {report.excluded, " excluded by rule"},
                                                {report.refused, " refused"},
                                                {report.crashed, " crashed"}};
   for (const auto& [count, name] : parts) {
@@ -83,7 +83,7 @@ Expected<StageReport> Runner::Impl::Execute(const StageDeclaration& stage, std::
   StageRun run(*this, stage, std::move(items), true);
   Expected<StageReport> report = run.Execute();
   if (!report) return report;
-  if (Status mended = TryAgain(stage, run, *report); !mended) return Forward(mended);
+  if (Status corrected = TryAgain(stage, run, *report); !corrected) return Forward(corrected);
   for (std::size_t i = 0; i < run.items().size(); ++i) {
     if (!report->items[i].artifact.empty()) origins.Add(stage, run.items()[i], report->items[i].artifact);
   }
@@ -117,8 +117,8 @@ Status Runner::Impl::TryAgain(const StageDeclaration& stage, const StageRun& fir
     report.items[first.damaged()[i]] = std::move(again->items[i]);
   }
   report.done += again->done;
-  report.doubtful += again->doubtful;
-  report.left_out += again->left_out;
+  report.suspect += again->suspect;
+  report.excluded += again->excluded;
   report.refused += again->refused;
   report.crashed += again->crashed;
   report.from_cache += again->from_cache;
@@ -129,7 +129,7 @@ Status Runner::Impl::TryAgain(const StageDeclaration& stage, const StageRun& fir
 Runner::Runner(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Runner::~Runner() {
-  for (const std::unique_ptr<WorkerProcess>& worker : impl_->idle) worker->Dismiss();
+  for (const std::unique_ptr<WorkerProcess>& worker : impl_->idle) worker->CloseStdin();
 }
 
 Expected<std::unique_ptr<Runner>> Runner::Make(const RunnerOptions& options) {
@@ -153,7 +153,7 @@ Expected<StageReport> Runner::Run(const StageDeclaration& stage, std::vector<Ite
                                   const std::string& branch) {
   const bool dry_run = impl_->options.dry_run;
   Expected<StageReport> report =
-      dry_run ? StageRun(*impl_, stage, std::move(items)).Foresee() : impl_->Execute(stage, std::move(items));
+      dry_run ? StageRun(*impl_, stage, std::move(items)).PlanStage() : impl_->Execute(stage, std::move(items));
   if (!report) return report;
   report->branch = branch;
   if (!dry_run) LogInfo(Summary(*report));

@@ -20,7 +20,7 @@ struct RunnerOptions {
   int jobs = 0;                         ///< worker processes; 0: one per core
   bool dry_run = false;
   bool quiet = false;                              ///< no progress, and nothing of what workers print
-  bool tell_failures = true;                       ///< as warnings, when they happen; false: who asked tells
+  bool log_failures = true;                        ///< as warnings, when they happen; false: who asked tells
   std::optional<double> item_timeout_s;            ///< instead of the stages' own limits
   std::optional<std::uint64_t> item_memory_bytes;  ///< instead of the stages' own limits
   double time_factor = 1.0;                        ///< the stages' own time limits are this many times as long
@@ -45,7 +45,7 @@ struct StageReport {
   std::string stage;
   std::string branch;             ///< which of several runs of the stage this is, in words; empty when there is one
   std::vector<ItemResult> items;  ///< in the order of the specs
-  int done = 0, doubtful = 0, left_out = 0, refused = 0, crashed = 0, from_cache = 0;
+  int done = 0, suspect = 0, excluded = 0, refused = 0, crashed = 0, from_cache = 0;
   double seconds = 0.0;
 
   /// "canon", or with a branch "canon (raw tracks)".

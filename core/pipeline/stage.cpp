@@ -6,10 +6,10 @@ std::string_view Name(OutcomeKind kind) {
   switch (kind) {
     case OutcomeKind::kDone:
       return "done";
-    case OutcomeKind::kDoubtful:
-      return "doubtful";
-    case OutcomeKind::kLeftOut:
-      return "left_out";
+    case OutcomeKind::kSuspect:
+      return "suspect";
+    case OutcomeKind::kExcluded:
+      return "excluded";
     case OutcomeKind::kRefused:
       return "refused";
     case OutcomeKind::kCrashed:

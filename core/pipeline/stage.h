@@ -33,14 +33,14 @@ struct StageRequest {
   int threads = 1;                ///< the item may use; never changes its bytes
 };
 
-/// kDone, kDoubtful: there is an artifact. kLeftOut: none, because a rule of the configuration says so; the input is as
+/// kDone, kSuspect: there is an artifact. kExcluded: none, because a rule of the configuration says so; the input is as
 /// good as any, so this is no failure. kRefused: none, because the input cannot be used. kCrashed: none, because the
 /// worker was killed, or ran out of time or memory.
-enum class OutcomeKind { kDone, kDoubtful, kLeftOut, kRefused, kCrashed };
+enum class OutcomeKind { kDone, kSuspect, kExcluded, kRefused, kCrashed };
 std::string_view Name(OutcomeKind kind);
 
 /// Whether an item that ended so has an artifact.
-inline bool HasArtifact(OutcomeKind kind) { return kind == OutcomeKind::kDone || kind == OutcomeKind::kDoubtful; }
+inline bool HasArtifact(OutcomeKind kind) { return kind == OutcomeKind::kDone || kind == OutcomeKind::kSuspect; }
 /// Whether it counts as a failure.
 inline bool IsFailure(OutcomeKind kind) { return kind == OutcomeKind::kRefused || kind == OutcomeKind::kCrashed; }
 
@@ -49,7 +49,7 @@ struct StageOutcome {
   OutcomeKind kind = OutcomeKind::kDone;
   std::vector<Finding> findings;
   nlohmann::json summary = nlohmann::json::object();  ///< figures for report and log; must not hold times
-  Error error;  ///< why there is no artifact; with kLeftOut the last finding names the rule
+  Error error;  ///< why there is no artifact; with kExcluded the last finding names the rule
 };
 
 /// The work itself: a pure function of the request. An Error return is kRefused with that error, except kCannotWrite,

@@ -25,8 +25,8 @@ bool MayBeCached(const StageOutcome& outcome) {
 
 void Count(StageReport& report, const ItemResult& result) {
   report.done += result.outcome.kind == OutcomeKind::kDone ? 1 : 0;
-  report.doubtful += result.outcome.kind == OutcomeKind::kDoubtful ? 1 : 0;
-  report.left_out += result.outcome.kind == OutcomeKind::kLeftOut ? 1 : 0;
+  report.suspect += result.outcome.kind == OutcomeKind::kSuspect ? 1 : 0;
+  report.excluded += result.outcome.kind == OutcomeKind::kExcluded ? 1 : 0;
   report.refused += result.outcome.kind == OutcomeKind::kRefused ? 1 : 0;
   report.crashed += result.outcome.kind == OutcomeKind::kCrashed ? 1 : 0;
   report.from_cache += result.from_cache ? 1 : 0;
@@ -66,17 +66,17 @@ StageRun::StageRun(RunnerState& state, const StageDeclaration& stage, std::vecto
 
 StageRun::~StageRun() {
   for (const std::unique_ptr<Seat>& seat : seats_) {
-    if (seat->worker != nullptr && (seat->task || !seat->greeted)) seat->worker->Bury();
+    if (seat->worker != nullptr && (seat->task || !seat->said_hello)) seat->worker->Reap();
   }
 }
 
 Expected<StageReport> StageRun::Execute() {
   const Clock::time_point start = Clock::now();
   while (true) {
-    HeedSignals();
+    HandleSignals();
     if (abandoned_) break;
     if (!fatal_) PrepareItems();
-    if (!fatal_) FillSeats();
+    if (!fatal_) AssignWorkers();
     if (fatal_) ready_.clear();
     if (!Working() && (fatal_ || (ready_.empty() && next_ == items_.size()))) break;
     WaitForWorkers();
@@ -84,14 +84,14 @@ Expected<StageReport> StageRun::Execute() {
   }
   progress_.Clear();
   for (std::unique_ptr<Seat>& seat : seats_) {
-    if (seat->worker != nullptr && seat->greeted && !seat->task) state_.idle.push_back(std::move(seat->worker));
+    if (seat->worker != nullptr && seat->said_hello && !seat->task) state_.idle.push_back(std::move(seat->worker));
   }
   if (fatal_) return tl::unexpected<Error>(*fatal_);
   report_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return std::move(report_);
 }
 
-StageReport StageRun::Foresee() {
+StageReport StageRun::PlanStage() {
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (!HashInputs(i)) continue;
     std::optional<Cache::Entry> entry = state_.cache.Find(Cache::Key(stage_, items_[i]));
@@ -230,7 +230,7 @@ void StageRun::Record(std::size_t index, const std::string& key, ItemResult resu
     if (peak_memory > 0) entry["peak_memory_bytes"] = peak_memory;
     if (!HasArtifact(outcome.kind)) entry["reason"] = outcome.error.Message();
     if (Status added = state_.journal.Add(std::move(entry)); !added) GiveUp(added.error());
-    if (failed && !result.from_cache && state_.options.tell_failures) {
+    if (failed && !result.from_cache && state_.options.log_failures) {
       progress_.Clear();
       LogWarning(stage_.name + ": " + DisplayPath(result.item) + " " + std::string(Name(outcome.kind)) + ": " +
                  outcome.error.Message());
@@ -248,7 +248,7 @@ void StageRun::GiveUp(const Error& error) {
 Error StageRun::Interrupted() const {
   return {ErrorCode::kInterrupted,
           std::string("stopped by ") + Interruption::SignalName() + " in stage " + stage_.name + " after " +
-              std::to_string(report_.done + report_.doubtful + report_.left_out + report_.refused + report_.crashed) +
+              std::to_string(report_.done + report_.suspect + report_.excluded + report_.refused + report_.crashed) +
               " of " + Counted(static_cast<long long>(items_.size()), "item"),
           {},
           "run the same command again to go on"};

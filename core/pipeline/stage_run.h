@@ -49,7 +49,7 @@ class StageRun {
   ~StageRun();
   Expected<StageReport> Execute();
   /// Only asks the cache.
-  StageReport Foresee();
+  StageReport PlanStage();
 
   const std::vector<ItemSpec>& items() const { return items_; }
   /// Places in items().
@@ -68,7 +68,7 @@ class StageRun {
   };
   struct Seat {
     std::unique_ptr<WorkerProcess> worker;
-    bool greeted = false;  ///< its libraries are loaded, it has said hello
+    bool said_hello = false;  ///< its libraries are loaded, it has said hello
     std::optional<Task> task;
     Clock::time_point start;
     std::string verdict;  ///< why we killed it; empty when we did not
@@ -87,16 +87,16 @@ class StageRun {
   void GiveUp(const Error& error);
 
   // Workers
-  void FillSeats();
+  void AssignWorkers();
   void StartWorker();
   void WaitForWorkers();
   void Serve(Seat& seat);
   void Answer(Seat& seat, const nlohmann::json& message);
-  void Greet(Seat& seat, const nlohmann::json& stages);
+  void OnHello(Seat& seat, const nlohmann::json& stages);
   void Lost(Seat& seat);
   ItemLimits Limits() const;
   void CheckLimits(Seat& seat);
-  void HeedSignals();
+  void HandleSignals();
   void Forward(WorkerProcess& worker);
   bool Working() const;
   Error Interrupted() const;

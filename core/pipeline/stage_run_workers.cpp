@@ -43,7 +43,7 @@ Expected<fs::path> FindWorkerProgram(const RunnerOptions& options, const std::st
 }
 
 /// A seat with a worker for every item that is ready, up to the number of jobs; then hands the items out.
-void StageRun::FillSeats() {
+void StageRun::AssignWorkers() {
   auto vacant = static_cast<std::size_t>(
       std::count_if(seats_.begin(), seats_.end(), [](const std::unique_ptr<Seat>& seat) { return !seat->task; }));
   while (!fatal_ && vacant < ready_.size() && seats_.size() < static_cast<std::size_t>(state_.options.jobs)) {
@@ -52,7 +52,7 @@ void StageRun::FillSeats() {
   }
   for (std::unique_ptr<Seat>& seat : seats_) {
     if (ready_.empty() || fatal_) return;
-    if (!seat->greeted || seat->task) continue;
+    if (!seat->said_hello || seat->task) continue;
     Task task = std::move(ready_.front());
     ready_.pop_front();
     Dispatch(*seat, std::move(task));
@@ -68,7 +68,7 @@ void StageRun::StartWorker() {
     program_ = *program;
     const auto other = [&](const std::unique_ptr<WorkerProcess>& worker) { return worker->program() != program_; };
     for (const auto& worker : state_.idle) {
-      if (other(worker)) worker->Dismiss();
+      if (other(worker)) worker->CloseStdin();
     }
     state_.idle.erase(std::remove_if(state_.idle.begin(), state_.idle.end(), other), state_.idle.end());
   }
@@ -76,7 +76,7 @@ void StageRun::StartWorker() {
   seat->start = Clock::now();
   if (!state_.idle.empty()) {
     seat->worker = std::move(state_.idle.back());
-    seat->greeted = true;
+    seat->said_hello = true;
     state_.idle.pop_back();
   } else {
     Expected<std::unique_ptr<WorkerProcess>> worker = WorkerProcess::Start(program_);
@@ -131,7 +131,7 @@ void StageRun::Forward(WorkerProcess& worker) {
 }
 
 void StageRun::Answer(Seat& seat, const json& message) {
-  if (message.contains("hello")) return Greet(seat, message["hello"]);
+  if (message.contains("hello")) return OnHello(seat, message["hello"]);
   if (message.contains("progress") && message["progress"].is_number()) {
     return progress_.Detail(message["progress"].get<double>(), message.value("text", ""));
   }
@@ -157,8 +157,8 @@ void StageRun::Answer(Seat& seat, const json& message) {
   Finish(seat, std::move(crashed));
 }
 
-void StageRun::Greet(Seat& seat, const json& stages) {
-  seat.greeted = true;
+void StageRun::OnHello(Seat& seat, const json& stages) {
+  seat.said_hello = true;
   failed_starts_ = 0;
   if (std::find(stages.begin(), stages.end(), json(stage_.name)) != stages.end()) return;
   GiveUp({ErrorCode::kMissingOnHost, "worker program '" + stage_.worker + "' does not know the stage " + stage_.name,
@@ -167,7 +167,7 @@ void StageRun::Greet(Seat& seat, const json& stages) {
 
 /// The worker is dead: costs its item, if it had one.
 void StageRun::Lost(Seat& seat) {
-  const std::string death = seat.worker->Bury();
+  const std::string death = seat.worker->Reap();
   Forward(*seat.worker);
   const int status = seat.worker->exit_status();
   const std::string why = seat.verdict.empty() ? death : seat.verdict;
@@ -177,14 +177,14 @@ void StageRun::Lost(Seat& seat) {
     crashed.error = {seat.verdict.empty() ? ErrorCode::kInternal : ErrorCode::kUnsupported, "worker " + why,
                      "stage " + stage_.name, seat.way_out};
     Finish(seat, std::move(crashed));
-  } else if (!seat.greeted && !fatal_ && (status == kCannotExecute || ++failed_starts_ >= kStartsTried)) {
+  } else if (!seat.said_hello && !fatal_ && (status == kCannotExecute || ++failed_starts_ >= kStartsTried)) {
     GiveUp({ErrorCode::kMissingOnHost, "worker program '" + stage_.worker + "' does not start: " + why,
             DisplayPath(program_), "`mocurate doctor` tells what is missing"});
   }
   seat.worker.reset();
 }
 
-/// Those that the run was told, else the stage's own.
+/// Those of the run, else the stage's own.
 ItemLimits StageRun::Limits() const {
   const RunnerOptions& options = state_.options;
   ItemLimits limits = stage_.limits;
@@ -197,7 +197,7 @@ void StageRun::CheckLimits(Seat& seat) {
   if (!seat.verdict.empty()) return;
   const Clock::time_point now = Clock::now();
   const ItemLimits limits = Limits();
-  if (!seat.greeted && now - seat.start > kLongestStart) seat.verdict = "did not start within two minutes";
+  if (!seat.said_hello && now - seat.start > kLongestStart) seat.verdict = "did not start within two minutes";
   if (seat.task && now - seat.task->start > std::chrono::duration<double>(limits.time_s)) {
     seat.verdict = "ran past the time limit of " + FormatDouble(limits.time_s) + " s";
     seat.way_out = "pipeline.item_timeout sets it";
@@ -209,8 +209,8 @@ void StageRun::CheckLimits(Seat& seat) {
   if (!seat.verdict.empty()) seat.worker->Signal(SIGKILL);
 }
 
-/// Once: finish what is in work (workers are told, so that long items may save and stop). Twice: now.
-void StageRun::HeedSignals() {
+/// Once: finish what is in work (workers are notified, so that long items may save and stop). Twice: now.
+void StageRun::HandleSignals() {
   const int count = Interruption::Count();
   if (count > 0) GiveUp(Interrupted());
   if (count > 1) abandoned_ = true;

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "core/base/renamed.h"
+
 namespace mocurate {
 namespace {
 
@@ -92,8 +94,8 @@ auto Guarded(const char* thing, const Read& read) -> Expected<decltype(read())> 
 
 OutcomeKind KindFromName(const std::string& name) {
   for (const OutcomeKind kind :
-       {OutcomeKind::kDone, OutcomeKind::kDoubtful, OutcomeKind::kLeftOut, OutcomeKind::kRefused}) {
-    if (Name(kind) == name) return kind;
+       {OutcomeKind::kDone, OutcomeKind::kSuspect, OutcomeKind::kExcluded, OutcomeKind::kRefused}) {
+    if (Name(kind) == name || Name(kind) == NewNameOf(name)) return kind;
   }
   return OutcomeKind::kCrashed;
 }

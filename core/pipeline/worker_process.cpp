@@ -122,7 +122,7 @@ WorkerProcess::~WorkerProcess() {
     if (reaped == pid_ || (reaped < 0 && errno != EINTR)) pid_ = -1;
     if (pid_ > 0) nanosleep(&step, nullptr);
   }
-  Bury();
+  Reap();
 }
 
 void WorkerProcess::Close(int& file) {
@@ -192,7 +192,7 @@ Expected<std::optional<nlohmann::json>> WorkerProcess::Receive() { return TakeMe
 
 std::vector<std::string> WorkerProcess::TakeLines() { return std::exchange(lines_, {}); }
 
-std::string WorkerProcess::Bury() {
+std::string WorkerProcess::Reap() {
   std::string how = "ended";
   if (pid_ > 0) {
     // One that closed its pipes by dying has an exit status of its own; a moment for it to appear, then force.

@@ -30,7 +30,7 @@ class WorkerProcess {
 
   void Send(const nlohmann::json& message);
   /// No more requests: it ends by itself when it has answered.
-  void Dismiss() { Close(to_); }
+  void CloseStdin() { Close(to_); }
   /// What to wait for.
   void AddPolls(std::vector<pollfd>& polls) const;
   /// Reads and writes what is possible now.
@@ -43,8 +43,8 @@ class WorkerProcess {
   /// Its answers have ended: it is dead or dying.
   bool ended() const { return ended_; }
   /// Kills it if need be and tells how it ended: "killed by SIGSEGV; last words: ...".
-  std::string Bury();
-  /// Exit status after Bury; -1 when a signal killed it.
+  std::string Reap();
+  /// Exit status after Reap; -1 when a signal killed it.
   int exit_status() const { return exit_status_; }
   void Signal(int signal) const;
   /// Resident memory now; 0 when unknown.

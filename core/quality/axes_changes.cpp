@@ -159,7 +159,7 @@ std::vector<Piece> Follow(const BodySteps& steps, int frames, double usual) {
   std::vector<Matrix3d> axes(static_cast<std::size_t>(frames), Matrix3d::Identity());
   std::vector<int> begins = {0};
   const auto of = [&](int f) -> Matrix3d& { return axes[static_cast<std::size_t>(f)]; };
-  int known = 0, other = -1;  // the last frames that told their axes: of these, and of the ones before
+  int known = 0, other = -1;  // the last frames with known axes: of these, and of the ones before
   for (int f = 1; f < frames; ++f) {
     of(f) = of(known);
     if (steps.Whole(known, known).empty()) known = f;
@@ -207,7 +207,7 @@ std::string ChangeWords(const Matrix3d& change) {
 }
 
 /// The frames whose axes are not those of most.
-void TellChanges(const Piece& piece, std::vector<Finding>& findings) {
+void ReportUnitChanges(const Piece& piece, std::vector<Finding>& findings) {
   const std::vector<Matrix3d>& axes = piece.axes;
   const auto count = [&](const Matrix3d& one) { return std::count(axes.begin(), axes.end(), one); };
   Matrix3d most = axes[0];
@@ -246,7 +246,7 @@ std::vector<Finding> FindAxesChanges(const TrackedPoints& points) {
     if (const double length = step.Length(); length > 0.0) lengths.push_back(length);
   }
   std::vector<Finding> findings;
-  for (const Piece& piece : Follow(steps, points.frames(), Median(lengths))) TellChanges(piece, findings);
+  for (const Piece& piece : Follow(steps, points.frames(), Median(lengths))) ReportUnitChanges(piece, findings);
   return findings;
 }
 

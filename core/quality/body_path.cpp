@@ -64,7 +64,7 @@ void AddSole(const CentrePath& path, BodyPath& body) {
 
 std::optional<BodyPath> PathOfBody(const TrackedPoints& points) {
   if (points.frames() < kFewestPathFrames || !OnePace(points.time_s)) return std::nullopt;
-  const HandednessPoints& at = points.body;
+  const BodyLandmarks& at = points.body;
   std::array<CentrePath, 2> hip, knee, ankle, toe, shoulder, wrist;
   for (std::size_t side = 0; side < 2; ++side) {
     hip[side] = PathOf(points, at.hip[side]);

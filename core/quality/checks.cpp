@@ -47,7 +47,7 @@ std::vector<Finding> Fewer(std::vector<Finding> findings, std::size_t most) {
   return kept;
 }
 
-/// Confidences in which what FindBlanks found is missing: one defect is told once.
+/// Confidences in which what FindBlanks found is missing: one defect is reported once.
 std::vector<double> WithoutBlanks(const TrackedPoints& points, const std::vector<Finding>& blanks) {
   std::vector<double> confidence = points.confidence;
   if (confidence.empty()) confidence.assign(static_cast<std::size_t>(points.frames()) * points.count(), 1.0);
@@ -74,9 +74,9 @@ std::vector<Finding> CheckPoints(const TrackedPoints& given, double rate_hz, con
                              given.parents,   given.rest_lengths, given.body};
   Append(FindRepeats(points, limits.repeats), findings);
   Append(FindRepeatedStretches(points), findings);
-  std::vector<Finding> no_body = FindNoBody(points, limits.rigidity);
+  std::vector<Finding> no_body = FindNonRigidBody(points, limits.rigidity);
   if (no_body.empty() && limits.metres) {
-    Append(FindTeleports(points, limits.teleports), findings);
+    Append(FindPositionJumps(points, limits.position_jumps), findings);
     Append(FindSwaps(points, limits.swaps), findings);
     if (rate_hz > 0.0) Append(FindWrongRate(points, rate_hz), findings);
   }

@@ -8,7 +8,7 @@
 namespace mocurate {
 
 /// "flat_body" (error): all points of all frames lie in one plane, as those of images do; value: their thickness over
-/// their width, below 1e-4. Nothing of fewer than 5 points or 2 frames, and of a clip in which nobody is seen.
+/// their width, below 1e-4. Nothing of fewer than 5 points or 2 frames, and of a clip without observations.
 std::vector<Finding> FindFlat(const TrackedPoints& points);
 
 }  // namespace mocurate

@@ -15,16 +15,16 @@ constexpr double kNearlyAlways = 0.95;
 constexpr double kTiny = 1e-9;
 
 /// How far joints are to be believed.
-struct Trust {
+struct VoteLimits {
   double bent_knee;  ///< rad, least that counts
   int fewest_votes;  ///< of a part that is listened to
   int many_votes;    ///< of one that is believed alone
   double alone;      ///< part of Part::alone_share that is wanted
 };
 /// Depth trackers bend straight legs backwards by up to 0.9 rad, in many frames on end.
-constexpr Trust kTracked{1.0, 4, 30, 1.0};
+constexpr VoteLimits kTracked{1.0, 4, 30, 1.0};
 /// Motion of fixed bones: markers, sensors, fits.
-constexpr Trust kFixedBones{0.5, 2, 2, 0.5};
+constexpr VoteLimits kFixedBones{0.5, 2, 2, 0.5};
 constexpr double kFixed = 1e-3;  // relative change of a fixed bone's length: files round
 
 /// How much of a clip a part of the body must cover.
@@ -75,7 +75,7 @@ class Frame {
 };
 
 /// Up along the trunk: from the hips to the head, else to the shoulders.
-std::optional<Vector3d> Up(const Frame& frame, const HandednessPoints& p) {
+std::optional<Vector3d> Up(const Frame& frame, const BodyLandmarks& p) {
   if (!frame.Has(p.hip)) return std::nullopt;
   const Vector3d hips = 0.5 * (frame.At(p.hip[0]) + frame.At(p.hip[1]));
   if (frame.Has(p.shoulder)) return Frame::Unit(0.5 * (frame.At(p.shoulder[0]) + frame.At(p.shoulder[1])) - hips);
@@ -84,7 +84,7 @@ std::optional<Vector3d> Up(const Frame& frame, const HandednessPoints& p) {
 }
 
 /// Whether thighs and shanks keep their length in all frames that show them, at least two.
-bool HasFixedBones(const JointPositions& positions, const HandednessPoints& p, const std::vector<double>* confidence) {
+bool HasFixedBones(const JointPositions& positions, const BodyLandmarks& p, const std::vector<double>* confidence) {
   for (int side = 0; side < 2; ++side) {
     for (const auto& [from, to] : {std::pair{p.hip[side], p.knee[side]}, {p.knee[side], p.ankle[side]}}) {
       double shortest = 1e300, longest = 0.0;
@@ -104,7 +104,7 @@ bool HasFixedBones(const JointPositions& positions, const HandednessPoints& p, c
 }
 
 /// A knee flexes so that thigh x shank points to the person's left in a right-handed frame.
-void AddKnees(const Frame& frame, const HandednessPoints& p, const Vector3d& right, double bent_knee, Tally& tally) {
+void AddKnees(const Frame& frame, const BodyLandmarks& p, const Vector3d& right, double bent_knee, Tally& tally) {
   for (int side = 0; side < 2; ++side) {
     if (!frame.Has(p.hip[side]) || !frame.Has(p.knee[side]) || !frame.Has(p.ankle[side])) continue;
     const auto thigh = frame.Direction(p.hip[side], p.knee[side]);
@@ -117,7 +117,7 @@ void AddKnees(const Frame& frame, const HandednessPoints& p, const Vector3d& rig
   }
 }
 
-void AddFeet(const Frame& frame, const HandednessPoints& p, const Vector3d& right, Tally& tally) {
+void AddFeet(const Frame& frame, const BodyLandmarks& p, const Vector3d& right, Tally& tally) {
   for (int side = 0; side < 2; ++side) {
     if (!frame.Has(p.knee[side]) || !frame.Has(p.ankle[side]) || !frame.Has(p.toe[side])) continue;
     const auto up = frame.Direction(p.ankle[side], p.knee[side]);
@@ -128,7 +128,7 @@ void AddFeet(const Frame& frame, const HandednessPoints& p, const Vector3d& righ
   }
 }
 
-void AddHands(const Frame& frame, const HandednessPoints& p, const Vector3d& up, Tally& tally) {
+void AddHands(const Frame& frame, const BodyLandmarks& p, const Vector3d& up, Tally& tally) {
   if (!frame.Has(p.shoulder)) return;
   const auto right = frame.Direction(p.shoulder[0], p.shoulder[1]);
   if (!right) return;
@@ -153,21 +153,21 @@ HandednessCue Cue(const Part& part, const Tally& tally, int possible) {
   return cue;
 }
 
-bool HasOpinion(const HandednessCue& cue, const Trust& trust) {
+bool HasOpinion(const HandednessCue& cue, const VoteLimits& trust) {
   return cue.frames >= trust.fewest_votes && std::abs(cue.score) * cue.weight >= kOpinion;
 }
 
-bool IsFirm(const HandednessCue& cue, const Trust& trust) {
+bool IsFirm(const HandednessCue& cue, const VoteLimits& trust) {
   return std::abs(cue.score) >= kNearlyAlways && cue.frames >= trust.many_votes;
 }
 
-bool IsOverwhelming(const HandednessCue& cue, const Trust& trust) {
+bool IsOverwhelming(const HandednessCue& cue, const VoteLimits& trust) {
   const Part& part = cue.name == kFeet.name ? kFeet : cue.name == kKnees.name ? kKnees : kHands;
   return IsFirm(cue, trust) && cue.share >= trust.alone * part.alone_share;
 }
 
 /// Hands may reach anywhere, behind a person who lies too: firm feet and knees that agree overrule them.
-bool OverruleHands(const std::vector<HandednessCue>& cues, const Trust& trust) {
+bool OverruleHands(const std::vector<HandednessCue>& cues, const VoteLimits& trust) {
   const HandednessCue& feet = cues[0];
   const HandednessCue& knees = cues[1];
   return IsFirm(feet, trust) && IsFirm(knees, trust) && feet.score * knees.score > 0.0;
@@ -182,8 +182,8 @@ std::string Words(const HandednessCue& cue) {
   return words + " (" + std::to_string(share) + " % of " + std::to_string(cue.frames) + ")";
 }
 
-/// From the cues: what is told, how sure, and why.
-void Decide(const Trust& trust, HandednessMeasure& measure) {
+/// From the cues: the decision, its confidence, and why.
+void Decide(const VoteLimits& trust, HandednessMeasure& measure) {
   double sum[2] = {0.0, 0.0};  // for right, for left
   int parts[2] = {0, 0};
   bool overwhelming = false;
@@ -211,9 +211,9 @@ void Decide(const Trust& trust, HandednessMeasure& measure) {
 
 }  // namespace
 
-HandednessPoints FindHandednessPoints(const std::function<std::optional<int>(std::string_view name)>& find) {
+BodyLandmarks FindHandednessPoints(const std::function<std::optional<int>(std::string_view name)>& find) {
   const auto index = [&](std::string_view name) { return find(name).value_or(-1); };
-  HandednessPoints p;
+  BodyLandmarks p;
   p.head = index("head");
   for (int side = 0; side < 2; ++side) {
     const std::string prefix = side == 0 ? "left_" : "right_";
@@ -231,9 +231,9 @@ HandednessPoints FindHandednessPoints(const std::function<std::optional<int>(std
   return p;
 }
 
-HandednessMeasure MeasureHandedness(const JointPositions& positions, const HandednessPoints& points,
+HandednessMeasure MeasureHandedness(const JointPositions& positions, const BodyLandmarks& points,
                                     const std::vector<double>* confidence) {
-  const Trust& trust = HasFixedBones(positions, points, confidence) ? kFixedBones : kTracked;
+  const VoteLimits& trust = HasFixedBones(positions, points, confidence) ? kFixedBones : kTracked;
   Tally knees, feet, hands;
   for (int f = 0; f < positions.frames; ++f) {
     const Frame frame(positions, confidence, f);

@@ -137,7 +137,7 @@ std::optional<RateClue> AskLimbs(const BodyPath& body) {
 }  // namespace
 
 std::optional<double> RateMeasure::rate_hz() const {
-  if (!Tells() || clues[0].rate_hz <= 0.0) return std::nullopt;
+  if (!IsConclusive() || clues[0].rate_hz <= 0.0) return std::nullopt;
   return std::clamp(clues[0].rate_hz, lowest, highest);
 }
 
@@ -173,7 +173,7 @@ std::vector<Finding> FindWrongRate(const TrackedPoints& points, double rate_hz) 
   if (measure.Allows(rate_hz)) return {};
   const double nearest = rate_hz < measure.lowest ? measure.lowest : measure.highest;
   const std::optional<double> likely = measure.rate_hz();
-  return {FrameFinding("rate_doubtful", 0, 0, "", likely.value_or(nearest),
+  return {FrameFinding("rate_suspect", 0, 0, "", likely.value_or(nearest),
                        "the motion fits " + measure.Range() +
                            (likely ? ", most likely " + Digits(*likely) + " Hz" : "") + ", not " + Digits(rate_hz) +
                            " Hz: " + measure.Words())};

@@ -24,11 +24,11 @@ struct RateMeasure {
   double lowest = 0.0;          ///< Hz that all clues allow
   double highest = std::numeric_limits<double>::infinity();
 
-  bool Tells() const { return !clues.empty() && lowest <= highest; }
-  bool Allows(double rate_hz) const { return !Tells() || (rate_hz >= lowest && rate_hz <= highest); }
+  bool IsConclusive() const { return !clues.empty() && lowest <= highest; }
+  bool Allows(double rate_hz) const { return !IsConclusive() || (rate_hz >= lowest && rate_hz <= highest); }
   /// Best guess within what all clues allow; nothing where there are limits only.
   std::optional<double> rate_hz() const;
-  double confidence() const { return Tells() ? clues[0].confidence : 0.0; }
+  double confidence() const { return IsConclusive() ? clues[0].confidence : 0.0; }
   std::string Range() const;  ///< "85 to 160 Hz", "at most 160 Hz"
   std::string Words() const;  ///< of all clues
 };
@@ -36,12 +36,12 @@ struct RateMeasure {
 /// Four clues, all of limits that sound takes keep by a margin (docs/real_sets.md has how often they tell):
 /// flights (FindFlights: 9.81 m/s2 to -35 and +50 %, by two that agree or a high one), steps (MeasureStepPendulum: 9.81
 /// m/s2 by a factor of 0.3 to 2.8, of 0.15 where a stance is of fewer than 8 frames), the fall of the centre of mass,
-/// which nothing can pull down faster than 1.7 g in what the noise leaves, and limbs, whose ends nobody accelerates by
+/// which nothing can pull down faster than 1.7 g in what the noise leaves, and limbs, whose ends do not accelerate by
 /// 150 m/s2 for a quarter of the time. The first two tell too fast and too slow, the others too fast alone: people may
 /// do everything slowly. Metres, y up; `body` of the points must name hips, knees, ankles and shoulders.
 RateMeasure MeasureRate(const TrackedPoints& points);
 
-/// "rate_doubtful" where `rate_hz` lies outside of what the motion allows: value, the best guess or the nearest rate
+/// "rate_suspect" where `rate_hz` lies outside of what the motion allows: value, the best guess or the nearest rate
 /// that would do. `points.time_s` must be of that rate.
 std::vector<Finding> FindWrongRate(const TrackedPoints& points, double rate_hz);
 

@@ -15,11 +15,11 @@ constexpr int kFewestSeen = 3;   // points of a frame that says something
 constexpr double kSmoothTurn =
     0.7;                            // change of the step over the step: 0.2 of a walk at 30 Hz, 1.7 of a sensor's noise
 constexpr double kUsualStep = 1.1;  // times the mean step: one that is no jump
-constexpr int kNobody = -1;
+constexpr int kNoFrame = -1;
 
 /// Frames [begin, end) that show the same.
 struct Pose {
-  int content = kNobody;  ///< the first frame of the clip that shows it
+  int content = kNoFrame;  ///< the first frame of the clip that shows it
   int begin = 0;
   int end = 0;
 
@@ -50,7 +50,7 @@ std::vector<Pose> PosesOf(const TrackedPoints& points) {
   for (int f = 0; f < points.frames(); ++f) {
     const std::string bits = ContentOf(points, f);
     const std::size_t hash = std::hash<std::string>()(bits);
-    int content = bits.empty() ? kNobody : f;
+    int content = bits.empty() ? kNoFrame : f;
     const auto same = firsts.equal_range(hash);
     for (auto first = same.first; content == f && first != same.second; ++first) {
       if (ContentOf(points, first->second) == bits) content = first->second;
@@ -77,13 +77,13 @@ std::vector<Stretch> StretchesOf(const std::vector<Pose>& poses) {
     const auto before = last.find(poses[i].content);
     std::size_t end = i;
     int different = 0;
-    if (poses[i].content != kNobody && before != last.end()) {
+    if (poses[i].content != kNoFrame && before != last.end()) {
       const std::size_t back = i - before->second;
       std::vector<int> contents;
       for (; end < poses.size() && poses[end] == poses[end - back]; ++end) contents.push_back(poses[end].content);
       std::sort(contents.begin(), contents.end());
       contents.erase(std::unique(contents.begin(), contents.end()), contents.end());
-      different = static_cast<int>(contents.size()) - (!contents.empty() && contents.front() == kNobody ? 1 : 0);
+      different = static_cast<int>(contents.size()) - (!contents.empty() && contents.front() == kNoFrame ? 1 : 0);
     }
     if (different >= kFewestPoses)
       stretches.push_back({poses[i].begin, poses[end - 1].end, poses[i].begin - poses[before->second].begin});
@@ -138,12 +138,12 @@ std::vector<Finding> FindRepeatedStretches(const TrackedPoints& points) {
   for (const Stretch& stretch : StretchesOf(PosesOf(points))) {
     if (IsLoop({points}, stretch)) continue;
     const int count = stretch.end - stretch.begin, first = stretch.begin - stretch.back;
-    findings.push_back(
-        FrameFinding("repeated_stretch", stretch.begin, stretch.end, "", count,
-                     Counted(count, "frame") + " repeat frames " + std::to_string(first) + " to " +
-                         std::to_string(first + count - 1) +
-                         " to the last digit, which nobody does: a section that was written twice; leave one of the "
-                         "two out, or export the file again"));
+    findings.push_back(FrameFinding(
+        "repeated_stretch", stretch.begin, stretch.end, "", count,
+        Counted(count, "frame") + " repeat frames " + std::to_string(first) + " to " +
+            std::to_string(first + count - 1) +
+            " to the last digit, which motion never does: a section that was written twice; leave one of the "
+            "two out, or export the file again"));
   }
   return findings;
 }

@@ -201,7 +201,7 @@ std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits
   const bool sensed = 2 * abrupt > static_cast<std::ptrdiff_t>(holds.size());
   for (const Hold& hold : sensed ? holds : std::vector<Hold>()) {
     const int count = hold.end - hold.begin;
-    findings.push_back(FrameFinding("held_joint", hold.begin, hold.end, points.name(hold.joint), count,
+    findings.push_back(FrameFinding("repeated_value", hold.begin, hold.end, points.name(hold.joint), count,
                                     "'" + points.name(hold.joint) + "' stands still to the last digit for " +
                                         Frames(count) + " while other joints move: a gap filled with the last value"));
   }
@@ -221,7 +221,7 @@ std::vector<Finding> FindBlanks(const TrackedPoints& points) {
   };
   ForRuns(points.frames(), all_zero, [&](int begin, int end) {
     findings.push_back(FrameFinding("zero_frames", begin, end, "", end - begin,
-                                    "every joint is at 0 0 0 in " + Frames(end - begin) + ": nobody was seen"));
+                                    "every joint is at 0 0 0 in " + Frames(end - begin) + ": no person was observed"));
   });
   const auto collapsed = [&](int f) {
     if (all_zero(f)) return false;

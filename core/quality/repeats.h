@@ -5,7 +5,7 @@
 namespace mocurate {
 
 struct RepeatLimits {
-  int frozen_frames = 2;  ///< frames on end in which nobody moves at all
+  int frozen_frames = 2;  ///< consecutive frames without any motion
   int held_frames = 3;    ///< frames on end in which one joint stands exactly still while others move
 };
 
@@ -14,16 +14,16 @@ struct RepeatLimits {
 ///   "frozen_frames": every joint that is seen repeats; the span is the repeating frames, value their count. Two
 ///                    frames are of severity info.
 ///   "repeated_frames": nearly all frames stand two to four times, the clip over; value: how often in the mean. Then
-///                    nothing else is told.
-///   "held_joint": one joint repeats and others do not; value the count of frames.
+///                    nothing else is reported.
+///   "repeated_value": one joint repeats and others do not; value the count of frames.
 /// Stillness that is entered and left softly (by steps below 1 mm, or that grow to more than twice) is meant: authored
 /// and simulated motion stands so, and a sensor's noise does not let it. A clip in which at least half of the joints'
-/// holds are soft was made, not sensed: its planted feet stop within a frame as well, and none of its holds is told; of
+/// holds are soft is synthetic: its planted feet stop within a frame as well, and none of its holds is reported; of
 /// a clip that was sensed all are. Samples that were rounded to pixels or millimetres repeat by chance: there a hold is
-/// told where it is longer than chance explains, at the grid's step and the joint's speed around it, and does not begin
-/// and end with single steps of the grid. A joint that never moves in the whole clip tells nothing about whether the
-/// others freeze; it is held where most joints move and the one it hangs on does, and is none where it is a root (of
-/// many a BVH file) or bound to one that stays. A clip that never moves is one frozen span.
+/// reported where it is longer than chance explains, at the grid's step and the joint's speed around it, and does not
+/// begin and end with single steps of the grid. A joint that never moves in the whole clip tells nothing about whether
+/// the others freeze; it is held where most joints move and the one it hangs on does, and is none where it is a root
+/// (of many a BVH file) or bound to one that stays. A clip that never moves is one frozen span.
 std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits& limits = {});
 
 /// Exact zeros that stand as if they were seen.

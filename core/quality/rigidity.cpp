@@ -51,7 +51,7 @@ bool LooksLikeRotations(const TrackedPoints& points) {
 
 }  // namespace
 
-std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimits& limits) {
+std::vector<Finding> FindNonRigidBody(const TrackedPoints& points, const RigidityLimits& limits) {
   if (points.parents.empty()) return {};
   std::vector<double> spreads, ratios;
   for (int k = 0; k < points.count(); ++k) {

@@ -14,6 +14,6 @@ struct RigidityLimits {
 /// (trackers are off by 0.2 at most, Lie parameters by 0.4 and more, although they too may hardly change).
 /// "not_joint_positions", severity error; value: the one that is over its limit, proportion (as a factor) first. Needs
 /// `parents` with three bones, `rest_lengths` for the proportions, and 8 frames for the spread; else nothing is said.
-std::vector<Finding> FindNoBody(const TrackedPoints& points, const RigidityLimits& limits = {});
+std::vector<Finding> FindNonRigidBody(const TrackedPoints& points, const RigidityLimits& limits = {});
 
 }  // namespace mocurate

@@ -100,7 +100,7 @@ Components Learn(const MatrixRow& rows, int count) {
 /// A motion every kStep_s: components of its distances, smoothed. Metres times the root of the number of distances.
 using Track = MatrixRow;
 
-/// Steps left out at both ends, where smoothing has one side only; none of a motion that is too short for it.
+/// Steps excluded at both ends, where smoothing has one side only; none of a motion that is too short for it.
 int MarginOf(int steps, int window) { return steps - 2 * kEndSteps > window ? kEndSteps : 0; }
 
 /// What one set of motions is compared by.
@@ -422,7 +422,7 @@ class StretchSearch {
                           0,
                           0,
                           0};
-    // What is left out at an end of either is taken to go on as it does beside it.
+    // Steps that are missing at an end of either are assumed to continue the neighbouring ones.
     const int before = first == from ? std::min(margins_[i], margins_[other]) : 0;
     const int after = last == to ? std::min(margins_[i], margins_[other]) : 0;
     stretch.begin_s = (first - before + margins_[i]) * kStep_s;

@@ -25,7 +25,7 @@ LimbPairs FindLimbPairs(const std::vector<std::string>& names);
 /// Sides that swap: arms or legs that within one frame jump to where those of the other side were, which costs a
 /// tracker nothing and a person a somersault. A change that no single step shows, because limbs are not seen or stray
 /// in it, is found where the limbs lie within `gap_s` of another as before it (or lay as after it). Between two such
-/// frames the sides are exchanged; which of the two states is right is told by which lasts longer in the clip, so that
+/// frames the sides are exchanged; the state that lasts longer in the clip is right, so that
 /// a clip that is wrong throughout is not found here (handedness tells). A step in which the body itself jumps says
 /// nothing: frames are missing there, and half a stride later each foot is where the other was. "swapped_sides": the
 /// span in the rarer state; value: the smallest ratio of squared steps at its ends. Arms and legs of one span are one

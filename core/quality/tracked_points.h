@@ -19,7 +19,7 @@ struct TrackedPoints {
   std::vector<std::string> names = {};    ///< (K), or empty
   std::vector<int> parents = {};          ///< (K) the point at the other end of its bone, -1 for none; or empty
   std::vector<double> rest_lengths = {};  ///< (K) of that bone in a rest pose, in any unit, 0 unknown; or empty
-  HandednessPoints body = {};             ///< which of them are hips, knees ...; -1 where that is not known
+  BodyLandmarks body = {};                ///< which of them are hips, knees ...; -1 where that is not known
 
   int frames() const { return positions.frames; }
   int count() const { return positions.joints; }
@@ -62,7 +62,7 @@ struct BodyCentre {
 std::vector<BodyCentre> BodyCentres(const TrackedPoints& points);
 
 /// How far a person goes between two frames: the middle way (median of each coordinate) of the points that both see, at
-/// least three. What comes into view or goes out of it moves nobody. Nothing where fewer are.
+/// least three. Points that enter or leave the view are no motion. Nothing where fewer are.
 std::optional<Vector3d> BodyStep(const TrackedPoints& points, int from, int to);
 
 /// A finding of [begin, end) about `joint` (empty: all); severity warning, action "flagged".

@@ -63,9 +63,9 @@ std::optional<double> LogDistance(const TrackedPoints& points, int f, int a, int
 }
 
 /// What poses leave as it is: each point with those at the steadiest distances, over frames of the most common size.
-class BodyShape {
+class ShapeRatio {
  public:
-  BodyShape(const TrackedPoints& points, const std::vector<std::optional<int>>& powers) : points_(points) {
+  ShapeRatio(const TrackedPoints& points, const std::vector<std::optional<int>>& powers) : points_(points) {
     std::vector<int> usual;
     for (int f = 0; f < points.frames(); ++f) {
       if (powers[static_cast<std::size_t>(f)] == 0) usual.push_back(f);
@@ -126,7 +126,7 @@ std::vector<Finding> FindUnitChanges(const TrackedPoints& points) {
   std::vector<std::optional<int>> powers = PowersOf(SizesOf(points));
   const auto differs = [](const std::optional<int>& power) { return power && *power != 0; };
   if (std::none_of(powers.begin(), powers.end(), differs)) return {};
-  const BodyShape shape(points, powers);
+  const ShapeRatio shape(points, powers);
   for (int f = 0; f < points.frames(); ++f) {
     std::optional<int>& power = powers[static_cast<std::size_t>(f)];
     if (differs(power) && !shape.Keeps(f)) power = 0;

@@ -77,7 +77,7 @@ struct Content {
 };
 
 /// What identifies the whole content: SHA-256 over one line "path type shape sha256\n" per field in byte order of the
-/// paths, "/@content_sha256" left out.
+/// paths, "/@content_sha256" excluded.
 std::string ContentSha256(const std::map<std::string, std::string>& lines);
 /// The line of one field, without its path: " f4 120,24,3 <64 digits>".
 std::string FieldLine(const Array& array, const std::string& sha256);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/renamed.h"
 #include "core/base/sha256.h"
 #include "core/store/content_file.h"
 #include "core/store/fields.h"
@@ -155,8 +156,10 @@ std::string DatasetClips::created_by() const {
 }
 
 std::vector<std::string> DatasetClips::finding_codes() const {
-  return file_->content.Has("/findings/code") ? file_->content.Values<std::string>("/findings/code")
-                                              : std::vector<std::string>();
+  if (!file_->content.Has("/findings/code")) return {};
+  std::vector<std::string> codes = file_->content.Values<std::string>("/findings/code");
+  std::transform(codes.begin(), codes.end(), codes.begin(), PresentCode);
+  return codes;
 }
 
 std::vector<Split> DatasetClips::splits() const { return store::UnpackSplits(file_->content); }
@@ -300,7 +303,8 @@ Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
   Status sound = store::CheckContent(store::DatasetSchema(), one, ErrorCode::kMalformed, where);
   if (!sound) {
     Error error = sound.error();
-    error.hint += (error.hint.empty() ? "" : "; ") + std::string("mend the clip or leave it out: the others are read");
+    error.hint +=
+        (error.hint.empty() ? "" : "; ") + std::string("correct the clip or leave it out: the others are read");
     return tl::unexpected<Error>(error);
   }
   return one;

@@ -1,5 +1,7 @@
 #include "core/store/fields.h"
 
+#include "core/base/renamed.h"
+
 namespace mocurate::store {
 
 void PackLabels(const Dataset& dataset, Content& content) {
@@ -73,7 +75,7 @@ std::vector<Finding> UnpackFindings(const Content& content) {
     };
     Finding& finding = findings[i];
     finding.clip = text("clip");
-    finding.code = text("code");
+    finding.code = PresentCode(text("code"));
     for (const Severity severity : {Severity::kInfo, Severity::kWarning, Severity::kError}) {
       if (text("severity") == Name(severity)) finding.severity = severity;
     }

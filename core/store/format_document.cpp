@@ -11,7 +11,7 @@ using store::Schema;
 const char kIntroduction[] = R"(# Store format
 
 Files of mocurate are HDF5 and can be read with h5py or h5dump. This page is made from the table of fields that writes
-and checks them (`core/store/table.cpp`); `MOCURATE_REGENERATE=1 test_store --gtest_filter='*store_format*'` makes it again.
+and checks them (`core/store/table.cpp`); `MOCURATE_REGENERATE=1 test_store --gtest_filter='StoreFormat.*'` makes it again.
 
 - Packed: the frames of all clips stand one after the other; clip `i` is the rows `offset[i]` to `offset[i] + count[i]`.
 - `@name` is an attribute of the root. Types: f4, f8 little-endian IEEE; i4, i8 signed; u1 unsigned; text is UTF-8 (bytes

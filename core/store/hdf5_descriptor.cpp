@@ -79,7 +79,7 @@ herr_t WriteBytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size,
   return 0;
 }
 
-/// Gives the file the size that HDF5 has given out.
+/// EvidenceKind the file the size that HDF5 has given out.
 herr_t TruncateFile(H5FD_t* file, hid_t, hbool_t) {
   DriverFile& own = Own(file);
   own.end = own.allocated;
@@ -88,7 +88,8 @@ herr_t TruncateFile(H5FD_t* file, hid_t, hbool_t) {
   return 0;
 }
 
-/// Nobody else opens the file. HDF5 marks a file as open for writing where its driver can lock, as that in memory can.
+/// No other process opens the file. HDF5 marks a file as open for writing where its driver can lock, as that in memory
+/// can.
 herr_t LockFile(H5FD_t*, hbool_t) { return 0; }
 herr_t UnlockFile(H5FD_t*) { return 0; }
 

@@ -127,7 +127,7 @@ Motion UnpackOutline(const Content& content, const std::string& prefix, const Sk
   const auto J = static_cast<std::size_t>(skeleton->joint_count());
   Motion motion;
   motion.skeleton = WithRestOffsets(content, prefix, row, skeleton);
-  if (motion.skeleton != skeleton) motion.counted_from = skeleton;
+  if (motion.skeleton != skeleton) motion.rotation_reference = skeleton;
   motion.rate = *FrameRate::Parse(content.Values<std::string>(prefix + "/clips/rate")[row]);
   motion.joints.frames = static_cast<int>(content.Values<std::int64_t>(prefix + "/clips/count")[row]);
   motion.joints.joints = static_cast<int>(J);

@@ -59,7 +59,7 @@ Status WriteDataset(const Dataset& dataset, const std::filesystem::path& path);
 Expected<Dataset> ReadDataset(const std::filesystem::path& path);
 
 /// An evidence artifact, schema "mocurate-evidence/1": one clip with evidence and possibly a given motion, and what was
-/// found wrong or doubtful while it was read from its source.
+/// found wrong or suspect while it was read from its source.
 Status WriteEvidence(const Clip& clip, const std::filesystem::path& path, const std::vector<Finding>& findings = {});
 /// `findings`, when given, gets those of the file.
 Expected<Clip> ReadEvidence(const std::filesystem::path& path, std::vector<Finding>* findings = nullptr);

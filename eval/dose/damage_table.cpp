@@ -14,14 +14,14 @@ Expected<double> ReadDose(const DamageInfo& info, std::string_view text, const s
   char* end = nullptr;
   const double dose = std::strtod(number.c_str(), &end);
   if (number.empty() || *end != '\0' || !std::isfinite(dose)) {
-    return Fail(ErrorCode::kUsage, "dose '" + number + "' is no number", where,
+    return Fail(ErrorCode::kUsage, "dose '" + number + "' is not a number", where,
                 std::string("write ") + info.name + "=" + FormatDouble(info.doses.front()));
   }
   if (dose < info.low || dose > info.high) {
     return Fail(ErrorCode::kUsage,
                 "dose " + number + " of " + info.name + " is not in [" + FormatDouble(info.low) + ", " +
                     FormatDouble(info.high) + "] " + info.unit,
-                where, "give doses in that range; " + std::string(info.name) + ": " + info.help);
+                where, "choose doses in that range; " + std::string(info.name) + ": " + info.help);
   }
   return dose;
 }
@@ -46,7 +46,7 @@ const std::array<DamageInfo, kDamageCount>& Damages() {
        0,
        1,
        {0.05, 0.1, 0.25, 0.5},
-       "share of motions that stand still in their first frame"},
+       "share of motions frozen at their first frame"},
       {Damage::kMirrored,
        "mirrored_share",
        "of motions",
@@ -54,7 +54,7 @@ const std::array<DamageInfo, kDamageCount>& Damages() {
        0,
        1,
        {0.05, 0.1, 0.25, 0.5},
-       "share of motions that are mirrored, left for right, and keep their label"},
+       "share of motions mirrored left to right, with unchanged label"},
       {Damage::kTruncated,
        "truncated_share",
        "of frames",
@@ -78,10 +78,10 @@ const std::array<DamageInfo, kDamageCount>& Damages() {
        0,
        100,
        {0.5, 1, 2, 5, 10},
-       "every bone grows by this part of its length each second"},
-      {Damage::kYaw, "yaw_deg", "degrees", 0, 0, 180, {5, 15, 45, 90}, "every motion is turned about the vertical"},
-      {Damage::kRate, "rate_factor", "times", 1, 0.1, 10, {0.5, 0.8, 1.25, 2}, "every motion is played so much faster"},
-      {Damage::kScale, "scale_factor", "times", 1, 0.1, 10, {0.8, 0.9, 1.1, 1.25}, "every body is so much larger"},
+       "growth of every bone per second, relative to its length"},
+      {Damage::kYaw, "yaw_deg", "degrees", 0, 0, 180, {5, 15, 45, 90}, "rotation of every motion about the vertical"},
+      {Damage::kRate, "rate_factor", "times", 1, 0.1, 10, {0.5, 0.8, 1.25, 2}, "playback speed of every motion"},
+      {Damage::kScale, "scale_factor", "times", 1, 0.1, 10, {0.8, 0.9, 1.1, 1.25}, "scale of every body"},
   }};
   return kTable;
 }
@@ -110,12 +110,12 @@ Expected<std::vector<DoseSeries>> ParseDoses(const std::vector<std::string>& tex
       }
       std::string list;
       for (const std::string& one : names) list += (list.empty() ? "" : ", ") + one;
-      return Fail(ErrorCode::kUsage, "there is no damage '" + name + "'", where,
+      return Fail(ErrorCode::kUsage, "unknown damage '" + name + "'", where,
                   (near ? "did you mean '" + *near + "'? " : std::string()) + "damages are: " + list);
     }
     if (!taken.insert(name).second) {
       return Fail(ErrorCode::kUsage, "damage '" + name + "' is named twice", where,
-                  "give its doses in one list, separated by commas");
+                  "write its doses as one list, separated by commas");
     }
     DoseSeries one{info->damage, info->doses};
     if (equals != std::string::npos) {

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kMetresPerMillimetre = 1e-3;
 
-/// What was said of the frames of the undamaged motion.
-void DropStatements(Motion& motion) {
+/// Removes annotations of the undamaged motion's frames.
+void DropFrameAnnotations(Motion& motion) {
   motion.state.clear();
   motion.position_cov.clear();
   motion.rotation_sigma.clear();
@@ -24,13 +24,13 @@ void DropStatements(Motion& motion) {
   motion.contact.clear();
 }
 
-/// What remains is of the skeleton that people share.
+/// The remaining joints, on the common skeleton.
 void DropRotations(Motion& motion) {
   motion.skeleton = motion.rest_pose();
   motion.rotation.clear();
   motion.root_translation.clear();
   motion.bone_length.clear();
-  motion.counted_from = nullptr;
+  motion.rotation_reference = nullptr;
 }
 
 Vector3d NormalVector(Random& random) {
@@ -48,7 +48,8 @@ double MeanSquareDistance(const JointPositions& a, const JointPositions& b) {
   return a.xyz.empty() ? 0.0 : sum / (static_cast<double>(a.frames) * a.joints);
 }
 
-/// `noise` (F*(J+1)): of the root's place in units of `metres`, then of every joint's rotation in units of `radians`.
+/// `noise` (F*(J+1)): for the root's position in units of `metres`, then for every joint's rotation in units of
+/// `radians`.
 Motion WithRotationNoise(const Motion& motion, const std::vector<Vector3d>& noise, double metres, double radians) {
   Motion noisy = motion;
   const auto joints = static_cast<std::size_t>(motion.joint_count());
@@ -123,7 +124,7 @@ Motion DamagedMotion(const Motion& motion, Damage damage, double dose, DamagedVa
   }
 }
 
-/// Segments on the clock of a motion that plays `factor` times as fast and ends at `end_s`.
+/// Segments in the time of a motion that plays `factor` times as fast and ends at `end_s`.
 void FitSegments(double factor, double end_s, std::vector<Segment>& segments) {
   for (Segment& segment : segments) {
     segment.begin_s /= factor;
@@ -157,7 +158,7 @@ void DamageShareOf(Dataset& dataset, Damage damage, double share, std::uint64_t 
     if (damage == Damage::kFrozen) clip.motion = Frozen(*clip.motion);
     if (damage == Damage::kMirrored) {
       clip.motion = std::move(*Mirror(clip).motion);
-      DropStatements(*clip.motion);
+      DropFrameAnnotations(*clip.motion);
     }
     if (damage == Damage::kSwappedLabels && !clip.label.empty()) {
       Random random = RandomOf(damage, seed, items[i]);
@@ -177,11 +178,11 @@ Motion AddJitter(const Motion& motion, double millimetres, DamagedValues values,
   const double metres = kMetresPerMillimetre * millimetres;
   if (values == DamagedValues::kRotations && !motion.joints_only()) {
     Motion noisy = JitterRotations(motion, metres, random);
-    DropStatements(noisy);
+    DropFrameAnnotations(noisy);
     return noisy;
   }
   Motion noisy = motion;
-  DropStatements(noisy);
+  DropFrameAnnotations(noisy);
   DropRotations(noisy);
   for (double& value : noisy.joints.xyz) value += metres * random.Normal();
   return noisy;
@@ -193,7 +194,7 @@ Motion AddSliding(const Motion& motion, double millimetres_per_second, std::uint
   const Vector3d velocity =
       kMetresPerMillimetre * millimetres_per_second * Vector3d(std::cos(angle), 0.0, std::sin(angle));
   Motion sliding = motion;
-  DropStatements(sliding);
+  DropFrameAnnotations(sliding);
   for (int f = 0; f < sliding.frame_count(); ++f) {
     const Vector3d way = motion.rate.FrameTime(f) * velocity;
     for (int j = 0; j < sliding.joint_count(); ++j) sliding.joints.at(f, j) += way;
@@ -204,7 +205,7 @@ Motion AddSliding(const Motion& motion, double millimetres_per_second, std::uint
 
 Motion Frozen(const Motion& motion) {
   Motion frozen = motion;
-  DropStatements(frozen);
+  DropFrameAnnotations(frozen);
   const auto joints = static_cast<std::ptrdiff_t>(motion.joint_count());
   for (int f = 1; f < motion.frame_count(); ++f) {
     std::copy_n(motion.joints.xyz.begin(), 3 * joints, frozen.joints.xyz.begin() + 3 * joints * f);
@@ -222,13 +223,13 @@ Motion Truncated(const Motion& motion, double share) {
   clip.motion = motion;
   const auto cut = Cut(clip, 0, std::max(1, kept));
   Motion shorter = cut ? *cut->motion : motion;
-  DropStatements(shorter);
+  DropFrameAnnotations(shorter);
   return shorter;
 }
 
 Motion DriftBones(const Motion& motion, double percent_per_second) {
   Motion drifting = motion;
-  DropStatements(drifting);
+  DropFrameAnnotations(drifting);
   DropRotations(drifting);
   for (int f = 0; f < motion.frame_count(); ++f) {
     const double growth = 1.0 + 0.01 * percent_per_second * motion.rate.FrameTime(f);
@@ -247,7 +248,7 @@ Motion Turned(const Motion& motion, double degrees, std::uint64_t seed, const st
   const Quaterniond turn(Eigen::AngleAxisd(sign * degrees * kPi / 180.0, Vector3d::UnitY()));
   const Vector3d centre = motion.joints.at(0, 0);
   Motion turned = Moved(motion, {turn, centre - turn * centre});
-  DropStatements(turned);
+  DropFrameAnnotations(turned);
   return turned;
 }
 
@@ -261,14 +262,14 @@ Motion PlayedFaster(const Motion& motion, double factor) {
                          motion.rate.denominator * std::llround(factor * static_cast<double>(kMillionths))};
   Motion faster = std::move(*Resample(clip, slower).motion);
   faster.rate = motion.rate;
-  DropStatements(faster);
+  DropFrameAnnotations(faster);
   return faster;
 }
 
 Motion Scaled(const Motion& motion, double factor) {
   if (motion.frame_count() == 0) return motion;
   Motion scaled = motion;
-  DropStatements(scaled);
+  DropFrameAnnotations(scaled);
   const Vector3d centre = motion.joints.at(0, 0);
   const auto place = [&](const Vector3d& at) -> Vector3d { return centre + factor * (at - centre); };
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -295,14 +296,14 @@ std::vector<bool> DamagedShare(const std::vector<std::string>& items, double sha
 
 Status CheckDamage(const std::vector<Clip>& clips, Damage damage, DamagedValues values) {
   if (damage == Damage::kBoneDrift && values == DamagedValues::kRotations) {
-    return Fail(ErrorCode::kUnsupported, "the extractor reads rotations, which say no lengths of bones",
-                InfoOf(damage).name, "name other damages with --doses");
+    return Fail(ErrorCode::kUnsupported, "the extractor reads rotations, which do not contain bone lengths",
+                InfoOf(damage).name, "choose other damages with --doses");
   }
   const std::size_t labels = LabelsOfClips(clips).size();
   if (damage != Damage::kSwappedLabels || labels >= 2) return {};
   return Fail(ErrorCode::kInconsistent,
               "the motions have " + Counted(static_cast<long long>(labels), "label") + ", swapping labels needs two",
-              InfoOf(damage).name, "give labels with --real-labels, or name other damages with --doses");
+              InfoOf(damage).name, "supply labels with --real-labels, or choose other damages with --doses");
 }
 
 Dataset DamagedDataset(const Dataset& dataset, const std::vector<int>& rows, Damage damage, double dose,

@@ -13,7 +13,7 @@ constexpr double kPanelWidth = 420.0, kPanelHeight = 240.0, kLeft = 46.0, kRight
                  kHead = 40.0, kLegendLine = 18.0;
 constexpr double kLowest = -1.0, kHighest = 3.0;  // powers of ten
 
-/// What is drawn, in an order that keeps neighbouring colours apart.
+/// Plotted metrics, in an order that separates similar colours.
 constexpr const char* kDrawn[] = {"FID_train",     "KID",        "accuracy", "diversity",   "multimodality",
                                   "nearest_train", "foot_skate", "jerk",     "bone_spread", "coverage"};
 constexpr const char* kColours[] = {"#0072b2", "#56b4e9", "#d55e00", "#009e73", "#cc79a7",
@@ -44,11 +44,11 @@ double Height(double multiple) {
   return kTop + (kPanelHeight - kTop - kBottom) * (kHighest - power) / (kHighest - kLowest);
 }
 
-/// What a metric's values are multiples of; nothing where it has no value.
+/// The reference that a metric's values are divided by; nothing where it has no value.
 std::optional<double> UnitOf(const DoseTable& table, Damage damage, const std::string& metric) {
-  constexpr double kNothing = 1e-6, kSmall = 1e-3;  // kSmall: of bones a millimetre
+  constexpr double kNothing = 1e-6, kSmall = 1e-3;  // kSmall: for bones, a millimetre
   const DoseValue* undamaged = table.Find(damage, InfoOf(damage).none, metric);
-  // Distances to the same motions are 0 but for rounding, and KID's estimate may be negative.
+  // Distances to the same motions are 0 up to rounding, and KID's estimate may be negative.
   const bool distance = metric == "FID_train" || metric == "FID_test" || metric == "KID" || metric == "nearest_train";
   if (!distance && undamaged != nullptr && std::abs(undamaged->value) > kNothing) return undamaged->value;
   const auto real = table.real.find(metric);
@@ -122,7 +122,7 @@ std::string DoseSvg(const DoseTable& table, const std::string& title) {
   }
   svg += SvgText(16.0, legend + 2.0 * kLegendLine + 4.0,
                  "Multiples of the undamaged motions' value; of FID, KID and nearest_train of real motions among each "
-                 "other; of 0.001 where that is 0. Large dots: the metric answers.",
+                 "other; of 0.001 where that is 0. Large dots: the metric responds.",
                  "start", "mark");
   return svg + "</svg>\n";
 }

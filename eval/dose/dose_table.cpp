@@ -10,8 +10,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastChange = 0.1;      // of a metric without an interval
-constexpr double kStoredRounding = 1e-6;  // what storing positions in float32 changes
+constexpr double kLeastChange = 0.1;      // for a metric without an interval
+constexpr double kStoredRounding = 1e-6;  // relative change by storing positions in float32
 
 const nlohmann::json* RowNamed(const nlohmann::json& rows, const std::string& name) {
   const auto found =
@@ -19,7 +19,7 @@ const nlohmann::json* RowNamed(const nlohmann::json& rows, const std::string& na
   return found == rows.end() ? nullptr : &*found;
 }
 
-/// Of a row; nothing without a number.
+/// Value of a metric in a row; nothing without a number.
 std::optional<DoseValue> ValueOfRow(const nlohmann::json& row, const std::string& metric) {
   const nlohmann::json found = row.at("metrics").value(metric, nlohmann::json());
   if (!found.is_object() || !found.at("value").is_number()) return std::nullopt;
@@ -140,7 +140,7 @@ DoseTable MakeDoseTable(const nlohmann::json& rows, const std::vector<DoseSeries
 }
 
 std::string DoseMarkdown(const DoseTable& table, const std::string& title) {
-  std::string text = "# " + title + "\n\nThe smallest dose that each metric answers to; –: to none of the doses.\n\n" +
+  std::string text = "# " + title + "\n\nThe smallest dose that each metric responds to; –: to none of the doses.\n\n" +
                      HeaderOf("damage", table.metrics);
   for (const DoseSeries& series : table.series) {
     text += std::string("| ") + InfoOf(series.damage).name + " |";
@@ -150,7 +150,8 @@ std::string DoseMarkdown(const DoseTable& table, const std::string& title) {
     text += "\n";
   }
   text +=
-      "\nA metric answers (*) where its interval and that of the undamaged motions are disjoint; without an interval,\n"
+      "\nA metric responds (*) where its interval and that of the undamaged motions are disjoint; without an "
+      "interval,\n"
       "where it differs by more than a tenth, and by more than real motions differ from each other (row Real).\n";
   for (const DoseSeries& series : table.series) {
     const DamageInfo& info = InfoOf(series.damage);

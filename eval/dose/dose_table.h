@@ -13,7 +13,7 @@ namespace mocurate {
 
 inline constexpr const char* kUndamaged = "undamaged";  ///< name of the row of dose none
 
-/// Name of a row: "jitter_mm=5"; kUndamaged for the dose that changes nothing.
+/// Name of a row: "jitter_mm=5"; kUndamaged for the dose without effect.
 std::string DoseRowName(Damage damage, double dose);
 
 /// One metric at one dose.
@@ -23,29 +23,29 @@ struct DoseValue {
   std::string metric;
   double value = 0.0;
   std::optional<std::array<double, 2>> interval;
-  std::optional<double> ratio;  ///< to the undamaged motions; none where these have 0 or no value
+  std::optional<double> ratio;  ///< to the undamaged motions; nothing where these have 0 or no value
   std::optional<double> shift;  ///< from the undamaged motions, in half widths of the wider of both intervals
-  bool answers = false;         ///< MakeDoseTable says when
+  bool answers = false;         ///< see MakeDoseTable
 };
 
-/// How each metric answers to each damage.
+/// Response of each metric to each damage.
 struct DoseTable {
   std::vector<std::string> metrics;    ///< that have a value in any row, by name
   std::map<std::string, double> real;  ///< metric -> of real motions against others (row "Real")
   std::vector<DoseSeries> series;      ///< what was scored
   std::vector<DoseValue> values;       ///< by damage, dose (undamaged first) and metric
   const DoseValue* Find(Damage damage, double dose, const std::string& metric) const;
-  /// Of doses on either side of the harmless one the nearest that the metric answers to, ascending; at most two.
+  /// The nearest doses on either side of the neutral one that the metric responds to, ascending; at most two.
   std::vector<double> AnsweredFrom(Damage damage, const std::string& metric) const;
 };
 
-/// From rows of an evaluation (as of ScoreRow) named by DoseRowName. A metric answers to a dose where its interval and
+/// From rows of an evaluation (as of ScoreRow) named by DoseRowName. A metric responds to a dose where its interval and
 /// that of the undamaged motions are disjoint; where one of them has no interval, where its value differs from theirs
-/// by more than a tenth of it and by more than real motions differ (row "Real"); nowhere to a change below 1e-6, which
-/// rounding gives. Rows that are not there are left out.
+/// by more than a tenth of it and by more than real motions differ (row "Real"); a change below 1e-6 never counts,
+/// because rounding gives. Missing rows are skipped.
 DoseTable MakeDoseTable(const nlohmann::json& rows, const std::vector<DoseSeries>& series);
 
-/// Which dose each metric answers from, then a table for each damage; `title` stands above.
+/// The smallest dose that each metric responds to, then a table for each damage, under `title`.
 std::string DoseMarkdown(const DoseTable& table, const std::string& title);
 /// "damage,unit,dose,metric,value,low,high,ratio,shift,answers", a line a value.
 std::string DoseCsv(const DoseTable& table);

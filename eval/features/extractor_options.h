@@ -7,20 +7,20 @@
 
 namespace mocurate {
 
-/// Networks that give features.
+/// Networks that compute features.
 enum class ExtractorNetwork {
   kGru,    ///< Action2Motion's recogniser, and MultiAct's (a2m_actor.md D.1, multiact.md E)
   kStGcn,  ///< ACTOR's for UESTC
 };
-/// What the network reads of a frame.
+/// Network input of a frame.
 enum class ExtractorValues { kJoints, kRotation6DRows };
-/// From which place joints are counted (a2m_actor.md D.8).
+/// Origin of the joint positions (a2m_actor.md D.8).
 enum class RootRule {
   kAsGiven,
   kFirstFrame,  ///< the root of the first frame that is read
   kEveryFrame,  ///< the root of each frame: no trajectory
 };
-/// How a motion of another length becomes `frames`.
+/// How a motion of another length is converted to `frames`.
 enum class LengthRule {
   kCrop,      ///< a window; shorter motions are padded
   kResample,  ///< the whole motion, evenly spaced in time
@@ -30,29 +30,29 @@ enum class PaddingRule {
   kZeros,
   kZerosMinusRoot,  ///< zeros from which the root rule subtracts the root as well (MultiAct)
 };
-/// Which output of the recurrent network counts.
+/// Output of the recurrent network that is used.
 enum class ReadOut {
   kLastFrame,  ///< after the padding
   kLastValid,  ///< of the last frame that is not padding (ACTOR)
 };
-/// Whose bones the joints have.
+/// Bone lengths of the joints.
 enum class BodyRule {
   kOwn,
-  kMeanShape,  ///< SMPL with beta = 0 (ACTOR); without SMPL's files joints are read as given, and the result says so
+  kMeanShape,  ///< SMPL with beta = 0 (ACTOR); without SMPL's files joints are read as given, and the result reports it
 };
 
-/// How motions become what a network reads, and which network. Motions come in the canonical world (metres, y up,
-/// facing +z); the network's own frame is given by `axes` and `metres_per_unit`.
+/// A network and the conversion of motions to its input. Motions are in the canonical world (metres, y up, facing +z);
+/// the network's own frame is given by `axes` and `metres_per_unit`.
 struct ExtractorOptions {
   std::string name;
-  std::string weights;  ///< file below MOCURATE_WEIGHTS, or a path; a checkpoint of ours says the rest itself
+  std::string weights;  ///< file below MOCURATE_WEIGHTS, or a path; a checkpoint of mocurate contains the other options
   std::string obtain;
   ExtractorNetwork network = ExtractorNetwork::kGru;
   ExtractorValues values = ExtractorValues::kJoints;
   std::string skeleton;
   std::string axes = "+x +y +z";
   double metres_per_unit = 1.0;
-  double rate_hz = 0.0;  ///< of the motions it was trained on; 0: not known
+  double rate_hz = 0.0;  ///< of the training motions; 0: unknown
   std::int64_t frames = 60;
   LengthRule length = LengthRule::kCrop;
   PaddingRule padding = PaddingRule::kRepeatLast;
@@ -60,7 +60,7 @@ struct ExtractorOptions {
   RootRule real_root = RootRule::kFirstFrame;
   RootRule generated_root = RootRule::kAsGiven;
   BodyRule body = BodyRule::kOwn;
-  double yaw_rad = 0.0;  ///< by which scored motions are turned about the vertical, and the reference is not
+  double yaw_rad = 0.0;              ///< rotation of scored motions, not of the reference, about the vertical
   std::vector<std::string> classes;  ///< in the order of the network's outputs
 
   void Declare(OptionVisitor& v);

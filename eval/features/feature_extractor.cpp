@@ -22,7 +22,7 @@ std::string Plain(const std::string& label) {
   return plain;
 }
 
-/// What a checkpoint of ours says of itself.
+/// The options stored in a checkpoint of mocurate.
 void TakeFromCheckpoint(const Recogniser& recogniser, Extractor& extractor) {
   ExtractorOptions& options = extractor.options;
   options.frames = recogniser.input_frames();
@@ -60,7 +60,8 @@ Expected<Extractor> Extractor::Open(const ExtractorOptions& options, const std::
   const std::string where = DisplayPath(weights);
   const bool graph = options.network == ExtractorNetwork::kStGcn;
   if (graph != (options.values == ExtractorValues::kRotation6DRows)) {
-    return Fail(ErrorCode::kUnsupported, "extractor '" + options.name + "' reads what its network does not", where,
+    return Fail(ErrorCode::kUnsupported,
+                "extractor '" + options.name + "' declares values that its network cannot read", where,
                 "a GRU reads joints, an ST-GCN rotation_6d_rows");
   }
   Extractor extractor;
@@ -69,7 +70,7 @@ Expected<Extractor> Extractor::Open(const ExtractorOptions& options, const std::
     auto own = Recogniser::Load(weights);
     if (!own) return Forward(own);
     if ((*own)->skeleton() == nullptr) {
-      return Fail(ErrorCode::kInconsistent, "the checkpoint names no skeleton", where, "train again");
+      return Fail(ErrorCode::kInconsistent, "the checkpoint has no skeleton", where, "train again");
     }
     TakeFromCheckpoint(**own, extractor);
     extractor.recogniser = std::move(*own);
@@ -84,14 +85,14 @@ Expected<Extractor> Extractor::Open(const ExtractorOptions& options, const std::
   if (network.input_size() != rules->size()) {
     return Fail(ErrorCode::kInconsistent,
                 "the network reads " + std::to_string(network.input_size()) + " numbers per frame, skeleton '" +
-                    options.skeleton + "' gives " + std::to_string(rules->size()),
-                where, "these are weights of another data set; extractor '" + options.name + "' expects others");
+                    options.skeleton + "' has " + std::to_string(rules->size()),
+                where, "use the weights of extractor '" + options.name + "'; these are of another data set");
   }
   if (network.class_count() != static_cast<int>(options.classes.size())) {
     return Fail(ErrorCode::kInconsistent,
                 "the network has " + std::to_string(network.class_count()) + " classes, extractor '" + options.name +
                     "' lists " + std::to_string(options.classes.size()),
-                where, "these are weights of another set of labels");
+                where, "use weights trained on these labels");
   }
   extractor.rules = std::move(*rules);
   extractor.recogniser = std::move(*published);
@@ -145,15 +146,15 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
   const auto broken = std::find(finite.begin(), finite.end(), 0);
   if (output && broken != finite.end()) {
     return Fail(ErrorCode::kInconsistent, "a joint position is not a finite number",
-                clips[static_cast<std::size_t>(broken - finite.begin())], "take the motion out; it is not averaged in");
+                clips[static_cast<std::size_t>(broken - finite.begin())], "remove the motion from the set");
   }
   if (!output) return Forward(output);
   const auto all_finite = [](const std::vector<float>& values) {
     return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
   };
   if (!all_finite(output->features) || !all_finite(output->logits)) {
-    return Fail(ErrorCode::kInconsistent, "the network gives numbers that are not finite", extractor.options.name,
-                "its training diverged, or its file is damaged: use another one");
+    return Fail(ErrorCode::kInconsistent, "the network's output is not finite", extractor.options.name,
+                "its training diverged, or its file is damaged: use another network");
   }
   set.pass_begin.push_back(set.count());
   set.feature_size = output->feature_size;
@@ -166,7 +167,7 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
 }
 
 Status CheckFrameOfSet(const std::vector<const Motion*>& motions, double largest_scale) {
-  constexpr double kLeastUpright = 0.25;  // part of the distance of head and feet that lies along the vertical
+  constexpr double kLeastUpright = 0.25;  // minimum vertical share of the distance between head and feet
   std::vector<double> heights, upright, scales;
   for (const Motion* motion : motions) {
     const Skeleton& skeleton = *motion->skeleton;
@@ -182,7 +183,7 @@ Status CheckFrameOfSet(const std::vector<const Motion*>& motions, double largest
     for (int j = 1; j < skeleton.joint_count(); ++j) {
       const Joint& joint = skeleton.joints[static_cast<std::size_t>(j)];
       const double rest = joint.rest_offset.norm();
-      if (rest < 0.05) continue;  // of short bones the ratio says little
+      if (rest < 0.05) continue;  // the ratio of short bones is unreliable
       ratios.push_back((motion->joints.at(0, j) - motion->joints.at(0, joint.parent)).norm() / rest);
     }
     if (!ratios.empty()) scales.push_back(Median(std::move(ratios)));
@@ -193,25 +194,27 @@ Status CheckFrameOfSet(const std::vector<const Motion*>& motions, double largest
                     " m below the feet in the first frame of half of "
                     "the motions",
                 "frame of the set",
-                "another vertical axis than declared, or values that are no positions: give --source with the axes, or "
-                "--values lie with --bone-lengths");
+                "the vertical axis differs from the declared one, or the values are not positions: declare the axes "
+                "with --source, or "
+                "use --values lie with --bone-lengths");
   }
   if (!upright.empty() && Median(upright) < kLeastUpright) {
     return Fail(ErrorCode::kInconsistent,
                 "head and feet lie at about the same height in the first frame of half of the motions: " +
                     RoundedText(Median(upright), 2) + " of their distance is vertical (rule: at least " +
                     RoundedText(kLeastUpright, 2) + ")",
-                "frame of the set", "another vertical axis than declared: give --source with the axes");
+                "frame of the set", "the vertical axis differs from the declared one: declare the axes with --source");
   }
   if (scales.empty()) return {};
   const double scale = Median(scales);
   if (scale <= largest_scale && scale >= 1.0 / largest_scale) return {};
-  return Fail(ErrorCode::kInconsistent,
-              "bones are " + RoundedText(scale, 3) + " times as long as those of the skeleton (rule: at most " +
-                  RoundedText(largest_scale, 3) + " times, or as short)",
-              "unit of the set",
-              "another unit than declared, or values that are no positions: give --source with the unit, or --values "
-              "lie with --bone-lengths");
+  return Fail(
+      ErrorCode::kInconsistent,
+      "bones are " + RoundedText(scale, 3) + " times as long as those of the skeleton (rule: at most " +
+          RoundedText(largest_scale, 3) + " times, or 1 / that)",
+      "unit of the set",
+      "another unit than declared, or values that are not positions: declare the unit with --source, or use --values "
+      "lie with --bone-lengths");
 }
 
 }  // namespace mocurate

@@ -23,7 +23,7 @@ namespace mocurate {
 namespace {
 
 constexpr int kMeasuredAtOnce = 64;     // motions of a thread
-constexpr double kFarFromOrigin = 0.5;  // metres; the roots that published decoders begin with lie within millimetres
+constexpr double kFarFromOrigin = 0.5;  // metres; published decoders start their roots within millimetres
 
 const StageInput* InputOf(const StageRequest& request, const std::string& role) {
   const auto found = std::find_if(request.inputs.begin(), request.inputs.end(),
@@ -31,7 +31,7 @@ const StageInput* InputOf(const StageRequest& request, const std::string& role) 
   return found == request.inputs.end() ? nullptr : &*found;
 }
 
-/// Motions of one pass with their classes, as the extractor counts them.
+/// Motions of one pass with their classes, by the extractor's indices.
 struct PassMotions {
   std::vector<const Motion*> motions;
   std::vector<int> labels;
@@ -49,14 +49,13 @@ Expected<std::vector<int>> ClassesOf(const Dataset& dataset, const std::vector<s
     const auto near = Nearest(clip.label, classes);
     std::string list;
     for (const std::string& name : classes) list += (list.empty() ? "" : ", ") + name;
-    return Fail(ErrorCode::kInconsistent, "label '" + clip.label + "' is no class of the extractor", clip.id(),
-                (near ? "did you mean '" + *near + "'? " : "") +
-                    "name its classes in the labels that you give; they are: " + list);
+    return Fail(ErrorCode::kInconsistent, "label '" + clip.label + "' is not a class of the extractor", clip.id(),
+                (near ? "did you mean '" + *near + "'? " : "") + "use its classes as labels; they are: " + list);
   }
   return result;
 }
 
-/// Measures of each motion that need no network, appended to `quality`.
+/// Measures of each motion that need no network; appends them to `quality`.
 void AddQuality(const std::vector<const Motion*>& motions, int threads,
                 std::map<std::string, std::vector<double>>& quality) {
   constexpr const char* kNames[] = {"foot_skate",      "jerk", "bone_spread", "frozen_share", "floor_penetration",
@@ -88,7 +87,7 @@ bool FacesAway(const Motion& motion) {
   return across.x() < -0.5 * across.norm();
 }
 
-/// Reads motions, or has them generated, and runs the extractor over each pass.
+/// Reads motions, or requests them from a generator, and runs the extractor over each pass.
 class FeaturesRun {
  public:
   FeaturesRun(const FeaturesOptions& options, const Extractor& extractor, int threads)
@@ -155,10 +154,10 @@ class FeaturesRun {
       auto motions = answer(requests);
       if (!motions) return Forward(motions);
       if (motions->size() != requests.size()) {
-        return Fail(
-            ErrorCode::kInconsistent,
-            std::to_string(motions->size()) + " motions answer " + std::to_string(requests.size()) + " requests",
-            "generator");
+        return Fail(ErrorCode::kInconsistent,
+                    std::to_string(motions->size()) + " motions were generated for " + std::to_string(requests.size()) +
+                        " requests",
+                    "generator");
       }
       PassMotions pass;
       for (std::size_t i = 0; i < motions->size(); ++i) {
@@ -184,7 +183,7 @@ class FeaturesRun {
     return {};
   }
 
-  /// Measures of a generator's motions are of the first pass.
+  /// Measures of generated motions come from the first pass.
   FeatureSet& set() {
     for (auto& [name, values] : set_.quality) values.resize(static_cast<std::size_t>(set_.count()), kNotMeasured);
     return set_;
@@ -229,7 +228,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   const StageInput* weights = InputOf(request, "weights");
   const StageInput* motions = InputOf(request, "motions");
   if (weights == nullptr || motions == nullptr) {
-    return Fail(ErrorCode::kInternal, "features need the roles 'weights' and 'motions'", request.item);
+    return Fail(ErrorCode::kInternal, "the stage features needs the roles 'weights' and 'motions'", request.item);
   }
   auto extractor = Extractor::Open(options->extractor, weights->path);
   if (!extractor) return Forward(extractor);

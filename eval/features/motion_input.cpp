@@ -66,24 +66,24 @@ Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& mo
   return Fail(ErrorCode::kInconsistent,
               "skeleton '" + motion.name + "' of the motions lacks " + missing + ", which the extractor reads",
               network.name,
-              "score motions of skeleton '" + network.name + "', or fit it: mocurate fit --skeleton " + network.name);
+              "score motions of skeleton '" + network.name + "', or fit them: mocurate fit --skeleton " + network.name);
 }
 
 Status CheckRotations(const Skeleton& network, const Motion& motion) {
   if (motion.joints_only()) {
-    return Fail(ErrorCode::kInconsistent, "the motion has joints alone, the extractor reads rotations", network.name,
-                "fit it (mocurate fit), or score with an extractor of joints");
+    return Fail(ErrorCode::kInconsistent, "the motion has joints only, the extractor reads rotations", network.name,
+                "fit it (mocurate fit), or use an extractor that reads joints");
   }
   const Skeleton& own = *motion.rest_pose();
   if (!SameTree(network, own)) {
     return Fail(ErrorCode::kInconsistent,
-                "the motion is of skeleton '" + own.name + "', whose joints hang otherwise: its rotations are others",
+                "the motion is of skeleton '" + own.name + "', which has another tree and other rotations",
                 network.name, "score motions of skeleton '" + network.name + "'");
   }
   if (const double apart = RestPosesApart(network, own); apart > kSameRestPose) {
     return Fail(ErrorCode::kInconsistent,
-                "the motion's rotations are counted from a rest pose " + RoundedText(apart, 2) + " rad apart",
-                network.name, "bring the motions to the rest pose of skeleton '" + network.name + "'");
+                "the motion's rotations refer to a rest pose " + RoundedText(apart, 2) + " rad apart", network.name,
+                "fit the motions to the rest pose of skeleton '" + network.name + "'");
   }
   return {};
 }

@@ -9,14 +9,14 @@
 
 namespace mocurate {
 
-/// Which frames of a longer motion a window takes.
+/// Start of the window in a longer motion.
 enum class CropStart {
-  kFirst,     ///< from the first frame on: nothing is drawn
-  kReleased,  ///< drawn, the last place never (a2m_actor.md F15)
-  kAny,       ///< drawn among all places
+  kFirst,     ///< at the first frame: not random
+  kReleased,  ///< random, never at the last possible frame (a2m_actor.md F15)
+  kAny,       ///< random among all possible frames
 };
 
-/// How motions become what a network reads. One value serves all motions of an extractor.
+/// Conversion of motions to a network's input; one value for all motions of an extractor.
 struct InputRules {
   SkeletonPtr skeleton;                              ///< of the network
   Matrix3d unit_from_metres = Matrix3d::Identity();  ///< to the network's axes and unit
@@ -25,7 +25,7 @@ struct InputRules {
   PaddingRule padding = PaddingRule::kRepeatLast;
   ReadOut read_out = ReadOut::kLastFrame;
   ExtractorValues values = ExtractorValues::kJoints;
-  bool root_rotation = true;  ///< of rotations: the root's is read too
+  bool root_rotation = true;  ///< rotations include the root's
 
   int size() const {
     return values == ExtractorValues::kJoints ? 3 * skeleton->joint_count()
@@ -33,19 +33,19 @@ struct InputRules {
   }
 };
 
-/// Error kConfig, kNotFound for axes or a skeleton that there are not.
+/// Error kConfig, kNotFound for unknown axes or skeleton.
 Expected<InputRules> RulesOf(const ExtractorOptions& options);
 
-/// For each joint of the network the motion's joint of that name (or synonym). Error kInconsistent names those that the
-/// motion lacks.
+/// For each joint of the network the motion's joint of that name (or synonym). Error kInconsistent names the missing
+/// joints.
 Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& motion);
 
-/// Whether rotations of the motion are those of the network's skeleton. Error kInconsistent: a motion of joints alone,
+/// Whether the motion's rotations are defined on the network's skeleton. Error kInconsistent: a motion of joints only,
 /// another tree, another rest pose.
 Status CheckRotations(const Skeleton& network, const Motion& motion);
 
-/// One motion as the network reads it: writes (frames, size()) float32 to `values`, and gives the frame after which the
-/// output counts.
+/// One motion as the network's input: writes (frames, size()) float32 to `values`, and returns the frame whose output
+/// is used.
 int WriteMotionInput(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, RootRule root,
                      CropStart start, Random& random, float* values);
 

@@ -5,13 +5,13 @@
 
 namespace mocurate {
 
-/// Counts (C, C): rows are true classes, columns predicted ones. Motions without a class (-1) do not count.
+/// Counts (C, C): rows are true classes, columns predicted ones. Motions without a class (-1) are ignored.
 Eigen::MatrixXi ConfusionMatrix(const std::vector<int>& truth, const std::vector<int>& predicted, int classes);
 
 /// Position of the largest of `classes` logits.
 int LargestLogit(const float* logits, int classes);
 
-/// Predictions that count as right for each true class; empty: the class alone. Directional. [multiact.md A.4]
+/// Predictions accepted for each true class; empty: the class alone. Directional. [multiact.md A.4]
 using EquivalentClasses = std::vector<std::vector<int>>;
 
 /// Share of the motions with a class whose largest logit, or any of whose `top` largest logits, is accepted.

@@ -14,7 +14,7 @@ Status CheckFeatures(Eigen::Index count, bool finite) {
   }
   if (finite) return {};
   return Fail(ErrorCode::kInconsistent, "a feature is not a finite number", "features",
-              "the motions hold NaN or infinite positions, or the recogniser was trained to divergence");
+              "check the motions for NaN or infinite positions, and whether the recogniser's training diverged");
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ Expected<double> FrechetDistance(const FeatureStatistics& a, const FeatureStatis
   if (a.mean.size() != b.mean.size()) {
     return Fail(ErrorCode::kInconsistent,
                 std::to_string(a.mean.size()) + " and " + std::to_string(b.mean.size()) + " features per motion",
-                "features", "both sets must come from the same recogniser");
+                "features", "compute both sets with the same recogniser");
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> first(a.covariance);
   const Eigen::VectorXd roots = first.eigenvalues().cwiseMax(0.0).cwiseSqrt();

@@ -29,7 +29,7 @@ std::vector<Quaterniond> GlobalRotations(const Motion& motion, int frame) {
   return global;
 }
 
-/// Whether a joint's full rotation shows in joint positions: two or more children in non-collinear directions.
+/// Whether joint positions determine a joint's full rotation: two or more children in non-collinear directions.
 bool RotationIsVisible(const Skeleton& skeleton, const std::vector<int>& children) {
   for (std::size_t a = 0; a < children.size(); ++a) {
     for (std::size_t b = a + 1; b < children.size(); ++b) {

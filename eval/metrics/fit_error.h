@@ -8,16 +8,16 @@
 
 namespace mocurate {
 
-/// Whether the stated covariance of joint positions tells the truth: of the error components whitened by it (three per
-/// joint and frame), how many lie within one and two standard deviations. 68.3 and 95.4 % where it does.
+/// Calibration of the covariance of joint positions: the share of error components whitened by it (three per joint and
+/// frame) that lie within one and two standard deviations; 68.3 and 95.4 % if calibrated.
 struct Coverage {
   double within_one_sigma = 0.0;  ///< share in [0, 1]
   double within_two_sigma = 0.0;
-  std::int64_t components = 0;      ///< 0: the fit states no covariance
+  std::int64_t components = 0;      ///< 0: the fit has no covariance
   std::array<double, 12> within{};  ///< share within 0.25, 0.5, ..., 3 standard deviations
 };
 
-/// How far a fit, and the evidence it was fitted to, lie from the truth. World frame, all frames, hidden ones too.
+/// Error of a fit, and of the evidence it was fitted to. World frame, all frames, hidden ones too.
 struct FitError {
   double joint_mm = 0.0;            ///< mean over frames and joints present in both
   double evidence_mm = 0.0;         ///< the same for the tracks, observed samples only; 0 without tracks

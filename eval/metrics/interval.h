@@ -9,12 +9,12 @@
 
 namespace mocurate {
 
-/// What stands behind a "+-". The code bases print different things under one name (a2m_actor.md F7).
+/// Meaning of a "+-". The released codes print different quantities under one name (a2m_actor.md F7).
 enum class IntervalKind {
   kStudent,        ///< half-width of the 95 % interval of the mean, Student t with n - 1 degrees of freedom (MultiAct)
   kAction2Motion,  ///< 1.96 sd / sqrt(n), population sd
-  kActor,          ///< 1.96 times the population variance: in squared units, no interval at all
-  kBootstrap,      ///< 95 % of the means of resampled values: a true interval without a normal distribution
+  kActor,          ///< 1.96 times the population variance: in squared units, not an interval
+  kBootstrap,      ///< 95 % of the means of resampled values: an interval without assuming a normal distribution
 };
 
 /// "student_95", "a2m_1.96_sd_over_sqrt_n", "actor_1.96_variance", "bootstrap_95".
@@ -31,7 +31,7 @@ struct Summary {
   double half_width = 0.0;
 };
 
-/// Of the values of the repetitions. One value has half-width 0; none has mean 0. Of kBootstrap half the width of the
+/// Summary over the repetitions. One value has half-width 0; no value has mean 0. kBootstrap: half the width of the
 /// interval of 1,000 resamples.
 Summary Summarise(const std::vector<double>& values, IntervalKind kind);
 

@@ -33,7 +33,7 @@ Expected<double> KernelDistance(const Features& a, const Features& b, int subset
     return Fail(ErrorCode::kInconsistent,
                 std::to_string(a.rows()) + " and " + std::to_string(b.rows()) + " motions of " +
                     std::to_string(a.cols()) + " and " + std::to_string(b.cols()) + " features",
-                "KID", "two motions or more in each set, of one extractor, are needed");
+                "KID", "use two motions or more in each set, of one extractor");
   }
   const bool whole = n == a.rows() && n == b.rows();
   const int count = whole ? 1 : subsets;

@@ -20,7 +20,7 @@ Eigen::MatrixXd SquaredDistances(const Features& a, Eigen::Index begin, Eigen::I
   return squared.cwiseMax(0.0);
 }
 
-/// Of a distance that is taken from squares, as a share of the features' size.
+/// Numerical error of a distance computed from squares, relative to the features' norm.
 constexpr double kRounding = 1e-6;
 
 }  // namespace
@@ -30,7 +30,7 @@ Expected<NeighbourFigures> CompareNeighbours(const Features& motions, const Feat
     return Fail(ErrorCode::kInconsistent,
                 std::to_string(motions.rows()) + " motions and a reference of " + std::to_string(reference.rows()),
                 "density and coverage",
-                "the reference needs more than " + std::to_string(k) + " motions, features of one extractor");
+                "use a reference of more than " + std::to_string(k) + " motions, features of one extractor");
   }
   const Eigen::VectorXd norm = reference.rowwise().squaredNorm();
   Eigen::VectorXd radius(reference.rows());  // squared
@@ -66,7 +66,7 @@ Expected<NeighbourFigures> CompareNeighbours(const Features& motions, const Feat
   figures.coverage =
       static_cast<double>(std::count(covered.begin(), covered.end(), true)) / static_cast<double>(reference.rows());
   const double among = own_nearest / static_cast<double>(reference.rows());
-  // Rows that repeat are as far apart as rounding says: there is nothing to measure by.
+  // Repeated rows have distances at rounding level, which are no reference.
   const double rounding = kRounding * std::sqrt(norm.mean());
   figures.nearest = among > rounding ? nearest / static_cast<double>(motions.rows()) / among : 0.0;
   return figures;

@@ -7,7 +7,7 @@ namespace mocurate {
 
 double PairedExchangeTest(int count, int permutations, const std::function<double(const std::vector<bool>&)>& statistic,
                           Random& random) {
-  constexpr double kRounding = 1e-12;  // equal differences may come out of another order of sums
+  constexpr double kRounding = 1e-12;  // equal differences may differ by summation order
   const double seen = std::abs(statistic(std::vector<bool>(static_cast<std::size_t>(count), false)));
   int as_far = 1;
   std::vector<bool> exchanged(static_cast<std::size_t>(count));

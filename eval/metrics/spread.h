@@ -8,7 +8,7 @@
 
 namespace mocurate {
 
-/// Pairs of motions a metric takes distances between; drawn apart from the metric, so that a reference's draws can be
+/// Pairs of motions for a metric's distances; drawn separately from the metric, so that a reference's draws can be
 /// replayed.
 using IndexPairs = std::vector<std::pair<int, int>>;
 
@@ -16,7 +16,7 @@ using IndexPairs = std::vector<std::pair<int, int>>;
 IndexPairs DrawDiversityPairs(int motions, int pairs, Random& random);
 
 /// Multimodality's pairs: `quota` for each class that has motions, both ends uniform within the class, with
-/// replacement. Fewer than quota * classes pairs: a class has none. Motions without a class (-1) take no part.
+/// replacement. A class without motions has no pairs. Motions without a class (-1) are ignored.
 IndexPairs DrawMultimodalityPairs(const std::vector<int>& labels, int classes, int quota, Random& random);
 
 /// Mean Euclidean distance over the pairs; 0 without pairs.

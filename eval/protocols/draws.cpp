@@ -13,7 +13,7 @@
 namespace mocurate {
 namespace {
 
-/// Bone lengths as the generator's kinematics reads them: distances in the first frame.
+/// Bone lengths as the generator's kinematics defines them: distances in the first frame.
 std::vector<double> FirstFrameBones(const Motion& motion) {
   std::vector<Vector3d> joints(motion.joint_count());
   for (int j = 0; j < motion.joint_count(); ++j) joints[j] = motion.joints.at(0, j);
@@ -30,7 +30,7 @@ std::vector<double> FirstPose(const Motion& motion) {
   return pose;
 }
 
-/// Frames of a part of a sample; nothing where the whole is meant, or the clip is no sample.
+/// Frames of a part of a sample; nothing for the whole, or where the clip is not a sample.
 std::optional<int> FramesOfPart(const Clip& clip, ClipPart part) {
   if (part == ClipPart::kWhole) return std::nullopt;
   const auto parts = PartsOf(clip);
@@ -60,7 +60,7 @@ Expected<std::vector<int>> RowsOfPart(const Dataset& dataset, RealPart part, con
   if (!rows.empty()) return rows;
   return Fail(ErrorCode::kInconsistent,
               std::string("no clip is in the ") + (part == RealPart::kTest ? "test" : "training") + " part",
-              "evaluate.real", "choose evaluate.real: all, or a split whose parts hold clips");
+              "evaluate.real", "choose evaluate.real: all, or a split whose parts have clips");
 }
 
 std::vector<int> DrawPositions(int size, int count, bool replacement, std::uint64_t seed, int repetition,

@@ -17,9 +17,9 @@
 namespace mocurate {
 namespace {
 
-/// Beyond it a resample of FID takes seconds: D x D eigenvalues.
+/// Above this size a resample of FID takes seconds: D x D eigenvalues.
 constexpr int kLargestResampled = 128;
-constexpr int kSignChanges = 10000;  // behind a p of repetitions
+constexpr int kSignChanges = 10000;  // for a p of repetitions
 
 Features Gather(const FeatureSet& set, const std::vector<int>& rows) {
   Features features(static_cast<Eigen::Index>(rows.size()), set.feature_size);
@@ -39,7 +39,7 @@ ScoredRows TakeRows(const FeatureSet& set, std::vector<int> rows) {
   return scored;
 }
 
-/// The rows, each clip once: a draw with replacement holds copies, which are each other's nearest.
+/// The rows, each clip once: copies from a draw with replacement would be each other's nearest.
 std::vector<int> DistinctClips(const FeatureSet& set, const std::vector<int>& rows) {
   std::set<std::string> seen;
   std::vector<int> distinct;
@@ -63,7 +63,7 @@ Expected<double> FidOf(const Features& a, const Features& b) {
   return FrechetDistance(*first, *second);
 }
 
-/// `unknown`: names in the table that are no class of the extractor.
+/// `unknown`: names in the table that are not classes of the extractor.
 EquivalentClasses EquivalentOf(const ScoreOptions& options, const std::vector<std::string>& classes,
                                std::set<std::string>& unknown) {
   EquivalentClasses equivalent;
@@ -109,14 +109,14 @@ class RowScore {
       return Fail(ErrorCode::kInconsistent,
                   std::to_string(row_.feature_size) + " features a motion, the reference has " +
                       std::to_string(reference->feature_size),
-                  options_.name, "score both sets by one extractor");
+                  options_.name, "score both sets with one extractor");
     }
     std::set<std::string> unknown;
     equivalent_ = EquivalentOf(options_, row_.classes, unknown);
     if (!unknown.empty()) {
       Warn("equivalent_without_class", Counted(static_cast<long long>(unknown.size()), "name") +
-                                           " of `equivalent` no class of the extractor, e.g. '" + *unknown.begin() +
-                                           "': they count for nothing");
+                                           " of `equivalent` not among the extractor's classes, e.g. '" +
+                                           *unknown.begin() + "': ignored");
     }
     NoteClasses();
     const int repetitions = static_cast<int>(std::max<std::int64_t>(1, options_.draw.repetitions));
@@ -150,17 +150,17 @@ class RowScore {
       ++absent_;
     }
     if (labelled_ == 0) {
-      Warn("no_labels", "the motions have no labels: accuracy and multimodality are null; give " +
+      Warn("no_labels", "the motions have no labels: accuracy and multimodality are null; supply " +
                             std::string(real() ? "--real-labels FILE" : "--labels FILE"));
     } else if (absent_ > 0) {
       const bool divided = options_.metrics.divisor == MultimodalityDivisor::kAll;
       Warn("class_without_motions",
            "no motion of " + missing + ": multimodality " +
-               (divided ? "is divided by all classes all the same" : "is null; add motions of these classes"));
+               (divided ? "is still divided by all classes" : "is null; add motions of these classes"));
     }
     const int unlabelled = row_.count() - labelled_;
     if (labelled_ > 0 && unlabelled > 0) {
-      Warn("motions_without_label", Counted(unlabelled, "motion") + " without a label count for no accuracy");
+      Warn("motions_without_label", Counted(unlabelled, "motion") + " without a label do not count in the accuracy");
     }
   }
 
@@ -178,8 +178,9 @@ class RowScore {
   Status Repeat(int repetition) {
     const ScoredRows row = RowsOfRepetition(row_, options_.draw, seed(), repetition, real() ? "real" : "generated");
     if (row.rows.empty()) {
-      return Fail(ErrorCode::kInconsistent, "no motion has a label, and the protocol draws motions of each label",
-                  options_.name, std::string(real() ? "--real-labels" : "--labels") + " FILE gives them");
+      return Fail(ErrorCode::kInconsistent, "no motion has a label, but the protocol draws motions of each label",
+                  options_.name,
+                  std::string(real() ? "--real-labels" : "--labels") + " FILE: supply them with this option");
     }
     if (repetition == 0) motions_ = static_cast<int>(row.rows.size());
     AddAccuracy(row);
@@ -199,7 +200,7 @@ class RowScore {
       const Features& compared = itself && !drawn() ? halves.first.features : row.features;
       if (Status added = AddDistances(name, compared, reference.features, repetition); !added) return added;
       if (repetition > 0 || !train) continue;
-      if (itself) {  // else each motion is its own neighbour
+      if (itself) {  // otherwise each motion is its own neighbour
         AddNeighbours(halves.first.features, halves.second.features);
       } else {
         AddNeighbours(Gather(row_, DistinctClips(row_, row.rows)),
@@ -281,7 +282,7 @@ class RowScore {
     const Eigen::Index fewest = std::min(row.rows(), reference.rows());
     if (fewest <= row.cols()) {
       Warn("too_few_for_fid", name + ": " + std::to_string(fewest) + " motions for " + std::to_string(row.cols()) +
-                                  " features: the covariance has no full rank and FID is biased upwards; read KID, or "
+                                  " features: the covariance is rank-deficient and FID is biased upwards; use KID, or "
                                   "score more motions");
     }
     figures_[name].interval = ResampledFid(name, row, reference);
@@ -302,7 +303,7 @@ class RowScore {
     }
   }
 
-  /// 95 % of the FIDs of resampled motions, shifted so that the bias of resampling (repeated rows) does not count.
+  /// 95 % interval of the FIDs of resampled motions, shifted to remove the bias of resampling (repeated rows).
   std::optional<std::array<double, 2>> ResampledFid(const std::string& name, const Features& row,
                                                     const Features& reference) const {
     if (row.cols() > kLargestResampled || options_.metrics.resamples < 2) return std::nullopt;

@@ -8,14 +8,14 @@
 
 namespace mocurate {
 
-/// Features of rows [begin, end) and their positions in the set: what metrics of one repetition see.
+/// Features of one repetition, with their rows in the set.
 struct ScoredRows {
   std::vector<int> rows;
   Features features;        ///< (rows, D)
-  std::vector<int> labels;  ///< -1: without a class
+  std::vector<int> labels;  ///< -1: no class
 };
 
-/// What a repetition takes of a set: its own pass where the set has one a repetition, else a draw of `draw.motions`
+/// The motions of a repetition: the set's pass of that repetition where it has one each, else a draw of `draw.motions`
 /// (0: all). Same seed, purpose and repetition, same draw.
 ScoredRows RowsOfRepetition(const FeatureSet& set, const DrawOptions& draw, std::uint64_t seed, int repetition,
                             const std::string& purpose);
@@ -34,9 +34,9 @@ struct References {
 /// that is not finite.
 Expected<nlohmann::json> ScoreRow(const ScoreOptions& options, const FeatureSet& row, const References& references);
 
-/// Whether two rows differ: {"a", "b", "metrics": {NAME: {"difference", "p"}}}, by exchanging motions of equal position
-/// between the rows (nothing drawn) or signs of the repetitions' differences; p is null where repetitions score the
-/// same motions, which are no independent samples.
+/// Compares two rows: {"a", "b", "metrics": {NAME: {"difference", "p"}}}, by exchanging motions of equal index between
+/// the rows (nothing drawn) or signs of the repetitions' differences. p is null where repetitions score the same
+/// motions, because these are not independent samples.
 Expected<nlohmann::json> CompareRows(const ScoreOptions& options, const FeatureSet& a, const FeatureSet& b,
                                      const FeatureSet& reference);
 

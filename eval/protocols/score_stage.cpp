@@ -34,7 +34,7 @@ Expected<StageOutcome> ScoreStage(const StageRequest& request) {
   if (!options) return Forward(options);
   const auto row = FeaturesOf(request, "row");
   if (!row) return Forward(row);
-  if (!*row) return Fail(ErrorCode::kInternal, "score needs the role 'row'", request.item);
+  if (!*row) return Fail(ErrorCode::kInternal, "the stage score needs the role 'row'", request.item);
   const auto train = FeaturesOf(request, "reference_train");
   if (!train) return Forward(train);
   const auto test = FeaturesOf(request, "reference_test");
@@ -54,7 +54,7 @@ Expected<StageOutcome> CompareStage(const StageRequest& request) {
   const auto reference = FeaturesOf(request, "reference_train");
   if (!reference) return Forward(reference);
   if (!*a || !*b || !*reference) {
-    return Fail(ErrorCode::kInternal, "compare needs the roles 'a', 'b' and 'reference_train'", request.item);
+    return Fail(ErrorCode::kInternal, "the stage compare needs the roles 'a', 'b' and 'reference_train'", request.item);
   }
   const auto json = CompareRows(*options, **a, **b, **reference);
   if (!json) return Forward(json);

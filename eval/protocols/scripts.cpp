@@ -14,7 +14,7 @@
 namespace mocurate {
 namespace {
 
-/// What samples say of sequences of actions.
+/// Statistics of the actions in samples.
 struct Sequences {
   std::vector<int> classes;                ///< that have samples
   std::map<int, std::vector<int>> after;   ///< classes that follow a class
@@ -61,7 +61,7 @@ int DrawOf(const List& list, Random& random) {
   return list[static_cast<std::size_t>(random.Below(list.size()))];
 }
 
-/// One of the labels that `known` has for `label`, else one of all.
+/// One of the labels in `known` for `label`, else one of all.
 int DrawNeighbour(const std::map<int, std::vector<int>>& known, int label, const std::vector<int>& all,
                   Random& random) {
   const auto found = known.find(label);
@@ -104,7 +104,7 @@ Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const s
       request.label = DrawOf(sequences->classes, random);
       request.frames = sequences->usual[static_cast<std::size_t>(request.label)][1];
       request.script = DrawChain(*sequences, request.label, static_cast<int>(options.steps), random);
-      request.script.resize(static_cast<std::size_t>(options.step));  // what follows the scored step is not asked for
+      request.script.resize(static_cast<std::size_t>(options.step));  // steps after the scored one are not requested
       requests.push_back(std::move(request));
       continue;
     }
@@ -112,7 +112,7 @@ Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const s
     if (!parts) return Forward(parts);
     const int action = dataset.LabelIndex(parts->label[2]);
     if (action < 0 || parts->frames[0] < 1) {
-      return Fail(ErrorCode::kInconsistent, "the clip is no sample with a class and a previous action", clip.id());
+      return Fail(ErrorCode::kInconsistent, "the clip is not a sample with a class and a previous action", clip.id());
     }
     request.label = dataset.LabelIndex(parts->label[0]);
     request.frames = parts->frames[0];

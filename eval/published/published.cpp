@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kPublishedFields = 9;
 
-/// Fields of a line; a field in quotes may hold commas.
+/// Fields of a line; a quoted field may contain commas.
 std::vector<std::string> FieldsOfLine(std::string_view line) {
   std::vector<std::string> fields(1);
   bool quoted = false;
@@ -45,10 +45,11 @@ Expected<std::vector<PublishedValue>> ParsePublished(std::string_view csv, const
     const std::vector<std::string> fields = FieldsOfLine(line);
     const auto number = fields.size() == kPublishedFields ? ParseDouble(fields[5]) : std::nullopt;
     if (!number) {
-      return Fail(
-          ErrorCode::kMalformed,
-          std::to_string(fields.size()) + " fields, " + std::to_string(kPublishedFields) + " with a number are needed",
-          name + ":" + std::to_string(line_number), "paper,table,dataset,method,metric,value,pm,pm_kind,source");
+      return Fail(ErrorCode::kMalformed,
+                  std::to_string(fields.size()) + " fields, " + std::to_string(kPublishedFields) +
+                      " with a number are required",
+                  name + ":" + std::to_string(line_number),
+                  "write paper,table,dataset,method,metric,value,pm,pm_kind,source");
     }
     values.push_back(
         {fields[0], fields[1], fields[2], fields[3], fields[4], *number, ParseDouble(fields[6]), fields[7], fields[8]});

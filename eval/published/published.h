@@ -15,17 +15,17 @@ struct PublishedValue {
   std::string paper, table, dataset, method, metric;
   double value = 0.0;
   std::optional<double> pm;
-  std::string pm_kind;  ///< what the paper's +- is: a Name(IntervalKind)
+  std::string pm_kind;  ///< meaning of the paper's +-: a Name(IntervalKind)
   std::string source;
-  double rounding = 0.0;     ///< half a unit of the last digit that is printed of the value
+  double rounding = 0.0;     ///< half a unit of the value's last printed digit
   double pm_rounding = 0.0;  ///< and of the +-
 };
 
 /// Reads configs/published/tables.csv. Error kMalformed "name:line".
 Expected<std::vector<PublishedValue>> ParsePublished(std::string_view csv, const std::string& name);
 
-/// Those of a data set, the paper's own first: [{"method", "dataset", "metric", "value", "pm", "pm_kind", "table",
-/// "source", "rounding", "pm_rounding"}].
+/// The published numbers of a data set, the paper's own first: [{"method", "dataset", "metric", "value", "pm",
+/// "pm_kind", "table", "source", "rounding", "pm_rounding"}].
 nlohmann::json PublishedOf(const std::vector<PublishedValue>& values, const std::string& paper,
                            const std::string& dataset);
 

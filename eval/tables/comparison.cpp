@@ -11,22 +11,23 @@
 namespace mocurate {
 namespace {
 
-/// What papers call motions of the set that we call Real (ACTOR's "Real [A2M]" is quoted) and Real-test.
+/// Papers' names of real motions, our rows Real (ACTOR's "Real [A2M]" is quoted) and Real-test.
 bool IsRealMethod(const std::string& method) {
   static const std::set<std::string> kNames = {"Real",      "Real motions", "Real-train",
                                                "Real-test", "Real*",        "Real [A2M]"};
   return kNames.count(method) > 0;
 }
 
-/// The published method that a row stands beside; nothing where it stands alone.
+/// The published method of a row; nothing where it has none.
 std::optional<std::string> MethodOf(const nlohmann::json& row, const std::set<std::string>& methods,
                                     const ComparisonOptions& options) {
   const std::string name = row.at("name").get<std::string>();
-  const std::string plain = name.substr(0, name.rfind('/'));  // NAME/SEED; names with a '/' are found whole before
+  const std::string plain =
+      name.substr(0, name.rfind('/'));  // NAME/SEED; names that contain '/' match as a whole first
   for (const std::string& known : {name, plain}) {
-    const auto said = options.published_as.find(known);
-    if (said != options.published_as.end()) {
-      return said->second.empty() ? std::nullopt : std::optional<std::string>(said->second);
+    const auto chosen = options.published_as.find(known);
+    if (chosen != options.published_as.end()) {
+      return chosen->second.empty() ? std::nullopt : std::optional<std::string>(chosen->second);
     }
     if (methods.count(known) > 0) return known;
   }
@@ -37,7 +38,7 @@ std::optional<std::string> MethodOf(const nlohmann::json& row, const std::set<st
   return std::nullopt;
 }
 
-/// The number of a method; of several tables the first.
+/// The number of a method; from the first of several tables.
 const nlohmann::json* ValueOf(const nlohmann::json& published, const std::string& method, const char* metric) {
   for (const nlohmann::json& value : published) {
     if (value.at("method") == method && value.at("metric") == metric) return &value;
@@ -55,8 +56,8 @@ Table::Cell PublishedCell(const nlohmann::json& published) {
   return cell;
 }
 
-/// Ours divided by the published number, its interval likewise. ACTOR's +- is 1.96 times a variance and none: there
-/// resampling gives one.
+/// Ours divided by the published number, its interval likewise. ACTOR's +- is 1.96 times a variance and not an
+/// interval: resampling replaces it.
 Table::Cell RatioOf(const Table::Cell& ours, const nlohmann::json& metric, double published) {
   Table::Cell ratio;
   if (!ours.value || published == 0.0) return ratio;
@@ -77,12 +78,12 @@ nlohmann::json JsonOf(const std::optional<std::array<double, 2>>& interval) {
   return interval ? nlohmann::json(*interval) : nlohmann::json();
 }
 
-/// Two rows that are no real motions, by one metric.
+/// Two rows of generated motions, by one metric.
 struct Pair {
   double ours, published;
 };
 
-/// How many pairs of rows stand in the published order; equal published numbers have none.
+/// How many pairs of rows are in the published order; pairs of equal published numbers do not count.
 nlohmann::json OrderOf(const std::vector<Pair>& numbers) {
   int pairs = 0, same = 0, equal = 0;
   for (std::size_t a = 0; a < numbers.size(); ++a) {
@@ -189,7 +190,7 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     if (method) shown.insert(*method);
     const std::string name = row.at("name").get<std::string>();
     if (method && options.published_as.count(name) > 0) {
-      table.notes.push_back(name + " stands beside the published " + *method + ".");
+      table.notes.push_back(name + " is compared with the published " + *method + ".");
     }
     add(name, row.value("profile", options.profile), row.value("metrics", nlohmann::json::object()), method,
         row.contains("profile") || row.value("real", IsRealMethod(name)), row.contains("unconverged"));
@@ -204,7 +205,7 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     if (order.at("pairs") == 0) continue;
     order["metric"] = column->key;
     table.notes.push_back(std::string(column->title) + ": " + order.at("as_published").dump() + " of " +
-                          order.at("pairs").dump() + " pairs of rows stand in the published order" +
+                          order.at("pairs").dump() + " pairs of rows are in the published order" +
                           (order.at("equal") == 0 ? "." : ", ours are equal in " + order.at("equal").dump() + "."));
     comparison.order.push_back(std::move(order));
   }

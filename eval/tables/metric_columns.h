@@ -7,13 +7,13 @@
 
 namespace mocurate {
 
-/// Which way a metric is better; kNearReal: the nearer to that of real motions.
+/// Direction in which a metric is better; kNearReal: near that of real motions.
 enum class Better { kLess, kMore, kNearReal, kNone };
 
 /// A metric as a column of tables.
 struct MetricColumn {
   const char* key;
-  const char* title;  ///< with an arrow that says what is better
+  const char* title;  ///< with an arrow towards better values
   int digits;
   Better better;
 };

@@ -13,7 +13,7 @@
 namespace mocurate {
 namespace {
 
-/// A published number as a cell of the row it belongs to; rows are made as they come.
+/// Puts a published number into the cell of its row; adds the row where it is new.
 void AddPublished(const nlohmann::json& value, const std::vector<const MetricColumn*>& columns,
                   std::vector<Table::Row>& rows) {
   const std::string method = value.at("method").get<std::string>(), source = value.at("source").get<std::string>();
@@ -31,8 +31,8 @@ void AddPublished(const nlohmann::json& value, const std::vector<const MetricCol
   cell.interval_kind = value.at("pm_kind").get<std::string>();
 }
 
-/// The interval of a published mean, as wide as its printed digits leave open. ACTOR prints 1.96 times the variance of
-/// 20 repetitions (a2m_actor.md F7).
+/// The interval of a published mean, widened by its rounding. ACTOR prints 1.96 times the variance of 20 repetitions
+/// (a2m_actor.md F7).
 std::array<double, 2> IntervalOf(const nlohmann::json& published) {
   constexpr double kRepetitions = 20.0, kNormal = 1.96;
   const double value = published.at("value").get<double>();
@@ -43,8 +43,8 @@ std::array<double, 2> IntervalOf(const nlohmann::json& published) {
   return {value - half, value + half};
 }
 
-/// Whether a published number is of the row: the same method by the same paper's protocol. The papers call real motions
-/// "Real motions", "Real", "Real*" and "Real-train"; "Real [A2M]" is quoted.
+/// Whether a published number matches the row: the same method by the same paper's protocol. The papers' names of real
+/// motions are "Real motions", "Real", "Real*" and "Real-train"; "Real [A2M]" is quoted.
 bool IsOfRow(const nlohmann::json& published, const nlohmann::json& row, const nlohmann::json& result) {
   if (published.at("paper") != result.value("paper", nlohmann::json())) return false;
   const std::string method = published.at("method").get<std::string>();
@@ -72,14 +72,14 @@ void MarkRows(const nlohmann::json& result, const std::vector<const MetricColumn
   }
 }
 
-/// What was assumed of rows, as sentences: a code and the rows it holds of.
+/// Assumptions about rows, as sentences: a code and its rows.
 std::vector<std::string> AssumptionNotes(const nlohmann::json& result) {
   static const std::map<std::string, std::string> kTexts = {
       {"own_bones_without_smpl_files", "joints as given; the protocol scores SMPL's mean body"},
       {"same_motions_in_every_repetition", "every repetition scores the same motions, hidden states and crops differ"},
       {"labels_as_in_the_files", "labels as in the files; the protocol draws them"},
       {"real_in_two_halves", "one half of the clips against the other"},
-      {"array_in_extractor_frame", "a bare array, taken in the frame, unit, joints and rate of the extractor"}};
+      {"array_in_extractor_frame", "a plain array, read in the frame, unit, joints and rate of the extractor"}};
   std::map<std::string, std::string> rows;
   for (const nlohmann::json& row : result.at("rows")) {
     for (const std::string& code : row.value("assumed", std::vector<std::string>())) {

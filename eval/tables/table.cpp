@@ -27,7 +27,7 @@ std::string CellText(const Table::Cell& cell, int digits, const char* plus_minus
   return text + (cell.marked ? mark : "");
 }
 
-/// What each kind of interval in the table is, in the order in which they appear.
+/// The meaning of each interval in the table, in order of appearance.
 std::vector<std::string> Meanings(const Table& table) {
   constexpr std::pair<std::string_view, std::string_view> kMeanings[] = {
       {"student_95", "± (student_95) is the half-width of the 95 % interval of the mean, Student t"},
@@ -48,11 +48,11 @@ std::vector<std::string> Meanings(const Table& table) {
     }
   }
   if (marked) meanings.emplace_back("† lies outside the published interval");
-  if (unconverged) meanings.emplace_back("‡ has not converged: longer training may give other figures");
+  if (unconverged) meanings.emplace_back("‡ has not converged: longer training may change the values");
   return meanings;
 }
 
-/// A name in one line of Markdown: what would be markup, or end a cell, is escaped.
+/// A name in one line of Markdown, with markup characters escaped.
 std::string MarkdownText(std::string_view text) {
   constexpr std::string_view kMarkup = "\\`*_|<[]";
   std::string escaped;

@@ -9,13 +9,13 @@
 
 namespace mocurate {
 
-/// A table of results as papers print them: one row per method, one column per metric.
+/// A table of results: one row per method, one column per metric.
 struct Table {
   struct Cell {
-    std::optional<double> value;  ///< nothing prints a dash
+    std::optional<double> value;  ///< nothing: printed as a dash
     std::optional<std::array<double, 2>> interval;
     std::string interval_kind;        ///< a Name(IntervalKind)
-    std::vector<double> repetitions;  ///< where there are several
+    std::vector<double> repetitions;  ///< of several repetitions
     bool marked = false;              ///< outside the published interval
   };
   struct Row {
@@ -34,9 +34,9 @@ struct Table {
 /// A text as a field of a CSV file, in quotes.
 std::string CsvText(const std::string& text);
 
-/// "0.923 ± 0.002" per cell, † behind one that is marked, ‡ behind the name of an unconverged row; published rows
-/// follow ours under a line of their own. Below stands what each ± is, then the notes. Names and notes are plain text:
-/// what a format takes for markup is escaped.
+/// "0.923 ± 0.002" per cell, † after a marked value, ‡ after the name of an unconverged row; published rows follow ours
+/// under their own heading. Below are the meanings of ±, then the notes. Names and notes are plain text: markup
+/// characters are escaped.
 std::string ToMarkdown(const Table& table);
 /// Long form: method, metric, value, interval and its kind, the three intervals of the papers' codes from the
 /// repetitions, their number, source.

@@ -14,15 +14,15 @@ namespace {
 constexpr int kLeastKeypointsOfEntry = 4;      ///< of an entry, to tell whose it is
 constexpr double kGate = 0.2;                  ///< of the extent: entries further off are not the person
 constexpr double kWidestGate = 0.5;            ///< of the extent, after a while unseen
-constexpr double kUnseenSpeed = 1.0;           ///< extents per second that a person may have moved while not seen
-constexpr double kSamePlace = 0.25;            ///< of the extent: nobody else stands there
+constexpr double kUnobservedSpeed = 1.0;       ///< extents per second that a person may have moved while not seen
+constexpr double kSamePlace = 0.25;            ///< of the extent: a detection this near is the same person
 constexpr double kSearch_s = 0.1;              ///< new people are looked for this often
-constexpr double kForgotten_s = 0.5;           ///< not seen for so long: found again as somebody new would be
+constexpr double kForgotten_s = 0.5;           ///< unobserved for longer: searched for as a new person
 constexpr double kSameShape = 0.2;             ///< of log lengths: the same person after a gap
 constexpr std::size_t kSamplesOfLength = 500;  ///< the latest, of which a length is the median
-constexpr double kLeastShareOfFrames = 0.1;    ///< of the frames of whom is seen most: seen less, nobody
+constexpr double kLeastShareOfFrames = 0.1;    ///< of the frames of the longest track: a shorter one is no person
 
-/// Somebody followed in time.
+/// A person followed in time.
 struct Track {
   BodyPoints body;
   BodyPoints first;
@@ -77,8 +77,8 @@ class PeopleFollower {
     for (int f = 0; f < frames; ++f) {
       std::vector<std::size_t> all(tracks_.size());
       for (std::size_t t = 0; t < all.size(); ++t) all[t] = t;
-      const bool somebody = Assign(f, all);
-      if (somebody && Time(f) - searched_s < kSearch_s) continue;
+      const bool assigned = Assign(f, all);
+      if (assigned && Time(f) - searched_s < kSearch_s) continue;
       searched_s = Time(f);
       FindNew(f);
     }
@@ -113,7 +113,7 @@ class PeopleFollower {
     }
   }
 
-  /// Entries of a frame that nobody owns and that show enough.
+  /// Entries of a frame without an owner that show enough joints.
   std::vector<Sight> FreeEntries(int frame) const {
     std::vector<Sight> entries;
     for (std::size_t v = 0; v < rig_.size(); ++v) {
@@ -127,10 +127,10 @@ class PeopleFollower {
     return entries;
   }
 
-  /// Metres; 0 for somebody who was not seen for too long.
+  /// Metres; 0 for a person who was unobserved for too long.
   static double Gate(const Track& track, double now) {
     const double away = std::abs(now - track.last_s);
-    return away > kForgotten_s ? 0.0 : track.body.extent * std::min(kGate + kUnseenSpeed * away, kWidestGate);
+    return away > kForgotten_s ? 0.0 : track.body.extent * std::min(kGate + kUnobservedSpeed * away, kWidestGate);
   }
 
   bool Own(Track& track, const Sight& sight) {
@@ -143,8 +143,8 @@ class PeopleFollower {
     return true;
   }
 
-  /// Gives free entries of a frame to those of `tracks`, nearest first, one per view and track. Whether two views see
-  /// any of them.
+  /// EvidenceKind free entries of a frame to those of `tracks`, nearest first, one per view and track. Whether two
+  /// views see any of them.
   bool Assign(int frame, const std::vector<std::size_t>& tracks) {
     const std::vector<Sight> entries = FreeEntries(frame);
     std::vector<Match> matches;
@@ -212,7 +212,7 @@ class PeopleFollower {
       Track started;
       for (const RigView& view : rig_) started.entry.emplace_back(view.time_s.size(), -1);
       started.measured.resize(lengths_.size());
-      if (!Renew(started, frame, sights) || OnSomebody(started, frame)) continue;
+      if (!Renew(started, frame, sights) || OnPerson(started, frame)) continue;
       started.first = started.body;
       const std::size_t known = SamePerson(started);
       if (known == tracks_.size()) {
@@ -227,16 +227,15 @@ class PeopleFollower {
     }
   }
 
-  /// Whether a body lies on somebody who is seen in the same frame: two poorly calibrated views of the same person.
-  bool OnSomebody(const Track& started, int frame) const {
+  /// Whether a body overlaps a person observed in the same frame: two poorly calibrated views of one person.
+  bool OnPerson(const Track& started, int frame) const {
     return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
       return !track.seen_in.empty() && track.seen_in.back() == frame &&
              (MiddleOfBody(track.body) - MiddleOfBody(started.body)).norm() < kSamePlace * track.body.extent;
     });
   }
 
-  /// The track of somebody who was not seen for a while, whose place and bone lengths these are; tracks_.size():
-  /// nobody.
+  /// The interrupted track whose place and bone lengths these are; tracks_.size() where there is none.
   std::size_t SamePerson(const Track& started) const {
     std::size_t best = tracks_.size();
     double nearest = kNoMatch;
@@ -244,7 +243,7 @@ class PeopleFollower {
       const Track& track = tracks_[t];
       const double away = started.last_s - track.last_s;
       const double distance = (MiddleOfBody(track.body) - MiddleOfBody(started.body)).norm();
-      if (!(away > 0.0) || distance > track.body.extent * (kGate + kUnseenSpeed * away) || distance >= nearest)
+      if (!(away > 0.0) || distance > track.body.extent * (kGate + kUnobservedSpeed * away) || distance >= nearest)
         continue;
       if (ShapeDistance(MedianLengthsOfTrack(track), MedianLengthsOfTrack(started)) > kSameShape) continue;
       nearest = distance;
@@ -291,7 +290,7 @@ class PeopleFollower {
             std::count_if(person.entry[v].begin(), person.entry[v].end(), [](int entry) { return entry >= 0; }));
       }
       take_.entries.push_back(static_cast<int>(enough));
-      take_.left_out.push_back(static_cast<int>(enough) - owned);
+      take_.excluded.push_back(static_cast<int>(enough) - owned);
     }
     return std::move(take_);
   }
@@ -311,7 +310,7 @@ Association AssociatePeople(const std::vector<RigView>& rig, const std::vector<K
   return PeopleFollower(rig, lengths, time_s).Follow();
 }
 
-std::vector<double> UnseenShares(const AssociatedPerson& person) {
+std::vector<double> UnobservedShares(const AssociatedPerson& person) {
   std::vector<double> shares;
   for (const std::vector<int>& entries : person.entry) {
     const auto without = std::count_if(entries.begin(), entries.end(), [](int entry) { return entry < 0; });

@@ -19,11 +19,11 @@ struct Association {
   std::vector<double> time_s;            ///< (F) of the view with the most frames; ties: the first
   std::vector<AssociatedPerson> people;  ///< most present first
   std::vector<int> entries;              ///< (views) with enough keypoints to tell
-  std::vector<int> left_out;             ///< (views) of them nobody's: bystanders that one view alone sees, false finds
+  std::vector<int> excluded;  ///< (views) of them assigned to no person: bystanders in one view only, false detections
 };
 
 /// (views) share of each view's frames that show nothing of a person.
-std::vector<double> UnseenShares(const AssociatedPerson& person);
+std::vector<double> UnobservedShares(const AssociatedPerson& person);
 
 /// People across views and time. Frame by frame, entries go to the people known before by how far their keypoints lie
 /// from the rays (median over the keypoints, in shares of the person's extent); among what is left, pairs of views

@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// People among entries of one moment that nobody owns: per person the entries, at most one per view. A pair of entries
+/// People among entries of one moment without an owner: per person the entries, at most one per view. A pair of entries
 /// of two views proposes a body where most of their rays meet; entries of other views near it support it. Most
 /// supported first, then nearest to its rays and to a person's proportions. With two views alone, where upright people
 /// meet the rays of others by chance, proportions must fit. `usual_scale` (0: unknown): of the people known so far

@@ -77,7 +77,7 @@ Error Because(const std::string& what, const std::string& hint) {
 
 }  // namespace
 
-Error WhyNobody(const std::vector<RigView>& rig) {
+Error WhyNoPerson(const std::vector<RigView>& rig) {
   PairRays all;
   std::size_t entries = 0;
   for (const RigView& view : rig) {

@@ -10,10 +10,10 @@
 
 namespace mocurate {
 
-/// Why views agree on nobody: what the rays of entries seen at the same time by pairs of neighbouring views do. An
+/// Why views agree on no person: what the rays of entries seen at the same time by pairs of neighbouring views do. An
 /// error kInconsistent with the numbers: too few entries or none at the same time; rays that are nearly parallel;
 /// rays that meet behind the cameras; rays that miss each other.
-Error WhyNobody(const std::vector<RigView>& rig);
+Error WhyNoPerson(const std::vector<RigView>& rig);
 
 /// A factor by which a calibration's lengths are too long when its unit is misread, and how that reads.
 struct UnitMisreading {

@@ -9,9 +9,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kParallelSights = 0.0175;  ///< sine of the smallest angle between rays, 1 degree
-constexpr double kTrustShare = 0.04;        ///< of the distance from the camera: rays further off hardly count
-constexpr double kTrustSpread = 0.02;       ///< the same as a scale
+constexpr double kParallelSights = 0.0175;     ///< sine of the smallest angle between rays, 1 degree
+constexpr double kSurfaceWeightShare = 0.04;   ///< of the distance from the camera: rays further off hardly count
+constexpr double kSurfaceWeightSpread = 0.02;  ///< the same as a scale
 
 struct Ray {
   const RigView* view = nullptr;
@@ -46,7 +46,7 @@ bool Meet(const std::vector<Ray>& rays, std::vector<double>& weight, Vector3d& p
   for (std::size_t i = 0; rays.size() > 2 && i < rays.size(); ++i) {
     const double off = OffTheRay(*rays[i].view, rays[i].normalised, point);
     const double distance = (point - rays[i].view->camera.centre).norm();
-    const double trust = off == kNoMatch ? 1e-3 : 1.0 / (1.0 + std::pow(off / (kTrustSpread * distance), 2));
+    const double trust = off == kNoMatch ? 1e-3 : 1.0 / (1.0 + std::pow(off / (kSurfaceWeightSpread * distance), 2));
     weight[i] = rays[i].weight * trust * trust;
   }
   if (rays.size() > 2) point = NearestToSights(rays, weight);
@@ -54,7 +54,7 @@ bool Meet(const std::vector<Ray>& rays, std::vector<double>& weight, Vector3d& p
   int near = 0;
   for (const Ray& ray : rays) {
     const double distance = (point - ray.view->camera.centre).norm();
-    near += OffTheRay(*ray.view, ray.normalised, point) < kTrustShare * distance ? 1 : 0;
+    near += OffTheRay(*ray.view, ray.normalised, point) < kSurfaceWeightShare * distance ? 1 : 0;
   }
   return near >= 2;
 }

@@ -123,7 +123,7 @@ TriangulatedTracks PointsWithout(const RigSamples& frames, const RigModel& model
 
 }  // namespace
 
-SeenMove MoveAtPoints(const Camera& was, const Camera& is, const TriangulatedTracks& points) {
+ObservedMove MoveAtPoints(const Camera& was, const Camera& is, const TriangulatedTracks& points) {
   std::vector<double> px, m;
   for (std::size_t i = 0; i < points.confidence.size(); ++i) {
     if (points.confidence[i] <= 0.0) continue;

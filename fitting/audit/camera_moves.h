@@ -20,7 +20,7 @@ struct CameraMove {
 
 /// The camera whose detections the others' points best explain by another pose: of all the take, or from a moment on,
 /// where the medians of its pixel errors jump. Each part is refitted (RefitCamera) or stays as it was where that says
-/// no more. Empty for fewer than four cameras, of which three could not be told from each other, for more than twelve,
+/// no more. Empty for fewer than four cameras, of which three are ambiguous, for more than twelve,
 /// where the others outvote it, and where nothing gets much better.
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
                                    const TriangulationOptions& options);
@@ -42,11 +42,11 @@ double ConfidenceOfPart(const RigSamples& samples, const std::vector<CameraPart>
                         const std::vector<double>& worse, const std::vector<double>& better);
 
 /// How far a camera's new place takes what it sees at the person: medians over the points.
-struct SeenMove {
+struct ObservedMove {
   double px = 0.0;
   double m = 0.0;  ///< at the depth of the points
 };
-SeenMove MoveAtPoints(const Camera& was, const Camera& is, const TriangulatedTracks& points);
+ObservedMove MoveAtPoints(const Camera& was, const Camera& is, const TriangulatedTracks& points);
 
 /// The parts of a moved camera refitted to all `frames`, from where the model has them; a part stays as it is where
 /// that says nothing.

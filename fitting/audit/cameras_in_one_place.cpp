@@ -59,7 +59,7 @@ std::vector<std::vector<std::size_t>> CamerasInOnePlace(const std::vector<Camera
   return groups;
 }
 
-Expected<std::vector<RigFault>> FaultsOfSharedPlaces(const std::vector<Camera>& cameras, const Likeness& alike,
+Expected<std::vector<RigFault>> FaultsOfSharedPlaces(const std::vector<Camera>& cameras, const Similarity& alike,
                                                      AuditAction action, const RigKind& kind) {
   std::vector<RigFault> faults;
   if (action == AuditAction::kOff) return faults;
@@ -74,7 +74,7 @@ Expected<std::vector<RigFault>> FaultsOfSharedPlaces(const std::vector<Camera>& 
     if (action == AuditAction::kCorrect && least >= 0.0 && least < kSameView) {
       return Fail(ErrorCode::kInconsistent, fault.message, kind.views,
                   "give each camera its own calibration: is one file copied, or read for all cameras? with " +
-                      kind.option + ": tell they are taken as given");
+                      kind.option + ": report they are taken as given");
     }
     faults.push_back(std::move(fault));
   }

@@ -19,7 +19,7 @@ struct RigKind {
 };
 
 /// Share [0, 1] of what views `a` and `b` see that both see alike; negative where neither sees anything.
-using Likeness = std::function<Expected<double>(std::size_t a, std::size_t b)>;
+using Similarity = std::function<Expected<double>(std::size_t a, std::size_t b)>;
 
 /// Groups of two and more cameras that their calibrations have in one place, looking the same way, whatever their
 /// lenses: indices, increasing.
@@ -28,7 +28,7 @@ std::vector<std::vector<std::size_t>> CamerasInOnePlace(const std::vector<Camera
 /// "cameras_in_one_place" (share that is alike) of each group, uncorrected: no two cameras stand in one place. Views
 /// that are alike are one view given twice. Error kInconsistent where views of a group differ and `action` is
 /// kCorrect: different images do not come from one pose. Errors of `alike`.
-Expected<std::vector<RigFault>> FaultsOfSharedPlaces(const std::vector<Camera>& cameras, const Likeness& alike,
+Expected<std::vector<RigFault>> FaultsOfSharedPlaces(const std::vector<Camera>& cameras, const Similarity& alike,
                                                      AuditAction action, const RigKind& kind);
 
 /// Whether one of the faults is of cameras in one place whose views differ.

@@ -20,7 +20,7 @@ struct ClockOffsets {
 /// spread of what the moments say. A camera that sees nothing move, or nothing at all, has an infinite one.
 ClockOffsets RefineClocks(const RigSamples& samples, const RigModel& model, const TriangulationOptions& options);
 
-/// How far the clocks of a model change when its cameras stand as `calibrated`, and when another camera is left out
+/// How far the clocks of a model change when its cameras stand as `calibrated`, and when another camera is excluded
 /// (of four at least): of who walks, a clock and a wrong place of any camera look alike. Seconds, (views), the largest.
 std::vector<double> ChangeOfClocks(const RigSamples& samples, const RigModel& model, const RigModel& calibrated,
                                    const TriangulationOptions& options);

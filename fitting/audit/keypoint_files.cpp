@@ -7,18 +7,18 @@
 
 #include "core/base/text.h"
 #include "fitting/audit/cameras_in_one_place.h"
-#include "fitting/audit/keypoint_likeness.h"
-#include "fitting/audit/rig_readings.h"
+#include "fitting/audit/keypoint_similarity.h"
+#include "fitting/audit/rig_hypotheses.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kMostReadings = 3;          ///< one after the other
-constexpr double kLikelyExchanged = 0.9;  ///< confidence from which on exchanged files are told
+constexpr int kMaxHypotheses = 3;         ///< one after the other
+constexpr double kLikelyExchanged = 0.9;  ///< confidence from which exchanged files are reported
 
 std::string PercentText(double share) { return std::to_string(std::lround(100.0 * share)); }
 
-std::string CodeOf(const RigReading& reading) {
+std::string CodeOf(const RigHypothesis& reading) {
   if (reading.ExchangesFiles()) return "cameras_exchanged";
   if (reading.mirrored) return "view_mirrored";
   return reading.sides ? "view_swaps_sides" : "keypoint_scale";
@@ -27,43 +27,43 @@ std::string CodeOf(const RigReading& reading) {
 bool IsOfFiles(const RigFault& fault) { return fault.code == "cameras_exchanged" || fault.code == "view_mirrored"; }
 
 /// In one view alone it is asked again with all its frames (AuditRig).
-bool AreOfOneView(const std::vector<RigReading>& readings) {
-  return std::all_of(readings.begin(), readings.end(), [&](const RigReading& reading) {
+bool AreOfOneView(const std::vector<RigHypothesis>& readings) {
+  return std::all_of(readings.begin(), readings.end(), [&](const RigHypothesis& reading) {
     return reading.views.size() == 1 && reading.views == readings[0].views;
   });
 }
 
 /// By what a reading is better; shares that read the same decide nothing.
-std::string Better(const RigReadings& found) {
+std::string Better(const RigHypotheses& found) {
   const std::string read = PercentText(found.read), given = PercentText(found.agreement);
   if (read != given) return read + " % of the entries agree with others, as given " + given + " %";
   return "entries miss the bodies that others see by " + RoundedText(found.read_cost, 2) + ", as given by " +
          RoundedText(found.given_cost, 2) + " (0: met, 1: of no body)";
 }
 
-RigFault FaultOf(const RigReadings& found, const std::vector<KeypointView>& views) {
-  const RigReading& first = found.alike[0];
+RigFault FaultOf(const RigHypotheses& found, const std::vector<KeypointView>& views) {
+  const RigHypothesis& first = found.alike[0];
   RigFault fault;
   fault.code = CodeOf(first);
   fault.value = first.factor != 1.0 ? first.factor : found.read;
   fault.confidence = found.confidence / static_cast<double>(found.alike.size());
-  for (const RigReading& reading : found.alike) {
+  for (const RigHypothesis& reading : found.alike) {
     if (&reading == &first) fault.camera = CamerasOf(reading, views);
     fault.message += (fault.message.empty() ? "" : "; or ") + WordsOf(reading, views);
   }
-  if (found.alike.size() > 1) fault.message += "; which one nobody can tell: the rig looks the same from several sides";
+  if (found.alike.size() > 1) fault.message += "; ambiguous: the rig looks the same from several sides";
   fault.message += "; so " + Better(found);
   return fault;
 }
 
 /// True where views were read otherwise, and may be asked again.
-Expected<bool> MendOnce(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
-                        std::vector<RigFault>& faults) {
+Expected<bool> CorrectOnce(Evidence& evidence, const std::vector<KnownLength>& lengths,
+                           const KeypointFitOptions& options, std::vector<RigFault>& faults) {
   const KeypointAuditOptions& audit = options.audit;
-  const RigReadings found = FindRigReadings(evidence.keypoint_views, evidence.keypoint_names, lengths,
-                                            options.triangulation.min_confidence, audit.sure);
+  const RigHypotheses found = FindRigHypotheses(evidence.keypoint_views, evidence.keypoint_names, lengths,
+                                                options.triangulation.min_confidence, audit.sure);
   if (found.alike.empty() || (found.alike.size() > 1 && AreOfOneView(found.alike))) return false;
-  const RigReading& reading = found.alike[0];
+  const RigHypothesis& reading = found.alike[0];
   const bool sure = found.confidence >= audit.sure;
   if (!sure && (!reading.ExchangesFiles() || found.confidence < kLikelyExchanged)) return false;
   RigFault fault = FaultOf(found, evidence.keypoint_views);
@@ -80,40 +80,41 @@ Expected<bool> MendOnce(Evidence& evidence, const std::vector<KnownLength>& leng
   }
   fault.guessed = !sure;
   fault.corrected = sure && found.alike.size() == 1 && action == AuditAction::kCorrect;
-  if (fault.corrected) evidence.keypoint_views = WithReading(evidence.keypoint_views, evidence.keypoint_names, reading);
+  if (fault.corrected)
+    evidence.keypoint_views = WithHypothesis(evidence.keypoint_views, evidence.keypoint_names, reading);
   faults.push_back(std::move(fault));
   return faults.back().corrected;
 }
 
 }  // namespace
 
-Status MendFiles(Evidence& evidence, const std::vector<KnownLength>& lengths, const KeypointFitOptions& options,
-                 std::vector<RigFault>& faults) {
+Status CorrectFileAssignment(Evidence& evidence, const std::vector<KnownLength>& lengths,
+                             const KeypointFitOptions& options, std::vector<RigFault>& faults) {
   if (options.audit.exchanged == AuditAction::kOff) return {};
   const std::vector<KeypointView>& views = evidence.keypoint_views;
   std::vector<Camera> cameras;
   for (const KeypointView& view : views) cameras.push_back(view.camera);
   const auto alike = [&](std::size_t a, std::size_t b) -> Expected<double> {
-    return LikenessOfKeypoints(views[a], views[b]);
+    return KeypointSimilarity(views[a], views[b]);
   };
   auto in_one_place =
       FaultsOfSharedPlaces(cameras, alike, options.audit.exchanged, {"keypoints", "fitting.keypoints.audit.exchanged"});
   if (!in_one_place) return Forward(in_one_place);
   faults.insert(faults.end(), in_one_place->begin(), in_one_place->end());
-  for (int i = 0; i < kMostReadings; ++i) {
-    const Expected<bool> mended = MendOnce(evidence, lengths, options, faults);
-    if (!mended) return Forward(mended);
-    if (!*mended) break;
+  for (int i = 0; i < kMaxHypotheses; ++i) {
+    const Expected<bool> corrected = CorrectOnce(evidence, lengths, options, faults);
+    if (!corrected) return Forward(corrected);
+    if (!*corrected) break;
   }
   return {};
 }
 
-bool FilesAreWrong(const std::vector<RigFault>& faults) {
+bool FilesAreExchanged(const std::vector<RigFault>& faults) {
   return std::any_of(faults.begin(), faults.end(),
                      [](const RigFault& fault) { return IsOfFiles(fault) && !fault.corrected && !fault.guessed; });
 }
 
-bool FilesAreMended(const std::vector<RigFault>& faults) {
+bool FilesAreCorrected(const std::vector<RigFault>& faults) {
   return std::any_of(faults.begin(), faults.end(),
                      [](const RigFault& fault) { return IsOfFiles(fault) && fault.corrected; });
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFramesOfOrder = 40;           ///< looked at
 constexpr int kLengthsToJudge = 6;           ///< that an order must have to be judged
-constexpr int kPointsToTell = 8;             ///< that a frame must have, or nobody is there
+constexpr int kMinFramePoints = 8;           ///< a frame with fewer shows no person
 constexpr double kPlausibleLogRatio = 0.25;  ///< mean |log ratio| of a person's lengths, each frame noisy
 
 constexpr double kOfAPerson = 0.2;     ///< and of the medians of a take
@@ -28,12 +28,12 @@ Names Joined(const std::vector<Names>& parts) {
 }
 
 /// Evenly spread frames in which enough of a person is there to be judged.
-std::vector<int> FramesWithSomebody(const JointPositions& points, const std::vector<double>& confidence) {
+std::vector<int> FramesWithPerson(const JointPositions& points, const std::vector<double>& confidence) {
   std::vector<int> all;
   for (int f = 0; f < points.frames; ++f) {
     const auto first = confidence.begin() + static_cast<std::ptrdiff_t>(f) * points.joints;
     const auto seen = std::count_if(first, first + points.joints, [](double known) { return known > 0.0; });
-    if (seen >= kPointsToTell) all.push_back(f);
+    if (seen >= kMinFramePoints) all.push_back(f);
   }
   std::vector<int> frames;
   const std::size_t step = std::max<std::size_t>(1, all.size() / kFramesOfOrder);
@@ -123,7 +123,7 @@ std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const 
     if (confidence[i] > 0.0) used = std::max(used, i % keypoints + 1);
   }
   OrderFound best;
-  const std::vector<int> frames = FramesWithSomebody(points, confidence);
+  const std::vector<int> frames = FramesWithPerson(points, confidence);
   const std::vector<double> given =
       Departures(points, confidence, KnownLengths(DetectorNames(names), skeleton), frames);
   best.given = Mean(given);

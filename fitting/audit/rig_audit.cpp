@@ -10,7 +10,7 @@
 #include "fitting/audit/clock_offsets.h"
 #include "fitting/audit/corrected_rig.h"
 #include "fitting/audit/fault_words.h"
-#include "fitting/audit/move_doubt.h"
+#include "fitting/audit/move_finding.h"
 #include "fitting/audit/rig_samples.h"
 #include "fitting/audit/sides_throughout.h"
 #include "fitting/audit/view_sides.h"
@@ -27,10 +27,10 @@ constexpr double kSmallestClock_s = 0.004;
 constexpr double kSmallestStep = 0.25;  ///< of a view's step
 constexpr double kClockSigmas = 5.0;
 constexpr double kLeastCostGain = 0.02;      ///< of the cost
-constexpr std::size_t kWitnesses = 3;        ///< that stay where they are: fewer could not be told from each other
-constexpr std::size_t kFewestWitnesses = 2;  ///< that tell where others stand at all
+constexpr std::size_t kMinOtherViews = 3;    ///< that stay where they are: fewer are ambiguous
+constexpr std::size_t kMinSampledViews = 2;  ///< that tell where others stand at all
 constexpr double kExplainedElsewhere =
-    0.25;  ///< of the cost, that another move explains when too few witnesses are left
+    0.25;  ///< of the cost, that another move explains when too few fixed views are left
 
 class KeypointAuditor {
  public:
@@ -68,11 +68,11 @@ class KeypointAuditor {
     DropIdleClocks();
     WidenClocks();
     for (std::size_t v = 0; v < rig_.size(); ++v) {
-      TellOfSides(v, audited);
-      TellOfClock(v, audited);
-      TellOfMove(v, audited);
+      ReportSides(v, audited);
+      ReportClock(v, audited);
+      ReportMove(v, audited);
     }
-    TellOfDoubt(audited);
+    ReportAmbiguity(audited);
     if (audited.corrected) audited.rig = CorrectedRig(rig_, ToCorrect(), other_side_, take_.time_s);
     return audited;
   }
@@ -115,7 +115,7 @@ class KeypointAuditor {
       if (with_clocks && Sum(clock_cost) >= (1.0 - kLeastCostGain) * Sum(cost_)) with_clocks.reset();
     }
     std::optional<CameraMove> move;
-    if (options_.audit.moved != AuditAction::kOff && !strange_) {
+    if (options_.audit.moved != AuditAction::kOff && !inconsistent_) {
       move = FindMove(samples_, model_, options_.triangulation);
       if (move && !(Explains(*move) && IsNotable(move->view, move->model))) move.reset();
     }
@@ -153,26 +153,26 @@ class KeypointAuditor {
   }
 
   /// Takes a move over where it may be believed. Which cameras moved is in doubt where another one's move explains it
-  /// about as well, and where too few stay for witnesses; a jump tells which camera it was.
+  /// about as well, and where too few views stay fixed; a jump identifies the camera.
   bool TakeOver(CameraMove move) {
     if (GoesTooFar(given_, move)) {
-      strange_ = DisagreementOf(rig_, {move.view});
-      strange_->confidence = ConfidenceOfMove(samples_, move.camera, cost_, move.cost);
-      strange_->message +=
+      inconsistent_ = DisagreementOf(rig_, {move.view});
+      inconsistent_->confidence = ConfidenceOfMove(samples_, move.camera, cost_, move.cost);
+      inconsistent_->message +=
           " what the camera sees fits the others best from a place farther away than cameras of this rig "
           "stand from each other; does it see something else, or in another way?";
       return false;
     }
     const std::vector<std::size_t> moved = MovedViews(given_, model_);
-    if (moved.size() + kFewestWitnesses >= rig_.size()) return false;
-    const bool witnessed = moved.size() + kWitnesses < rig_.size();
-    if (!witnessed && Sum(move.cost) > (1.0 - kExplainedElsewhere) * Sum(cost_)) return false;
+    if (moved.size() + kMinSampledViews >= rig_.size()) return false;
+    const bool overdetermined = moved.size() + kMinOtherViews < rig_.size();
+    if (!overdetermined && Sum(move.cost) > (1.0 - kExplainedElsewhere) * Sum(cost_)) return false;
     std::vector<std::size_t> rivals = move.rivals;
     for (const std::size_t v : moved) {
-      if (!witnessed && move.camera.size() == 1 && model_.camera[v].size() == 1) rivals.push_back(v);
+      if (!overdetermined && move.camera.size() == 1 && model_.camera[v].size() == 1) rivals.push_back(v);
     }
-    if (!rivals.empty()) doubted_.push_back(move.view);
-    doubted_.insert(doubted_.end(), rivals.begin(), rivals.end());
+    if (!rivals.empty()) suspect_.push_back(move.view);
+    suspect_.insert(suspect_.end(), rivals.begin(), rivals.end());
     sure_of_camera_[move.view] = move.sure_of_camera;
     model_ = std::move(move.model);
     cost_ = std::move(move.cost);
@@ -198,7 +198,7 @@ class KeypointAuditor {
     for (std::size_t v = 0; v < rig_.size(); ++v) clock_sigma_s_[v] = std::hypot(clock_sigma_s_[v], change[v]);
   }
 
-  bool IsDoubted(std::size_t v) const { return std::find(doubted_.begin(), doubted_.end(), v) != doubted_.end(); }
+  bool IsSuspect(std::size_t v) const { return std::find(suspect_.begin(), suspect_.end(), v) != suspect_.end(); }
 
   /// Takes back clocks that hardly explain anything, or not surely, or of cameras that disagree in another way: a
   /// calibration that is a little off looks like a clock to who walks in one direction.
@@ -211,7 +211,7 @@ class KeypointAuditor {
         RigModel without = model_;
         without.clock_s[v] = 0.0;
         const double cost = Sum(CostsOf(without));
-        const bool sure = SureOfClock(v) >= options_.audit.sure && !IsDoubted(v) && !MayBeMoved(v, without);
+        const bool sure = SureOfClock(v) >= options_.audit.sure && !IsSuspect(v) && !MayBeMoved(v, without);
         if (sure && cost >= (1.0 + kLeastCostGain) * Sum(cost_)) continue;
         if (idle < rig_.size() && cost >= least) continue;
         least = cost;
@@ -254,7 +254,7 @@ class KeypointAuditor {
 
   int FrameAt(double moment) const { return mocurate::FrameAt(take_.time_s, moment); }
 
-  void TellOfSides(std::size_t v, AuditedRig& audited) const {
+  void ReportSides(std::size_t v, AuditedRig& audited) const {
     if (!model_.sides_exchanged[v]) return;
     RigModel without = model_;
     without.sides_exchanged[v] = false;
@@ -267,7 +267,7 @@ class KeypointAuditor {
     audited.faults.push_back(std::move(fault));
   }
 
-  void TellOfClock(std::size_t v, AuditedRig& audited) const {
+  void ReportClock(std::size_t v, AuditedRig& audited) const {
     if (model_.clock_s[v] == 0.0) return;
     RigModel without = model_;
     without.clock_s[v] = 0.0;
@@ -280,32 +280,32 @@ class KeypointAuditor {
     audited.faults.push_back(std::move(fault));
   }
 
-  void TellOfDoubt(AuditedRig& audited) const {
-    if (strange_) audited.faults.push_back(*strange_);
+  void ReportAmbiguity(AuditedRig& audited) const {
+    if (inconsistent_) audited.faults.push_back(*inconsistent_);
     RigModel without = model_;
     for (const std::size_t v : MovedViews(given_, model_)) {
-      if (IsDoubted(v)) without.camera[v] = given_.camera[v];
+      if (IsSuspect(v)) without.camera[v] = given_.camera[v];
     }
     const std::vector<double> costs = CostsOf(without);
     const double confidence = Confidence(costs, cost_);
     if (MovedViews(without, model_).empty() || confidence < options_.audit.sure) return;
-    RigFault fault = DisagreementOf(rig_, doubted_);
+    RigFault fault = DisagreementOf(rig_, suspect_);
     fault.value = 100.0 * (1.0 - Sum(cost_) / Sum(costs));
     fault.confidence = confidence;
     fault.corrected = options_.audit.moved == AuditAction::kCorrect;
-    fault.message += " of several cameras one or more stand elsewhere than calibrated, and which ones cannot be told";
+    fault.message += " one or more of several cameras moved since calibration; which ones is ambiguous";
     if (fault.corrected) {
-      audited.place_doubt = ShiftBetween(samples_, model_, without, options_.triangulation);
+      audited.place_covariance = ShiftBetween(samples_, model_, without, options_.triangulation);
       fault.message += "; placed so that they agree, which moves people by " +
-                       RoundedText(1e3 * std::sqrt(audited.place_doubt.trace()), 2) +
+                       RoundedText(1e3 * std::sqrt(audited.place_covariance.trace()), 2) +
                        " mm: by so much they may be off, and the stated uncertainty has it";
     }
     audited.corrected = audited.corrected || fault.corrected;
     audited.faults.push_back(std::move(fault));
   }
 
-  void TellOfMove(std::size_t v, AuditedRig& audited) const {
-    if (IsDoubted(v)) return;
+  void ReportMove(std::size_t v, AuditedRig& audited) const {
+    if (IsSuspect(v)) return;
     const std::vector<CameraPart>& parts = model_.camera[v];
     RigModel without = model_;
     without.camera[v] = given_.camera[v];
@@ -364,7 +364,7 @@ class KeypointAuditor {
     from_s = WhenMoved(RigSamples(rig_, take_, other_side_, std::move(between)), model_, v, options_.triangulation);
   }
 
-  /// The model, what is only to be told taken back.
+  /// The model without corrections that are only reported.
   RigModel ToCorrect() const {
     RigModel model = model_;
     const KeypointAuditOptions& audit = options_.audit;
@@ -383,8 +383,8 @@ class KeypointAuditor {
   RigModel given_;
   std::vector<double> cost_;
   std::vector<double> clock_sigma_s_;
-  std::optional<RigFault> strange_;               ///< a place that nobody believes
-  std::vector<std::size_t> doubted_;              ///< views of which some stand elsewhere
+  std::optional<RigFault> inconsistent_;          ///< an implausible camera position
+  std::vector<std::size_t> suspect_;              ///< views of which some stand elsewhere
   std::map<std::size_t, double> sure_of_camera_;  ///< of views that were moved
 };
 

@@ -18,10 +18,10 @@ struct AuditedRig {
   bool corrected = false;
   /// What people may be off by because several cameras may be the ones that stand elsewhere, m^2 per axis and between
   /// axes: how far the places that were taken move them.
-  Matrix3d place_doubt = Matrix3d::Zero();
+  Matrix3d place_covariance = Matrix3d::Zero();
   std::string not_audited;  ///< what was not looked for, and why; empty: all was, or was not to be
   /// (views, spans) median pixel error of a camera's detections in equal spans of the take, before anything is
-  /// corrected; 0 where it sees nobody.
+  /// corrected; 0 where it observes no person.
   std::vector<std::vector<double>> residual_px;
 };
 

@@ -16,12 +16,12 @@ Finding FindingOf(const RigFault& fault) {
   finding.value = fault.value;
   finding.message = fault.message + "; sure to " + RoundedText(100.0 * fault.confidence, 4) + " %";
   finding.action = !fault.corrected                   ? FindingAction::kFlagged
-                   : fault.code == kContradictingView ? FindingAction::kLeftOut
+                   : fault.code == kContradictingView ? FindingAction::kExcluded
                                                       : FindingAction::kRepaired;
   return finding;
 }
 
-bool IsDoubtful(const RigFault& fault) {
+bool IsAmbiguous(const RigFault& fault) {
   return !fault.corrected && !fault.guessed && fault.code != kContradictingView;
 }
 

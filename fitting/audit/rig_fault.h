@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// Views that contradict others; corrected: they are left out.
+/// Views that contradict others; corrected: they are excluded.
 inline constexpr const char* kContradictingView = "views_disagree";
 
 /// Something wrong with a rig, its calibration or its files.
@@ -22,15 +22,15 @@ struct RigFault {
   double value = 0.0;       ///< of the code: ms, mm, share of entries that agree, factor, mean departure, margin
   double confidence = 0.0;  ///< [0, 1]
   bool corrected = false;
-  bool guessed = false;  ///< likely, and less sure than a fault must be: told, and nothing follows from it
+  bool guessed = false;  ///< likely, below the confidence of a fault: reported, not acted on
   std::string message;
 };
 
 Finding FindingOf(const RigFault& fault);
 
-/// Something is wrong for sure and was left as it is: what keypoint views only disagree about is left out where
+/// Something is wrong for sure and was left as it is: what keypoint views only disagree about is excluded where
 /// they do.
-bool IsDoubtful(const RigFault& fault);
+bool IsAmbiguous(const RigFault& fault);
 
 /// [{"code", "camera", "frames", "value", "confidence", "corrected"}], one line: what a clip's provenance keeps.
 inline constexpr const char* kRigAudit = "rig_audit";

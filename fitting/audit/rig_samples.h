@@ -38,7 +38,7 @@ class RigSamples {
   RigSamples(const std::vector<RigView>& rig, const Association& take, const std::vector<std::size_t>& other_side,
              std::vector<RigMoment> moments);
 
-  /// At most `most` moments at which at least two views see somebody, spread over the take; sorted by time.
+  /// At most `most` moments at which at least two views observe a person, spread over the take; sorted by time.
   static std::vector<RigMoment> Spread(const std::vector<RigView>& rig, const Association& take, int most);
 
   const std::vector<RigMoment>& moments() const { return moments_; }
@@ -74,7 +74,7 @@ std::vector<double> CostOfMoments(const std::vector<ViewKeypoints>& views, const
 /// Of all moments.
 double Sum(const std::vector<double>& costs);
 
-/// (views, 12) median pixel error of each view's detections in equal spans of a take; 0 where it sees nobody.
+/// (views, 12) median pixel error of each view's detections in equal spans of a take; 0 where it observes no person.
 std::vector<std::vector<double>> ResidualMap(const RigSamples& samples, const RigModel& model,
                                              const std::vector<double>& take_s, const TriangulationOptions& options);
 

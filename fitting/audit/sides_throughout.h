@@ -18,7 +18,7 @@ struct SidesThroughout {
 
 /// The view whose sides, exchanged in all of the take, explain most of what `cost` (of the moments, under the model)
 /// says that the model does not. Unlike another place of a camera an exchange has nothing to fit. Empty for fewer than
-/// three views, of which nobody could tell which one is wrong, and where no exchange gets much better, surer than
+/// three views, whose wrong one is ambiguous, and where no exchange gets much better, surer than
 /// `sure`.
 std::optional<SidesThroughout> FindSidesThroughout(const RigSamples& samples, const RigModel& model,
                                                    const std::vector<double>& cost, double sure,

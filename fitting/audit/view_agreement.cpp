@@ -8,7 +8,7 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kMomentsCompared = 24;
-constexpr double kFarOff = 0.1;  ///< of a person's extent: an entry so far from its rays is as good as nobody's
+constexpr double kFarOff = 0.1;  ///< of a person's extent: an entry this far from its rays belongs to no person
 constexpr int kLeastKeypointsAgreeing = 4;
 
 /// A view's frame nearest to a moment, as another camera would see it.
@@ -55,7 +55,7 @@ double CostOfAgreement(const std::vector<RigView>& rig, int frame, const std::ve
   if (entries.empty()) return 0.0;
   double cost = static_cast<double>(entries.size());
   for (const std::vector<Sight>& sights : ProposePeople(rig, entries, lengths, 0.0)) {
-    if (sights.size() < 3 && rig.size() > 3) continue;  // two views agree on somebody by chance
+    if (sights.size() < 3 && rig.size() > 3) continue;  // two views agree by chance
     const BodyPoints body = NearestBody(rig, sights);
     for (const Sight& sight : sights) {
       const double off = EntryDistance(rig[static_cast<std::size_t>(sight.view)], sight.frame, sight.person, body,

@@ -10,7 +10,7 @@ namespace mocurate {
 /// Each view's frames nearest to at most 24 moments, spread over the first view's. Empty where a view has no frames.
 std::vector<KeypointView> AtSomeMoments(const std::vector<KeypointView>& views, int keypoints);
 
-/// Mean cost of all entries of a frame, each 0 (on the rays of a body that other views propose) to 1 (nobody's).
+/// Mean cost of all entries of a frame, each 0 (on the rays of a body that other views propose) to 1 (on no body).
 /// Adds to `share` the share of them that belong to a body.
 double CostOfAgreement(const std::vector<RigView>& rig, int frame, const std::vector<KnownLength>& lengths,
                        double& share);

@@ -17,7 +17,7 @@ namespace mocurate {
 /// Source: articulated point-to-model registration; chain rule as in JointPositionCost.
 class CapsuleDistanceCost final : public ceres::CostFunction {
  public:
-  CapsuleDistanceCost(const PoseState& state, int frame, const FleshCapsule& capsule, const Vector3d& point,
+  CapsuleDistanceCost(const PoseState& state, int frame, const BodyCapsule& capsule, const Vector3d& point,
                       double weight)
       : state_(state), frame_(frame), capsule_(capsule), point_(point), weight_(weight) {
     set_num_residuals(1);
@@ -65,7 +65,7 @@ class CapsuleDistanceCost final : public ceres::CostFunction {
 
   const PoseState& state_;
   int frame_;
-  const FleshCapsule& capsule_;
+  const BodyCapsule& capsule_;
   Vector3d point_;
   double weight_;
 };

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/body/capsule_body.h"
+#include "core/body/bone_capsules.h"
 #include "core/motion/limbs.h"
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_problem.h"
@@ -23,7 +23,7 @@ constexpr int kWideMatchings = 4;  ///< look farther than the later ones
 constexpr int kSolverSteps = 4;    ///< between two matchings
 constexpr double kRelativeTolerance = 1e-4;
 constexpr double kComparedSigma = 0.01;  ///< m; error of a capsule body
-constexpr double kYields = 0.05;         ///< m that flesh of a thigh and a chest or an arm may overlap
+constexpr double kYields = 0.05;         ///< m that a thigh may overlap chest or arm
 constexpr int kPlacesOfLeg = 5;          ///< of each capsule of a leg, that are looked at
 
 /// Chest, neck, head and arms: all that hangs from the chest. (J)
@@ -35,17 +35,17 @@ std::vector<bool> UpperBody(const Skeleton& skeleton, const Limbs& limbs) {
   return of_it;
 }
 
-/// What it costs that knees, shins and feet stand where chest, head or arms are: nobody's do, and where the points do
+/// Cost of knees, shins and feet that overlap chest, head or arms: impossible, and where the points do
 /// not show them they would be folded there to explain the upper body a little better.
-double LegsInUpperBody(const FleshBody& body, const PoseState& state, int frame) {
+double LegsInUpperBody(const CapsuleBody& body, const PoseState& state, int frame) {
   const Limbs limbs = LimbsOf(*body.skeleton);
   const std::vector<bool> upper = UpperBody(*body.skeleton, limbs);
   std::vector<std::pair<CapsuleEnds, double>> above;  // and radius
-  for (const FleshCapsule& capsule : body.capsules) {
+  for (const BodyCapsule& capsule : body.capsules) {
     if (upper[capsule.frame]) above.emplace_back(EndsOf(capsule, state, frame), capsule.radius);
   }
   double cost = 0.0;
-  for (const FleshCapsule& leg : body.capsules) {
+  for (const BodyCapsule& leg : body.capsules) {
     std::optional<double> beyond;  // m from the joint it moves with: the upper half of a thigh may be anywhere
     for (const Limb& limb : limbs.leg) {
       if (limb.known() && leg.frame == limb.root)
@@ -94,7 +94,7 @@ double Widening(double first, int iteration) {
   return 1.0 + (first - 1.0) * std::max(0.0, 1.0 - static_cast<double>(iteration) / kWideMatchings);
 }
 
-Expected<CloudSolution> SolveCapsulesWithCeres(const FleshBody& body, const FrameTerms& terms, PoseState& state,
+Expected<CloudSolution> SolveCapsulesWithCeres(const CapsuleBody& body, const FrameTerms& terms, PoseState& state,
                                                const PointCloudOptions& options) {
   CloudProblem problem(body, state, terms, options);
   ceres::Solver::Summary summary;
@@ -107,7 +107,7 @@ Expected<CloudSolution> SolveCapsulesWithCeres(const FleshBody& body, const Fram
   return CloudSolution{summary.initial_cost, summary.final_cost};
 }
 
-Expected<CloudSolution> SolveDense(const FleshBody& body, const FrameTerms& terms, PoseState& state,
+Expected<CloudSolution> SolveDense(const CapsuleBody& body, const FrameTerms& terms, PoseState& state,
                                    const PointCloudOptions& options) {
   CloudEquations equations(body, state, terms, options);
   return SolveCloudEquations(equations, kSolverSteps, kRelativeTolerance);
@@ -115,11 +115,11 @@ Expected<CloudSolution> SolveDense(const FleshBody& body, const FrameTerms& term
 
 }  // namespace
 
-Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                           PoseState& state, const PointCloudOptions& options) {
   CapsuleFitOutcome outcome;
   const int frame = fit.frame;
-  for (const HeldFrame& held : fit.held) state.Update(frame + held.step, frame + held.step + 1, true);
+  for (const FixedNeighbourFrame& held : fit.held) state.Update(frame + held.step, frame + held.step + 1, true);
   const double share = fit.trust * PatchShare(options.voxel_size);
   for (int i = 0; i < fit.iterations && !outcome.converged; ++i) {
     state.Update(frame, frame + 1, false);
@@ -144,7 +144,7 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedClou
   return outcome;
 }
 
-double PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
+double PoseCost(const CapsuleBody& body, const FusedCloud& cloud, PoseState& state, int frame,
                 const PointCloudOptions& options) {
   const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, options.max_distance);
   const double share = PatchShare(options.voxel_size);
@@ -156,7 +156,7 @@ double PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state
          LegsInUpperBody(body, state, frame);
 }
 
-double MeanDistance(const FleshBody& body, const FusedCloud& cloud, const PoseState& state, int frame,
+double MeanDistance(const CapsuleBody& body, const FusedCloud& cloud, const PoseState& state, int frame,
                     double max_distance) {
   if (cloud.size() == 0) return 0.0;
   double sum = 0.0;

@@ -24,25 +24,25 @@ struct CapsuleFitOutcome {
 /// How one frame is fitted.
 struct FrameFit {
   int frame = 0;
-  std::vector<HeldFrame> held;  ///< frames beside it
-  double widening = 1.0;        ///< the first matching looks this many times farther than max_distance, later ones less
-  int iterations = 40;          ///< of matching, at most
-  std::vector<SeenJoint> joints = {};  ///< what other evidence says
-  double trust = 1.0;                  ///< factor on the weight of points: below 1 where the body errs as a whole
+  std::vector<FixedNeighbourFrame> held;  ///< frames beside it
+  double widening = 1.0;  ///< the first matching looks this many times farther than max_distance, later ones less
+  int iterations = 40;    ///< of matching, at most
+  std::vector<JointObservation> joints = {};  ///< what other evidence says
+  double trust = 1.0;  ///< factor on the weight of points: below 1 where the body errs as a whole
 };
 
 /// Fits one frame from the pose that stands in the state, matching and solving in turn until the joints rest. Error
 /// kInconsistent if the solver fails.
-Expected<CapsuleFitOutcome> FitCloudFrame(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                           PoseState& state, const PointCloudOptions& options);
 
 /// Mean distance of a frame's points to the body in metres, each at most `max_distance`: compares starts. Needs Update.
-double MeanDistance(const FleshBody& body, const FusedCloud& cloud, const PoseState& state, int frame,
+double MeanDistance(const CapsuleBody& body, const FusedCloud& cloud, const PoseState& state, int frame,
                     double max_distance);
 
 /// What a pose costs on its own: distances of all points weighted with one sigma, those of points without a match at
 /// their limit, the priors, and legs that stand within the upper body. Compares poses of one cloud. Needs Update.
-double PoseCost(const FleshBody& body, const FusedCloud& cloud, PoseState& state, int frame,
+double PoseCost(const CapsuleBody& body, const FusedCloud& cloud, PoseState& state, int frame,
                 const PointCloudOptions& options);
 
 }  // namespace mocurate

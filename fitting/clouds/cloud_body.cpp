@@ -4,14 +4,14 @@
 #include <utility>
 
 #include "fitting/costs/huber.h"
-#include "fitting/uncertainty/frame_spread.h"
+#include "fitting/uncertainty/frame_orientation.h"
 
 namespace mocurate {
 namespace {
 
-/// Where the flesh is not known (a height that is told, a tracker's own points, other skeletons) all are so many times
+/// Where the shape is unknown (a declared height, a tracker's own points, other skeletons) all are so many times
 /// as large: bodies are the template's then.
-constexpr double kUnknownFlesh = 3.0;
+constexpr double kUnknownShape = 3.0;
 
 /// Of joints that are not named.
 constexpr double kBodyError = 0.0044;
@@ -33,7 +33,7 @@ constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvi
 }  // namespace
 
 std::vector<double> BodyErrors(const Skeleton& skeleton, double scale) {
-  if (skeleton.flesh == FleshShape{}) scale *= kUnknownFlesh;
+  if (skeleton.shape == BodyShape{}) scale *= kUnknownShape;
   std::vector<double> errors(skeleton.joints.size(), scale * kBodyError);
   for (const auto& [name, error] : kBodyErrors) {
     for (const char* side : {"", "left_", "right_"}) {
@@ -43,13 +43,14 @@ std::vector<double> BodyErrors(const Skeleton& skeleton, double scale) {
   return errors;
 }
 
-std::vector<Vector3d> BodyTurns(const Skeleton& skeleton, const std::vector<double>& bone_length,
-                                const std::vector<double>& body_error) {
+std::vector<Vector3d> BodyRotations(const Skeleton& skeleton, const std::vector<double>& bone_length,
+                                    const std::vector<double>& body_error) {
   std::vector<double> variance(body_error.size(), 0.0);
   for (std::size_t j = 1; j < variance.size(); ++j)
     variance[j] = Square(body_error[j]) + Square(body_error[skeleton.joints[j].parent]);
   std::vector<Vector3d> turns;
-  for (const Matrix3d& turn : TurnsByBones(skeleton, bone_length, variance)) turns.emplace_back(turn.diagonal());
+  for (const Matrix3d& turn : FrameOrientationByBones(skeleton, bone_length, variance))
+    turns.emplace_back(turn.diagonal());
   return turns;
 }
 

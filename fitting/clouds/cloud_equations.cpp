@@ -7,7 +7,7 @@
 
 #include "core/geometry/rotation.h"
 #include "fitting/costs/huber.h"
-#include "fitting/solver/rest_spreads.h"
+#include "fitting/solver/rest_sigmas.h"
 #include "fitting/solver/trust_region.h"
 
 namespace mocurate {
@@ -27,14 +27,14 @@ Vector3d NearestOnAxis(const CapsuleEnds& ends, const Vector3d& point) {
 
 double PatchShare(double voxel_size) { return std::min(1.0, voxel_size / kBodyPatch); }
 
-CloudEquations::CloudEquations(const FleshBody& body, PoseState& state, FrameTerms terms,
+CloudEquations::CloudEquations(const CapsuleBody& body, PoseState& state, FrameTerms terms,
                                const PointCloudOptions& options)
     : body_(body),
       state_(state),
       terms_(std::move(terms)),
       frame_(terms_.frame),
       options_(options),
-      rest_spreads_(RestSpreads(*body.skeleton, options.rest_spread)),
+      rest_sigmas_(RestPoseSigmas(*body.skeleton, options.rest_sigma)),
       subtree_(state.joints()) {
   for (int j = 0; j < state.joints(); ++j) {
     column_.push_back(state.active(j) ? size_ : -1);
@@ -44,34 +44,34 @@ CloudEquations::CloudEquations(const FleshBody& body, PoseState& state, FrameTer
 
 double CloudEquations::Cost() const {
   std::vector<CapsuleEnds> ends;
-  for (const FleshCapsule& capsule : body_.capsules) ends.push_back(EndsOf(capsule, state_, frame_));
+  for (const BodyCapsule& capsule : body_.capsules) ends.push_back(EndsOf(capsule, state_, frame_));
   double twice = 0.0;
   for (const CloudMatch& match : terms_.matches) {
     const Vector3d point = terms_.cloud.points.col(match.point);
     const double distance = (point - NearestOnAxis(ends[match.capsule], point)).norm();
     twice += HuberValue(Square(terms_.weight * (distance - body_.capsules[match.capsule].radius)), terms_.huber);
   }
-  for (const SeenJoint& seen : terms_.joints) {
+  for (const JointObservation& seen : terms_.joints) {
     const Vector3d error = seen.whitening * (state_.position(frame_, seen.joint) - seen.position);
     twice += HuberValue(error.squaredNorm(), options_.huber_sigmas);
   }
   for (int j = 0; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
-    for (const HeldFrame& held : terms_.held) {
+    for (const FixedNeighbourFrame& held : terms_.held) {
       const Matrix3d turn = state_.local(frame_ + held.step, j).transpose() * state_.local(frame_, j);
-      twice += LogMatrix(turn).squaredNorm() / (Square(options_.rotation_walk) * held.seconds);
+      twice += LogMatrix(turn).squaredNorm() / (Square(options_.rotation_process_noise) * held.seconds);
     }
     if (j == 0) continue;
     const Eigen::Map<const Vector3d> w(std::as_const(state_).rotation(frame_, j));
-    twice += w.squaredNorm() / Square(rest_spreads_[j]);
-    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_spreads_[j], options_);
+    twice += w.squaredNorm() / Square(rest_sigmas_[j]);
+    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_sigmas_[j], options_);
     for (int i = 0; limits != nullptr && i < 3; ++i) {
-      twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / kCloudLimitSpread);
+      twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / kCloudLimitSigma);
     }
   }
-  for (const HeldFrame& held : terms_.held) {
+  for (const FixedNeighbourFrame& held : terms_.held) {
     const Vector3d move = state_.position(frame_, 0) - state_.position(frame_ + held.step, 0);
-    twice += move.squaredNorm() / (Square(options_.velocity_walk) * held.seconds);
+    twice += move.squaredNorm() / (Square(options_.velocity_process_noise) * held.seconds);
   }
   return 0.5 * twice;
 }
@@ -79,11 +79,11 @@ double CloudEquations::Cost() const {
 /// What the points say about the twist of each joint's subtree, about the root's place.
 void CloudEquations::SumPoints() {
   std::vector<CapsuleEnds> ends;
-  for (const FleshCapsule& capsule : body_.capsules) ends.push_back(EndsOf(capsule, state_, frame_));
+  for (const BodyCapsule& capsule : body_.capsules) ends.push_back(EndsOf(capsule, state_, frame_));
   for (BodyInformation& sum : subtree_) sum = {};
   const Vector3d& origin = state_.position(frame_, 0);
   for (const CloudMatch& match : terms_.matches) {
-    const FleshCapsule& capsule = body_.capsules[match.capsule];
+    const BodyCapsule& capsule = body_.capsules[match.capsule];
     const Vector3d point = terms_.cloud.points.col(match.point);
     const Vector3d nearest = NearestOnAxis(ends[match.capsule], point);
     const Vector3d away = point - nearest;
@@ -103,7 +103,7 @@ void CloudEquations::SumPoints() {
 /// Seen joints move with the joint above them.
 void CloudEquations::SumJoints() {
   const Vector3d& origin = state_.position(frame_, 0);
-  for (const SeenJoint& seen : terms_.joints) {
+  for (const JointObservation& seen : terms_.joints) {
     const Vector3d& position = state_.position(frame_, seen.joint);
     const Vector3d error = position - seen.position;
     const Vector3d white = seen.whitening * error;
@@ -138,9 +138,9 @@ void CloudEquations::AddPriors() {
   for (int j = 1; j < state_.joints(); ++j) {
     const int c = column_[j];
     if (c < 0) continue;
-    const double rest = 1.0 / Square(rest_spreads_[j]);
-    const double limit = 1.0 / Square(kCloudLimitSpread);
-    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_spreads_[j], options_);
+    const double rest = 1.0 / Square(rest_sigmas_[j]);
+    const double limit = 1.0 / Square(kCloudLimitSigma);
+    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_sigmas_[j], options_);
     for (int i = 0; i < 3; ++i) {
       const double w = std::as_const(state_).rotation(frame_, j)[i];
       const double beyond = limits != nullptr ? BeyondLimit(w, limits->min[i], limits->max[i]) : 0.0;
@@ -150,10 +150,10 @@ void CloudEquations::AddPriors() {
   }
 }
 
-void CloudEquations::AddStep(const HeldFrame& held) {
+void CloudEquations::AddStep(const FixedNeighbourFrame& held) {
   const int other = frame_ + held.step;
-  const double move_weight = 1.0 / (Square(options_.velocity_walk) * held.seconds);
-  const double turn_weight = 1.0 / (Square(options_.rotation_walk) * held.seconds);
+  const double move_weight = 1.0 / (Square(options_.velocity_process_noise) * held.seconds);
+  const double rotation_term_weight = 1.0 / (Square(options_.rotation_process_noise) * held.seconds);
   matrix_.topLeftCorner<3, 3>().diagonal().array() += move_weight;
   gradient_.head<3>() += move_weight * (state_.position(frame_, 0) - state_.position(other, 0));
   for (int j = 0; j < state_.joints(); ++j) {
@@ -161,8 +161,8 @@ void CloudEquations::AddStep(const HeldFrame& held) {
     if (c < 0) continue;
     const Vector3d turn = LogMatrix(state_.local(other, j).transpose() * state_.local(frame_, j));
     const Matrix3d after = RightJacobianInverse(turn) * state_.right_jacobian(frame_, j);
-    matrix_.block<3, 3>(c, c).noalias() += turn_weight * after.transpose() * after;
-    gradient_.segment<3>(c).noalias() += turn_weight * after.transpose() * turn;
+    matrix_.block<3, 3>(c, c).noalias() += rotation_term_weight * after.transpose() * after;
+    gradient_.segment<3>(c).noalias() += rotation_term_weight * after.transpose() * turn;
   }
 }
 
@@ -173,7 +173,7 @@ void CloudEquations::Linearise() {
   SumJoints();
   AddPoints();
   AddPriors();
-  for (const HeldFrame& held : terms_.held) AddStep(held);
+  for (const FixedNeighbourFrame& held : terms_.held) AddStep(held);
 }
 
 Eigen::VectorXd CloudEquations::Parameters() const {
@@ -214,13 +214,13 @@ Expected<CloudSolution> SolveCloudEquations(CloudEquations& equations, int steps
       continue;
     }
     const Eigen::VectorXd step = -factor.solve(equations.gradient());
-    const double foreseen = 0.5 * (step.dot(damping.cwiseProduct(step)) - step.dot(equations.gradient()));
+    const double predicted_decrease = 0.5 * (step.dot(damping.cwiseProduct(step)) - step.dot(equations.gradient()));
     equations.SetParameters(parameters + step);
     const double next = equations.Cost();
-    const double gain = (cost - next) / foreseen;
-    if (!(foreseen > 0.0) || !(gain > TrustRegion::kSmallestGain)) {
+    const double gain = (cost - next) / predicted_decrease;
+    if (!(predicted_decrease > 0.0) || !(gain > TrustRegion::kSmallestGain)) {
       equations.SetParameters(parameters);
-      if (foreseen <= 1e-3 * relative_tolerance * cost) break;
+      if (predicted_decrease <= 1e-3 * relative_tolerance * cost) break;
       region.Reject();
       continue;
     }

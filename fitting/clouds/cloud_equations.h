@@ -13,13 +13,13 @@ namespace mocurate {
 /// square root of a point's share in its patch, for a cloud of one point per voxel.
 double PatchShare(double voxel_size);
 /// Radians beyond a joint limit, in clouds.
-inline constexpr double kCloudLimitSpread = 0.1;
+inline constexpr double kCloudLimitSigma = 0.1;
 
-/// Limits of a joint in clouds; null of one whose `rest_spread` (RestSpreads) is less than that of limbs: the rest pose
-/// holds it, and a search that cannot pass through a twisted trunk loses facings (of 24 stills two more were off by
-/// 0.25 m).
-inline const JointLimits* LimitsInClouds(const Joint& joint, double rest_spread, const PointCloudOptions& options) {
-  return joint.limits && rest_spread >= options.rest_spread ? &*joint.limits : nullptr;
+/// Limits of a joint in clouds; null of one whose `rest_sigma` (RestPoseSigmas) is less than that of limbs: the rest
+/// pose holds it, and a search that cannot pass through a twisted trunk loses facings (of 24 stills two more were off
+/// by 0.25 m).
+inline const JointLimits* LimitsInClouds(const Joint& joint, double rest_sigma, const PointCloudOptions& options) {
+  return joint.limits && rest_sigma >= options.rest_sigma ? &*joint.limits : nullptr;
 }
 
 /// Cost and normal equations of one frame of matched points at the present parameters of a state: the costs of
@@ -27,7 +27,7 @@ inline const JointLimits* LimitsInClouds(const Joint& joint, double rest_spread,
 /// vector of each active joint (3), root first.
 class CloudEquations {
  public:
-  CloudEquations(const FleshBody& body, PoseState& state, FrameTerms terms, const PointCloudOptions& options);
+  CloudEquations(const CapsuleBody& body, PoseState& state, FrameTerms terms, const PointCloudOptions& options);
 
   /// 1/2 sum of rho(r^2). The state's kinematics must be up to date.
   double Cost() const;
@@ -48,14 +48,14 @@ class CloudEquations {
   void SumJoints();
   void AddPoints();
   void AddPriors();
-  void AddStep(const HeldFrame& held);
+  void AddStep(const FixedNeighbourFrame& held);
 
-  const FleshBody& body_;
+  const CapsuleBody& body_;
   PoseState& state_;
   const FrameTerms terms_;
   const int frame_;
   const PointCloudOptions& options_;
-  const std::vector<double> rest_spreads_;
+  const std::vector<double> rest_sigmas_;
   int size_ = 3;
   std::vector<int> column_;  ///< first unknown of a joint's rotation; -1: not active
   std::vector<BodyInformation> subtree_;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/median.h"
-#include "core/body/capsule_body.h"
+#include "core/body/bone_capsules.h"
 #include "core/quality/median_deviation.h"
 
 namespace mocurate {
@@ -22,11 +22,11 @@ struct Ball {
 
 }  // namespace
 
-std::vector<CloudMatch> MatchPoints(const FleshBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
+std::vector<CloudMatch> MatchPoints(const CapsuleBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
                                     double max_distance) {
   std::vector<CapsuleEnds> ends;
   std::vector<Ball> balls;
-  for (const FleshCapsule& capsule : body.capsules) {
+  for (const BodyCapsule& capsule : body.capsules) {
     ends.push_back(EndsOf(capsule, state, frame));
     balls.push_back({0.5 * (ends.back().begin + ends.back().end),
                      0.5 * (ends.back().end - ends.back().begin).norm() + capsule.radius});
@@ -61,11 +61,11 @@ double RobustSigma(std::vector<double> distances) {
 }
 
 void CalibrateRadii(const std::vector<FusedCloud>& clouds, const PoseState& state, int begin, int end,
-                    double max_distance, FleshBody& body) {
+                    double max_distance, CapsuleBody& body) {
   std::vector<std::vector<double>> radii(body.capsules.size());
   for (int f = begin; f < end; ++f) {
     for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], max_distance)) {
-      const FleshCapsule& capsule = body.capsules[match.capsule];
+      const BodyCapsule& capsule = body.capsules[match.capsule];
       const double radius = capsule.radius + match.distance;
       radii[match.capsule].push_back(radius);
       if (capsule.mirror != match.capsule) radii[capsule.mirror].push_back(radius);

@@ -16,7 +16,7 @@ struct CloudMatch {
 
 /// Nearest capsule of every point that lies within `max_distance` of it, in the order of the points. A capsule whose
 /// surface faces another way than the point's normal counts as farther. Needs PoseState::Update of the frame.
-std::vector<CloudMatch> MatchPoints(const FleshBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
+std::vector<CloudMatch> MatchPoints(const CapsuleBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
                                     double max_distance);
 
 /// Robust standard deviation of distances about zero, at least 3 mm.
@@ -25,6 +25,6 @@ double RobustSigma(std::vector<double> distances);
 /// Radii from points: of each capsule the median distance of its points to its axis, left and right together, drawn to
 /// the radius it had where points are few. Looks at frames [begin, end) of the state.
 void CalibrateRadii(const std::vector<FusedCloud>& clouds, const PoseState& state, int begin, int end,
-                    double max_distance, FleshBody& body);
+                    double max_distance, CapsuleBody& body);
 
 }  // namespace mocurate

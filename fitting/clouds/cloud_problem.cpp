@@ -10,26 +10,26 @@
 #include "fitting/costs/joint_velocity_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
-#include "fitting/solver/rest_spreads.h"
+#include "fitting/solver/rest_sigmas.h"
 
 namespace mocurate {
 namespace {
 
 int FirstOf(const FrameTerms& terms) {
   int first = terms.frame;
-  for (const HeldFrame& held : terms.held) first = std::min(first, terms.frame + held.step);
+  for (const FixedNeighbourFrame& held : terms.held) first = std::min(first, terms.frame + held.step);
   return first;
 }
 
 int LastOf(const FrameTerms& terms) {
   int last = terms.frame;
-  for (const HeldFrame& held : terms.held) last = std::max(last, terms.frame + held.step);
+  for (const FixedNeighbourFrame& held : terms.held) last = std::max(last, terms.frame + held.step);
   return last;
 }
 
 }  // namespace
 
-CloudProblem::CloudProblem(const FleshBody& body, PoseState& state, const FrameTerms& terms,
+CloudProblem::CloudProblem(const CapsuleBody& body, PoseState& state, const FrameTerms& terms,
                            const PointCloudOptions& options)
     : body_(body),
       state_(state),
@@ -43,37 +43,37 @@ CloudProblem::CloudProblem(const FleshBody& body, PoseState& state, const FrameT
                                          terms.cloud.points.col(match.point), terms.weight);
     problem_.AddResidualBlock(cost, &point_loss_, cost->Blocks(state_));
   }
-  for (const SeenJoint& seen : terms.joints) {
+  for (const JointObservation& seen : terms.joints) {
     auto* cost = new JointPositionCost(state_, frame_, seen.joint, seen.position, seen.whitening, false);
     problem_.AddResidualBlock(cost, &joint_loss_, cost->Blocks(state_));
   }
   AddPriors(options);
-  for (const HeldFrame& held : terms.held) AddStep(held, options);
+  for (const FixedNeighbourFrame& held : terms.held) AddStep(held, options);
 }
 
 void CloudProblem::AddPriors(const PointCloudOptions& options) {
-  const std::vector<double> rest_spreads = RestSpreads(*body_.skeleton, options.rest_spread);
+  const std::vector<double> rest_sigmas = RestPoseSigmas(*body_.skeleton, options.rest_sigma);
   for (int j = 1; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
-    problem_.AddResidualBlock(new RestPriorCost(rest_spreads[j]), nullptr, state_.rotation(frame_, j));
-    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_spreads[j], options);
+    problem_.AddResidualBlock(new RestPriorCost(rest_sigmas[j]), nullptr, state_.rotation(frame_, j));
+    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_sigmas[j], options);
     if (limits == nullptr) continue;
-    problem_.AddResidualBlock(new JointLimitCost(*limits, kCloudLimitSpread), nullptr, state_.rotation(frame_, j));
+    problem_.AddResidualBlock(new JointLimitCost(*limits, kCloudLimitSigma), nullptr, state_.rotation(frame_, j));
   }
 }
 
-void CloudProblem::AddStep(const HeldFrame& held, const PointCloudOptions& options) {
+void CloudProblem::AddStep(const FixedNeighbourFrame& held, const PointCloudOptions& options) {
   const int other = frame_ + held.step;
   const int first = std::min(frame_, other);
   const double root_of_time = std::sqrt(held.seconds);
-  const double turn_weight = 1.0 / (options.rotation_walk * root_of_time);
+  const double rotation_term_weight = 1.0 / (options.rotation_process_noise * root_of_time);
   for (int j = 0; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
-    problem_.AddResidualBlock(new RotationSmoothnessCost(state_, first, j, turn_weight), nullptr,
+    problem_.AddResidualBlock(new RotationSmoothnessCost(state_, first, j, rotation_term_weight), nullptr,
                               state_.rotation(first, j), state_.rotation(first + 1, j));
     problem_.SetParameterBlockConstant(state_.rotation(other, j));
   }
-  const double move_weight = 1.0 / (options.velocity_walk * root_of_time);
+  const double move_weight = 1.0 / (options.velocity_process_noise * root_of_time);
   auto* cost = new JointVelocityCost(state_, first, 0, move_weight, false);
   problem_.AddResidualBlock(cost, nullptr, cost->Blocks(state_));
   problem_.SetParameterBlockConstant(state_.translation(other));

@@ -13,15 +13,15 @@ namespace mocurate {
 /// The costs of one frame of matched points over the memory of a PoseState: those of CloudEquations.
 class CloudProblem {
  public:
-  CloudProblem(const FleshBody& body, PoseState& state, const FrameTerms& terms, const PointCloudOptions& options);
+  CloudProblem(const CapsuleBody& body, PoseState& state, const FrameTerms& terms, const PointCloudOptions& options);
 
   ceres::Problem& problem() { return problem_; }
 
  private:
   void AddPriors(const PointCloudOptions& options);
-  void AddStep(const HeldFrame& held, const PointCloudOptions& options);
+  void AddStep(const FixedNeighbourFrame& held, const PointCloudOptions& options);
 
-  const FleshBody& body_;
+  const CapsuleBody& body_;
   PoseState& state_;
   const int frame_;
   PoseUpdate update_;

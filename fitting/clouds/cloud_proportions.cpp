@@ -19,7 +19,7 @@ constexpr int kFramesOfClip = 9;          ///< of each clip, evenly spread
 constexpr std::size_t kPosedClouds = 16;  ///< that a body is measured in where poses are known, at most
 constexpr int kFewestPosedPoints = 100;
 constexpr double kScaleOfTracks = 0.04;  ///< deviation of the logarithm of a size that tracks tell
-constexpr double kNearPosesShare = 0.5;  ///< of the points within reach of the body, or they are of somebody else
+constexpr double kNearPosesShare = 0.5;  ///< of the points within reach of the body, or they belong to another person
 
 Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointCloudOptions& options) {
   DepthRigReport report;
@@ -87,9 +87,9 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
                                           double scale, const SkeletonPtr& skeleton, const PointCloudOptions& options) {
   Expected<CloudsOfClips> some = SomeCloudsOf(clips, options);
   if (!some) return Forward(some);
-  const FleshBody flesh = FleshBody::Make(skeleton, scale, 1.0);
+  const CapsuleBody capsules = CapsuleBody::Make(skeleton, scale, 1.0);
   std::vector<PoseState> states;
-  for (const Motion& motion : motions) states.push_back(StateOf(motion, flesh));
+  for (const Motion& motion : motions) states.push_back(StateOf(motion, capsules));
   std::vector<std::pair<std::size_t, std::size_t>> usable;  // which of its clip, cloud: few are taken of all clips
   for (std::size_t i = 0, of_clip = 0; i < some->clouds.size(); ++i) {
     of_clip = i > 0 && some->clip[i] == some->clip[i - 1] ? of_clip + 1 : 0;
@@ -108,7 +108,7 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
     const PoseState& state = states[some->clip[i]];
     person.poses.push_back(state.FrameParameters(some->frame[i]));
     near +=
-        static_cast<double>(MatchPoints(flesh, state, some->frame[i], some->clouds[i], options.max_distance).size());
+        static_cast<double>(MatchPoints(capsules, state, some->frame[i], some->clouds[i], options.max_distance).size());
     all += some->clouds[i].size();
     clouds.push_back(std::move(some->clouds[i]));
   }
@@ -129,9 +129,9 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
   return body;
 }
 
-void TakeBody(const BodyFromClouds& in_clouds, SkeletonPtr& skeleton, std::vector<double>& bone_length) {
+void UseBody(const BodyFromClouds& in_clouds, SkeletonPtr& skeleton, std::vector<double>& bone_length) {
   auto own = std::make_shared<Skeleton>(*skeleton);
-  own->flesh = in_clouds.skeleton->flesh;
+  own->shape = in_clouds.skeleton->shape;
   for (int j = 0; j < in_clouds.skeleton->joint_count(); ++j) {
     own->joints[j].rest_offset = in_clouds.skeleton->joints[j].rest_offset;
     bone_length[j] = in_clouds.bone_length[j];

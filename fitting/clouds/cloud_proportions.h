@@ -15,7 +15,7 @@ inline bool EndsAll(ErrorCode code) { return code == ErrorCode::kInterrupted || 
 /// A person's body as the depth views of their clips tell it.
 struct BodyFromClouds {
   double scale = 1.0;               ///< against the rest skeleton
-  SkeletonPtr skeleton;             ///< with the person's own directions of bones and flesh
+  SkeletonPtr skeleton;             ///< with the person's own bone directions and shape
   std::vector<double> bone_length;  ///< (J) metres
   /// Clips that said nothing (their places in the list) and why: a damaged image, lengths in another unit, no views.
   std::vector<std::pair<std::size_t, Error>> nothing_from;
@@ -27,15 +27,15 @@ struct BodyFromClouds {
 Expected<BodyFromClouds> MeasureBodyInClouds(const std::vector<Clip>& clips, const SkeletonPtr& skeleton,
                                              const PointCloudOptions& options);
 
-/// The same of clips whose poses other evidence has told: `motions` (clips) on `skeleton`'s joints at the times of the
-/// depth views, of a person about `scale` times as large as it. Only of a skeleton with template flesh
-/// (HasTemplateFlesh).
+/// The same of clips whose poses come from other evidence: `motions` (clips) on `skeleton`'s joints at the times of the
+/// depth views, of a person about `scale` times as large as it. Only of a skeleton with a template shape
+/// (HasTemplateShape).
 Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const std::vector<Motion>& motions,
                                           double scale, const SkeletonPtr& skeleton, const PointCloudOptions& options);
 
-/// Gives a person of other evidence the bones and flesh that clouds tell. The joints of `in_clouds` come first in
-/// `skeleton`; points that a tracker or detector has beside them stay where they were. `bone_length` (J of `skeleton`)
-/// metres, all given.
-void TakeBody(const BodyFromClouds& in_clouds, SkeletonPtr& skeleton, std::vector<double>& bone_length);
+/// Gives a person of other evidence the bones and shape measured in clouds. The joints of `in_clouds` come first
+/// in `skeleton`; points that a tracker or detector has beside them stay where they were. `bone_length` (J of
+/// `skeleton`) metres, all given.
+void UseBody(const BodyFromClouds& in_clouds, SkeletonPtr& skeleton, std::vector<double>& bone_length);
 
 }  // namespace mocurate

@@ -9,14 +9,14 @@
 #include "core/base/text.h"
 #include "fitting/audit/cameras_in_one_place.h"
 #include "fitting/audit/confidence.h"
+#include "fitting/clouds/inconsistent_views.h"
+#include "fitting/clouds/observed_rig.h"
 #include "fitting/clouds/rig_clocks.h"
 #include "fitting/clouds/rig_common_faults.h"
 #include "fitting/clouds/rig_exchange.h"
 #include "fitting/clouds/rig_far_views.h"
-#include "fitting/clouds/rig_fault_words.h"
-#include "fitting/clouds/rig_strangers.h"
+#include "fitting/clouds/rig_fault_text.h"
 #include "fitting/clouds/rig_units.h"
-#include "fitting/clouds/seen_rig.h"
 #include "fitting/clouds/view_likeness.h"
 #include "fitting/clouds/view_registration.h"
 #include "fitting/evidence/noise.h"
@@ -24,38 +24,39 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestSamples = 6;    ///< comparisons that a judgement takes
-constexpr std::size_t kMostViewsTimed = 12;  ///< that clocks are looked for in
-constexpr double kLeastMoveGain = 0.08;      ///< of the loss, by a move of kLeastMove; farther ones gain more
-constexpr double kSureGain = 0.3;            ///< what any move that is real gains
-constexpr double kFewerMoves = 0.15;         ///< of the gain, for which one camera less is said to have been moved
-constexpr double kStrangersLoss = 0.2;       ///< views that then still agree no better may be of something else
-constexpr double kLeastMove = 0.008;         ///< m at the person
-constexpr double kPersonRadius = 0.45;       ///< m; what a turn moves
+constexpr std::size_t kFewestSamples = 6;       ///< comparisons that a judgement takes
+constexpr std::size_t kMostViewsTimed = 12;     ///< that clocks are looked for in
+constexpr double kLeastMoveGain = 0.08;         ///< of the loss, by a move of kLeastMove; farther ones gain more
+constexpr double kSureGain = 0.3;               ///< what any move that is real gains
+constexpr double kFewerMoves = 0.15;            ///< of the gain, for which one camera less is said to have been moved
+constexpr double kInconsistentViewsLoss = 0.2;  ///< views that then still agree no better may be of something else
+constexpr double kLeastMove = 0.008;            ///< m at the person
+constexpr double kPersonRadius = 0.45;          ///< m; what a turn moves
 
 class DepthAuditor {
  public:
   DepthAuditor(const std::vector<DepthView>& views, const RigAuditOptions& options)
-      : options_(options), witness_(views), late_(views.size(), 0), cameras_(CamerasOf(views)) {
+      : options_(options), sampler_(views), late_(views.size(), 0), cameras_(CamerasOf(views)) {
     for (const DepthView& view : views) report_.cameras.push_back(view.camera.name);
   }
 
   Expected<AuditedDepthRig> Audit() {
-    if (Status apart = TellOfSharedPlaces(); !apart) return Forward(apart);
+    if (Status apart = ReportSharedPlaces(); !apart) return Forward(apart);
     if (Status seen = See(); !seen) return Forward(seen);
-    if (Status person = CheckSomebodyIsSeen(rig_, witness_.flat()); !person) return Forward(person);
-    if (Status mended = MendLengths(); !mended) return Forward(mended);
+    if (Status person = CheckPersonIsSeen(rig_, sampler_.flat()); !person) return Forward(person);
+    if (Status corrected = CorrectLengths(); !corrected) return Forward(corrected);
     if (Status seen = See(); !seen) return Forward(seen);
     report_.without_person = WithoutPerson(rig_);
-    report_.frames = witness_.frames();
+    report_.frames = sampler_.frames();
     report_.loss = LossOfViews(rig_, losses_);
     report_.residual_mm = ResidualsOfViews(rig_, cameras_);
     const bool judged = CanJudge();
-    if (Status mended = judged && !files_wrong_ ? MendCommon() : Status(); !mended) return Forward(mended);
-    if (judged && MendFiles()) {
+    if (Status corrected = judged && !files_wrong_ ? CorrectCommonOffset() : Status(); !corrected)
+      return Forward(corrected);
+    if (judged && CorrectFileAssignment()) {
       if (Status seen = See(); !seen) return Forward(seen);
     }
-    if (Status mended = MendDepths(); !mended) return Forward(mended);
+    if (Status corrected = CorrectDepths(); !corrected) return Forward(corrected);
     if (report_.not_audited.empty() && !files_wrong_) {
       // What explains most first, then the rest again.
       for (std::size_t round = 0; round < 2 * late_.size(); ++round) {
@@ -65,15 +66,15 @@ class DepthAuditor {
       }
     }
     report_.loss_after = LossOfViews(rig_, losses_);
-    for (std::size_t v = 0; v < late_.size(); ++v) TellOfClock(v), TellOfMove(v);
-    TellOfStrangers(Strangers(), report_.faults);
-    return AuditedDepthRig{WithoutStrangers(Corrected(), report_.faults), std::move(report_)};
+    for (std::size_t v = 0; v < late_.size(); ++v) ReportClock(v), ReportMove(v);
+    ReportInconsistentViews(InconsistentViews(), report_.faults);
+    return AuditedDepthRig{WithoutInconsistentViews(Corrected(), report_.faults), std::move(report_)};
   }
 
  private:
-  Status TellOfSharedPlaces() {
+  Status ReportSharedPlaces() {
     const auto alike = [&](std::size_t a, std::size_t b) {
-      return LikenessOfDepths(witness_.views()[a], witness_.views()[b]);
+      return DepthSimilarity(sampler_.views()[a], sampler_.views()[b]);
     };
     auto faults = FaultsOfSharedPlaces(cameras_, alike, options_.exchanged,
                                        {"depth views", "fitting.point_clouds.audit.exchanged"});
@@ -83,47 +84,47 @@ class DepthAuditor {
     return {};
   }
 
-  std::vector<RigFault> Strangers() const {
+  std::vector<RigFault> InconsistentViews() const {
     if (!report_.not_audited.empty()) return ContradictionOf(report_.cameras, report_.loss_after);
-    return files_wrong_ ? std::vector<RigFault>() : StrangersOf(rig_, losses_, options_);
+    return files_wrong_ ? std::vector<RigFault>() : FindInconsistentViews(rig_, losses_, options_);
   }
 
   Status See() {
-    Expected<SeenRig> rig = witness_.Seen(late_);
+    Expected<ObservedRig> rig = sampler_.Seen(late_);
     if (!rig) return Forward(rig);
     rig_ = std::move(*rig);
     losses_ = LossOfSamples(rig_, cameras_);
     return {};
   }
 
-  /// Of two views nobody can tell which one is where it should be.
+  /// Of two views, which one is at its calibrated place is ambiguous.
   bool CorrectsMoves() const { return options_.moved == AuditAction::kCorrect && late_.size() > 2; }
 
-  Status MendLengths() {
+  Status CorrectLengths() {
     if (options_.unit == AuditAction::kOff) return {};
-    const Expected<std::optional<MisreadLengths>> misread = FindMisreadLengths(witness_);
+    const Expected<std::optional<MisreadLengths>> misread = FindMisreadLengths(sampler_);
     if (!misread) return Forward(misread);
     if (!*misread) return {};
-    if (options_.unit == AuditAction::kTell) {
+    if (options_.unit == AuditAction::kReport) {
       return Fail(
           ErrorCode::kInconsistent, WordsOf(**misread), "depth views",
           "declare the unit of depths and of the calibration, or set fitting.point_clouds.audit.unit to correct");
     }
     report_.faults.push_back(LengthsMisread(**misread));
-    witness_ = RigWitness(WithLengths(witness_.views(), **misread));
-    cameras_ = CamerasOf(witness_.views());
+    sampler_ = DepthRigSampler(WithLengths(sampler_.views(), **misread));
+    cameras_ = CamerasOf(sampler_.views());
     return {};
   }
 
   /// Depths of a view that are too long or too short for what the others see, if that explains it much better than
   /// another place of its camera does.
-  Status MendDepths() {
+  Status CorrectDepths() {
     if (options_.moved == AuditAction::kOff || late_.size() < 3 || late_.size() > kFewViews) return {};
     if (!report_.not_audited.empty() || files_wrong_) return {};
-    const auto wrong = FindWrongDepths(witness_, late_, rig_, cameras_);
+    const auto wrong = FindWrongDepths(sampler_, late_, rig_, cameras_);
     if (!wrong) return Forward(wrong);
     const double loss = MeanLoss(losses_);
-    if (!*wrong || (*wrong)->loss > kStrangersLoss || (*wrong)->loss > (1.0 - kSureGain) * loss) return {};
+    if (!*wrong || (*wrong)->loss > kInconsistentViewsLoss || (*wrong)->loss > (1.0 - kSureGain) * loss) return {};
     const auto moved = FindFarMove();
     if (!moved) return Forward(moved);
     if (*moved && (*wrong)->loss > (1.0 - kFewerMoves) * MeanLoss(LossOfSamples(rig_, **moved))) return {};
@@ -131,7 +132,7 @@ class DepthAuditor {
     RigFault fault = DepthsOff(report_.cameras[(*wrong)->view], **wrong);
     fault.corrected = CorrectsMoves();
     wrong_depths_ = **wrong;
-    witness_ = RigWitness(WithDepths(witness_.views(), (*wrong)->view, (*wrong)->factor));
+    sampler_ = DepthRigSampler(WithDepths(sampler_.views(), (*wrong)->view, (*wrong)->factor));
     if (Status seen = See(); !seen) return seen;
     fault.confidence = ConfidenceOfSeparate(before, Of((*wrong)->view, losses_, losses_).first);
     report_.faults.push_back(std::move(fault));
@@ -139,34 +140,34 @@ class DepthAuditor {
   }
 
   /// What is wrong with all views alike, if that explains more than one camera's depths, its place, or exchanged files.
-  /// Images that are turned over can only be told.
-  Status MendCommon() {
+  /// Flipped images can only be reported.
+  Status CorrectCommonOffset() {
     const auto common = FindCommonFault(rig_, losses_);
     if (!common || common->confidence < options_.sure) return {};
     const AuditAction action = common->mirrored ? options_.exchanged : options_.moved;
     if (action == AuditAction::kOff) return {};
-    const auto single = FindWrongDepths(witness_, late_, rig_, cameras_);
+    const auto single = FindWrongDepths(sampler_, late_, rig_, cameras_);
     if (!single) return Forward(single);
     const auto exchange = FindFileExchange(rig_, losses_);
     const auto moved = FindFarMove();
     if (!moved) return Forward(moved);
     const double others = std::min({*single ? (*single)->loss : 1.0, exchange ? exchange->exchanged : 1.0,
                                     *moved ? MeanLoss(LossOfSamples(rig_, **moved)) : 1.0});
-    if (common->mended > (1.0 - kFewerMoves) * others) return {};
+    if (common->corrected_loss > (1.0 - kFewerMoves) * others) return {};
     RigFault fault = FaultOfAll(report_.cameras, *common, rig_);
     fault.confidence = common->confidence;
     if (common->mirrored && action == AuditAction::kCorrect) {
       return Fail(ErrorCode::kInconsistent,
                   fault.message + "; sure to " + RoundedText(100.0 * fault.confidence, 4) + " %", "depth views",
                   "turn the images over, or give the calibration of the images as they are; with "
-                  "fitting.point_clouds.audit.exchanged: tell they are taken as given");
+                  "fitting.point_clouds.audit.exchanged: report they are taken as given");
     }
     files_wrong_ = common->mirrored;
     fault.corrected = !common->mirrored && CorrectsMoves();
     report_.faults.push_back(std::move(fault));
     if (common->mirrored) return {};
     all_depths_ = common->factor;
-    witness_ = RigWitness(WithAllDepths(witness_.views(), all_depths_));
+    sampler_ = DepthRigSampler(WithAllDepths(sampler_.views(), all_depths_));
     return See();
   }
 
@@ -183,7 +184,7 @@ class DepthAuditor {
   }
 
   /// True where files were exchanged back.
-  bool MendFiles() {
+  bool CorrectFileAssignment() {
     if (options_.exchanged == AuditAction::kOff || files_wrong_) return false;
     const auto exchange = FindFileExchange(rig_, losses_);
     if (!exchange) return false;
@@ -191,7 +192,7 @@ class DepthAuditor {
     fault.corrected =
         exchange->unique && options_.exchanged == AuditAction::kCorrect && exchange->confidence >= options_.sure;
     files_wrong_ = !fault.corrected;
-    if (fault.corrected) witness_ = RigWitness(WithExchangedFiles(witness_.views(), exchange->source));
+    if (fault.corrected) sampler_ = DepthRigSampler(WithExchangedFiles(sampler_.views(), exchange->source));
     report_.faults.push_back(std::move(fault));
     return !files_wrong_;
   }
@@ -203,10 +204,10 @@ class DepthAuditor {
 
   /// Takes over what explains most of what is left, clocks or places; false when nothing does.
   Expected<bool> Improve() {
-    std::optional<LateView> clock;
-    if (options_.clocks != AuditAction::kOff && late_.size() <= kMostViewsTimed && witness_.step_s() > 0.0) {
-      const auto longest = static_cast<int>(std::min(options_.longest_s / witness_.step_s(), 1e4));
-      auto found = FindLateView(witness_, late_, cameras_, longest, options_.sure);
+    std::optional<ClockOffsetOfView> clock;
+    if (options_.clocks != AuditAction::kOff && late_.size() <= kMostViewsTimed && sampler_.step_s() > 0.0) {
+      const auto longest = static_cast<int>(std::min(options_.longest_s / sampler_.step_s(), 1e4));
+      auto found = FindClockOffset(sampler_, late_, cameras_, longest, options_.sure);
       if (!found) return Forward(found);
       clock = *found;
       if (clock && std::abs(late_[clock->view] + clock->frames) > longest) clock.reset();
@@ -223,7 +224,7 @@ class DepthAuditor {
     double with_clock = loss, with_moves = loss;
     if (clock) {
       late[clock->view] += clock->frames;
-      const Expected<SeenRig> rig = witness_.Seen(late);
+      const Expected<ObservedRig> rig = sampler_.Seen(late);
       if (!rig) return Forward(rig);
       with_clock = MeanLoss(LossOfSamples(*rig, cameras_));
     }
@@ -323,10 +324,10 @@ class DepthAuditor {
     if (ConfidenceOfSeparate(both.first, both.second) < options_.sure) return false;
     const double loss = MeanLoss(both.second);
     const double left = 1.0 - std::min(kLeastMoveGain * move / kLeastMove, kSureGain);
-    if (loss > kStrangersLoss || loss > left * MeanLoss(both.first)) return false;
-    if (late_.size() > kMostViewsTimed || witness_.together() < 2) return true;
+    if (loss > kInconsistentViewsLoss || loss > left * MeanLoss(both.first)) return false;
+    if (late_.size() > kMostViewsTimed || sampler_.together() < 2) return true;
     if (by_clock < 0.0) {
-      const Expected<double> least = LeastLossBetweenFrames(witness_, late_, without, v);
+      const Expected<double> least = LeastLossBetweenFrames(sampler_, late_, without, v);
       if (!least) return Forward(least);
       by_clock = *least;
     }
@@ -338,17 +339,17 @@ class DepthAuditor {
     return move.shift + kPersonRadius * move.turn;
   }
 
-  void TellOfClock(std::size_t v) {
+  void ReportClock(std::size_t v) {
     if (late_[v] == 0) return;
-    const LateView& found = clocks_.at(v);
-    const double off_ms = -1e3 * witness_.step_s() * (late_[v] - found.frames + found.offset);
+    const ClockOffsetOfView& found = clocks_.at(v);
+    const double off_ms = -1e3 * sampler_.step_s() * (late_[v] - found.frames + found.offset);
     RigFault fault = DepthClockOff(report_.cameras[v], off_ms, late_[v]);
     fault.confidence = found.confidence;
     fault.corrected = options_.clocks == AuditAction::kCorrect;
     report_.faults.push_back(std::move(fault));
   }
 
-  void TellOfMove(std::size_t v) {
+  void ReportMove(std::size_t v) {
     const Camera& was = rig_.views[v].camera;
     const CameraMoveAt move = MoveBetween(was, cameras_[v], rig_.centre);
     if (move.shift == 0.0 && move.turn == 0.0) return;
@@ -362,24 +363,24 @@ class DepthAuditor {
   }
 
   std::vector<DepthView> Corrected() const {
-    std::vector<DepthView> views = witness_.views();
+    std::vector<DepthView> views = sampler_.views();
     if (!CorrectsMoves()) views = WithAllDepths(std::move(views), 1.0 / all_depths_);
     if (wrong_depths_ && !CorrectsMoves()) {
       views = WithDepths(std::move(views), wrong_depths_->view, 1.0 / wrong_depths_->factor);
     }
     for (std::size_t v = 0; v < views.size(); ++v) {
-      if (late_[v] != 0 && options_.clocks == AuditAction::kCorrect) views[v] = Later(views[v], late_[v]);
+      if (late_[v] != 0 && options_.clocks == AuditAction::kCorrect) views[v] = DelayBy(views[v], late_[v]);
       if (CorrectsMoves()) views[v].camera = cameras_[v];
     }
     return views;
   }
 
   const RigAuditOptions& options_;
-  RigWitness witness_;
+  DepthRigSampler sampler_;
   std::vector<int> late_;  ///< (V) frames
   std::vector<Camera> cameras_;
-  std::map<std::size_t, LateView> clocks_;
-  SeenRig rig_;
+  std::map<std::size_t, ClockOffsetOfView> clocks_;
+  ObservedRig rig_;
   std::vector<double> losses_;
   bool files_wrong_ = false;
   std::optional<WrongDepths> wrong_depths_;
@@ -392,7 +393,7 @@ class DepthAuditor {
 Expected<AuditedDepthRig> AuditDepthRig(const std::vector<DepthView>& views, const RigAuditOptions& options) {
   const bool off = options.clocks == AuditAction::kOff && options.moved == AuditAction::kOff &&
                    options.exchanged == AuditAction::kOff && options.unit == AuditAction::kOff;
-  if (off || !CanWitness(views)) return AuditedDepthRig{views, {}};
+  if (off || !CanSampleRig(views)) return AuditedDepthRig{views, {}};
   return DepthAuditor(views, options).Audit();
 }
 

@@ -19,12 +19,12 @@ struct DepthRigReport {
   std::vector<std::vector<double>> residual_mm;
   std::vector<double> loss;            ///< (cameras) mean loss of the comparisons with others, as given, in [0, 1]
   std::vector<double> loss_after;      ///< and as corrected
-  std::vector<double> without_person;  ///< (cameras) share of the moments in which another camera shows somebody
+  std::vector<double> without_person;  ///< (cameras) share of the moments in which another camera observes the person
   std::vector<RigFault> faults;
   std::string not_audited;  ///< what was not looked for, and why; empty: all was, or was not to be
 
-  /// Something is wrong and was left as it is, or a view contradicts every other one and was not left out.
-  bool IsDoubtful() const;
+  /// Something is wrong and was left as it is, or a view contradicts every other one and was not excluded.
+  bool IsAmbiguous() const;
 };
 
 /// Depth views, and how they had to be taken to agree with each other.
@@ -36,9 +36,9 @@ struct AuditedDepthRig {
 };
 
 /// Places, clocks, files and units of depth cameras, from what views of the person say of each other at up to six
-/// moments of a clip. Same input, same result. Errors of ReadFrame; kInconsistent for units that are told and not to be
-/// corrected, and for cameras in one place that see different things. Views of unequal length, without files, or with
-/// stamps that do not increase are taken as they are.
+/// moments of a clip. Same input, same result. Errors of ReadFrame; kInconsistent for units that are reported and not
+/// to be corrected, and for cameras in one place that see different things. Views of unequal length, without files, or
+/// with stamps that do not increase are taken as they are.
 Expected<AuditedDepthRig> AuditDepthRig(const std::vector<DepthView>& views, const RigAuditOptions& options);
 
 /// The clip with its depth views as AuditDepthRig leaves them; the report goes to `report`.

@@ -7,13 +7,13 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSeldomAnybody = 0.5;  ///< of the moments without anybody
+constexpr double kRarelySeen = 0.5;  ///< of the moments without anybody
 
 }  // namespace
 
-bool DepthRigReport::IsDoubtful() const {
+bool DepthRigReport::IsAmbiguous() const {
   return std::any_of(faults.begin(), faults.end(), [](const RigFault& fault) {
-    return mocurate::IsDoubtful(fault) || (fault.code == kContradictingView && !fault.corrected);
+    return mocurate::IsAmbiguous(fault) || (fault.code == kContradictingView && !fault.corrected);
   });
 }
 
@@ -30,12 +30,12 @@ std::vector<Finding> FindingsOf(const DepthRigReport& report) {
   std::vector<Finding> findings;
   for (const RigFault& fault : report.faults) findings.push_back(FindingOf(fault));
   for (std::size_t v = 0; v < report.without_person.size(); ++v) {
-    if (report.without_person[v] < kSeldomAnybody) continue;
+    if (report.without_person[v] < kRarelySeen) continue;
     Finding finding;
     finding.code = "camera_without_person";
     finding.severity = Severity::kWarning;
     finding.value = report.without_person[v];
-    finding.message = "depth camera " + report.cameras[v] + " shows nobody in " +
+    finding.message = "depth camera " + report.cameras[v] + " shows no person in " +
                       RoundedText(100.0 * report.without_person[v], 3) + " % of the frames in which others do";
     finding.message += "; fitted without it there";
     finding.action = FindingAction::kKept;

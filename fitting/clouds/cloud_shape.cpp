@@ -6,8 +6,8 @@
 #include <memory>
 #include <utility>
 
-#include "core/body/capsule_body.h"
-#include "core/body/flesh_shape.h"
+#include "core/body/bone_capsules.h"
+#include "core/body/shape_offsets.h"
 #include "core/geometry/rotation.h"
 #include "fitting/clouds/capsule_fit.h"
 #include "fitting/clouds/cloud_equations.h"
@@ -23,8 +23,8 @@ constexpr int kShapeRounds = 10;
 constexpr double kSettledStep = 0.02;     ///< deviations
 constexpr double kLongestStep = 1.0;      ///< deviations, of a round
 constexpr double kLargestScaling = 0.05;  ///< of the logarithm of the scale, of a round
-constexpr double kFleshSigma = 0.01;      ///< m; error of capsules of the right shape
-constexpr double kErrorsShared = 0.25;    ///< weight: real flesh differs in ways that capsules share along a whole limb
+constexpr double kShapeSigma = 0.01;      ///< m; error of capsules of the right shape
+constexpr double kErrorsShared = 0.25;    ///< weight: real bodies differ in ways that capsules share along a whole limb
 constexpr double kTinyStep = 1e-3;        ///< of finite differences
 
 using ShapeUnknowns = Eigen::Matrix<double, kUnknowns, 1>;
@@ -33,12 +33,12 @@ using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 /// A body of one size and shape, in one pose after another.
 struct Figure {
   SkeletonPtr skeleton;
-  FleshBody body;
+  CapsuleBody body;
   PoseState state;
 
-  Figure(const SkeletonPtr& rest, double scale, const FleshShape& shape, double radius_scale, int frames)
+  Figure(const SkeletonPtr& rest, double scale, const BodyShape& shape, double radius_scale, int frames)
       : skeleton(WithShape(rest, shape)),
-        body(FleshBody::Make(skeleton, scale, radius_scale)),
+        body(CapsuleBody::Make(skeleton, scale, radius_scale)),
         state(*skeleton, frames, Lengths(scale), body.MovingJoints()) {}
 
   std::vector<double> Lengths(double scale) const {
@@ -51,7 +51,7 @@ struct Figure {
 std::vector<double> Distances(const Figure& figure, int frame, const FusedCloud& cloud,
                               const std::vector<CloudMatch>& matches) {
   std::vector<CapsuleEnds> ends;
-  for (const FleshCapsule& capsule : figure.body.capsules) ends.push_back(EndsOf(capsule, figure.state, frame));
+  for (const BodyCapsule& capsule : figure.body.capsules) ends.push_back(EndsOf(capsule, figure.state, frame));
   std::vector<double> distances;
   for (const CloudMatch& match : matches) {
     const CapsuleEnds& of_capsule = ends[match.capsule];
@@ -65,7 +65,7 @@ std::vector<double> Distances(const Figure& figure, int frame, const FusedCloud&
 void FillPoseRow(int frame, const Figure& figure, const FusedCloud& cloud, const CloudMatch& match,
                  const CloudEquations& equations, double weight, Eigen::MatrixXd::RowXpr row) {
   const PoseState& state = figure.state;
-  const FleshCapsule& capsule = figure.body.capsules[match.capsule];
+  const BodyCapsule& capsule = figure.body.capsules[match.capsule];
   const CapsuleEnds ends = EndsOf(capsule, state, frame);
   const CapsulePoint on = ClosestOnCapsule(ends.begin, ends.end, capsule.radius, cloud.points.col(match.point));
   const Vector3d on_axis = on.point - capsule.radius * on.normal;
@@ -93,13 +93,13 @@ class ShapeFit {
     Information information = Information::Zero();
     ShapeUnknowns right = ShapeUnknowns::Zero();
     for (int f = 0; f < static_cast<int>(clouds_.size()); ++f) {
-      if (Status on = GoOnUnlessStopped("shape of a person in depth views"); !on) return Forward(on);
+      if (Status on = StopIfInterrupted("shape of a person in depth views"); !on) return Forward(on);
       figure.state.SetFrameParameters(f, person_.poses[f]);
       const FrameFit fit{f, {}, 1.0, static_cast<int>(options_.iterations)};
       const auto fitted = FitCloudFrame(figure.body, clouds_[f], fit, figure.state, options_);
       if (!fitted) return Forward(fitted);
       person_.poses[f] = figure.state.FrameParameters(f);
-      AddFrame(f, std::max(kFleshSigma, fitted->sigma), figure, information, right);
+      AddFrame(f, std::max(kShapeSigma, fitted->sigma), figure, information, right);
     }
     information *= kErrorsShared / static_cast<double>(clouds_.size());
     right *= kErrorsShared / static_cast<double>(clouds_.size());
@@ -123,7 +123,7 @@ class ShapeFit {
 
  private:
   Figure At(const ShapeUnknowns& change, int frames) const {
-    FleshShape shape = person_.shape;
+    BodyShape shape = person_.shape;
     for (int k = 0; k < kShapeComponents; ++k) shape[k] += change[1 + k];
     return {skeleton_, person_.scale * std::exp(change[0]), shape, options_.capsule_radius_scale, frames};
   }
@@ -164,7 +164,7 @@ class ShapeFit {
     }
     const Eigen::MatrixXd cross = by_pose.transpose() * by_shape;
     const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(equations.matrix());
-    if (factor.info() != Eigen::Success) return;  // nothing holds the pose: nothing is told
+    if (factor.info() != Eigen::Success) return;  // the pose is unconstrained: no result
     information += by_shape.transpose() * by_shape - cross.transpose() * factor.solve(cross);
     right -= by_shape.transpose() * residual - cross.transpose() * factor.solve(equations.gradient());
   }
@@ -178,13 +178,13 @@ class ShapeFit {
 
 }  // namespace
 
-SkeletonPtr WithShape(const SkeletonPtr& skeleton, const FleshShape& shape) {
-  if (shape == FleshShape{} || !HasTemplateFlesh(*skeleton)) return skeleton;
+SkeletonPtr WithShape(const SkeletonPtr& skeleton, const BodyShape& shape) {
+  if (shape == BodyShape{} || !HasTemplateShape(*skeleton)) return skeleton;
   auto own = std::make_shared<Skeleton>(*skeleton);
   for (Joint& joint : own->joints) {
     if (joint.parent >= 0) joint.rest_offset += OffsetChange(joint.name, shape);
   }
-  own->flesh = shape;
+  own->shape = shape;
   return own;
 }
 

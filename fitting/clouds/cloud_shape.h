@@ -9,18 +9,18 @@
 
 namespace mocurate {
 
-/// A person's size and flesh, and their poses in some clouds.
+/// A person's size and shape, and their poses in some clouds.
 struct ShapedPerson {
   double scale = 1.0;                      ///< against the rest skeleton
   double scale_spread = 0.15;              ///< deviation of the logarithm of the scale: how well it was known before
-  FleshShape shape{};                      ///< against the template of that size
+  BodyShape shape{};                       ///< against the template of that size
   std::vector<std::vector<double>> poses;  ///< PoseState::FrameParameters in each cloud, about
 };
 
-/// The skeleton with the directions of bones and the flesh of that shape; lengths of rest offsets are those of a person
-/// of the skeleton's size. `skeleton`: a named one, without flesh of its own. Another skeleton than one with SMPL's
+/// The skeleton with bone directions and capsules of that shape; lengths of rest offsets are those of a person
+/// of the skeleton's size. `skeleton`: a named one, without a shape of its own. Another skeleton than one with SMPL's
 /// joints stays as it is.
-SkeletonPtr WithShape(const SkeletonPtr& skeleton, const FleshShape& shape);
+SkeletonPtr WithShape(const SkeletonPtr& skeleton, const BodyShape& shape);
 
 /// From a size and poses that explain the clouds about: size and shape are fitted together with the poses, which are
 /// eliminated (a profile: what another pose explains as well tells nothing of the body). The shape is held to people's

@@ -51,7 +51,7 @@ double HeightOfPerson(const FusedCloud& cloud, double voxel_size) {
 
 /// From crown to soles, metres.
 double HeightOfRestBody(const SkeletonPtr& skeleton) {
-  const FleshBody body = FleshBody::Make(skeleton, 1.0, 1.0);
+  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0, 1.0);
   PoseState rest(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
   rest.Update(0, 1, false);
   return HeightOf(body, rest, 0).height();
@@ -72,9 +72,9 @@ class SizeSearch {
   /// Poses of a body of this scale, from nothing.
   Expected<PosedSize> StartAt(double scale, StartSearch search) const {
     PosedSize size{scale, 0.0, {}};
-    const FleshBody body = BodyOf(scale);
+    const CapsuleBody body = BodyOf(scale);
     for (const FusedCloud& cloud : clouds_) {
-      if (Status on = GoOnUnlessStopped(kWork); !on) return Forward(on);
+      if (Status on = StopIfInterrupted(kWork); !on) return Forward(on);
       PoseState state = PosesOf(body, 1, scale);
       const auto start = FindStart(body, cloud, 0, options_, state, search);
       if (!start) return Forward(start);
@@ -87,10 +87,10 @@ class SizeSearch {
   /// A body of this scale in poses near those of another size, its limbs looked for.
   Expected<PosedSize> LookForLimbs(double scale, const PosedSize& near) const {
     PosedSize size{scale, 0.0, {}};
-    const FleshBody body = BodyOf(scale);
+    const CapsuleBody body = BodyOf(scale);
     PoseState state = PosesOf(body, 1, scale);
     for (std::size_t c = 0; c < clouds_.size(); ++c) {
-      if (Status on = GoOnUnlessStopped(kWork); !on) return Forward(on);
+      if (Status on = StopIfInterrupted(kWork); !on) return Forward(on);
       if (const auto near_cost = CostNear(near.poses[c], body, clouds_[c], state); !near_cost)
         return Forward(near_cost);
       const auto cost = SearchLimbs(body, clouds_[c], 0, options_, state);
@@ -104,7 +104,7 @@ class SizeSearch {
   /// Where a pose explains its cloud much worse than others do theirs, one is looked for from nothing; the cheaper
   /// stays.
   Expected<PosedSize> StartWorstAgain(PosedSize size) const {
-    const FleshBody body = BodyOf(size.scale);
+    const CapsuleBody body = BodyOf(size.scale);
     PoseState state = PosesOf(body, 1, size.scale);
     std::vector<double> costs;
     double least = std::numeric_limits<double>::max();  // per point
@@ -117,7 +117,7 @@ class SizeSearch {
     size.cost = 0.0;
     for (std::size_t c = 0; c < clouds_.size(); ++c) {
       if (costs[c] > kMuchWorse * least * clouds_[c].size()) {
-        if (Status on = GoOnUnlessStopped(kWork); !on) return Forward(on);
+        if (Status on = StopIfInterrupted(kWork); !on) return Forward(on);
         const auto start = FindStart(body, clouds_[c], 0, options_, state, StartSearch::kStancesAndLimbs);
         if (!start) return Forward(start);
         if (start->cost < costs[c]) {
@@ -162,16 +162,16 @@ class SizeSearch {
   std::vector<double> HeightRatios(const PosedSize& size) const;
 
  private:
-  FleshBody BodyOf(double scale) const { return FleshBody::Make(skeleton_, scale, options_.capsule_radius_scale); }
+  CapsuleBody BodyOf(double scale) const { return CapsuleBody::Make(skeleton_, scale, options_.capsule_radius_scale); }
 
-  PoseState PosesOf(const FleshBody& body, int frames, double scale) const {
+  PoseState PosesOf(const CapsuleBody& body, int frames, double scale) const {
     std::vector<double> lengths = skeleton_->RestBoneLengths();
     for (double& length : lengths) length *= scale;
     return PoseState(*skeleton_, frames, lengths, body.MovingJoints());
   }
 
   /// Poses one cloud near a given pose, in the state's only frame; what that costs.
-  Expected<double> CostNear(const std::vector<double>& pose, const FleshBody& body, const FusedCloud& cloud,
+  Expected<double> CostNear(const std::vector<double>& pose, const CapsuleBody& body, const FusedCloud& cloud,
                             PoseState& state) const {
     state.SetFrameParameters(0, pose);
     const auto fitted =
@@ -182,12 +182,12 @@ class SizeSearch {
 
   /// In poses near those given; radii are measured in them.
   Expected<PosedSize> Fitted(double scale, const std::vector<std::vector<double>>& poses) const {
-    FleshBody body = BodyOf(scale);
+    CapsuleBody body = BodyOf(scale);
     const auto frames = static_cast<int>(clouds_.size());
     PoseState state = PosesOf(body, frames, scale);
     for (int f = 0; f < frames; ++f) state.SetFrameParameters(f, poses[f]);
     for (int round = 0; round < kRadiusFits; ++round) {
-      if (Status on = GoOnUnlessStopped(kWork); !on) return Forward(on);
+      if (Status on = StopIfInterrupted(kWork); !on) return Forward(on);
       if (round > 0) CalibrateRadii(clouds_, state, 0, frames, options_.max_distance, body);
       for (int f = 0; f < frames; ++f) {
         const FrameFit fit{f, {}, 1.0, static_cast<int>(options_.iterations)};
@@ -225,7 +225,7 @@ double StraightnessOfLegs(const Skeleton& skeleton, const PoseState& state, int 
 }
 
 std::vector<double> SizeSearch::HeightRatios(const PosedSize& size) const {
-  const FleshBody body = BodyOf(size.scale);
+  const CapsuleBody body = BodyOf(size.scale);
   PoseState state = PosesOf(body, 1, size.scale);
   std::vector<double> ratios;
   for (std::size_t c = 0; c < clouds_.size(); ++c) {
@@ -293,7 +293,7 @@ Expected<PosedSize> BestOfMany(const SizeSearch& search, double from_height) {
   return !again || again->cost < found->cost ? again : found;
 }
 
-/// Of clouds that may all show somebody who squats, or is seen in part: more sizes, and limbs are looked for. The
+/// For clouds that may all show a person who squats or is partly visible: more sizes, and limbs are looked for. The
 /// search of the first pose (TrackClouds) does the same at the size that this gives, so a size counts by what the
 /// search finds at it: a refined one at which it takes a back for a front is none.
 Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
@@ -334,7 +334,7 @@ Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const Sk
   if (!best) return Forward(best);
   person.scale = best->scale;
   person.poses = best->poses;
-  if (HasTemplateFlesh(*skeleton)) return FitShape(chosen, skeleton, std::move(person), quick);
+  if (HasTemplateShape(*skeleton)) return FitShape(chosen, skeleton, std::move(person), quick);
   if (few) return person;
   std::vector<double> ratios = search.HeightRatios(*best);
   if (!ratios.empty()) person.scale *= MeanMedian(ratios);

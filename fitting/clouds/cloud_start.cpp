@@ -81,10 +81,10 @@ void SwingArms(const Skeleton& skeleton, Arms arms, int frame, PoseState& state)
 }
 
 /// Mean place of a posed body's surface, about.
-Vector3d MiddleOf(const FleshBody& body, const PoseState& state, int frame) {
+Vector3d MiddleOf(const CapsuleBody& body, const PoseState& state, int frame) {
   Vector3d sum = Vector3d::Zero();
   double area = 0.0;
-  for (const FleshCapsule& capsule : body.capsules) {
+  for (const BodyCapsule& capsule : body.capsules) {
     const CapsuleEnds ends = EndsOf(capsule, state, frame);
     const double share = capsule.radius * ((ends.end - ends.begin).norm() + 2.0 * capsule.radius);
     sum += 0.5 * share * (ends.begin + ends.end);
@@ -94,7 +94,7 @@ Vector3d MiddleOf(const FleshBody& body, const PoseState& state, int frame) {
 }
 
 /// A stance that faces `heading` about y, amid the points.
-void StandStill(const FleshBody& body, const FusedCloud& cloud, int frame, double heading, const Stance& stance,
+void StandStill(const CapsuleBody& body, const FusedCloud& cloud, int frame, double heading, const Stance& stance,
                 PoseState& state) {
   std::fill(state.translation(frame), state.rotation(frame, 0), 0.0);
   for (int j = 0; j < state.joints(); ++j) Eigen::Map<Vector3d>(state.rotation(frame, j)).setZero();
@@ -113,14 +113,14 @@ void StandStill(const FleshBody& body, const FusedCloud& cloud, int frame, doubl
 }
 
 struct Candidate {
-  bool contradicts = false;  ///< the facing that is told
+  bool contradicts = false;  ///< the declared facing
   double cost = 0.0;
   double heading = 0.0;
   Legs legs = Legs::kStanding;
   std::vector<double> parameters;
 };
 
-Status RefineCandidate(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+Status RefineCandidate(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                        const PointCloudOptions& options, PoseState& state, Candidate& candidate) {
   const auto fitted = FitCloudFrame(body, cloud, fit, state, options);
   if (!fitted) return Forward(fitted);
@@ -139,7 +139,7 @@ void SortByCost(std::vector<Candidate>& candidates) {
 }
 
 /// The best of sorted candidates from `begin` on that faces another way than the first one of all; none
-/// where that contradicts the facing that is told.
+/// where that contradicts the declared facing.
 const Candidate* FacingAnotherWay(const std::vector<Candidate>& candidates, std::size_t begin) {
   for (std::size_t i = begin; i < candidates.size(); ++i) {
     if (HeadingsApart(candidates[i].heading, candidates[0].heading) < kOtherHeading) continue;
@@ -148,7 +148,7 @@ const Candidate* FacingAnotherWay(const std::vector<Candidate>& candidates, std:
   return nullptr;
 }
 
-/// Appends the best that faces another way where none of `chosen` does: front and back are told apart by both.
+/// Appends the best that faces another way where none of `chosen` does: both distinguish front from back.
 void KeepAnotherWay(const std::vector<Candidate>& candidates, std::vector<Candidate>& chosen) {
   if (FacingAnotherWay(chosen, 1) != nullptr) return;
   if (const Candidate* other = FacingAnotherWay(candidates, 1)) chosen.push_back(*other);
@@ -173,7 +173,7 @@ bool IsWanted(const Stance& stance, StartPosture posture) {
   return true;
 }
 
-std::vector<Candidate> Starts(const FleshBody& body, const FusedCloud& cloud, int frame,
+std::vector<Candidate> Starts(const CapsuleBody& body, const FusedCloud& cloud, int frame,
                               const CloudStartOptions& options, PoseState& state) {
   std::vector<double> headings;
   for (int h = 0; !options.facing && h < kHeadings; ++h) headings.push_back(2.0 * kPi * h / kHeadings);
@@ -206,9 +206,9 @@ HeightSpan HeightOf(const Eigen::Matrix3Xd& points) {
   return {y[stray], y[y.size() - 1 - stray]};
 }
 
-HeightSpan HeightOf(const FleshBody& body, const PoseState& state, int frame) {
+HeightSpan HeightOf(const CapsuleBody& body, const PoseState& state, int frame) {
   HeightSpan span{std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()};
-  for (const FleshCapsule& capsule : body.capsules) {
+  for (const BodyCapsule& capsule : body.capsules) {
     const CapsuleEnds ends = EndsOf(capsule, state, frame);
     span.low = std::min({span.low, ends.begin.y() - capsule.radius, ends.end.y() - capsule.radius});
     span.high = std::max({span.high, ends.begin.y() + capsule.radius, ends.end.y() + capsule.radius});
@@ -216,7 +216,7 @@ HeightSpan HeightOf(const FleshBody& body, const PoseState& state, int frame) {
   return span;
 }
 
-Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, int frame,
+Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud, int frame,
                                const PointCloudOptions& options, PoseState& state, StartSearch search) {
   std::vector<Candidate> candidates = Starts(body, cloud, frame, options.start, state);
   const auto contradicts = [&](double heading) {

@@ -15,16 +15,16 @@ struct HeightSpan {
   double height() const { return high - low; }
 };
 HeightSpan HeightOf(const Eigen::Matrix3Xd& points);
-HeightSpan HeightOf(const FleshBody& body, const PoseState& state, int frame);
+HeightSpan HeightOf(const CapsuleBody& body, const PoseState& state, int frame);
 
 /// What the search for a first pose came to.
 struct CloudStart {
   std::size_t finalists = 0;
   double cost = 0.0;
   /// By how much the cheapest pose that faces another way costs more, as a share of the cost; none: every start
-  /// that is fitted to all points came to face about the same way, or against the facing that is told.
+  /// that is fitted to all points came to face about the same way, or against the declared facing.
   std::optional<double> margin;
-  /// Radians between the pose and the facing that is told, where every start came to contradict it.
+  /// Radians between the pose and the declared facing, where every start contradicts it.
   std::optional<double> off_facing;
 };
 
@@ -38,10 +38,11 @@ enum class StartSearch {
 };
 
 /// Leaves in the state the pose of a frame of which only `options.start` is known: fitted from a dozen stances
-/// (standing, stepping, squatting, seated; arms in several places) that face all around, or about the facing that is
-/// told. Starts are fitted to few points first; the best go on, the best few are fitted to all points, and the cheapest
-/// stays. Limbs are looked for in all of those, where the facing is told in the cheapest. Errors of FitCloudFrame.
-Expected<CloudStart> FindStart(const FleshBody& body, const FusedCloud& cloud, int frame,
+/// (standing, stepping, squatting, seated; arms in several places) that face all around, or about the
+/// declared facing. Starts are fitted to few points first; the best continue, the best few are fitted to all points,
+/// and the cheapest stays. Limbs are looked for in all of those, with a declared facing in the cheapest. Errors of
+/// FitCloudFrame.
+Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud, int frame,
                                const PointCloudOptions& options, PoseState& state, StartSearch search);
 
 }  // namespace mocurate

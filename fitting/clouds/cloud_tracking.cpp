@@ -112,7 +112,7 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
   for (int f = first + 1; f < track.state.frames(); ++f) {
     track.state.SetFrameParameters(f, track.state.FrameParameters(last));
     if (track.clouds[f].size() < kFewestTrackedPoints) continue;
-    if (Status on = GoOnUnlessStopped("fit of depth views"); !on) return on;
+    if (Status on = StopIfInterrupted("fit of depth views"); !on) return on;
     Predict(before, last, f, time_s, options.max_distance, track);
     // The frame held is the one before, which repeats `last` across a gap: only the time since then is another.
     const FrameFit fit{f, {{-1, time_s[f] - time_s[last]}}, 1.0, static_cast<int>(options.iterations)};
@@ -174,7 +174,7 @@ Status LookAgain(int step, const std::vector<double>& time_s, const PointCloudOp
   for (int i = 0; i < frames; ++i) {
     const int f = step > 0 ? frames - 1 - i : i;
     if (!IsFitted(track, f) || !IsFitted(track, f + step) || costs.of_frame[f] <= kPoor * costs.median) continue;
-    if (Status on = GoOnUnlessStopped("fit of depth views"); !on) return on;
+    if (Status on = StopIfInterrupted("fit of depth views"); !on) return on;
     const std::vector<double> kept = track.state.FrameParameters(f);
     track.state.SetFrameParameters(f, track.state.FrameParameters(f + step));
     const FrameFit fit{f, {{step, std::abs(time_s[f] - time_s[f + step])}}, 1.0, static_cast<int>(options.iterations)};
@@ -210,7 +210,7 @@ int LostFrame(const FrameCosts& costs, const CloudTrack& track, const std::vecto
   return most;
 }
 
-/// Somebody who walks out of the views and comes back may be taken for anything. Where frames are explained much worse
+/// A person who leaves the views and comes back may be fitted in any pose. Where frames are explained much worse
 /// than most, their pose is looked for anew in one of them, whichever way it faces, and carried on from there.
 Status FindAgain(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
   std::vector<bool> tried(static_cast<std::size_t>(track.state.frames()), false);
@@ -275,7 +275,7 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
   const FusionOptions fusion{options.voxel_size, options.outliers};
   std::vector<FusedCloud> clouds;
   for (int i = 0; i < count; ++i) {
-    if (Status on = GoOnUnlessStopped("fusion of depth views"); !on) return Forward(on);
+    if (Status on = StopIfInterrupted("fusion of depth views"); !on) return Forward(on);
     const int f = FrameOfFew(i, count, available);
     const bool is_cloud = evidence.depth_views.empty();
     Expected<FusedCloud> cloud =
@@ -296,7 +296,7 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
     return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestTrackedPoints) + " points",
                 "depth views", "check depth_unit and the cameras");
   }
-  FleshBody body = FleshBody::Make(skeleton, BodyScale(*skeleton, bone_length), options.capsule_radius_scale);
+  CapsuleBody body = CapsuleBody::Make(skeleton, BodyScale(*skeleton, bone_length), options.capsule_radius_scale);
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());
   CloudTrack track{std::move(clouds), std::move(body), std::move(state), std::vector<CapsuleFitOutcome>(frames), {}};
   const auto start =

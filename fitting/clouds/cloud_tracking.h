@@ -12,7 +12,7 @@ namespace mocurate {
 /// A clip's clouds and the body that was tracked through them.
 struct CloudTrack {
   std::vector<FusedCloud> clouds;           ///< (F)
-  FleshBody body;                           ///< with the person's radii
+  CapsuleBody body;                         ///< with the person's radii
   PoseState state;                          ///< all frames
   std::vector<CapsuleFitOutcome> outcomes;  ///< (F); iterations 0 where a frame has no points
   CloudStart start;                         ///< of the first frame with points

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "fitting/clouds/cloud_equations.h"
-#include "fitting/solver/rest_spreads.h"
-#include "fitting/uncertainty/body_spread.h"
+#include "fitting/solver/rest_sigmas.h"
+#include "fitting/uncertainty/body_sigma.h"
 
 namespace mocurate {
 namespace {
@@ -33,7 +33,7 @@ Matrix3d PositionCovariance(const CloudEquations& equations, const PoseState& st
 
 }  // namespace
 
-Expected<CloudUncertainty> UncertaintyOfFrame(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                               double sigma, PoseState& state, const PointCloudOptions& options) {
   const std::vector<CloudMatch> matches = MatchPoints(body, state, fit.frame, cloud, options.max_distance);
   const double share = fit.trust * PatchShare(options.voxel_size);
@@ -50,7 +50,7 @@ Expected<CloudUncertainty> UncertaintyOfFrame(const FleshBody& body, const Fused
   }
   const auto size = equations.matrix().rows();
   const Eigen::MatrixXd covariance = factor.solve(Eigen::MatrixXd::Identity(size, size));
-  const std::vector<double> rest = RestSpreads(*body.skeleton, options.rest_spread);
+  const std::vector<double> rest = RestPoseSigmas(*body.skeleton, options.rest_sigma);
   CloudUncertainty uncertainty;
   for (int j = 0; j < state.joints(); ++j) {
     uncertainty.position.push_back(PositionCovariance(equations, state, fit.frame, j, covariance));

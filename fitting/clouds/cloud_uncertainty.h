@@ -17,7 +17,7 @@ struct CloudUncertainty {
 /// From the inverse of the Gauss-Newton matrix of the frame's terms at the pose in the state, which is a minimum;
 /// points weighted with `sigma` (CapsuleFitOutcome). That the body is not the person's is not in it (BodyErrors). Needs
 /// Update.
-Expected<CloudUncertainty> UncertaintyOfFrame(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                               double sigma, PoseState& state, const PointCloudOptions& options);
 
 }  // namespace mocurate

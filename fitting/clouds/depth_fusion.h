@@ -15,7 +15,7 @@ namespace mocurate {
 struct FusedCloud {
   Eigen::Matrix3Xd points;
   Eigen::Matrix3Xd normals;  ///< unit, towards the cameras that saw the point
-  int left_out = 0;          ///< points that were seen but are not of the person
+  int excluded = 0;          ///< points that were seen but are not of the person
 
   int size() const { return static_cast<int>(points.cols()); }
 };

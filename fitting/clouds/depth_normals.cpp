@@ -33,7 +33,7 @@ struct Step {
   bool operator<(const Step& other) const { return alike < other.alike; }
 };
 
-/// Gives the normals of all points connected to `seed` one sign. The points.
+/// EvidenceKind the normals of all points connected to `seed` one sign. The points.
 std::vector<int> Connect(int seed, double reach, const open3d::geometry::KDTreeFlann& tree, FusedCloud& cloud,
                          std::vector<bool>& done) {
   std::vector<int> part, neighbours;
@@ -76,7 +76,7 @@ void EstimateNormals(const Eigen::Matrix3Xd& cloud, double radius, FusedCloud& t
   std::vector<std::size_t> sorted = counts;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   const double fewest = kStrayShare * static_cast<double>(sorted[sorted.size() / 2]);
-  FusedCloud surface{Eigen::Matrix3Xd(3, thin.size()), Eigen::Matrix3Xd(3, thin.size()), thin.left_out};
+  FusedCloud surface{Eigen::Matrix3Xd(3, thin.size()), Eigen::Matrix3Xd(3, thin.size()), thin.excluded};
   Eigen::Index size = 0;
   for (int i = 0; i < thin.size(); ++i) {
     if (static_cast<double>(counts[static_cast<std::size_t>(i)]) < fewest) continue;

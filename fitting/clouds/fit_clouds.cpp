@@ -12,7 +12,7 @@
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
-#include "fitting/clouds/frame_doubt.h"
+#include "fitting/clouds/frame_finding.h"
 #include "fitting/clouds/limb_search.h"
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/frames_without_evidence.h"
@@ -24,19 +24,19 @@ constexpr double kObservingArea = 0.0023;  ///< m^2 of points of the capsules at
 constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone, at the joint
 constexpr double kNotableRoom = 0.02;      ///< share of the points, worth a finding
 constexpr double kNotableFar = 0.05;
-constexpr double kContradictingShare = 0.15;  ///< of the points; a told height is wrong then
+constexpr double kContradictingShare = 0.15;  ///< of the points; above it a declared height is wrong
 constexpr double kHardlyEver = 0.1;           ///< share of the frames
 constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
 
-/// Points near each joint: on the flesh of a joint with a single child those within a third of the bone from either,
+/// Points near each joint: on the surface of a joint with a single child those within a third of the bone from either,
 /// along the bone; of another joint (hands, head, trunk) all that move with it. The knee's third of a shin shows no
 /// ankle.
-std::vector<int> PointsOfJoints(const FleshBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
+std::vector<int> PointsOfJoints(const CapsuleBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
                                 const std::vector<CloudMatch>& matches) {
   const auto children = body.skeleton->Children();
   std::vector<int> points(body.skeleton->joints.size(), 0);
   for (const CloudMatch& match : matches) {
-    const FleshCapsule& capsule = body.capsules[match.capsule];
+    const BodyCapsule& capsule = body.capsules[match.capsule];
     const int child = capsule.end_joint != capsule.frame ? capsule.end_joint : OnlyChild(children, capsule.frame);
     if (child < 0) {
       ++points[capsule.frame];
@@ -54,7 +54,7 @@ std::vector<int> PointsOfJoints(const FleshBody& body, const PoseState& state, i
 /// What the views show of a track's frames.
 struct Shown {
   std::vector<bool> joint;       ///< (F*J) enough points lie on it
-  std::vector<double> error;     ///< (F) ErrorOfLittleSeen, m; 0 where nothing was fitted
+  std::vector<double> error;     ///< (F) LowCoverageSigma, m; 0 where nothing was fitted
   std::vector<double> residual;  ///< (F) root mean square, m; 0 where nothing was fitted
 };
 
@@ -68,10 +68,10 @@ Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResu
     const bool is_fitted = track.outcomes[f].iterations > 0;
     std::vector<CloudMatch> matches;
     if (is_fitted) matches = MatchPoints(track.body, track.state, f, track.clouds[f], options.max_distance);
-    shown.error.push_back(is_fitted ? ErrorOfLittleSeen(track.clouds[f], options.voxel_size, scale) : 0.0);
+    shown.error.push_back(is_fitted ? LowCoverageSigma(track.clouds[f], options.voxel_size, scale) : 0.0);
     for (const int points : PointsOfJoints(track.body, track.state, f, track.clouds[f], matches)) {
       shown.joint.push_back(points * area >= kObservingArea);
-      const bool is_observed = shown.joint.back() && shown.error.back() <= kGuessedError;
+      const bool is_observed = shown.joint.back() && shown.error.back() <= kUnobservedError;
       result.motion.state.push_back(is_observed ? JointState::kObserved : JointState::kInferred);
     }
     for (const CloudMatch& match : matches) residuals.push_back(std::abs(match.distance));
@@ -94,10 +94,10 @@ Status AddUncertainty(CloudTrack& track, const Shown& shown, const PointCloudOpt
     if (!uncertainty) return Forward(uncertainty);
     std::vector<double> body_error = usual;
     for (double& error : body_error) error = std::hypot(BodyErrorFactor(shown.residual[f]) * error, shown.error[f]);
-    const std::vector<Vector3d> body_turn = BodyTurns(*motion.skeleton, motion.bone_length, body_error);
+    const std::vector<Vector3d> body_rotation = BodyRotations(*motion.skeleton, motion.bone_length, body_error);
     const auto begin = shown.joint.begin() + static_cast<std::ptrdiff_t>(f) * motion.joint_count();
-    WidenUnseen({begin, begin + motion.joint_count()}, *uncertainty, body_error);
-    uncertain.Set(f, *uncertainty, body_error, body_turn);
+    WidenGaps({begin, begin + motion.joint_count()}, *uncertainty, body_error);
+    uncertain.Set(f, *uncertainty, body_error, body_rotation);
   }
   uncertain.Write(result.motion);
   return {};
@@ -110,9 +110,9 @@ void ReportUntrackedFrames(const CloudTrack& track, FitResult& result) {
                       FindingAction::kInterpolated, result.findings);
 }
 
-/// Tells of arms and legs that the views hardly ever show: what a fit says of them is a guess, and of what they hang
-/// from little is known.
-void ReportUnseenLimbs(const Shown& shown, FitResult& result) {
+/// IsConclusive of arms and legs that the views hardly ever show: what a fit says of them is a guess, and of what they
+/// hang from little is known.
+void ReportUnobservedLimbs(const Shown& shown, FitResult& result) {
   const Motion& motion = result.motion;
   const Limbs limbs = LimbsOf(*motion.skeleton);
   std::string names;
@@ -141,7 +141,7 @@ void ReportUnseenLimbs(const Shown& shown, FitResult& result) {
   result.findings.push_back(finding);
 }
 
-/// Tells of points that were taken for the room, and of points of the person that the body does not reach.
+/// IsConclusive of points that were taken for the room, and of points of the person that the body does not reach.
 void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
   double room = 0.0;
   double far = 0.0;
@@ -149,8 +149,8 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
   for (int f = 0; f < track.state.frames(); ++f) {
     if (track.outcomes[f].iterations == 0) continue;
     const FusedCloud& cloud = track.clouds[f];
-    all += cloud.size() + cloud.left_out;
-    room += cloud.left_out;
+    all += cloud.size() + cloud.excluded;
+    room += cloud.excluded;
     far +=
         cloud.size() - static_cast<double>(MatchPoints(track.body, track.state, f, cloud, options.max_distance).size());
   }
@@ -164,7 +164,7 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
     result.findings.push_back(finding);
   };
   report(room, kNotableRoom, "points_of_the_room", " % of the depth points are floor or stand apart from the person",
-         FindingAction::kLeftOut);
+         FindingAction::kExcluded);
   report(far, kNotableFar, "points_off_the_body", " % of the person's points lie far from the fitted body",
          FindingAction::kFlagged);
   if (!options.height || far <= kContradictingShare * all) return;
@@ -172,7 +172,7 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
   finding.code = "height_contradicted";
   finding.severity = Severity::kError;
   finding.value = *options.height;
-  finding.message = "a body of the height that is told, " + RoundedText(*options.height, 3) + " m, leaves " +
+  finding.message = "a body of the declared height, " + RoundedText(*options.height, 3) + " m, leaves " +
                     std::to_string(std::lround(100.0 * far / all)) + " % of the person's points unexplained";
   finding.message += "; flagged; check fitting.point_clouds.height, or leave it out";
   finding.action = FindingAction::kKept;
@@ -180,10 +180,10 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
 }
 
 /// A body of capsules looks much the same from the front and from the back.
-void ReportDoubt(const CloudTrack& track, FitResult& result) {
+void ReportAmbiguous(const CloudTrack& track, FitResult& result) {
   if (!track.start.margin || *track.start.margin > kSureMargin) return;
   Finding finding;
-  finding.code = "facing_in_doubt";
+  finding.code = "facing_ambiguous";
   finding.value = *track.start.margin;
   finding.message = "a first pose that faces another way explains the points almost as well: its cost is " +
                     std::to_string(std::lround(100.0 * *track.start.margin)) + " % higher";
@@ -197,7 +197,7 @@ void ReportContradiction(const CloudTrack& track, FitResult& result) {
   Finding finding;
   finding.code = "facing_contradicted";
   finding.value = *track.start.off_facing;
-  finding.message = "every first pose that explains the points faces another way than told: the cheapest by " +
+  finding.message = "every first pose that explains the points contradicts the declared facing: the cheapest by " +
                     std::to_string(std::lround(kDegrees * *track.start.off_facing)) + " degrees";
   finding.message += "; the cheapest one kept; check fitting.point_clouds.start.facing";
   finding.action = FindingAction::kKept;
@@ -215,11 +215,11 @@ Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, con
   if (!clouds) return Forward(clouds);
   Expected<FitResult> fit =
       FitFusedClouds(std::move(*clouds), {clip.rate, SurfaceTimes(audited->evidence)}, skeleton, bone_length, options);
-  if (fit) TellOfRig(std::move(report), *fit);
+  if (fit) ReportRig(std::move(report), *fit);
   return fit;
 }
 
-void TellOfRig(DepthRigReport report, FitResult& fit) {
+void ReportRig(DepthRigReport report, FitResult& fit) {
   const std::vector<Finding> findings = FindingsOf(report);
   fit.findings.insert(fit.findings.begin(), findings.begin(), findings.end());
   if (!report.faults.empty()) fit.rig_audit = FaultsText(report.faults);
@@ -238,11 +238,11 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   if (options.uncertainty) {
     if (Status added = AddUncertainty(*track, shown, options, result); !added) return Forward(added);
   }
-  ReportDoubt(*track, result);
+  ReportAmbiguous(*track, result);
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);
-  ReportUnseenLimbs(shown, result);
-  ReportLittleSeen(shown.error, result.findings);
+  ReportUnobservedLimbs(shown, result);
+  ReportLowCoverage(shown.error, result.findings);
   ReportPoorlyExplained(shown.residual, result.findings);
   ReportPointsOffTheBody(*track, options, result);
   int unsettled = 0;

@@ -19,7 +19,7 @@ Expected<FitResult> FitClouds(const Clip& clip, const SkeletonPtr& skeleton, con
                               const PointCloudOptions& options);
 
 /// Adds what an audit of the rig found: findings, the result's rig_audit and depth_rig.
-void TellOfRig(DepthRigReport report, FitResult& fit);
+void ReportRig(DepthRigReport report, FitResult& fit);
 
 /// When the clouds of a clip were seen.
 struct CloudClock {

@@ -7,13 +7,13 @@
 namespace mocurate {
 
 /// A frame beside the one that is fitted. It is held, and joins through the walks of the options.
-struct HeldFrame {
+struct FixedNeighbourFrame {
   int step = -1;         ///< -1: the frame before, 1: the frame after
   double seconds = 0.0;  ///< between them
 };
 
 /// Where other evidence says that a joint lies. Robust as points are: beyond huber_sigmas it pulls linearly.
-struct SeenJoint {
+struct JointObservation {
   int joint = 0;
   Vector3d position = Vector3d::Zero();   ///< world, metres
   Matrix3d whitening = Matrix3d::Zero();  ///< W, 1/m: W'W is the information; of a ray nothing is known along it
@@ -26,8 +26,8 @@ struct FrameTerms {
   const std::vector<CloudMatch>& matches;
   double weight = 0.0;  ///< of a point's distance, 1/m
   double huber = 0.0;   ///< whitened distance beyond which a point counts linearly
-  std::vector<HeldFrame> held = {};
-  std::vector<SeenJoint> joints = {};
+  std::vector<FixedNeighbourFrame> held = {};
+  std::vector<JointObservation> joints = {};
 };
 
 }  // namespace mocurate

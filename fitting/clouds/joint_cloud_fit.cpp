@@ -9,29 +9,29 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/geometry/symmetric.h"
+#include "fitting/clouds/capsule_offsets.h"
 #include "fitting/clouds/cloud_uncertainty.h"
-#include "fitting/clouds/flesh_calibration.h"
-#include "fitting/clouds/frame_doubt.h"
+#include "fitting/clouds/frame_finding.h"
 #include "fitting/clouds/uncertain_motion.h"
 #include "fitting/costs/huber.h"
 #include "fitting/stop_request.h"
-#include "fitting/uncertainty/body_spread.h"
-#include "fitting/uncertainty/frame_spread.h"
+#include "fitting/uncertainty/body_sigma.h"
+#include "fitting/uncertainty/frame_orientation.h"
 
 namespace mocurate {
 namespace {
 
 constexpr int kFewestCloudPoints = 100;
-constexpr int kShownFrames = 24;      ///< that the flesh and the trust are read from, evenly spread
-constexpr double kLeastTrust = 0.02;  ///< of clouds that contradict the tracks
-constexpr double kFarShare = 0.5;     ///< of the points within reach of the body, or they are of somebody else
-/// Variance of joints over what the information of a frame says: bones and flesh come from the same noisy tracks, and
+constexpr int kShownFrames = 24;            ///< for shape and surface weight, evenly spaced
+constexpr double kMinSurfaceWeight = 0.02;  ///< of clouds that contradict the tracks
+constexpr double kFarShare = 0.5;  ///< of the points within reach of the body, or they belong to another person
+/// Variance of joints over what the information of a frame says: bones and shape come from the same noisy tracks, and
 /// their errors stay from frame to frame. Calibrated on synthetic clips (`bench_fit_clouds`, mix=1).
 constexpr double kSharedErrors = 3.4;
 constexpr double kSmallestSpread = 1e-3;       ///< m
 constexpr double kContradictingSquare = 6.25;  ///< squared distance, three whitened components: nine of ten lie within
-constexpr double kMostBlame = 2.0;             ///< times the template's usual variance: more is not the flesh's fault
-constexpr double kClear = 4.0;                 ///< factor on a joint's variance from which on both kinds disagree
+constexpr double kMaxExcessShare = 2.0;  ///< times the template's usual variance: more is not explained by the shape
+constexpr double kClear = 4.0;           ///< factor on a joint's variance from which on both kinds disagree
 
 Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   return FromSixNumbers(values.data() + 6 * at);
@@ -53,8 +53,8 @@ std::vector<bool> KnownJoints(const Motion& motion) {
 
 /// The joints of the tracks' fit, each as sure along every direction as that fit is, but for a factor on the variance
 /// of each joint (J); 0: nothing is known of it.
-std::vector<SeenJoint> SeenJointsOf(const Motion& motion, int frame, const std::vector<double>& factor) {
-  std::vector<SeenJoint> joints;
+std::vector<JointObservation> JointObservationsOf(const Motion& motion, int frame, const std::vector<double>& factor) {
+  std::vector<JointObservation> joints;
   for (int j = 0; j < motion.joint_count(); ++j) {
     if (factor[static_cast<std::size_t>(j)] <= 0.0) continue;
     const std::size_t at = static_cast<std::size_t>(frame) * motion.joint_count() + static_cast<std::size_t>(j);
@@ -83,17 +83,17 @@ std::vector<double> MeanVariance(const Motion& motion, const std::vector<int>& f
 
 /// Factor on the weight of points that makes poses of the clouds alone as uncertain as they are wrong: the squared
 /// distance of their joints from the tracks', less the variance of the tracks, and no less than what is not known of
-/// the flesh (the share `unknown` of its `usual` variance, m^2), against the variance that they claim. With poses of
+/// the shape (the share `unknown` of its `usual` variance, m^2), against the variance that they claim. With poses of
 /// the clouds `alone` the tracks may be wrong too: no more than the usual, and what one side leaves open, is blamed on
 /// them.
-Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedCloud>& clouds,
-                               const std::vector<int>& frames, const FleshBody& body, PoseState state,
-                               const PoseState* alone, const std::vector<bool>& known, double unknown, double usual,
-                               const PointCloudOptions& options) {
+Expected<double> EstimateSurfaceWeight(const Motion& motion, const std::vector<FusedCloud>& clouds,
+                                       const std::vector<int>& frames, const CapsuleBody& body, PoseState state,
+                                       const PoseState* alone, const std::vector<bool>& known, double unknown,
+                                       double usual, const PointCloudOptions& options) {
   const double scale = BodyScale(*motion.skeleton, motion.bone_length);
   std::vector<double> apart, claimed, of_tracks, unseen;
   for (const int f : frames) {
-    if (Status on = GoOnUnlessStopped("fit of joints and depth views"); !on) return Forward(on);
+    if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
     if (alone != nullptr) state.SetFrameParameters(f, alone->FrameParameters(f));
     FrameFit fit;
     fit.frame = f;
@@ -108,21 +108,21 @@ Expected<double> TrustInClouds(const Motion& motion, const std::vector<FusedClou
       apart.push_back((state.position(f, j) - motion.joints.at(f, j)).squaredNorm());
       claimed.push_back(uncertainty->position[j].trace());
       of_tracks.push_back(CovarianceAt(motion.position_cov, at).trace());
-      unseen.push_back(3.0 * std::pow(ErrorOfLittleSeen(clouds[f], options.voxel_size, scale), 2));
+      unseen.push_back(3.0 * std::pow(LowCoverageSigma(clouds[f], options.voxel_size, scale), 2));
     }
   }
   if (apart.empty()) return 1.0;
   const double least = unknown * usual;
   double real = std::max({MeanMedian(apart) - MeanMedian(of_tracks), 0.1 * MeanMedian(apart), least});
-  if (alone != nullptr) real = std::min(real, kMostBlame * usual + MeanMedian(unseen));
-  return std::clamp(std::sqrt(MeanMedian(claimed) / real), kLeastTrust, 1.0);
+  if (alone != nullptr) real = std::min(real, kMaxExcessShare * usual + MeanMedian(unseen));
+  return std::clamp(std::sqrt(MeanMedian(claimed) / real), kMinSurfaceWeight, 1.0);
 }
 
 /// Factor on the variance of each joint of tracks that poses of the clouds alone contradict: where a joint lies farther
 /// off in most frames than both explain, the tracks claim too much. (J) at least 1.
-std::vector<double> Overclaimed(const Motion& motion, const std::vector<FusedCloud>& clouds,
-                                const std::vector<int>& frames, const FleshBody& body, double voxel_size,
-                                PoseState alone) {
+std::vector<double> VarianceInflation(const Motion& motion, const std::vector<FusedCloud>& clouds,
+                                      const std::vector<int>& frames, const CapsuleBody& body, double voxel_size,
+                                      PoseState alone) {
   const double scale = BodyScale(*motion.skeleton, motion.bone_length);
   const std::vector<double> error = BodyErrors(*motion.skeleton, scale);
   std::vector<double> factor(static_cast<std::size_t>(motion.joint_count()), 1.0);
@@ -133,7 +133,7 @@ std::vector<double> Overclaimed(const Motion& motion, const std::vector<FusedClo
     for (const int f : frames) {
       const std::size_t at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j);
       const double of_body = error[static_cast<std::size_t>(j)];
-      const double unseen = ErrorOfLittleSeen(clouds[static_cast<std::size_t>(f)], voxel_size, scale);
+      const double unseen = LowCoverageSigma(clouds[static_cast<std::size_t>(f)], voxel_size, scale);
       const Matrix3d both =
           CovarianceAt(motion.position_cov, at) + (of_body * of_body + unseen * unseen) * Matrix3d::Identity();
       const Vector3d apart = alone.position(f, j) - motion.joints.at(f, j);
@@ -144,18 +144,18 @@ std::vector<double> Overclaimed(const Motion& motion, const std::vector<FusedClo
   return factor;
 }
 
-/// Squared distance of joints of a body of template flesh from the person's, median.
-double FleshVariance(const Skeleton& skeleton, double scale) {
+/// Squared distance of joints of a body of template shape from the person's, median.
+double ShapeVariance(const Skeleton& skeleton, double scale) {
   std::vector<double> squares;
   for (const double error : BodyErrors(skeleton, scale)) squares.push_back(3.0 * error * error);
   return MeanMedian(squares);
 }
 
 /// What a pose costs with points and joints, weighted alike for all poses.
-double MixedCost(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit, PoseState& state,
+double MixedCost(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit, PoseState& state,
                  const PointCloudOptions& options) {
   double twice = 0.0;
-  for (const SeenJoint& seen : fit.joints) {
+  for (const JointObservation& seen : fit.joints) {
     const Vector3d error = seen.whitening * (state.position(fit.frame, seen.joint) - seen.position);
     twice += HuberValue(error.squaredNorm(), options.huber_sigmas);
   }
@@ -163,7 +163,7 @@ double MixedCost(const FleshBody& body, const FusedCloud& cloud, const FrameFit&
 }
 
 /// From the pose in the state, and from `alone` where it is given; the cheaper stays.
-Expected<CapsuleFitOutcome> FitFromBoth(const FleshBody& body, const FusedCloud& cloud, const FrameFit& fit,
+Expected<CapsuleFitOutcome> FitFromBoth(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                         PoseState& state, const PoseState* alone, const PointCloudOptions& options) {
   auto first = FitCloudFrame(body, cloud, fit, state, options);
   if (!first || alone == nullptr) return first;
@@ -180,7 +180,7 @@ Expected<CapsuleFitOutcome> FitFromBoth(const FleshBody& body, const FusedCloud&
 }
 
 Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clouds, const std::vector<int>& frames,
-                        const FleshBody& body, const PoseState& state, const PointCloudOptions& options) {
+                        const CapsuleBody& body, const PoseState& state, const PointCloudOptions& options) {
   double near = 0.0, all = 0.0;
   for (const int f : frames) {
     near += static_cast<double>(MatchPoints(body, state, f, clouds[f], options.max_distance).size());
@@ -198,7 +198,7 @@ void ReportDisagreement(const std::vector<double>& factor, FitResult& result) {
   const auto clear = std::count_if(factor.begin(), factor.end(), [](double f) { return f > kClear; });
   if (3 * clear < static_cast<std::ptrdiff_t>(factor.size())) return;
   Finding finding;
-  finding.code = "kinds_disagree";
+  finding.code = "modalities_disagree";
   finding.value = static_cast<double>(clear);
   finding.message = std::to_string(clear) + " of " + std::to_string(factor.size()) +
                     " joints lie elsewhere in the depth views than the other evidence says, by more than both explain";
@@ -223,12 +223,13 @@ void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result)
 }
 
 /// How far joints' frames are turned between bodies whose bones tracks have measured, about their axes. (J), rad^2
-std::vector<Vector3d> TurnsOfMeasuredBody(const Motion& motion) {
+std::vector<Vector3d> RotationsOfMeasuredBody(const Motion& motion) {
   const Skeleton& skeleton = *motion.skeleton;
   std::vector<double> variance(skeleton.joints.size(), 0.0);
   for (int j = 1; j < skeleton.joint_count(); ++j) variance[j] = Square(SpreadOfBone(skeleton, j));
   std::vector<Vector3d> turns;
-  for (const Matrix3d& turn : TurnsByBones(skeleton, motion.bone_length, variance)) turns.emplace_back(turn.diagonal());
+  for (const Matrix3d& turn : FrameOrientationByBones(skeleton, motion.bone_length, variance))
+    turns.emplace_back(turn.diagonal());
   return turns;
 }
 
@@ -246,7 +247,7 @@ std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
   return shown;
 }
 
-PoseState StateOf(const Motion& motion, const FleshBody& body) {
+PoseState StateOf(const Motion& motion, const CapsuleBody& body) {
   const std::vector<bool> all(static_cast<std::size_t>(motion.joint_count()), true);
   PoseState state(*motion.skeleton, motion.frame_count(), motion.bone_length, all);
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -290,8 +291,8 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
     return Fail(ErrorCode::kInconsistent, "the fit of the joint tracks has no uncertainty", "evidence",
                 "set fitting.joint_tracks.uncertainty to true");
   }
-  FleshBody body =
-      FleshBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
+  CapsuleBody body =
+      CapsuleBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
   PoseState state = StateOf(motion, body);
   const std::vector<int> shown = ShownFrames(clouds);
   if (shown.empty()) {
@@ -302,31 +303,32 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   if (Status one = CheckBothShowOne(motion, clouds, shown, body, state, options); !one) return Forward(one);
   const std::vector<bool> known = KnownJoints(motion);
   const double unknown =
-      CalibrateFlesh(clouds, state, shown, options.max_distance, MeanVariance(motion, shown, known), body);
-  const double usual = FleshVariance(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
-  const auto trust = TrustInClouds(motion, clouds, shown, body, state, alone, known, unknown, usual, options);
+      FitCapsuleOffsets(clouds, state, shown, options.max_distance, MeanVariance(motion, shown, known), body);
+  const double usual = ShapeVariance(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
+  const auto trust = EstimateSurfaceWeight(motion, clouds, shown, body, state, alone, known, unknown, usual, options);
   if (!trust) return Forward(trust);
 
   const std::vector<bool> turned = body.MovingJoints();
   std::vector<double> factor(known.size(), 1.0);
-  if (alone != nullptr) factor = Overclaimed(motion, clouds, shown, body, options.voxel_size, *alone);
+  if (alone != nullptr) factor = VarianceInflation(motion, clouds, shown, body, options.voxel_size, *alone);
   for (std::size_t j = 0; j < known.size(); ++j) factor[j] = known[j] ? factor[j] : 0.0;
   FitResult result = tracks;
   ReportDisagreement(factor, result);
   UncertainMotion uncertain(motion);
-  const std::vector<Vector3d> body_turn = TurnsOfMeasuredBody(motion);
+  const std::vector<Vector3d> body_rotation = RotationsOfMeasuredBody(motion);
   std::vector<double> residuals;
   int unsettled = 0;
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (clouds[f].size() < kFewestCloudPoints) continue;
-    if (Status on = GoOnUnlessStopped("fit of joints and depth views"); !on) return Forward(on);
-    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), SeenJointsOf(motion, f, factor), *trust};
+    if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
+    const FrameFit fit{f,     {}, 1.0, static_cast<int>(options.iterations), JointObservationsOf(motion, f, factor),
+                       *trust};
     const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
     if (!uncertainty) return Forward(uncertainty);
     for (Matrix3d& covariance : uncertainty->position) covariance *= kSharedErrors;
-    uncertain.Replace(f, *uncertainty, turned, body_turn);
+    uncertain.Replace(f, *uncertainty, turned, body_rotation);
     for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], options.max_distance)) {
       residuals.push_back(std::abs(match.distance));
     }
@@ -344,7 +346,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   uncertain.Write(result.motion);
   SetResiduals(std::move(residuals), result);
   result.capsule_radii = RadiiText(body);
-  result.cloud_trust = *trust;
+  result.surface_weight = *trust;
   return result;
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/body/flesh_body.h"
+#include "core/body/capsule_body.h"
 #include "fitting/clouds/depth_fusion.h"
 #include "fitting/costs/pose_state.h"
 #include "fitting/fit_result.h"
@@ -12,7 +12,7 @@
 namespace mocurate {
 
 /// Joint tracks and depth views of one clip in one problem per frame. `tracks` is the fit of the tracks alone, with its
-/// uncertainty: the pose starts there, and each of its joints is an observation with its own covariance. The flesh is
+/// uncertainty: the pose starts there, and each of its joints is an observation with its own covariance. The shape is
 /// first fitted to the clouds (one per frame) in the tracks' poses, so that what the body is not counts once and not in
 /// every frame; how far the clouds are to be trusted is measured by how far poses from the clouds alone lie from the
 /// tracks', beyond what the tracks are uncertain. Frames with few points, or joints that they do not reach, stay with
@@ -29,7 +29,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
 std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds);
 
 /// The motion's pose, up to date; joints that move no capsule of the body keep the rotation that it gives them.
-PoseState StateOf(const Motion& motion, const FleshBody& body);
+PoseState StateOf(const Motion& motion, const CapsuleBody& body);
 
 /// Error kInconsistent where a depth image is taken more than half a step from its frame of the tracks; names the
 /// largest distance. Frames are compared up to the shorter of both.

@@ -93,7 +93,7 @@ struct RankedPose {
 
 class LimbSearcher {
  public:
-  LimbSearcher(const FleshBody& body, const FusedCloud& cloud, int frame, const PointCloudOptions& options,
+  LimbSearcher(const CapsuleBody& body, const FusedCloud& cloud, int frame, const PointCloudOptions& options,
                PoseState& state)
       : body_(body),
         cloud_(cloud),
@@ -172,7 +172,7 @@ class LimbSearcher {
     return found;
   }
 
-  const FleshBody& body_;
+  const CapsuleBody& body_;
   const FusedCloud& cloud_;
   const FusedCloud coarse_;
   const int frame_;
@@ -192,7 +192,7 @@ std::optional<std::array<int, 2>> LegsOfBody(const Skeleton& skeleton) {
   return hips == skeleton.Shoulders() ? std::nullopt : hips;
 }
 
-Expected<double> SearchLimbs(const FleshBody& body, const FusedCloud& cloud, int frame,
+Expected<double> SearchLimbs(const CapsuleBody& body, const FusedCloud& cloud, int frame,
                              const PointCloudOptions& options, PoseState& state) {
   return LimbSearcher(body, cloud, frame, options, state).Search();
 }

@@ -19,7 +19,7 @@ std::optional<std::array<int, 2>> LegsOfBody(const Skeleton& skeleton);
 /// of poses, of which those that leave the least to explain are fitted with the whole body; what costs less stays,
 /// until no limb finds a better place. The cheapest pose is left in the state. Returns what it costs (PoseCost). Errors
 /// of FitCloudFrame.
-Expected<double> SearchLimbs(const FleshBody& body, const FusedCloud& cloud, int frame,
+Expected<double> SearchLimbs(const CapsuleBody& body, const FusedCloud& cloud, int frame,
                              const PointCloudOptions& options, PoseState& state);
 
 }  // namespace mocurate

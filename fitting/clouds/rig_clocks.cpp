@@ -19,12 +19,12 @@ constexpr std::array<int, 8> kFarSteps = {2, 3, 4, 6, 8, 12, 16, 24};
 /// What one view's comparisons come to at other frames.
 class Shifts {
  public:
-  Shifts(RigWitness& witness, const std::vector<int>& late, const std::vector<Camera>& cameras, std::size_t view)
-      : witness_(witness), late_(late), cameras_(cameras), view_(view) {}
+  Shifts(DepthRigSampler& sampler, const std::vector<int>& late, const std::vector<Camera>& cameras, std::size_t view)
+      : sampler_(sampler), late_(late), cameras_(cameras), view_(view) {}
 
   Status Load(int more) {
     if (losses_.count(more) != 0) return {};
-    Expected<SeenRig> rig = witness_.SeenLater(late_, view_, more);
+    Expected<ObservedRig> rig = sampler_.SeenLater(late_, view_, more);
     if (!rig) return Forward(rig);
     const auto is_others = [&](const auto& pair) { return pair.first != view_ && pair.second != view_; };
     rig->pairs.erase(std::remove_if(rig->pairs.begin(), rig->pairs.end(), is_others), rig->pairs.end());
@@ -51,11 +51,11 @@ class Shifts {
   }
 
  private:
-  RigWitness& witness_;
+  DepthRigSampler& sampler_;
   const std::vector<int>& late_;
   const std::vector<Camera>& cameras_;
   std::size_t view_;
-  SeenRig rig_;
+  ObservedRig rig_;
   std::map<int, std::vector<double>> losses_;
 };
 
@@ -96,10 +96,10 @@ Expected<int> BestShift(Shifts& shifts, int from, int longest) {
   return best;
 }
 
-Expected<std::optional<LateView>> FindShift(RigWitness& witness, const std::vector<int>& late,
-                                            const std::vector<Camera>& cameras, std::size_t view, int longest,
-                                            double sure) {
-  Shifts shifts(witness, late, cameras, view);
+Expected<std::optional<ClockOffsetOfView>> FindShift(DepthRigSampler& sampler, const std::vector<int>& late,
+                                                     const std::vector<Camera>& cameras, std::size_t view, int longest,
+                                                     double sure) {
+  Shifts shifts(sampler, late, cameras, view);
   for (const int beside : {0, -1, 1}) {
     if (Status loaded = shifts.Load(beside); !loaded) return Forward(loaded);
   }
@@ -117,7 +117,7 @@ Expected<std::optional<LateView>> FindShift(RigWitness& witness, const std::vect
       if (!ways.empty()) break;
     }
   }
-  std::optional<LateView> best;
+  std::optional<ClockOffsetOfView> best;
   for (const int way : ways) {
     const Expected<int> shift = BestShift(shifts, way, longest);
     if (!shift) return Forward(shift);
@@ -127,28 +127,29 @@ Expected<std::optional<LateView>> FindShift(RigWitness& witness, const std::vect
       if (Status loaded = shifts.Load(beside); !loaded) return Forward(loaded);
     }
     const double before = 1.0 - shifts.Gain(*shift, *shift - 1), after = 1.0 - shifts.Gain(*shift, *shift + 1);
-    best = LateView{view, *shift, *shift + Least(before, 1.0, after).first, confidence, gain};
+    best = ClockOffsetOfView{view, *shift, *shift + Least(before, 1.0, after).first, confidence, gain};
   }
   return best;
 }
 
 }  // namespace
 
-Expected<std::optional<LateView>> FindLateView(RigWitness& witness, const std::vector<int>& late,
-                                               const std::vector<Camera>& cameras, int longest, double sure) {
-  std::optional<LateView> best;
-  if (longest < 1 || witness.together() < 2) return best;
+Expected<std::optional<ClockOffsetOfView>> FindClockOffset(DepthRigSampler& sampler, const std::vector<int>& late,
+                                                           const std::vector<Camera>& cameras, int longest,
+                                                           double sure) {
+  std::optional<ClockOffsetOfView> best;
+  if (longest < 1 || sampler.together() < 2) return best;
   for (std::size_t v = 0; v < late.size(); ++v) {
-    const auto found = FindShift(witness, late, cameras, v, longest, sure);
+    const auto found = FindShift(sampler, late, cameras, v, longest, sure);
     if (!found) return Forward(found);
     if (*found && (!best || (*found)->gain >= best->gain)) best = **found;
   }
   return best;
 }
 
-Expected<double> LeastLossBetweenFrames(RigWitness& witness, const std::vector<int>& late,
+Expected<double> LeastLossBetweenFrames(DepthRigSampler& sampler, const std::vector<int>& late,
                                         const std::vector<Camera>& cameras, std::size_t view) {
-  Shifts shifts(witness, late, cameras, view);
+  Shifts shifts(sampler, late, cameras, view);
   for (const int beside : {0, -1, 1}) {
     if (Status loaded = shifts.Load(beside); !loaded) return Forward(loaded);
   }
@@ -157,7 +158,7 @@ Expected<double> LeastLossBetweenFrames(RigWitness& witness, const std::vector<i
   return at * std::min({before, after, Least(before, 1.0, after).second});
 }
 
-DepthView Later(const DepthView& view, int frames) {
+DepthView DelayBy(const DepthView& view, int frames) {
   DepthView later = view;
   const auto shift = [&](auto& list, const auto& from) {
     for (std::size_t f = 0; f < list.size(); ++f) {

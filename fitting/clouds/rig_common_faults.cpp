@@ -14,23 +14,23 @@ constexpr std::size_t kLeastViewsInCommon = 3;
 constexpr std::size_t kMostViewsInCommon = 12;
 /// Loss as given from which on it is asked. Of 30 sound takes of the studio it is 0.07 to 0.09, with depths that are
 /// all 1.1 times too long 0.44 to 0.54, 0.92 times 0.61 to 0.82, with images that are all mirrored 0.59 to 0.68; with
-/// these mended 0.06 to 0.10 (bench_depth_rigs 30 15 907).
+/// after correction 0.06 to 0.10 (bench_depth_rigs 30 15 907).
 constexpr double kContradictingLoss = 0.12;
-constexpr double kMuchBetterInCommon = 0.6;                    ///< of it; what mending leaves is 0.1 to 0.2
-constexpr double kLongestFactor = 1.4, kShortestFactor = 0.7;  ///< beyond, somebody is in another unit (rig_units.h)
+constexpr double kMuchBetterInCommon = 0.6;                    ///< of it; a correction leaves 0.1 to 0.2
+constexpr double kLongestFactor = 1.4, kShortestFactor = 0.7;  ///< beyond, the unit differs (rig_units.h)
 constexpr double kCoarseStep = 0.05, kFinestStep = 0.003;
-constexpr double kLeastOff = 0.02;  ///< of a factor that is told
+constexpr double kLeastOff = 0.02;  ///< of a factor that is reported
 
 /// A rig whose surfaces are its own.
 struct ChangedRig {
-  SeenRig rig;
+  ObservedRig rig;
   std::deque<ViewSurface> surfaces;
 };
 
 template <typename Change>
-ChangedRig Changed(const SeenRig& given, const Change& change) {
+ChangedRig Changed(const ObservedRig& given, const Change& change) {
   ChangedRig changed{given, {}};
-  for (SeenMoment& moment : changed.rig.moments) {
+  for (ObservedMoment& moment : changed.rig.moments) {
     for (std::size_t v = 0; v < moment.size(); ++v) {
       if (moment[v] == nullptr) continue;
       changed.surfaces.push_back(*moment[v]);
@@ -41,13 +41,13 @@ ChangedRig Changed(const SeenRig& given, const Change& change) {
   return changed;
 }
 
-ChangedRig Scaled(const SeenRig& given, double factor) {
+ChangedRig Scaled(const ObservedRig& given, double factor) {
   ChangedRig scaled = Changed(given, [&](const DepthView&, ViewSurface& surface) { surface.points *= factor; });
   for (DepthView& view : scaled.rig.views) view.metres_per_unit *= factor;
   return scaled;
 }
 
-/// What the view would have seen of somebody in an image that was turned over.
+/// The points of a person in the flipped image.
 void TurnOver(const DepthView& view, ViewSurface& surface) {
   DepthImage image = *surface.image;
   for (int y = 0; y < image.height; ++y) {
@@ -80,18 +80,18 @@ std::vector<DepthView> WithAllDepths(std::vector<DepthView> views, double factor
   return views;
 }
 
-std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector<double>& losses) {
+std::optional<CommonFault> FindCommonFault(const ObservedRig& rig, const std::vector<double>& losses) {
   if (rig.views.size() < kLeastViewsInCommon || rig.views.size() > kMostViewsInCommon) return {};
   CommonFault found;
-  found.loss = found.mended = MeanLoss(losses);
+  found.loss = found.corrected_loss = MeanLoss(losses);
   if (found.loss < kContradictingLoss) return {};
   const std::vector<Camera> cameras = CamerasOf(rig.views);
   std::vector<double> better;
   const auto ask = [&](const ChangedRig& changed) {
     std::vector<double> of_changed = LossOfSamples(changed.rig, cameras);
     const double loss = MeanLoss(of_changed);
-    if (loss >= found.mended) return false;
-    found.mended = loss;
+    if (loss >= found.corrected_loss) return false;
+    found.corrected_loss = loss;
     better = std::move(of_changed);
     return true;
   };
@@ -106,7 +106,7 @@ std::optional<CommonFault> FindCommonFault(const SeenRig& rig, const std::vector
   }
   if (ask(Changed(rig, TurnOver))) found.mirrored = true, found.factor = 1.0;
   const bool off = found.mirrored || std::abs(found.factor - 1.0) >= kLeastOff;
-  if (!off || found.mended > kMuchBetterInCommon * found.loss) return {};
+  if (!off || found.corrected_loss > kMuchBetterInCommon * found.loss) return {};
   found.confidence = ConfidenceOfLosses(losses, better);
   return found;
 }

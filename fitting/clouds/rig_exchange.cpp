@@ -35,7 +35,7 @@ std::vector<Source> ExchangesOf(std::size_t views) {
   return exchanges;
 }
 
-bool MayBe(const Source& source, const SeenRig& rig) {
+bool MayBe(const Source& source, const ObservedRig& rig) {
   for (std::size_t v = 0; v < source.size(); ++v) {
     const Camera &camera = rig.views[v].camera, &other = rig.views[source[v]].camera;
     if (camera.width != other.width || camera.height != other.height) return false;
@@ -57,10 +57,10 @@ ViewSurface SeenBy(const Camera& camera, const Camera& other, const ViewSurface&
 /// The rig with each camera's images taken from another one's. Surfaces are made once and kept.
 class ExchangedRigs {
  public:
-  explicit ExchangedRigs(const SeenRig& rig) : rig_(rig) {}
+  explicit ExchangedRigs(const ObservedRig& rig) : rig_(rig) {}
 
-  SeenRig With(const Source& source) {
-    SeenRig exchanged = rig_;
+  ObservedRig With(const Source& source) {
+    ObservedRig exchanged = rig_;
     for (std::size_t m = 0; m < rig_.moments.size(); ++m) {
       for (std::size_t v = 0; v < source.size(); ++v) exchanged.moments[m][v] = At(m, v, source[v]);
     }
@@ -78,13 +78,13 @@ class ExchangedRigs {
     return made.get();
   }
 
-  const SeenRig& rig_;
+  const ObservedRig& rig_;
   std::map<std::array<std::size_t, 3>, std::unique_ptr<ViewSurface>> made_;
 };
 
 }  // namespace
 
-std::optional<FileExchange> FindFileExchange(const SeenRig& rig, const std::vector<double>& losses) {
+std::optional<FileExchange> FindFileExchange(const ObservedRig& rig, const std::vector<double>& losses) {
   const double given = MeanLoss(losses);
   if (given < kWrongLoss) return {};
   std::optional<FileExchange> best;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "fitting/clouds/seen_rig.h"
+#include "fitting/clouds/observed_rig.h"
 
 namespace mocurate {
 
@@ -19,7 +19,7 @@ struct FileExchange {
 /// The exchange of whole files between cameras of one image size after which views agree much better: all permutations
 /// of up to five views, pairs of up to twelve. Empty where views agree as they are, and where no exchange agrees much
 /// better.
-std::optional<FileExchange> FindFileExchange(const SeenRig& rig, const std::vector<double>& losses);
+std::optional<FileExchange> FindFileExchange(const ObservedRig& rig, const std::vector<double>& losses);
 
 std::vector<DepthView> WithExchangedFiles(const std::vector<DepthView>& views, const std::vector<std::size_t>& source);
 

@@ -15,10 +15,10 @@ constexpr double kFinestWayAside = 0.0025;
 
 }  // namespace
 
-std::vector<Vector3d> AsideOf(const SeenRig& rig, const std::vector<Camera>& cameras) {
+std::vector<Vector3d> AsideOf(const ObservedRig& rig, const std::vector<Camera>& cameras) {
   std::vector<Vector3d> aside(cameras.size(), Vector3d::Zero());
   std::vector<double> moments(cameras.size(), 0.0);
-  for (const SeenMoment& moment : rig.moments) {
+  for (const ObservedMoment& moment : rig.moments) {
     std::vector<std::optional<Vector3d>> middle(moment.size());
     for (std::size_t v = 0; v < moment.size(); ++v) {
       if (moment[v] == nullptr) continue;
@@ -47,8 +47,8 @@ std::vector<DepthView> WithDepths(std::vector<DepthView> views, std::size_t view
   return views;
 }
 
-Expected<std::optional<WrongDepths>> FindWrongDepths(const RigWitness& witness, const std::vector<int>& late,
-                                                     const SeenRig& rig, const std::vector<Camera>& cameras) {
+Expected<std::optional<WrongDepths>> FindWrongDepths(const DepthRigSampler& sampler, const std::vector<int>& late,
+                                                     const ObservedRig& rig, const std::vector<Camera>& cameras) {
   const std::vector<Vector3d> aside = AsideOf(rig, cameras);
   const auto farthest = std::max_element(aside.begin(), aside.end(), [](const Vector3d& a, const Vector3d& b) {
     return a.squaredNorm() < b.squaredNorm();
@@ -68,8 +68,8 @@ Expected<std::optional<WrongDepths>> FindWrongDepths(const RigWitness& witness, 
     for (int i = -reach; i <= reach; ++i) {
       const double factor = middle + step * i;
       if (factor <= 0.05) continue;
-      RigWitness mended(WithDepths(witness.views(), found.view, factor));
-      const Expected<SeenRig> seen = mended.Seen(late);
+      DepthRigSampler corrected(WithDepths(sampler.views(), found.view, factor));
+      const Expected<ObservedRig> seen = corrected.Seen(late);
       if (!seen) return Forward(seen);
       const double loss = MeanLoss(LossOfSamples(*seen, cameras));
       if (loss >= found.loss) continue;

@@ -17,13 +17,13 @@ constexpr double kUsualHeight = 1.6;  ///< m
 constexpr double kLowestSeen = 0.3;   ///< m, from the lowest to the highest point of what is seen of a person
 constexpr double kTallestSeen = 2.8;
 constexpr double kSeenShare = 0.2;  ///< of a view's points in the images of the others; fewer: they look elsewhere
-constexpr double kMendedShare = 0.5;
-constexpr double kMendedLoss = 0.35;
+constexpr double kCorrectedShare = 0.5;
+constexpr double kCorrectedLoss = 0.35;
 
 /// Median height of what views see of the person; 0 where none sees anybody.
-double HeightIn(const SeenRig& rig) {
+double HeightIn(const ObservedRig& rig) {
   std::vector<double> heights;
-  for (const SeenMoment& moment : rig.moments) {
+  for (const ObservedMoment& moment : rig.moments) {
     for (std::size_t v = 0; v < moment.size(); ++v) {
       if (moment[v] == nullptr) continue;
       const Vector3d up = rig.views[v].camera.camera_from_world.rotation * Vector3d::UnitY();
@@ -37,11 +37,11 @@ double HeightIn(const SeenRig& rig) {
 bool HasHeightOfPerson(double height) { return height > kLowestSeen && height < kTallestSeen; }
 
 /// Share of the points that lie in the images of the others, and the loss there.
-std::pair<double, double> SeenByOthers(const SeenRig& rig, double places) {
+std::pair<double, double> SeenByOthers(const ObservedRig& rig, double places) {
   double points = 0.0, looked_at = 0.0, loss = 0.0;
   std::vector<Camera> cameras = CamerasOf(rig.views);
   for (Camera& camera : cameras) camera.camera_from_world.translation /= places;
-  for (const SeenMoment& moment : rig.moments) {
+  for (const ObservedMoment& moment : rig.moments) {
     for (const auto& [a, b] : rig.pairs) {
       if (moment[a] == nullptr || moment[b] == nullptr) continue;
       for (const auto& [of, in] : {std::pair(a, b), std::pair(b, a)}) {
@@ -67,17 +67,17 @@ std::string Times(double factor, const char* what) {
 
 }  // namespace
 
-Expected<std::optional<MisreadLengths>> FindMisreadLengths(RigWitness& witness) {
-  const std::vector<int> as_given(witness.views().size(), 0);
-  Expected<SeenRig> rig = witness.Seen(as_given);
+Expected<std::optional<MisreadLengths>> FindMisreadLengths(DepthRigSampler& sampler) {
+  const std::vector<int> as_given(sampler.views().size(), 0);
+  Expected<ObservedRig> rig = sampler.Seen(as_given);
   if (!rig) return Forward(rig);
   MisreadLengths misread;
-  std::optional<RigWitness> other;
+  std::optional<DepthRigSampler> other;
   if (!HasHeightOfPerson(HeightIn(*rig))) {
     double nearest = std::numeric_limits<double>::max();
     for (const double factor : kDepthUnitFactors) {
-      RigWitness scaled(WithLengths(witness.views(), {factor, 1.0}));
-      Expected<SeenRig> seen = scaled.Seen(as_given);
+      DepthRigSampler scaled(WithLengths(sampler.views(), {factor, 1.0}));
+      Expected<ObservedRig> seen = scaled.Seen(as_given);
       if (!seen) return Forward(seen);
       const double height = HeightIn(*seen);
       const double off = height > 0.0 ? std::abs(std::log(height / kUsualHeight)) : nearest;
@@ -90,10 +90,10 @@ Expected<std::optional<MisreadLengths>> FindMisreadLengths(RigWitness& witness) 
     rig = other->Seen(as_given);
   }
   if (SeenByOthers(*rig, 1.0).first < kSeenShare) {
-    double least = kMendedLoss;
+    double least = kCorrectedLoss;
     for (const double factor : kDepthUnitFactors) {
       const auto [share, loss] = SeenByOthers(*rig, factor);
-      if (share < kMendedShare || loss >= least) continue;
+      if (share < kCorrectedShare || loss >= least) continue;
       least = loss;
       misread.places = factor;
     }

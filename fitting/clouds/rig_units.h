@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "fitting/clouds/seen_rig.h"
+#include "fitting/clouds/observed_rig.h"
 
 namespace mocurate {
 
@@ -16,8 +16,8 @@ struct MisreadLengths {
 };
 
 /// Whether depth makes a person of no person's size, or cameras stand so that none sees what others see, and the power
-/// of ten that mends it. Empty where all is well, and where nothing mends it. Errors of ReadFrame.
-Expected<std::optional<MisreadLengths>> FindMisreadLengths(RigWitness& witness);
+/// of ten that corrects it. Empty where all units are right, and where no factor corrects them. Errors of ReadFrame.
+Expected<std::optional<MisreadLengths>> FindMisreadLengths(DepthRigSampler& sampler);
 
 std::vector<DepthView> WithLengths(std::vector<DepthView> views, const MisreadLengths& misread);
 

@@ -14,7 +14,7 @@ constexpr float kUnknownPlaceVariance = 1.0F;  ///< m^2, of a joint of which not
 const float kUnknownAngleSigma = static_cast<float>(kPi / std::sqrt(3.0));  ///< rad
 /// Without it ankles of 4 studio clips were 18 mm off per axis and 14.6 stated, feet 61 and 48 (bench_fit_clouds 4 30
 /// 907 DIR hidden=7, 10).
-constexpr double kUnseenFactor = 1.3;
+constexpr double kUnobservedFactor = 1.3;
 
 }  // namespace
 
@@ -44,21 +44,21 @@ void UncertainMotion::SetRotation(std::size_t at, const Vector3d& variance, cons
 }
 
 void UncertainMotion::Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error,
-                          const std::vector<Vector3d>& body_turn) {
+                          const std::vector<Vector3d>& body_rotation) {
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
     SetPosition(at, uncertainty.position[j] + body_error[j] * body_error[j] * Matrix3d::Identity());
-    const Vector3d variance = (uncertainty.rotation[j] + body_turn[j]).cwiseMin(uncertainty.prior[j]);
+    const Vector3d variance = (uncertainty.rotation[j] + body_rotation[j]).cwiseMin(uncertainty.prior[j]);
     SetRotation(at, variance, (1.0 - variance.array() / uncertainty.prior[j]).cwiseMax(0.0));
   }
 }
 
 void UncertainMotion::Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned,
-                              const std::vector<Vector3d>& body_turn) {
+                              const std::vector<Vector3d>& body_rotation) {
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
     SetPosition(at, uncertainty.position[j]);
-    if (turned[j]) SetRotation(at, uncertainty.rotation[j] + body_turn[j], uncertainty.observed[j]);
+    if (turned[j]) SetRotation(at, uncertainty.rotation[j] + body_rotation[j], uncertainty.observed[j]);
   }
 }
 
@@ -68,11 +68,11 @@ void UncertainMotion::Write(Motion& motion) const {
   motion.rotation_observed = rotation_observed_;
 }
 
-void WidenUnseen(const std::vector<bool>& seen, CloudUncertainty& uncertainty, std::vector<double>& body_error) {
+void WidenGaps(const std::vector<bool>& seen, CloudUncertainty& uncertainty, std::vector<double>& body_error) {
   for (std::size_t j = 0; j < seen.size(); ++j) {
     if (seen[j]) continue;
-    uncertainty.position[j] *= kUnseenFactor * kUnseenFactor;
-    body_error[j] *= kUnseenFactor;
+    uncertainty.position[j] *= kUnobservedFactor * kUnobservedFactor;
+    body_error[j] *= kUnobservedFactor;
   }
 }
 

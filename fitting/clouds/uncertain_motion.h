@@ -17,12 +17,13 @@ class UncertainMotion {
   explicit UncertainMotion(const Motion& motion);
 
   /// `body_error` (J, m): how far each joint of the body is from the person's, which every frame has beside its own,
-  /// and `body_turn` (J, rad^2) how far that turns its frame (BodyTurns). No rotation is less known than beforehand.
+  /// and `body_rotation` (J, rad^2) how far that turns its frame (BodyRotations). No rotation is less known than
+  /// beforehand.
   void Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error,
-           const std::vector<Vector3d>& body_turn);
+           const std::vector<Vector3d>& body_rotation);
   /// Takes a frame's uncertainty over; of joints that are not `turned` (J) rotations stay as known as they were.
   void Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned,
-               const std::vector<Vector3d>& body_turn);
+               const std::vector<Vector3d>& body_rotation);
   void Write(Motion& motion) const;
 
  private:
@@ -37,7 +38,7 @@ class UncertainMotion {
 
 /// Joints of which no view shows anything are farther off than pose and body tell: widens their covariances and what
 /// their body is off (J, m) where they are not `seen` (J).
-void WidenUnseen(const std::vector<bool>& seen, CloudUncertainty& uncertainty, std::vector<double>& body_error);
+void WidenGaps(const std::vector<bool>& seen, CloudUncertainty& uncertainty, std::vector<double>& body_error);
 
 /// Root mean square, 95th percentile and robust spread of distances (m, absolute).
 void SetResiduals(std::vector<double> distances, FitResult& result);

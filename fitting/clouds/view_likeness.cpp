@@ -11,7 +11,7 @@ namespace {
 constexpr double kAsDeep_m = 0.03;  ///< beyond noise and filters of a sensor at a person's distance
 
 /// Negative where both images are empty.
-double LikenessOfImages(const DepthImage& a, double a_m, const DepthImage& b, double b_m) {
+double ImageSimilarity(const DepthImage& a, double a_m, const DepthImage& b, double b_m) {
   if (a.width != b.width || a.height != b.height) return 0.0;
   double seen = 0.0;
   double alike = 0.0;
@@ -26,7 +26,7 @@ double LikenessOfImages(const DepthImage& a, double a_m, const DepthImage& b, do
 
 }  // namespace
 
-Expected<double> LikenessOfDepths(const DepthView& a, const DepthView& b) {
+Expected<double> DepthSimilarity(const DepthView& a, const DepthView& b) {
   const std::size_t frames = std::min(a.files.size(), b.files.size());
   double least = -1.0;
   for (const std::size_t f : {std::size_t{0}, frames / 2, frames - 1}) {
@@ -35,7 +35,7 @@ Expected<double> LikenessOfDepths(const DepthView& a, const DepthView& b) {
     if (!one) return Forward(one);
     const Expected<DepthImage> other = ReadDepthImage(b.files[f]);
     if (!other) return Forward(other);
-    const double share = LikenessOfImages(*one, a.metres_per_unit, *other, b.metres_per_unit);
+    const double share = ImageSimilarity(*one, a.metres_per_unit, *other, b.metres_per_unit);
     if (share >= 0.0) least = least < 0.0 ? share : std::min(least, share);
   }
   return least;

@@ -49,7 +49,7 @@ struct Tie {
 
 class Registration {
  public:
-  Registration(const SeenRig& rig, const std::vector<bool>& free, std::vector<Camera> from)
+  Registration(const ObservedRig& rig, const std::vector<bool>& free, std::vector<Camera> from)
       : rig_(rig), given_(CamerasOf(rig.views)), cameras_(std::move(from)) {
     for (std::size_t v = 0; v < free.size(); ++v) node_.push_back(free[v] ? ++nodes_ : 0);
     ++nodes_;
@@ -93,7 +93,7 @@ class Registration {
       const bool exchanged = node_[a] < node_[b];
       const std::size_t moved = exchanged ? b : a, still = exchanged ? a : b;
       Tie& tie = ties[node_[moved] * nodes_ + node_[still]];
-      for (const SeenMoment& moment : rig_.moments) {
+      for (const ObservedMoment& moment : rig_.moments) {
         if (moment[a] == nullptr || moment[b] == nullptr) continue;
         const PlacedSurface of_moved{*moment[moved], rig_.views[moved], cameras_[moved]};
         const PlacedSurface of_still{*moment[still], rig_.views[still], cameras_[still]};
@@ -126,7 +126,7 @@ class Registration {
     return edges;
   }
 
-  const SeenRig& rig_;
+  const ObservedRig& rig_;
   std::vector<Camera> given_, cameras_;
   std::vector<std::size_t> node_;
   std::size_t nodes_ = 0;
@@ -140,14 +140,14 @@ std::vector<Camera> CamerasOf(const std::vector<DepthView>& views) {
   return cameras;
 }
 
-std::vector<double> LossOfSamples(const SeenRig& rig, const std::vector<Camera>& cameras) {
+std::vector<double> LossOfSamples(const ObservedRig& rig, const std::vector<Camera>& cameras) {
   const auto together = static_cast<std::size_t>(rig.together);
   std::vector<double> losses;
   for (std::size_t begin = 0; begin < rig.moments.size(); begin += together) {
     for (const auto& [a, b] : rig.pairs) {
       double loss = 0.0, points = 0.0;
       for (std::size_t m = begin; m < begin + together; ++m) {
-        const SeenMoment& moment = rig.moments[m];
+        const ObservedMoment& moment = rig.moments[m];
         if (moment[a] == nullptr || moment[b] == nullptr) continue;
         const PlacedSurface first{*moment[a], rig.views[a], cameras[a]};
         const PlacedSurface second{*moment[b], rig.views[b], cameras[b]};
@@ -156,7 +156,7 @@ std::vector<double> LossOfSamples(const SeenRig& rig, const std::vector<Camera>&
         loss += there.loss + back.loss;
         points += there.points + back.points;
       }
-      losses.push_back(points > 0.0 ? loss / points : kNotSeen);
+      losses.push_back(points > 0.0 ? loss / points : kNotObserved);
     }
   }
   return losses;
@@ -182,7 +182,8 @@ double ConfidenceOfLosses(const std::vector<double>& worse, const std::vector<do
   return ConfidenceOfSeparate(both.first, both.second);
 }
 
-Expected<std::vector<Camera>> Register(const SeenRig& rig, const std::vector<bool>& free, std::vector<Camera> from) {
+Expected<std::vector<Camera>> Register(const ObservedRig& rig, const std::vector<bool>& free,
+                                       std::vector<Camera> from) {
   return Registration(rig, free, std::move(from)).Run();
 }
 

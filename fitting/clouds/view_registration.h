@@ -10,13 +10,13 @@
 
 namespace mocurate {
 
-/// What each view saw of a moment; null where it saw nobody.
-using SeenMoment = std::vector<const ViewSurface*>;
+/// What each view saw of a moment; null where it observed no person.
+using ObservedMoment = std::vector<const ViewSurface*>;
 
 /// Views of a rig at some moments, and where its cameras may stand.
-struct SeenRig {
+struct ObservedRig {
   std::vector<DepthView> views;                            ///< as given
-  std::vector<SeenMoment> moments;                         ///< those of one group on end
+  std::vector<ObservedMoment> moments;                     ///< those of one group on end
   int together = 1;                                        ///< moments of a group, consecutive frames: one judgement
   Vector3d centre = Vector3d::Zero();                      ///< of the person over all moments, as given
   std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< views that are compared, first < second
@@ -25,10 +25,10 @@ struct SeenRig {
 /// Cameras of the views, as given.
 std::vector<Camera> CamerasOf(const std::vector<DepthView>& views);
 
-/// Loss per point of each pair at each group of moments, in [0, 1]; kNotSeen where one of both saw nobody.
+/// Loss per point of each pair at each group of moments, in [0, 1]; kNotObserved where one of both observed no person.
 /// (groups * pairs)
-inline constexpr double kNotSeen = -1.0;
-std::vector<double> LossOfSamples(const SeenRig& rig, const std::vector<Camera>& cameras);
+inline constexpr double kNotObserved = -1.0;
+std::vector<double> LossOfSamples(const ObservedRig& rig, const std::vector<Camera>& cameras);
 
 /// Mean of the losses that were seen; 0 without any.
 double MeanLoss(const std::vector<double>& losses);
@@ -40,7 +40,7 @@ double ConfidenceOfLosses(const std::vector<double>& worse, const std::vector<do
 /// point-to-plane distances of all moments together, matched again after every step, each step a pose graph over the
 /// free cameras (node 0: all others) whose edges are the normal equations of the pairs. Where nothing ties a camera it
 /// stays. `from`: where the search begins. Errors of SolvePoseGraph.
-Expected<std::vector<Camera>> Register(const SeenRig& rig, const std::vector<bool>& free, std::vector<Camera> from);
+Expected<std::vector<Camera>> Register(const ObservedRig& rig, const std::vector<bool>& free, std::vector<Camera> from);
 
 /// How far a camera's pose takes the person from where another one does: a turn about the centre and a shift there.
 struct CameraMoveAt {

@@ -16,7 +16,7 @@ constexpr int kFewestSurfacePoints = 60;
 constexpr int kMostPoints = 400;
 constexpr double kNearInDepth = 0.05;   ///< m between a pixel and the person's points about it
 constexpr double kMargin = 0.25;        ///< m around the person that the outline knows
-constexpr double kMaskedShare = 0.5;    ///< of the pixels without a value: nobody measures so little of a room
+constexpr double kMaskedShare = 0.5;    ///< of the pixels without a value: a whole room never has so few
 constexpr double kNearestDepth = 0.05;  ///< m
 constexpr double kFlatPatch = 0.06;     ///< spread across a plane, of the lesser one in it; a person has 0.2 and more
 
@@ -127,9 +127,9 @@ Expected<ViewSurface> SurfaceOf(const DepthView& view, DepthImage image, double 
   if (!cloud) return Forward(cloud);
   surface.image = std::make_shared<const DepthImage>(std::move(images[0]));
   const FusedCloud person = PersonPoints(*cloud, voxel_size);
-  const bool nobody = person.size() < kFewestSurfacePoints;
-  if (nobody && cloud->size() < kFewestSurfacePoints) return surface;
-  if (nobody || IsFlat(person.points)) {
+  const bool no_person = person.size() < kFewestSurfacePoints;
+  if (no_person && cloud->size() < kFewestSurfacePoints) return surface;
+  if (no_person || IsFlat(person.points)) {
     surface.flat = true;
     return surface;
   }

@@ -13,16 +13,16 @@ namespace mocurate {
 namespace {
 
 constexpr double kStraightest = 0.9995;  // of the leg's length: a knee is never quite straight
-constexpr double kNoFaster = 1e-4;       // m/s, of numbers
-constexpr int kTrials = 5;               // each holds half as much, the last nothing
+constexpr double kNoFaster = 1e-4;       // m/s, rounding
+constexpr int kTrials = 5;               // each halves the correction, the last removes it
 
-/// When a joint stands.
+/// Frames in which a joint is in contact.
 struct Stand {
   int joint = -1;
   std::vector<bool> frames;
 };
 
-/// How fast joints are, horizontally, between frames in which they stand, metres per second.
+/// Horizontal speed of joints between frames of contact, metres per second.
 struct Slide {
   double mean = 0.0;
   double fastest = 0.0;
@@ -45,20 +45,20 @@ Slide SlideIn(const Motion& motion, const std::vector<Stand>& stands, FrameRun r
   return slide;
 }
 
-/// A foot, its joints that can stand, and where it has to be moved.
+/// A foot, its joints that can be in contact, and its correction.
 struct Foot {
   Leg leg;
   std::vector<Stand> stands;
-  std::vector<bool> standing;      ///< any of them
+  std::vector<bool> standing;      ///< any joint in contact
   std::vector<FrameRun> contacts;  ///< of `standing`
-  std::vector<double> held;        ///< of each contact: how much of what would hold the foot still
-  std::vector<Vector3d> still;     ///< what would, while it stands; (F) as the others
+  std::vector<double> applied;     ///< of each contact: share of the full correction that is applied
+  std::vector<Vector3d> still;     ///< full correction, (F) as the others
   std::vector<Vector3d> shift;
 };
 
-/// Takes out of each step of a contact how the joints move that stand before and after it, in the mean of ankle and
-/// toe: when the heel lifts and the toe still stands, the foot goes on from where it is. The middle of the contact
-/// stays.
+/// Subtracts from each step of a contact the mean movement of the joints (ankle, toe) that are in contact before and
+/// after it. When the heel lifts and the toe stays, the foot continues from its place. The middle of the contact is
+/// fixed.
 void HoldStill(const Motion& motion, FrameRun contact, Foot& foot) {
   Vector3d middle = Vector3d::Zero();
   for (int f = contact.begin + 1; f < contact.end; ++f) {
@@ -87,7 +87,7 @@ Foot FootOf(const Motion& motion, const Leg& leg, const ContactOptions& options)
     for (int f = 0; f < frames; ++f) foot.standing[f] = foot.standing[f] || foot.stands.back().frames[f];
   }
   foot.contacts = RunsWhere(foot.standing, true);
-  foot.held.assign(foot.contacts.size(), 1.0);
+  foot.applied.assign(foot.contacts.size(), 1.0);
   foot.still.assign(frames, Vector3d::Zero());
   for (const FrameRun& contact : foot.contacts) HoldStill(motion, contact, foot);
   return foot;
@@ -110,17 +110,17 @@ void FadeShifts(const std::vector<bool>& standing, double blend, std::vector<Vec
   }
 }
 
-/// Where the foot has to be moved, as much as its contacts are held.
+/// Sets the foot's corrections, scaled by the applied share of each contact.
 void SetShifts(const ContactOptions& options, double hz, Foot& foot) {
   foot.shift.assign(foot.still.size(), Vector3d::Zero());
   for (std::size_t i = 0; i < foot.contacts.size(); ++i) {
-    for (int f = foot.contacts[i].begin; f < foot.contacts[i].end; ++f) foot.shift[f] = foot.held[i] * foot.still[f];
+    for (int f = foot.contacts[i].begin; f < foot.contacts[i].end; ++f) foot.shift[f] = foot.applied[i] * foot.still[f];
   }
   FadeShifts(foot.standing, options.blend_s * hz, foot.shift);
 }
 
-/// Turns hip and knee so that the ankle comes to `target`; the foot keeps its orientation. Joints and globals are those
-/// before the change. Returns whether the leg is long enough.
+/// Rotates hip and knee so that the ankle reaches `target`; the foot keeps its orientation. Joints and globals are
+/// those before the change. Returns whether the leg is long enough.
 bool BendLeg(const Leg& leg, int frame, const JointPositions& joints, const Vector3d& target,
              const std::vector<Quaterniond>& global, Motion& motion) {
   const Vector3d hip = joints.at(frame, leg.hip);
@@ -155,8 +155,8 @@ bool BendLeg(const Leg& leg, int frame, const JointPositions& joints, const Vect
   return wanted <= kStraightest * (thigh + shank);
 }
 
-/// Bends the legs to where the feet have to be. Returns the frames of a foot that its leg does not reach.
-int BendHeldLegs(const Motion& before, const std::vector<Foot>& feet, Motion& motion) {
+/// Bends the legs to the corrected places of the feet. Returns the number of foot frames out of reach.
+int BendToTargets(const Motion& before, const std::vector<Foot>& feet, Motion& motion) {
   int unreachable = 0;
   std::vector<Vector3d> joints(motion.joint_count());
   std::vector<Quaterniond> global(motion.joint_count());
@@ -173,14 +173,14 @@ int BendHeldLegs(const Motion& before, const std::vector<Foot>& feet, Motion& mo
   return unreachable;
 }
 
-/// Contacts in which a foot has become faster are held by `factor` of what they were. Returns whether there are any.
-bool HoldLess(const Motion& before, const Motion& motion, double factor, std::vector<Foot>& feet) {
+/// Multiplies the applied share of contacts in which a foot became faster by `factor`. Returns whether there are any.
+bool ReduceCorrections(const Motion& before, const Motion& motion, double factor, std::vector<Foot>& feet) {
   bool any = false;
   for (Foot& foot : feet) {
     for (std::size_t i = 0; i < foot.contacts.size(); ++i) {
       const double was = SlideIn(before, foot.stands, foot.contacts[i]).fastest;
       if (SlideIn(motion, foot.stands, foot.contacts[i]).fastest <= was + kNoFaster) continue;
-      foot.held[i] *= factor;
+      foot.applied[i] *= factor;
       any = true;
     }
   }
@@ -191,8 +191,8 @@ void MeasureChange(const Motion& before, const Motion& after, SlidingRemoval& re
   for (int f = 0; f < after.frame_count(); ++f) {
     for (int j = 0; j < after.joint_count(); ++j) {
       const double shift = (after.joints.at(f, j) - before.joints.at(f, j)).norm();
-      removal.largest_turn =
-          std::max(removal.largest_turn, before.rotation_at(f, j).angularDistance(after.rotation_at(f, j)));
+      removal.largest_rotation =
+          std::max(removal.largest_rotation, before.rotation_at(f, j).angularDistance(after.rotation_at(f, j)));
       if (shift <= removal.largest_shift) continue;
       removal.largest_shift = shift;
       removal.frame = f;
@@ -203,8 +203,7 @@ void MeasureChange(const Motion& before, const Motion& after, SlidingRemoval& re
 
 constexpr double kMoved = 1e-3;  ///< metres; a joint that is moved farther is a repaired one
 
-/// What was moved is known less well than stated, by as much as it was moved: shifts and turns count as errors of
-/// unknown sign.
+/// Adds the correction to the stated uncertainties: shifts and rotations count as errors of unknown sign.
 void StateChange(const Motion& before, Motion& after) {
   const std::size_t samples = after.joints.xyz.size() / 3;
   const auto joints = static_cast<std::size_t>(after.joint_count());
@@ -219,10 +218,11 @@ void StateChange(const Motion& before, Motion& after) {
       }
     }
     if (!after.rotation_sigma.empty()) {
-      const Vector3d turn = LogQuaternion(before.rotation[i].conjugate() * after.rotation[i]);
+      const Vector3d rotation_change = LogQuaternion(before.rotation[i].conjugate() * after.rotation[i]);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         float& sigma = after.rotation_sigma[3 * i + axis];
-        sigma = static_cast<float>(std::hypot(static_cast<double>(sigma), turn[static_cast<Eigen::Index>(axis)]));
+        sigma = static_cast<float>(
+            std::hypot(static_cast<double>(sigma), rotation_change[static_cast<Eigen::Index>(axis)]));
       }
     }
     if (!after.state.empty() && after.state[i] == JointState::kObserved && shift.norm() > kMoved) {
@@ -274,8 +274,8 @@ Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion
   for (int trial = 1; trial <= kTrials; ++trial) {
     for (Foot& foot : feet) SetShifts(options, motion.rate.hz(), foot);
     motion.rotation = before.rotation;
-    removal.unreachable = BendHeldLegs(before, feet, motion);
-    if (!HoldLess(before, motion, trial + 1 == kTrials ? 0.0 : 0.5, feet)) break;
+    removal.unreachable = BendToTargets(before, feet, motion);
+    if (!ReduceCorrections(before, motion, trial + 1 == kTrials ? 0.0 : 0.5, feet)) break;
   }
   for (int j = 0; j < motion.joint_count(); ++j) {
     MakeSignContinuous(motion.rotation.data() + j, frames, motion.joint_count());
@@ -299,7 +299,7 @@ nlohmann::json SlidingJson(const SlidingRemoval& removal, const Skeleton& skelet
           {"fastest_after", rounded(removal.fastest_after)},
           {"contact_share", rounded(removal.contact_share)},
           {"largest_shift_mm", rounded(removal.largest_shift * 1e3)},
-          {"largest_turn_deg", rounded(kDegrees * removal.largest_turn)},
+          {"largest_turn_deg", rounded(kDegrees * removal.largest_rotation)},
           {"frame", removal.frame},
           {"joint", removal.joint < 0 ? std::string() : skeleton.joints[removal.joint].name},
           {"unreachable_frames", removal.unreachable}};

@@ -26,26 +26,26 @@ inline ContactLimits LimitsOf(const ContactOptions& options) {
   return {options.height, options.speed, options.min_time_s};
 }
 
-/// What the removal of foot sliding did.
+/// Measures of the removal of foot sliding.
 struct SlidingRemoval {
-  double sliding_before = 0.0;  ///< m/s, mean horizontal speed of ankles and toes while they stand
+  double sliding_before = 0.0;  ///< m/s, mean horizontal speed of ankles and toes in contact
   double sliding_after = 0.0;   ///< m/s, in the same frames
   double fastest_before = 0.0;  ///< m/s, the fastest of these steps
   double fastest_after = 0.0;
-  double contact_share = 0.0;  ///< of the frames of both feet
-  double largest_shift = 0.0;  ///< metres that a joint was moved
-  double largest_turn = 0.0;   ///< radians that a joint was turned about its parent
-  int frame = -1;              ///< where the largest shift is
-  int joint = -1;              ///< of it
-  int unreachable = 0;         ///< frames of a foot whose place is farther from the hip than the leg is long
+  double contact_share = 0.0;     ///< of the frames of both feet
+  double largest_shift = 0.0;     ///< metres, largest shift of a joint
+  double largest_rotation = 0.0;  ///< radians, largest rotation of a joint about its parent
+  int frame = -1;                 ///< where the largest shift is
+  int joint = -1;                 ///< of it
+  int unreachable = 0;            ///< frames of a foot whose corrected place is beyond the leg's length
 };
 
-/// Holds each foot, while it stands on the floor, at the middle of where it stood: hip, knee and ankle of its leg turn
-/// (two-bone inverse kinematics in the plane of the leg; the foot keeps its orientation), all else stays. From heel to
-/// toe it rolls as it did. The shift fades in and out over `blend` seconds. Where a leg is too short the foot is held
-/// less, so that none is ever faster in a contact than it was. Fills motion.contact (left, right). Where the motion
-/// states uncertainties, what was moved is added to them, and an observed joint that was moved by more than a
-/// millimetre is a repaired one. Needs rotations. Error kUnsupported of LegsOf.
+/// Keeps each foot in contact with the floor at its place in the middle of the contact. Only hip, knee and ankle of its
+/// leg rotate (two-bone inverse kinematics in the plane of the leg; the foot keeps its orientation). The roll from heel
+/// to toe stays. The correction fades over `blend` seconds. Where a leg is too short, the correction is reduced, so
+/// that no foot gets faster in a contact. Fills motion.contact (left, right). Adds the correction to stated
+/// uncertainties. An observed joint moved by more than a millimetre gets state repaired. Needs rotations. Error
+/// kUnsupported of LegsOf.
 Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion& motion);
 
 /// {"sliding_before", "sliding_after", "fastest_before", "fastest_after" (m/s), "contact_share", "largest_shift_mm",

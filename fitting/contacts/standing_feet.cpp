@@ -6,15 +6,15 @@
 
 namespace mocurate {
 namespace {
-constexpr double kStanding = 0.3;  ///< m/s that a foot which stands seems to have, at most: noise of the pose so far
+constexpr double kStanding = 0.3;  ///< m/s, apparent speed of a standing foot, at most: noise of the current pose
 }
 
-void HoldStandingFeet(const Motion& pose, const TrackWindow& window, WalkFactors& factors) {
+void HoldStandingFeet(const Motion& pose, const TrackWindow& window, ProcessNoiseScale& factors) {
   const auto legs = LegsOf(*pose.skeleton);
   if (!legs) return;
   ContactOptions contacts;
   contacts.speed = kStanding;
-  const double largest = *window.options.contact_walk / window.options.velocity_walk;
+  const double largest = *window.options.contact_process_noise / window.options.velocity_process_noise;
   for (const Leg& leg : *legs) {
     for (const int joint : {leg.ankle, leg.toe}) {
       if (joint < 0) continue;

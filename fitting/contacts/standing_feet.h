@@ -5,10 +5,9 @@
 
 namespace mocurate {
 
-/// Ground contact as a prior: where `pose`, the fit so far of all frames of the window, has an ankle or toe that stands
-/// on the floor, its walk is at most `options.contact_walk` (which must be set). It says that a foot which stands
-/// hardly moves, not where the floor is; evidence of more than the walk's weight still moves it. Skeletons without legs
-/// are left as they are.
-void HoldStandingFeet(const Motion& pose, const TrackWindow& window, WalkFactors& factors);
+/// Ground contact as a prior: where `pose`, the current fit of all frames, has an ankle or toe in contact, its process
+/// noise is at most `options.contact_process_noise` (which must be set). The prior states that such a foot hardly
+/// moves, not where the floor is. Skeletons without legs are not changed.
+void HoldStandingFeet(const Motion& pose, const TrackWindow& window, ProcessNoiseScale& factors);
 
 }  // namespace mocurate

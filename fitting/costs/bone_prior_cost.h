@@ -4,15 +4,15 @@
 
 namespace mocurate {
 
-/// A free bone stays near the length known before.
-/// Residual: r = (b - prior) / spread, 1 row, both in metres: unitless.
+/// Prior of a free bone's length.
+/// Residual: r = (b - prior) / sigma, 1 row, both in metres: unitless.
 /// Blocks: bone_length[1].
-/// Jacobian: 1 / spread.
+/// Jacobian: 1 / sigma.
 /// Degenerate: none.
 /// Source: Gaussian prior around the robust estimate or the rest skeleton.
 class BonePriorCost final : public ceres::SizedCostFunction<1, 1> {
  public:
-  BonePriorCost(double prior, double spread) : prior_(prior), weight_(1.0 / spread) {}
+  BonePriorCost(double prior, double sigma) : prior_(prior), weight_(1.0 / sigma) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     residuals[0] = weight_ * (parameters[0][0] - prior_);

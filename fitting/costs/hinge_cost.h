@@ -11,17 +11,17 @@
 
 namespace mocurate {
 
-/// Sine of the angle to which knees and elbows bend the other way.
+/// Sine of the angle to which knees and elbows may hyperextend.
 inline constexpr double kHyperextension = 0.2;
 
 /// A joint that carries one bone and bends far one way only (HingeAxis).
 struct Hinge {
   int axis = 0;                          ///< of the joint's frame in the rest pose
   Vector3d bone = Vector3d::Zero();      ///< direction of the bone at rest, unit
-  Vector3d forwards = Vector3d::Zero();  ///< where the end of the bone goes as the joint begins to bend
+  Vector3d forwards = Vector3d::Zero();  ///< direction in which the end of the bone moves as the joint begins to bend
 };
 
-/// Of each joint; none: it is no hinge. (J)
+/// Of each joint; empty: not a hinge. (J)
 inline std::vector<std::optional<Hinge>> HingesOf(const Skeleton& skeleton) {
   const std::vector<std::vector<int>> children = skeleton.Children();
   std::vector<std::optional<Hinge>> hinges(skeleton.joints.size());
@@ -40,8 +40,8 @@ inline std::vector<std::optional<Hinge>> HingesOf(const Skeleton& skeleton) {
   return hinges;
 }
 
-/// Where a joint's bone lies against the plane of its hinge: the sine of the angle by which it leaves the plane, and by
-/// how much that of the bend is beyond hyperextension; 0 inside.
+/// Violation of a joint's hinge: the sine of the angle between bone and hinge plane, and hyperextension beyond
+/// kHyperextension (negative, as a sine); 0 inside.
 inline Eigen::Vector2d OffHinge(const Hinge& hinge, const Matrix3d& parent_from_joint) {
   const Vector3d bone = parent_from_joint * hinge.bone;
   const double bend = hinge.forwards.dot(bone);
@@ -59,17 +59,17 @@ inline Eigen::Matrix<double, 2, 3> OffHingeSlopes(const Hinge& hinge, const Matr
   return slopes;
 }
 
-/// A knee or elbow bends about its hinge, and one way: so which way a limb bends tells how the thigh or upper arm is
-/// twisted. A twist of the shin or forearm itself costs nothing, however far the joint is bent.
-/// Residuals: r_0 = s / spread, r_1 = min(0, b + e) / spread, 2 rows; s sine of the angle out of the plane, b sine of
-/// the bend, e kHyperextension: unitless.
+/// A knee or elbow bends about its hinge, in one direction. The bend therefore determines the twist of the thigh or
+/// upper arm. The twist of the shin or forearm itself has no cost.
+/// Residuals: r_0 = s / sigma, r_1 = min(0, b + e) / sigma, 2 rows; s sine of the angle out of the plane, b sine of the
+/// bend, e kHyperextension: unitless.
 /// Blocks: rotation vector[3] (parent_from_joint).
-/// Jacobian: rows h^T and f^T of -R [bone]x J_r(w), over spread; h hinge, f the way forwards; the second 0 inside.
-/// Degenerate: a limb bent by a right angle and more bends on without a change of the second's sign.
-/// Source: hinge of one degree of freedom, whose carrying angle (5 to 15 degrees at elbows) is within the spread.
+/// Jacobian: rows h^T and f^T of -R [bone]x J_r(w), over sigma; h hinge, f forwards; the second 0 inside.
+/// Degenerate: beyond a right angle, the second residual does not change its sign as the limb bends on.
+/// Source: hinge of one degree of freedom; the carrying angle (5 to 15 degrees at elbows) is within sigma.
 class HingeCost final : public ceres::SizedCostFunction<2, 3> {
  public:
-  HingeCost(const Hinge& hinge, double spread) : hinge_(hinge), weight_(1.0 / spread) {}
+  HingeCost(const Hinge& hinge, double sigma) : hinge_(hinge), weight_(1.0 / sigma) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const Vector3d w = Eigen::Map<const Vector3d>(parameters[0]);

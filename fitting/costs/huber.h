@@ -6,7 +6,7 @@ namespace mocurate {
 
 inline double Square(double value) { return value * value; }
 
-/// How far an angle is beyond its limits: positive above `max`, negative below `min`, 0 inside.
+/// Excess of an angle over its limits: positive above `max`, negative below `min`, 0 inside.
 inline double BeyondLimit(double angle, double min, double max) {
   return angle > max ? angle - max : angle < min ? angle - min : 0.0;
 }

@@ -6,15 +6,15 @@
 
 namespace mocurate {
 
-/// A joint does not bend further than its limits, softly.
-/// Residual: r_i = max(0, w_i - max_i) / spread - max(0, min_i - w_i) / spread, 3 rows, radians over radians: unitless.
+/// Soft limits of a joint's rotation.
+/// Residual: r_i = max(0, w_i - max_i) / sigma - max(0, min_i - w_i) / sigma, 3 rows, radians over radians: unitless.
 /// Blocks: rotation vector[3] (parent_from_joint).
-/// Jacobian: diagonal, 1 / spread beyond a limit, 0 inside.
+/// Jacobian: diagonal, 1 / sigma beyond a limit, 0 inside.
 /// Degenerate: at a limit itself the one-sided derivative of the inside (0) is given.
-/// Source: hinge on the components of the rotation vector; exact for joints that turn about one axis.
+/// Source: hinge loss on the components of the rotation vector; exact for joints that rotate about one axis.
 class JointLimitCost final : public ceres::SizedCostFunction<3, 3> {
  public:
-  JointLimitCost(const JointLimits& limits, double spread) : limits_(limits), weight_(1.0 / spread) {}
+  JointLimitCost(const JointLimits& limits, double sigma) : limits_(limits), weight_(1.0 / sigma) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     Vector3d slope = Vector3d::Zero();

@@ -8,13 +8,13 @@
 
 namespace mocurate {
 
-/// A joint lies where its track says.
-/// Residual: r = W (joint_in_world - seen_in_world), 3 rows; W (3 x 3) with W'W the sample's information in 1 / m^2, so
-/// that r is unitless and white; the robust loss is the caller's.
+/// Distance of a joint from its tracked position.
+/// Residual: r = W (joint_in_world - observed_in_world), 3 rows; W (3 x 3) with W'W the sample's information in 1 /
+/// m^2, so that r is unitless and white; the caller sets the robust loss.
 /// Blocks: root_translation[3]; rotation vector[3] of each active joint strictly above, root first; with free bones
 /// bone_length[1] of each bone from the root down to the joint.
 /// Jacobian: W; -W Hat(p_j - p_a) A_a; W G_parent(k) u_k (see PoseState).
-/// Degenerate: twist about a straight chain moves no joint: zero columns, held by RestPriorCost.
+/// Degenerate: twist about a straight chain moves no joint: zero columns, determined by RestPriorCost.
 /// Source: chain rule along the path to the root, as in inverse kinematics.
 class JointPositionCost final : public ceres::CostFunction {
  public:

@@ -9,11 +9,11 @@
 
 namespace mocurate {
 
-/// A joint is turned in the world as was recorded.
+/// Distance of a joint's world rotation from the recorded one.
 /// Residual: r = weight * Log(target^T G_j), 3 rows; weight = confidence / sigma (1/rad), so r is unitless and white;
-/// the robust loss is the caller's. Blocks: rotation vector[3] of each active joint from the root down to the joint
-/// itself. Jacobian: weight * J_r^-1(Log(target^T G_j)) G_j^T A_a (see PoseState). Degenerate: at half a turn from the
-/// target the residual's branch changes; the robust loss makes such a pull weak. Source: Sola, Deray, Atchuthan 2018, A
+/// the caller sets the robust loss. Blocks: rotation vector[3] of each active joint from the root down to the joint
+/// itself. Jacobian: weight * J_r^-1(Log(target^T G_j)) G_j^T A_a (see PoseState). Degenerate: at 180 degrees from the
+/// target the residual's branch changes; the robust loss gives it a low weight. Source: Sola, Deray, Atchuthan 2018, A
 /// micro Lie theory, sections II and IV.
 class JointRotationCost final : public ceres::CostFunction {
  public:
@@ -23,15 +23,15 @@ class JointRotationCost final : public ceres::CostFunction {
         joint_(joint),
         target_(target.toRotationMatrix()),
         weight_(weight),
-        turned_(state.path(joint)) {
-    if (state.active(joint)) turned_.push_back(joint);
+        active_(state.path(joint)) {
+    if (state.active(joint)) active_.push_back(joint);
     set_num_residuals(3);
-    mutable_parameter_block_sizes()->assign(turned_.size(), 3);
+    mutable_parameter_block_sizes()->assign(active_.size(), 3);
   }
 
   std::vector<double*> Blocks(PoseState& state) const {
     std::vector<double*> blocks;
-    for (const int a : turned_) blocks.push_back(state.rotation(frame_, a));
+    for (const int a : active_) blocks.push_back(state.rotation(frame_, a));
     return blocks;
   }
 
@@ -41,10 +41,10 @@ class JointRotationCost final : public ceres::CostFunction {
     const Vector3d away = LogMatrix(target_.transpose() * global);
     Eigen::Map<Vector3d>(residuals).noalias() = weight_ * away;
     if (jacobians == nullptr) return true;
-    const Matrix3d turn = weight_ * RightJacobianInverse(away) * global.transpose();
-    for (std::size_t block = 0; block < turned_.size(); ++block) {
+    const Matrix3d whitened = weight_ * RightJacobianInverse(away) * global.transpose();
+    for (std::size_t block = 0; block < active_.size(); ++block) {
       if (jacobians[block] == nullptr) continue;
-      Block(jacobians[block]).noalias() = turn * state_.lever(frame_, turned_[block]);
+      Block(jacobians[block]).noalias() = whitened * state_.lever(frame_, active_[block]);
     }
     return true;
   }
@@ -55,7 +55,7 @@ class JointRotationCost final : public ceres::CostFunction {
   int joint_;
   Matrix3d target_;
   double weight_;
-  std::vector<int> turned_;
+  std::vector<int> active_;
 };
 
 }  // namespace mocurate

@@ -8,11 +8,11 @@
 
 namespace mocurate {
 
-/// A joint does not jump between a frame and the next.
-/// Residual: r = weight * (joint_in_world(next) - joint_in_world(frame)), 3 rows; weight = 1 / (walk * sqrt(dt)) with
-/// the walk in m per sqrt(s): unitless, the same for any frame rate. Blocks: those of JointPositionCost of both frames
-/// (root_translation, rotations above), first frame first; with free bones bone_length[1] from the root down to the
-/// joint. For the root: the two translations alone. Jacobian: that of the position, negative for the first frame;
+/// Process noise of a joint's position between a frame and the next.
+/// Residual: r = weight * (joint_in_world(next) - joint_in_world(frame)), 3 rows; weight = 1 / (q * sqrt(dt)) with the
+/// process noise q in m per sqrt(s): unitless, the same for any frame rate. Blocks: those of JointPositionCost of both
+/// frames (root_translation, rotations above), first frame first; with free bones bone_length[1] from the root down to
+/// the joint. For the root: the two translations alone. Jacobian: that of the position, negative for the first frame;
 /// bones: difference of the two directions. Degenerate: none beyond those of the position. Source: random-walk prior;
 /// weak, it fills gaps rather than smooths.
 class JointVelocityCost final : public ceres::CostFunction {

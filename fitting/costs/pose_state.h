@@ -7,9 +7,9 @@
 
 namespace mocurate {
 
-/// Parameters of F frames of one person in one block of memory (the solver writes there), and what every cost needs of
-/// them, computed once per iterate. Per frame: root translation (3, world, metres), then a rotation vector per joint
-/// (3, parent_from_joint; world_from_root for joint 0). After all frames: one bone length per joint (metres).
+/// Parameters of F frames of one person in one block of memory, where the solver writes, and derived values that all
+/// costs need, computed once per iterate. Per frame: root translation (3, world, metres), then a rotation vector per
+/// joint (3, parent_from_joint; world_from_root for joint 0). After all frames: one bone length per joint (metres).
 ///
 /// With R = Exp(w), G the global rotations and p the positions: p_c = p_p + G_p b_c u_c, u the rest directions, and for
 /// a joint a above j: dp_j/dw_a = -Hat(p_j - p_a) A_a, A_a = G_parent(a) J_l(w_a); dp_j/db_k = G_parent(k) u_k.
@@ -36,7 +36,7 @@ class PoseState {
   }
 
   bool active(int joint) const { return active_[joint]; }
-  /// Which rotations are parameters from now on; the others stay as the last Update left them.
+  /// Selects the rotations that are parameters; the others stay as the last Update left them.
   void SetActive(std::vector<bool> active);
   /// Active joints strictly above a joint, root first: the rotations its position depends on.
   const std::vector<int>& path(int joint) const { return paths_[joint]; }
@@ -79,7 +79,7 @@ class PoseState {
   std::vector<std::vector<int>> bones_;
 };
 
-/// The motion that the parameters of a state are: rotations as quaternions, sign-continuous in time.
+/// The motion that a state's parameters describe: rotations as quaternions, sign-continuous in time.
 Motion MotionOf(const PoseState& state, SkeletonPtr skeleton, const FrameRate& rate);
 
 }  // namespace mocurate

@@ -6,15 +6,16 @@
 
 namespace mocurate {
 
-/// A joint stays near its rest pose; decides what no evidence determines (twist of straight limbs, unseen joints).
-/// Residual: r = w / spread, 3 rows, spread in radians: unitless.
+/// Prior of a joint's rotation about the rest pose; determines what no evidence does (twist of straight limbs,
+/// unobserved joints).
+/// Residual: r = w / sigma, 3 rows, sigma in radians: unitless.
 /// Blocks: rotation vector[3] (parent_from_joint). Not for the root.
-/// Jacobian: I / spread.
+/// Jacobian: I / sigma.
 /// Degenerate: none.
 /// Source: zero-mean Gaussian prior.
 class RestPriorCost final : public ceres::SizedCostFunction<3, 3> {
  public:
-  explicit RestPriorCost(double spread) : weight_(1.0 / spread) {}
+  explicit RestPriorCost(double sigma) : weight_(1.0 / sigma) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     Eigen::Map<Vector3d>(residuals).noalias() = weight_ * Eigen::Map<const Vector3d>(parameters[0]);

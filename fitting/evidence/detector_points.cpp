@@ -7,7 +7,8 @@
 namespace mocurate {
 namespace {
 
-/// A point that moves with a joint: rest pose, metres, of the body template. The first joint that a skeleton has.
+/// A point fixed to a joint: rest pose of the body template, metres. The first listed joint that a skeleton has is
+/// used.
 struct FixedPoint {
   const char* name;
   const char* joint;
@@ -31,21 +32,22 @@ const std::vector<FixedPoint>& FixedPoints() {
 
 constexpr char kMiddleOfShoulders[] = "mid_shoulder";
 constexpr char kMiddleOfHips[] = "mid_hip";
-constexpr double kPelvisBesideHips = 0.005;  ///< metres from the middle of the hips, from which on it is another point
+constexpr double kPelvisBesideHips =
+    0.005;  ///< metres from the middle of the hips; beyond, the pelvis is another point
 
 bool Has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// "left_eye" of "right_eye"; other names as they are.
+/// "left_eye" of "right_eye" and back; other names unchanged.
 std::string OtherSide(const std::string& name) {
   if (name.rfind("left_", 0) == 0) return "right_" + name.substr(5);
   if (name.rfind("right_", 0) == 0) return "left_" + name.substr(6);
   return name;
 }
 
-/// What detectors call the middle of the hips is what lies between their hips, and tells no more than these: taken for
-/// a pelvis that lies above them it would tell, wrongly, how that is pitched.
+/// Detectors' mid-hip point is the middle of their hips and adds no information. Taken for a pelvis that lies above
+/// them, it would give a wrong pitch.
 bool IsAboveHips(const Skeleton& skeleton) {
   const auto hips = skeleton.Hips();
   if (!hips) return false;
@@ -128,12 +130,12 @@ SkeletonPtr WithDetectorPoints(const SkeletonPtr& skeleton, const std::vector<st
 SkeletonPtr WithoutDetectorPoints(const SkeletonPtr& body, const SkeletonPtr& skeleton) {
   if (std::equal(skeleton->joints.begin(), skeleton->joints.end(), body->joints.begin(),
                  [](const Joint& a, const Joint& b) { return a.rest_offset == b.rest_offset; }) &&
-      skeleton->flesh == body->flesh) {
+      skeleton->shape == body->shape) {
     return skeleton;
   }
   auto own = std::make_shared<Skeleton>(*skeleton);
   for (std::size_t j = 0; j < own->joints.size(); ++j) own->joints[j].rest_offset = body->joints[j].rest_offset;
-  own->flesh = body->flesh;
+  own->shape = body->shape;
   return own;
 }
 

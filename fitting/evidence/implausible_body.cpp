@@ -18,24 +18,25 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kFewestBodyFrames = 20;
-constexpr double kLongBone = 0.1;  ///< metres of the rest pose; of shorter ones trackers disagree
-// Limits are beyond what 1,213 clips of the recorded sets show (fitting/README.md), of which the largest is in
+constexpr double kLongBone = 0.1;  ///< metres of the rest pose; trackers disagree on shorter bones
+// Limits exceed what 1,213 clips of the recorded sets show (fitting/README.md); the largest value of the sets is in
 // brackets.
-constexpr double kExchanged = 0.1;       ///< metres by which the upper bone of a limb differs, in the median (0.08)
-constexpr double kExchangeRatio = 3.0;   ///< of what it differs by with the lower joint in the upper's place (2.5)
+constexpr double kExchanged = 0.1;       ///< metres by which the upper bone of a limb differs, median (0.08)
+constexpr double kExchangeRatio = 3.0;   ///< ratio to the difference with the lower joint in the upper's place (2.5)
 constexpr double kOffProportion = 0.47;  ///< |log| of upper over lower bone against rest, on both sides (0.3)
 constexpr double kMisplaced = 0.15;      ///< metres by which a bone differs from the other side's (0.12)
 constexpr double kMisplacedOfBone = 0.5;
-constexpr double kGrowth = 0.05;        ///< of the size, from the first fifth to the last (0.25 of who bends)
-constexpr double kGrowingBones = 0.9;   ///< share of the bones that go that way, in every fifth (0.86)
-constexpr double kGrowthSpread = 0.35;  ///< of bones' growth, against the growth (0.43): a scale is the same of all
+constexpr double kGrowth = 0.05;       ///< of the size, from the first fifth to the last (0.25 for a person who bends)
+constexpr double kGrowingBones = 0.9;  ///< share of the bones that grow or shrink alike in every fifth (0.86)
+constexpr double kGrowthDeviation =
+    0.35;  ///< standard deviation of the bones' growth over the growth (0.43): a scale is the same for all
 constexpr int kParts = 5;
 constexpr std::size_t kFewestUnexplained = 10;
 constexpr double kUnexplained = 0.2;       ///< metres
 constexpr double kFarBeyondLimits = 0.35;  ///< rad, about 20 degrees
-constexpr double kTallestBody = 2.1;       ///< metres from ankle or toes to the head's joint: the tallest people
+constexpr double kTallestBody = 2.1;       ///< metres from ankle or toes to the head's joint
 constexpr double kSmallestBody = 0.4;      ///< newborn
-constexpr double kChild = 0.8;             ///< of the rest skeleton: smaller than adults are
+constexpr double kChild = 0.8;             ///< of the rest skeleton: below adult size
 
 bool IsOfPeople(double stature) { return stature <= kTallestBody && stature >= kSmallestBody; }
 
@@ -47,26 +48,26 @@ std::string WordsOfSize(double stature, double scale) {
 
 struct Bone {
   int joint = 0;
-  int parent = 0;              ///< nearest joint above that is seen
+  int parent = 0;              ///< nearest observed joint above
   double rest = 0.0;           ///< metres, of the skeleton
-  std::vector<double> length;  ///< of the frames that show it
+  std::vector<double> length;  ///< of the frames that show both ends
   std::vector<double> time_s;
   double median = 0.0;
 };
 
-double SpreadOfValues(std::vector<double> values) {
+double RobustDeviation(std::vector<double> values) {
   const double centre = MeanMedian(values);
   for (double& value : values) value = std::abs(value - centre);
   return kMadToSigma * MeanMedian(values);
 }
 
-/// Median of how far lengths are from one.
+/// Median absolute difference of lengths from one.
 double DepartureFrom(double length, std::vector<double> lengths) {
   for (double& seen : lengths) seen = std::abs(seen - length);
   return MeanMedian(lengths);
 }
 
-/// Distances between two joints.
+/// Bone between two joints.
 Bone BoneBetween(const SkeletonTracks& tracks, int joint, int parent) {
   Bone bone;
   bone.joint = joint;
@@ -82,7 +83,7 @@ Bone BoneBetween(const SkeletonTracks& tracks, int joint, int parent) {
 
 class BodyJudge {
  public:
-  explicit BodyJudge(const SkeletonTracks& tracks) : tracks_(tracks), shown_(tracks.SeenJoints()) {
+  explicit BodyJudge(const SkeletonTracks& tracks) : tracks_(tracks), shown_(tracks.JointObservations()) {
     const Skeleton& skeleton = *tracks.skeleton;
     std::vector<Vector3d> rest(skeleton.joints.size(), Vector3d::Zero());
     for (int j = 1; j < skeleton.joint_count(); ++j) {
@@ -114,7 +115,7 @@ class BodyJudge {
  private:
   std::string Name(int joint) const { return tracks_.skeleton->joints[static_cast<std::size_t>(joint)].name; }
 
-  void Tell(const char* code, Severity severity, int joint, double value, std::string message) {
+  void Report(const char* code, Severity severity, int joint, double value, std::string message) {
     Finding finding;
     finding.code = code;
     finding.severity = severity;
@@ -125,8 +126,9 @@ class BodyJudge {
     findings_.push_back(std::move(finding));
   }
 
-  /// Of a limb whose bones are in no person's proportion as named, and in one with its two joints exchanged: the upper
-  /// bone as named and exchanged, metres. An upper bone that ends beyond the next joint changes as that bends.
+  /// For a limb whose bones have implausible proportions as named, and plausible ones with its two joints exchanged:
+  /// length of the upper bone as named and exchanged, metres. An upper bone to the lower joint changes length as the
+  /// limb bends.
   std::optional<std::pair<double, double>> OutOfOrder(const Bone& upper, const Bone& lower) const {
     const Bone across = BoneBetween(tracks_, lower.joint, upper.parent);
     if (across.length.size() < kFewestBodyFrames || !(lower.median > 0.0) || !(across.median > 0.0))
@@ -134,18 +136,18 @@ class BodyJudge {
     const double named = std::log(upper.median / lower.median * lower.rest / upper.rest);
     const double exchanged = std::log(across.median / lower.median * lower.rest / upper.rest);
     if (named < kOffProportion || std::abs(exchanged) > 0.5 * named) return std::nullopt;
-    if (SpreadOfValues(across.length) >= SpreadOfValues(upper.length)) return std::nullopt;
+    if (RobustDeviation(across.length) >= RobustDeviation(upper.length)) return std::nullopt;
     return std::make_pair(upper.median, across.median);
   }
 
-  /// The bone above one of a limb; null where one of the two is short.
+  /// The bone above a limb's lower bone; null where one of the two is short.
   const Bone* UpperOf(const Bone& lower) const {
     const auto upper =
         std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
     return upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone ? nullptr : &*upper;
   }
 
-  /// Both sides alike, as where a list of joints is in the wrong order.
+  /// Exchange on both sides alike, as from a list of joints in the wrong order.
   void JudgeOrder() {
     for (const Bone& lower : bones_) {
       const Bone* upper = UpperOf(lower);
@@ -155,12 +157,11 @@ class BodyJudge {
       if (other_upper == nullptr || other_lower == nullptr || other_lower->joint < lower.joint) continue;
       const auto here = OutOfOrder(*upper, lower);
       if (!here || !OutOfOrder(*other_upper, *other_lower)) continue;
-      Tell("joints_exchanged", Severity::kError, upper->joint, here->first,
-           Name(upper->joint) + " and " + Name(lower.joint) +
-               " have each other's places, on both sides: the bone from " + Name(upper->parent) + " is " +
-               RoundedText(here->first, 3) + " m and the next " + RoundedText(lower.median, 3) +
-               " m, with the two exchanged " + RoundedText(here->second, 3) +
-               " m: mend the order of the joints in the source");
+      Report("joints_exchanged", Severity::kError, upper->joint, here->first,
+             Name(upper->joint) + " and " + Name(lower.joint) + " are exchanged on both sides: the bone from " +
+                 Name(upper->parent) + " is " + RoundedText(here->first, 3) + " m and the next " +
+                 RoundedText(lower.median, 3) + " m, with the two exchanged " + RoundedText(here->second, 3) +
+                 " m; correct the order of the joints in the source");
     }
   }
 
@@ -174,12 +175,12 @@ class BodyJudge {
       const double named = DepartureFrom(other->median, upper->length);
       const double exchanged = DepartureFrom(other->median, across.length);
       if (named < kExchanged || named < kExchangeRatio * exchanged) continue;
-      if (SpreadOfValues(across.length) >= SpreadOfValues(upper->length)) continue;  // then it is the other side
-      Tell("joints_exchanged", Severity::kError, upper->joint, named,
-           Name(upper->joint) + " and " + Name(lower.joint) + " have each other's places: the bone from " +
-               Name(upper->parent) + " differs from the other side's by " + RoundedText(named, 3) +
-               " m in the median, with the two exchanged by " + RoundedText(exchanged, 2) +
-               " m: mend the order of the joints in the source");
+      if (RobustDeviation(across.length) >= RobustDeviation(upper->length)) continue;  // the other side is exchanged
+      Report("joints_exchanged", Severity::kError, upper->joint, named,
+             Name(upper->joint) + " and " + Name(lower.joint) + " are exchanged: the bone from " + Name(upper->parent) +
+                 " differs from the other side's by " + RoundedText(named, 3) +
+                 " m in the median, with the two exchanged by " + RoundedText(exchanged, 2) +
+                 " m; correct the order of the joints in the source");
     }
   }
 
@@ -192,8 +193,8 @@ class BodyJudge {
     return found == bones_.end() ? nullptr : &*found;
   }
 
-  /// By how much a bone is off; 0: it is not. Of two sides that differ it is the one that departs more from the body's
-  /// size; where there is but one, a bone that is too long.
+  /// Difference of a bone from its expected length, metres; 0: plausible. Of two sides that differ, the side further
+  /// from the body's size is wrong; a bone on the midline is wrong where it is too long.
   double Departure(const Bone& bone) const {
     const double of_size = scale_ * bone.rest;
     const Bone* other = Mirrored(bone);
@@ -206,7 +207,7 @@ class BodyJudge {
     return std::abs(bone.median - of_size) > std::abs(other->median - of_size) ? apart : 0.0;
   }
 
-  /// The joint with most bones that are off, none that is not, again and again.
+  /// Repeatedly, the joint with most implausible bones and no plausible one.
   void JudgePlaces() {
     if (scale_ <= 0.0) return;
     std::vector<double> off;
@@ -231,10 +232,11 @@ class BodyJudge {
       for (std::size_t b = 0; b < bones_.size(); ++b) {
         if (bones_[b].joint == worst || bones_[b].parent == worst) off[b] = 0.0;
       }
-      Tell("joint_misplaced", Severity::kError, worst, far,
-           Name(worst) + " is elsewhere throughout: " + (most > 1 ? "bones there differ" : "its bone differs") +
-               " from the other side's or the body's by up to " + RoundedText(far, 3) +
-               " m: another point, or an offset of the source");
+      Report("joint_misplaced", Severity::kError, worst, far,
+             Name(worst) +
+                 " is misplaced throughout the clip: " + (most > 1 ? "its bones differ" : "its bone differs") +
+                 " from the other side's or the body's by up to " + RoundedText(far, 3) +
+                 " m; check the joint's name and offset in the source");
     }
   }
 
@@ -266,20 +268,21 @@ class BodyJudge {
     const double share = static_cast<double>(growth > 0.0 ? grow : all - grow) / all;
     bool steady = true;
     for (int p = 1; p < kParts; ++p) steady = steady && (size[p] - size[p - 1]) * growth > 0.0;
-    const bool alike = SpreadOfValues(growths) <= kGrowthSpread * std::abs(growth);
+    const bool alike = RobustDeviation(growths) <= kGrowthDeviation * std::abs(growth);
     if (std::abs(growth) < kGrowth || share < kGrowingBones || !steady || !alike) return;
     const double percent = 100.0 * (std::exp(growth) - 1.0);
-    Tell("body_grows", Severity::kWarning, -1, percent,
-         std::to_string(growth > 0.0 ? grow : all - grow) + " of " + Counted(all, "bone") +
-             (growth > 0.0 ? " grow" : " shrink") + " steadily, by " + RoundedText(std::abs(percent), 3) +
-             " % from the clip's first fifth to its last: a scale that drifts; one body of constant bones is fitted");
+    Report("body_grows", Severity::kWarning, -1, percent,
+           std::to_string(growth > 0.0 ? grow : all - grow) + " of " + Counted(all, "bone") +
+               (growth > 0.0 ? " grow" : " shrink") + " steadily, by " + RoundedText(std::abs(percent), 3) +
+               " % from the clip's first fifth to its last: the scale drifts; the fit uses one body with constant bone "
+               "lengths");
   }
 
   void JudgeSize() {
     const double stature = scale_ * rest_stature_;
     if (scale_ <= 0.0 || IsOfPeople(stature)) return;
-    Tell("size_doubtful", Severity::kWarning, -1, stature,
-         "the body would be " + WordsOfSize(stature, scale_) + "; is the scale of the source right?");
+    Report("size_suspect", Severity::kWarning, -1, stature,
+           "the body would be " + WordsOfSize(stature, scale_) + "; check the scale of the source");
   }
 
   const SkeletonTracks& tracks_;
@@ -294,21 +297,21 @@ class BodyJudge {
 
 std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks) { return BodyJudge(tracks).Findings(); }
 
-std::optional<Finding> FindDoubtfulSize(double stature, double scale) {
+std::optional<Finding> CheckStature(double stature, double scale) {
   const bool of_people = IsOfPeople(stature);
   if (of_people && scale >= kChild) return {};
   Finding finding;
-  finding.code = "size_doubtful";
+  finding.code = "size_suspect";
   finding.severity = of_people ? Severity::kWarning : Severity::kError;
   finding.value = stature;
-  finding.message = "the body that explains the depth views would be " + WordsOfSize(stature, scale);
+  finding.message = "the body fitted to the depth views is " + WordsOfSize(stature, scale);
   finding.message +=
       of_people
-          ? ". Is it a child? Somebody of whom a part is never seen, behind a desk or outside the images, is "
-            "taken for a small person who is seen whole: then all joints are elsewhere. fitting.point_clouds.height "
-            "tells how tall they are"
-          : ". Are two people close together, is something between camera and person or touching them, or is "
-            "the unit of depths or calibration another? Masks of the person (ingest.source) leave others out";
+          ? ". For an adult, a part of the body is probably never seen (behind a desk, outside the images), and all "
+            "joints are wrong; set fitting.point_clouds.height "
+            "to the person's height"
+          : ". Check for two people close together, an object before or touching the person, and another unit of "
+            "depths or calibration. Masks of the person (ingest.source) exclude other people";
   finding.action = FindingAction::kFlagged;
   return finding;
 }
@@ -328,10 +331,10 @@ std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const J
     const std::string& name = tracks.skeleton->joints[static_cast<std::size_t>(j)].name;
     Finding finding = FrameFinding(
         "joint_unexplained", 0, 0, name, median,
-        "'" + name + "' lies " + RoundedText(median, 3) + " m from where it is tracked, in the median of " +
+        "'" + name + "' lies " + RoundedText(median, 3) + " m from its tracked position, in the median of " +
             Counted(static_cast<long long>(frames), "frame") +
-            ": no pose of the body explains it with the others. Is it the tracker's skeleton? "
-            "Its own in configs/skeletons may fit");
+            ": no pose of the body explains it together with the other joints. Try the tracker's own "
+            "skeleton in configs/skeletons");
     finding.severity = Severity::kError;
     findings.push_back(std::move(finding));
   }
@@ -359,12 +362,12 @@ std::vector<Finding> FindJointsBeyondLimits(const Motion& motion) {
     if (frames < kFewestUnexplained || median <= kFarBeyondLimits) continue;
     const double degrees = std::round(10.0 * kDegrees * median) / 10.0;
     findings.push_back(FrameFinding("joint_beyond_limits", 0, 0, joint.name, degrees,
-                                    "'" + joint.name + "' is turned " + RoundedText(degrees, 3) +
-                                        " degrees farther than people turn it, in the median of " +
+                                    "'" + joint.name + "' is rotated " + RoundedText(degrees, 3) +
+                                        " degrees beyond its limits, in the median of " +
                                         Counted(static_cast<long long>(frames), "frame") +
-                                        ": its rotation is doubtful, and those of its neighbours. Do tracked points "
-                                        "here lie where the skeleton has "
-                                        "joints?"));
+                                        ": its rotation and those of its neighbours are suspect. Check that tracked "
+                                        "points here are the skeleton's "
+                                        "joints"));
   }
   return findings;
 }

@@ -45,14 +45,14 @@ JointTracks TracksOfSkeleton(const JointTracks& tracks, const Skeleton& skeleton
   return kept;
 }
 
-/// What was bridged between frames says nothing: nobody saw it, and the fit bridges it itself.
+/// Interpolated samples are no evidence; the fit interpolates itself.
 bool IsBridged(const Motion& motion, int frame, int joint) {
   const std::size_t at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(motion.joint_count()) +
                          static_cast<std::size_t>(joint);
   return !motion.state.empty() && motion.state[at] == JointState::kInterpolated;
 }
 
-/// World rotations of the motion's joints `common`. An end joint has none: its rotation in a motion means nothing.
+/// World rotations of the motion's joints `common`; none for end joints, whose rotation in a motion is arbitrary.
 void AddRotations(const Motion& motion, const std::vector<int>& common, JointTracks& tracks) {
   const Skeleton& skeleton = *motion.skeleton;
   const std::vector<std::vector<int>> children = skeleton.Children();
@@ -101,8 +101,8 @@ Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skele
 
 namespace {
 
-/// Confidences tell samples of a clip from each other; how far off all of them are the samples tell themselves. So that
-/// which nine tenths do not exceed counts as 1, whatever scale a tracker has for them.
+/// Confidences only compare samples of one clip. They are scaled so that the 90th percentile is 1, whatever scale a
+/// tracker uses.
 void RelateConfidences(SkeletonTracks& tracks) {
   std::vector<double> there;
   for (const double confidence : tracks.confidence) {
@@ -118,7 +118,7 @@ void RelateConfidences(SkeletonTracks& tracks) {
 }  // namespace
 
 Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skeleton, OtherJoints other,
-                                      std::vector<std::string>* left_out) {
+                                      std::vector<std::string>* excluded) {
   Expected<JointTracks> given;
   const TrackerPoints points = TrackerPointsOf(clip, *skeleton);
   const JointTracks* tracks = clip.evidence.tracks ? &*clip.evidence.tracks : nullptr;
@@ -146,8 +146,8 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
   Expected<SkeletonTracks> mapped = MapTracks(*tracks, skeleton);
   if (!mapped) return tl::unexpected<Error>(Of(clip, mapped.error()));
   RelateConfidences(*mapped);
-  mapped->place_spread = PlaceSpreads(points, *skeleton);
-  if (left_out != nullptr) *left_out = std::move(unknown);
+  mapped->place_sigma = PlaceSigmas(points, *skeleton);
+  if (excluded != nullptr) *excluded = std::move(unknown);
   return mapped;
 }
 

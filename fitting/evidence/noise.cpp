@@ -12,18 +12,18 @@
 namespace mocurate {
 namespace {
 
-/// Below, data outweigh the priors so far that the solver creeps along what they hardly determine (twist of straight
-/// limbs), and no tracker knows where a joint is to less.
+/// Below, data outweigh the priors so far that the solver converges slowly along undetermined directions (twist of
+/// straight limbs). No tracker is more exact.
 constexpr double kSmallestTrackSigma = 1e-3;
 constexpr std::size_t kEnoughSamples = 10;
 constexpr std::size_t kEnoughBones = 5;
-/// Lengths of bones that noise reaches across show a little less of it than it is; motion makes lines show much more.
+/// Bone lengths show slightly less noise than there is; motion makes departures from lines much larger.
 constexpr double kNoMotion = 0.8;
-/// Of tracks that are too short to show their noise: a depth tracker's.
+/// Of tracks too short to show their noise: a depth tracker's.
 constexpr double kUnmeasuredSigma = 0.02;
 
-/// Standard deviation from absolute departures, by their median. Gross errors would shift it: what lies beyond four
-/// standard deviations is left out.
+/// Standard deviation from absolute departures, by their median. Gross errors beyond four standard deviations are
+/// excluded.
 double SigmaOf(std::vector<double> departures) {
   double sigma = kMadToSigma * MeanMedian(departures);
   for (int i = 0; i < 3; ++i) {
@@ -65,14 +65,14 @@ void AppendBoneDepartures(const SkeletonTracks& tracks, int joint, std::vector<d
     double before_variance = 0.0, variance = 0.0, after_variance = 0.0;
     const double before = length(f - 1, before_variance), is = length(f, variance),
                  after = length(f + 1, after_variance);
-    if (before == 0.0 || is == 0.0 || after == 0.0) continue;  // not seen, or it stands where its parent does
+    if (before == 0.0 || is == 0.0 || after == 0.0) continue;  // not observed, or at its parent's position
     const double a = (tracks.time_s[f] - tracks.time_s[f - 1]) / (tracks.time_s[f + 1] - tracks.time_s[f - 1]);
     const double whole = variance + (1.0 - a) * (1.0 - a) * before_variance + a * a * after_variance;
     if (whole > 0.0) departures.push_back(std::abs(is - (1.0 - a) * before - a * after) / std::sqrt(whole));
   }
 }
 
-/// Sigma per axis of the two ends of a bone, read from its length. 0 when it is not observed enough.
+/// Sigma per axis of the two ends of a bone, from its length. 0 with too few observations.
 double BoneSigma(const SkeletonTracks& tracks, int joint, const std::vector<double>& bone_length) {
   const int parent = tracks.skeleton->joints[joint].parent;
   std::vector<double> lengths;
@@ -80,7 +80,7 @@ double BoneSigma(const SkeletonTracks& tracks, int joint, const std::vector<doub
   for (int f = 0; parent >= 0 && f < tracks.frames(); ++f) {
     if (!tracks.seen(f, joint) || !tracks.seen(f, parent)) continue;
     const Vector3d bone = tracks.positions.at(f, joint) - tracks.positions.at(f, parent);
-    if (bone.isZero(0.0)) continue;  // not seen: it stands where its parent does
+    if (bone.isZero(0.0)) continue;  // not observed: at its parent's position
     const Vector3d along = bone.stableNormalized();
     lengths.push_back(bone.norm());
     variances.push_back(along.dot((UnitCovariance(tracks, f, joint) + UnitCovariance(tracks, f, parent)) * along));
@@ -127,9 +127,9 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
   NoiseEstimate noise;
   noise.measured = bones > 0 || all.size() >= 3 * kEnoughSamples;
   noise.white = SigmaOf(std::move(all));
-  // Who moves fast departs from lines without any noise; what noise there is shows in the bones too.
-  const bool told = of_bones.size() >= kEnoughBones * kEnoughSamples;
-  const double most = told ? SigmaOf(std::move(of_bones)) : noise.white;
+  // Fast motion departs from lines without any noise; noise shows in the bones too.
+  const bool bones_suffice = of_bones.size() >= kEnoughBones * kEnoughSamples;
+  const double most = bones_suffice ? SigmaOf(std::move(of_bones)) : noise.white;
   const double fast = most < kNoMotion * noise.white ? most / noise.white : 1.0;
   noise.white *= fast;
   for (double& of_joint : white) of_joint *= fast;

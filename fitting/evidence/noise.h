@@ -11,18 +11,17 @@ struct NoiseEstimate {
   double sigma = 0.0;               ///< of all joints together
   double white = 0.0;               ///< part that is independent from frame to frame
   std::vector<double> joint_sigma;  ///< (J); sigma for joints with too few samples
-  bool measured = true;             ///< no: too few samples of all joints together, sigma is assumed
+  bool measured = true;             ///< false: too few samples of all joints together, sigma is assumed
 };
 
-/// Noise from the tracks themselves, by medians (1.4826 MAD, gross errors left out), the larger of two estimates per
-/// joint: what a frame departs from the line between its two neighbours in time (white noise; no more than lengths of
-/// bones depart from theirs, which motion does not change, however fast), and what observed bones
-/// depart from `bone_length` (J, or empty: from their own median), which also sees wobble that a tracker has smoothed.
-/// Never below 1 mm, which is also what a capture without any noise gets. Of one or two frames, whose own bones say
-/// nothing, 20 mm are assumed.
+/// Noise estimated from the tracks by medians (1.4826 MAD, gross errors excluded). Per joint the larger of two
+/// estimates: departure of a frame from the line between its two neighbours in time (white noise, bounded by the
+/// departures of bone lengths, which motion does not change); departure of observed bones from `bone_length` (J, or
+/// empty: their own median), which includes wobble that a tracker has smoothed. Never below 1 mm, also without any
+/// noise. With one or two frames 20 mm are assumed.
 NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<double>& bone_length);
 
-/// Covariance of a seen sample in units of sigma^2: its precision's inverse; the identity where tracks have none.
+/// Covariance of an observed sample in units of sigma^2: its precision's inverse; the identity without precisions.
 Matrix3d UnitCovariance(const SkeletonTracks& tracks, int frame, int joint);
 
 }  // namespace mocurate

@@ -12,9 +12,9 @@ constexpr double kOutlierSigmas = 10.0;
 constexpr double kSmallestOutlier = 0.15;  ///< metres
 constexpr double kOutlierSteps = 1.5;
 
-/// The frame and the same number of frames on both sides in which the joint is seen, so that steady movement does not
-/// shift the median.
-std::vector<int> SeenNearby(const SkeletonTracks& tracks, int frame, int joint) {
+/// The frame and the same number of frames on both sides in which the joint is observed, so that steady movement does
+/// not shift the median.
+std::vector<int> ObservedNearby(const SkeletonTracks& tracks, int frame, int joint) {
   const double time = tracks.time_s[frame];
   std::vector<int> before;
   std::vector<int> after;
@@ -42,8 +42,7 @@ Vector3d MedianOver(const SkeletonTracks& tracks, const std::vector<int>& frames
   return median;
 }
 
-/// How far the joint goes from one of these frames to the next, without `frame`, in the median: a hand that strikes out
-/// and turns is not an outlier at its turn.
+/// Median step of the joint between these frames, without `frame`: a hand that strikes out and returns is no outlier.
 double StepNearby(const SkeletonTracks& tracks, std::vector<int> frames, int frame, int joint) {
   frames.erase(std::remove(frames.begin(), frames.end(), frame), frames.end());
   std::sort(frames.begin(), frames.end());
@@ -58,7 +57,7 @@ double StepNearby(const SkeletonTracks& tracks, std::vector<int> frames, int fra
 }  // namespace
 
 Vector3d RunningMedian(const SkeletonTracks& tracks, int frame, int joint) {
-  return MedianOver(tracks, SeenNearby(tracks, frame, joint), joint);
+  return MedianOver(tracks, ObservedNearby(tracks, frame, joint), joint);
 }
 
 double OutlierLimit(double sigma) { return std::max(kOutlierSigmas * sigma, kSmallestOutlier); }
@@ -69,7 +68,7 @@ std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<doubl
     const double allowed = OutlierLimit(joint_sigma[j]);
     for (int f = 0; f < tracks.frames(); ++f) {
       if (!tracks.seen(f, j)) continue;
-      const std::vector<int> nearby = SeenNearby(tracks, f, j);
+      const std::vector<int> nearby = ObservedNearby(tracks, f, j);
       if (nearby.size() < 3) continue;
       const Vector3d median = MedianOver(tracks, nearby, j);
       const Vector3d away = tracks.positions.at(f, j) - median;

@@ -12,11 +12,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSmallestTurnSigma = 0.5 * kPi / 180.0;  ///< rad; nothing is recorded more finely
+constexpr double kMinRotationSigma = 0.5 * kPi / 180.0;  ///< rad; no recording is finer
 constexpr double kLargestSigma = 30.0 * kPi / 180.0;
-constexpr std::size_t kFewest = 10;   ///< samples; fewer do not tell how recorded frames lie and how they scatter
-constexpr double kNearTarget = 0.02;  ///< rad; departures below count like this in the weights of the mean
-constexpr int kTurns = 10;            ///< of the reweighted mean
+constexpr std::size_t kFewest = 10;   ///< samples; with fewer, neither constant offset nor scatter can be estimated
+constexpr double kNearTarget = 0.02;  ///< rad; smaller departures get this weight in the mean
+constexpr int kMeanIterations = 10;   ///< of the reweighted mean
 
 /// Rotation with the least sum of weighted squared distances to `rotations` (Markley and others 2007).
 Quaterniond WeightedMean(const std::vector<Quaterniond>& rotations, const std::vector<double>& weights) {
@@ -31,11 +31,11 @@ Quaterniond WeightedMean(const std::vector<Quaterniond>& rotations, const std::v
   return mean.normalized();
 }
 
-/// Rotation with about the least sum of distances: the mean, with the weights of an absolute value.
+/// Rotation with about the least sum of distances: iteratively reweighted mean (L1).
 Quaterniond MiddleRotation(const std::vector<Quaterniond>& rotations, const std::vector<double>& confidence) {
   Quaterniond middle = WeightedMean(rotations, confidence);
   std::vector<double> weights(rotations.size());
-  for (int turn = 0; turn < kTurns; ++turn) {
+  for (int iteration = 0; iteration < kMeanIterations; ++iteration) {
     for (std::size_t i = 0; i < rotations.size(); ++i) {
       weights[i] = confidence[i] / std::max(LogQuaternion(middle.conjugate() * rotations[i]).norm(), kNearTarget);
     }
@@ -44,7 +44,7 @@ Quaterniond MiddleRotation(const std::vector<Quaterniond>& rotations, const std:
   return middle;
 }
 
-/// Standard deviation per axis that the middle of the departures tells.
+/// Standard deviation per axis, from the median departure.
 double Scatter(const std::vector<Quaterniond>& rotations, const Quaterniond& middle) {
   std::vector<double> departures;
   for (const Quaterniond& rotation : rotations) {
@@ -55,7 +55,7 @@ double Scatter(const std::vector<Quaterniond>& rotations, const Quaterniond& mid
   std::nth_element(departures.begin(), half, departures.end());
   const auto count = static_cast<double>(rotations.size());
   return std::max(kMadToSigma * *half * std::sqrt(count / (count - 1.0)),
-                  kSmallestTurnSigma);  // the middle is of them too
+                  kMinRotationSigma);  // the middle is an estimate from the same samples
 }
 
 Finding TooFew(int joints) {
@@ -63,9 +63,10 @@ Finding TooFew(int joints) {
   finding.code = "rotations_too_few";
   finding.severity = Severity::kInfo;
   finding.value = joints;
-  finding.message = "rotations of " + Counted(joints, "joint") + " are recorded in fewer than " +
-                    std::to_string(kFewest) + " frames: too few to tell how the recorded frames lie in the joints";
-  finding.action = FindingAction::kLeftOut;
+  finding.message =
+      "rotations of " + Counted(joints, "joint") + " are recorded in fewer than " + std::to_string(kFewest) +
+      " frames: too few to estimate the offset between recorded and skeleton frames; the rotations are not used";
+  finding.action = FindingAction::kExcluded;
   return finding;
 }
 
@@ -74,9 +75,9 @@ Finding Disagreement(const std::string& joint, double sigma) {
   finding.code = "rotations_disagree";
   finding.joint = joint;
   finding.value = sigma * 180.0 / kPi;
-  finding.message = "the recorded rotations do not turn with the joint: they scatter by " +
+  finding.message = "the recorded rotations do not follow the joint: they scatter by " +
                     FormatDouble(std::round(finding.value)) + " degrees";
-  finding.action = FindingAction::kLeftOut;
+  finding.action = FindingAction::kExcluded;
   return finding;
 }
 

@@ -85,8 +85,8 @@ Status MapRotations(const JointTracks& tracks, const std::vector<int>& joint_of_
                   where);
     }
     if (!tracks.rotation[at].coeffs().allFinite() || std::abs(tracks.rotation[at].norm() - 1.0) > 1e-6) {
-      return Fail(ErrorCode::kMalformed, "the rotation is no unit quaternion though its confidence is not 0", where,
-                  "missing rotations have confidence 0");
+      return Fail(ErrorCode::kMalformed, "the rotation is not a unit quaternion, but its confidence is not 0", where,
+                  "give missing rotations confidence 0");
     }
     const std::size_t to = at / points * static_cast<std::size_t>(mapped.joints()) + static_cast<std::size_t>(joint);
     mapped.rotation[to] = tracks.rotation[at];
@@ -97,7 +97,7 @@ Status MapRotations(const JointTracks& tracks, const std::vector<int>& joint_of_
 
 }  // namespace
 
-std::vector<bool> SkeletonTracks::SeenJoints() const {
+std::vector<bool> SkeletonTracks::JointObservations() const {
   std::vector<bool> any(joints(), false);
   for (int f = 0; f < frames(); ++f) {
     for (int j = 0; j < joints(); ++j) any[j] = any[j] || seen(f, j);
@@ -105,7 +105,7 @@ std::vector<bool> SkeletonTracks::SeenJoints() const {
   return any;
 }
 
-std::vector<bool> SkeletonTracks::SeenFrames() const {
+std::vector<bool> SkeletonTracks::ObservedFrames() const {
   std::vector<bool> any(frames(), false);
   for (int f = 0; f < frames(); ++f) {
     for (int j = 0; j < joints(); ++j) any[f] = any[f] || seen(f, j);
@@ -136,8 +136,8 @@ Expected<SkeletonTracks> MapTracks(const JointTracks& tracks, const SkeletonPtr&
       }
       const Vector3d position = tracks.positions.at(f, static_cast<int>(k));
       if (!position.allFinite()) {
-        return Fail(ErrorCode::kMalformed, "the position is no number though its confidence is not 0", where,
-                    "missing observations have confidence 0");
+        return Fail(ErrorCode::kMalformed, "the position is not finite, but its confidence is not 0", where,
+                    "give missing observations confidence 0");
       }
       mapped.positions.at(f, joint) = position;
       mapped.confidence[static_cast<std::size_t>(f) * mapped.joints() + joint] = confidence;
@@ -159,7 +159,7 @@ SkeletonTracks OnBody(SkeletonTracks tracks, const SkeletonPtr& body) {
 SkeletonTracks CutTracks(const SkeletonTracks& tracks, int begin, int end) {
   SkeletonTracks cut;
   cut.skeleton = tracks.skeleton;
-  cut.place_spread = tracks.place_spread;
+  cut.place_sigma = tracks.place_sigma;
   cut.time_s.assign(tracks.time_s.begin() + begin, tracks.time_s.begin() + end);
   cut.positions = JointPositions(end - begin, tracks.joints());
   const auto first = static_cast<std::ptrdiff_t>(begin) * tracks.joints();

@@ -14,16 +14,14 @@ struct SkeletonTracks {
   std::vector<double> time_s;      ///< (F) increasing
   JointPositions positions;        ///< (F,J,3)
   std::vector<double> confidence;  ///< (F*J) in [0, 1]
-  /// (F*J) or none: how sure a sample is along each direction, symmetric, against a typical one, which has the
-  /// identity: its information is precision / sigma^2 with the sigma of the tracks. Counts instead of the confidence's
-  /// square.
+  /// (F*J) or empty: symmetric precision of a sample relative to a typical one, which has the identity. Its information
+  /// is precision / sigma^2 with the sigma of the tracks. Replaces the confidence's square.
   std::vector<Matrix3d> precision;
-  /// (F*J) or none: recorded world rotations, up to a constant turn within each joint; see JointTracks.
+  /// (F*J) or empty: recorded world rotations, up to a constant rotation within each joint; see JointTracks.
   std::vector<Quaterniond> rotation;
-  std::vector<double> rotation_confidence;  ///< (F*J) or none
-  /// (J) or none: how far from where the skeleton has it a tracked point may lie on the person, all along, standard
-  /// deviation per axis; 0 for what is a joint.
-  std::vector<double> place_spread;
+  std::vector<double> rotation_confidence;  ///< (F*J) or empty
+  /// (J) or empty: standard deviation per axis of a tracked point's constant offset on the person; 0 for joints.
+  std::vector<double> place_sigma;
 
   int frames() const { return positions.frames; }
   int joints() const { return positions.joints; }
@@ -36,16 +34,15 @@ struct SkeletonTracks {
     return precision.empty() ? Matrix3d(c * c * Matrix3d::Identity())
                              : precision[static_cast<std::size_t>(frame) * positions.joints + joint];
   }
-  /// Whether the joint is seen in any frame. (J)
-  std::vector<bool> SeenJoints() const;
-  /// Whether any joint is seen in the frame. (F)
-  std::vector<bool> SeenFrames() const;
+  /// Whether the joint is observed in any frame. (J)
+  std::vector<bool> JointObservations() const;
+  /// Whether any joint is observed in the frame. (F)
+  std::vector<bool> ObservedFrames() const;
 };
 
-/// Finds the joint of every track by name or synonym; names of landmarks are left out. Values with confidence 0 are not
-/// read. Errors: kInconsistent for names the skeleton does not know (all of them), two tracks of one joint, shapes that
-/// disagree, time that does not increase, no observation at all; kMalformed for a seen value that is no number and for
-/// confidence outside [0, 1].
+/// Finds the joint of every track by name or synonym; landmarks are skipped. Values with confidence 0 are not read.
+/// Errors: kInconsistent for unknown names (all of them), two tracks of one joint, shapes that disagree, time that does
+/// not increase, no observation; kMalformed for an observed value that is not finite and for confidence outside [0, 1].
 Expected<SkeletonTracks> MapTracks(const JointTracks& tracks, const SkeletonPtr& skeleton);
 
 /// The same samples on the body of a person: a skeleton of the same joints with other rest offsets.

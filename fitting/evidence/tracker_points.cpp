@@ -19,7 +19,7 @@ const PointPlace* PlaceOf(const TrackerPoints& points, const std::string& name) 
   return found == points.places.end() ? nullptr : &*found;
 }
 
-/// The tracks of `names`, in their order; nothing of those without one.
+/// The tracks renamed to `names`, in their order; tracks without a name are dropped.
 JointTracks Renamed(const JointTracks& tracks, const std::vector<std::optional<std::string>>& names) {
   const std::size_t points = names.size();
   std::vector<std::size_t> kept;
@@ -112,15 +112,15 @@ JointTracks OnBodyOf(const TrackerPoints& points, const JointTracks& tracks, con
   return Renamed(tracks, names);
 }
 
-std::vector<double> PlaceSpreads(const TrackerPoints& points, const Skeleton& body) {
-  std::vector<double> spreads;
+std::vector<double> PlaceSigmas(const TrackerPoints& points, const Skeleton& body) {
+  std::vector<double> sigmas;
   for (const PointPlace& place : points.places) {
     const auto joint = body.FindJoint(TrackedName(place.point));
     if (!joint) continue;
-    spreads.resize(body.joints.size(), 0.0);
-    spreads[static_cast<std::size_t>(*joint)] = place.spread;
+    sigmas.resize(body.joints.size(), 0.0);
+    sigmas[static_cast<std::size_t>(*joint)] = place.spread;
   }
-  return spreads;
+  return sigmas;
 }
 
 }  // namespace mocurate

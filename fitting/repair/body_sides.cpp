@@ -121,14 +121,14 @@ class SidesFollower {
 };
 
 /// Whether left and right are exchanged as anatomy has it, and why.
-struct ToldByAnatomy {
+struct SidesByAnatomy {
   std::optional<bool> exchanged;
   double confidence = 0.0;
   std::string evidence;
 };
 
 /// Share of the frames in which the nose lies before the ears (and behind: negative), of those that show it.
-ToldByAnatomy AskFace(const SkeletonTracks& tracks) {
+SidesByAnatomy AskFace(const SkeletonTracks& tracks) {
   const Skeleton& skeleton = *tracks.skeleton;
   const auto nose = skeleton.FindJoint("nose");
   const auto hips = skeleton.Hips();
@@ -154,32 +154,32 @@ ToldByAnatomy AskFace(const SkeletonTracks& tracks) {
   const int all = before + behind;
   const double share = all > 0 ? std::max(before, behind) / static_cast<double>(all) : 0.0;
   if (all < kFewestAnatomyFrames || share < kFaceNearlyAlways || all < kOften * tracks.frames()) return {};
-  ToldByAnatomy told;
-  told.exchanged = behind > before;
-  told.confidence = share;
-  told.evidence = std::string("the face lies ") + (behind > before ? "behind" : "before") + " the ears (" +
-                  std::to_string(std::lround(100.0 * share)) + " % of " + std::to_string(all) + ")";
-  return told;
+  SidesByAnatomy decided;
+  decided.exchanged = behind > before;
+  decided.confidence = share;
+  decided.evidence = std::string("the face lies ") + (behind > before ? "behind" : "before") + " the ears (" +
+                     std::to_string(std::lround(100.0 * share)) + " % of " + std::to_string(all) + ")";
+  return decided;
 }
 
-ToldByAnatomy AskAnatomy(const SkeletonTracks& tracks) {
+SidesByAnatomy AskAnatomy(const SkeletonTracks& tracks) {
   if (tracks.frames() < kFewestAnatomyFrames) return {};
   const Skeleton& skeleton = *tracks.skeleton;
-  HandednessPoints points = FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); });
-  const std::vector<bool> seen = tracks.SeenJoints();
+  BodyLandmarks points = FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); });
+  const std::vector<bool> seen = tracks.JointObservations();
   for (int side = 0; side < 2; ++side) {
     const auto toe = skeleton.FindJoint(side == 0 ? "left_big_toe" : "right_big_toe");
     if (toe && (points.toe[side] < 0 || !seen[points.toe[side]])) points.toe[side] = *toe;
   }
   const HandednessMeasure limbs = MeasureHandedness(tracks.positions, points, &tracks.confidence);
-  ToldByAnatomy face = AskFace(tracks);
+  SidesByAnatomy face = AskFace(tracks);
   if (!limbs.handedness) return face;
-  ToldByAnatomy told{*limbs.handedness == Handedness::kLeft, limbs.confidence, limbs.evidence};
-  if (!face.exchanged) return told;
-  if (face.exchanged != told.exchanged) return {};
-  told.confidence = std::max(told.confidence, face.confidence);
-  told.evidence += ", " + face.evidence;
-  return told;
+  SidesByAnatomy decided{*limbs.handedness == Handedness::kLeft, limbs.confidence, limbs.evidence};
+  if (!face.exchanged) return decided;
+  if (face.exchanged != decided.exchanged) return {};
+  decided.confidence = std::max(decided.confidence, face.confidence);
+  decided.evidence += ", " + face.evidence;
+  return decided;
 }
 
 }  // namespace
@@ -211,7 +211,7 @@ void ExchangeJoints(const std::vector<int>& left, int begin, int end, SkeletonTr
 }
 
 bool CoverAll(const std::vector<BodyExchange>& exchanges, const SkeletonTracks& tracks) {
-  std::vector<bool> outside = tracks.SeenFrames();
+  std::vector<bool> outside = tracks.ObservedFrames();
   for (const BodyExchange& exchange : exchanges)
     std::fill(outside.begin() + exchange.frame_begin, outside.begin() + exchange.frame_end, false);
   return std::find(outside.begin(), outside.end(), true) == outside.end();
@@ -227,8 +227,8 @@ std::vector<BodyExchange> FindBodyExchanges(const SkeletonTracks& tracks, double
       if (chain.other[static_cast<std::size_t>(f)]) ExchangeJoints(left, f, f + 1, part);
     }
     const auto others = std::count(chain.other.begin(), chain.other.end(), true);
-    const ToldByAnatomy told = AskAnatomy(part);
-    const bool first = told.exchanged ? *told.exchanged : 2 * others > part.frames();
+    const SidesByAnatomy decided = AskAnatomy(part);
+    const bool first = decided.exchanged ? *decided.exchanged : 2 * others > part.frames();
     const auto exchanged = first ? part.frames() - others : others;
     for (int begin = 0; begin < part.frames(); ++begin) {
       const auto is = [&](int f) { return chain.other[static_cast<std::size_t>(f)] != first; };
@@ -236,10 +236,10 @@ std::vector<BodyExchange> FindBodyExchanges(const SkeletonTracks& tracks, double
       BodyExchange exchange;
       exchange.rarer = 2 * exchanged <= part.frames();
       const auto all = static_cast<double>(part.frames());
-      exchange.confidence = told.exchanged ? told.confidence : 1.0 - static_cast<double>(exchanged) / all;
-      exchange.evidence = !told.exchanged ? "steps are likelier so, and the other frames are more"
-                          : first         ? told.evidence
-                                          : "steps are likelier so, and in the other frames " + told.evidence;
+      exchange.confidence = decided.exchanged ? decided.confidence : 1.0 - static_cast<double>(exchanged) / all;
+      exchange.evidence = !decided.exchanged ? "steps are likelier so, and the other frames are more"
+                          : first            ? decided.evidence
+                                             : "steps are likelier so, and in the other frames " + decided.evidence;
       exchange.frame_begin = chain.begin + begin;
       while (begin < part.frames() && is(begin)) ++begin;
       exchange.frame_end = chain.begin + begin;

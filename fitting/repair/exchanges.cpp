@@ -30,7 +30,7 @@ struct PairedLimb {
 
 std::vector<PairedLimb> PairedLimbsOf(const SkeletonTracks& tracks) {
   const Skeleton& skeleton = *tracks.skeleton;
-  const std::vector<bool> seen = tracks.SeenJoints();
+  const std::vector<bool> seen = tracks.JointObservations();
   std::vector<PairedLimb> limbs;
   std::vector<std::array<int, 2>> place(skeleton.joints.size(), {-1, -1});  // limb, index in it
   for (int j = 0; j < skeleton.joint_count(); ++j) {
@@ -198,8 +198,8 @@ class ExchangeSearch {
   double StateCost(int f, int state) const {
     double cost = state == 0 ? 0.0 : kExchangedLimbCost;
     for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
-      const bool torn = limb_.above[i] >= 0 && Exchanged(state, i) != Exchanged(state, limb_.above[i]);
-      cost += bone_[At(f, i)][torn ? 1 : 0];
+      const bool splits = limb_.above[i] >= 0 && Exchanged(state, i) != Exchanged(state, limb_.above[i]);
+      cost += bone_[At(f, i)][splits ? 1 : 0];
     }
     return cost;
   }

@@ -8,18 +8,18 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/quality/position_jumps.h"
 #include "core/quality/repeats.h"
-#include "core/quality/teleports.h"
 #include "fitting/repair/body_sides.h"
+#include "fitting/repair/bone_violations.h"
+#include "fitting/repair/coincident_limbs.h"
 #include "fitting/repair/exchanges.h"
-#include "fitting/repair/merged_limbs.h"
-#include "fitting/repair/torn_joints.h"
 #include "fitting/solver/bone_lengths.h"
 
 namespace mocurate {
 namespace {
 
-/// What is left out for a finding, joints not told yet.
+/// A finding for excluded samples, joints still missing.
 TrackRepair RepairOf(const Finding& finding) {
   TrackRepair repair;
   repair.code = finding.code;
@@ -39,24 +39,25 @@ class Repairs {
   }
 
   /// Spans that are longer than `longest_s`, or most of what is seen of a joint, are left as they are: what lasts
-  /// may be true. A person who is elsewhere for so long is told, and a step that nobody takes.
-  void LeaveOut(const std::vector<Finding>& findings, double longest_s) {
+  /// may be true. A longer absence and an impossible step are reported.
+  void Exclude(const std::vector<Finding>& findings, double longest_s) {
     SkeletonTracks& tracks = result_.tracks;
     for (const Finding& finding : findings) {
       const bool lasting = tracks.time_s[finding.frame_end - 1] - tracks.time_s[finding.frame_begin] > longest_s;
-      if (finding.code == "body_jump" || (lasting && finding.code == "teleport")) result_.told.push_back(finding);
-      if (finding.code == "body_jump" || lasting) continue;
+      if (finding.code == "unrecovered_jump" || (lasting && finding.code == "position_jump"))
+        result_.findings.push_back(finding);
+      if (finding.code == "unrecovered_jump" || lasting) continue;
       TrackRepair repair = RepairOf(finding);
       for (int j = 0; j < tracks.joints(); ++j) {
         if (!finding.joint.empty() && names_[j] != finding.joint) continue;
-        if (LeaveOut(j, finding.frame_begin, finding.frame_end)) repair.joints.push_back(j);
+        if (Exclude(j, finding.frame_begin, finding.frame_end)) repair.joints.push_back(j);
       }
       if (!repair.joints.empty()) result_.repairs.push_back(std::move(repair));
     }
   }
 
-  /// Frames in which all joints stand in one point, however many: nobody was seen.
-  void LeaveOutNobody() {
+  /// Frames in which all joints stand in one point, however many: no person was observed.
+  void DropEmptyPeople() {
     for (const Finding& finding : FindBlanks(points())) {
       if (finding.code != "zero_frames" && finding.code != "collapsed_frames") continue;
       TrackRepair repair = RepairOf(finding);
@@ -68,24 +69,24 @@ class Repairs {
     }
   }
 
-  void LeaveOutCollapsed() {
-    const SkeletonTracks given = result_.tracks;  // of a chain in one place every joint is told
+  void ExcludeCollapsed() {
+    const SkeletonTracks given = result_.tracks;  // of a chain in one place every joint is reported
     SkeletonTracks& tracks = result_.tracks;
     int seen = 0, collapsed = 0;
     for (int f = 0; f < given.frames(); ++f) {
       for (int j = 0; j < given.joints(); ++j) {
         seen += given.seen(f, j) ? 1 : 0;
-        collapsed += StandsForAnother(given, f, j) ? 1 : 0;
+        collapsed += IsAtParent(given, f, j) ? 1 : 0;
       }
     }
     if (2 * collapsed > seen) return;  // that is no person, which the fit has to say
     for (int j = 1; j < tracks.joints(); ++j) {
       for (int f = 0; f < tracks.frames(); ++f) {
-        if (!StandsForAnother(given, f, j)) continue;
+        if (!IsAtParent(given, f, j)) continue;
         TrackRepair repair;
         repair.code = "zero_length_bone";
         repair.frame_begin = f;
-        while (f < tracks.frames() && StandsForAnother(given, f, j)) tracks.confidence[At(f++, j)] = 0.0;
+        while (f < tracks.frames() && IsAtParent(given, f, j)) tracks.confidence[At(f++, j)] = 0.0;
         repair.frame_end = f;
         repair.joints = {j};
         repair.value = repair.frame_end - repair.frame_begin;
@@ -96,26 +97,28 @@ class Repairs {
     }
   }
 
-  void LeaveOut(const TornJoint& torn, double longest_s) {
+  void Exclude(const BoneViolation& violation, double longest_s) {
     const SkeletonTracks& tracks = result_.tracks;
-    if (tracks.time_s[torn.frame_end - 1] - tracks.time_s[torn.frame_begin] > longest_s) return;
-    if (!LeaveOut(torn.joint, torn.frame_begin, torn.frame_end)) return;
+    if (tracks.time_s[violation.frame_end - 1] - tracks.time_s[violation.frame_begin] > longest_s) return;
+    if (!Exclude(violation.joint, violation.frame_begin, violation.frame_end)) return;
     TrackRepair repair;
-    repair.code = "joint_torn_off";
-    repair.frame_begin = torn.frame_begin;
-    repair.frame_end = torn.frame_end;
-    repair.joints = {torn.joint};
-    repair.value = torn.distance;
-    repair.message = names_[torn.joint] + " is elsewhere in " + Counted(torn.frame_end - torn.frame_begin, "frame") +
-                     (torn.jumped ? ": it jumps there or back by " + RoundedText(torn.distance, 3) + " m"
-                                  : ": bones would have to be longer by " + RoundedText(torn.distance, 3) + " m");
+    repair.code = "bone_length_violation";
+    repair.frame_begin = violation.frame_begin;
+    repair.frame_end = violation.frame_end;
+    repair.joints = {violation.joint};
+    repair.value = violation.distance;
+    repair.message =
+        names_[violation.joint] + " is elsewhere in " + Counted(violation.frame_end - violation.frame_begin, "frame") +
+        (violation.jumped ? ": it jumps there or back by " + RoundedText(violation.distance, 3) + " m"
+                          : ": bones would have to be longer by " + RoundedText(violation.distance, 3) + " m");
     result_.repairs.push_back(std::move(repair));
   }
 
-  /// However long it lasts, it is not true. Where it is most of what is seen, nothing would be left: it is told alone.
-  void LeaveOut(const MergedLimbs& merged) {
+  /// However long it lasts, it is not true. Where it is most of the observations, nothing would be left: it is only
+  /// reported.
+  void Exclude(const CoincidentLimbs& merged) {
     TrackRepair repair;
-    repair.code = "limbs_in_one_place";
+    repair.code = "coincident_limbs";
     repair.severity = Severity::kWarning;
     repair.frame_begin = merged.frame_begin;
     repair.frame_end = merged.frame_end;
@@ -127,15 +130,15 @@ class Repairs {
                      Counted(merged.frame_end - merged.frame_begin, "frame") +
                      (both ? ": which of both limbs is in its place nothing tells" : ": it went over to that side");
     for (const int joint : merged.joints) {
-      if (LeaveOut(joint, merged.frame_begin, merged.frame_end)) repair.joints.push_back(joint);
+      if (Exclude(joint, merged.frame_begin, merged.frame_end)) repair.joints.push_back(joint);
     }
     if (!repair.joints.empty()) {
       result_.repairs.push_back(std::move(repair));
       return;
     }
     repair.joints = merged.joints;
-    result_.told.push_back(FindingsOf({repair}, *result_.tracks.skeleton).front());
-    result_.told.back().action = FindingAction::kFlagged;
+    result_.findings.push_back(FindingsOf({repair}, *result_.tracks.skeleton).front());
+    result_.findings.back().action = FindingAction::kFlagged;
   }
 
   void Exchange(const LimbExchange& limb) {
@@ -152,18 +155,18 @@ class Repairs {
                  Counted(body.frame_end - body.frame_begin, "frame") + ": " + body.evidence);
   }
 
-  void TellOfMirroredBody(const BodyExchange& body) {
+  void ReportMirroredBody(const BodyExchange& body) {
     Finding finding;
     finding.code = "sides_exchanged";
     finding.severity = Severity::kError;
     finding.value = body.confidence;
     finding.message = "left and right are exchanged throughout, or the axes are mirrored: " + body.evidence +
-                      "; mend the names of the joints or the axes of the source";
+                      "; correct joint names or axes of the source";
     finding.action = FindingAction::kFlagged;
-    result_.told.push_back(std::move(finding));
+    result_.findings.push_back(std::move(finding));
   }
 
-  void TellOfTurnedBody(const LimbExchange& limb) {
+  void ReportReversedBody(const LimbExchange& limb) {
     Finding finding;
     finding.code = "body_turned";
     finding.frame_begin = limb.frame_begin;
@@ -175,7 +178,7 @@ class Repairs {
         "; but knees, feet, hands or shoulders would then point backwards: left as it is, front and back of these "
         "frames or of the others are in doubt";
     finding.action = FindingAction::kFlagged;
-    result_.told.push_back(std::move(finding));
+    result_.findings.push_back(std::move(finding));
   }
 
   TrackedPoints points() const {
@@ -209,7 +212,7 @@ class Repairs {
     result_.repairs.push_back(std::move(repair));
   }
 
-  bool LeaveOut(int joint, int begin, int end) {
+  bool Exclude(int joint, int begin, int end) {
     SkeletonTracks& tracks = result_.tracks;
     int here = 0;
     for (int f = begin; f < end; ++f) here += tracks.seen(f, joint) ? 1 : 0;
@@ -242,12 +245,12 @@ std::vector<Finding> Repeated(std::vector<Finding> findings) {
 }
 
 /// Where most of what steps join is exchanged, the search by limbs would exchange the rest.
-void MendBodies(double noise_sigma, double least_margin, Repairs& repairs) {
+void CorrectBodies(double noise_sigma, double least_margin, Repairs& repairs) {
   std::vector<BodyExchange> bodies = FindBodyExchanges(repairs.tracks(), noise_sigma, least_margin);
   bodies.erase(std::remove_if(bodies.begin(), bodies.end(), [](const BodyExchange& body) { return body.rarer; }),
                bodies.end());
   if (bodies.empty()) return;
-  if (CoverAll(bodies, repairs.tracks())) return repairs.TellOfMirroredBody(bodies.front());
+  if (CoverAll(bodies, repairs.tracks())) return repairs.ReportMirroredBody(bodies.front());
   for (const BodyExchange& body : bodies) repairs.Exchange(body);
 }
 
@@ -273,18 +276,18 @@ bool TwistedTrunk(const SkeletonTracks& tracks) {
   return 2 * against > seen;
 }
 
-/// A tracker that takes somebody's back for the front turns the whole person round in one step, feet and face with it.
+/// A tracker that takes the back for the front rotates the whole person in one step, feet and face included.
 /// To exchange sides then would set the feet on backwards, or the shoulders against the hips: which half is right
 /// nothing tells, and both stay.
-void MendLimbs(const std::vector<double>& bone_length, double noise_sigma, double least_margin, Repairs& repairs) {
+void CorrectLimbs(const std::vector<double>& bone_length, double noise_sigma, double least_margin, Repairs& repairs) {
   const SkeletonTracks given = repairs.tracks();
   std::vector<LimbExchange> limbs = FindExchanges(given, bone_length, noise_sigma, least_margin);
-  SkeletonTracks mended = given;
-  for (const LimbExchange& limb : limbs) ExchangeJoints(limb.pairs, limb.frame_begin, limb.frame_end, mended);
+  SkeletonTracks corrected = given;
+  for (const LimbExchange& limb : limbs) ExchangeJoints(limb.pairs, limb.frame_begin, limb.frame_end, corrected);
   std::vector<LimbExchange> turned;
   for (const LimbExchange& limb : limbs) {
     const SkeletonTracks before = CutTracks(given, limb.frame_begin, limb.frame_end);
-    const SkeletonTracks after = CutTracks(mended, limb.frame_begin, limb.frame_end);
+    const SkeletonTracks after = CutTracks(corrected, limb.frame_begin, limb.frame_end);
     const bool backwards = SidesExchangedByAnatomy(before) == false && SidesExchangedByAnatomy(after) == true;
     if (backwards || (!TwistedTrunk(before) && TwistedTrunk(after))) turned.push_back(limb);
   }
@@ -294,7 +297,7 @@ void MendLimbs(const std::vector<double>& bone_length, double noise_sigma, doubl
     if (!with_turned) repairs.Exchange(limb);
   }
   for (std::size_t i = 0; i < turned.size(); ++i) {
-    if (i == 0 || !Overlap(turned[i], turned[i - 1])) repairs.TellOfTurnedBody(turned[i]);
+    if (i == 0 || !Overlap(turned[i], turned[i - 1])) repairs.ReportReversedBody(turned[i]);
   }
 }
 
@@ -303,7 +306,7 @@ void MendLimbs(const std::vector<double>& bone_length, double noise_sigma, doubl
 RepairedTracks RepairLimbs(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                            double least_margin) {
   Repairs repairs(given);
-  MendLimbs(bone_length, noise_sigma, least_margin, repairs);
+  CorrectLimbs(bone_length, noise_sigma, least_margin, repairs);
   return repairs.Take();
 }
 
@@ -311,24 +314,25 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
                             const RepairOptions& options) {
   Repairs repairs(given);
   if (options.collapsed) {
-    repairs.LeaveOutNobody();
-    repairs.LeaveOutCollapsed();
+    repairs.DropEmptyPeople();
+    repairs.ExcludeCollapsed();
   }
-  if (options.teleports) repairs.LeaveOut(FindTeleports(repairs.points()), options.longest_teleport_s);
-  if (options.held) {
-    const auto least = static_cast<int>(options.held_frames);
-    repairs.LeaveOut(Repeated(FindRepeats(repairs.points(), {least, least})), options.longest_held_s);
+  if (options.position_jumps) repairs.Exclude(FindPositionJumps(repairs.points()), options.longest_jump_s);
+  if (options.repeated_values) {
+    const auto least = static_cast<int>(options.repeated_frames);
+    repairs.Exclude(Repeated(FindRepeats(repairs.points(), {least, least})), options.longest_repeat_s);
   }
-  if (options.merged) {  // before sides are compared: in one place they have none
-    for (const MergedLimbs& merged : FindMergedLimbs(repairs.tracks(), noise_sigma)) repairs.LeaveOut(merged);
+  if (options.coincident_limbs) {  // before sides are compared: in one place they have none
+    for (const CoincidentLimbs& merged : FindMergedLimbs(repairs.tracks(), noise_sigma)) repairs.Exclude(merged);
   }
   if (options.swaps) {
-    MendBodies(noise_sigma, options.swap_margin, repairs);
-    MendLimbs(bone_length, noise_sigma, options.swap_margin, repairs);
+    CorrectBodies(noise_sigma, options.swap_margin, repairs);
+    CorrectLimbs(bone_length, noise_sigma, options.swap_margin, repairs);
   }
-  if (options.torn) {  // not before: an exchanged hand tears the forearm
-    for (const TornJoint& torn : FindTornJoints(repairs.tracks(), bone_length, noise_sigma, options.longest_teleport_s))
-      repairs.LeaveOut(torn, options.longest_teleport_s);
+  if (options.bone_violations) {  // not before: an exchanged hand tears the forearm
+    for (const BoneViolation& violation :
+         DetectBoneViolations(repairs.tracks(), bone_length, noise_sigma, options.longest_jump_s))
+      repairs.Exclude(violation, options.longest_jump_s);
   }
   return repairs.Take();
 }
@@ -367,7 +371,7 @@ std::string RepairsText(const std::vector<TrackRepair>& repairs, const Skeleton&
     nlohmann::json joints = nlohmann::json::array();
     for (const int joint : repair.joints) joints.push_back(skeleton.joints[joint].name);
     list.push_back({{"code", repair.code},
-                    {"action", repair.action == TrackRepair::Action::kExchanged ? "exchanged" : "left out"},
+                    {"action", repair.action == TrackRepair::Action::kExchanged ? "exchanged" : "excluded"},
                     {"frames", {repair.frame_begin, repair.frame_end}},
                     {"joints", joints},
                     {"value", std::round(1e3 * repair.value) / 1e3}});

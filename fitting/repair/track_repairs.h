@@ -12,12 +12,13 @@ namespace mocurate {
 
 /// What was done to the samples of some joints in frames [frame_begin, frame_end) before the fit.
 struct TrackRepair {
-  enum class Action { kExchanged, kLeftOut };
+  enum class Action { kExchanged, kExcluded };
 
-  std::string code;  ///< "swapped_sides", "teleport", "joint_far", "held_joint", "frozen_frames", "zero_length_bone",
-                     ///< "joint_torn_off", "zero_frames", "collapsed_frames", "limbs_in_one_place"
+  std::string
+      code;  ///< "swapped_sides", "position jump", "joint_far", "repeated_value", "frozen_frames", "zero_length_bone",
+             ///< "bone_length_violation", "zero_frames", "collapsed_frames", "coincident_limbs"
   Severity severity = Severity::kInfo;
-  Action action = Action::kLeftOut;
+  Action action = Action::kExcluded;
   int frame_begin = 0;
   int frame_end = 0;
   std::vector<int> joints;  ///< of an exchange the left ones; each with its mirror partner
@@ -30,14 +31,14 @@ struct RepairedTracks {
   SkeletonTracks tracks;
   std::vector<bool> exchanged;       ///< (F*J) what is seen there was tracked as the other side
   std::vector<TrackRepair> repairs;  ///< in the order in which they were made
-  std::vector<Finding> told;         ///< what is wrong and was left as it is
+  std::vector<Finding> findings;     ///< errors that were reported, not corrected
 };
 
 /// Takes samples for missing that no body gives (bones without length, teleports, held joints, limbs in one place: of
 /// the side that went over, or of both), then exchanges left and right where the tracker did: of the whole body where
 /// anatomy says so (FindBodyExchanges), of limbs by steps (FindExchanges); and joints that bones do not reach
-/// (FindTornJoints). Where anatomy has the sides exchanged in all that is seen, the names of the joints are wrong or
-/// the axes are mirrored, which tracks do not tell: an error "sides_exchanged" in `told`, nothing is done.
+/// (DetectBoneViolations). Where anatomy has the sides exchanged in all that is seen, the names of the joints are wrong
+/// or the axes are mirrored, which tracks cannot decide: an error "sides_exchanged" in `findings`, no correction.
 /// `bone_length` (J) metres; `noise_sigma` metres per axis.
 RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
                             const RepairOptions& options);

@@ -20,13 +20,13 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
   WindowSolution solution;
   double cost = solution.initial_cost = track.Cost();
   if (!std::isfinite(cost)) {
-    return Fail(ErrorCode::kInconsistent, "the cost of the start is no number",
+    return Fail(ErrorCode::kInconsistent, "the cost of the initial pose is not finite",
                 "frames " + std::to_string(window.begin) + " to " + std::to_string(window.end),
-                "is it a person in metres that these frames show?");
+                "check that these frames show a person, in metres");
   }
   bool moved = true;
   while (solution.iterations < window.step.max_iterations && !region.exhausted()) {
-    if (Status on = GoOnUnlessStopped("fit of joint tracks"); !on) return Forward(on);
+    if (Status on = StopIfInterrupted("fit of joint tracks"); !on) return Forward(on);
     if (moved) track.Linearise(equations);
     moved = false;
     ++solution.iterations;
@@ -36,14 +36,15 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
       continue;
     }
     const Eigen::VectorXd step = equations.Solve();
-    const double foreseen = 0.5 * (step.dot(damping.cwiseProduct(step)) - step.dot(equations.GradientEntries()));
+    const double predicted_decrease =
+        0.5 * (step.dot(damping.cwiseProduct(step)) - step.dot(equations.GradientEntries()));
     track.SetParameters(parameters + step);
     const double next = track.Cost();
-    const double gain = (cost - next) / foreseen;
-    if (!(foreseen > 0.0) || !(gain > TrustRegion::kSmallestGain)) {
+    const double gain = (cost - next) / predicted_decrease;
+    if (!(predicted_decrease > 0.0) || !(gain > TrustRegion::kSmallestGain)) {
       track.SetParameters(parameters);
-      // At the minimum rounding decides: nothing more is to be had.
-      if (foreseen <= 1e-3 * window.step.relative_tolerance * cost) {
+      // At the minimum, rounding decides the sign of the decrease.
+      if (predicted_decrease <= 1e-3 * window.step.relative_tolerance * cost) {
         solution.converged = true;
         break;
       }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-// Level 3 routines of the BLAS and LAPACK that the program is linked with (column-major, Fortran interface).
+// Level 3 routines of the linked BLAS and LAPACK (column-major, Fortran interface).
 extern "C" {
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m, const int* n,

@@ -21,7 +21,7 @@ class BlockTridiagonal {
   BlockTridiagonal() : BlockTridiagonal(0, 0, 0) {}
   BlockTridiagonal(int blocks, int size, int border) { Resize(blocks, size, border); }
 
-  /// For other equations, in the memory that it has where that is enough; what stands in it means nothing.
+  /// Resizes for other equations and reuses memory; the contents are undefined.
   void Resize(int blocks, int size, int border);
 
   int blocks() const { return blocks_; }
@@ -29,7 +29,7 @@ class BlockTridiagonal {
   int border() const { return border_; }
 
   void SetZero();
-  /// D_f, O_f, E_f and g_f: what is set to zero shortly before it is summed up is still at hand.
+  /// D_f, O_f, E_f and g_f. Call shortly before summation, while they are in the cache.
   void SetZero(int f);
   /// D_f: only its upper triangle is read.
   Block Diagonal(int f) { return {diagonal_.data() + Square(f), size_, size_}; }
@@ -51,8 +51,8 @@ class BlockTridiagonal {
 
   /// Blocks of the inverse of the factored matrix, n x n: (f, f), and (f, f + 1), which is empty for the last.
   using VisitBlocks = std::function<void(int f, const Eigen::MatrixXd& diagonal, const Eigen::MatrixXd& next)>;
-  /// Those blocks without the others (selected inversion), last f first. The border is held: without one they are
-  /// exact.
+  /// Those blocks without the others (selected inversion), last f first. The border is held constant: without one the
+  /// blocks are exact.
   void VisitInverse(const VisitBlocks& visit) const;
 
  private:
@@ -72,8 +72,8 @@ class BlockTridiagonal {
   Eigen::MatrixXd reduced_corner_;
 };
 
-/// A^-1 of a symmetric positive definite matrix, of which the upper triangle is read, in its place; false where it is
-/// not.
+/// Inverse of a symmetric positive definite matrix in place; reads the upper triangle. False for a matrix that is not
+/// positive definite.
 bool InvertInPlace(Eigen::MatrixXd& matrix);
 
 }  // namespace mocurate

@@ -9,10 +9,10 @@ namespace mocurate {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// What points that move with one rigid body say about its motion: Gauss-Newton information (6 x 6) and gradient (6) of
-/// 1/2 sum e' W e in the body's twist (v, w), v at an origin o: a point at p, relative to o, moves by v + w x p. Bodies
-/// that move together are added: the sum over a subtree is all that the rotation above it has to know (composite rigid
-/// body method, Featherstone 2008, section 6.3, with information in the place of inertia).
+/// Information of points fixed to one rigid body about its motion: Gauss-Newton information (6 x 6) and gradient (6) of
+/// 1/2 sum e' W e in the body's twist (v, w), v at an origin o. A point at p, relative to o, moves by v + w x p. Bodies
+/// that move together are added: the rotation above a subtree needs only the subtree's sum (composite rigid body
+/// method, Featherstone 2008, section 6.3, with information for inertia).
 struct BodyInformation {
   Matrix6d information = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
@@ -39,8 +39,8 @@ struct BodyInformation {
     gradient.head<3>() += pull;
     gradient.tail<3>() += p.cross(pull);
   }
-  /// A recorded rotation of weight W (symmetric 3 x 3, of the body's turn w); `pull` = W e.
-  void AddTurn(const Matrix3d& weight, const Vector3d& pull) {
+  /// A recorded rotation of weight W (symmetric 3 x 3, of the body's rotation w); `pull` = W e.
+  void AddRotation(const Matrix3d& weight, const Vector3d& pull) {
     information.bottomRightCorner<3, 3>() += weight;
     gradient.tail<3>() += pull;
   }
@@ -51,8 +51,8 @@ struct BodyInformation {
   }
 };
 
-/// Information that ties a body's twist in one frame (rows) to its twist in another (columns): a point at p here and q
-/// there, of isotropic weight: weight * X(p)' X(q), X(p) = [I, -Hat(p)].
+/// Information that couples a body's twist in one frame (rows) and in another (columns): a point at p here and q there,
+/// of isotropic weight: weight * X(p)' X(q), X(p) = [I, -Hat(p)].
 inline Matrix6d CrossInformation(const Vector3d& p, const Vector3d& q, double weight) {
   Matrix6d information;
   information.topLeftCorner<3, 3>() = weight * Matrix3d::Identity();

@@ -16,17 +16,18 @@
 namespace mocurate {
 namespace {
 
-constexpr double kShortestSizedBone = 0.1;  ///< metres of the rest pose; shorter ones are hardly measured
+constexpr double kShortestSizedBone = 0.1;  ///< metres of the rest pose; shorter ones are measured too inaccurately
 constexpr double kSmallestPerson = 0.35;    ///< against the rest skeleton
 constexpr double kLargestPerson = 2.0;
-constexpr double kSizeDiffers = 0.08;   ///< share by which a clip's bones differ from the person's, told
+constexpr double kSizeDiffers = 0.08;   ///< relative difference of a clip's bones from the person's that is reported
 constexpr double kPoint = 0.02;         ///< metres, standard deviation of joints along their longest direction
-constexpr double kFlatBody = 0.005;     ///< thickness against extent, of standard deviations
+constexpr double kFlatBody = 0.005;     ///< thickness over extent, both standard deviations
 constexpr int kFewestFlatFrames = 10;   ///< fewer may be a planar pose
 constexpr double kNearlyAlways = 0.95;  ///< of the frames
-constexpr int kFewestJoints = 6;        ///< that a frame must show
+constexpr int kFewestJoints = 6;        ///< that a frame must show, at least
 
-/// Standard deviations of the joints of a frame along their thinnest and their longest direction; empty: too few.
+/// Standard deviations of the joints of a frame along their thinnest and their longest direction; empty with too few
+/// joints.
 std::optional<std::pair<double, double>> Extents(const SkeletonTracks& clip, int frame) {
   Vector3d mean = Vector3d::Zero();
   int count = 0;
@@ -67,7 +68,7 @@ double SizeAgainst(const SkeletonTracks& clip, const std::vector<double>& bone_l
   return MeanMedian(ratios);
 }
 
-std::vector<bool> OfThePersonsSize(const std::vector<double>& sizes) {
+std::vector<bool> HasPersonsSize(const std::vector<double>& sizes) {
   double person = 0.0;
   bool of_a_person = false;
   std::ptrdiff_t most = 0;
@@ -97,13 +98,13 @@ Expected<std::optional<Finding>> CheckSize(const SkeletonTracks& clip, const std
   if (IsNear(size, 1.0)) {
     Finding finding = FrameFinding("size_differs", 0, 0, "", size,
                                    compared +
-                                       ": is it somebody else? A tracker that measures people anew in each "
-                                       "recording wants proportions.body_of: recording");
+                                       ": check the clip's person. For a tracker that measures people anew in each "
+                                       "recording, set proportions.body_of: recording");
     return std::optional<Finding>(std::move(finding));
   }
   const auto unit = FindUnit(size);
   return Fail(ErrorCode::kInconsistent, compared + (unit ? ": it looks like " + unit->text : std::string()), where,
-              "mend the unit of this clip, or give it another person");
+              "correct the unit of this clip, or assign it to another person");
 }
 
 Status CheckBody(const SkeletonTracks& clip, const std::string& where) {
@@ -114,22 +115,22 @@ Status CheckBody(const SkeletonTracks& clip, const std::string& where) {
     if (!extents) continue;
     ++frames;
     length.push_back(extents->second);
-    if (extents->second < kPoint) continue;  // nobody is there
+    if (extents->second < kPoint) continue;  // no person
     thickness.push_back(extents->first);
     flat += extents->first <= kFlatBody * extents->second ? 1 : 0;
   }
   const auto bodies = static_cast<long long>(thickness.size());
   if (frames > 0 && bodies == 0) {
     return Fail(ErrorCode::kInconsistent,
-                "nobody is there: all joints lie in one point (to " + RoundedText(Tenths(MeanMedian(length)), 3) +
+                "no person: all joints lie in one point (to " + RoundedText(Tenths(MeanMedian(length)), 3) +
                     " mm in the median) in all of " + Counted(frames, "frame"),
-                where, "drop the clip; where it stands for \"not seen\", say so with ingest.source.missing: zero");
+                where, "drop the clip; where the point means \"not observed\", set ingest.source.missing: zero");
   }
   if (flat < kFewestFlatFrames || flat < kNearlyAlways * static_cast<double>(bodies)) return {};
   return Fail(ErrorCode::kInconsistent,
               "flat_body: all joints lie in one plane (to " + RoundedText(Tenths(MeanMedian(thickness)), 3) +
                   " mm in the median) in " + std::to_string(flat) + " of " + Counted(bodies, "frame") +
-                  ": 2-D points without depth are no joint tracks; the pose across the plane is not known",
+                  ": 2-D points without depth are not joint tracks, as the pose across the plane is unknown",
               where, "give positions with their depth, or the 2-D points of two calibrated cameras (keypoints)");
 }
 

@@ -9,19 +9,19 @@
 #include "core/quality/median_deviation.h"
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
-#include "fitting/solver/rest_spreads.h"
+#include "fitting/solver/rest_sigmas.h"
 
 namespace mocurate {
 namespace {
 
-/// Square of a distance as it would be in the median without noise of covariance C (of the difference), from what is
-/// seen. A square (d + e)'(d + e) has the mean d'd + tr C, the variance 4 d'C d + 2 tr C^2, and is skewed: its median
-/// lies by third cumulant / (6 variance) below its mean (Cornish and Fisher). Of one sigma at both ends of a long bone,
-/// 4 sigma^2 remain. No less than a quarter of what is seen.
+/// Estimate of the median squared distance without noise of covariance C (of the difference), from an observed one. A
+/// square (d + e)'(d + e) has mean d'd + tr C and variance 4 d'C d + 2 tr C^2, and is skewed: its median lies below its
+/// mean by third cumulant / (6 variance) (Cornish and Fisher). With one sigma at both ends of a long bone, the bias is
+/// 4 sigma^2. At least a quarter of the observed square.
 double SquareWithoutNoise(const Vector3d& seen, const Matrix3d& covariance) {
   const double squares = covariance.squaredNorm();
   const double cubes = (covariance * covariance).cwiseProduct(covariance).sum();
-  // With d'C d and d'C^2 d freed of the noise that is in the seen d.
+  // d'C d and d'C^2 d, corrected for the noise in the observed d.
   const double variance = std::max(4.0 * seen.dot(covariance * seen) - 2.0 * squares, 2.0 * squares);
   const double third = std::max(24.0 * (covariance * seen).squaredNorm() - 16.0 * cubes, 8.0 * cubes);
   const double skew = variance > 0.0 ? third / (6.0 * variance) : 0.0;
@@ -29,7 +29,7 @@ double SquareWithoutNoise(const Vector3d& seen, const Matrix3d& covariance) {
   return std::max(square - covariance.trace() + skew, 0.25 * square);
 }
 
-/// Median of values with weights; the mean of two where both are in the middle. Sorts them.
+/// Weighted median; the mean of the two middle values in a tie. Sorts them.
 double WeightedMedian(std::vector<std::pair<double, double>>& weighted) {
   std::sort(weighted.begin(), weighted.end());
   double all = 0.0;
@@ -46,9 +46,9 @@ double WeightedMedian(std::vector<std::pair<double, double>>& weighted) {
 
 }  // namespace
 
-/// Whether a joint stands exactly where its parent does, though the skeleton has a bone between them.
-bool StandsForAnother(const SkeletonTracks& clip, int frame, int joint) {
-  constexpr double kShortBone = 0.01;  // metres; joints of a skeleton that lie in one place may stand in one place
+/// Whether a joint is at exactly its parent's position, though the skeleton has a bone between them.
+bool IsAtParent(const SkeletonTracks& clip, int frame, int joint) {
+  constexpr double kShortBone = 0.01;  // metres; joints that coincide in the skeleton may coincide
   const Joint& of = clip.skeleton->joints[joint];
   return of.parent >= 0 && of.rest_offset.norm() >= kShortBone && clip.seen(frame, joint) &&
          clip.seen(frame, of.parent) &&
@@ -61,7 +61,7 @@ std::vector<bool> ShownJoints(const std::vector<SkeletonTracks>& clips) {
     const int joint = static_cast<int>(j);
     for (const SkeletonTracks& clip : clips) {
       for (int f = 0; f < clip.frames() && !shown[j]; ++f) {
-        shown[j] = clip.seen(f, joint) && !StandsForAnother(clip, f, joint);
+        shown[j] = clip.seen(f, joint) && !IsAtParent(clip, f, joint);
       }
     }
   }
@@ -69,17 +69,17 @@ std::vector<bool> ShownJoints(const std::vector<SkeletonTracks>& clips) {
 }
 
 BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, int a, int b) {
-  std::vector<std::pair<double, double>> lengths;  // and how much each counts
+  std::vector<std::pair<double, double>> lengths;  // length and weight
   BoneDistance distance;
   for (std::size_t c = 0; c < clips.size(); ++c) {
     for (int f = 0; f < clips[c].frames(); ++f) {
       if (!clips[c].seen(f, a) || !clips[c].seen(f, b)) continue;
       const Vector3d seen = clips[c].positions.at(f, a) - clips[c].positions.at(f, b);
-      if (StandsForAnother(clips[c], f, a) || StandsForAnother(clips[c], f, b)) continue;
+      if (IsAtParent(clips[c], f, a) || IsAtParent(clips[c], f, b)) continue;
       const Matrix3d unit = UnitCovariance(clips[c], f, a) + UnitCovariance(clips[c], f, b);
-      // Weights by the variance along a bone that is seen would make those count less whose noise points that way.
+      // Weights by the variance along an observed bone would be biased: they depend on the direction of the noise.
       const double confidence = std::min(clips[c].confidence_at(f, a), clips[c].confidence_at(f, b));
-      distance.sure += confidence * confidence;
+      distance.confidence += confidence * confidence;
       lengths.emplace_back(std::sqrt(SquareWithoutNoise(seen, white[c] * white[c] * unit)),
                            confidence / std::sqrt(unit.trace()));
     }
@@ -89,7 +89,7 @@ BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::v
   distance.length = WeightedMedian(lengths);
   std::vector<double> departures;
   for (const auto& [length, weight] : lengths) departures.push_back(std::abs(length - distance.length));
-  distance.spread = kMadToSigma * MeanMedian(departures);
+  distance.sigma = kMadToSigma * MeanMedian(departures);
   return distance;
 }
 
@@ -99,22 +99,22 @@ Vector3d Direction(const Skeleton& skeleton, int joint) {
   return skeleton.joints[joint].rest_offset.stableNormalized();
 }
 
-/// Bones from a seen joint over unseen ones to the next that is seen; where even the root is unseen, from a seen child
-/// of it (a hip).
-struct UnseenChain {
+/// Bones from an observed joint over unobserved ones to the next observed one; with an unobserved root, from an
+/// observed child of it (a hip).
+struct UnobservedChain {
   std::vector<int> bones;
-  Vector3d start = Vector3d::Zero();  ///< of the bones, from the seen joint in the rest pose, metres
+  Vector3d start = Vector3d::Zero();  ///< of the bones, relative to the observed joint in the rest pose, metres
   double distance = 0.0;              ///< between its ends, metres
-  double sigma = 0.0;                 ///< of that, metres: how far what lies between bends
+  double sigma = 0.0;                 ///< of the distance, metres: it changes as the joints between bend
 };
 
-/// Lengths with which chains that share bones have their distances in the rest pose, as far as they are sure of them
-/// (a tracker's middle of the trunk may be much higher, or lower, than its top tells): Gauss-Newton with the lengths so
-/// far as prior, a quarter of them, as of directions.
-void ShareBones(const std::vector<UnseenChain>& chains, const Skeleton& skeleton, BoneEstimate& bones) {
+/// Lengths with which chains that share bones have their distances in the rest pose, weighted by sigma (a tracker's
+/// mid-trunk point may be higher or lower than the trunk's top suggests). Gauss-Newton; prior: the present lengths,
+/// with a quarter of them as sigma, as for directions.
+void ShareBones(const std::vector<UnobservedChain>& chains, const Skeleton& skeleton, BoneEstimate& bones) {
   constexpr double kPriorShare = 0.25;
   std::vector<int> all;
-  for (const UnseenChain& chain : chains) all.insert(all.end(), chain.bones.begin(), chain.bones.end());
+  for (const UnobservedChain& chain : chains) all.insert(all.end(), chain.bones.begin(), chain.bones.end());
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   const auto count = static_cast<Eigen::Index>(all.size());
@@ -128,7 +128,7 @@ void ShareBones(const std::vector<UnseenChain>& chains, const Skeleton& skeleton
       normal(i, i) = trust;
       gradient[i] = trust * (bones.length[bone] - prior[bone]);
     }
-    for (const UnseenChain& chain : chains) {
+    for (const UnobservedChain& chain : chains) {
       Vector3d span = chain.start;
       for (const int bone : chain.bones) span += bones.length[bone] * Direction(skeleton, bone);
       Eigen::VectorXd row = Eigen::VectorXd::Zero(count);
@@ -146,49 +146,49 @@ void ShareBones(const std::vector<UnseenChain>& chains, const Skeleton& skeleton
   }
 }
 
-/// From a seen joint, whose parent is not, up to the first below a seen joint or the root.
-std::vector<int> UnseenBonesTo(int end, const Skeleton& skeleton, const std::vector<bool>& seen) {
+/// From an observed joint with an unobserved parent up to the first below an observed joint or the root.
+std::vector<int> UnobservedBonesTo(int end, const Skeleton& skeleton, const std::vector<bool>& seen) {
   std::vector<int> bones;
   for (int at = end; skeleton.joints[at].parent >= 0 && (at == end || !seen[at]); at = skeleton.joints[at].parent)
     bones.push_back(at);
   return bones;
 }
 
-/// Seen joints from which bones lead on, and where the bones start from each.
-std::vector<std::pair<int, Vector3d>> SeenAbove(const std::vector<int>& unseen_bones, const Skeleton& skeleton,
-                                                const std::vector<bool>& seen, const BoneEstimate& bones) {
-  const int above = skeleton.joints[unseen_bones.back()].parent;
+/// Observed joints from which bones continue, and where the bones start from each.
+std::vector<std::pair<int, Vector3d>> ObservedAbove(const std::vector<int>& unobserved_bones, const Skeleton& skeleton,
+                                                    const std::vector<bool>& seen, const BoneEstimate& bones) {
+  const int above = skeleton.joints[unobserved_bones.back()].parent;
   if (seen[above]) return {{above, Vector3d::Zero()}};
   std::vector<std::pair<int, Vector3d>> beside;
   for (int joint = 1; joint < skeleton.joint_count(); ++joint) {
-    if (unseen_bones.size() == 1 || skeleton.joints[joint].parent != above || !seen[joint]) continue;
+    if (unobserved_bones.size() == 1 || skeleton.joints[joint].parent != above || !seen[joint]) continue;
     beside.emplace_back(joint, -bones.length[joint] * Direction(skeleton, joint));
   }
   return beside;
 }
 
-/// Bones between a seen joint and the nearest seen one below it that lead over unseen joints, none of which swings (an
-/// arm that hangs all along is as stiff as a trunk): where the distance hardly changes, they have the lengths with
-/// which it is that of the rest pose. Otherwise joints that nobody sees would fold between two that are seen, or pull
-/// these apart. Of trunks, those that bend more count less.
-void FitUnseenChains(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
-                     const Skeleton& skeleton, const std::vector<bool>& seen, BoneEstimate& bones) {
+/// Fits chains of bones between an observed joint and the nearest observed one below over unobserved joints, none of
+/// which swings (an arm that hangs all the time is as stiff as a trunk). Where the distance hardly changes, it fixes
+/// the lengths of the rest pose. Without that, unobserved joints would fold between observed ones, or stretch. Trunks
+/// that bend more get a lower weight.
+void FitUnobservedChains(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
+                         const Skeleton& skeleton, const std::vector<bool>& seen, BoneEstimate& bones) {
   constexpr double kStiff = 0.06;  // of the distance, standard deviation over frames without noise
   constexpr double kDistanceSigma = 0.002;
   std::vector<double> noises = white;
   const double noise = 2.0 * Square(MeanMedian(noises));
   const std::vector<bool> swings = SwingingJoints(skeleton);
   std::vector<std::vector<double>> ratios(skeleton.joints.size());
-  std::vector<UnseenChain> chains;
+  std::vector<UnobservedChain> chains;
   for (int end = 1; end < skeleton.joint_count(); ++end) {
     if (!seen[end] || seen[skeleton.joints[end].parent]) continue;
-    const std::vector<int> chain = UnseenBonesTo(end, skeleton, seen);
+    const std::vector<int> chain = UnobservedBonesTo(end, skeleton, seen);
     if (std::any_of(chain.begin() + 1, chain.end(), [&](int joint) { return swings[joint]; })) continue;
     const bool trunk = skeleton.joints[chain.back()].mirror == chain.back();
-    for (const auto& [above, start] : SeenAbove(chain, skeleton, seen, bones)) {
+    for (const auto& [above, start] : ObservedAbove(chain, skeleton, seen, bones)) {
       const BoneDistance distance = DistanceOver(clips, white, end, above);
       if (distance.samples == 0) continue;
-      const double bend = std::sqrt(std::max(0.0, Square(distance.spread) - noise));
+      const double bend = std::sqrt(std::max(0.0, Square(distance.sigma) - noise));
       const bool stiff = bend <= kStiff * distance.length;
       if (!stiff && !trunk) continue;
       chains.push_back({chain, start, distance.length, std::max(kDistanceSigma, bend)});
@@ -207,8 +207,8 @@ void FitUnseenChains(const std::vector<SkeletonTracks>& clips, const std::vector
   ShareBones(chains, skeleton, bones);
 }
 
-/// Lengths of bones that start at one unseen joint, from the distances between their seen ends: Gauss-Newton on
-/// |b_i u_i - b_k u_k| = d_ik with their lengths so far as prior.
+/// Lengths of bones that start at one unobserved joint, from the distances between their observed ends: Gauss-Newton on
+/// |b_i u_i - b_k u_k| = d_ik, prior: the present lengths.
 void SolveSiblings(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, const Skeleton& skeleton,
                    const std::vector<int>& siblings, BoneEstimate& bones) {
   constexpr double kDistanceSigma = 0.002;
@@ -273,7 +273,7 @@ BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const
   BoneEstimate bones;
   bones.length = skeleton.RestBoneLengths();
   bones.samples.assign(joints, 0);
-  bones.spread.assign(joints, 0.0);
+  bones.sigma.assign(joints, 0.0);
   std::vector<double> ratios;
   for (int j = 1; j < joints; ++j) {
     const BoneDistance distance = DistanceOver(clips, white, j, skeleton.joints[j].parent);
@@ -281,7 +281,7 @@ BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const
     if (distance.samples == 0) continue;
     const double rest = bones.length[j];
     bones.length[j] = distance.length;
-    bones.spread[j] = distance.spread;
+    bones.sigma[j] = distance.sigma;
     if (rest > 0.1) ratios.push_back(distance.length / rest);
   }
   if (!ratios.empty()) bones.scale = MeanMedian(ratios);
@@ -297,7 +297,7 @@ BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const
     }
     if (siblings.size() >= 2) SolveSiblings(clips, white, skeleton, siblings, bones);
   }
-  FitUnseenChains(clips, white, skeleton, seen, bones);
+  FitUnobservedChains(clips, white, skeleton, seen, bones);
   if (symmetric) {
     const std::vector<double> weight(bones.samples.begin(), bones.samples.end());
     MakeSymmetric(skeleton, weight, bones.length);

@@ -17,10 +17,11 @@ namespace mocurate {
 namespace {
 
 constexpr double kLargestAngle = 4.712;  ///< 1.5 pi
-/// From the nearest sight of a joint: longer after, a line between its sights does not tell where it is.
+/// Seconds from the nearest observation of a joint beyond which interpolation is unreliable.
 constexpr double kStale_s = 0.25;
 
-/// Every seen joint in every frame: medians where seen, between them linear in time, at the ends constant.
+/// Positions of all observed joints in every frame: medians where observed, linear in time between, constant at the
+/// ends.
 JointPositions FillInTime(const SkeletonTracks& tracks) {
   JointPositions filled(tracks.frames(), tracks.joints());
   for (int j = 0; j < tracks.joints(); ++j) {
@@ -44,8 +45,8 @@ JointPositions FillInTime(const SkeletonTracks& tracks) {
   return filled;
 }
 
-/// Whether each joint is seen in a frame or at most kStale_s from it. (F*J)
-std::vector<bool> SeenLately(const SkeletonTracks& tracks) {
+/// Whether each joint is observed in a frame or at most kStale_s from it. (F*J)
+std::vector<bool> ObservedRecently(const SkeletonTracks& tracks) {
   std::vector<bool> lately(tracks.confidence.size(), false);
   const auto mark = [&](int joint, int begin, int end, int step) {
     double seen_s = -std::numeric_limits<double>::infinity();
@@ -76,14 +77,15 @@ int FullestFrame(const SkeletonTracks& tracks) {
   return fullest;
 }
 
-/// Targets that spread across their common line by less than this share of their distance tell no turn about it.
+/// Targets whose standard deviation across their common line is below this share of their distance determine no
+/// rotation about it.
 constexpr double kAcrossLine = 0.05;
-constexpr double kFarOffHinge = 0.35;   ///< sine, from which on a hinge bends the wrong way
+constexpr double kFarOffHinge = 0.35;   ///< sine of the angle from which a hinge bends the wrong way
 constexpr int kTwistSteps = 24;         ///< of a whole turn
-constexpr double kTwistGain = 0.02;     ///< nearer to the hinge, for which a larger twist is taken
-constexpr double kFartherWeight = 0.1;  ///< of a target beyond another joint, which may turn itself
+constexpr double kTwistGain = 0.02;     ///< gain in distance from the hinge that justifies a larger twist
+constexpr double kFartherWeight = 0.1;  ///< of a target beyond another joint, which may rotate itself
 
-/// What a joint's rotation is read from: below each child the nearest seen joint, and where it lies at rest.
+/// Target of a joint's rotation: below each child the nearest observed joint, and its rest position.
 struct Target {
   int joint;
   Vector3d rest_in_joint;
@@ -101,18 +103,18 @@ void AppendTarget(const Skeleton& skeleton, const std::vector<std::vector<int>>&
   for (const int child : children[joint]) AppendTarget(skeleton, children, seen, state, child, here, targets);
 }
 
-/// Whether all targets lie on one line, through the joint unless nobody sees that (`alone`), as the collars of a chest
-/// from whose top they start, and the hips of a pelvis that is not seen.
+/// Whether all targets lie on one line, which must pass through the joint unless the joint is unobserved (`alone`).
+/// Examples: the collars of a chest, the hips of an unobserved pelvis.
 bool OnOneLine(const std::vector<Target>& targets, bool alone) {
   Vector3d on_line = Vector3d::Zero();
   for (const Target& target : targets) on_line += target.rest_in_joint / static_cast<double>(targets.size());
   if (!alone) on_line.setZero();
-  Matrix3d spread = Matrix3d::Zero();
+  Matrix3d scatter = Matrix3d::Zero();
   for (const Target& target : targets) {
     const Vector3d from_line = target.rest_in_joint - on_line;
-    spread += from_line * from_line.transpose();
+    scatter += from_line * from_line.transpose();
   }
-  const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
   return values[1] <= kAcrossLine * kAcrossLine * values[2];
 }
 
@@ -121,8 +123,8 @@ class ClosedFormPose {
   ClosedFormPose(const SkeletonTracks& tracks, PoseState& state)
       : skeleton_(*tracks.skeleton),
         state_(state),
-        seen_(tracks.SeenJoints()),
-        lately_(SeenLately(tracks)),
+        seen_(tracks.JointObservations()),
+        lately_(ObservedRecently(tracks)),
         hinges_(HingesOf(skeleton_)),
         targets_(skeleton_.joints.size()),
         global_(skeleton_.joints.size(), Quaterniond::Identity()),
@@ -144,7 +146,7 @@ class ClosedFormPose {
     }
   }
 
-  /// `filled`: positions of the seen joints in this frame; `near`: the frame that was solved before, or none (-1).
+  /// `filled`: positions of the observed joints in this frame; `near`: the frame solved before, or -1.
   void Solve(const JointPositions& filled, int frame, int near) {
     if (near < 0 && !Lately(frame, 0)) position_[0] = MiddleOfSeen(filled, frame);
     for (int j = 0; j < skeleton_.joint_count(); ++j) {
@@ -156,16 +158,16 @@ class ClosedFormPose {
       } else if (seen_[j]) {
         position_[j] = filled.at(frame, j);
       }
-      global_[j] = state_.active(j) ? Turn(filled, frame, j, above) : above;
+      global_[j] = state_.active(j) ? RotationOf(filled, frame, j, above) : above;
       if (parent < 0) Eigen::Map<Vector3d>(state_.translation(frame)).noalias() = position_[j];
       if (state_.active(j)) Write(frame, near, j, parent < 0 ? global_[j] : above.conjugate() * global_[j]);
     }
   }
 
  private:
-  /// Global rotation of a joint, as near to `above` as its targets allow; of several those not seen for long tell
-  /// nothing. Places a root that is not seen.
-  Quaterniond Turn(const JointPositions& filled, int frame, int joint, const Quaterniond& above) {
+  /// Global rotation of a joint, as near to `above` as its targets allow; of several targets, stale ones are ignored.
+  /// Places an unobserved root.
+  Quaterniond RotationOf(const JointPositions& filled, int frame, int joint, const Quaterniond& above) {
     std::vector<Target> targets;
     for (const Target& target : targets_[joint]) {
       if (targets_[joint].size() == 1 || Lately(frame, target.joint)) targets.push_back(target);
@@ -201,8 +203,8 @@ class ClosedFormPose {
     return (world_from_rest.rotation * above).normalized();
   }
 
-  /// How far off its hinge (OffHinge) a joint with one seen joint below is bent, its parent turned so. Negative where
-  /// that cannot be told.
+  /// Violation of the hinge (OffHinge) of a joint with one observed joint below, given its parent's rotation. Negative
+  /// where it is undetermined.
   double BentOffHinge(const JointPositions& filled, int frame, int joint, const Quaterniond& parent) const {
     if (!hinges_[joint] || targets_[joint].size() != 1 || !Lately(frame, joint) ||
         !Lately(frame, targets_[joint][0].joint))
@@ -212,9 +214,8 @@ class ClosedFormPose {
     return OffHinge(*hinges_[joint], bend.toRotationMatrix()).norm();
   }
 
-  /// The rotation of a joint whose only bone, along `bone`, ends in a hinge: twisted about that bone, which no position
-  /// of the hinge tells, where the joint below would bend far off its hinge else, as the knees of who sits
-  /// cross-legged.
+  /// Rotation of a joint whose only bone, along `bone`, ends in a hinge. The twist about that bone, which positions do
+  /// not determine, is changed where the joint below would else bend far off its hinge, as for sitting cross-legged.
   Quaterniond TwistedToHinge(const JointPositions& filled, int frame, int hinge, const Vector3d& bone,
                              const Quaterniond& turned) const {
     double least = BentOffHinge(filled, frame, hinge, turned);
@@ -233,7 +234,7 @@ class ClosedFormPose {
     return best;
   }
 
-  /// Of the joints seen lately; the origin without any.
+  /// Mean of the recently observed joints; the origin without any.
   Vector3d MiddleOfSeen(const JointPositions& filled, int frame) const {
     Vector3d sum = Vector3d::Zero();
     int count = 0;
@@ -271,7 +272,7 @@ class ClosedFormPose {
 }  // namespace
 
 std::vector<bool> JointsWithEvidenceBelow(const SkeletonTracks& tracks) {
-  const std::vector<bool> seen = tracks.SeenJoints();
+  const std::vector<bool> seen = tracks.JointObservations();
   std::vector<bool> below(seen.size(), false);
   for (std::size_t i = 0; i < tracks.rotation_confidence.size(); ++i) {
     const int frame = static_cast<int>(i / seen.size());

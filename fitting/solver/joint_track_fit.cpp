@@ -14,15 +14,15 @@
 #include "fitting/frames_without_evidence.h"
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/closed_form_start.h"
-#include "fitting/solver/rest_spreads.h"
+#include "fitting/solver/rest_sigmas.h"
 #include "fitting/solver/track_window.h"
+#include "fitting/uncertainty/process_noise_scale.h"
 #include "fitting/uncertainty/track_uncertainty.h"
-#include "fitting/uncertainty/walk_factors.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kNearlyExact = 1e-3;  ///< metres, of tracks that are too short to show their noise
+constexpr double kNearlyExact = 1e-3;  ///< metres, for tracks too short to show their noise
 
 /// Solves windows one after the other: a window of W frames keeps its first W - overlap, the rest is fitted again.
 Status SolveWindows(const TrackWindow& whole, FitResult& result) {
@@ -39,7 +39,7 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
     const int end = frames - begin <= length ? frames : begin + length;
     const auto solution =
         solve({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, bones, options, begin, end, begin > 0,
-               whole.walks, whole.rotations, whole.step, whole.memory, whole.rest_spreads});
+               whole.noise_scale, whole.rotations, whole.step, whole.memory, whole.rest_sigmas});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
     result.initial_cost += solution->initial_cost;
@@ -54,8 +54,8 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   return {};
 }
 
-/// A step of the fit. All but the last are solved by the banded solver, whatever solves the last: it is the fastest,
-/// and a loose solution would differ between the two.
+/// Solves a step of the fit. All but the last use the banded solver, the fastest; a loosely converged solution would
+/// differ between the solvers.
 Status SolveStep(const TrackWindow& whole, const std::vector<bool>& active, const TrackStep& step, bool last,
                  FitResult& result) {
   JointTrackOptions options = whole.options;
@@ -66,20 +66,20 @@ Status SolveStep(const TrackWindow& whole, const std::vector<bool>& active, cons
   whole.state.SetActive(free);
   const RotationTargets* rotations = step.evidence == StepEvidence::kAll ? whole.rotations : nullptr;
   Status solved = SolveWindows({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, whole.bones, options, 0,
-                                whole.end, false, whole.walks, rotations, step, whole.memory, whole.rest_spreads},
+                                whole.end, false, whole.noise_scale, rotations, step, whole.memory, whole.rest_sigmas},
                                result);
   whole.state.SetActive(active);
   return solved;
 }
 
-/// A tracker's error wobbles slowly beside its white noise; only the white part may be smoothed away. With sigma of all
-/// noise and white of the white part, data and smoothness are balanced for sqrt(sigma * white): the walks widen by
-/// sqrt(sigma / white), at most threefold.
-double WalkWidening(const NoiseEstimate& noise) {
+/// A tracker's error varies slowly beside its white noise; only the white part may be smoothed. With sigma of all noise
+/// and white of the white part, data and process noise are balanced for sqrt(sigma * white): the process noise is
+/// multiplied by sqrt(sigma / white), at most threefold.
+double ProcessNoiseWidening(const NoiseEstimate& noise) {
   return noise.white > 0.0 ? std::clamp(std::sqrt(noise.sigma / noise.white), 1.0, 3.0) : 1.0;
 }
 
-/// Observed where seen; else interpolated where the joint is seen within `reach_s`, inferred where it is not.
+/// Observed where observed; else interpolated within `reach_s` of an observation, else inferred.
 std::vector<JointState> StatesOf(const SkeletonTracks& tracks, double reach_s) {
   std::vector<JointState> states(tracks.confidence.size(), JointState::kInferred);
   const auto joints = static_cast<std::size_t>(tracks.joints());
@@ -102,9 +102,9 @@ std::vector<JointState> StatesOf(const SkeletonTracks& tracks, double reach_s) {
   return states;
 }
 
-/// What the fit leaves of its evidence. Where samples have precisions, distances are weighted by them: a point whose
-/// rays hardly cross is metres off along them and says nothing there. Of such samples those that are as far off as
-/// RejectOutliers rejects beside their neighbours are rejected too, unless most are: then the fit is wrong.
+/// Residuals of the fit. Where samples have precisions, distances are weighted by them, since rays that hardly cross
+/// leave metres open along them. Such samples that are as far off as those of RejectOutliers are rejected too, unless
+/// most are: then the fit is wrong.
 void MeasureResiduals(const SkeletonTracks& tracks, const std::vector<double>& joint_sigma,
                       const std::vector<bool>& rejected, FitResult& result) {
   std::vector<double> residuals, used;
@@ -146,7 +146,7 @@ void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejec
     finding.severity = Severity::kInfo;
     finding.joint = tracks.skeleton->joints[j].name;
     finding.value = count;
-    finding.message = Counted(count, "sample") + " far from the neighbours in time";
+    finding.message = Counted(count, "sample") + " rejected: far from neighbouring frames";
     finding.action = FindingAction::kMissing;
     result.findings.push_back(finding);
   }
@@ -156,8 +156,9 @@ void ReportAssumedNoise(int frames, double sigma, FitResult& result) {
   Finding finding;
   finding.code = "noise_not_measured";
   finding.value = 1e3 * sigma;
-  finding.message = Counted(frames, "frame") + " of tracks do not show their noise: " + RoundedText(1e3 * sigma, 3) +
-                    " mm are assumed, and the stated uncertainty follows from that";
+  finding.message = Counted(frames, "frame") +
+                    " are too few to estimate the noise of the tracks: " + RoundedText(1e3 * sigma, 3) +
+                    " mm are assumed, which the stated uncertainty is based on";
   finding.action = FindingAction::kFlagged;
   result.findings.push_back(finding);
 }
@@ -170,7 +171,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   FitResult result;
   const NoiseEstimate noise = EstimateNoise(given, bone_length);
   result.noise_sigma = noise.sigma;
-  // Where noise is assumed, priors do not draw on it: it is in the uncertainty alone.
+  // Priors do not use an assumed noise; only the uncertainty does.
   const double pooled = noise.measured ? noise.sigma : kNearlyExact;
   const std::vector<double> joint_sigma = options.noise == NoiseScale::kPerJoint && noise.measured
                                               ? noise.joint_sigma
@@ -181,27 +182,27 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     tracks.rotation_confidence.clear();
   }
   const std::vector<bool> rejected = RejectOutliers(tracks, joint_sigma);
-  JointTrackOptions walks = options;
-  const double widening = WalkWidening(noise);
-  walks.rotation_walk *= widening;
-  walks.velocity_walk *= widening;
+  JointTrackOptions widened = options;
+  const double widening = ProcessNoiseWidening(noise);
+  widened.rotation_process_noise *= widening;
+  widened.velocity_process_noise *= widening;
   const std::vector<bool> active = JointsWithEvidenceBelow(tracks);
   PoseState state(*tracks.skeleton, tracks.frames(), bone_length, active);
   ClosedFormStart(tracks, state);
   result.converged = true;
   result.termination = "closed form";
-  std::optional<WalkFactors> factors;
+  std::optional<ProcessNoiseScale> factors;
   std::optional<RotationTargets> rotations;
-  TrackWindow whole{tracks, state, joint_sigma, bone_length, Bones::kFixed, walks, 0, tracks.frames()};
+  TrackWindow whole{tracks, state, joint_sigma, bone_length, Bones::kFixed, widened, 0, tracks.frames()};
   BlockTridiagonal memory;
   whole.memory = &memory;
-  const std::vector<double> rest_spreads = RestSpreads(tracks, options.rest_spread);
-  whole.rest_spreads = &rest_spreads;
+  const std::vector<double> rest_sigmas = RestPoseSigmas(tracks, options.rest_sigma);
+  whole.rest_sigmas = &rest_sigmas;
   std::vector<Finding> disagreements;
   for (const TrackStep& step : options.steps) {
     const bool last = &step == &options.steps.back();
     if (!tracks.rotation.empty() && step.evidence == StepEvidence::kAll) {
-      // How recorded frames lie in their joints is read from the pose so far, better each time.
+      // The offsets of recorded frames are estimated from the present pose, more exactly each time.
       state.Update(0, state.frames(), false);
       disagreements.clear();
       rotations = AlignRotations(tracks, state, &disagreements);
@@ -212,25 +213,24 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
       return tl::unexpected<Error>(solved.error());
     whole.bones = Bones::kFixed;
     if (last) break;
-    if (step.refit_walks) {
-      auto refitted = RefitWalks(whole);
+    if (step.refit_process_noise) {
+      auto refitted = RefitProcessNoise(whole);
       if (!refitted) return Forward(refitted);
       factors = std::move(*refitted);
     }
-    if (options.contact_walk) {
-      if (!factors) factors = WalkFactors::Ones(tracks.confidence.size());
+    if (options.contact_process_noise) {
+      if (!factors) factors = ProcessNoiseScale::Ones(tracks.confidence.size());
       state.Update(0, state.frames(), false);
       HoldStandingFeet(MotionOf(state, tracks.skeleton, rate), whole, *factors);
     }
-    if (factors) whole.walks = &*factors;
+    if (factors) whole.noise_scale = &*factors;
   }
   state.Update(0, state.frames(), false);
   result.findings = std::move(disagreements);
   result.motion = MotionOf(state, tracks.skeleton, rate);
   result.motion.state = StatesOf(tracks, options.max_gap_s);
-  // Of what positions and priors say: how recorded frames lie in their joints is read from the same pose, so that
-  // counting them as known would make a mean twist sure that nothing tells. A pose that no step solved has no
-  // uncertainty.
+  // From positions and priors alone. The offsets of recorded frames are estimated from the same pose; taking them as
+  // known would understate the uncertainty of the mean twist. Without steps there is no uncertainty.
   whole.rotations = nullptr;
   const bool solved = !options.steps.empty() && options.steps.back().free == FreeParts::kPose;
   if (options.uncertainty && solved) {
@@ -243,9 +243,9 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     result.variance_factor = uncertainty->variance_factor;
   }
   MeasureResiduals(tracks, joint_sigma, rejected, result);
-  std::vector<bool> unseen = tracks.SeenFrames();
+  std::vector<bool> unseen = tracks.ObservedFrames();
   unseen.flip();
-  ReportFramesWithout(unseen, "no joint is seen", FindingAction::kInterpolated, result.findings);
+  ReportFramesWithout(unseen, "no joint is observed", FindingAction::kInterpolated, result.findings);
   ReportOutliers(tracks, rejected, result);
   if (!noise.measured) ReportAssumedNoise(given.frames(), noise.sigma, result);
   return result;

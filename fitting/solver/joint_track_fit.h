@@ -9,20 +9,20 @@
 
 namespace mocurate {
 
-/// Whether bone lengths are given, or fitted with the pose around the given ones.
+/// Whether bone lengths are fixed, or fitted with the pose around the given ones.
 enum class Bones { kFixed, kFree };
 
 /// Skeleton motion that explains joint tracks: minimises
-///   1/2 [ sum Huber(|c (p - seen) / sigma|^2) + sum |Log(R_f^T R_f+1)|^2 / (walk^2 dt) + sum |p_f+1 - p_f|^2 / (walk^2
-///   dt)
-///         + sum Huber(|c Log(seen^T G) / sigma|^2) over recorded rotations
-///         + sum |w|^2 / rest_spread^2 + joint limits + (kFree) sum (b - prior)^2 / bone_spread^2 ]
-/// (walks widened where the noise is not white, see WalkWidening, then fitted to each joint and time of the clip
-/// by steps that say so, see RefitWalks) over root translation and one rotation vector per joint and frame, from the
-/// closed-form start (Levenberg-Marquardt, sparse Cholesky, one thread). F frames of `given` at `rate`; `bone_length`
-/// (J, metres). Joints whose rotation moves no seen joint stay in the rest pose. Samples that jump away and back are
-/// rejected first (RejectOutliers). States: observed where seen and not rejected, else interpolated where the joint is
-/// seen within max_gap_s, else inferred. Error kInconsistent if the solver fails.
+///   1/2 [ sum Huber(|c (p - observed) / sigma|^2) + sum |Log(R_f^T R_f+1)|^2 / (q_r^2 dt)
+///         + sum |p_f+1 - p_f|^2 / (q_p^2 dt) + sum Huber(|c Log(observed^T G) / sigma|^2) over recorded rotations
+///         + sum |w|^2 / rest_sigma^2 + joint limits + (kFree) sum (b - prior)^2 / bone_sigma^2 ]
+/// over root translation and one rotation vector per joint and frame, from the closed-form start (Levenberg-Marquardt,
+/// sparse Cholesky, one thread). Process noises q_r, q_p are increased where the noise is not white
+/// (ProcessNoiseWidening), and refitted per joint and time by steps that request it (RefitProcessNoise). F frames of
+/// `given` at `rate`; `bone_length` (J, metres). Joints whose rotation moves no observed joint stay in the rest pose.
+/// Samples that jump away and back are rejected first (RejectOutliers). States: observed where observed and not
+/// rejected, else interpolated within max_gap_s of an observation, else inferred. Error kInconsistent if the solver
+/// fails.
 Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate& rate,
                                    const std::vector<double>& bone_length, Bones bones,
                                    const JointTrackOptions& options);

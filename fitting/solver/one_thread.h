@@ -5,10 +5,10 @@
 
 namespace mocurate {
 
-/// While it lives, OpenMP regions of the calling thread, and OpenBLAS (where it serves BLAS), run on one thread.
-/// Debian's CHOLMOD asks for four inside every factorisation whatever OMP_NUM_THREADS says, and OpenBLAS's threads spin
-/// while they wait for blocks of sixty rows: half of the time of a fit on a quiet machine, most of it on a busy one.
-/// Parallelism is over clips.
+/// While it exists, OpenMP regions of the calling thread, and OpenBLAS (as the BLAS), run on one thread. Debian's
+/// CHOLMOD requests four inside every factorisation whatever OMP_NUM_THREADS is, and OpenBLAS's threads spin while they
+/// wait for blocks of sixty rows: half of a fit's time on a quiet machine, most of it on a busy one. Parallelism is
+/// over clips.
 class OneThread {
  public:
   OneThread() : omp_levels_(omp_get_max_active_levels()), blas_threads_(BlasThreads()) {

@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// Kinematics of frames [begin, end) once per iterate, before the costs are asked.
+/// Updates the kinematics of frames [begin, end) once per iterate, before the costs are evaluated.
 class PoseUpdate final : public ceres::EvaluationCallback {
  public:
   PoseUpdate(PoseState& state, int begin, int end) : state_(state), begin_(begin), end_(end) {}
@@ -25,7 +25,7 @@ class PoseUpdate final : public ceres::EvaluationCallback {
   bool has_derivatives_ = false;
 };
 
-/// Of a problem over the memory of a PoseState. Loss functions belong to whoever holds the problem.
+/// Options of a problem over the memory of a PoseState. The owner of the problem owns the loss functions.
 inline ceres::Problem::Options PoseProblemOptions(PoseUpdate& update) {
   ceres::Problem::Options options;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;

@@ -10,36 +10,36 @@
 
 #include "core/base/median.h"
 #include "fitting/evidence/noise.h"
-#include "fitting/solver/rest_spreads.h"
-#include "fitting/solver/trunk_turn.h"
+#include "fitting/solver/rest_sigmas.h"
+#include "fitting/solver/trunk_direction.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kRestSpread = 0.25;  ///< of the ends of the rest skeleton's bones, as a share of the bones
+constexpr double kRestSigma = 0.25;  ///< of the ends of the rest skeleton's bones, as a share of the bone lengths
 constexpr double kLeastJointSigma =
-    2e-3;                             ///< metres: tracked joints wander with the pose, however many samples there are
-constexpr double kBendSigma = 2e-2;   ///< metres: of distances to an end beyond a joint that nobody sees, which bends
-constexpr double kFramesAlike = 5.0;  ///< on end, which say the same
-constexpr double kToldSigmas = 2.5;   ///< of votes that are as often one way as the other
+    2e-3;                                ///< metres: tracked joints shift with the pose, however many samples there are
+constexpr double kBendSigma = 2e-2;      ///< metres: of distances to an end beyond an unobserved joint, which bends
+constexpr double kFramesAlike = 5.0;     ///< consecutive frames with the same information
+constexpr double kReportedSigmas = 2.5;  ///< of a difference of frames that is random in its sign
 constexpr double kDirectionRounding = 1e-4;
 constexpr int kStarSteps = 60;
 
-/// Bones that start at one joint, by the seen joints they end at: the children, or, below a child that nobody sees, the
-/// joint that follows it.
+/// Bones that start at one joint, by their observed ends: the children, or, below an unobserved child, the joint that
+/// follows it.
 using Star = std::vector<int>;
 
-/// Distances between the ends and how sure they are, metres.
+/// Distances between the ends and their sigmas, metres.
 struct EndDistances {
   Eigen::MatrixXd length;
   Eigen::MatrixXd sigma;
 };
 
-/// Between two points, of noise of one coordinate, metres.
+/// Sigma of a distance between two points, from the noise of one coordinate, metres.
 double NoiseAcross(double noise) { return std::sqrt(6.0) * noise; }
 
-/// `noise`: of one coordinate, `white` in each clip. None where two ends are never seen together, or noise reaches
-/// across a bone.
+/// `noise`: of one coordinate, `white` in each clip. Empty where two ends are never observed together, or noise exceeds
+/// a bone.
 std::optional<EndDistances> DistancesOf(const Star& star, const Eigen::MatrixXd& rest,
                                         const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
                                         double noise, bool symmetric) {
@@ -58,18 +58,18 @@ std::optional<EndDistances> DistancesOf(const Star& star, const Eigen::MatrixXd&
         if (mirrored.samples > 0) seen.length = 0.5 * (seen.length + mirrored.length);
       }
       const double expected = (rest.col(i) - rest.col(k)).norm();
-      const bool near = std::max(seen.length, expected) <= across;  // no more is known than that
-      const double spread = std::max(seen.spread, std::sqrt(2.0) * noise);
-      const double independent = std::max(1.0, seen.sure / kFramesAlike);
+      const bool near = std::max(seen.length, expected) <= across;  // shorter distances are not resolved
+      const double pair_sigma = std::max(seen.sigma, std::sqrt(2.0) * noise);
+      const double independent = std::max(1.0, seen.confidence / kFramesAlike);
       const double least = joints[a].parent == joints[b].parent ? kLeastJointSigma : kBendSigma;
       distances.length(i, k) = distances.length(k, i) = near ? expected : seen.length;
-      distances.sigma(i, k) = distances.sigma(k, i) = std::max(least, spread / std::sqrt(independent));
+      distances.sigma(i, k) = distances.sigma(k, i) = std::max(least, pair_sigma / std::sqrt(independent));
     }
   }
   return distances;
 }
 
-/// (3, n), one column per bone: what has these lengths and distances, however it is turned, or mirrored (classical
+/// (3, n), one column per bone: points with these lengths and distances, up to rotation and reflection (classical
 /// scaling).
 Eigen::MatrixXd Arranged(const Eigen::MatrixXd& distances, const Eigen::MatrixXd& near) {
   const Eigen::Index count = near.cols();
@@ -90,7 +90,7 @@ Eigen::MatrixXd Arranged(const Eigen::MatrixXd& distances, const Eigen::MatrixXd
 
 double Volume(const Vector3d& a, const Vector3d& b, const Vector3d& c) { return a.cross(b).dot(c); }
 
-/// Columns of three bones that span the most; none where all lie in a plane.
+/// Columns of three bones that span the largest volume; empty where all lie in a plane.
 std::optional<std::array<Eigen::Index, 3>> Spanning(const Eigen::MatrixXd& points) {
   std::array<Eigen::Index, 3> spanning = {0, 0, 0};
   double most = 0.0;
@@ -108,17 +108,17 @@ std::optional<std::array<Eigen::Index, 3>> Spanning(const Eigen::MatrixXd& point
   return spanning;
 }
 
-/// Of frames that show three bones: how many more have them turning one way, each counted by its confidence. Only how
-/// confidences compare counts: frames that are all unsure and all say the same tell it.
-struct Votes {
+/// Confidence-weighted difference of the frames that show three bones as a right-handed or a left-handed triple. Only
+/// ratios of confidences matter: frames that are all uncertain and all agree still decide.
+struct TripleSigns {
   double surplus = 0.0;
   double squares = 0.0;  ///< of what each counts
 
-  bool Tell() const { return std::abs(surplus) > kToldSigmas * std::sqrt(kFramesAlike * squares); }
+  bool AreDecisive() const { return std::abs(surplus) > kReportedSigmas * std::sqrt(kFramesAlike * squares); }
 };
 
-Votes VotesOf(const std::vector<SkeletonTracks>& clips, int parent, const std::array<int, 3>& ends) {
-  Votes votes;
+TripleSigns CountTripleSigns(const std::vector<SkeletonTracks>& clips, int parent, const std::array<int, 3>& ends) {
+  TripleSigns signs;
   for (const SkeletonTracks& clip : clips) {
     for (int f = 0; f < clip.frames(); ++f) {
       double confidence = clip.confidence_at(f, parent);
@@ -128,15 +128,15 @@ Votes VotesOf(const std::vector<SkeletonTracks>& clips, int parent, const std::a
         bone[i] = clip.positions.at(f, ends[i]) - clip.positions.at(f, parent);
       }
       if (!(confidence > 0.0)) continue;
-      votes.surplus += std::copysign(confidence, Volume(bone[0], bone[1], bone[2]));
-      votes.squares += confidence * confidence;
+      signs.surplus += std::copysign(confidence, Volume(bone[0], bone[1], bone[2]));
+      signs.squares += confidence * confidence;
     }
   }
-  return votes;
+  return signs;
 }
 
-/// The points turned (not mirrored) as near to `near` as they go.
-Eigen::MatrixXd TurnedTo(const Eigen::MatrixXd& near, const Eigen::MatrixXd& points) {
+/// The points rotated (not mirrored) as near to `near` as possible.
+Eigen::MatrixXd RotatedTo(const Eigen::MatrixXd& near, const Eigen::MatrixXd& points) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(near * points.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
   Vector3d sign = Vector3d::Ones();
   sign.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
@@ -152,14 +152,14 @@ bool IsOtherImage(const Eigen::MatrixXd& points, const Eigen::MatrixXd& start) {
   return volume(points) * volume(start) < 0.0;
 }
 
-/// Distances do not tell a body from its mirror image; frames do. Where they do not either, the image nearer to the
-/// rest skeleton's.
+/// Distances do not distinguish a body from its mirror image; frames do. Without a decision of the frames: the image
+/// nearer to the rest skeleton's.
 Eigen::MatrixXd OfTwoImages(const Eigen::MatrixXd& points, const Eigen::MatrixXd& near, const Star& star, int parent,
                             const std::vector<SkeletonTracks>& clips, bool symmetric) {
   Eigen::MatrixXd mirrored = points;
   mirrored.row(2) = -mirrored.row(2);
-  const Eigen::MatrixXd as_is = TurnedTo(near, points);
-  mirrored = TurnedTo(near, mirrored);
+  const Eigen::MatrixXd as_is = RotatedTo(near, points);
+  mirrored = RotatedTo(near, mirrored);
   const auto spanning = Spanning(points);
   if (!spanning) return as_is;
   std::array<int, 3> ends{}, partners{};
@@ -168,14 +168,14 @@ Eigen::MatrixXd OfTwoImages(const Eigen::MatrixXd& points, const Eigen::MatrixXd
     ends[i] = star[static_cast<std::size_t>((*spanning)[i])];
     partners[i] = joints[ends[i]].mirror;
   }
-  Votes votes = VotesOf(clips, parent, ends);
-  if (symmetric) {  // the other side's bones turn the other way
-    const Votes other = VotesOf(clips, joints[parent].mirror, partners);
-    votes = {votes.surplus - other.surplus, votes.squares + other.squares};
+  TripleSigns signs = CountTripleSigns(clips, parent, ends);
+  if (symmetric) {  // the other side's bones have the other handedness
+    const TripleSigns other = CountTripleSigns(clips, joints[parent].mirror, partners);
+    signs = {signs.surplus - other.surplus, signs.squares + other.squares};
   }
-  if (!votes.Tell()) return (as_is - near).squaredNorm() <= (mirrored - near).squaredNorm() ? as_is : mirrored;
+  if (!signs.AreDecisive()) return (as_is - near).squaredNorm() <= (mirrored - near).squaredNorm() ? as_is : mirrored;
   const double is = Volume(as_is.col((*spanning)[0]), as_is.col((*spanning)[1]), as_is.col((*spanning)[2]));
-  return is * votes.surplus > 0.0 ? as_is : mirrored;
+  return is * signs.surplus > 0.0 ? as_is : mirrored;
 }
 
 /// Twice the negative log likelihood of ends of bones, with its gradient and Gauss-Newton matrix.
@@ -190,7 +190,7 @@ StarCost CostOfStar(const EndDistances& distances, const Eigen::MatrixXd& near, 
   StarCost cost{0.0, Eigen::MatrixXd::Zero(3 * count, 3 * count), Eigen::VectorXd::Zero(3 * count)};
   for (Eigen::Index i = 0; i < count; ++i) {
     const double length = near.col(i).norm();
-    const double rest = 1.0 / std::pow(kRestSpread * length, 2.0);
+    const double rest = 1.0 / std::pow(kRestSigma * length, 2.0);
     const double sure = 1.0 / (kLeastJointSigma * kLeastJointSigma);
     const Vector3d away = points.col(i) - near.col(i);
     const Vector3d along = Vector3d(points.col(i)).stableNormalized();
@@ -216,8 +216,8 @@ StarCost CostOfStar(const EndDistances& distances, const Eigen::MatrixXd& near, 
   return cost;
 }
 
-/// The ends that distances, lengths of the bones and the rest skeleton make likeliest, from a start
-/// (Levenberg-Marquardt). What distances hardly tell, how far a flat star is from flat, stays with the rest skeleton.
+/// Maximum-likelihood ends for distances, lengths of the bones and the rest skeleton, from a start
+/// (Levenberg-Marquardt). Poorly determined parts, as the depth of a flat star, stay with the rest skeleton.
 Eigen::MatrixXd Likeliest(const EndDistances& distances, const Eigen::MatrixXd& near, Eigen::MatrixXd points) {
   double damping = 1e-3;
   StarCost cost = CostOfStar(distances, near, points);
@@ -246,10 +246,11 @@ Vector3d OffsetOver(const std::vector<int>& way, const Skeleton& skeleton) {
   return offset;
 }
 
-/// A child of a joint and, where nobody sees it, what follows, as long as one bone alone goes on and hardly turns
-/// against it, as behind a collar: down to a joint that is seen. Empty where none is, or a limb swings between.
-std::vector<int> WayToSeen(int child, const std::vector<bool>& seen, const std::vector<bool>& swings,
-                           const std::vector<std::vector<int>>& children) {
+/// A child of a joint and, where it is unobserved, the joints that follow, as long as each has a single bone and hardly
+/// rotates against it, as behind a collar: down to an observed joint. Empty where there is none, or a limb swings
+/// between.
+std::vector<int> PathToObserved(int child, const std::vector<bool>& seen, const std::vector<bool>& swings,
+                                const std::vector<std::vector<int>>& children) {
   std::vector<int> way{child};
   while (!seen[way.back()]) {
     if (children[way.back()].size() != 1 || swings[way.back()]) return {};
@@ -282,9 +283,9 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
     std::vector<std::vector<int>> ways;  // to each end
     std::vector<int> trunk;
     for (const int child : children[parent]) {
-      const std::vector<int> way = WayToSeen(child, seen, swings, children);
+      const std::vector<int> way = PathToObserved(child, seen, swings, children);
       const bool middle = skeleton->joints[parent].mirror == parent && skeleton->joints[child].mirror == child;
-      if (way.empty() && middle && trunk.empty()) trunk = SeenBeyond(child, *skeleton, seen);
+      if (way.empty() && middle && trunk.empty()) trunk = ObservedBeyond(child, *skeleton, seen);
       if (way.empty() || OffsetOver(way, *skeleton).isZero()) continue;
       if (way.size() == 1 && bones.samples[child] == 0) continue;
       star.push_back(way.back());
@@ -304,10 +305,10 @@ SkeletonPtr WithOwnDirections(const std::vector<SkeletonTracks>& clips, const Sk
     if (!distances) continue;
     const Eigen::MatrixXd start = OfTwoImages(Arranged(distances->length, near), near, star, parent, clips, symmetric);
     Eigen::MatrixXd offsets = Likeliest(*distances, near, start);
-    if (IsOtherImage(offsets, start)) offsets = start;  // the rest skeleton does not outvote frames
+    if (IsOtherImage(offsets, start)) offsets = start;  // the prior of the rest skeleton does not overrule frames
     for (Eigen::Index i = 0; i < count; ++i) offsets.col(i) *= rest.col(i).norm() / offsets.col(i).norm();
-    offsets = TurnedTo(rest, offsets);  // rotations are counted from the rest pose of `skeleton`
-    if (!trunk.empty()) offsets = TurnedToTrunk({parent, star, offsets}, trunk, clips, NoiseAcross(noise));
+    offsets = RotatedTo(rest, offsets);  // rotations refer to the rest pose of `skeleton`
+    if (!trunk.empty()) offsets = AlignedToTrunk({parent, star, offsets}, trunk, clips, NoiseAcross(noise));
     if (!offsets.allFinite()) continue;
     for (Eigen::Index i = 0; i < count; ++i) {
       const Quaterniond swing = SwingBetween(rest.col(i), offsets.col(i));

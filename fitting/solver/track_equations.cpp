@@ -33,7 +33,7 @@ TrackEquations::TrackEquations(const TrackWindow& window)
     if (!window.Joined(f)) continue;
     for (int j = 0; j < state.joints(); ++j) {
       velocity_weight_[window.Index(f, j)] = 1.0 / window.MoveVariance(f, j);
-      rotation_weight_[window.Index(f, j)] = 1.0 / window.TurnVariance(f, j);
+      rotation_weight_[window.Index(f, j)] = 1.0 / window.RotationVariance(f, j);
     }
   }
 }
@@ -49,17 +49,17 @@ double TrackEquations::Cost() const {
         twice += HuberValue(away.dot(window_.Information(f, j) * away), options.huber_sigmas);
       }
       if (const std::size_t at = window_.Index(f, j); window_.rotations != nullptr && window_.rotations->has(at)) {
-        twice +=
-            HuberValue(Square(window_.rotations->weight[at]) * RecordedTurn(f, j).squaredNorm(), options.huber_sigmas);
+        twice += HuberValue(Square(window_.rotations->weight[at]) * RecordedRotation(f, j).squaredNorm(),
+                            options.huber_sigmas);
       }
       if (j == 0 || !state.active(j)) continue;
       const Eigen::Map<const Vector3d> w(state.rotation(f, j));
       twice += window_.RestInformation(f, j) * w.squaredNorm();
       const auto& limits = window_.tracks.skeleton->joints[j].limits;
       for (int i = 0; limits && i < 3; ++i) {
-        twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / options.limit_spread);
+        twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / options.limit_sigma);
       }
-      if (hinges_[j]) twice += OffHinge(*hinges_[j], state.local(f, j)).squaredNorm() / Square(options.hinge_spread);
+      if (hinges_[j]) twice += OffHinge(*hinges_[j], state.local(f, j)).squaredNorm() / Square(options.hinge_sigma);
     }
   }
   for (int f = window_.first(); f + 1 < window_.end; ++f) {
@@ -72,24 +72,24 @@ double TrackEquations::Cost() const {
     }
   }
   for (int k = 1; k <= border_; ++k) {
-    twice += Square((*state.bone(k) - window_.bone_prior[k]) / options.bone_spread);
+    twice += Square((*state.bone(k) - window_.bone_prior[k]) / options.bone_sigma);
   }
   return 0.5 * twice;
 }
 
-Vector3d TrackEquations::RecordedTurn(int frame, int joint) const {
+Vector3d TrackEquations::RecordedRotation(int frame, int joint) const {
   const Matrix3d target = window_.rotations->world_from_joint[window_.Index(frame, joint)].toRotationMatrix();
   return LogMatrix(target.transpose() * window_.state.global(frame, joint));
 }
 
-void TrackEquations::AddRecordedTurn(int frame, int joint, BodyInformation& moved) const {
+void TrackEquations::AddRecordedRotation(int frame, int joint, BodyInformation& moved) const {
   const std::size_t at = window_.Index(frame, joint);
   if (window_.rotations == nullptr || !window_.rotations->has(at)) return;
-  const Vector3d away = RecordedTurn(frame, joint);
+  const Vector3d away = RecordedRotation(frame, joint);
   const double square = Square(window_.rotations->weight[at]);
   const double weight = square * HuberSlope(square * away.squaredNorm(), window_.options.huber_sigmas);
   const Matrix3d turn = RightJacobianInverse(away) * window_.state.global(frame, joint).transpose();
-  moved.AddTurn(weight * turn.transpose() * turn, weight * turn.transpose() * away);
+  moved.AddRotation(weight * turn.transpose() * turn, weight * turn.transpose() * away);
 }
 
 Matrix3d TrackEquations::DataInformation(int frame, int joint) const {
@@ -107,7 +107,7 @@ void TrackEquations::UpdateTwists(int frame, std::vector<Twist>& twists) const {
   }
 }
 
-/// Subtree sums of a frame: data, and the part of both its steps that stays within the frame.
+/// Subtree sums of a frame: data, and the within-frame part of its steps to both neighbours.
 void TrackEquations::SumFrame(int frame) {
   const PoseState& state = window_.state;
   const bool before = frame > window_.first() && joined(frame - 1);
@@ -131,7 +131,7 @@ void TrackEquations::SumFrame(int frame) {
       weight.diagonal().array() += step;
       pull += step * (position - state.position(frame + 1, j));
     }
-    AddRecordedTurn(frame, j, subtree_[j].below);
+    AddRecordedRotation(frame, j, subtree_[j].below);
     subtree_[j].at = subtree_[j].below;
     subtree_[j].at.AddPoint(Relative(frame, j), weight, pull);
     if (j > 0) subtree_[state.parent(j)].below += subtree_[j].at;
@@ -188,7 +188,7 @@ void TrackEquations::AddStep(int frame, BlockTridiagonal& equations) const {
 
 void TrackEquations::AddPriors(int frame, BlockTridiagonal& equations) const {
   const PoseState& state = window_.state;
-  const double limit = 1.0 / Square(window_.options.limit_spread);
+  const double limit = 1.0 / Square(window_.options.limit_sigma);
   auto diagonal = equations.Diagonal(frame - window_.begin);
   auto gradient = equations.Gradient(frame - window_.begin);
   for (int j = 1; j < state.joints(); ++j) {
@@ -208,7 +208,7 @@ void TrackEquations::AddPriors(int frame, BlockTridiagonal& equations) const {
     if (!hinges_[j]) continue;
     const Vector3d w = Eigen::Map<const Vector3d>(state.rotation(frame, j));
     const Eigen::Matrix<double, 2, 3> slopes = OffHingeSlopes(*hinges_[j], state.local(frame, j), w);
-    const double information = 1.0 / Square(window_.options.hinge_spread);
+    const double information = 1.0 / Square(window_.options.hinge_sigma);
     diagonal.block<3, 3>(c, c).noalias() += information * slopes.transpose() * slopes;
     gradient.segment<3>(c).noalias() += information * slopes.transpose() * OffHinge(*hinges_[j], state.local(frame, j));
   }
@@ -216,7 +216,7 @@ void TrackEquations::AddPriors(int frame, BlockTridiagonal& equations) const {
 
 void TrackEquations::AddRotationStep(int frame, BlockTridiagonal& equations) const {
   const PoseState& state = window_.state;
-  const int block = frame - window_.begin;  // -1: the frame before the window, held
+  const int block = frame - window_.begin;  // -1: the fixed frame before the window
   for (int j = 0; j < state.joints(); ++j) {
     const int c = column(j);
     if (c < 0) continue;
@@ -234,7 +234,7 @@ void TrackEquations::AddRotationStep(int frame, BlockTridiagonal& equations) con
   }
 }
 
-/// A bone moves its joint and all below along its direction: a twist without turn.
+/// A bone moves its joint and all below along its direction: a twist without rotation.
 void TrackEquations::AddBones(int frame, BlockTridiagonal& equations) const {
   const PoseState& state = window_.state;
   const bool before = frame > window_.begin && joined(frame - 1);
@@ -269,7 +269,7 @@ void TrackEquations::AddBones(int frame, BlockTridiagonal& equations) const {
 }
 
 void TrackEquations::AddBonePriors(BlockTridiagonal& equations) const {
-  const double weight = 1.0 / Square(window_.options.bone_spread);
+  const double weight = 1.0 / Square(window_.options.bone_sigma);
   for (int k = 1; k <= border_; ++k) {
     equations.Corner()(k - 1, k - 1) += weight;
     equations.CornerGradient()[k - 1] += weight * (*window_.state.bone(k) - window_.bone_prior[k]);

@@ -27,7 +27,7 @@ class TrackEquations {
 
   /// First unknown of a joint's rotation in its frame; -1: it has none.
   int column(int joint) const { return column_[joint]; }
-  /// Information of a seen joint's sample (1 / m^2), the robust loss included, at the present parameters.
+  /// Information of an observed joint's sample (1 / m^2), robust loss included, at the present parameters.
   Matrix3d DataInformation(int frame, int joint) const;
 
   /// Unknowns of the window, frames then border ((end - begin) * size + border).
@@ -37,7 +37,8 @@ class TrackEquations {
 
  private:
   using Twist = Eigen::Matrix<double, 6, 3>;
-  /// Of all points below a joint and its recorded rotation (moved by its rotation), and of those and the joint itself.
+  /// Sums over all points below a joint and its recorded rotation (moved by its rotation), and over those and the joint
+  /// itself.
   struct Subtree {
     BodyInformation below;
     BodyInformation at;
@@ -54,10 +55,10 @@ class TrackEquations {
   Vector3d Relative(int frame, int joint) const {
     return window_.state.position(frame, joint) - window_.state.position(frame, 0);
   }
-  /// Log(target^T G): how far a joint is turned from its recorded rotation, which it must have.
-  Vector3d RecordedTurn(int frame, int joint) const;
-  /// What the recorded rotation of a joint, if there is one, says about the twist of all that the joint turns.
-  void AddRecordedTurn(int frame, int joint, BodyInformation& moved) const;
+  /// Log(target^T G): rotation of a joint from its recorded rotation, which it must have.
+  Vector3d RecordedRotation(int frame, int joint) const;
+  /// Adds the information of a joint's recorded rotation, if there is one, to the twist of the joint's descendants.
+  void AddRecordedRotation(int frame, int joint, BodyInformation& moved) const;
   void UpdateTwists(int frame, std::vector<Twist>& twists) const;
   void SumFrame(int frame);
   void SumStep(int frame, std::vector<CrossSubtree>& sums) const;

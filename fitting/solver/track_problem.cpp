@@ -39,10 +39,10 @@ TrackProblem::TrackProblem(const TrackWindow& window)
     if (window.Joined(f)) AddStep(f);
   }
   if (free_bones_) AddBonePriors();
-  if (!window.after_held) return;
-  std::vector<double*> held{state_.translation(window.begin - 1)};
-  for (int j = 0; j < state_.joints(); ++j) held.push_back(state_.rotation(window.begin - 1, j));
-  for (double* block : held) {
+  if (!window.after_fixed) return;
+  std::vector<double*> fixed{state_.translation(window.begin - 1)};
+  for (int j = 0; j < state_.joints(); ++j) fixed.push_back(state_.rotation(window.begin - 1, j));
+  for (double* block : fixed) {
     if (problem_.HasParameterBlock(block)) problem_.SetParameterBlockConstant(block);
   }
 }
@@ -65,11 +65,11 @@ void TrackProblem::AddFrame(int frame) {
     problem_.AddResidualBlock(new RestPriorCost(1.0 / std::sqrt(window_.RestInformation(frame, j))), nullptr,
                               state_.rotation(frame, j));
     if (const auto& limits = window_.tracks.skeleton->joints[j].limits) {
-      problem_.AddResidualBlock(new JointLimitCost(*limits, window_.options.limit_spread), nullptr,
+      problem_.AddResidualBlock(new JointLimitCost(*limits, window_.options.limit_sigma), nullptr,
                                 state_.rotation(frame, j));
     }
     if (hinges_[j]) {
-      problem_.AddResidualBlock(new HingeCost(*hinges_[j], window_.options.hinge_spread), nullptr,
+      problem_.AddResidualBlock(new HingeCost(*hinges_[j], window_.options.hinge_sigma), nullptr,
                                 state_.rotation(frame, j));
     }
   }
@@ -77,7 +77,7 @@ void TrackProblem::AddFrame(int frame) {
 
 void TrackProblem::AddStep(int frame) {
   for (int j = 0; j < state_.joints(); ++j) {
-    const double rotation_weight = 1.0 / std::sqrt(window_.TurnVariance(frame, j));
+    const double rotation_weight = 1.0 / std::sqrt(window_.RotationVariance(frame, j));
     const double velocity_weight = 1.0 / std::sqrt(window_.MoveVariance(frame, j));
     if (state_.active(j)) {
       problem_.AddResidualBlock(new RotationSmoothnessCost(state_, frame, j, rotation_weight), nullptr,
@@ -91,14 +91,14 @@ void TrackProblem::AddStep(int frame) {
 void TrackProblem::AddBonePriors() {
   for (int j = 1; j < state_.joints(); ++j) {
     if (!problem_.HasParameterBlock(state_.bone(j))) continue;
-    problem_.AddResidualBlock(new BonePriorCost(window_.bone_prior[j], window_.options.bone_spread), nullptr,
+    problem_.AddResidualBlock(new BonePriorCost(window_.bone_prior[j], window_.options.bone_sigma), nullptr,
                               state_.bone(j));
   }
 }
 
 namespace {
 
-/// Ends the solver once the worker was asked to stop.
+/// Ends the solver when the worker receives a stop request.
 class StopOnRequest : public ceres::IterationCallback {
  public:
   ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
@@ -129,11 +129,11 @@ Expected<WindowSolution> SolveWithCeres(const TrackWindow& window) {
   ceres::Solver::Options options = SparseSolverOptions(window.step);
   options.callbacks = {&stop};
   ceres::Solve(options, &problem.problem(), &summary);
-  if (Status on = GoOnUnlessStopped("fit of joint tracks"); !on) return Forward(on);
+  if (Status on = StopIfInterrupted("fit of joint tracks"); !on) return Forward(on);
   if (!summary.IsSolutionUsable()) {
     return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message,
                 "frames " + std::to_string(window.begin) + " to " + std::to_string(window.end),
-                "is it a person in metres that these frames show?");
+                "check that these frames show a person, in metres");
   }
   WindowSolution solution;
   solution.iterations = static_cast<int>(summary.iterations.size()) - 1;

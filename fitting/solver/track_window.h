@@ -12,13 +12,13 @@
 
 namespace mocurate {
 
-/// Factors on the random walks of the options, of the step from a frame to the next: how much more (or less) than they
-/// say this person moves this joint here. (F*J); what belongs to the last frame is not read.
-struct WalkFactors {
+/// Factors on the process noise of the options, per step from a frame to the next: how much more (or less) this person
+/// moves this joint here. (F*J); the last frame's entries are not read.
+struct ProcessNoiseScale {
   std::vector<double> rotation;
   std::vector<double> position;
 
-  static WalkFactors Ones(std::size_t numbers) {
+  static ProcessNoiseScale Ones(std::size_t numbers) {
     return {std::vector<double>(numbers, 1.0), std::vector<double>(numbers, 1.0)};
   }
 };
@@ -35,39 +35,41 @@ struct TrackWindow {
   const JointTrackOptions& options;
   int begin = 0;
   int end = 0;
-  bool after_held = false;  ///< frame begin - 1 is held and joins through smoothness; then bones must be fixed
-  const WalkFactors* walks = nullptr;          ///< of all frames of the tracks; none: 1 everywhere
-  const RotationTargets* rotations = nullptr;  ///< recorded, of all frames of the tracks
-  TrackStep step = {};                         ///< how long it is solved
-  BlockTridiagonal* memory = nullptr;          ///< for banded equations, used again by the next solve; none: their own
-  const std::vector<double>* rest_spreads = nullptr;  ///< (J) radians; none: options.rest_spread of all
+  bool after_fixed = false;  ///< frame begin - 1 is fixed and coupled by process noise; then bones must be fixed
+  const ProcessNoiseScale* noise_scale = nullptr;  ///< of all frames of the tracks; none: 1 everywhere
+  const RotationTargets* rotations = nullptr;      ///< recorded, of all frames of the tracks
+  TrackStep step = {};                             ///< solver settings
+  BlockTridiagonal* memory = nullptr;              ///< for banded equations, reused by the next solve; null: their own
+  const std::vector<double>* rest_sigmas = nullptr;  ///< (J) radians; none: options.rest_sigma of all
 
-  const std::vector<double>* rest_information = nullptr;  ///< (F*J) 1/rad^2; none: that of RestSpread in each frame
+  const std::vector<double>* rest_information = nullptr;  ///< (F*J) 1/rad^2; none: that of RestSigma in each frame
 
   /// First frame whose kinematics the window reads.
-  int first() const { return after_held ? begin - 1 : begin; }
-  /// Seconds from a frame to the next; smoothed together only up to options.max_gap_s.
+  int first() const { return after_fixed ? begin - 1 : begin; }
+  /// Seconds from a frame to the next; coupled only up to options.max_gap_s.
   double Step(int frame) const { return tracks.time_s[frame + 1] - tracks.time_s[frame]; }
   bool Joined(int frame) const { return Step(frame) <= options.max_gap_s; }
   /// Standard deviation per axis of a joint's angle from the rest pose, radians.
-  double RestSpread(int joint) const {
-    return rest_spreads != nullptr ? (*rest_spreads)[static_cast<std::size_t>(joint)] : options.rest_spread;
+  double RestSigma(int joint) const {
+    return rest_sigmas != nullptr ? (*rest_sigmas)[static_cast<std::size_t>(joint)] : options.rest_sigma;
   }
-  /// What ties a joint to its rest pose in a frame, 1/rad^2 per axis.
+  /// Information of the rest prior of a joint in a frame, 1/rad^2 per axis.
   double RestInformation(int frame, int joint) const {
-    const double spread = RestSpread(joint);
-    return rest_information != nullptr ? (*rest_information)[Index(frame, joint)] : 1.0 / (spread * spread);
+    const double sigma = RestSigma(joint);
+    return rest_information != nullptr ? (*rest_information)[Index(frame, joint)] : 1.0 / (sigma * sigma);
   }
-  /// Variances per axis of a joint's turn (rad^2) and move (m^2) from a frame to the next.
-  double TurnVariance(int frame, int joint) const {
-    const double walk = options.rotation_walk * (walks != nullptr ? walks->rotation[Index(frame, joint)] : 1.0);
-    return walk * walk * Step(frame);
+  /// Variances per axis of a joint's rotation (rad^2) and position (m^2) from a frame to the next.
+  double RotationVariance(int frame, int joint) const {
+    const double noise =
+        options.rotation_process_noise * (noise_scale != nullptr ? noise_scale->rotation[Index(frame, joint)] : 1.0);
+    return noise * noise * Step(frame);
   }
   double MoveVariance(int frame, int joint) const {
-    const double walk = options.velocity_walk * (walks != nullptr ? walks->position[Index(frame, joint)] : 1.0);
-    return walk * walk * Step(frame);
+    const double noise =
+        options.velocity_process_noise * (noise_scale != nullptr ? noise_scale->position[Index(frame, joint)] : 1.0);
+    return noise * noise * Step(frame);
   }
-  /// Of a seen joint's sample (1 / m^2), before the robust loss.
+  /// Of an observed joint's sample (1 / m^2), before the robust loss.
   Matrix3d Information(int frame, int joint) const {
     return tracks.precision_at(frame, joint) / (joint_sigma[joint] * joint_sigma[joint]);
   }
@@ -77,7 +79,7 @@ struct TrackWindow {
   }
 };
 
-/// How the solver ended; the solution is in the window's state.
+/// Termination of the solver; the solution is in the window's state.
 struct WindowSolution {
   int iterations = 0;
   double initial_cost = 0.0;

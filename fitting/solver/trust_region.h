@@ -6,13 +6,13 @@
 
 namespace mocurate {
 
-/// Damping of Levenberg-Marquardt and how it follows the success of steps, as in Ceres: Nielsen 1999, section 2.
+/// Levenberg-Marquardt damping and its update by the gain ratio, as in Ceres: Nielsen 1999, section 2.
 class TrustRegion {
  public:
   Eigen::VectorXd Damping(const Eigen::VectorXd& diagonal) const {
     return diagonal.cwiseMax(kSmallestDiagonal * diagonal.maxCoeff()) / radius_;
   }
-  /// `gain`: decrease of the cost over what the quadratic model foresaw.
+  /// `gain`: decrease of the cost over the predicted decrease of the quadratic model.
   void Accept(double gain) {
     radius_ = std::min(radius_ / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)), kLargestRadius);
     shrink_ = 2.0;

@@ -67,22 +67,22 @@ std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const Triangul
       slope << view.camera.fx / at.z(), 0.0, -view.camera.fx * at.x() / (at.z() * at.z()),  //
           0.0, view.camera.fy / at.z(), -view.camera.fy * at.y() / (at.z() * at.z());
       Eigen::Matrix<double, 2, 6> jacobian;
-      jacobian << -slope * Hat(at), slope;  // turn about the camera's axes, then shift
+      jacobian << -slope * Hat(at), slope;  // rotation about the camera's axes, then translation
       const double weight = seen.weight * std::min(1.0, kHuber / std::max(error.norm(), 1e-9));
       normal += weight * jacobian.transpose() * jacobian;
       gradient += weight * jacobian.transpose() * error;
     }
     const Vector6 step = -normal.ldlt().solve(gradient);
     if (!step.allFinite()) return {};
-    const Quaterniond turn = ExpQuaternion(step.head<3>());
-    pose.rotation = (turn * pose.rotation).normalized();
-    pose.translation = turn * pose.translation + step.tail<3>();
+    const Quaterniond rotation_step = ExpQuaternion(step.head<3>());
+    pose.rotation = (rotation_step * pose.rotation).normalized();
+    pose.translation = rotation_step * pose.translation + step.tail<3>();
     if (step.norm() < 1e-9) break;
   }
   refit.after_px = MedianErrorOfPose(view.camera, pose, detections);
   if (!(refit.after_px < improved * refit.before_px)) return {};
   refit.moved_m = (refit.camera.Centre() - view.camera.Centre()).norm();
-  refit.turned_rad = refit.camera.camera_from_world.rotation.angularDistance(view.camera.camera_from_world.rotation);
+  refit.rotation_rad = refit.camera.camera_from_world.rotation.angularDistance(view.camera.camera_from_world.rotation);
   return refit;
 }
 

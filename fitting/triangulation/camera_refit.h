@@ -6,18 +6,18 @@
 
 namespace mocurate {
 
-/// A camera put where its detections say it stands.
+/// A camera with the pose that its detections imply.
 struct CameraRefit {
   Camera camera;
   double before_px = 0.0;  ///< median distance of its detections from the points
   double after_px = 0.0;
   double moved_m = 0.0;  ///< of its centre
-  double turned_rad = 0.0;
+  double rotation_rad = 0.0;
 };
 
-/// Pose of a view that minimises the distances of its detections from points that the other views gave (Gauss-Newton on
-/// the six numbers, Huber at 10 px, lens and focal length as calibrated). Empty where fewer than 100 detections belong
-/// to a point, or the median distance does not fall below `improved` of what it was.
+/// Pose of a view that minimises the distances of its detections from the other views' points (Gauss-Newton on the six
+/// numbers, Huber at 10 px, lens and focal length as calibrated). Empty with fewer than 100 detections of such points,
+/// or where the median distance does not fall below `improved` times the previous one.
 std::optional<CameraRefit> RefitCamera(const ViewKeypoints& view, const TriangulatedTracks& points,
                                        double improved = 0.5);
 

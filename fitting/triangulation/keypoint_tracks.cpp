@@ -15,15 +15,16 @@
 #include "fitting/audit/rig_audit.h"
 #include "fitting/audit/view_sides.h"
 #include "fitting/evidence/detector_points.h"
-#include "fitting/triangulation/odd_cameras.h"
+#include "fitting/triangulation/inconsistent_cameras.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kFewPoints = 0.02;    ///< share of the frames times keypoints: less is nothing to fit
-constexpr double kPoorPoints = 0.4;    ///< worth a warning
-constexpr double kContradicted = 0.1;  ///< of the keypoints that three views and more detect, that are not found
-constexpr double kUnevenDepth = 6.0;   ///< of the standard deviations along the worst and the best direction
+constexpr double kFewPoints = 0.02;  ///< share of the frames times keypoints; below, there is too little to fit
+constexpr double kPoorPoints = 0.4;  ///< below: a warning
+constexpr double kContradicted =
+    0.1;  ///< of the keypoints that three or more views detect, without a triangulated point
+constexpr double kUnevenDepth = 6.0;   ///< ratio of the standard deviations along the worst and the best direction
 constexpr double kSeldomFound = 0.05;  ///< of the frames; a keypoint found less often counts as never found
 
 Error Inconsistent(const std::string& what, const std::string& where, const std::string& hint) {
@@ -35,11 +36,11 @@ Status CheckViews(const Evidence& evidence) {
   const auto views = static_cast<long long>(evidence.keypoint_views.size());
   if (views >= 2 && !evidence.keypoint_names.empty()) return {};
   return tl::unexpected<Error>(Inconsistent("keypoints of " + Counted(views, "camera") + " give no depth", "keypoints",
-                                            "two views at least are needed"));
+                                            "give at least two views"));
 }
 
-Finding Tell(const std::string& code, Severity severity, double value, const std::string& message,
-             FindingAction action) {
+Finding PointsFinding(const std::string& code, Severity severity, double value, const std::string& message,
+                      FindingAction action) {
   Finding finding;
   finding.code = code;
   finding.severity = severity;
@@ -58,29 +59,31 @@ double Quantile(std::vector<double>& values, double share) {
   return *place;
 }
 
-void TellOfPeople(const std::vector<RigView>& rig, const Association& take, std::int64_t subject,
+void ReportPeople(const std::vector<RigView>& rig, const Association& take, std::int64_t subject,
                   std::vector<Finding>& findings) {
   if (take.people.size() > 1) {
-    findings.push_back(Tell("other_people", Severity::kInfo, static_cast<double>(take.people.size()),
-                            "views agree on " + Counted(static_cast<long long>(take.people.size()), "person") +
-                                "; this is number " + std::to_string(subject) + " by presence",
-                            FindingAction::kKept));
+    findings.push_back(PointsFinding("other_people", Severity::kInfo, static_cast<double>(take.people.size()),
+                                     "views agree on " + Counted(static_cast<long long>(take.people.size()), "person") +
+                                         "; this clip is person number " + std::to_string(subject) +
+                                         " (ordered by presence)",
+                                     FindingAction::kKept));
   }
   std::string where;
-  int left_out = 0;
+  int excluded = 0;
   for (std::size_t v = 0; v < rig.size(); ++v) {
-    if (take.left_out[v] == 0) continue;
-    left_out += take.left_out[v];
-    where += (where.empty() ? "" : ", ") + rig[v].camera.camera.name + " " + std::to_string(take.left_out[v]) + " of " +
+    if (take.excluded[v] == 0) continue;
+    excluded += take.excluded[v];
+    where += (where.empty() ? "" : ", ") + rig[v].camera.camera.name + " " + std::to_string(take.excluded[v]) + " of " +
              std::to_string(take.entries[v]);
   }
-  if (left_out == 0) return;
-  findings.push_back(Tell("bystanders_left_out", Severity::kInfo, left_out,
-                          "people or false finds that no second view confirms: " + where, FindingAction::kLeftOut));
+  if (excluded == 0) return;
+  findings.push_back(PointsFinding("bystanders_skipped", Severity::kInfo, excluded,
+                                   "detections that no second view confirms (other people, false positives): " + where,
+                                   FindingAction::kExcluded));
 }
 
-/// Whether most views that show somebody show somebody else.
-void TellOfContradiction(const std::vector<RigView>& rig, const AssociatedPerson& person, KeypointTracks& found) {
+/// Reports that most views with a detection do not show this person.
+void ReportRigContradiction(const std::vector<RigView>& rig, const AssociatedPerson& person, KeypointTracks& found) {
   double showing = 0.0;
   double agreeing = 0.0;
   for (std::size_t v = 0; v < rig.size(); ++v) {
@@ -93,14 +96,14 @@ void TellOfContradiction(const std::vector<RigView>& rig, const AssociatedPerson
     }
   }
   if (rig.size() < 3 || agreeing > 0.5 * showing) return;
-  found.report.doubtful = true;
-  found.findings.push_back(Tell("views_contradict", Severity::kWarning, agreeing,
-                                "of " + RoundedText(showing, 2) + " views that show somebody only " +
-                                    RoundedText(agreeing, 2) + " agree on this person (mean over the frames)",
-                                FindingAction::kFlagged));
+  found.report.suspect = true;
+  found.findings.push_back(PointsFinding("views_contradict", Severity::kWarning, agreeing,
+                                         "of " + RoundedText(showing, 2) + " views with a detection only " +
+                                             RoundedText(agreeing, 2) + " agree on this person (mean over the frames)",
+                                         FindingAction::kFlagged));
 }
 
-/// Share of the keypoints that three views and more detect of which no two detections meet in a point.
+/// Share of the keypoints detected by three or more views, in which no two detections meet in a point.
 double ContradictedShare(const std::vector<ViewKeypoints>& views, const TriangulatedTracks& points,
                          double min_confidence) {
   double detected = 0.0;
@@ -116,16 +119,17 @@ double ContradictedShare(const std::vector<ViewKeypoints>& views, const Triangul
   return detected > 0.0 ? lost / detected : 0.0;
 }
 
-void TellOfContradictedPoints(double share, KeypointTracks& found) {
+void ReportContradictedPoints(double share, KeypointTracks& found) {
   if (share <= kContradicted) return;
-  found.report.doubtful = true;
-  found.findings.push_back(Tell("keypoints_contradict", Severity::kWarning, share,
-                                "of the keypoints that three views and more detect " + std::to_string(Percent(share)) +
-                                    " % meet in no point: do all cameras show the same take of the same person?",
-                                FindingAction::kFlagged));
+  found.report.suspect = true;
+  found.findings.push_back(
+      PointsFinding("keypoints_contradict", Severity::kWarning, share,
+                    "of the keypoints that three or more views detect, " + std::to_string(Percent(share)) +
+                        " % have no intersection: check that all cameras show the same take of the same person",
+                    FindingAction::kFlagged));
 }
 
-void TellOfPoints(const TriangulatedTracks& points, KeypointTracks& found) {
+void ReportPoints(const TriangulatedTracks& points, KeypointTracks& found) {
   KeypointReport& report = found.report;
   std::vector<Finding>& findings = found.findings;
   std::string never;
@@ -134,15 +138,16 @@ void TellOfPoints(const TriangulatedTracks& points, KeypointTracks& found) {
     never += (never.empty() ? "" : ", ") + report.keypoint_names[k];
   }
   if (!never.empty()) {
-    findings.push_back(Tell("keypoints_never_found", Severity::kInfo, 0.0,
-                            "too few views agree on " + never + " in nearly all frames", FindingAction::kInterpolated));
+    findings.push_back(PointsFinding("keypoints_never_found", Severity::kInfo, 0.0,
+                                     "not triangulated, as too few views agree: " + never + " (in nearly all frames)",
+                                     FindingAction::kInterpolated));
   }
   if (report.triangulated < kPoorPoints) {
-    report.doubtful = true;
+    report.suspect = true;
     findings.push_back(
-        Tell("few_points", Severity::kWarning, report.triangulated,
-             "only " + std::to_string(Percent(report.triangulated)) + " % of the keypoints are found in 3-D",
-             FindingAction::kFlagged));
+        PointsFinding("few_points", Severity::kWarning, report.triangulated,
+                      "only " + std::to_string(Percent(report.triangulated)) + " % of the keypoints are triangulated",
+                      FindingAction::kFlagged));
   }
   std::vector<double> uneven;
   for (std::size_t i = 0; i < points.confidence.size(); ++i) {
@@ -152,12 +157,13 @@ void TellOfPoints(const TriangulatedTracks& points, KeypointTracks& found) {
   }
   const double ratio = MeanMedian(uneven);
   if (ratio <= kUnevenDepth) return;
-  report.doubtful = true;
-  findings.push_back(Tell("views_close_together", Severity::kWarning, ratio,
-                          "points are " + RoundedText(ratio, 3) +
-                              " times as uncertain along their worst direction as along their best: the views that see "
-                              "them stand close together, or opposite each other",
-                          FindingAction::kFlagged));
+  report.suspect = true;
+  findings.push_back(PointsFinding(
+      "views_close_together", Severity::kWarning, ratio,
+      "points are " + RoundedText(ratio, 3) +
+          " times as uncertain along their worst direction as along their best, because the views that see "
+          "them stand close together, or opposite each other",
+      FindingAction::kFlagged));
 }
 
 KeypointReport ReportOf(const Evidence& evidence, const std::vector<RigView>& rig, const Association& take,
@@ -201,10 +207,10 @@ std::vector<double> MedianLengthsOfPoints(const TriangulatedTracks& points, cons
   return medians;
 }
 
-constexpr double kOddProportions = 0.15;  ///< mean |log ratio| of lengths from which on other orders are tried
-constexpr double kMuchBetterOrder = 0.6;  ///< of it, in the other order
+constexpr double kOddProportions = 0.15;  ///< mean |log ratio| of lengths from which other orders are tried
+constexpr double kMuchBetterOrder = 0.6;  ///< ratio of that mean in the other order
 
-/// Whether keypoints listed in another order make a person where they do not as named.
+/// A fault where another order of the keypoints makes a plausible person and the declared one does not.
 std::optional<RigFault> WrongOrder(const Evidence& evidence, const TriangulatedTracks& points, const Skeleton& skeleton,
                                    double mismatch, std::vector<std::string>& names) {
   if (mismatch < kOddProportions) return {};
@@ -215,8 +221,8 @@ std::optional<RigFault> WrongOrder(const Evidence& evidence, const TriangulatedT
   fault.code = "keypoint_order";
   fault.value = order->given;
   fault.confidence = order->confidence;
-  fault.message = "limbs depart from a person's proportions by a factor of " + RoundedText(std::exp(order->given), 3) +
-                  " in the mean, in the order of " + order->name + " by " + RoundedText(std::exp(order->found), 3);
+  fault.message = "limb proportions differ from a person's by a factor of " + RoundedText(std::exp(order->given), 3) +
+                  " (mean); in the order of " + order->name + " by " + RoundedText(std::exp(order->found), 3);
   return fault;
 }
 
@@ -226,11 +232,12 @@ std::optional<RigFault> WrongUnit(double scale) {
   RigFault fault;
   fault.code = "calibration_unit";
   fault.value = unit->factor;
-  // How far the person's size is from the next explanation, a factor of 1.6 at least; sizes of people spread by 12 %.
+  // Distance of the person's size from the next explanation, a factor of 1.6 at least; sizes of people have a standard
+  // deviation of 12 %.
   fault.confidence = std::erf(std::log(1.6) / (0.12 * std::sqrt(2.0)) -
                               std::abs(std::log(scale / unit->factor)) / (0.12 * std::sqrt(2.0)));
   fault.confidence = std::clamp(fault.confidence, 0.0, 1.0);
-  fault.message = "the calibration looks like " + unit->text + ": the person would be " + RoundedText(scale, 3) +
+  fault.message = "the calibration looks like " + unit->text + ": the person is " + RoundedText(scale, 3) +
                   " times a person's size";
   return fault;
 }
@@ -238,7 +245,8 @@ std::optional<RigFault> WrongUnit(double scale) {
 Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& skeleton,
                                       const KeypointFitOptions& options, std::vector<RigFault> faults);
 
-/// Looks at the person that came out; corrects unit and order where told to, and triangulates again. Empty: sound.
+/// Checks the triangulated person; corrects unit and order where options allow it, and triangulates again. Empty: no
+/// fault.
 std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, const TriangulatedTracks& points,
                                                     const Skeleton& skeleton, const std::vector<KnownLength>& lengths,
                                                     const KeypointFitOptions& options,
@@ -265,7 +273,7 @@ std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, co
         return again(std::move(*fault), corrected);
       }
       return tl::unexpected<Error>(
-          Inconsistent(fault->message + "; sure to " + RoundedText(100.0 * fault->confidence, 4) + " %", "keypoints",
+          Inconsistent(fault->message + "; confidence " + RoundedText(100.0 * fault->confidence, 4) + " %", "keypoints",
                        "declare the detector's order of keypoints, or set fitting.keypoints.audit.order to correct"));
     }
   }
@@ -281,10 +289,10 @@ std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, co
   return {};
 }
 
-/// Puts left and right limbs of single views right; true when anything changed.
-bool MendSidesOfViews(const std::vector<RigView>& rig, const TriangulatedTracks& points,
-                      const std::vector<std::string>& names, const KeypointFitOptions& options,
-                      std::vector<ViewKeypoints>& views, std::vector<RigFault>& faults) {
+/// Exchanges left and right limbs of single views back; true when anything changed.
+bool CorrectLeftRightOfViews(const std::vector<RigView>& rig, const TriangulatedTracks& points,
+                             const std::vector<std::string>& names, const KeypointFitOptions& options,
+                             std::vector<ViewKeypoints>& views, std::vector<RigFault>& faults) {
   if (options.audit.sides == AuditAction::kOff) return false;
   const auto exchanges =
       FindSideExchanges(views, points, names, options.triangulation.noise, options.audit.side_margin);
@@ -299,7 +307,7 @@ bool MendSidesOfViews(const std::vector<RigView>& rig, const TriangulatedTracks&
     fault.value = exchange.margin;
     fault.confidence = 1.0 / (1.0 + std::exp(-exchange.margin));
     fault.corrected = corrected;
-    fault.message = "camera " + fault.camera + " lists left " + exchange.limb + " as right ones in " +
+    fault.message = "camera " + fault.camera + " labels left " + exchange.limb + " as right in " +
                     Counted(exchange.frame_end - exchange.frame_begin, "frame");
     faults.push_back(std::move(fault));
   }
@@ -308,10 +316,12 @@ bool MendSidesOfViews(const std::vector<RigView>& rig, const TriangulatedTracks&
   return true;
 }
 
-/// A late camera and one that stands elsewhere look alike to who walks; 30 mm are a poor tracker's joint.
+/// Whether a clock offset and a displacement of a camera have similar effects, as for a walking person; 30 mm are a
+/// poor tracker's error of a joint.
 bool ClocksAndPlacesMix(const KeypointReport& report) {
   const auto late = [](const RigFault& fault) { return fault.code == "camera_clock_off"; };
-  return std::sqrt(report.place_doubt.trace()) > 0.03 && std::any_of(report.faults.begin(), report.faults.end(), late);
+  return std::sqrt(report.place_covariance.trace()) > 0.03 &&
+         std::any_of(report.faults.begin(), report.faults.end(), late);
 }
 
 Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& skeleton,
@@ -325,7 +335,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   found.tracks.names = DetectorNames(evidence.keypoint_names);
   const std::vector<KnownLength> lengths = KnownLengths(found.tracks.names, skeleton);
   Association take = AssociatePeople(rig, lengths);
-  if (take.people.empty()) return tl::unexpected<Error>(WhyNobody(rig));
+  if (take.people.empty()) return tl::unexpected<Error>(WhyNoPerson(rig));
   const AuditedRig audited = AuditRig(rig, take, evidence.keypoint_names, options);
   if (audited.corrected) {
     rig = audited.rig;
@@ -333,22 +343,22 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   }
   if (evidence.subject < 0 || evidence.subject >= static_cast<int>(take.people.size())) {
     return tl::unexpected<Error>(Inconsistent("person " + std::to_string(evidence.subject) +
-                                                  " is wanted, counted from 0 by presence, but views agree on " +
+                                                  " is requested (from 0, ordered by presence), but views agree on " +
                                                   Counted(static_cast<long long>(take.people.size()), "person"),
-                                              "keypoints", "ask for fewer people per recording"));
+                                              "keypoints", "reduce the number of people per recording"));
   }
   const AssociatedPerson& person = take.people[static_cast<std::size_t>(evidence.subject)];
   std::vector<ViewKeypoints> views = ViewsOfPerson(rig, take, person);
   const auto frames = static_cast<int>(take.time_s.size());
   TriangulatedTracks points = TriangulateViews(views, frames, keypoints, options.triangulation);
   std::vector<RigFault> sides;
-  if (MendSidesOfViews(rig, points, evidence.keypoint_names, options, views, sides))
+  if (CorrectLeftRightOfViews(rig, points, evidence.keypoint_names, options, views, sides))
     points = TriangulateViews(views, frames, keypoints, options.triangulation);
   points = WithoutOddCameras(std::move(points), views, frames, keypoints, options.triangulation);
   found.report = ReportOf(evidence, rig, take, person, points);
   if (found.report.triangulated < kFewPoints) {
     return tl::unexpected<Error>(Inconsistent(
-        "only " + std::to_string(Percent(found.report.triangulated)) + " % of the keypoints are found in 3-D",
+        "only " + std::to_string(Percent(found.report.triangulated)) + " % of the keypoints are triangulated",
         "keypoints",
         "views must agree within fitting.keypoints.triangulation.outlier, " +
             RoundedText(options.triangulation.outlier, 3) + " px"));
@@ -358,21 +368,21 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   faults.insert(faults.end(), sides.begin(), sides.end());
   for (const RigFault& fault : faults) {
     found.findings.push_back(FindingOf(fault));
-    found.report.doubtful = found.report.doubtful || IsDoubtful(fault);
+    found.report.suspect = found.report.suspect || IsAmbiguous(fault);
   }
   if (!audited.not_audited.empty()) {
-    found.findings.push_back(Tell("rig_not_audited", Severity::kInfo, static_cast<double>(rig.size()),
-                                  audited.not_audited, FindingAction::kKept));
+    found.findings.push_back(PointsFinding("rig_not_audited", Severity::kInfo, static_cast<double>(rig.size()),
+                                           audited.not_audited, FindingAction::kKept));
   }
   found.report.faults = std::move(faults);
   found.report.residual_px = audited.residual_px;
-  found.report.place_doubt = audited.place_doubt;
-  found.report.doubtful = found.report.doubtful || ClocksAndPlacesMix(found.report);
-  TellOfPeople(rig, take, evidence.subject, found.findings);
-  TellOfContradiction(rig, person, found);
-  TellOfCameras(found.report, UnseenShares(person), options.triangulation.outlier, found.findings);
-  TellOfContradictedPoints(ContradictedShare(views, points, options.triangulation.min_confidence), found);
-  TellOfPoints(points, found);
+  found.report.place_covariance = audited.place_covariance;
+  found.report.suspect = found.report.suspect || ClocksAndPlacesMix(found.report);
+  ReportPeople(rig, take, evidence.subject, found.findings);
+  ReportRigContradiction(rig, person, found);
+  ReportRigCameras(found.report, UnobservedShares(person), options.triangulation.outlier, found.findings);
+  ReportContradictedPoints(ContradictedShare(views, points, options.triangulation.min_confidence), found);
+  ReportPoints(points, found);
   found.tracks.time_s = take.time_s;
   found.tracks.positions = std::move(points.positions);
   found.precision = std::move(points.precision);
@@ -380,7 +390,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   return found;
 }
 
-/// Clocks, places and sides are judged by files that are where they should be.
+/// Clocks, poses and sides are only audited with the given files.
 KeypointFitOptions WithoutAudit(KeypointFitOptions options) {
   options.audit.clocks = options.audit.moved = options.audit.sides = AuditAction::kOff;
   return options;
@@ -394,14 +404,14 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   std::vector<RigFault> faults;
   Evidence as_seen = evidence;
   const std::vector<KnownLength> lengths = KnownLengths(DetectorNames(evidence.keypoint_names), skeleton);
-  if (Status mended = MendFiles(as_seen, lengths, options, faults); !mended) return Forward(mended);
-  const bool wrong = FilesAreWrong(faults);
+  if (Status assigned = CorrectFileAssignment(as_seen, lengths, options, faults); !assigned) return Forward(assigned);
+  const bool wrong = FilesAreExchanged(faults);
   if (!wrong) return Triangulated(as_seen, skeleton, options, std::move(faults));
   Expected<KeypointTracks> found = Triangulated(as_seen, skeleton, WithoutAudit(options), std::move(faults));
   if (found) {
-    found->findings.push_back(Tell(
+    found->findings.push_back(PointsFinding(
         "rig_not_audited", Severity::kInfo, static_cast<double>(as_seen.keypoint_views.size()),
-        "clocks, places and sides of cameras are not judged by files that are not as given", FindingAction::kKept));
+        "clocks, poses and sides of cameras were not audited, because the files were exchanged", FindingAction::kKept));
   }
   return found;
 }

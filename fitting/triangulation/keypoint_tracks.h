@@ -10,8 +10,8 @@
 
 namespace mocurate {
 
-/// A person's triangulated keypoints, named as a skeleton means them (DetectorNames). Confidence is relative precision:
-/// 1 for the median of the take.
+/// A person's triangulated keypoints, with the skeleton's names (DetectorNames). Confidence is relative precision: 1
+/// for the median of the take.
 struct KeypointTracks {
   JointTracks tracks;
   std::vector<Matrix3d> precision;  ///< (F*K) of the tracks, see SkeletonTracks
@@ -20,13 +20,13 @@ struct KeypointTracks {
 };
 
 /// Person `evidence.subject` of the clip's keypoint views: associated across views and time, ordered by presence,
-/// triangulated. `skeleton` says which keypoints are ends of bones, and how long bones are. The rig is audited first
-/// (MendFiles, AuditRig, FindKeypointOrder, FindUnit), and corrected where options say so: each fault is a
-/// finding. Further findings: other people, entries left out, a camera that disagrees, keypoints never found, views too
-/// close together. Errors, each with its numbers: kInconsistent for shapes that disagree, fewer than two cameras, a
-/// person that is not there; for views that agree on nobody, with what their rays do (all from one direction, meeting
-/// behind the cameras, missing each other); for a body of no person's size (the calibration's unit) or of no person's
-/// proportions (the order of the keypoints).
+/// triangulated. `skeleton` gives bones and their lengths. First the rig is audited (CorrectFileAssignment, AuditRig,
+/// FindKeypointOrder, FindUnit), and corrected where options allow it: each fault is a finding. Further findings: other
+/// people, excluded detections, a camera that disagrees, keypoints never triangulated, views too close together.
+/// Errors, each with its numbers: kInconsistent for shapes that disagree, fewer than two cameras, a missing person; for
+/// views without agreement, with the geometry of their rays (all from one direction, meeting behind the cameras,
+/// missing each other); for an implausible size (the calibration's unit) or implausible proportions (the order of the
+/// keypoints).
 Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Skeleton& skeleton,
                                               const KeypointFitOptions& options);
 

@@ -40,7 +40,7 @@ struct NormalEquations3 {
     const double d = std::sqrt(yy - b * b);
     const double e = (yz - b * c) / d;
     const double f = std::sqrt(zz - c * c - e * e);
-    if (!(a > 0.0 && d > 0.0 && f > 0.0)) return false;  // nor where they are no numbers
+    if (!(a > 0.0 && d > 0.0 && f > 0.0)) return false;  // false for NaN as well
     const double u = right.x() / a;
     const double v = (right.y() - b * u) / d;
     const double w = (right.z() - c * u - e * v) / f;

@@ -16,8 +16,8 @@ namespace {
 constexpr double kParallelRays = 0.0175;  ///< sine of the smallest angle between rays, 1 degree
 constexpr int kMostPairs = 16;
 constexpr int kRefinements = 4;
-constexpr double kTrust = 1.0 / 3.0;  ///< of the outlier limit: up to here a view counts almost fully
-constexpr double kBehind = 1e6;       ///< px; error of a point that is not in front
+constexpr double kFullWeightShare = 1.0 / 3.0;  ///< of the outlier limit: up to here a view has almost full weight
+constexpr double kBehind = 1e6;                 ///< px; error of a point that is not in front
 constexpr double kOddShare = 0.5;
 constexpr double kOddRatio = 4.0;
 
@@ -26,7 +26,7 @@ using Rays = std::vector<ViewRay>;
 /// A point in the camera of a ray, and its pixel error with the lens distortion taken off on both sides.
 struct Seen {
   Vector3d in_camera;
-  Vector2d error;  ///< px; no number behind the camera
+  Vector2d error;  ///< px; not finite behind the camera
 
   [[gnu::always_inline]] Seen(const ViewRay& ray, const Vector3d& point)
       : in_camera(ray.view->rotation * (point - ray.view->centre)) {
@@ -37,7 +37,7 @@ struct Seen {
   }
   bool behind() const { return !(in_camera.z() > 0.0); }
   double square() const { return behind() ? kBehind * kBehind : error.squaredNorm(); }
-  /// Adds weight * |error|^2 / 2 as it changes with the point.
+  /// Adds weight * |error|^2 / 2, linearised in the point.
   [[gnu::always_inline]] void AddTo(NormalEquations3& equations, double weight, const ViewRay& ray) const {
     const Camera& camera = ray.view->camera;
     const Matrix3d& rotation = ray.view->rotation;
@@ -71,7 +71,7 @@ bool AllParallel(const Rays& rays) {
   return true;
 }
 
-/// Gauss-Newton on pixel errors under the loss of Geman and McClure, which a far view hardly pulls at.
+/// Gauss-Newton on pixel errors under the loss of Geman and McClure, which gives outliers almost no weight.
 struct Refined {
   Vector3d point = Vector3d::Zero();
   bool solved = false;
@@ -108,7 +108,7 @@ double Score(const Rays& rays, const Vector3d& point, double scale) {
   return score;
 }
 
-/// Best of a point and those of pairs of rays, spread evenly over all pairs.
+/// Best of a point and those of pairs of rays, distributed evenly over all pairs.
 Vector3d BestPoint(const Rays& rays, const Vector3d& first, double scale) {
   Vector3d best = first;
   double best_score = Score(rays, first, scale);
@@ -141,7 +141,7 @@ bool AllWithin(const Rays& rays, const Vector3d& point, double limit) {
                      [&](const ViewRay& ray) { return SquaredError(ray, point) <= limit * limit; });
 }
 
-/// Point, and which rays agree with it; empty when too few do.
+/// Point, and the rays that agree with it; empty with too few.
 std::optional<TriangulatedPoint> JudgePoint(const Rays& rays, const Refined& refined,
                                             const TriangulationOptions& options) {
   if (!refined.solved) return {};
@@ -168,7 +168,7 @@ std::optional<TriangulatedPoint> JudgePoint(const Rays& rays, const Refined& ref
   return point;
 }
 
-/// Each precision against the median of the take; 1 at most.
+/// Precision relative to the median of the take; 1 at most.
 void ConfidenceOfPrecision(std::vector<double>& sigma) {
   std::vector<double> found;
   std::copy_if(sigma.begin(), sigma.end(), std::back_inserter(found), [](double value) { return value > 0.0; });
@@ -176,7 +176,7 @@ void ConfidenceOfPrecision(std::vector<double>& sigma) {
   for (double& value : sigma) value = value > 0.0 ? std::min(median / value, 1.0) : 0.0;
 }
 
-/// Of each point against the median variance per axis; the identity where none is found (confidence 0).
+/// Covariance relative to the median variance per axis; the identity without a point (confidence 0).
 std::vector<Matrix3d> RelativePrecision(const std::vector<Matrix3d>& covariance,
                                         const std::vector<double>& confidence) {
   std::vector<double> variance;
@@ -191,20 +191,20 @@ std::vector<Matrix3d> RelativePrecision(const std::vector<Matrix3d>& covariance,
   return precision;
 }
 
-void NameTheOddOnes(std::vector<CameraAgreement>& cameras) {
+void NameOddCameras(std::vector<CameraAgreement>& cameras) {
   for (std::size_t v = 0; v < cameras.size(); ++v) {
-    const double share = cameras[v].left_out_share();
+    const double share = cameras[v].excluded_share();
     cameras[v].disagrees =
-        cameras.size() > 2 && share > kOddShare && share > kOddRatio * MostLeftOutElsewhere(cameras, v);
+        cameras.size() > 2 && share > kOddShare && share > kOddRatio * LargestExcludedShare(cameras, v);
   }
 }
 
 }  // namespace
 
-double MostLeftOutElsewhere(const std::vector<CameraAgreement>& cameras, std::size_t own) {
+double LargestExcludedShare(const std::vector<CameraAgreement>& cameras, std::size_t own) {
   double most = 0.0;
   for (std::size_t v = 0; v < cameras.size(); ++v) {
-    if (v != own) most = std::max(most, cameras[v].left_out_share());
+    if (v != own) most = std::max(most, cameras[v].excluded_share());
   }
   return most;
 }
@@ -237,7 +237,7 @@ std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& r
   if (static_cast<std::int64_t>(rays.size()) < std::max<std::int64_t>(options.min_views, 2) || AllParallel(rays))
     return {};
   const Vector3d nearest = NearestPoint(rays);
-  const double scale = kTrust * options.outlier;
+  const double scale = kFullWeightShare * options.outlier;
   const Refined all = RefinePoint(rays, nearest, scale, options.noise);
   if (all.solved && AllWithin(rays, all.point, scale)) return JudgePoint(rays, all, options);
   const Vector3d start = BestPoint(rays, all.solved ? all.point : nearest, scale);
@@ -286,13 +286,13 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
       const double error = std::sqrt(SquaredError(ray, point->position));
       errors[ray.index].push_back(error);
       ++tracks.cameras[ray.index].detections;
-      tracks.cameras[ray.index].left_out += error > options.outlier ? 1 : 0;
+      tracks.cameras[ray.index].excluded += error > options.outlier ? 1 : 0;
     }
   }
   for (std::size_t v = 0; v < views.size(); ++v) tracks.cameras[v].median_px = MeanMedian(errors[v]);
   tracks.precision = RelativePrecision(covariance, tracks.confidence);
   ConfidenceOfPrecision(tracks.confidence);
-  NameTheOddOnes(tracks.cameras);
+  NameOddCameras(tracks.cameras);
   return tracks;
 }
 

@@ -10,7 +10,7 @@
 
 namespace mocurate {
 
-/// A camera with what triangulation asks of it over and over, computed once.
+/// A camera with precomputed values for triangulation.
 struct TriangulationView {
   explicit TriangulationView(const Camera& calibrated);
 
@@ -19,7 +19,7 @@ struct TriangulationView {
   Vector3d centre;    ///< of projection, world, metres
 };
 
-/// What one view says of a point: a ray in the world, and how far off in pixels a point is.
+/// Observation of a point by one view: a ray in the world, and a pixel error.
 struct ViewRay {
   const TriangulationView* view = nullptr;
   int index = 0;                           ///< of the view
@@ -45,9 +45,9 @@ struct TriangulatedPoint {
 };
 
 /// The point that most rays agree on: least squares of pixel errors under the loss of Geman and McClure (scale a third
-/// of options.outlier), Gauss-Newton from all rays; where one is further off than that scale, also from points of pairs
-/// of rays, the best by the same loss (16 pairs at most, spread over the views, so that cost grows linearly with their
-/// number). Empty when fewer than min_views or not more than half of the views agree, or their rays are parallel to
+/// of options.outlier), Gauss-Newton from all rays. Where an error exceeds that scale, also from points of pairs of
+/// rays, the best by the same loss (at most 16 pairs, distributed over the views, so that time grows linearly with
+/// their number). Empty when fewer than min_views or not a majority of the views agree, or their rays are parallel to
 /// within 1 degree.
 std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& rays,
                                                    const TriangulationOptions& options);
@@ -60,22 +60,22 @@ struct ViewKeypoints {
   std::vector<Vector2d> normalised;  ///< (F*K) at depth 1 without lens distortion; or empty
 };
 
-/// How a camera agrees with the others.
+/// Agreement of a camera with the others.
 struct CameraAgreement {
-  int detections = 0;      ///< that belong to a triangulated point
-  int left_out = 0;        ///< of them further off than the limit
+  int detections = 0;      ///< of a triangulated point
+  int excluded = 0;        ///< of them beyond the limit
   double median_px = 0.0;  ///< median distance of all of them from the point that the agreeing views gave
-  bool disagrees = false;  ///< most are left out, at least four times the share of the other cameras
+  bool disagrees = false;  ///< most are excluded, at least four times the share of the other cameras
 
-  double left_out_share() const { return detections > 0 ? static_cast<double>(left_out) / detections : 0.0; }
+  double excluded_share() const { return detections > 0 ? static_cast<double>(excluded) / detections : 0.0; }
 };
 
-/// The largest share that any camera but the `own` one has left out.
-double MostLeftOutElsewhere(const std::vector<CameraAgreement>& cameras, std::size_t own);
+/// The largest share of excluded detections of any camera but `own`.
+double LargestExcludedShare(const std::vector<CameraAgreement>& cameras, std::size_t own);
 
 struct TriangulatedTracks {
-  JointPositions positions;         ///< (F,K,3) world; 0 where not found
-  std::vector<double> confidence;   ///< (F*K) 0 where not found; 1 for the median precision of the take, less for worse
+  JointPositions positions;         ///< (F,K,3) world; 0 without a point
+  std::vector<double> confidence;   ///< (F*K) 0 without a point; 1 for the median precision of the take, less for worse
   std::vector<int> view_count;      ///< (F*K)
   std::vector<double> error_px;     ///< (F*K) mean over the agreeing views
   std::vector<Matrix3d> precision;  ///< (F*K) inverse of the covariance, over the take's median precision per axis

@@ -19,18 +19,19 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
     TrackWindow window{whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, Bones::kFixed, whole.options};
     window.begin = std::max(begin - context, 0);
     window.end = std::min(end + context, whole.end);
-    window.walks = whole.walks;
+    window.noise_scale = whole.noise_scale;
     window.rotations = whole.rotations;
-    window.rest_spreads = whole.rest_spreads;
+    window.rest_sigmas = whole.rest_sigmas;
     window.rest_information = whole.rest_information;
     TrackEquations track(window);
     BlockTridiagonal& equations = whole.memory != nullptr ? *whole.memory : own_memory;
     equations.Resize(window.end - window.begin, track.size(), 0);
     track.Linearise(equations);
     if (!equations.Factor(Eigen::VectorXd::Zero(equations.blocks() * equations.size()))) {
-      return Fail(ErrorCode::kInconsistent, "the pose is not determined, not even by its priors",
+      return Fail(ErrorCode::kInconsistent,
+                  "the pose is undetermined in spite of its priors (singular normal equations)",
                   "frames " + std::to_string(begin) + " to " + std::to_string(end),
-                  "is it a person in metres that these frames show?");
+                  "check that these frames show a person, in metres");
     }
     Eigen::MatrixXd next;
     equations.VisitInverse([&](int f, const Eigen::MatrixXd& own, const Eigen::MatrixXd& with_next) {

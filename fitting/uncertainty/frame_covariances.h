@@ -16,15 +16,15 @@ struct FrameCovariance {
   const Eigen::MatrixXd& own;
   const Eigen::MatrixXd& with_next;
   const Eigen::MatrixXd& next;
-  /// Information that ties its unknowns to the next frame's (own x next): that of the walks, with a minus. Not to be
-  /// read for the last.
+  /// Information that couples its unknowns with the next frame's (own x next): that of the process noise, negative. Not
+  /// to be read for the last.
   Eigen::Ref<const Eigen::MatrixXd> tie;
 };
 
-/// Calls `visit` for every frame of a solved fit: blocks of the inverse of the Gauss-Newton matrix at the solution,
-/// computed part by part with some context, so that memory does not grow with the clip; in a part the last frame comes
-/// first. `whole` is the whole clip; its state's kinematics are updated. Error kInconsistent if the matrix cannot be
-/// factored.
+/// Calls `visit` for every frame of a solved fit with blocks of the inverse of the Gauss-Newton matrix at the solution.
+/// They are computed in parts with some context, so that memory does not grow with the clip; in a part the last frame
+/// comes first. `whole` is the whole clip; its state's kinematics are updated. Error kInconsistent if the matrix cannot
+/// be factored.
 Status VisitCovariances(const TrackWindow& whole, const std::function<void(const FrameCovariance&)>& visit);
 
 }  // namespace mocurate

@@ -4,26 +4,26 @@
 #include <cmath>
 
 #include "core/geometry/symmetric.h"
-#include "fitting/uncertainty/body_spread.h"
-#include "fitting/uncertainty/carried_twists.h"
-#include "fitting/uncertainty/far_turns.h"
+#include "fitting/uncertainty/autocorrelated_error.h"
+#include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/frame_covariances.h"
-#include "fitting/uncertainty/frame_spread.h"
-#include "fitting/uncertainty/lasting_noise.h"
-#include "fitting/uncertainty/lasting_residuals.h"
+#include "fitting/uncertainty/frame_orientation.h"
+#include "fitting/uncertainty/gap_inflation.h"
+#include "fitting/uncertainty/persistent_residuals.h"
 #include "fitting/uncertainty/rest_information.h"
-#include "fitting/uncertainty/unseen_growth.h"
+#include "fitting/uncertainty/second_order_covariance.h"
+#include "fitting/uncertainty/twist_propagation.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kSmallestFactor = 0.25;  ///< tracks without noise are not taken for better than half their floor
-constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordinates that count as left over, at least
+constexpr double kSmallestFactor = 0.25;  ///< tracks without noise: at least half the assumed sigma
+constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordinates that count as redundant, at least
 
 constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes
 
-/// Variance of a joint's angle per axis without evidence (F*J): a random walk tied to the rest pose, cut at gaps, and
-/// no more than people turn it.
+/// Variance of a joint's angle per axis without evidence (F*J): a random walk with a rest prior, cut at gaps, at most
+/// the typical rotation of people.
 std::vector<double> PriorVariance(const TrackWindow& whole) {
   const std::vector<double>& rest = *whole.rest_information;
   std::vector<double> information = rest;
@@ -31,8 +31,8 @@ std::vector<double> PriorVariance(const TrackWindow& whole) {
     /// Information of a Gaussian chain that reaches the other side of a step.
     const auto through = [&](int f, double before) {
       if (!whole.Joined(f)) return 0.0;
-      const double walk = 1.0 / whole.TurnVariance(f, j);
-      return walk * before / (walk + before);
+      const double step = 1.0 / whole.RotationVariance(f, j);
+      return step * before / (step + before);
     };
     double reaching = 0.0;
     for (int f = 1; f < whole.end; ++f)
@@ -41,33 +41,33 @@ std::vector<double> PriorVariance(const TrackWindow& whole) {
     for (int f = whole.end - 2; f >= 0; --f)
       information[whole.Index(f, j)] += reaching = through(f, reaching + rest[whole.Index(f + 1, j)]);
   }
-  const std::vector<double> turns = UsualTurns(*whole.tracks.skeleton);
+  const std::vector<double> typical = TypicalRotations(*whole.tracks.skeleton);
   for (std::size_t at = 0; at < information.size(); ++at) {
-    const double turn = turns[at % turns.size()];
-    information[at] = std::min(1.0 / information[at], turn * turn);
+    const double angle = typical[at % typical.size()];
+    information[at] = std::min(1.0 / information[at], angle * angle);
   }
   return information;
 }
 
-/// The walks of the fit, of which those of joints that nobody sees tie no positions: that a head which nobody sees
-/// would swing far if a trunk were not upright is no evidence that it is.
-WalkFactors WalksOfShown(const TrackWindow& whole) {
+/// The fit's process noise, without coupling positions of unobserved joints: an unobserved head that would move far if
+/// the trunk were tilted is no evidence for an upright trunk.
+ProcessNoiseScale ProcessNoiseOfObserved(const TrackWindow& whole) {
   constexpr double kAnywhere = 1e4;
   const std::size_t numbers = whole.tracks.confidence.size();
-  WalkFactors walks = whole.walks != nullptr ? *whole.walks : WalkFactors::Ones(numbers);
-  const std::vector<bool> shown = whole.tracks.SeenJoints();
+  ProcessNoiseScale noise_scale = whole.noise_scale != nullptr ? *whole.noise_scale : ProcessNoiseScale::Ones(numbers);
+  const std::vector<bool> shown = whole.tracks.JointObservations();
   for (std::size_t at = 0; at < numbers; ++at) {
-    if (!shown[at % shown.size()]) walks.position[at] = kAnywhere;
+    if (!shown[at % shown.size()]) noise_scale.position[at] = kAnywhere;
   }
-  return walks;
+  return noise_scale;
 }
 
-/// What the residuals say about the noise: sum of weighted squares, and how many numbers they leave free.
+/// Residual statistics: sum of weighted squares, and redundancy.
 struct Freedom {
   double squares = 0.0;
   double numbers = 0.0;
   double samples = 0.0;
-  double leverage = 0.0;  ///< sum of what a sample counts in its joint's position, per axis
+  double leverage = 0.0;  ///< sum of a sample's weight in its joint's position, per axis
 };
 
 class Reader {
@@ -80,7 +80,7 @@ class Reader {
     const TrackEquations& track = of_frame.track;
     const Eigen::MatrixXd& covariance = of_frame.own;
     const int frame = of_frame.frame;
-    const CarriedTwists twists(state, track, frame);
+    const TwistPropagation twists(state, track, frame);
     const std::vector<Matrix6d> carrier = twists.CovarianceWith(twists, covariance);
     for (int j = 0; j < state.joints(); ++j) {
       const std::size_t at = static_cast<std::size_t>(frame) * state.joints() + j;
@@ -120,8 +120,8 @@ class Reader {
   Freedom& freedom_;
 };
 
-/// Factors on the covariances of positions, (F*J): `factor` where a joint is seen; where not, that of its gap, but no
-/// surer than on the surer side of it.
+/// Factors on the covariances of positions, (F*J): `factor` where a joint is observed; else that of its gap, but at
+/// least the smaller variance at the gap's two ends.
 std::vector<double> FactorsOfPositions(const SkeletonTracks& tracks, const std::vector<double>& growth, double factor,
                                        const std::vector<float>& position_cov) {
   std::vector<double> factors(growth.size());
@@ -130,7 +130,7 @@ std::vector<double> FactorsOfPositions(const SkeletonTracks& tracks, const std::
   };
   const auto joints = static_cast<std::size_t>(tracks.joints());
   for (std::size_t j = 0; j < joints; ++j) {
-    double before = 0.0;  // variance where it was last seen; 0: it was not
+    double before = 0.0;  // variance where it was last observed; 0: never
     for (int f = 0; f < tracks.frames(); ++f) {
       const std::size_t at = static_cast<std::size_t>(f) * joints + j;
       if (tracks.seen(f, static_cast<int>(j))) {
@@ -153,12 +153,12 @@ std::vector<double> FactorsOfPositions(const SkeletonTracks& tracks, const std::
   return factors;
 }
 
-/// Residuals decide how far the noise was right: what the evidence says counts `factor` less. A position that is not
-/// seen in its frame, and the prior's part of a rotation, stay.
+/// Scales the variance from evidence by `factor`, the a-posteriori variance. Positions unobserved in their frame, and
+/// the prior's part of a rotation, are unchanged.
 void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, double factor,
            PoseUncertainty& uncertainty) {
   factor *= kUncertaintyCalibration;
-  const UnseenGrowth growth = GrowthOfUnseen(tracks);
+  const GapInflation growth = FindGapInflation(tracks);
   const std::vector<double> of_positions =
       FactorsOfPositions(tracks, growth.position, factor, uncertainty.position_cov);
   for (int f = 0; f < tracks.frames(); ++f) {
@@ -183,17 +183,17 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
   }
 }
 
-/// Adds what joints' frames differ in between bodies, the joint's own and its parent's, to rotations that evidence
-/// decides.
-void AddFrameSpreads(const TrackWindow& whole, const std::vector<double>& prior, PoseUncertainty& uncertainty) {
-  const std::vector<Matrix3d> spreads = FrameSpreads(whole);
+/// Adds the covariance of frame orientations between bodies, the joint's own and its parent's, to rotations that
+/// evidence determines.
+void AddFrameOrientations(const TrackWindow& whole, const std::vector<double>& prior, PoseUncertainty& uncertainty) {
+  const std::vector<Matrix3d> frame_covariance = FrameOrientationCovariance(whole);
   for (int f = 0; f < whole.end; ++f) {
     for (int j = 0; j < whole.state.joints(); ++j) {
       const std::size_t at = whole.Index(f, j);
-      Matrix3d added = spreads[j];
+      Matrix3d added = frame_covariance[j];
       if (const int parent = whole.state.parent(j); parent >= 0) {
         const Matrix3d& parent_from_joint = whole.state.local(f, j);
-        added += parent_from_joint.transpose() * spreads[parent] * parent_from_joint;
+        added += parent_from_joint.transpose() * frame_covariance[parent] * parent_from_joint;
       }
       const double most = j == 0 ? kUnknownAngle : prior[at];
       for (int i = 0; i < 3; ++i) {
@@ -211,11 +211,11 @@ void AddFrameSpreads(const TrackWindow& whole, const std::vector<double>& prior,
 }  // namespace
 
 Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double least_factor) {
-  const std::vector<double> rest_information = RestInformationOfWalks(window);
-  const WalkFactors walks = WalksOfShown(window);
+  const std::vector<double> rest_information = RestInformationOfProcessNoise(window);
+  const ProcessNoiseScale noise_scale = ProcessNoiseOfObserved(window);
   TrackWindow whole = window;
   whole.rest_information = &rest_information;
-  whole.walks = &walks;
+  whole.noise_scale = &noise_scale;
   const auto numbers = static_cast<std::size_t>(whole.end) * whole.state.joints();
   PoseUncertainty uncertainty;
   uncertainty.position_cov.assign(6 * numbers, 0.0F);
@@ -229,15 +229,15 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double 
   if (freedom.numbers > 0.0) {
     const double factor = std::max({freedom.squares / freedom.numbers, kSmallestFactor, least_factor});
     const double averaged = freedom.samples / std::max(freedom.leverage, 1e-9);
-    Scale(whole.tracks, prior, factor * GrowthByLastingNoise(whole, averaged), uncertainty);
+    Scale(whole.tracks, prior, factor * AutocorrelationInflation(whole, averaged), uncertainty);
     uncertainty.variance_factor = factor;
-    const std::vector<float> lasting = CovarianceOfLasting(whole, factor);
-    for (std::size_t i = 0; i < lasting.size(); ++i) uncertainty.position_cov[i] += lasting[i];
+    const std::vector<float> persistent = PersistentResidualCovariance(whole, factor);
+    for (std::size_t i = 0; i < persistent.size(); ++i) uncertainty.position_cov[i] += persistent[i];
   }
-  AddFrameSpreads(whole, prior, uncertainty);
+  AddFrameOrientations(whole, prior, uncertainty);
   const std::vector<float> of_body = CovarianceOfBody(whole);
   for (std::size_t i = 0; i < of_body.size(); ++i) uncertainty.position_cov[i] += of_body[i];
-  AddFarTurns(whole, uncertainty.position_cov);
+  AddSecondOrderCovariance(whole, uncertainty.position_cov);
   return uncertainty;
 }
 

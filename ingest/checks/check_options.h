@@ -13,8 +13,8 @@ enum class OnFinding {
   kIgnore,        ///< not reported
   kReport,        ///< a finding
   kMissing,       ///< a finding, and the samples are taken as missing (tracks only)
-  kDrop,          ///< the clip is left out
-  kDropRecorded,  ///< a clip of tracks is left out; of given motion, which may stand still, it is a finding
+  kDrop,          ///< the clip is excluded
+  kDropRecorded,  ///< a clip of tracks is excluded; of given motion, which may stand still, it is a finding
 };
 
 /// Limits of the checks on every clip, and what becomes of what they find: in a configuration

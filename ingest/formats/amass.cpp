@@ -4,12 +4,12 @@
 #include "core/formats/amass.h"
 #include "core/formats/npz.h"
 #include "core/motion/kinematics.h"
+#include "ingest/checks/angle_checks.h"
+#include "ingest/checks/pose_checks.h"
+#include "ingest/checks/rate_checks.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/angle_sense.h"
-#include "ingest/sense/observe.h"
-#include "ingest/sense/pose_sense.h"
-#include "ingest/sense/rate_sense.h"
-#include "ingest/sense/tree_points.h"
+#include "ingest/inspect/read_raw.h"
+#include "ingest/inspect/tree_points.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/smpl_motion.h"
@@ -17,44 +17,44 @@
 namespace mocurate {
 namespace {
 
-/// What the numbers of a file say against it; the first may be that its angles are no radians.
-struct AmassDoubts {
-  bool spoiled = false;
+/// Findings about the numbers of a file; the first one may be that its angles are not in radians.
+struct AmassFindings {
+  bool invalid_poses = false;
   std::vector<Finding> findings;
   std::optional<Finding> rate;
 };
 
-AmassDoubts DoubtsOfAmass(const Amass& amass, const std::string& name) {
-  AmassDoubts doubts;
-  doubts.findings = amass.findings;
-  if (auto angles = DoubtAngles(amass)) {
-    doubts.spoiled = true;
-    doubts.findings.push_back(*std::move(angles));
+AmassFindings CheckAmass(const Amass& amass, const std::string& name) {
+  AmassFindings checked;
+  checked.findings = amass.findings;
+  if (auto angles = CheckAngleUnits(amass)) {
+    checked.invalid_poses = true;
+    checked.findings.push_back(*std::move(angles));
   }
-  for (Finding& frozen : DoubtPoses(amass)) doubts.findings.push_back(std::move(frozen));
-  if (auto places = DoubtPlaces(amass)) doubts.findings.push_back(*std::move(places));
-  doubts.rate = DoubtRate(amass.rate_hz, RateWord::kFramesPerSecond, name + ":mocap_framerate");
-  return doubts;
+  for (Finding& frozen : CheckFrozenPoses(amass)) checked.findings.push_back(std::move(frozen));
+  if (auto places = CheckTranslations(amass)) checked.findings.push_back(*std::move(places));
+  checked.rate = CheckStatedRate(amass.rate_hz, RateUnit::kFramesPerSecond, name + ":mocap_framerate");
+  return checked;
 }
 
-constexpr int kBodyJoints = 22;  // what SMPL, SMPL-H and SMPL-X share
+constexpr int kBodyJoints = 22;  // common to SMPL, SMPL-H and SMPL-X
 
 Finding NotTheSubject(const Skeleton& skeleton) {
-  return MakeFinding("bones_not_the_subjects", Severity::kInfo, 0.0,
-                     "the file gives the body's shape as numbers of a body model that is not here: bone lengths are "
-                     "those of skeleton '" +
-                         skeleton.name +
-                         "', and the pelvis lies at `trans`, which the model's rest pelvis (0.2 to 0.4 m, constant "
-                         "over the clip) is missing from; rest offsets of the skeleton used",
-                     FindingAction::kKept);
+  return MakeFinding(
+      "bones_not_the_subjects", Severity::kInfo, 0.0,
+      "the file states the body's shape as coefficients of a body model that is not available: bone lengths are "
+      "those of skeleton '" +
+          skeleton.name +
+          "', and the pelvis lies at `trans`, which the model's rest pelvis (0.2 to 0.4 m, constant "
+          "over the clip) would have to be added to; rest offsets of the skeleton used",
+      FindingAction::kKept);
 }
 
 Status AddSegments(const SourceFile& file, Clip& clip, std::size_t frames, std::vector<Finding>& findings) {
   if (file.source.annotations.empty()) return {};
   if (file.annotation.empty()) {
     findings.push_back(MakeFinding("not_annotated", Severity::kInfo, 0.0,
-                                   "no annotation file speaks of this motion; kept without labels",
-                                   FindingAction::kKept));
+                                   "no annotation file lists this motion; kept without labels", FindingAction::kKept));
     return {};
   }
   const Expected<std::vector<BabelSequence>> sequences = ParseBabel(file.annotation, file.name + " (annotation)");
@@ -65,12 +65,12 @@ Status AddSegments(const SourceFile& file, Clip& clip, std::size_t frames, std::
   return {};
 }
 
-/// AMASS -> given motion on SMPL's 24 joints: the body's rotations; hands, jaw and eyes of SMPL-H and SMPL-X are left
-/// out. Without a body model rest offsets are the skeleton's, and the pelvis lies at `trans`: a finding says so. With
-/// `annotations`, BABEL's labels are the segments.
+/// AMASS -> given motion on SMPL's 24 joints: the body's rotations, without the hands, jaw and eyes of SMPL-H and
+/// SMPL-X. Without a body model, rest offsets are the skeleton's and the pelvis lies at `trans`; a finding reports
+/// this. With `annotations`, BABEL's labels become the segments.
 Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
-  const Expected<Quaterniond> world_from_file = TurnOf(source.axes);
+  const Expected<Quaterniond> world_from_file = RotationOfAxes(source.axes);
   if (!world_from_file) return Forward(world_from_file);
   Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   if (skeleton && !*skeleton) skeleton = LoadSkeleton("smpl24");
@@ -90,9 +90,9 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
 
   IngestedClip ingested;
   Clip& clip = ingested.clip;
-  const AmassDoubts doubts = DoubtsOfAmass(*amass, file.name);
-  clip.rate = RateOfFile(source, amass->rate_hz, ingested, doubts.rate);
-  ingested.findings.insert(ingested.findings.end(), doubts.findings.begin(), doubts.findings.end());
+  const AmassFindings checked = CheckAmass(*amass, file.name);
+  clip.rate = RateOfFile(source, amass->rate_hz, ingested, checked.rate);
+  ingested.findings.insert(ingested.findings.end(), checked.findings.begin(), checked.findings.end());
   if (Status added = AddMotion(amass->damaged, *skeleton, {}, std::move(root_translation), *std::move(rotation),
                                file.name, ingested);
       !added) {
@@ -105,8 +105,8 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   return ingested;
 }
 
-/// Markers of the usual sets (Vicon's names) that lie on the points of a body; the joints within are near.
-HandednessPoints PointsOfMarkers(const std::vector<std::string>& labels) {
+/// Markers of the usual sets (Vicon's names) that lie on landmarks of the body; those within it are near the joints.
+BodyLandmarks PointsOfMarkers(const std::vector<std::string>& labels) {
   const auto find = [&](const std::vector<std::string>& names) {
     for (const std::string& name : names) {
       for (std::size_t m = 0; m < labels.size(); ++m) {
@@ -115,7 +115,7 @@ HandednessPoints PointsOfMarkers(const std::vector<std::string>& labels) {
     }
     return -1;
   };
-  HandednessPoints points;
+  BodyLandmarks points;
   points.head = find({"LFHD", "RFHD", "ARIEL"});
   for (int side = 0; side < 2; ++side) {
     const std::string s = side == 0 ? "L" : "R";
@@ -131,8 +131,8 @@ HandednessPoints PointsOfMarkers(const std::vector<std::string>& labels) {
 
 constexpr int kJointsBesideHands = 22;  // of SMPL-H and SMPL-X; SMPL's two hands are their fingers
 
-/// The rotations on SMPL's tree, which is the same for every body: joints of standard proportions, that are upright
-/// where the person is, bend as the person does, and say nothing of lengths.
+/// The rotations on SMPL's tree, which is the same for every body. The joints have standard proportions, so that bone
+/// lengths mean nothing.
 Expected<Motion> PoseTree(const Amass& amass) {
   const Expected<SkeletonPtr> skeleton = KnownSkeleton("smpl24");
   if (!skeleton) return Forward(skeleton);
@@ -149,7 +149,7 @@ Expected<Motion> PoseTree(const Amass& amass) {
   return MakeMotion(*skeleton, rate, std::move(pelvis), std::move(*local), {});
 }
 
-void StandOnTree(const Motion& motion, const std::vector<int>& damaged, ObservedClip& clip) {
+void StandOnTree(const Motion& motion, const std::vector<int>& damaged, RawClip& clip) {
   clip.positions = motion.joints;
   if (!damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
   for (const int f : damaged) {
@@ -164,16 +164,16 @@ void StandOnTree(const Motion& motion, const std::vector<int>& damaged, Observed
   clip.lengths_assumed = true;
 }
 
-ObservedClip AmassClip(const Amass& amass, const std::string& name) {
-  ObservedClip clip;
+RawClip AmassClip(const Amass& amass, const std::string& name) {
+  RawClip clip;
   clip.format = "amass";
   clip.frames = static_cast<int>(amass.frames);
   clip.joints = static_cast<int>(amass.pose_columns / 3);
   clip.rate_hz = amass.rate_hz;
   clip.rate_evidence =
       amass.layout == Amass::Layout::kSplit ? "mocap_frame_rate of the file" : "mocap_framerate of the file";
-  const AmassDoubts doubts = DoubtsOfAmass(amass, name);
-  clip.rate_doubt = doubts.rate;
+  const AmassFindings checked = CheckAmass(amass, name);
+  clip.rate_finding = checked.rate;
   clip.layout_evidence = std::to_string(amass.pose_columns) + " pose numbers a frame";
   clip.skeleton = AsDeclared(!amass.surface_model.empty() ? amass.surface_model
                              : amass.pose_columns == 156  ? "smplh"
@@ -185,11 +185,12 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   clip.facts.emplace_back("betas", std::to_string(amass.betas.size()));
   clip.facts.emplace_back("markers", std::to_string(amass.markers));
   clip.missing_share = 0.0;
-  clip.AddRemarks(doubts.findings);
-  // Poses of another unit show nothing; markers beside them do.
-  const Expected<Motion> posed = doubts.spoiled ? Fail(ErrorCode::kInconsistent, kSpoiledPoses, name) : PoseTree(amass);
+  clip.AddRemarks(checked.findings);
+  // Poses in another unit show nothing; the markers still do.
+  const Expected<Motion> posed =
+      checked.invalid_poses ? Fail(ErrorCode::kInconsistent, kInvalidPoses, name) : PoseTree(amass);
   if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
-  const std::optional<Finding> unit = posed && amass.markers > 0 ? DoubtMarkers(amass, posed->joints) : std::nullopt;
+  const std::optional<Finding> unit = posed && amass.markers > 0 ? CheckMarkers(amass, posed->joints) : std::nullopt;
   if (unit) clip.remarks.push_back(*unit);
   if (unit || amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
     if (posed)
@@ -201,11 +202,11 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
   if (posed) clip.posed = posed->joints;
   clip.positions = JointPositions(clip.frames, static_cast<int>(amass.markers));
   clip.names = amass.marker_labels;
-  clip.confidence.assign(amass.marker_seen.begin(), amass.marker_seen.end());
+  clip.confidence.assign(amass.marker_observed.begin(), amass.marker_observed.end());
   std::size_t unseen = 0;
-  for (std::size_t i = 0; i < amass.marker_seen.size(); ++i) {
+  for (std::size_t i = 0; i < amass.marker_observed.size(); ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) clip.positions.xyz[3 * i + axis] = amass.marker_data_m[3 * i + axis];
-    if (amass.marker_seen[i] == 0) ++unseen;
+    if (amass.marker_observed[i] == 0) ++unseen;
   }
   clip.points = PointsOfMarkers(amass.marker_labels);
   if (unseen > 0) {
@@ -216,32 +217,32 @@ ObservedClip AmassClip(const Amass& amass, const std::string& name) {
 }
 
 /// AMASS, exports, body models (which are only named), and archives of arrays.
-Expected<ObservedFile> NpzIn(const FileBytes& file) {
+Expected<RawFile> NpzIn(const FileBytes& file) {
   const Expected<Npz> archive = ParseNpz(file.bytes, file.name);
   if (!archive) return Forward(archive);
-  ObservedFile observed;
+  RawFile observed;
   if (const auto exported = ExportedMotionIn(*archive)) {
-    Expected<ObservedClip> clip = ObserveExported(*exported, file.name);
+    Expected<RawClip> clip = ReadRawExported(*exported, file.name);
     if (!clip) return Forward(clip);
-    return ObservedFile::Of(*std::move(clip));
+    return RawFile::Of(*std::move(clip));
   }
   if (archive->Find("trans") != nullptr || archive->Find("poses") != nullptr || archive->Find("pose_body") != nullptr) {
     const Expected<Amass> amass = ParseAmass(file.bytes, file.name, DamagedRows::kReport);
     if (!amass) return Forward(amass);
-    return ObservedFile::Of(AmassClip(*amass, file.name));
+    return RawFile::Of(AmassClip(*amass, file.name));
   }
   if (archive->Find("v_template") != nullptr) {
-    return ObservedFile::Of(ObservedCompanion{file.name, "body_model", {}, {}});
+    return RawFile::Of(RawCompanion{file.name, "body_model", {}, {}});
   }
   for (const Error& unsafe : archive->unsafe) observed.remarks.push_back(UnsafeMember(unsafe));
   std::optional<Error> exchanged;
   for (const NpzMember& member : archive->members) {
     if (!member.skipped.empty()) continue;
-    auto clips = ObserveArray(member.array, file.name + ":" + member.name);
-    // Other arrays may stand beside those of joints.
+    auto clips = ReadRawArray(member.array, file.name + ":" + member.name);
+    // An archive may hold other arrays beside those of joints.
     if (!clips && clips.error().code == ErrorCode::kInconsistent) exchanged = clips.error();
     if (!clips) continue;
-    for (ObservedClip& clip : *clips) {
+    for (RawClip& clip : *clips) {
       clip.id = "[" + member.name + "]" + clip.id;
       clip.format = "npz";
       observed.clips.push_back(std::move(clip));
@@ -263,16 +264,16 @@ const FormatDriver& AmassFormat() {
     FormatDriver d;
     d.name = "amass";
     d.inspected = "amass";
-    d.gives = Gives::kMotion;
+    d.gives = EvidenceKind::kMotion;
     d.rotations = true;
     d.unit = UnitOf::kMetres;
-    d.says_rate = true;
+    d.states_rate = true;
     d.lengths_assumed = true;
     d.tree = "smpl24";
-    d.zeros = "; the file does not say where the body goes";
+    d.zeros = "; the file does not state where the body moves";
     d.options = {"annotations", "annotation_roles"};
     d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kZip; };
-    d.observe = NpzIn;
+    d.read_raw = NpzIn;
     d.to_clip = ReadAmassClip;
     return d;
   }();

@@ -5,63 +5,64 @@
 #include "core/base/text.h"
 #include "core/formats/amc.h"
 #include "core/motion/kinematics.h"
+#include "ingest/checks/angle_checks.h"
+#include "ingest/checks/asf_checks.h"
+#include "ingest/checks/path_checks.h"
+#include "ingest/checks/rate_checks.h"
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/angle_sense.h"
-#include "ingest/sense/asf_sense.h"
-#include "ingest/sense/observe.h"
-#include "ingest/sense/path_sense.h"
-#include "ingest/sense/rate_sense.h"
-#include "ingest/sense/tree_points.h"
+#include "ingest/inspect/read_raw.h"
+#include "ingest/inspect/tree_points.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
 
 namespace mocurate {
 namespace {
 
-/// What the numbers of a motion, and of its skeleton if there is one, say against them.
-struct AcclaimDoubts {
+/// Findings about the numbers of a motion, and of its skeleton if there is one.
+struct AcclaimFindings {
   std::vector<Finding> findings;
-  bool spoiled = false;  ///< angles are of another unit than the files say
+  bool invalid_poses = false;  ///< the angles are not in the declared unit
   std::optional<Finding> rate;
 };
 
-AcclaimDoubts DoubtsOfAcclaim(const Asf* asf, const std::string& skeleton, const Amc& amc, const std::string& name,
-                              std::optional<double> declared_m) {
-  AcclaimDoubts doubts;
-  doubts.findings = amc.findings;
+AcclaimFindings CheckAcclaim(const Asf* asf, const std::string& skeleton, const Amc& amc, const std::string& name,
+                             std::optional<double> declared_m) {
+  AcclaimFindings checked;
+  checked.findings = amc.findings;
   if (asf != nullptr) {
-    for (Finding& finding : DoubtSkeleton(*asf, skeleton, declared_m)) doubts.findings.push_back(std::move(finding));
+    for (Finding& finding : CheckAsfSkeleton(*asf, skeleton, declared_m))
+      checked.findings.push_back(std::move(finding));
   }
-  std::optional<Finding> angles = asf != nullptr ? DoubtAngles(*asf, &amc) : std::nullopt;
-  if (!angles) angles = DoubtAngles(amc, asf);
-  doubts.spoiled = angles.has_value();
-  if (angles) doubts.findings.push_back(*std::move(angles));
-  if (amc.hz) doubts.rate = DoubtRate(*amc.hz, RateWord::kFramesPerSecond, name + ": :SAMPLES-PER-SECOND");
-  return doubts;
+  std::optional<Finding> angles = asf != nullptr ? CheckAngleUnits(*asf, &amc) : std::nullopt;
+  if (!angles) angles = CheckAngleUnits(amc, asf);
+  checked.invalid_poses = angles.has_value();
+  if (angles) checked.findings.push_back(*std::move(angles));
+  if (amc.hz) checked.rate = CheckStatedRate(*amc.hz, RateUnit::kFramesPerSecond, name + ": :SAMPLES-PER-SECOND");
+  return checked;
 }
 
 Status CheckSkeletonFiles(const SourceOptions& source) {
   if (!source.skeleton_files.empty()) return {};
-  return Fail(ErrorCode::kConfig, "source '" + source.name + "' does not say which .asf belongs to an .amc",
+  return Fail(ErrorCode::kConfig, "source '" + source.name + "' does not declare the .asf of an .amc",
               "ingest.source.skeleton_files", "e.g. '{subject}.asf' where files are '{subject}_{take}.amc'");
 }
 
-/// A tree of fixed bones holds no bone that stretches or moves off its parent.
+/// A tree of fixed bones cannot represent a bone that stretches or shifts.
 Status CheckDof(const Asf& asf, const std::string& name) {
   for (const AsfBone& bone : asf.bones) {
     for (const AcclaimChannel channel : bone.dof) {
       if (IsRotation(channel)) continue;
       return Fail(ErrorCode::kUnsupported,
                   "bone '" + bone.name + "' has the degree of freedom '" + Name(channel) +
-                      "': a tree of fixed bones cannot hold it",
-                  name, "bones that only turn are read");
+                      "', which a tree of fixed bones cannot represent",
+                  name, "only bones with rotational degrees of freedom are read");
     }
   }
   return {};
 }
 
-/// The unit that the source says, metres; none where it says none.
+/// The declared unit in metres; nothing where none is declared.
 std::optional<double> DeclaredUnit(const SourceOptions& source) {
   const Expected<double> metres = MetresPerUnit(source.units);
   return metres ? std::optional<double>(*metres) : std::nullopt;
@@ -99,8 +100,7 @@ AsfTree TreeOf(const Asf& asf, const Matrix3d& metres_from_file) {
   return made;
 }
 
-/// Of every joint of the tree in one frame, parent_from_joint in the file's axes; `root` receives the place of the
-/// root.
+/// parent_from_joint of every joint of the tree in one frame, in the file's axes; `root` receives the root's position.
 void LocalRotations(const Asf& asf, const Amc& amc, int frame, const AsfTree& made, std::vector<Matrix3d>& local,
                     Vector3d& root) {
   std::vector<Vector3d> ends;
@@ -114,7 +114,7 @@ void LocalRotations(const Asf& asf, const Amc& amc, int frame, const AsfTree& ma
   }
 }
 
-/// AMC and its ASF -> given motion. A joint stands where its bone starts; rest offsets and lengths are the ASF's. Bones
+/// AMC and its ASF -> given motion. A joint lies where its bone starts; rest offsets and lengths are the ASF's. Bones
 /// that stretch or shift are refused.
 Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
@@ -137,10 +137,10 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
 
   IngestedClip ingested;
   ingested.findings = asf->findings;
-  const AcclaimDoubts doubts = DoubtsOfAcclaim(&*asf, file.skeleton_name, *amc, file.name, DeclaredUnit(source));
-  ingested.findings.insert(ingested.findings.end(), doubts.findings.begin(), doubts.findings.end());
+  const AcclaimFindings checked = CheckAcclaim(&*asf, file.skeleton_name, *amc, file.name, DeclaredUnit(source));
+  ingested.findings.insert(ingested.findings.end(), checked.findings.begin(), checked.findings.end());
   ingested.clip.rate =
-      amc->hz ? RateOfFile(source, *amc->hz, ingested, doubts.rate) : FrameRate::FromHz(*source.rate_hz);
+      amc->hz ? RateOfFile(source, *amc->hz, ingested, checked.rate) : FrameRate::FromHz(*source.rate_hz);
   const Matrix3d& world_from_file = frame->world_from_file;
   const Matrix3d& metres_from_file = frame->metres_from_file;
   const AsfTree made = TreeOf(*asf, metres_from_file);
@@ -166,7 +166,7 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
       !added) {
     return Forward(added);
   }
-  if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
+  if (auto path = CheckRootPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
     path->action = ContradictionAction(source);
     ingested.findings.push_back(*std::move(path));
   }
@@ -178,7 +178,7 @@ namespace fs = std::filesystem;
 
 struct Beside {
   fs::path skeleton;   ///< empty: none whose name begins the motion's
-  std::string others;  ///< names of those that lie there as well
+  std::string others;  ///< names of the other .asf files there
 };
 
 std::string LowerCase(std::string text) {
@@ -225,8 +225,8 @@ std::optional<double> RateOfName(const fs::path& path) {
   return static_cast<double>(*rate);
 }
 
-/// Places where the bones begin; the root first.
-void AddPositions(const Asf& asf, const Amc& amc, ObservedClip& clip) {
+/// Positions where the bones begin; the root first.
+void AddPositions(const Asf& asf, const Amc& amc, RawClip& clip) {
   clip.joints = static_cast<int>(asf.bones.size()) + 1;
   clip.names = {"root"};
   std::vector<int> parents = {-1};
@@ -249,14 +249,15 @@ void AddPositions(const Asf& asf, const Amc& amc, ObservedClip& clip) {
   for (const int f : amc.damaged)
     std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
   FollowTree(parents, "hierarchy of the skeleton file", clip);
-  if (const auto path = DoubtPath(clip.positions, clip.points)) clip.remarks.push_back(*path);
+  if (const auto path = CheckRootPath(clip.positions, clip.points)) clip.remarks.push_back(*path);
 }
 
-/// With the .asf beside the file or a folder above whose name begins the file's; without one a remark says so.
-Expected<ObservedFile> AmcIn(const FileBytes& file) {
-  ObservedClip clip;
+/// Looks for the .asf beside the file or one folder above, whose name begins the file's; without one a remark reports
+/// it.
+Expected<RawFile> AmcIn(const FileBytes& file) {
+  RawClip clip;
   clip.format = "amc";
-  clip.rate_evidence = "the file does not say it";
+  clip.rate_evidence = "the file does not state it";
   const Beside beside = SkeletonBeside(file.path);
   std::optional<Asf> asf;
   std::string skeleton_name;
@@ -286,39 +287,39 @@ Expected<ObservedFile> AmcIn(const FileBytes& file) {
     clip.rate_hz = rate;
     clip.rate_evidence = "the name: HDM05's end with the rate";
   }
-  const AcclaimDoubts doubts = DoubtsOfAcclaim(asf ? &*asf : nullptr, skeleton_name, *amc, file.name, std::nullopt);
-  clip.AddRemarks(doubts.findings);
-  clip.rate_doubt = doubts.rate;
+  const AcclaimFindings checked = CheckAcclaim(asf ? &*asf : nullptr, skeleton_name, *amc, file.name, std::nullopt);
+  clip.AddRemarks(checked.findings);
+  clip.rate_finding = checked.rate;
   if (asf && amc->frames > 0) {
     AddPositions(*asf, *amc, clip);
-    if (doubts.spoiled) {
+    if (checked.invalid_poses) {
       clip.positions = JointPositions();
       clip.confidence.clear();
-      clip.silence = kSpoiledPoses;
+      clip.silence = kInvalidPoses;
     }
   } else {
     clip.silence = "without its skeleton file (.asf) a motion has no lengths";
     clip.skeleton.evidence = std::to_string(amc->bones.size()) + " moving bones; no skeleton file";
     clip.remarks.push_back(MakeFinding("skeleton_missing", Severity::kWarning, 0.0,
                                        "no .asf whose name begins this one's lies beside it" +
-                                           (beside.others.empty() ? "" : " (" + beside.others + " are of others)") +
+                                           (beside.others.empty() ? "" : " (" + beside.others + " have other names)") +
                                            ": lengths, unit and axes stay unknown"));
   }
-  return ObservedFile::Of(std::move(clip));
+  return RawFile::Of(std::move(clip));
 }
 
-Expected<ObservedFile> AsfIn(const FileBytes& file) {
+Expected<RawFile> AsfIn(const FileBytes& file) {
   const Expected<Asf> asf = ParseAsf(file.bytes, file.name);
   if (!asf) return Forward(asf);
-  ObservedFile observed;
+  RawFile observed;
   observed.companions.push_back(
       {file.name,
        "asf",
        {{"angles", asf->degrees ? "degrees" : "radians"}},
        {{"bones", static_cast<double>(asf->bones.size())}, {"length_unit", asf->length_unit}}});
-  std::vector<Finding> doubts = DoubtSkeleton(*asf, file.name);
-  if (auto angles = DoubtAngles(*asf)) doubts.push_back(*std::move(angles));
-  for (const std::vector<Finding>& findings : {asf->findings, doubts}) {
+  std::vector<Finding> checked = CheckAsfSkeleton(*asf, file.name);
+  if (auto angles = CheckAngleUnits(*asf)) checked.push_back(*std::move(angles));
+  for (const std::vector<Finding>& findings : {asf->findings, checked}) {
     for (const Finding& finding : findings) observed.remarks.push_back(finding);
   }
   return observed;
@@ -333,12 +334,12 @@ const FormatDriver& AsfAmcFormat() {
     d.inspected = "amc";
     d.kind = FileKind::kAmc;
     d.ending = ".amc";
-    d.gives = Gives::kMotion;
+    d.gives = EvidenceKind::kMotion;
     d.rotations = true;
     d.check = CheckSkeletonFiles;
     d.options = {"skeleton_files"};
     d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kAsf || kind == FileKind::kAmc; };
-    d.observe = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
+    d.read_raw = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
     d.to_clip = ReadAsfAmcClip;
     return d;
   }();

@@ -4,20 +4,20 @@
 #include "core/base/text.h"
 #include "core/formats/bvh.h"
 #include "core/motion/kinematics.h"
+#include "ingest/checks/angle_checks.h"
+#include "ingest/checks/path_checks.h"
+#include "ingest/checks/rate_checks.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/angle_sense.h"
-#include "ingest/sense/comparison.h"
-#include "ingest/sense/observe.h"
-#include "ingest/sense/path_sense.h"
-#include "ingest/sense/rate_sense.h"
-#include "ingest/sense/tree_points.h"
+#include "ingest/inspect/comparison.h"
+#include "ingest/inspect/read_raw.h"
+#include "ingest/inspect/tree_points.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
 
 namespace mocurate {
 namespace {
 
-/// A file that was read, and what its numbers say against it.
+/// A parsed file, and the findings about its numbers.
 struct OpenedBvh {
   Bvh bvh;
   std::optional<Finding> angles, rate;
@@ -28,26 +28,27 @@ Expected<OpenedBvh> OpenBvh(std::string_view bytes, const std::string& name, Dam
   if (!bvh) return Forward(bvh);
   if (Status bones = CheckBones(*bvh, name); !bones) return Forward(bones);
   OpenedBvh opened{*std::move(bvh), {}, {}};
-  opened.angles = DoubtAngles(opened.bvh);
-  opened.rate =
-      DoubtRate(opened.bvh.hz(), RateWord::kSecondsPerFrame, name + ":" + std::to_string(opened.bvh.frame_time_line));
+  opened.angles = CheckAngleUnits(opened.bvh);
+  opened.rate = CheckStatedRate(opened.bvh.hz(), RateUnit::kSecondsPerFrame,
+                                name + ":" + std::to_string(opened.bvh.frame_time_line));
   return opened;
 }
 
 std::string SlideText(double metres) { return FormatDouble(std::round(metres * 1e6) / 1e3) + " mm"; }
 
-/// Joints whose bones change their length: flagged up to `max_slide`, refused beyond.
+/// Joints whose bones change their length: flagged up to `max_slide`, refused beyond it.
 Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide, const std::string& name,
                     std::vector<Finding>& findings) {
   for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
     const double slide = offsets.joints[j].slide;
     if (slide <= BvhOffsets::kConstant || offsets.joints[j].above_carrier) continue;
     if (slide > max_slide) {
-      return Fail(ErrorCode::kUnsupported,
-                  "joint '" + bvh.joints[j].name + "' slides along its bone by " + SlideText(slide) +
-                      ", more than the " + SlideText(max_slide) + " of max_slide",
-                  name,
-                  "a tree of fixed bones cannot hold it; raise ingest.source.max_slide to use the middle of its range");
+      return Fail(
+          ErrorCode::kUnsupported,
+          "joint '" + bvh.joints[j].name + "' slides along its bone by " + SlideText(slide) + ", more than the " +
+              SlideText(max_slide) + " of max_slide",
+          name,
+          "a tree of fixed bones cannot represent it; raise ingest.source.max_slide to use the middle of its range");
     }
     findings.push_back(MakeFinding(
         "bone_slides", Severity::kWarning, slide,
@@ -58,7 +59,7 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
   return {};
 }
 
-/// World place of the carrier in one frame, and of the root so that the carrier lies there with fixed bones.
+/// World position of the carrier in one frame, and the root position that puts a carrier with fixed bones there.
 Vector3d RootPlace(const Bvh& bvh, int frame, const BvhOffsets& offsets, const BvhSkeleton& fit,
                    const Matrix3d& metres_from_file, const Matrix3d& world_from_file) {
   Vector3d place = Vector3d::Zero();      // of the current joint, file frame
@@ -75,9 +76,9 @@ Vector3d RootPlace(const Bvh& bvh, int frame, const BvhOffsets& offsets, const B
 }
 
 constexpr double kCarriesFrom =
-    0.01;  // of the sum of all bones; the root's children slide less where they carry nothing
+    0.01;  // of the summed bone length; the root's children slide less where they do not carry the translation
 
-/// Places of all joints, of the root where the joint lies that carries the translation: of Bandai's files the hips.
+/// Positions of all joints; of the root, that of the joint that carries the translation (Bandai's files: the hips).
 JointPositions WithCarriedRoot(const Bvh& bvh, JointPositions places) {
   double bones = 0.0;
   for (const BvhJoint& joint : bvh.joints) bones += joint.offset.norm();
@@ -86,17 +87,17 @@ JointPositions WithCarriedRoot(const Bvh& bvh, JointPositions places) {
   return places;
 }
 
-Expected<ObservedFile> BvhIn(const FileBytes& file) {
+Expected<RawFile> BvhIn(const FileBytes& file) {
   const Expected<OpenedBvh> opened = OpenBvh(file.bytes, file.name, DamagedRows::kReport);
   if (!opened) return Forward(opened);
   const Bvh* bvh = &opened->bvh;
-  ObservedClip clip;
+  RawClip clip;
   clip.format = "bvh";
   clip.frames = bvh->frames;
   clip.joints = static_cast<int>(bvh->joints.size());
   clip.rate_evidence = "Frame Time of the file";
   clip.rate_hz = std::round(bvh->hz() * 1000.0) / 1000.0;
-  clip.rate_doubt = opened->rate;
+  clip.rate_finding = opened->rate;
   for (const BvhJoint& joint : bvh->joints) clip.names.push_back(joint.name);
   clip.positions = JointPositions(bvh->frames, clip.joints);
   std::vector<Vector3d> positions;
@@ -116,37 +117,37 @@ Expected<ObservedFile> BvhIn(const FileBytes& file) {
     clip.remarks.push_back(*opened->angles);
     clip.positions = JointPositions();
     clip.confidence.clear();
-    clip.silence = kSpoiledPoses;
+    clip.silence = kInvalidPoses;
   }
   if (clip.positions.frames > 0) {
     const JointPositions carried = WithCarriedRoot(*bvh, clip.positions);
-    if (const auto path = DoubtPath(carried, clip.points)) clip.remarks.push_back(*path);
+    if (const auto path = CheckRootPath(carried, clip.points)) clip.remarks.push_back(*path);
   }
   for (const Finding& finding : bvh->findings) {
     clip.remarks.push_back(finding);
   }
-  return ObservedFile::Of(std::move(clip));
+  return RawFile::Of(std::move(clip));
 }
 
-/// A body of metres that are none breaks the rules of a skeleton: what is wrong then is the declared unit.
+/// A body in a wrong unit breaks the rules of a skeleton: the declared unit is the error then.
 Error UnitsOr(const Error& otherwise, const SourceFile& file) {
-  const Expected<ObservedFile> observed = BvhIn({file.bytes, file.name, {}});
+  const Expected<RawFile> observed = BvhIn({file.bytes, file.name, {}});
   if (!observed) return otherwise;
-  const ObservedClip& clip = observed->clips.front();
+  const RawClip& clip = observed->clips.front();
   const ClipMeasures measures = Measure(clip);
-  for (const Comparison& comparison : CompareFrame(StatementsOf(clip, file.source), measures)) {
+  for (const Comparison& comparison : CompareFrame(DeclaredFrameOf(clip, file.source), measures)) {
     if (comparison.finding.code != "units_contradiction" || !comparison.contradicts) continue;
     return {ErrorCode::kInconsistent, comparison.finding.message, file.name,
-            "mend ingest.source.units" +
+            "correct ingest.source.units" +
                 (comparison.measured.empty() ? std::string() : ": write `units: " + comparison.measured + "`")};
   }
   return otherwise;
 }
 
-/// BVH -> given motion. Local frames are turned with the axes, OFFSETs become rest offsets and bone lengths. The joint
-/// whose position moves carries the translation: it is moved into the root, whose own place is then that joint's place
-/// minus the rest offsets between them (bandai22: joint_Root lies on Hips). Joints that slide along their bones by more
-/// than max_slide are refused.
+/// BVH -> given motion. Local frames are rotated with the axes; OFFSETs become rest offsets and bone lengths. The joint
+/// whose position moves carries the translation, which is moved into the root. The root's own position is then that
+/// joint's minus the rest offsets between them (bandai22: joint_Root lies on Hips). Joints that slide along their bones
+/// by more than max_slide are refused.
 Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
@@ -184,7 +185,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
       !added) {
     return Forward(added);
   }
-  if (auto path = DoubtPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
+  if (auto path = CheckRootPath(ingested.clip.motion->joints, PointsOfBody(*fit->skeleton))) {
     path->action = ContradictionAction(source);
     ingested.findings.push_back(*std::move(path));
   }
@@ -203,11 +204,11 @@ const FormatDriver& BvhFormat() {
     d.inspected = "bvh";
     d.kind = FileKind::kBvh;
     d.ending = ".bvh";
-    d.gives = Gives::kMotion;
+    d.gives = EvidenceKind::kMotion;
     d.rotations = true;
-    d.says_rate = true;
+    d.states_rate = true;
     d.options = {"max_slide"};
-    d.observe = BvhIn;
+    d.read_raw = BvhIn;
     d.to_clip = ReadBvhClip;
     return d;
   }();

@@ -5,14 +5,14 @@
 #include "core/base/text.h"
 #include "core/formats/point_cloud.h"
 #include "ingest/formats/driver.h"
-#include "ingest/gathered_files.h"
-#include "ingest/sense/observe.h"
+#include "ingest/grouped_files.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/sources/frame_files.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kNearest_m = 0.1, kFarthest_m = 10.0;  // of half of a cloud's points from its middle
+constexpr double kNearest_m = 0.1, kFarthest_m = 10.0;  // median distance of a cloud's points from its centre
 
 /// Error kInconsistent where the clouds are too small for a person, or too large for a room.
 Status CheckSize(const std::vector<double>& sizes_m, const SourceFile& file) {
@@ -20,9 +20,9 @@ Status CheckSize(const std::vector<double>& sizes_m, const SourceFile& file) {
   if (size_m >= kNearest_m && size_m <= kFarthest_m) return {};
   return Fail(ErrorCode::kInconsistent,
               "half of the points of a cloud are " + RoundedText(size_m, 3) +
-                  " m or more from its middle, of people and rooms it is " + RoundedText(kNearest_m) + " to " +
+                  " m or more from its centre; expected of people and rooms are " + RoundedText(kNearest_m) + " to " +
                   RoundedText(kFarthest_m) + " m",
-              file.name, "is ingest.source.units ('" + file.source.units + "') right?");
+              file.name, "check ingest.source.units ('" + file.source.units + "')");
 }
 
 /// PLY or PCD files, one a frame -> point clouds by reference.
@@ -48,7 +48,7 @@ Expected<IngestedClip> ReadCloudsClip(const SourceFile& file) {
   const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
     const Expected<PointCloud> cloud = ParsePointCloud(bytes, name);
     if (!cloud) return Forward(cloud);
-    if (cloud->points.empty()) return Fail(ErrorCode::kMalformed, "the cloud holds no point", name, "export it again");
+    if (cloud->points.empty()) return Fail(ErrorCode::kMalformed, "the cloud has no points", name, "export it again");
     sizes_m.push_back(metres * MeanMedian(DistancesFromMiddle(cloud->points)));
     clouds.files[static_cast<std::size_t>(f)] = name;
     clouds.sha256[static_cast<std::size_t>(f)] = Sha256Hex(bytes);
@@ -56,7 +56,7 @@ Expected<IngestedClip> ReadCloudsClip(const SourceFile& file) {
   };
   ReadFrameFiles("", files, *span, take, ingested);
   if (sizes_m.empty()) {
-    return Fail(ErrorCode::kMalformed, "no file of the clip holds a point; " + ingested.findings.back().message,
+    return Fail(ErrorCode::kMalformed, "no file of the clip has a point; " + ingested.findings.back().message,
                 file.name, "export the clouds again");
   }
   if (Status size = CheckSize(sizes_m, file); !size) return Forward(size);
@@ -64,10 +64,10 @@ Expected<IngestedClip> ReadCloudsClip(const SourceFile& file) {
   return ingested;
 }
 
-Expected<ObservedFile> CloudIn(const FileBytes& file) {
+Expected<RawFile> CloudIn(const FileBytes& file) {
   Expected<PointCloud> cloud = ParsePointCloud(file.bytes, file.name);
   if (!cloud) return Forward(cloud);
-  ObservedFile observed;
+  RawFile observed;
   observed.clouds.push_back(
       {KindOf(file.bytes) == FileKind::kPly ? "ply" : "pcd", std::move(cloud->points), cloud->triangles});
   return observed;
@@ -81,11 +81,11 @@ const FormatDriver& CloudsFormat() {
     d.name = "clouds";
     d.inspected = "clouds";
     d.kind = FileKind::kPly;
-    d.gives = Gives::kPointClouds;
-    d.gathered_by = {"frame"};
-    d.check = CheckGathered;
+    d.gives = EvidenceKind::kPointClouds;
+    d.grouped_by = {"frame"};
+    d.check = CheckGrouped;
     d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPly || kind == FileKind::kPcd; };
-    d.observe = CloudIn;
+    d.read_raw = CloudIn;
     d.to_clip = ReadCloudsClip;
     return d;
   }();

@@ -6,7 +6,7 @@
 #include "core/formats/depth_sequence.h"
 #include "core/formats/json_place.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/observe.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/sources/depth_header.h"
 
 namespace mocurate {
@@ -14,7 +14,7 @@ namespace {
 
 Status CheckDepthFiles(const SourceOptions& source) {
   if (!source.depth_files.empty()) return {};
-  return Fail(ErrorCode::kConfig, "source '" + source.name + "' does not say where its depth images are",
+  return Fail(ErrorCode::kConfig, "source '" + source.name + "' does not declare its depth images",
               "ingest.source.depth_files", "e.g. 'depth/{view}_{frame:4}.png'");
 }
 
@@ -39,7 +39,7 @@ Expected<std::map<std::string, FilesOfView>> SortFiles(const SourceFile& file) {
   return views;
 }
 
-/// Number of the first image of any view: all views count alike, so that one which starts later is incomplete.
+/// Number of the first image over all views: a view that starts later is incomplete.
 long long FirstNumber(const DepthSequence& sequence, const std::map<std::string, FilesOfView>& views) {
   std::optional<long long> first;
   for (const DepthSequenceView& view : sequence.views) {
@@ -66,7 +66,7 @@ Expected<DepthView> MakeDepthView(const SourceFile& file, const DepthSequence& s
       return Fail(ErrorCode::kNotFound,
                   "view '" + view.name + "' has no depth image for frame " + std::to_string(f) + " of " +
                       std::to_string(sequence.frames) + " (number " + std::to_string(first + f) + ")",
-                  file.name, "check ingest.source.depth_files, or the folder is incomplete");
+                  file.name, "check ingest.source.depth_files, or complete the folder");
     }
     if (f == 0 && made.camera.width == 0) {
       if (Status sized = SetImageSize(*found->second, made.camera); !sized) return Forward(sized);
@@ -82,9 +82,8 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
   if (!axes) return Forward(axes);
   if (axes->handedness() == Handedness::kLeft) {
-    return Fail(
-        ErrorCode::kConfig, "axes '" + file.source.axes + "' are left-handed", "ingest.source.axes",
-        "a rig of cameras with rotations is right-handed; the usual one (x right, y down, z forward) is '+x -y -z'");
+    return Fail(ErrorCode::kConfig, "axes '" + file.source.axes + "' are left-handed", "ingest.source.axes",
+                "camera rotations need a right-handed frame; the usual one (x right, y down, z forward) is '+x -y -z'");
   }
   const Expected<DepthSequence> sequence = ParseDepthSequence(file.bytes, file.name);
   if (!sequence) return Forward(sequence);
@@ -95,7 +94,7 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   if (sequence->fps > 0.0)
     clip.rate = RateOfFile(file.source, sequence->fps, ingested);
   else
-    clip.rate = {1, 1};  // one moment has none
+    clip.rate = {1, 1};  // one moment has no rate
   const RigidTransform world_from_rig{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};
   const long long first = FirstNumber(*sequence, *views);
   for (const DepthSequenceView& view : sequence->views) {
@@ -114,10 +113,10 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
   return ingested;
 }
 
-Expected<ObservedFile> SequenceIn(const FileBytes& file) {
+Expected<RawFile> SequenceIn(const FileBytes& file) {
   const auto sequence = ParseDepthSequence(file.bytes, file.name);
   if (!sequence) return Forward(sequence);
-  ObservedClip clip;
+  RawClip clip;
   clip.format = "depth_sequence";
   clip.frames = sequence->frames;
   clip.rate_hz = sequence->fps;
@@ -129,10 +128,10 @@ Expected<ObservedFile> SequenceIn(const FileBytes& file) {
   clip.units = "m";
   clip.up = "-y";
   clip.handedness = "right";
-  return ObservedFile::Of(std::move(clip));
+  return RawFile::Of(std::move(clip));
 }
 
-Expected<ObservedFile> StillIn(const FileBytes& file) {
+Expected<RawFile> StillIn(const FileBytes& file) {
   const Expected<nlohmann::json> document = ParseJson(file.bytes, file.name);
   if (!document) return Forward(document);
   const JsonPlace root{&*document, "", &file.name};
@@ -148,7 +147,7 @@ Expected<ObservedFile> StillIn(const FileBytes& file) {
     if (const auto t = VectorAt(*place, "t_m"); !t) return Forward(t);
     if (const auto pinhole = NumbersAt(*place, "fx_fy_cx_cy", 4); !pinhole) return Forward(pinhole);
   }
-  ObservedClip clip;
+  RawClip clip;
   clip.format = "depth_still";
   clip.frames = 1;
   const std::string count = std::to_string(views->value->size());
@@ -165,7 +164,7 @@ Expected<ObservedFile> StillIn(const FileBytes& file) {
       clip.handedness = "right";
     }
   }
-  return ObservedFile::Of(std::move(clip));
+  return RawFile::Of(std::move(clip));
 }
 
 }  // namespace
@@ -175,9 +174,9 @@ const FormatDriver& DepthSequenceFormat() {
     FormatDriver d;
     d.name = "depth_sequence";
     d.inspected = "depth_sequence";
-    d.gives = Gives::kDepthViews;
+    d.gives = EvidenceKind::kDepthViews;
     d.unit = UnitOf::kCalibration;
-    d.says_rate = true;
+    d.states_rate = true;
     d.has_truth = true;
     d.check = CheckDepthFiles;
     d.options = {"depth_files", "depth_unit"};
@@ -185,7 +184,7 @@ const FormatDriver& DepthSequenceFormat() {
       const JsonKind json = kind == FileKind::kJson ? JsonKindOf(file.bytes) : JsonKind::kOther;
       return json == JsonKind::kDepthSequence || json == JsonKind::kDepthStill;
     };
-    d.observe = [](const FileBytes& file) {
+    d.read_raw = [](const FileBytes& file) {
       return JsonKindOf(file.bytes) == JsonKind::kDepthStill ? StillIn(file) : SequenceIn(file);
     };
     d.to_clip = ReadDepthSequenceClip;

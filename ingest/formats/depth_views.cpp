@@ -1,5 +1,5 @@
 #include "ingest/formats/driver.h"
-#include "ingest/gathered_files.h"
+#include "ingest/grouped_files.h"
 #include "ingest/sources/depth_header.h"
 #include "ingest/sources/rig_calibration.h"
 
@@ -16,7 +16,7 @@ Expected<const StageInput*> At(const std::map<std::string, FilesOfCamera>& camer
   }
   return Fail(ErrorCode::kNotFound,
               "camera '" + camera + "' has no " + what + " of frame number " + std::to_string(number), file.name,
-              "the other cameras have it; mend ingest.source.files, or complete the folder");
+              "the other cameras have it; correct ingest.source.files, or complete the folder");
 }
 
 /// Depth images of one camera each, with calibration and masks -> depth views by reference.
@@ -70,10 +70,10 @@ const FormatDriver& DepthViewsFormat() {
     FormatDriver d;
     d.name = "depth_views";
     d.inspected = "depth_views";
-    d.gives = Gives::kDepthViews;
+    d.gives = EvidenceKind::kDepthViews;
     d.unit = UnitOf::kCalibration;
-    d.gathered_by = {"camera"};
-    d.check = CheckGathered;
+    d.grouped_by = {"camera"};
+    d.check = CheckGrouped;
     d.options = {"calibration", "camera_pose", "cameras", "mask_files", "depth_unit"};
     d.to_clip = ReadDepthViewsClip;
     return d;

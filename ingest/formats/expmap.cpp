@@ -24,11 +24,11 @@ Expected<std::vector<std::size_t>> ColumnsOf(const SourceOptions& source, const 
   return columns;
 }
 
-/// Exponential maps -> given motion. The file names no joint: `joints` does, in its order. Rotations are those of rows:
-/// a place is multiplied from the left, so that parent_from_joint is the rotation by the negative vector.
+/// Exponential maps -> given motion. `joints` names the file's joints in its order. Its rotations are for row vectors
+/// (a position is multiplied from the left), so that parent_from_joint is the rotation by the negative vector.
 Expected<IngestedClip> ReadExpmapClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
-  const Expected<Quaterniond> world_from_file = TurnOf(source.axes);
+  const Expected<Quaterniond> world_from_file = RotationOfAxes(source.axes);
   if (!world_from_file) return Forward(world_from_file);
   const Expected<double> metres = MetresPerUnit(source.units);
   if (!metres) return Forward(metres);
@@ -42,7 +42,7 @@ Expected<IngestedClip> ReadExpmapClip(const SourceFile& file) {
   if (table->frames == 0) return Fail(ErrorCode::kInconsistent, "the file has no frame", file.name);
   if (!table->findings.empty()) {
     return Fail(ErrorCode::kMalformed, table->findings.front().message, file.name,
-                "a motion that is given has no missing frames: cut the file there");
+                "a given motion must have every frame: cut the file there");
   }
   const std::size_t joints = columns->size();
   std::vector<Vector3d> root_translation;
@@ -74,7 +74,7 @@ const FormatDriver& ExpmapFormat() {
     d.name = "expmap";
     d.inspected = "expmap_table";
     d.kind = FileKind::kNumbers;
-    d.gives = Gives::kMotion;
+    d.gives = EvidenceKind::kMotion;
     d.rotations = true;
     d.needs_skeleton = true;
     d.lengths_assumed = true;

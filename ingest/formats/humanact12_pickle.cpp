@@ -6,9 +6,9 @@
 #include "core/base/text.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/motion/kinematics.h"
+#include "ingest/checks/posed_joint_checks.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/observe.h"
-#include "ingest/sense/posed_joints.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/sources/body_check.h"
 #include "ingest/sources/kept_open.h"
 #include "ingest/sources/smpl_motion.h"
@@ -47,7 +47,7 @@ Expected<HumanAct12Clip> ReadEntry(const SourceFile& file) {
   return archive.Clip(static_cast<std::size_t>(file.entry));
 }
 
-constexpr double kFits = 1e-3;  // metres; as far as the places that were recorded may lie off those of the rotations
+constexpr double kFits = 1e-3;  // metres; largest distance of recorded positions from those of the rotations
 
 /// Median distance of each joint from its parent.
 std::vector<double> FileBoneLengths(const JointPositions& joints, const Skeleton& skeleton) {
@@ -64,7 +64,7 @@ std::vector<double> FileBoneLengths(const JointPositions& joints, const Skeleton
   return lengths;
 }
 
-/// SMPL's bones point elsewhere at rest than the skeleton's: the places of the file come out displaced.
+/// Where SMPL's bones point elsewhere at rest than the skeleton's, the file's positions come out displaced.
 void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::vector<Finding>& findings) {
   std::vector<double> distances;
   for (int f = 0; f < recorded.frames; ++f) {
@@ -75,19 +75,19 @@ void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::ve
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
   if (*middle <= kFits) return;
-  findings.push_back(MakeFinding(
-      "joints_displaced", Severity::kInfo, *middle,
-      "joints lie " + RoundedText(*middle, 3) +
-          " m (median) off the places that were recorded: the skeleton's bones point elsewhere at rest than "
-          "the subject's body; rotations kept; the skeleton of joints alone (npy) keeps the places",
-      FindingAction::kKept));
+  findings.push_back(
+      MakeFinding("joints_displaced", Severity::kInfo, *middle,
+                  "joints lie " + RoundedText(*middle, 3) +
+                      " m (median) off the recorded positions: the skeleton's bones point elsewhere at rest than "
+                      "the subject's body; rotations kept; to keep the positions, read joints alone (format npy)",
+                  FindingAction::kKept));
 }
 
-/// One clip of humanact12poses.pkl: on a skeleton with SMPL's joints its rotations, the bones as long as between the
-/// places recorded; on another the places alone.
+/// One clip of humanact12poses.pkl. On a skeleton with SMPL's joints: its rotations, with bone lengths of the recorded
+/// positions; on another: the positions alone.
 Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   const SourceOptions& source = file.source;
-  const Expected<Quaterniond> world_from_file = TurnOf(source.axes);
+  const Expected<Quaterniond> world_from_file = RotationOfAxes(source.axes);
   if (!world_from_file) return Forward(world_from_file);
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   if (!skeleton) return Forward(skeleton);
@@ -112,13 +112,13 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   ingested.clip.motion = MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(rotation),
                                     FileBoneLengths(joints, **skeleton));
-  std::optional<Finding> spoiled = DoubtRotations(*clip);
-  if (spoiled)
-    ingested.findings.push_back(*std::move(spoiled));
+  std::optional<Finding> invalid_poses = CheckGivenRotations(*clip);
+  if (invalid_poses)
+    ingested.findings.push_back(*std::move(invalid_poses));
   else
     NoteDisplaced(joints, *ingested.clip.motion, ingested.findings);
-  // The joints of the file, beside the rotations that the clip keeps: an inspection reads them.
-  CheckPoints(source, ObserveHumanAct12Clip(*clip), ingested);
+  // The file's joints beside the rotations that the clip keeps; an inspection reads them.
+  CheckPoints(source, ReadRawHumanAct12Clip(*clip), ingested);
   ingested.content = BytesOf(clip->poses) + BytesOf(clip->joints);
   return ingested;
 }
@@ -130,14 +130,14 @@ const FormatDriver& HumanAct12PickleFormat() {
     FormatDriver d;
     d.name = "humanact12_pickle";
     d.inspected = "humanact12_pickle";
-    d.gives = Gives::kMotion;
+    d.gives = EvidenceKind::kMotion;
     d.rotations = true;
     d.unit = UnitOf::kMetres;
     d.needs_skeleton = true;
     d.container = Container::kMust;
     d.options = {"container"};
     d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };
-    d.observe = ObservePickle;
+    d.read_raw = ReadRawPickle;
     d.to_clip = ReadHumanAct12Clip;
     d.entries = HumanAct12Entries;
     return d;

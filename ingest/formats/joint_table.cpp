@@ -6,7 +6,7 @@
 #include "core/formats/joint_layout.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/observe.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/sources/table_rows.h"
 
 namespace mocurate {
@@ -21,7 +21,7 @@ void CheckColumns(const SourceOptions& s, ProblemList& problems) {
   }
   for (const char* needed : {"x", "y", "z"}) {
     if (std::count(s.columns.begin(), s.columns.end(), needed) == 1) continue;
-    problems.Add("ingest.source.columns", std::string("column '") + needed + "' must stand exactly once");
+    problems.Add("ingest.source.columns", std::string("column '") + needed + "' must occur exactly once");
   }
 }
 
@@ -42,7 +42,7 @@ Status CheckTable(const SourceOptions& s) {
   const bool by_columns = s.columns != SourceOptions().columns;
   if (!s.layout.empty() && by_columns) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' declares both `layout` and `columns`",
-                "ingest.source.layout", "`layout` says all that `columns` says; take one out");
+                "ingest.source.layout", "`layout` includes what `columns` declares; remove one of them");
   }
   if (Status names = CheckTableNames(s); !names) return names;
   const Expected<JointLayout> layout = TableLayout(s);
@@ -76,8 +76,8 @@ bool IsMissing(const Vector3d& raw, MissingValue missing) {
 
 constexpr double kNoRotation = 1e-2;  ///< departure of a written rotation's product with itself from the identity
 
-/// The rotations that the file records, of points that it records one for. What is marked as sure and is no rotation is
-/// taken for missing, with a finding.
+/// The rotations that the file records, for joints that have one. A rotation that is marked as tracked and is not
+/// orthogonal becomes missing, with a finding.
 void TakeRotations(const JointRows& rows, const SourceFrame& frame, JointTracks& tracks,
                    std::vector<Finding>& findings) {
   if (rows.rotation.empty()) return;
@@ -89,7 +89,7 @@ void TakeRotations(const JointRows& rows, const SourceFrame& frame, JointTracks&
   for (std::size_t at = 0; at < tracks.confidence.size(); ++at) {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> written(rows.rotation.data() + 9 * at);
     const double confidence = rows.rotation_confidence.empty() ? 1.0 : rows.rotation_confidence[at];
-    if (!(confidence > 0.0) || written.isZero(0.0) || written.hasNaN()) continue;  // NaN is told of its row
+    if (!(confidence > 0.0) || written.isZero(0.0) || written.hasNaN()) continue;  // NaN is reported with its row
     const bool rotation = written.allFinite() && written.determinant() > 0.0 &&
                           (written.transpose() * written - Matrix3d::Identity()).cwiseAbs().maxCoeff() < kNoRotation;
     if (!rotation) {
@@ -103,10 +103,10 @@ void TakeRotations(const JointRows& rows, const SourceFrame& frame, JointTracks&
   if (malformed == 0) return;
   findings.push_back(FrameFinding(
       "not_a_rotation", first, first + 1, "", malformed,
-      Counted(malformed, "recorded rotation") + " marked as sure: the matrix is not orthogonal; taken for missing"));
+      Counted(malformed, "recorded rotation") + " marked as tracked: the matrix is not orthogonal; set to missing"));
 }
 
-/// Leaves out the joints that the declaration passes over, "-"; the names of the others.
+/// Drops the joints that the declaration skips ("-"); returns the names of the others.
 std::vector<std::string> TakeNamed(const std::vector<std::string>& joints, JointRows& rows) {
   const auto is_named = [](const std::string& name) { return name != "-"; };
   std::vector<std::string> names;
@@ -127,8 +127,7 @@ std::vector<std::string> TakeNamed(const std::vector<std::string>& joints, Joint
   return names;
 }
 
-/// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is flipped by its axes, never
-/// otherwise.
+/// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is mirrored by its axes only.
 Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
@@ -155,7 +154,7 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
                     "confidence " + FormatDouble(confidence) + " of joint '" +
                         tracks.names[static_cast<std::size_t>(j)] + "' in frame " + std::to_string(f) +
                         " is not in 0..1",
-                    file.name, "write `skip` for that column, or bring it to 0..1 first");
+                    file.name, "declare that column as `skip`, or scale it to 0..1");
       }
       confidence = std::max(confidence, source.least_confidence);
       if (std::isnan(confidence) || IsMissing(raw, source.missing)) confidence = 0.0;
@@ -167,12 +166,12 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   TakeRotations(*rows, *frame, tracks, ingested.findings);
   if (zeros == tracks.confidence.size()) {
     return Fail(ErrorCode::kInconsistent, "every joint of every frame is 0 0 0: no joint is seen", file.name,
-                "the tracker never saw the person: leave the file out", Reason::kNobodySeen);
+                "the tracker never saw the person: remove the file", Reason::kNoValidSamples);
   }
   const bool any = std::any_of(tracks.confidence.begin(), tracks.confidence.end(), [](double c) { return c > 0.0; });
   if (!any) {
     return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(rows->frames, "frame"), file.name,
-                "the tracker lost the person: leave the file out", Reason::kNobodySeen);
+                "the tracker lost the person: remove the file", Reason::kNoValidSamples);
   }
   NoteEmptyFrames(tracks, ingested.findings);
   ingested.clip.evidence.tracks = std::move(tracks);
@@ -211,12 +210,12 @@ const FormatDriver& JointTableFormat() {
     d.name = "joint_table";
     d.inspected = "joint_table";
     d.kind = FileKind::kNumbers;
-    d.gives = Gives::kJointTracks;
+    d.gives = EvidenceKind::kJointTracks;
     d.lists_joints = true;
-    d.zeros = "; if that is the tracker's word for a missing joint, set ingest.source.missing: zero";
+    d.zeros = "; if the tracker writes missing joints so, set ingest.source.missing: zero";
     d.check = CheckTable;
     d.options = {"rows_per_frame", "columns", "layout", "end_word", "least_confidence", "missing"};
-    d.observe = ObserveTable;
+    d.read_raw = ReadRawTable;
     d.to_clip = ReadJointTableClip;
     return d;
   }();

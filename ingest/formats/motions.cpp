@@ -35,8 +35,8 @@ Expected<Clip> ReadMotionsEntry(const SourceFile& file) {
   return (*clips)->Read(static_cast<std::size_t>(file.entry));
 }
 
-/// One clip of a dataset or MotionSet, as it is, with its identity, segments and role: rotations where it has them,
-/// else joints only. Of the declaration only the licence and `labels` have a say.
+/// One clip of a dataset or MotionSet, unchanged: identity, segments and role; rotations where it has them, else joints
+/// only. Only the licence and `labels` of the declaration apply.
 Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
   Expected<Clip> clip = ReadMotionsEntry(file);
   if (!clip) return Forward(clip);
@@ -55,7 +55,7 @@ Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
   ingested.clip = *std::move(clip);
   const FrameRate recorded = ingested.clip.rate;
   const FrameRate rate = RateOfFile(file.source, recorded.hz(), ingested);
-  for (Segment& segment : ingested.clip.segments) {  // they span the frames that they spanned
+  for (Segment& segment : ingested.clip.segments) {  // they keep the frames that they spanned
     segment.begin_s *= recorded.hz() / rate.hz();
     segment.end_s *= recorded.hz() / rate.hz();
   }
@@ -70,9 +70,9 @@ const FormatDriver& MotionsFormat() {
     FormatDriver d;
     d.name = "motions";
     d.inspected = "motions";
-    d.gives = Gives::kMotion;
+    d.gives = EvidenceKind::kMotion;
     d.unit = UnitOf::kMetres;
-    d.says_rate = true;
+    d.states_rate = true;
     d.container = Container::kMust;
     d.stored = true;
     d.options = {"container"};

@@ -7,8 +7,8 @@
 #include "core/motion/kinematics.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/array_sense.h"
-#include "ingest/sense/observe.h"
+#include "ingest/inspect/array_estimate.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/mapped_file.h"
@@ -16,13 +16,13 @@
 namespace mocurate {
 namespace {
 
-std::string ShapeWords(const NpyArray& array) {
+std::string ArrayShapeText(const NpyArray& array) {
   std::string text = "(";
   for (std::size_t i = 0; i < array.shape.size(); ++i) text += (i ? ", " : "") + std::to_string(array.shape[i]);
   return text + ")";
 }
 
-/// Joints of the skeleton that the file lists, and where in a frame each stands.
+/// Joints of the skeleton that the file lists, and the column of each in a frame.
 struct FileOrder {
   std::vector<int> joint;
   std::vector<int> place;
@@ -45,12 +45,12 @@ Expected<FileOrder> OrderOf(const SourceOptions& source, const Skeleton& skeleto
   }
   if (order.joint.empty()) {
     return Fail(ErrorCode::kConfig, "the source names no joint of skeleton '" + skeleton.name + "'",
-                "ingest.source.joints", "name each joint of the file in its order, '-' for one that is passed over");
+                "ingest.source.joints", "name each joint of the file in its order, '-' for one that is skipped");
   }
   return order;
 }
 
-/// Where the file names its joints: error kInconsistent for one that is declared as another.
+/// Where the file names its joints: error kInconsistent for a name that contradicts the declaration.
 Status CheckNamesOfFile(const std::vector<std::string>& names, const FileOrder& order, const Skeleton& skeleton,
                         const std::string& file) {
   for (std::size_t k = 0; !names.empty() && k < order.joint.size(); ++k) {
@@ -58,14 +58,13 @@ Status CheckNamesOfFile(const std::vector<std::string>& names, const FileOrder& 
     const auto joint = skeleton.FindJoint(named);
     if (!joint || static_cast<int>(*joint) == order.joint[k]) continue;
     return Fail(ErrorCode::kInconsistent,
-                "joint_names says '" + named + "' where '" + skeleton.joints[order.joint[k]].name + "' is declared",
+                "joint_names has '" + named + "' where '" + skeleton.joints[order.joint[k]].name + "' is declared",
                 file, "list the file's joints under ingest.source.joints, in its order");
   }
   return {};
 }
 
-/// Positions as joint tracks, in metres in the world; a point with a number that is no coordinate of a person is
-/// missing.
+/// Positions as joint tracks, in world metres. A point whose coordinates no person can have is missing.
 JointTracks TracksOfArray(const NpyArray& array, std::size_t wide, const FileOrder& order, const Skeleton& skeleton,
                           const Matrix3d& metres_from_file, const FrameRate& rate) {
   const int joints = static_cast<int>(order.joint.size());
@@ -85,7 +84,7 @@ JointTracks TracksOfArray(const NpyArray& array, std::size_t wide, const FileOrd
   return tracks;
 }
 
-/// Joints-only motion in which points that are missing come from whole frames beside theirs.
+/// Joints-only motion; missing points are interpolated from the nearest whole frames.
 Motion Bridged(const JointTracks& tracks, const std::vector<DamagedFrame>& bridged, const SkeletonPtr& skeleton,
                const FrameRate& rate) {
   JointPositions positions = tracks.positions;
@@ -126,7 +125,7 @@ Expected<NpyArray> JointsOfLie(const NpyArray& array, std::size_t wide, const Sk
     return Fail(ErrorCode::kConfig,
                 std::to_string(wide) + " joints are listed, Lie parameters are of all " + std::to_string(joints) +
                     " of skeleton '" + skeleton.name + "'",
-                "ingest.source.joints", "take `joints` out");
+                "ingest.source.joints", "remove `joints`");
   }
   NpyArray positions = array;
   std::vector<Vector3d> frame(joints);
@@ -160,19 +159,20 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
   const bool cube = array->shape.size() == 3 && array->shape[1] == wide && array->shape[2] == 3;
   const bool flat = array->shape.size() == 2 && array->shape[1] == wide * 3;
   if (!array->texts.empty()) {
-    return Fail(ErrorCode::kInconsistent, "the array holds texts, joint positions are needed", file.name);
+    return Fail(ErrorCode::kInconsistent, "the array holds text, not joint positions", file.name);
   }
   if (const std::string other = OtherThanJoints(array->shape); !cube && !flat && !other.empty()) {
-    return Fail(ErrorCode::kInconsistent, "an array of shape " + ShapeWords(*array) + " holds " + other, file.name);
+    return Fail(ErrorCode::kInconsistent, "an array of shape " + ArrayShapeText(*array) + " holds " + other, file.name);
   }
   if (const auto axes = ExchangedAxes(*array, wide); axes && !cube) {
-    return Fail(ErrorCode::kInconsistent, "the array has shape " + ShapeWords(*array) + ": " + axes->words, file.name,
-                axes->way_out);
+    return Fail(ErrorCode::kInconsistent, "the array has shape " + ArrayShapeText(*array) + ": " + axes->words,
+                file.name, axes->way_out);
   }
   if ((!cube && !flat) || array->shape[0] == 0) {
-    return Fail(ErrorCode::kInconsistent,
-                "the array has shape " + ShapeWords(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
-                file.name, "skeleton '" + source.skeleton + "' has " + std::to_string(wide) + " joints");
+    return Fail(
+        ErrorCode::kInconsistent,
+        "the array has shape " + ArrayShapeText(*array) + ", (frames, " + std::to_string(wide) + ", 3) is needed",
+        file.name, "skeleton '" + source.skeleton + "' has " + std::to_string(wide) + " joints");
   }
   if (Status named = CheckNamesOfFile(read->names, *order, **skeleton, file.name); !named) return Forward(named);
   const int frames = static_cast<int>(array->shape[0]);
@@ -188,7 +188,7 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
   ingested.findings = std::move(damaged.findings);
   if (!ingested.findings.empty() && source.damaged_rows == DamagedRows::kRefuse) {
     return Fail(ErrorCode::kMalformed, ingested.findings[0].message, file.name,
-                "repair the file, or give a source declaration with damaged_rows: report");
+                "repair the file, or declare the source with damaged_rows: report");
   }
   ingested.content = id.empty() ? std::string((*mapped)->bytes()) : BytesOf(array->values);
   ingested.clip.rate =
@@ -196,7 +196,7 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
   JointTracks tracks = TracksOfArray(*array, wide, *order, **skeleton, frame->metres_from_file, ingested.clip.rate);
   if (std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0) ==
       static_cast<std::ptrdiff_t>(tracks.confidence.size())) {
-    return NobodySeen(array->values.size(), file.name);
+    return NoValidSamples(array->values.size(), file.name);
   }
   const auto bridged = BridgeFrames(damaged.frames, frames, *source.rate_hz, file.name);
   if (bridged && order->joint.size() == (*skeleton)->joints.size()) {
@@ -210,16 +210,16 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
   return ingested;
 }
 
-void RemarkDamaged(const DamagedNumbers& damaged, ObservedClip& clip) {
+void RemarkDamaged(const DamagedNumbers& damaged, RawClip& clip) {
   for (const Finding& finding : damaged.findings)  // its frames reach from the first to the last such number
     clip.remarks.push_back(MakeFinding(finding.code, finding.severity, finding.value, finding.message));
 }
 
 bool IsCoordinate(double value) { return std::isfinite(value) && std::abs(value) <= kLargestNumber; }
 
-/// The places of one clip of an array; what is no coordinate is missing.
-ObservedClip PlacesIn(const NpyArray& array, const ArrayShape& held, std::size_t number, const std::string& name) {
-  ObservedClip clip;
+/// The positions of one clip of an array; invalid coordinates are missing.
+RawClip PlacesIn(const NpyArray& array, const ArrayShape& held, std::size_t number, const std::string& name) {
+  RawClip clip;
   clip.frames = static_cast<int>(held.frames);
   clip.joints = static_cast<int>(held.joints);
   clip.positions = JointPositions(clip.frames, clip.joints);
@@ -233,15 +233,15 @@ ObservedClip PlacesIn(const NpyArray& array, const ArrayShape& held, std::size_t
   return clip;
 }
 
-Expected<ObservedFile> NpyIn(const FileBytes& file) {
+Expected<RawFile> NpyIn(const FileBytes& file) {
   const Expected<NpyArray> array = ParseNpy(file.bytes, file.name);
   if (!array) return Forward(array);
-  return ObservedFile::Of(ObserveArray(*array, file.name));
+  return RawFile::Of(ReadRawArray(*array, file.name));
 }
 
 }  // namespace
 
-Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const std::string& name) {
+Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::string& name) {
   std::string shape;
   for (const std::size_t size : array.shape) shape += (shape.empty() ? "(" : ", ") + std::to_string(size);
   shape += ")";
@@ -252,14 +252,14 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
   if (!held || array.values.empty()) {
     const std::string other = OtherThanJoints(array.shape);
     if (!other.empty()) return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " holds " + other, name);
-    return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is no sequence of joint positions", name,
+    return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is not a sequence of joint positions", name,
                 "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
   }
   if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
-    return NobodySeen(array.values.size(), name);
-  std::vector<ObservedClip> observed;
+    return NoValidSamples(array.values.size(), name);
+  std::vector<RawClip> observed;
   for (std::size_t c = 0; c < held->clips; ++c) {
-    ObservedClip clip = PlacesIn(array, *held, c, name);
+    RawClip clip = PlacesIn(array, *held, c, name);
     clip.id = held->batch ? "[" + std::to_string(c) + "]" : "";
     clip.format = "npy";
     clip.layout_evidence = "shape " + shape + " of " + array.dtype;
@@ -268,20 +268,20 @@ Expected<std::vector<ObservedClip>> ObserveArray(const NpyArray& array, const st
           MakeFinding("no_joint_seen", Severity::kError, static_cast<double>(clip.frames),
                       "no joint is seen in " + std::to_string(clip.frames) + " of " + Counted(clip.frames, "frame")));
     else if (!RecogniseOrder(clip))
-      DoubtPositions(clip);
+      CheckPositions(clip);
     observed.push_back(std::move(clip));
   }
   return observed;
 }
 
-Expected<ObservedClip> ObserveExported(const ExportedMotion& exported, const std::string& name) {
+Expected<RawClip> ReadRawExported(const ExportedMotion& exported, const std::string& name) {
   const NpyArray& array = *exported.joints;
   if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
-    return NobodySeen(array.values.size(), name);
+    return NoValidSamples(array.values.size(), name);
   ArrayShape shape;
   shape.frames = array.shape[0];
   shape.joints = array.shape[1];
-  ObservedClip clip = PlacesIn(array, shape, 0, name);
+  RawClip clip = PlacesIn(array, shape, 0, name);
   clip.format = "npz";
   clip.layout_evidence = "array 'joints' of a file of `mocurate export`";
   clip.rate_hz = exported.rate_hz;
@@ -308,12 +308,12 @@ const FormatDriver& NpyFormat() {
     d.name = "npy";
     d.inspected = "npy";
     d.kind = FileKind::kNpy;
-    d.gives = Gives::kMotion;
+    d.gives = EvidenceKind::kMotion;
     d.needs_skeleton = true;
     d.lists_joints = true;
     d.holds_clips = true;
     d.options = {"lie_bone_lengths"};
-    d.observe = NpyIn;
+    d.read_raw = NpyIn;
     d.to_clip = ReadArraySource;
     return d;
   }();

@@ -6,7 +6,7 @@
 #include "core/base/text.h"
 #include "core/formats/ntu_skeleton.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/observe.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/sources/ntu_people.h"
 
 namespace mocurate {
@@ -16,19 +16,19 @@ constexpr long long kMostBodiesTogether = 3;
 
 Status CheckViews(const SourceOptions& s) {
   const ViewOptions& views = s.views;
-  if (!views.together) {
+  if (!views.multi_view) {
     if (s.depth_files.empty()) return {};
-    return Fail(ErrorCode::kConfig, "depth images are of clips whose views are together", "ingest.source.depth_files",
-                "write views: {together: true}, or take depth_files out");
+    return Fail(ErrorCode::kConfig, "depth images need clips that group their views", "ingest.source.depth_files",
+                "set views: {multi_view: true}, or remove depth_files");
   }
   if (s.view.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which camera a file is of",
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare the camera of a file",
                 "ingest.source.view", "e.g. view: 'C{camera}'");
   }
   for (const auto& [label, text] : s.bodies) {
     if (ParseInteger(text).value_or(0) <= kMostBodiesTogether) continue;
     return Fail(ErrorCode::kConfig, "label '" + label + "' has '" + text + "' people", "ingest.source.bodies",
-                "at most 3 are told apart between several cameras");
+                "at most 3 can be matched between several cameras");
   }
   if (s.depth_files.empty()) return {};
   if (views.intrinsics.size() != 4 || views.intrinsics[0] == 0.0 || views.intrinsics[1] == 0.0) {
@@ -45,18 +45,18 @@ Status CheckViews(const SourceOptions& s) {
 Status CheckNtu(const SourceOptions& source) {
   if (Status bodies = CheckBodies(source); !bodies) return bodies;
   if (ByBoxes(source.people.rule)) {
-    return Fail(ErrorCode::kConfig, "UESTC's rule reads boxes in an image, which ntu_skeleton has not",
+    return Fail(ErrorCode::kConfig, "UESTC's rule needs bounding boxes in an image, which ntu_skeleton lacks",
                 "ingest.source.people.rule", "motion, official, presence or nearest");
   }
   return CheckViews(source);
 }
 
-/// NTU .skeleton -> evidence tracks of one of its people in metres and canonical axes. People are told apart by the
-/// sensor's ids: those there in at least half as many frames as the longest come before the others, by how much they
-/// move; given in the order in which they appear. Ids beyond those asked for are a finding "bodies_left_out"; a person
-/// asked for who is not there is refused.
+/// NTU .skeleton -> evidence tracks of one of its people in metres and canonical axes. The sensor's ids identify
+/// people. Ids that last at least half as long as the longest come first, ordered by how much they move; people are
+/// then listed by first appearance. Ids beyond the number asked for are a finding "bodies_skipped". A person who is
+/// asked for and absent is refused.
 Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
-  if (file.source.views.together) return ReadNtuViewsClip(file);
+  if (file.source.views.multi_view) return ReadNtuViewsClip(file);
   const SourceOptions& source = file.source;
   Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, file.name, source.damaged_rows);
   if (!skeleton) return Forward(skeleton);
@@ -65,7 +65,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   if (!people) return Forward(people);
   const std::size_t own = static_cast<std::size_t>(std::max(1, file.named.body)) - 1;
   if (own >= people->chosen.size()) {
-    return tl::unexpected<Error>(PersonNotThere(own + 1, wanted, *people, skeleton->frames.size(), file.name));
+    return tl::unexpected<Error>(PersonNotFound(own + 1, wanted, *people, skeleton->frames.size(), file.name));
   }
   const PersonTrack& body = people->chosen[own];
 
@@ -92,7 +92,7 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   }
   if (!seen) {
     return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(frames, "frame"), file.name,
-                "the tracker lost the person: leave the file out", Reason::kNobodySeen);
+                "the tracker lost the person: remove the file", Reason::kNoValidSamples);
   }
   NoteInferredJoints(*skeleton, body, ingested.findings);
   NoteZeroJoints(*skeleton, body, ingested.findings);
@@ -111,8 +111,8 @@ const std::vector<std::string>& KinectJoints() {
 }
 
 /// The frames of one body: missing where the sensor does not follow the joint, or the body is not there.
-ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
-  ObservedClip clip;
+RawClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
+  RawClip clip;
   clip.format = "ntu_skeleton";
   clip.frames = static_cast<int>(skeleton.frames.size());
   clip.joints = kNtuJoints;
@@ -137,12 +137,12 @@ ObservedClip BodyClip(const NtuSkeleton& skeleton, std::uint64_t id) {
   return clip;
 }
 
-Expected<ObservedFile> NtuIn(const FileBytes& file) {
+Expected<RawFile> NtuIn(const FileBytes& file) {
   const std::string& name = file.name;
   Expected<NtuSkeleton> skeleton = ParseNtuSkeleton(file.bytes, name, DamagedRows::kReport);
   if (!skeleton) {
     Error error = skeleton.error();
-    error.code = ErrorCode::kMalformed;  // kInconsistent is said of takes without a person
+    error.code = ErrorCode::kMalformed;  // kInconsistent is for takes without a person
     return tl::unexpected<Error>(std::move(error));
   }
   std::vector<std::uint64_t> ids;
@@ -155,23 +155,23 @@ Expected<ObservedFile> NtuIn(const FileBytes& file) {
     }
   }
   if (skeleton->frames.empty()) {
-    return Fail(ErrorCode::kInconsistent, "the file holds 0 frames", name, "leave the file out");
+    return Fail(ErrorCode::kInconsistent, "the file holds 0 frames", name, "remove the file");
   }
   if (ids.empty()) {
-    return Fail(ErrorCode::kInconsistent, "there is no body in any frame: the set's files with missing skeletons", name,
-                "leave the file out");
+    return Fail(ErrorCode::kInconsistent, "no frame has a body: one of the set's files with missing skeletons", name,
+                "remove the file");
   }
-  std::vector<ObservedClip> clips;
+  std::vector<RawClip> clips;
   for (const std::uint64_t id : ids) {
-    ObservedClip clip = BodyClip(*skeleton, id);
+    RawClip clip = BodyClip(*skeleton, id);
     NoteInferredJoints(*skeleton, PersonTrack{{id}, {}, {}, {}}, clip.remarks);
     clip.id = ids.size() > 1 ? "[" + std::to_string(clips.size()) + "]" : "";
     clip.people = static_cast<int>(most);
     clip.fewest_people = static_cast<int>(fewest);
     clip.people_evidence = "bodies of the file's frames; " + std::to_string(ids.size()) + " in all";
-    clip.rate_evidence = "the file does not say it";
+    clip.rate_evidence = "the file does not state it";
     clip.set_rate_hz = 30.0;
-    clip.set_says = "the format is of the Kinect v2, which follows people at 30 Hz (Shahroudy et al. 2016)";
+    clip.set_evidence = "the format is of the Kinect v2, which follows people at 30 Hz (Shahroudy et al. 2016)";
     clip.units = "m";
     clip.up = "+y";
     clip.handedness = "right";
@@ -181,10 +181,10 @@ Expected<ObservedFile> NtuIn(const FileBytes& file) {
   for (const Finding& finding : skeleton->findings) {
     clips[0].remarks.push_back(finding);
   }
-  return ObservedFile::Of(std::move(clips));
+  return RawFile::Of(std::move(clips));
 }
 
-/// By the name too: of a file cut off behind its counts too little is left.
+/// By the name too: too little is left of a file that is cut off behind its counts.
 bool IsNtu(const FileBytes& file, FileKind kind) {
   return kind == FileKind::kNtuSkeleton || (kind == FileKind::kUnknown && file.path.extension() == ".skeleton");
 }
@@ -198,13 +198,13 @@ const FormatDriver& NtuSkeletonFormat() {
     d.inspected = "ntu_skeleton";
     d.kind = FileKind::kNtuSkeleton;
     d.ending = ".skeleton";
-    d.gives = Gives::kJointTracks;
+    d.gives = EvidenceKind::kJointTracks;
     d.unit = UnitOf::kMetres;
-    d.zeros = "; taken as missing";
+    d.zeros = "; set to missing";
     d.check = CheckNtu;
     d.options = {"bodies", "people", "views", "inferred_confidence", "depth_files", "depth_unit"};
     d.sniff = IsNtu;
-    d.observe = NtuIn;
+    d.read_raw = NtuIn;
     d.to_clip = ReadNtuSkeletonClip;
     return d;
   }();

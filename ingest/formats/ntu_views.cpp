@@ -1,4 +1,4 @@
-// The .skeleton files and masked depth maps of one performance that several Kinects saw.
+// The .skeleton files and masked depth maps of one performance, recorded by several Kinects.
 
 #include <algorithm>
 #include <cmath>
@@ -12,15 +12,15 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastCovered = 0.9;  // of the reference's frames: what covers less does not shorten the clip
+constexpr double kLeastCovered = 0.9;  // of the reference's frames: a camera that covers less does not shorten the clip
 constexpr double kOtherFocal = 0.05;   // relative
 constexpr double kOtherCentre = 15.0;  // pixels
 
-/// What one camera gives.
+/// The data of one camera.
 struct Sensor {
   const ViewFile* file = nullptr;
   NtuSkeleton skeleton;
-  std::vector<const StageInput*> images;  ///< by frame, from 0; null where there is none
+  std::vector<const StageInput*> images;  ///< by frame, from 0; null: no image
 };
 
 /// The depth images of each camera by frame: MDepth-00000001.png is frame 0.
@@ -54,7 +54,7 @@ int FrameOfView(int frame, const ViewAlignment& alignment, double rate_hz) {
   return static_cast<int>(std::lround(frame - alignment.offset_s * rate_hz));
 }
 
-/// Which frames of the reference all cameras cover, with images where they have any.
+/// The frames of the reference that all cameras cover, with images where they have any.
 struct SharedFrames {
   int begin = 0, end = 0;
 };
@@ -71,7 +71,7 @@ SharedFrames Covered(const SharedFrames& span, const std::function<bool(int)>& h
   return covered;
 }
 
-/// Intrinsics of a camera whose axes are x right, y down, z forward, and where they are from.
+/// Intrinsics of a camera whose axes are x right, y down, z forward, and their source.
 Camera SensorCamera(const Sensor& sensor, const SourceOptions& source, std::vector<Finding>& findings,
                     std::string& from) {
   Camera camera;
@@ -80,26 +80,27 @@ Camera SensorCamera(const Sensor& sensor, const SourceOptions& source, std::vect
   camera.height = static_cast<int>(source.views.image_size[1]);
   const std::vector<double>& nominal = source.views.intrinsics;
   camera.fx = nominal[0], camera.fy = nominal[1], camera.cx = nominal[2], camera.cy = nominal[3];
-  const std::optional<std::array<double, 4>> told = NtuIntrinsics(sensor.skeleton);
+  const std::optional<std::array<double, 4>> measured = NtuIntrinsics(sensor.skeleton);
   from = "declared, nominal";
-  if (!told) {
-    NoteCapture(findings, "intrinsics_nominal", Severity::kInfo, camera.fx,
-                "the joints of " + camera.name + " do not tell its depth camera's intrinsics" + "; taken as declared",
-                FindingAction::kKept);
+  if (!measured) {
+    NoteCapture(
+        findings, "intrinsics_nominal", Severity::kInfo, camera.fx,
+        "the joints of " + camera.name + " do not determine its depth camera's intrinsics; the declared ones are used",
+        FindingAction::kKept);
     return camera;
   }
-  from = "measured from the joints' places and pixels";
-  camera.fx = -(*told)[0], camera.fy = (*told)[1], camera.cx = (*told)[2], camera.cy = (*told)[3];
+  from = "measured from the joints' positions and pixels";
+  camera.fx = -(*measured)[0], camera.fy = (*measured)[1], camera.cx = (*measured)[2], camera.cy = (*measured)[3];
   const bool other = std::abs(camera.fx - nominal[0]) > kOtherFocal * std::abs(nominal[0]) ||
                      std::abs(camera.fy - nominal[1]) > kOtherFocal * std::abs(nominal[1]) ||
                      std::abs(camera.cx - nominal[2]) > kOtherCentre || std::abs(camera.cy - nominal[3]) > kOtherCentre;
   if (other) {
     NoteCapture(findings, "intrinsics_contradiction", Severity::kWarning, camera.fx,
-                "the joints of " + camera.name + " stand at pixels of a camera with fx " + RoundedText(camera.fx, 5) +
+                "the joints of " + camera.name + " project as in a camera with fx " + RoundedText(camera.fx, 5) +
                     ", fy " + RoundedText(camera.fy, 5) + ", cx " + RoundedText(camera.cx, 5) + ", cy " +
                     RoundedText(camera.cy, 5) + " px; declared are " + RoundedText(nominal[0], 5) + ", " +
                     RoundedText(nominal[1], 5) + ", " + RoundedText(nominal[2], 5) + ", " + RoundedText(nominal[3], 5) +
-                    "; measured ones taken",
+                    "; the measured ones are used",
                 FindingAction::kKept);
   }
   return camera;
@@ -128,7 +129,7 @@ void NoteEstimates(const PlacedViews& placed, const std::vector<Sensor>& sensors
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const std::string key = "view." + sensors[i].file->view;
     const PlacedView& view = placed.views[i];
-    clip.provenance[key] = view.used ? "used" : "left out";
+    clip.provenance[key] = view.used ? "used" : "excluded";
     if (!view.used || i == placed.reference) continue;
     const ViewAlignment& a = view.alignment;
     clip.provenance[key + ".offset_ms"] = RoundedText(1e3 * a.offset_s, 4);
@@ -139,7 +140,7 @@ void NoteEstimates(const PlacedViews& placed, const std::vector<Sensor>& sensors
   }
 }
 
-/// What the clip rests on: "tracks of 3 cameras, depth of 2", "tracks of 1 camera".
+/// The evidence of the clip: "tracks of 3 cameras, depth of 2", "tracks of 1 camera".
 std::string EvidenceOf(long long tracks, long long depth) {
   return "tracks of " + Counted(tracks, "camera") + (depth > 0 ? ", depth of " + std::to_string(depth) : "");
 }
@@ -155,10 +156,10 @@ Status AddDepth(const SourceFile& file, const std::vector<Sensor>& sensors, cons
     }
     const std::string& name = sensors[i].file->view;
     if (missing > 0) {
-      NoteCapture(ingested.findings, "depth_left_out", Severity::kWarning, missing,
+      NoteCapture(ingested.findings, "depth_excluded", Severity::kWarning, missing,
                   name + " lacks the depth images of " + std::to_string(missing) + " of " +
                       Counted(span.end - span.begin, "frame"),
-                  FindingAction::kLeftOut);
+                  FindingAction::kExcluded);
       continue;
     }
     std::string from;
@@ -247,15 +248,16 @@ Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
            cameras[i].people[static_cast<std::size_t>(view.slots[slot])].Name();
   }
   if (ids.empty()) {
-    return Fail(ErrorCode::kInconsistent,
-                "body " + std::to_string(slot + 1) + " of " + std::to_string(wanted) + " is in no camera that is used",
-                file.name, "the trackers lost the person: leave the capture out, or mend ingest.source.bodies");
+    return Fail(
+        ErrorCode::kInconsistent,
+        "body " + std::to_string(slot + 1) + " of " + std::to_string(wanted) + " is in none of the cameras used",
+        file.name, "the trackers lost the person: remove the capture, or correct ingest.source.bodies");
   }
   tracks = MergePerson(cameras, *placed, slot, span.begin, span.end, rate_hz);
   tracks.names = NtuJointNames();
   if (std::all_of(tracks.confidence.begin(), tracks.confidence.end(), [](double c) { return c == 0.0; })) {
     return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(span.end - span.begin, "frame"),
-                file.name, "the trackers lost the person: leave the capture out", Reason::kNobodySeen);
+                file.name, "the trackers lost the person: remove the capture", Reason::kNoValidSamples);
   }
   NoteEmptyFrames(tracks, ingested.findings);
   clip.evidence.tracks = std::move(tracks);

@@ -3,28 +3,28 @@
 
 #include "core/base/text.h"
 #include "core/formats/openpose.h"
+#include "ingest/checks/keypoint_checks.h"
 #include "ingest/formats/driver.h"
-#include "ingest/gathered_files.h"
-#include "ingest/sense/keypoint_layout_sense.h"
-#include "ingest/sense/keypoint_numbers.h"
+#include "ingest/grouped_files.h"
+#include "ingest/inspect/keypoint_layout_estimate.h"
 #include "ingest/sources/depth_beside.h"
 #include "ingest/sources/frame_files.h"
 
 namespace mocurate {
 namespace {
 
-constexpr std::ptrdiff_t kMostPeople = 100;  // of an image
-constexpr std::size_t kMostSensed = 10000;   // people who are asked for the layout, evenly over views and frames
+constexpr std::ptrdiff_t kMostPeople = 100;    // of an image
+constexpr std::size_t kMostEstimated = 10000;  // people used to measure the layout, evenly over views and frames
 
 using Poses = ImagePoses;  ///< of the people of an image who have a point
 
-/// What one camera's files say.
+/// The files of one camera.
 struct ViewFrames {
   const Camera* camera = nullptr;
   std::vector<Poses> frames;  ///< (F)
 };
 
-/// Points that are taken as not seen.
+/// Points that count as not observed.
 struct PointsNotSeen {
   PointsOfFiles unsure, not_finite;
 };
@@ -33,8 +33,8 @@ bool SeenKeypoints(const OpenPosePerson& person) {
   return std::any_of(person.pose.begin(), person.pose.end(), [](const DetectedKeypoint& p) { return p.detected(); });
 }
 
-/// Reads a camera's files. One that lists more people than kMostPeople counts as unreadable: the view has room for as
-/// many in every image.
+/// Reads a camera's files. A file with more people than kMostPeople counts as unreadable, because a view stores the
+/// same number of people for every image.
 ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const FrameSpan& span, PointsNotSeen& unseen,
                     IngestedClip& ingested) {
   ViewFrames view;
@@ -42,13 +42,13 @@ ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const
   const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
     Expected<OpenPoseFrame> frame = ParseOpenPose(bytes, name);
     if (!frame) return Forward(frame);
-    unseen.unsure.Add(frame->unsure_points, name);
+    unseen.unsure.Add(frame->uncertain_points, name);
     unseen.not_finite.Add(frame->not_finite, name);
     const auto seen = std::count_if(frame->people.begin(), frame->people.end(), SeenKeypoints);
     if (seen > kMostPeople) {
       return Fail(ErrorCode::kInconsistent,
-                  std::to_string(seen) + " people are seen, at most " + std::to_string(kMostPeople) + " are read", name,
-                  "is it of one image?");
+                  std::to_string(seen) + " people are listed, at most " + std::to_string(kMostPeople) + " are allowed",
+                  name, "check that it is the file of one image");
     }
     for (OpenPosePerson& person : frame->people) {
       if (SeenKeypoints(person)) view.frames[static_cast<std::size_t>(f)].push_back(std::move(person.pose));
@@ -58,8 +58,8 @@ ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const
   ReadFrameFiles(camera, files, span, take, ingested);
   std::vector<std::string> names(view.frames.size());
   for (const auto& [number, image] : files) names[static_cast<std::size_t>(number - span.first)] = image->name;
-  if (auto far = LeaveOutFarKeypoints(names, view.frames)) ingested.findings.push_back(*std::move(far));
-  if (auto odd = LeaveOutUnlikelyConfidences(names, view.frames)) ingested.findings.push_back(*std::move(odd));
+  if (auto far = ExcludeFarKeypoints(names, view.frames)) ingested.findings.push_back(*std::move(far));
+  if (auto odd = ExcludeImplausibleConfidences(names, view.frames)) ingested.findings.push_back(*std::move(odd));
   return view;
 }
 
@@ -70,20 +70,20 @@ const KeypointLayout* LayoutNamed(const std::string& name) {
   return nullptr;
 }
 
-/// Each camera's numbers alone: one of several may have been written otherwise.
-void DoubtNumbers(const SourceFile& file, const ViewFrames& view, IngestedClip& ingested) {
+/// The coordinates of each camera alone: one of several may have been written in another unit.
+void AddNumberFindings(const SourceFile& file, const ViewFrames& view, IngestedClip& ingested) {
   std::vector<OpenPosePerson> people;
   for (const Poses& poses : view.frames) {
     for (const auto& pose : poses) people.emplace_back().pose = pose;
   }
-  for (Finding& doubt : DoubtKeypointNumbers(people)) {
-    doubt.message = "camera " + view.camera->name + ": " + doubt.message;
-    doubt.action = ContradictionAction(file.source);
-    ingested.findings.push_back(std::move(doubt));
+  for (Finding& finding : CheckKeypointNumbers(people)) {
+    finding.message = "camera " + view.camera->name + ": " + finding.message;
+    finding.action = ContradictionAction(file.source);
+    ingested.findings.push_back(std::move(finding));
   }
 }
 
-/// The declared layout, checked against what the bones say, or the measured one.
+/// The declared layout, checked against the bones, or the measured one.
 Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vector<ViewFrames>& views,
                                          IngestedClip& ingested) {
   std::map<std::size_t, std::size_t> counts;  // points -> people
@@ -93,12 +93,12 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
     }
   }
   if (counts.empty()) {
-    return Fail(ErrorCode::kInconsistent, "nobody is seen in any of " + Counted(views.size(), "view"), file.name,
-                "are these files of keypoints?");
+    return Fail(ErrorCode::kInconsistent, "no person is found in any of " + Counted(views.size(), "view"), file.name,
+                "check that these are files of keypoints");
   }
   const auto usual =
       std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  const std::size_t step = 1 + (usual->second - 1) / kMostSensed;
+  const std::size_t step = 1 + (usual->second - 1) / kMostEstimated;
   std::vector<OpenPosePerson> people;
   std::size_t at = 0;
   for (const ViewFrames& view : views) {
@@ -110,27 +110,27 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
       }
     }
   }
-  for (const ViewFrames& view : views) DoubtNumbers(file, view, ingested);
-  const Measured measured = SenseKeypointLayout(people);
+  for (const ViewFrames& view : views) AddNumberFindings(file, view, ingested);
+  const Measured measured = EstimateKeypointLayout(people);
   const bool declared = file.source.keypoints != "measured";
   if (!declared && measured.value.empty()) {
     return Fail(ErrorCode::kInconsistent,
-                "the order of the " + std::to_string(usual->first) + " keypoints is not told: " + measured.evidence,
-                file.name, "write ingest.source.keypoints: the layout's name");
+                "the order of the " + std::to_string(usual->first) + " keypoints is ambiguous: " + measured.evidence,
+                file.name, "set ingest.source.keypoints to the layout's name");
   }
   const KeypointLayout* layout = LayoutNamed(declared ? file.source.keypoints : measured.value);
   if (layout->points.size() != usual->first) {
     return Fail(ErrorCode::kInconsistent,
                 "people have " + std::to_string(usual->first) + " keypoints, the layout " + layout->name + " has " +
                     std::to_string(layout->points.size()),
-                file.name, "mend ingest.source.keypoints");
+                file.name, "correct ingest.source.keypoints");
   }
   if (!measured.value.empty()) ingested.shown["keypoints_contradiction"] = {measured.value != layout->name, 1.0};
   if (declared && !measured.value.empty() && measured.value != layout->name) {
     ingested.findings.push_back(Contradiction(file.source, "keypoints_contradiction", measured.confidence,
                                               "the source declares keypoints " + layout->name +
                                                   ", the bones are those of " + measured.value + ": " +
-                                                  measured.evidence + "; mend ingest.source.keypoints"));
+                                                  measured.evidence + "; correct ingest.source.keypoints"));
   }
   ingested.clip.provenance["keypoints"] =
       layout->name + (declared ? " (declared)" : " (measured: " + measured.evidence + ")");
@@ -164,7 +164,8 @@ KeypointView MakeKeypointView(const ViewFrames& frames, std::size_t points, Fram
   return view;
 }
 
-/// Fewer people than clips: what the second best view shows, as one view sees no depth.
+/// Where fewer people than declared are found. A person visible in one view only has no depth, so that the second best
+/// view counts.
 void NoteMissingPeople(const SourceFile& file, const Evidence& evidence, std::vector<Finding>& findings) {
   std::vector<int> people;
   for (const KeypointView& view : evidence.keypoint_views) people.push_back(view.people);
@@ -173,17 +174,17 @@ void NoteMissingPeople(const SourceFile& file, const Evidence& evidence, std::ve
   if (file.named.bodies <= seen) return;
   findings.push_back(CameraFinding("people_missing", seen,
                                    std::to_string(file.named.bodies) +
-                                       " people are declared, two views never see more "
+                                       " people are declared, two views never observe more "
                                        "than " +
                                        std::to_string(seen) + " at once",
                                    FindingAction::kFlagged));
 }
 
 /// JSON files of a detector, one per camera and frame, and the calibration of the cameras -> keypoint views in the
-/// canonical world, everybody who is seen. Frames without a file, or with one that cannot be read, are frames in which
-/// nobody is seen: findings "frames_missing", "unreadable_frames" per camera. "camera_not_calibrated",
-/// "camera_without_files": files and calibration that do not belong together by name. The order of the points is
-/// declared or measured; "keypoints_contradiction" where the bones speak against the declaration.
+/// canonical world with every person found. A frame whose file is missing or unreadable has no person: findings
+/// "frames_missing", "unreadable_frames" per camera. "camera_not_calibrated", "camera_without_files": names of files
+/// and calibration do not match. The order of the points is declared or measured; "keypoints_contradiction" where the
+/// bones contradict the declaration.
 Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   IngestedClip ingested;
   Expected<Rig> rig = ReadRig(file);
@@ -207,7 +208,7 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
     views.back().camera = camera;
   }
   if (unseen.unsure.points > 0) {
-    ingested.findings.push_back(CameraFinding("unsure_points", static_cast<double>(unseen.unsure.points),
+    ingested.findings.push_back(CameraFinding("uncertain_points", static_cast<double>(unseen.unsure.points),
                                               UnsurePointsWords(unseen.unsure), FindingAction::kMissing));
   }
   if (unseen.not_finite.points > 0) {
@@ -244,10 +245,10 @@ const FormatDriver& OpenPoseFormat() {
     FormatDriver d;
     d.name = "openpose";
     d.inspected = "openpose";
-    d.gives = Gives::kKeypoints;
+    d.gives = EvidenceKind::kKeypoints;
     d.unit = UnitOf::kCalibration;
-    d.gathered_by = {"camera", "frame"};
-    d.check = CheckGathered;
+    d.grouped_by = {"camera", "frame"};
+    d.check = CheckGrouped;
     d.options = {"calibration", "camera_pose", "cameras", "keypoints", "subjects", "depth_files", "depth_unit"};
     d.to_clip = ReadOpenPoseClip;
     return d;

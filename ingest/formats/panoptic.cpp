@@ -3,15 +3,15 @@
 
 #include "core/formats/panoptic_bodies.h"
 #include "ingest/formats/driver.h"
-#include "ingest/gathered_files.h"
+#include "ingest/grouped_files.h"
 #include "ingest/sources/frame_files.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kLeastConfidence = 1e-6;  // of a joint that is there: files give a confidence of 0 to some
+constexpr double kLeastConfidence = 1e-6;  // of a joint that is there: files state a confidence of 0 for some
 
-/// The ids in the files, those that are there longest first.
+/// The ids in the files, the longest present first.
 std::vector<int> RankedIds(const std::vector<PanopticBodies>& frames) {
   std::map<int, int> presence;
   for (const PanopticBodies& frame : frames) {
@@ -26,7 +26,7 @@ std::vector<int> RankedIds(const std::vector<PanopticBodies>& frames) {
   return ids;
 }
 
-/// Frames per second by the files' own clock, between the first and the last that have one.
+/// Frames per second by the files' own time stamps, from the first to the last.
 double ClockRate(const std::vector<PanopticBodies>& frames) {
   int first = -1, last = -1;
   for (std::size_t f = 0; f < frames.size(); ++f) {
@@ -39,7 +39,7 @@ double ClockRate(const std::vector<PanopticBodies>& frames) {
   return span > 0.0 ? 1000.0 * (last - first) / span : 0.0;
 }
 
-/// CMU Panoptic body3DScene files, one per frame -> evidence tracks of one of the people, by how long they are there.
+/// CMU Panoptic body3DScene files, one per frame -> evidence tracks of one of the people, the longest present first.
 Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
   const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
   if (!axes) return Forward(axes);
@@ -61,13 +61,13 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
     return Fail(ErrorCode::kInconsistent,
                 "person " + std::to_string(file.named.body) + " is asked for, the files hold " +
                     std::to_string(ids.size()) + " bodies",
-                file.name, "ingest.source.subjects says how many");
+                file.name, "correct ingest.source.subjects");
   }
   if (static_cast<int>(ids.size()) > file.named.bodies) {
-    ingested.findings.push_back(CameraFinding("bodies_left_out", static_cast<double>(ids.size()),
+    ingested.findings.push_back(CameraFinding("bodies_skipped", static_cast<double>(ids.size()),
                                               "the files hold " + std::to_string(ids.size()) + " bodies, " +
                                                   std::to_string(file.named.bodies) + " are asked for" +
-                                                  "; those that are there longest are taken",
+                                                  "; the longest present are used",
                                               FindingAction::kKept));
   }
   const int id = ids[static_cast<std::size_t>(file.named.body - 1)];
@@ -107,10 +107,10 @@ const FormatDriver& PanopticFormat() {
     FormatDriver d;
     d.name = "panoptic";
     d.inspected = "panoptic_bodies";
-    d.gives = Gives::kJointTracks;
+    d.gives = EvidenceKind::kJointTracks;
     d.unit = UnitOf::kCentimetres;
-    d.gathered_by = {"frame"};
-    d.check = CheckGathered;
+    d.grouped_by = {"frame"};
+    d.check = CheckGrouped;
     d.options = {"subjects"};
     d.to_clip = ReadPanopticClip;
     return d;

@@ -3,14 +3,14 @@
 #include "core/formats/phspd_text.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/observe.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/sources/phspd_tracks.h"
 #include "ingest/sources/smpl_motion.h"
 
 namespace mocurate {
 namespace {
 
-/// PHSPD's pose.txt -> evidence tracks on SMPL's joints. Frames that nobody annotated are missing, in their place.
+/// PHSPD's pose.txt -> evidence tracks on SMPL's joints. Frames without an annotation stay as missing frames.
 Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
@@ -50,17 +50,17 @@ Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
 constexpr const char* kPoses = "pose.txt";
 constexpr const char* kShapes = "shape_smpl.txt";
 
-Expected<ObservedFile> ShapesIn(const FileBytes& file) {
+Expected<RawFile> ShapesIn(const FileBytes& file) {
   const Expected<PhspdShape> shape = ParsePhspdShape(file.bytes, file.name);
   if (!shape) return Forward(shape);
-  return ObservedFile::Of({file.name, "phspd_shape", {}, {{"frames", static_cast<double>(shape->frame.size())}}});
+  return RawFile::Of({file.name, "phspd_shape", {}, {{"frames", static_cast<double>(shape->frame.size())}}});
 }
 
-/// Of damaged rows that are told and left out.
-Expected<ObservedFile> PosesIn(const FileBytes& file) {
+/// For damaged rows, which are reported and dropped.
+Expected<RawFile> PosesIn(const FileBytes& file) {
   Expected<PhspdTracks> tracks = ReadPhspdTracks(file.bytes, file.name, DamagedRows::kReport);
   if (!tracks) return Forward(tracks);
-  ObservedClip clip;
+  RawClip clip;
   clip.format = "phspd_pose";
   clip.frames = tracks->positions.frames;
   clip.joints = kPhspdJoints;
@@ -74,7 +74,7 @@ Expected<ObservedFile> PosesIn(const FileBytes& file) {
     if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
   }
   clip.AddRemarks(tracks->findings);
-  return ObservedFile::Of(std::move(clip));
+  return RawFile::Of(std::move(clip));
 }
 
 /// ".../subject03_group2_time4/pose.txt" or shape_smpl.txt.
@@ -93,10 +93,10 @@ const FormatDriver& PhspdFormat() {
     d.inspected = "phspd_pose";
     d.kind = FileKind::kNumbers;
     d.ending = "pose.txt";
-    d.gives = Gives::kJointTracks;
+    d.gives = EvidenceKind::kJointTracks;
     d.unit = UnitOf::kMetres;
     d.sniff = IsOfPhspd;
-    d.observe = [](const FileBytes& file) { return file.path.filename() == kShapes ? ShapesIn(file) : PosesIn(file); };
+    d.read_raw = [](const FileBytes& file) { return file.path.filename() == kShapes ? ShapesIn(file) : PosesIn(file); };
     d.to_clip = ReadPhspdClip;
     return d;
   }();

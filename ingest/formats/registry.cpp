@@ -3,11 +3,11 @@
 #include <stdexcept>
 
 #include "ingest/formats/driver.h"
-#include "ingest/sense/observe.h"
+#include "ingest/inspect/read_raw.h"
 
 namespace mocurate {
 
-// One a format, each in the file of its name.
+// One per format, each in the file of its name.
 const FormatDriver& JointTableFormat();
 const FormatDriver& BvhFormat();
 const FormatDriver& NpyFormat();
@@ -64,7 +64,7 @@ const FormatDriver& DriverOf(std::string_view name) {
 const FormatDriver* RecogniseFormat(const FileBytes& file) {
   const auto& all = FormatDrivers();
   const FileKind kind = KindOf(file.bytes);
-  // Formats that a program adds stand behind ours and are asked before them.
+  // Formats that a program adds come last in the list and are asked first.
   const auto sniffs = [&](const FormatDriver* d) { return d->sniff != nullptr && d->sniff(file, kind); };
   const auto sniffed = std::find_if(all.rbegin(), all.rend(), sniffs);
   if (sniffed != all.rend()) return *sniffed;
@@ -75,7 +75,7 @@ const FormatDriver* RecogniseFormat(const FileBytes& file) {
 
 void AddFormat(const FormatDriver& driver) {
   const std::string name = driver.name;
-  if (DriverOf(name).name == name) throw std::logic_error("there is a format '" + name + "' already");
+  if (DriverOf(name).name == name) throw std::logic_error("format '" + name + "' exists already");
   if (driver.to_clip == nullptr) throw std::logic_error("format '" + name + "' has no to_clip");
   const nlohmann::json options = OptionsToJson(SourceOptions());
   for (const std::string& option : driver.options) {
@@ -89,25 +89,25 @@ bool FormatDriver::HasOption(std::string_view option) const {
   return std::find(options.begin(), options.end(), option) != options.end();
 }
 
-Gives GivesOf(const SourceOptions& source) {
-  return HasDepthBeside(source) ? Gives::kKeypointsAndDepth : DriverOf(source.format).gives;
+EvidenceKind EvidenceKindOf(const SourceOptions& source) {
+  return HasDepthBeside(source) ? EvidenceKind::kKeypointsAndDepth : DriverOf(source.format).gives;
 }
 
-const char* Name(Gives gives) {
+const char* Name(EvidenceKind gives) {
   switch (gives) {
-    case Gives::kJointTracks:
+    case EvidenceKind::kJointTracks:
       return "joint tracks";
-    case Gives::kDepthViews:
+    case EvidenceKind::kDepthViews:
       return "depth views";
-    case Gives::kPointClouds:
+    case EvidenceKind::kPointClouds:
       return "point clouds";
-    case Gives::kKeypoints:
+    case EvidenceKind::kKeypoints:
       return "keypoints of several cameras";
-    case Gives::kKeypointsAndDepth:
+    case EvidenceKind::kKeypointsAndDepth:
       return "keypoints and depth views";
-    case Gives::kMotion:
+    case EvidenceKind::kMotion:
       return "motion";
-    case Gives::kNothing:
+    case EvidenceKind::kNothing:
       break;
   }
   return "nothing";

@@ -1,4 +1,4 @@
-// Tracks of VIBE: files of a video's tracks, of which one is the person, and the videos of UESTC's cache.
+// Tracks of VIBE: files with a video's tracks, one of which is the person, and the videos of UESTC's cache.
 
 #include <filesystem>
 
@@ -6,10 +6,10 @@
 #include "core/base/text.h"
 #include "core/formats/vibe_pickle.h"
 #include "core/motion/kinematics.h"
+#include "ingest/checks/angle_checks.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/people/vibe_people.h"
-#include "ingest/sense/angle_sense.h"
-#include "ingest/sense/observe.h"
 #include "ingest/sources/body_check.h"
 #include "ingest/sources/kept_open.h"
 #include "ingest/sources/smpl_motion.h"
@@ -25,8 +25,8 @@ Expected<std::shared_ptr<const OpenCache>> CacheOf(const std::filesystem::path& 
   return last.Get(container, OpenCache::Open);
 }
 
-/// The videos of UESTC's cache, as info/ beside it names them; the second camera's moving view is left out. Error
-/// kInconsistent where it names more or fewer than there are: which name is whose is not known then.
+/// The videos of UESTC's cache, by the names in info/ beside it; the second camera's moving view is excluded. Error
+/// kInconsistent where info/ lists another number of videos than the cache, so that names cannot be assigned.
 Expected<std::vector<ContainerEntry>> UestcEntries(const SourceOptions& source, const std::filesystem::path& folder) {
   const std::filesystem::path container = folder / source.container;
   const Expected<UestcFolder> info = ReadUestcFolder(container.parent_path());
@@ -37,15 +37,15 @@ Expected<std::vector<ContainerEntry>> UestcEntries(const SourceOptions& source, 
     return Fail(ErrorCode::kInconsistent,
                 "info/names.txt names " + Counted(static_cast<long long>(info->videos.size()), "video") +
                     ", the file holds " + std::to_string((*cache)->archive.size()) +
-                    ": which name is whose is not known",
-                DisplayPath(source.container), "take info/ and cache of one release");
+                    ": names cannot be assigned to videos",
+                DisplayPath(source.container), "use info/ and the cache of one release");
   }
   std::vector<ContainerEntry> entries;
   for (std::size_t i = 0; i < info->videos.size(); ++i) {
     const UestcVideo& video = info->videos[i];
     ContainerEntry entry{video.Name(), info->actions[static_cast<std::size_t>(video.action)], info->frames[i], ""};
-    if (video.side == 2 && video.view == 8) entry.left_out = "the second camera moves in view 8";
-    if (info->frames[i] == 0) entry.left_out = "info/num_frames_min.txt says that it has no frame";
+    if (video.side == 2 && video.view == 8) entry.excluded = "the second camera moves in view 8";
+    if (info->frames[i] == 0) entry.excluded = "info/num_frames_min.txt declares 0 frames";
     entries.push_back(std::move(entry));
   }
   return entries;
@@ -59,12 +59,12 @@ Expected<VibeTrack> ReadUestcVideo(const SourceFile& file) {
   return cache.Track(static_cast<std::size_t>(file.entry));
 }
 
-/// The performer's first place is across and down in the image.
+/// The performer's starting point has two coordinates in the image.
 Status CheckStart(const SourceOptions& s) {
   if (!ByBoxes(s.people.rule) || s.people.start_px.size() == 2) return {};
   return Fail(ErrorCode::kConfig,
-              "the performer's first place has " + std::to_string(s.people.start_px.size()) + " numbers",
-              "ingest.source.people.start", "two: pixels across and down");
+              "the performer's starting point has " + std::to_string(s.people.start_px.size()) + " numbers",
+              "ingest.source.people.start", "write two: pixels across and down");
 }
 
 constexpr std::size_t kMidHip = 8;  // of VIBE's 49 points
@@ -84,12 +84,12 @@ Status CheckTrack(const VibeTrack& track, const SourceOptions& source, bool rota
     return Fail(ErrorCode::kInconsistent,
                 "the track has " + std::to_string(track.joints) + " joints, " + std::to_string(source.joints.size()) +
                     " are named under ingest.source.joints",
-                name, "name each joint of the file in its order, '-' for one that is passed over");
+                name, "name each joint of the file in its order, '-' for one that is skipped");
   }
   return {};
 }
 
-/// A track in the world, the file's places moved by `shift` (F) in file axes and turned by `world_from_file`.
+/// A track in the world: the file's positions moved by `shift` (F) in file axes and rotated by `world_from_file`.
 Expected<IngestedClip> MotionOf(const VibeTrack& track, const SourceOptions& source, const Quaterniond& world_from_file,
                                 const std::vector<Vector3d>& shift, const std::string& name) {
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
@@ -109,32 +109,33 @@ Expected<IngestedClip> MotionOf(const VibeTrack& track, const SourceOptions& sou
     if (!local) return Forward(local);
     ingested.clip.motion =
         MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(local), {});
-    if (std::optional<Finding> spoiled = DoubtAngles(track)) ingested.findings.push_back(*std::move(spoiled));
-    // Its joints are not kept, but are as much of the file as the rotations: an inspection reads them.
-    CheckPoints(source, ObserveVibeTrack(track, "vibe_tracks"), ingested);
+    if (std::optional<Finding> invalid_poses = CheckAngleUnits(track))
+      ingested.findings.push_back(*std::move(invalid_poses));
+    // The clip does not keep its joints; an inspection reads them beside the rotations.
+    CheckPoints(source, ReadRawVibeTrack(track, "vibe_tracks"), ingested);
     return ingested;
   }
   JointPositions joints(static_cast<int>(track.frames), (*skeleton)->joint_count());
-  std::vector<bool> told((*skeleton)->joints.size(), false);
+  std::vector<bool> found((*skeleton)->joints.size(), false);
   for (std::size_t k = 0; k < source.joints.size(); ++k) {
     const std::optional<int> joint = (*skeleton)->FindJoint(source.joints[k]);
     if (!joint) continue;
-    told[*joint] = true;
+    found[*joint] = true;
     for (int f = 0; f < joints.frames; ++f) {
       const auto frame = static_cast<std::size_t>(f);
       joints.at(f, *joint) = world_from_file * Vector3d(shift[frame] + JointPlace(track, frame, k));
     }
   }
   for (int j = 0; j < joints.joints; ++j) {
-    if (told[j]) continue;
+    if (found[j]) continue;
     return Fail(
         ErrorCode::kConfig,
         "joint '" + (*skeleton)->joints[j].name + "' of skeleton '" + (*skeleton)->name + "' is not in the source",
         "ingest.source.joints", "joints-only motion needs every joint of its skeleton");
   }
   ingested.clip.motion = MakeJointsOnly(*skeleton, ingested.clip.rate, std::move(joints));
-  // The source may leave out joints that tell more.
-  CheckPoints(source, ObserveVibeTrack(track, "vibe_tracks"), ingested);
+  // The source may skip joints that show more.
+  CheckPoints(source, ReadRawVibeTrack(track, "vibe_tracks"), ingested);
   return ingested;
 }
 
@@ -142,14 +143,14 @@ void KeepFrames(std::vector<double>& values, std::size_t frames, std::size_t wan
   if (frames > 0) values.resize(values.size() / frames * wanted);
 }
 
-/// How the root moves in file axes, from where it is in the first frame.
+/// The root's motion in file axes, relative to its position in the first frame.
 Expected<std::vector<Vector3d>> ShiftOf(const VibeTrack& track, const SourceOptions& source, const std::string& name) {
   const bool published = source.root_translation == RootTranslation::kPublished;
   const bool by_camera = source.root_translation == RootTranslation::kCamera || (published && source.format == "uestc");
   if (!by_camera) return std::vector<Vector3d>(track.frames, Vector3d::Zero());
   if (track.original_camera.empty()) {
     return Fail(ErrorCode::kInconsistent, "the video has no 'orig_cam'", name,
-                "it says where the person stands: take the file that holds it, or root_translation: still");
+                "it holds the person's position: use the file that has it, or set root_translation: still");
   }
   Expected<std::vector<Vector3d>> shift = UestcTranslation(track.original_camera);
   if (shift) return shift;
@@ -169,10 +170,10 @@ Expected<UestcPerson> ChosenPerson(const SourceFile& file, bool by_name) {
     if (std::to_string(track.id) == file.source.track) return NamedVibePerson(track, file.name);
   }
   return Fail(ErrorCode::kInconsistent, "the file has no track " + file.source.track, file.name,
-              keys.empty() ? "it has none: nobody was found in the video" : "its tracks are " + keys);
+              keys.empty() ? "it has none: no person was found in the video" : "its tracks are " + keys);
 }
 
-/// The clip of who was chosen.
+/// The clip of the chosen person.
 Expected<IngestedClip> ClipOfPerson(const UestcPerson& person, const SourceFile& file,
                                     const Quaterniond& world_from_file) {
   const Expected<std::vector<Vector3d>> shift = ShiftOf(person.track, file.source, file.name);
@@ -183,25 +184,25 @@ Expected<IngestedClip> ClipOfPerson(const UestcPerson& person, const SourceFile&
   std::string ids;
   for (const std::int64_t id : person.chosen) ids += (ids.empty() ? "" : "+") + std::to_string(id);
   if (!ids.empty()) ingested->clip.provenance["tracks"] = ids;
-  if (file.container.empty() || file.entry < 0) ingested->content.clear();  // the file's bytes are what is read
+  if (file.container.empty() || file.entry < 0) ingested->content.clear();  // the content is the file's bytes
   return ingested;
 }
 
-/// One track of VIBE. On a skeleton with SMPL's joints its rotations, with the pelvis where the middle of the hips is;
-/// on another the places of `joints`, without rotations.
+/// One track of VIBE. On a skeleton with SMPL's joints: its rotations, with the pelvis at the middle of the hips; on
+/// another: the positions of `joints`, without rotations.
 Expected<IngestedClip> ReadVibeTrackClip(const SourceFile& file) {
-  const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
+  const Expected<Quaterniond> world_from_file = RotationOfAxes(file.source.axes);
   if (!world_from_file) return Forward(world_from_file);
   const Expected<UestcPerson> person = ChosenPerson(file, !file.source.track.empty());
   return person ? ClipOfPerson(*person, file, *world_from_file) : Forward(person);
 }
 
 /// One video of UESTC's cache, as VIBE's tracks, moved by the camera's estimate: (tx, ty, 500 / (270 sx)) of ACTOR.
-/// Side 2 is turned back by the view's angle.
+/// Side 2 is rotated back by the view's angle.
 Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
-  const Expected<Quaterniond> world_from_file = TurnOf(file.source.axes);
+  const Expected<Quaterniond> world_from_file = RotationOfAxes(file.source.axes);
   if (!world_from_file) return Forward(world_from_file);
-  // a12_d4_p007_c2_color.avi in the cache; of a file of tracks its own name or that of its folder.
+  // a12_d4_p007_c2_color.avi in the cache; for a file of tracks, its own name or its folder's.
   const std::filesystem::path path(file.name);
   Expected<UestcVideo> video = ParseUestcName(path.stem().string(), file.name);
   if (!video && path.has_parent_path()) {
@@ -220,7 +221,7 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
     person.track = std::move(*track);
   }
   VibeTrack& track = person.track;
-  if (auto doubt = DoubtFrameCount(file.most_frames, track.frames, file.entry)) person.findings.push_back(*doubt);
+  if (auto finding = CheckFrameCount(file.most_frames, track.frames, file.entry)) person.findings.push_back(*finding);
   if (file.most_frames > 0 && static_cast<std::size_t>(file.most_frames) < track.frames) {
     const auto wanted = static_cast<std::size_t>(file.most_frames);
     KeepFrames(track.pose, track.frames, wanted);
@@ -239,7 +240,7 @@ const FormatDriver& VibeTracksFormat() {
     FormatDriver d;
     d.name = "vibe_tracks";
     d.inspected = "vibe_tracks";
-    d.gives = Gives::kMotion;
+    d.gives = EvidenceKind::kMotion;
     d.rotations = true;
     d.unit = UnitOf::kMetres;
     d.needs_skeleton = true;
@@ -256,7 +257,7 @@ const FormatDriver& UestcFormat() {
     FormatDriver d;
     d.name = "uestc";
     d.inspected = "vibe_cache";
-    d.gives = Gives::kMotion;
+    d.gives = EvidenceKind::kMotion;
     d.rotations = true;
     d.unit = UnitOf::kMetres;
     d.needs_skeleton = true;
@@ -264,7 +265,7 @@ const FormatDriver& UestcFormat() {
     d.options = {"container", "root_translation", "people"};
     d.check = CheckStart;
     d.sniff = [](const FileBytes& file, FileKind) { return IsUestcInfo(file.path); };
-    d.observe = ObserveUestcInfo;
+    d.read_raw = ReadRawUestcInfo;
     d.to_clip = ReadUestcClip;
     d.entries = UestcEntries;
     return d;

@@ -90,9 +90,9 @@ double TogetherShare(const PersonTrack& a, const PersonTrack& b, double distance
   return static_cast<double>(together) / static_cast<double>(a.frames.size());
 }
 
-/// Why a track is nobody, or empty.
-std::string GhostReason(const std::vector<PersonTrack>& tracks, std::size_t i, const GhostLimits& limits,
-                        const std::vector<int>& parents, const std::vector<double>& rest_lengths, int frames) {
+/// Why a track is false, or empty.
+std::string FalseTrackReason(const std::vector<PersonTrack>& tracks, std::size_t i, const FalseTrackLimits& limits,
+                             const std::vector<int>& parents, const std::vector<double>& rest_lengths, int frames) {
   const PersonTrack& track = tracks[i];
   const int count = static_cast<int>(track.frames.size());
   const auto metres = [](double value) { return Digits(1e3 * value) + " mm"; };
@@ -153,11 +153,11 @@ void NoteOthers(const People& people, std::size_t wanted, std::vector<Finding>& 
   for (const PersonTrack& track : people.others) {
     which += (which.empty() ? "" : ", ") + track.Name() + " in " + std::to_string(track.frames.size()) + " frames";
   }
-  Finding finding = FrameFinding("bodies_left_out", 0, 0, "", static_cast<double>(left),
+  Finding finding = FrameFinding("bodies_skipped", 0, 0, "", static_cast<double>(left),
                                  "the file holds " + std::to_string(left + people.chosen.size()) +
                                      " people, ingest.source.bodies asks for " + std::to_string(wanted) + "; " +
                                      std::to_string(left) + " not taken: " + which);
-  finding.action = FindingAction::kLeftOut;
+  finding.action = FindingAction::kExcluded;
   findings.push_back(std::move(finding));
 }
 
@@ -169,7 +169,7 @@ void NoteSecondPerson(const People& people, std::size_t wanted, int frames, std:
     const double energy = MotionEnergy(other);
     if (2 * static_cast<int>(other.frames.size()) < frames || energy < 0.5 * least) continue;
     findings.push_back(FrameFinding("second_person", 0, 0, "", energy,
-                                    "somebody else, " + other.Name() + ", is there in " +
+                                    "another person, " + other.Name() + ", is there in " +
                                         std::to_string(other.frames.size()) + " of " + std::to_string(frames) +
                                         " frames and moves as much (" + Digits(energy) + " m2 to " + Digits(least) +
                                         "); the name speaks of " + std::to_string(wanted)));
@@ -178,50 +178,51 @@ void NoteSecondPerson(const People& people, std::size_t wanted, int frames, std:
 
 }  // namespace
 
-bool MendsIds(const PeopleOptions& options) { return options.stitch && options.rule != TrackRule::kOfficial; }
+bool StitchesIds(const PeopleOptions& options) { return options.stitch && options.rule != TrackRule::kOfficial; }
 
 std::vector<PersonTrack> JoinIds(std::vector<PersonTrack> tracks, const PeopleOptions& options,
                                  const std::vector<int>& parents, const std::vector<double>& time_s,
                                  std::vector<Finding>& findings) {
-  if (!MendsIds(options)) return tracks;
+  if (!StitchesIds(options)) return tracks;
   const StitchOptions limits{options.max_gap_s, options.max_speed, StitchOptions().slack, options.max_signature};
   return StitchTracks(std::move(tracks), parents, time_s, limits, findings);
 }
 
-People ChoosePeople(std::vector<PersonTrack> tracks, std::size_t wanted, TrackRule rule, bool look_for_ghosts,
-                    const GhostLimits& limits, const std::vector<int>& parents, const std::vector<double>& rest_lengths,
-                    int frames) {
+People ChoosePeople(std::vector<PersonTrack> tracks, std::size_t wanted, TrackRule rule, bool look_for_false_tracks,
+                    const FalseTrackLimits& limits, const std::vector<int>& parents,
+                    const std::vector<double>& rest_lengths, int frames) {
   People people;
   std::vector<PersonTrack> sound;
   std::vector<std::string> reasons;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    reasons.push_back(rule == TrackRule::kOfficial || !look_for_ghosts
+    reasons.push_back(rule == TrackRule::kOfficial || !look_for_false_tracks
                           ? std::string()
-                          : GhostReason(tracks, i, limits, parents, rest_lengths, frames));
+                          : FalseTrackReason(tracks, i, limits, parents, rest_lengths, frames));
   }
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    (reasons[i].empty() ? sound : people.ghosts).push_back(tracks[i]);
+    (reasons[i].empty() ? sound : people.false_tracks).push_back(tracks[i]);
   }
   reasons.erase(std::remove(reasons.begin(), reasons.end(), std::string()), reasons.end());
   Rank(sound, rule);
   for (std::size_t i = 0; i < sound.size(); ++i) (i < wanted ? people.chosen : people.others).push_back(sound[i]);
-  std::vector<std::size_t> order(people.ghosts.size());
+  std::vector<std::size_t> order(people.false_tracks.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return MotionEnergy(people.ghosts[a]) > MotionEnergy(people.ghosts[b]);
+    return MotionEnergy(people.false_tracks[a]) > MotionEnergy(people.false_tracks[b]);
   });
-  std::vector<PersonTrack> ghosts;
+  std::vector<PersonTrack> false_tracks;
   for (const std::size_t i : order) {
-    const bool taken = people.chosen.size() < wanted && people.ghosts[i].frames.size() > 1;
-    Finding finding = FrameFinding("ghost_body", people.ghosts[i].frames.front(), people.ghosts[i].frames.back() + 1,
-                                   "", static_cast<double>(people.ghosts[i].frames.size()),
-                                   "body " + people.ghosts[i].Name() + " is nobody (" + reasons[i] + "), in " +
-                                       Counted(static_cast<long long>(people.ghosts[i].frames.size()), "frame"));
-    finding.action = taken ? FindingAction::kKept : FindingAction::kLeftOut;
+    const bool taken = people.chosen.size() < wanted && people.false_tracks[i].frames.size() > 1;
+    Finding finding =
+        FrameFinding("false_track", people.false_tracks[i].frames.front(), people.false_tracks[i].frames.back() + 1, "",
+                     static_cast<double>(people.false_tracks[i].frames.size()),
+                     "body " + people.false_tracks[i].Name() + " is a false track (" + reasons[i] + "), in " +
+                         Counted(static_cast<long long>(people.false_tracks[i].frames.size()), "frame"));
+    finding.action = taken ? FindingAction::kKept : FindingAction::kExcluded;
     people.findings.push_back(std::move(finding));
-    (taken ? people.chosen : ghosts).push_back(std::move(people.ghosts[i]));
+    (taken ? people.chosen : false_tracks).push_back(std::move(people.false_tracks[i]));
   }
-  people.ghosts = std::move(ghosts);
+  people.false_tracks = std::move(false_tracks);
   NoteOthers(people, wanted, people.findings);
   NoteSecondPerson(people, wanted, frames, people.findings);
   std::stable_sort(people.chosen.begin(), people.chosen.end(),

@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kDoubtful = 0.6;       // of max_disagreement
+constexpr double kSuspect = 0.6;        // of max_disagreement
 constexpr double kLateFrames = 0.5;     // a finding
 constexpr double kVeryLate_s = 0.05;    // a warning
 constexpr double kAgree = 0.1;          // metres
@@ -25,7 +25,7 @@ struct Scene {
   TrackedPoints view() const { return {positions, confidence, time_s}; }
 };
 
-/// People `order[slot]` (-1: nobody) in the slots.
+/// People `order[slot]` (-1: none) in the slots.
 Scene SceneOf(const CameraPeople& camera, const std::vector<int>& order, double rate_hz) {
   Scene scene;
   const int joints = camera.people.front().positions.joints;
@@ -109,7 +109,7 @@ void NoteUsed(const CameraPeople& camera, const std::string& reference, const Vi
                     reference + ", give or take " + Digits(1e3 * view.offset_sigma_s) + " ms" + "; taken out",
                 FindingAction::kKept);
   }
-  if (view.median > kDoubtful * options.max_disagreement) {
+  if (view.median > kSuspect * options.max_disagreement) {
     NoteCapture(findings, "views_disagree", Severity::kWarning, 1e3 * view.median,
                 "the joints of " + camera.view + " and " + reference + " lie " + DigitsOfMillimetres(view.median) +
                     " apart when aligned (median of " + std::to_string(view.pairs) + ")",
@@ -139,9 +139,9 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
       seeing.push_back(i);
       continue;
     }
-    NoteCapture(placed.findings, "camera_saw_nobody", Severity::kWarning, cameras[i].frames,
-                cameras[i].view + " saw nobody in its " + std::to_string(cameras[i].frames) + " frames",
-                FindingAction::kLeftOut);
+    NoteCapture(placed.findings, "no_person_in_view", Severity::kWarning, cameras[i].frames,
+                cameras[i].view + " observed no person in its " + std::to_string(cameras[i].frames) + " frames",
+                FindingAction::kExcluded);
   }
   if (seeing.empty()) {
     return Fail(ErrorCode::kInconsistent, "no camera saw anybody", where, "the trackers lost the person: leave it out");
@@ -183,10 +183,10 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
     }
     const Pair pair = AlignPair(reference, cameras[i], slots, rate_hz, options);
     if (!Agrees(pair, options)) {
-      NoteCapture(placed.findings, "view_left_out", Severity::kWarning,
+      NoteCapture(placed.findings, "view_excluded", Severity::kWarning,
                   pair.alignment ? 1e3 * pair.alignment->median : 0.0,
                   cameras[i].view + " is not taken, beside " + reference.view + ": " + WhyNot(pair, options),
-                  FindingAction::kLeftOut);
+                  FindingAction::kExcluded);
       continue;
     }
     view.used = true;

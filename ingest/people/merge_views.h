@@ -27,7 +27,7 @@ struct PlacedView {
 struct PlacedViews {
   std::size_t reference = 0;
   std::vector<PlacedView> views;  ///< as given; the reference is used and lies where it is
-  std::vector<Finding> findings;  ///< "camera_saw_nobody", "view_left_out", "clock_offset", "clock_offset_unknown",
+  std::vector<Finding> findings;  ///< "no_person_in_view", "view_excluded", "clock_offset", "clock_offset_unknown",
                                   ///< "views_disagree"
 };
 
@@ -42,7 +42,7 @@ void NoteCapture(std::vector<Finding>& findings, const char* code, Severity seve
 
 /// Aligns the cameras pair by pair (people of two cameras in the order that fits best, at most three each). The
 /// reference is the camera that agrees with most others, the first of equal ones; what does not agree with it is left
-/// out. Error kInconsistent: nobody is seen at all, or cameras contradict each other and no two agree.
+/// out. Error kInconsistent: no person is observed at all, or cameras contradict each other and no two agree.
 Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const PlaceOptions& options, double rate_hz,
                                  const std::string& where);
 

@@ -39,7 +39,7 @@ double SignatureDistance(const std::vector<double>& a, const std::vector<double>
 
 struct StitchOptions {
   double max_gap_s = 2.0;       ///< longest time that a person may be lost
-  double max_speed = 3.0;       ///< m/s that somebody may move in it
+  double max_speed = 3.0;       ///< m/s, of a person in the gap, at most
   double slack = 0.4;           ///< metres on top of it
   double max_signature = 0.12;  ///< of SignatureDistance: bones of one person
 };

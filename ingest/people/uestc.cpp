@@ -37,14 +37,14 @@ double BoxSize(const VibeTrack& track, std::size_t row) {
 }
 
 Status Check(const std::vector<VibeTrack>& tracks) {
-  if (tracks.empty()) return Fail(ErrorCode::kInconsistent, "nobody was found in the video", "tracks");
+  if (tracks.empty()) return Fail(ErrorCode::kInconsistent, "no person was found in the video", "tracks");
   for (const VibeTrack& track : tracks) {
     const std::string name = "track " + std::to_string(track.id);
     if (track.frames == 0 || track.frame_ids.size() != track.frames)
       return Fail(ErrorCode::kInconsistent, name + " does not say its frames", "frame_ids");
     if (track.boxes.size() != 4 * track.frames)
       return Fail(ErrorCode::kInconsistent, name + " has no box per frame", "bboxes",
-                  "the performer is told from others by boxes");
+                  "boxes distinguish the performer from others");
     for (const TrackField& field : TrackFields(track)) {
       const std::vector<double>& values = track.*(field.values);
       if (!values.empty() && values.size() != field.columns * track.frames)
@@ -202,8 +202,8 @@ Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, con
         person.findings.push_back(
             FrameFinding("other_person", static_cast<int>(Begin(track)), static_cast<int>(End(track)) + 1, "", distance,
                          "track " + std::to_string(track.id) + " begins " + Digits(distance) +
-                             " pixels from where the person was, who is " + Digits(size) + " high: somebody else"));
-        person.findings.back().action = FindingAction::kLeftOut;
+                             " pixels from where the person was, who is " + Digits(size) + " high: another person"));
+        person.findings.back().action = FindingAction::kExcluded;
         remaining.erase(std::find(remaining.begin(), remaining.end(), taken));
         continue;
       }

@@ -16,8 +16,10 @@ enum class UestcRule {
   /// numbers are weighted linearly, quaternions without aligning their signs, and the root goes towards the *inverse*
   /// of the next rotation where that quaternion is nearer.
   kPublished,
-  /// The same with three faults mended: of the rivals near enough to be the person the one that begins first is taken,
-  /// so that no frames are lost to a later detection; a track that is farther than a body's size is somebody else, also
+  /// The same with three faults corrected: of the rivals near enough to be the person the one that begins first is
+  /// taken,
+  /// so that no frames are lost to a later detection; a track that is farther than a body's size is another person,
+  /// also
   /// when it has no rival; gaps are filled along the shortest arc.
   kCorrected,
 };

@@ -49,7 +49,7 @@ Expected<FrameRange> FramesOf(const std::vector<VibeTrack>& tracks, const std::s
 Expected<PersonTrack> PersonOfTrack(const VibeTrack& track, std::int64_t first, const std::string& name) {
   const auto lacks = [&](const char* field) {
     return Fail(ErrorCode::kInconsistent, "track " + std::to_string(track.id) + " has no '" + field + "'", name,
-                "it says where and when somebody is: name the person by ingest.source.track instead");
+                "without it the place and time of people are unknown: name the person by ingest.source.track instead");
   };
   if (track.joints3d.empty() || track.joints < kPointsWithBones) return lacks("joints3d");
   if (track.original_camera.empty()) return lacks("orig_cam");
@@ -88,8 +88,8 @@ Expected<UestcPerson> ChooseByPlaces(const std::vector<VibeTrack>& tracks, const
   for (int f = 0; f < frames; ++f) time_s.push_back(f / rate_hz);
   std::vector<Finding> findings;
   people = JoinIds(std::move(people), options, parents, time_s, findings);
-  People chosen =
-      ChoosePeople(std::move(people), 1, options.rule, options.ghosts, GhostLimits(), parents, lengths, frames);
+  People chosen = ChoosePeople(std::move(people), 1, options.rule, options.false_tracks, FalseTrackLimits(), parents,
+                               lengths, frames);
   if (chosen.chosen.empty()) {
     return Fail(ErrorCode::kInconsistent, "none of its " + std::to_string(tracks.size()) + " tracks is a person", name,
                 "leave the file out");
@@ -120,7 +120,7 @@ Expected<UestcPerson> NamedVibePerson(const VibeTrack& track, const std::string&
 
 Expected<UestcPerson> ChooseVibePerson(const std::vector<VibeTrack>& tracks, const PeopleOptions& options,
                                        double rate_hz, const std::string& name) {
-  if (tracks.empty()) return Fail(ErrorCode::kInconsistent, "nobody was found in the video", name, "leave it out");
+  if (tracks.empty()) return Fail(ErrorCode::kInconsistent, "no person was found in the video", name, "leave it out");
   const Expected<FrameRange> range = FramesOf(tracks, name);
   if (!range) return Forward(range);
   if (!ByBoxes(options.rule)) {

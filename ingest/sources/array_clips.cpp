@@ -7,7 +7,7 @@
 #include "core/base/text.h"
 #include "core/formats/mdm_results.h"
 #include "core/formats/npz.h"
-#include "ingest/sense/file_kind.h"
+#include "ingest/inspect/file_kind.h"
 #include "ingest/sources/exported_motion.h"
 #include "ingest/sources/mapped_file.h"
 
@@ -22,7 +22,7 @@ bool IsNumber(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/// "[walk][3]" as "walk" and "3". A member's name may hold brackets: only a number behind it is the entry.
+/// "[walk][3]" as "walk" and "3". A member's name may contain brackets: only a number in them is the entry.
 std::vector<std::string> PartsOf(const std::string& id) {
   if (id.size() < 2 || id.front() != '[' || id.back() != ']') return {};
   const std::size_t between = id.rfind("][");
@@ -44,16 +44,16 @@ void AddClips(const std::vector<std::size_t>& shape, const std::string& member, 
 
 bool IsArrayOfObjects(const NpyArray& header) { return header.dtype == "|O"; }
 
-/// Whether a file of so many bytes can hold arrays of the shape: no number takes less than a byte.
+/// Whether a file of that many bytes can contain arrays of the shape: a number takes at least one byte.
 bool HoldsArrays(const std::vector<std::size_t>& shape, std::uintmax_t bytes) {
   const std::optional<ArrayShape> joints = ShapeOfJoints(shape);
   return joints && joints->clips <= bytes / joints->frames / (3 * joints->joints);
 }
 
-/// A clip of a batch stands along the first axis.
+/// The clips of a batch lie along the first axis.
 Expected<NpyArray> EntryOf(NpyArray array, std::size_t entry, const std::string& name) {
   if (array.shape.empty() || entry >= array.shape[0]) {
-    return Fail(ErrorCode::kInconsistent, "clip " + std::to_string(entry) + " is asked for, there is none", name);
+    return Fail(ErrorCode::kInconsistent, "clip " + std::to_string(entry) + " does not exist", name);
   }
   const auto each = static_cast<std::ptrdiff_t>(array.values.size() / array.shape[0]);
   array.values = {array.values.begin() + each * static_cast<std::ptrdiff_t>(entry),
@@ -74,7 +74,7 @@ std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
     if (of_classes && sizes[0] > SIZE_MAX / classes) return std::nullopt;
     return ArrayShape{true, true, sizes[0] * std::max<std::size_t>(1, classes), classes, sizes.back(), joints};
   }
-  // Coordinates in the middle: (frames, 3, joints) is no batch of clips of three frames.
+  // Coordinates in the middle: (frames, 3, joints) is not a batch of clips of three frames.
   if (sizes.size() == 3 && sizes[1] == 3 && sizes[2] != 3) return std::nullopt;
   if (sizes.size() >= 3 && sizes.back() == 3) {
     sizes.pop_back();
@@ -91,7 +91,8 @@ std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
 std::string OtherThanJoints(const std::vector<std::size_t>& shape) {
   if (shape.size() < 2 || (shape.back() != 263 && shape.back() != 251)) return "";
   return std::string("features of ") + (shape.back() == 263 ? "HumanML3D" : "KIT-ML") +
-         " (root velocities, places, rotations and contacts of a frame), no joint positions: take the joints that they "
+         " (root velocities, positions, rotations and contacts of a frame), not joint positions: use the joints that "
+         "they "
          "were made from (new_joints/), or recover them with the set's recover_from_ric";
 }
 
@@ -166,7 +167,7 @@ Expected<ArrayOfClip> ReadArrayClip(std::string_view bytes, const std::string& i
   if (!npz->unsafe.empty() && (parts.empty() || npz->Find(parts[0]) == nullptr))
     return tl::unexpected<Error>(npz->unsafe.front());
   if (parts.empty()) {
-    return Fail(ErrorCode::kInconsistent, "the archive holds no array of joint positions", name,
+    return Fail(ErrorCode::kInconsistent, "the archive has no array of joint positions", name,
                 "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
   }
   const NpyArray* array = npz->Find(parts[0]);

@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kMostOff = 0.05, kMostOff_s = 0.25;  // that an annotated sequence differs from the motion's length
+constexpr double kMostOff = 0.05, kMostOff_s = 0.25;  // largest difference between an annotated sequence and the motion
 
 /// Names of datasets before and after AMASS renamed them.
 const std::map<std::string, std::string>& NewNames() {
@@ -107,12 +107,12 @@ std::vector<std::string> BabelIndex::Unused() const {
   return names;
 }
 
-std::optional<Finding> DoubtDuration(double annotated_s, double duration_s) {
+std::optional<Finding> CheckDuration(double annotated_s, double duration_s) {
   if (std::abs(annotated_s - duration_s) <= kMostOff_s + kMostOff * duration_s) return std::nullopt;
   return Found("annotation_duration", annotated_s,
                "the annotation is of a sequence of " + RoundedText(annotated_s) + " s, the motion lasts " +
-                   RoundedText(duration_s) + " s: is it the file that feat_p names, whole, and its rate?" +
-                   "; its labels are kept where they can be",
+                   RoundedText(duration_s) + " s: check that it is the complete file that feat_p names, and its rate" +
+                   "; labels within the motion are kept",
                FindingAction::kKept);
 }
 
@@ -125,10 +125,10 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
   if (annotations.size() > 1) {
     findings.push_back(Found(
         "annotators", static_cast<double>(annotations.size()),
-        std::to_string(annotations.size()) + " annotators labelled the sequence" + "; the first one's labels are taken",
+        std::to_string(annotations.size()) + " annotators labelled the sequence" + "; the first one's labels are used",
         FindingAction::kKept));
   }
-  if (auto doubt = DoubtDuration(sequence.dur, duration_s)) findings.push_back(*std::move(doubt));
+  if (auto duration = CheckDuration(sequence.dur, duration_s)) findings.push_back(*std::move(duration));
   int withheld = 0;
   for (const BabelLabel& label : annotations[0].labels) {
     const std::string name = NameOfLabel(label);
@@ -142,7 +142,7 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
       findings.push_back(Found("segment_times", begin,
                                "'" + name + "' from " + RoundedText(begin) + " s to " + RoundedText(end) +
                                    " s cannot be in a motion of " + RoundedText(duration_s) + " s",
-                               FindingAction::kLeftOut));
+                               FindingAction::kExcluded));
       continue;
     }
     if (end > duration_s + frame_s) {
@@ -155,7 +155,7 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
   }
   if (withheld > 0) {
     findings.push_back(
-        Found("label_withheld", withheld, Counted(withheld, "label") + " without a name", FindingAction::kLeftOut));
+        Found("label_withheld", withheld, Counted(withheld, "label") + " without a name", FindingAction::kExcluded));
   }
   std::stable_sort(segments.begin(), segments.end(),
                    [](const Segment& a, const Segment& b) { return a.begin_s < b.begin_s; });

@@ -13,26 +13,25 @@
 
 namespace mocurate {
 
-/// Where a BABEL sequence's motion may lie in a folder of AMASS: its `feat_p` without the first element; with the old
-/// or the new name of the dataset ("BioMotionLab_NTroje", "BMLrub"); as "..._poses.npz", or as "..._stageii.npz" with
-/// '_' for blanks. In this order.
+/// Candidate paths of a BABEL sequence's motion in a folder of AMASS, in this order: its `feat_p` without the first
+/// element; with the old or new name of the dataset ("BioMotionLab_NTroje", "BMLrub"); as "..._poses.npz", or as
+/// "..._stageii.npz" with '_' for blanks.
 std::vector<std::string> AmassNames(const std::string& feat_p);
 
-/// A sequence, and the file of annotations that it stands in.
+/// A sequence, and its file of annotations.
 struct IndexedSequence {
   BabelSequence sequence;
   std::string file;
 };
 
-/// The sequences of several annotation files by the AMASS file they speak of.
+/// The sequences of several annotation files, by the AMASS file they refer to.
 class BabelIndex {
  public:
-  /// `names` below `folder`; a sequence that stands in several files counts where it stands first. Errors kNotFound,
-  /// kMalformed.
+  /// `names` below `folder`; where several files list a sequence, the first one counts. Errors kNotFound, kMalformed.
   static Expected<BabelIndex> Read(const std::filesystem::path& folder, const std::vector<std::string>& names);
 
-  /// Of a file below the source's folder, whose name may have more folders in front; null: not annotated. What was
-  /// found counts as used.
+  /// The sequence of a file below the source's folder, whose name may have more folders in front; null: not annotated.
+  /// A sequence that was found counts as used.
   const IndexedSequence* Find(const std::string& file);
 
   std::size_t size() const { return sequences_.size(); }
@@ -45,13 +44,12 @@ class BabelIndex {
   std::map<std::string, std::size_t> by_name_;
 };
 
-/// "annotation_duration": an annotation of `annotated_s` seconds for a motion that lasts `duration_s`, by more than 5 %
-/// and 0.25 s.
-std::optional<Finding> DoubtDuration(double annotated_s, double duration_s);
+/// "annotation_duration": `annotated_s` and `duration_s` differ by more than 5 % and 0.25 s.
+std::optional<Finding> CheckDuration(double annotated_s, double duration_s);
 
-/// Labels of the frames, or of the whole sequence where there are none, as segments in the order of their begin; the
-/// name is `proc_label`, else `raw_label`; categories are joined by ", ". Findings: "segment_times" (impossible, left
-/// out; past the end of the motion by more than `frame_s`, cut), "label_withheld", "annotators" (the first is taken).
+/// Labels of the frames, or of the whole sequence where there are none, as segments ordered by their begin. The name is
+/// `proc_label`, else `raw_label`; categories are joined by ", ". Findings: "segment_times" (impossible: excluded; past
+/// the end of the motion by more than `frame_s`: cut), "label_withheld", "annotators" (the first is used).
 std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s, double frame_s,
                                 std::vector<Finding>& findings);
 

@@ -1,19 +1,20 @@
-// What the body itself says against the declaration of its source: the measure of `mocurate inspect`, on the clip as it
+// Compares the body with the declaration of its source, by the measures of `mocurate inspect` on the clip that will be
+// kept.
 // will be kept.
 
 #include "ingest/sources/body_check.h"
 
 #include "core/base/text.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sense/comparison.h"
-#include "ingest/sense/tree_points.h"
+#include "ingest/inspect/comparison.h"
+#include "ingest/inspect/tree_points.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kFewestBodyFrames = 8;  // fewer tell nothing about the order of joints
+constexpr int kFewestBodyFrames = 8;  // fewer do not determine the order of joints
 
-/// Back to the units and axes of the file, in which the declaration speaks.
+/// Back to the units and axes of the file, which the declaration refers to.
 JointPositions InFile(const SourceOptions& source, JointPositions positions) {
   const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
   const Expected<double> scale = MetresPerUnit(source.units.empty() ? "m" : source.units);
@@ -27,36 +28,36 @@ JointPositions InFile(const SourceOptions& source, JointPositions positions) {
   return positions;
 }
 
-/// What to do about a contradiction, in the words of the declaration.
+/// The advice about a contradiction, by the declaration's option.
 std::string Advice(const SourceOptions& source, const Comparison& comparison) {
   const std::string &code = comparison.finding.code, &message = comparison.finding.message;
   if (code == "units_contradiction" && source.units.empty())
     return message + "; files of this format are in metres: repair the files";
-  if (code == "units_contradiction") return message + "; mend ingest.source.units";
-  if (code == "up_contradiction") return "with axes '" + source.axes + "' " + message + "; mend ingest.source.axes";
+  if (code == "units_contradiction") return message + "; correct ingest.source.units";
+  if (code == "up_contradiction") return "with axes '" + source.axes + "' " + message + "; correct ingest.source.axes";
   return message + ": with axes '" + source.axes + "' the motion is " + comparison.measured +
-         "-handed, or left and right are exchanged; mend ingest.source.axes";
+         "-handed, or left and right are exchanged; correct ingest.source.axes";
 }
 
-/// Where positions are in no frame of the clip.
-void SilenceOf(const Clip& clip, ObservedClip& observed) {
+/// For a clip without positions.
+void SilenceOf(const Clip& clip, RawClip& observed) {
   observed.joints = static_cast<int>(clip.evidence.keypoint_names.size());
   observed.units = clip.evidence.keypoint_views.empty() ? "m" : "px";
   observed.silence = clip.evidence.clouds                   ? "point clouds, no joints"
                      : clip.evidence.keypoint_views.empty() ? "depth views, no joints"
-                                                            : "keypoints: no depth of their own";
+                                                            : "keypoints without depth";
   const std::size_t views = clip.evidence.keypoint_views.size() + clip.evidence.depth_views.size();
   observed.layout_evidence = clip.evidence.clouds ? "one file a frame" : Counted(static_cast<long long>(views), "view");
 }
 
 }  // namespace
 
-ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
-  ObservedClip observed;
+RawClip ReadRawClip(const SourceOptions& source, const Clip& clip) {
+  RawClip observed;
   observed.frames = FrameCount(clip);
   observed.rate_hz = clip.rate.hz();
   observed.rate_evidence = "of the clip";
-  observed.layout_evidence = "as the source declares";
+  observed.layout_evidence = "declared by the source";
   observed.skeleton = AsDeclared(source.skeleton, "");
   for (const auto& [key, text] : clip.provenance) observed.facts.emplace_back(key, text);
   const FormatDriver& driver = DriverOf(source.format);
@@ -91,11 +92,11 @@ ObservedClip ObserveClip(const SourceOptions& source, const Clip& clip) {
   return observed;
 }
 
-void CheckPoints(const SourceOptions& source, const ObservedClip& observed, IngestedClip& ingested) {
-  for (const Comparison& comparison : CompareFrame(StatementsOf(observed, source), Measure(observed))) {
+void CheckPoints(const SourceOptions& source, const RawClip& observed, IngestedClip& ingested) {
+  for (const Comparison& comparison : CompareFrame(DeclaredFrameOf(observed, source), Measure(observed))) {
     const Finding& finding = comparison.finding;
-    const auto told = ingested.shown.find(finding.code);
-    if (told != ingested.shown.end() && told->second.contradicts) continue;
+    const auto shown = ingested.shown.find(finding.code);
+    if (shown != ingested.shown.end() && shown->second.contradicts) continue;
     ingested.shown[finding.code] = {comparison.contradicts, comparison.weight};
     if (!comparison.contradicts) continue;
     ingested.findings.push_back(Contradiction(source, finding.code, finding.value, Advice(source, comparison)));
@@ -103,13 +104,13 @@ void CheckPoints(const SourceOptions& source, const ObservedClip& observed, Inge
   for (const Finding& remark : observed.remarks) {
     if (remark.code != "joint_order_contradiction") continue;
     ingested.findings.push_back(
-        Contradiction(source, remark.code, remark.value, remark.message + "; mend ingest.source.joints"));
+        Contradiction(source, remark.code, remark.value, remark.message + "; correct ingest.source.joints"));
   }
 }
 
 void CheckBody(const SourceOptions& source, IngestedClip& ingested) {
   if (!ingested.clip.evidence.tracks && !ingested.clip.motion) return;
-  const ObservedClip observed = ObserveClip(source, ingested.clip);
+  const RawClip observed = ReadRawClip(source, ingested.clip);
   CheckPoints(source, observed, ingested);
   if (!observed.skeleton.evidence.empty())
     ingested.shown["joint_order_contradiction"] = {!observed.remarks.empty(), 1.0};

@@ -94,25 +94,24 @@ Expected<std::vector<int>> Targets(const Bvh& bvh, const Skeleton& skeleton, con
     if (!found || !used.insert(*found).second) {
       const std::optional<std::string> near = Nearest(name, known);
       return Fail(ErrorCode::kInconsistent,
-                  "joint '" + name + (found ? "' stands for a joint of skeleton '" : "' is unknown to skeleton '") +
-                      skeleton.name + (found ? "' that another one stands for already" : "'"),
-                  file,
-                  near ? "did you mean '" + *near + "'?" : "name another skeleton, or none to take the file's own",
+                  "joint '" + name + (found ? "' maps to a joint of skeleton '" : "' is unknown to skeleton '") +
+                      skeleton.name + (found ? "' that is assigned already" : "'"),
+                  file, near ? "did you mean '" + *near + "'?" : "name another skeleton, or none to use the file's own",
                   Reason::kOtherTree);
     }
     target[j] = *found;
     const int parent = bvh.joints[j].parent;
     if (skeleton.joints[*found].parent != (parent < 0 ? -1 : target[parent])) {
       return Fail(ErrorCode::kInconsistent,
-                  "joint '" + name + "' hangs from another joint than in skeleton '" + skeleton.name + "'", file,
-                  "name another skeleton, or none to take the file's own", Reason::kOtherTree);
+                  "joint '" + name + "' has another parent than in skeleton '" + skeleton.name + "'", file,
+                  "name another skeleton, or none to use the file's own", Reason::kOtherTree);
     }
   }
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     if (used.count(j) != 0) continue;
     return Fail(ErrorCode::kInconsistent,
                 "joint '" + skeleton.joints[j].name + "' of skeleton '" + skeleton.name + "' is not in the file", file,
-                "name another skeleton, or none to take the file's own", Reason::kOtherTree);
+                "name another skeleton, or none to use the file's own", Reason::kOtherTree);
   }
   return target;
 }
@@ -139,8 +138,8 @@ Status CheckBones(const Bvh& bvh, const std::string& file) {
   if (joints < 2 || joints < bvh.joints.size()) return {};
   return Fail(ErrorCode::kInconsistent,
               "the OFFSETs of all " + std::to_string(joints - 1) +
-                  " joints below the root are 0 0 0: no bone has a length, and all joints lie in one point",
-              file, "export it again with the skeleton's bones, or leave the file out");
+                  " joints below the root are 0 0 0: no bone has a length, all joints lie in one point",
+              file, "export it again with the skeleton's bones, or remove the file");
 }
 
 BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, double max_slide,

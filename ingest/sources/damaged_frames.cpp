@@ -24,11 +24,11 @@ Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged
     const bool from = first > 0, to = last + 1 < frames;
     if ((!from && !to) || end - at > longest) {
       return Fail(ErrorCode::kInconsistent,
-                  Counted(static_cast<long long>(end - at), "frame") + " on end, from frame " + std::to_string(first) +
-                      ", hold no numbers of a person",
+                  Counted(static_cast<long long>(end - at), "frame") + " in a row, from frame " +
+                      std::to_string(first) + ", have no valid values",
                   name,
-                  "a motion has no missing frame, and at most " + std::to_string(longest) +
-                      " on end are taken from their neighbours: repair the file, or leave it out");
+                  "a motion needs every frame, and at most " + std::to_string(longest) +
+                      " in a row are interpolated: repair the file, or leave it out");
     }
     for (int f = first; f <= last; ++f) {
       const int before = from ? first - 1 : last + 1, after = to ? last + 1 : first - 1;

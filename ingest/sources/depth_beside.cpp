@@ -27,7 +27,7 @@ Expected<FrameSpan> SpanOfBoth(const std::map<std::string, FilesOfCamera>& keypo
     return Fail(
         ErrorCode::kInconsistent,
         "keypoints are numbered " + Numbers(*seen) + ", depth images " + Numbers(*images) + ": they share no frame",
-        name, "number both by one count; {frame} of ingest.source.files and depth_files");
+        name, "number both alike; see {frame} of ingest.source.files and depth_files");
   }
   return FrameSpan{first, static_cast<int>(end - first)};
 }
@@ -38,13 +38,13 @@ Status AddDepthBeside(const SourceFile& file, const Rig& rig, const std::map<std
   if (!HasDepthBeside(file.source)) return {};
   if (depth.empty()) {
     ingested.findings.push_back(CameraFinding(
-        kMissing, span.frames, "the clip has no depth images; keypoints alone taken", FindingAction::kKept));
+        kMissing, span.frames, "the clip has no depth images; only its keypoints are used", FindingAction::kKept));
     return {};
   }
   std::vector<Finding> findings;
   const auto partners = PartnersOf(file, rig, depth, findings, keypoints);
   if (!partners) return Forward(partners);
-  for (Finding& finding : findings) {  // cameras without any files are told already
+  for (Finding& finding : findings) {  // cameras without any files are reported already
     if (finding.code == "camera_not_calibrated") ingested.findings.push_back(std::move(finding));
   }
   for (const auto& [name, camera] : *partners) {

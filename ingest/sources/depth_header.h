@@ -5,7 +5,7 @@
 
 namespace mocurate {
 
-/// Width and height of a 16-bit grey PNG into the camera; the pixels are not decoded. Error kMalformed for another
+/// Width and height of a 16-bit grey PNG into the camera; the pixels are not decoded. Errors kMalformed for another
 /// image, kUnreadable.
 Status SetImageSize(const StageInput& input, Camera& camera);
 

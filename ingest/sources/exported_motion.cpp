@@ -21,7 +21,7 @@ std::optional<ExportedMotion> ExportedMotionIn(const Npz& npz) {
   if (!std::isfinite(exported.rate_hz) || exported.rate_hz <= 0.0) return std::nullopt;
   for (std::size_t j = 0; j < count; ++j) {
     const double parent = parents->values[j];
-    // A parent stands before its children, as in every skeleton.
+    // A parent comes before its children, as in every skeleton.
     if (!(parent >= -1.0 && parent < static_cast<double>(j)) || (j > 0) != (parent >= 0.0)) return std::nullopt;
     exported.parents.push_back(static_cast<int>(parent));
   }

@@ -8,7 +8,7 @@
 
 namespace mocurate {
 
-/// What `mocurate export` says of the joints of a motion (docs/exports.md): metres, right-handed, y up, facing +z.
+/// The joints of a motion written by `mocurate export` (docs/exports.md): metres, right-handed, y up, facing +z.
 struct ExportedMotion {
   const NpyArray* joints = nullptr;  ///< (F,J,3), of the archive
   std::vector<std::string> names;    ///< (J)
@@ -17,7 +17,7 @@ struct ExportedMotion {
   double rate_hz = 0.0;
 };
 
-/// Nothing where the archive is none of export's. `npz` has to outlive it.
+/// Nothing where `mocurate export` did not write the archive. `npz` has to outlive it.
 std::optional<ExportedMotion> ExportedMotionIn(const Npz& npz);
 
 }  // namespace mocurate

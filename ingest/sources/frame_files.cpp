@@ -8,9 +8,9 @@
 
 namespace mocurate {
 
-void NoteLackingFrames(const std::string& camera, const FrameSpan& span, const LackingFrames& lacking,
+void NoteMissingFrames(const std::string& camera, const FrameSpan& span, const MissingFrameList& lacking,
                        std::vector<Finding>& findings) {
-  constexpr std::size_t kNamed = 5;  // files that are named
+  constexpr std::size_t kNamed = 5;  // maximum number of files named in a message
   const auto note = [&](const std::vector<int>& frames, const char* code, const std::string& what) {
     Finding finding = CameraFinding(code, static_cast<double>(frames.size()), what, FindingAction::kMissing);
     finding.frame_begin = frames.front();
@@ -35,7 +35,7 @@ void NoteLackingFrames(const std::string& camera, const FrameSpan& span, const L
 
 void ReadFrameFiles(const std::string& camera, const FilesOfCamera& files, const FrameSpan& span, const TakeFrame& take,
                     IngestedClip& ingested) {
-  LackingFrames lacking;
+  MissingFrameList lacking;
   for (int f = 0; f < span.frames; ++f) {
     const auto file = files.find(span.first + f);
     if (file == files.end()) {
@@ -50,7 +50,7 @@ void ReadFrameFiles(const std::string& camera, const FilesOfCamera& files, const
     lacking.broken.push_back(f);
     lacking.problems.emplace_back(name, taken.error());
   }
-  NoteLackingFrames(camera, span, lacking, ingested.findings);
+  NoteMissingFrames(camera, span, lacking, ingested.findings);
 }
 
 }  // namespace mocurate

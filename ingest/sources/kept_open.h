@@ -13,8 +13,8 @@
 
 namespace mocurate {
 
-/// The file that a process opened last, kept until another is asked for, or another stands under its name: a pickle of
-/// thousands of clips is mapped and parsed once. What is kept is where each array stands, 5 KB per video of UESTC.
+/// The file that a process opened last, kept until another is asked for, or until the file is replaced. A pickle of
+/// thousands of clips is mapped and parsed once. Kept is the offset of each array, 5 KB per video of UESTC.
 template <class Opened>
 class KeptOpen {
  public:
@@ -42,7 +42,7 @@ class KeptOpen {
   std::shared_ptr<const Opened> opened_;
 };
 
-/// An archive that is not read at once, with the mapped bytes that it points into.
+/// An archive that is read on demand, with the mapped bytes that it points into.
 template <class Archive>
 struct MappedArchive {
   std::shared_ptr<const MappedFile> file;
@@ -58,12 +58,12 @@ struct MappedArchive {
   }
 };
 
-/// Error of a place in a container of `count` clips that is beyond its end; fine otherwise.
+/// Error for an entry beyond the `count` clips of a container.
 inline Status CheckEntry(int entry, std::size_t count, const std::string& name) {
   if (entry >= 0 && static_cast<std::size_t>(entry) < count) return {};
   return Fail(ErrorCode::kInconsistent,
-              "clip " + std::to_string(entry) + " is asked for, the file holds " + std::to_string(count), name,
-              "does what stands beside the container belong to it?");
+              "clip " + std::to_string(entry) + " does not exist, the file has " + std::to_string(count), name,
+              "check that the files beside the container are of the same release");
 }
 
 }  // namespace mocurate

@@ -21,7 +21,7 @@ Expected<std::shared_ptr<const MappedFile>> MappedFile::Open(const std::filesyst
   void* bytes = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
   close(file);
   if (bytes == MAP_FAILED) {
-    return Fail(ErrorCode::kUnreadable, "the file cannot be mapped", DisplayPath(path), "is there memory left?");
+    return Fail(ErrorCode::kUnreadable, "the file cannot be mapped", DisplayPath(path), "check the free memory");
   }
   return std::shared_ptr<const MappedFile>(new MappedFile(bytes, size));
 }

@@ -9,7 +9,7 @@
 
 namespace mocurate {
 
-/// A file in memory as long as somebody looks at it.
+/// A file mapped into memory for the lifetime of this object.
 class MappedFile {
  public:
   /// Error kUnreadable, kMalformed (the file is empty).

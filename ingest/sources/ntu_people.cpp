@@ -50,7 +50,7 @@ std::vector<PersonTrack> TracksOfIds(const NtuSkeleton& skeleton, const Matrix3d
   return tracks;
 }
 
-/// Line through (x, y): intercept and slope, without those farther off than `off`; nothing where x hardly differs.
+/// Line through (x, y): intercept and slope, without points farther off than `off`; nothing where x hardly varies.
 struct DepthLine {
   double intercept = 0.0, slope = 0.0, off = 0.0;  ///< off: median distance in y
 };
@@ -85,7 +85,7 @@ std::optional<DepthLine> LineThrough(const std::vector<Vector2d>& points) {
 std::vector<std::string> NtuJointNames() { return {std::begin(kJointNames), std::end(kJointNames)}; }
 
 std::optional<std::array<double, 4>> NtuIntrinsics(const NtuSkeleton& skeleton) {
-  constexpr double kBelong = 0.5;  // pixels
+  constexpr double kMaxMismatch = 0.5;  // pixels
   std::vector<Vector2d> across, down;
   for (const std::vector<NtuBody>& bodies : skeleton.frames) {
     for (const NtuBody& body : bodies) {
@@ -97,7 +97,7 @@ std::optional<std::array<double, 4>> NtuIntrinsics(const NtuSkeleton& skeleton) 
     }
   }
   const std::optional<DepthLine> u = LineThrough(across), v = LineThrough(down);
-  if (!u || !v || u->off > kBelong || v->off > kBelong) return std::nullopt;
+  if (!u || !v || u->off > kMaxMismatch || v->off > kMaxMismatch) return std::nullopt;
   return std::array<double, 4>{u->slope, v->slope, u->intercept, v->intercept};
 }
 
@@ -114,8 +114,8 @@ Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& sou
   std::vector<Finding> stitched;
   std::vector<PersonTrack> tracks = TracksOfIds(skeleton, axes->canonical_from_source, source.inferred_confidence);
   tracks = JoinIds(std::move(tracks), options, bones.parents, time_s, stitched);
-  People people = ChoosePeople(std::move(tracks), wanted, options.rule, options.ghosts, GhostLimits(), bones.parents,
-                               bones.rest_lengths, static_cast<int>(skeleton.frames.size()));
+  People people = ChoosePeople(std::move(tracks), wanted, options.rule, options.false_tracks, FalseTrackLimits(),
+                               bones.parents, bones.rest_lengths, static_cast<int>(skeleton.frames.size()));
   people.findings.insert(people.findings.begin(), stitched.begin(), stitched.end());
   return people;
 }
@@ -139,7 +139,7 @@ void NoteZeroJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::v
   for (Finding& finding : FindBlanks({positions, followed, time_s, NtuJointNames()})) {
     if (finding.code != "zero_joint") continue;
     finding.action = FindingAction::kMissing;
-    finding.message += "; taken as missing";
+    finding.message += "; set to missing";
     findings.push_back(std::move(finding));
   }
 }
@@ -158,15 +158,15 @@ void NoteInferredJoints(const NtuSkeleton& skeleton, const PersonTrack& body, st
   const double share = static_cast<double>(inferred) / (present * kNtuJoints);
   findings.push_back(MakeFinding("inferred_joints", share > kManyInferred ? Severity::kWarning : Severity::kInfo, share,
                                  "the sensor inferred " + FormatDouble(std::round(1000.0 * share) / 10.0) +
-                                     " % of the joints (tracking state 1) instead of seeing them"));
+                                     " % of the joints (tracking state 1) instead of observing them"));
 }
 
-Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
+Error PersonNotFound(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
                      const std::string& name) {
   return {ErrorCode::kInconsistent,
-          "body " + std::to_string(own) + " of " + std::to_string(wanted) + " is not there: the file holds " +
+          "body " + std::to_string(own) + " of " + std::to_string(wanted) + " is not there: the file has " +
               Counted(people.chosen.size(), "body id") + " in " + Counted(frames, "frame"),
-          name, "the tracker lost the person: leave the file out, or mend ingest.source.bodies",
+          name, "the tracker lost the person: remove the file, or correct ingest.source.bodies",
           Reason::kPersonMissing};
 }
 

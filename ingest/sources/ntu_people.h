@@ -14,32 +14,31 @@ namespace mocurate {
 /// Names of skeleton ntu25 in the order of the file.
 std::vector<std::string> NtuJointNames();
 
-/// Who is who in a file of the sensor, in metres and canonical axes: at most `wanted` people. Findings of
-/// PeopleOptions' steps are in the result. Error kConfig: axes.
+/// The people of a sensor's file, at most `wanted`, in metres and canonical axes. The result includes findings of
+/// PeopleOptions' steps. Error kConfig: axes.
 Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& source, std::size_t wanted);
 
-/// "zero_joint", taken as missing: joints of `body` that the sensor says it tracks or infers, and puts at 0 0 0; value
-/// the frames.
+/// "zero_joint", set to missing: joints of `body` that the sensor marks as tracked or inferred and puts at 0 0 0.
+/// Value: the frames.
 void NoteZeroJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::vector<Finding>& findings);
 
-/// "inferred_joints": the share of joints of `body` that the sensor inferred instead of seeing them; a warning above
-/// 0.3.
+/// "inferred_joints": the share of joints of `body` that the sensor inferred instead of observing; a warning above 0.3.
 void NoteInferredJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::vector<Finding>& findings);
 
-/// Of a file that holds fewer people than `wanted`: the `own`-th of them, from 1, is not there. `name` for messages.
-Error PersonNotThere(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
+/// Error for a file with fewer people than `wanted`: the `own`-th of them, from 1, is missing. `name` for messages.
+Error PersonNotFound(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
                      const std::string& name);
 
-/// Of the sensor's depth images as its own joints tell them, which stand in metres and in pixels: fx, fy, cx, cy, for
-/// u = fx x / z + cx with x to the sensor's left (its images are mirrored) and v = cy - fy y / z. Nothing where joints
-/// lie too near together, or pixels and metres do not belong to each other within half a pixel.
+/// Intrinsics fx, fy, cx, cy of the sensor's depth images, from joints given in metres and in pixels: u = fx x / z + cx
+/// with x to the sensor's left (its images are mirrored) and v = cy - fy y / z. Nothing where joints lie too close
+/// together, or pixels and metres disagree by more than half a pixel.
 std::optional<std::array<double, 4>> NtuIntrinsics(const NtuSkeleton& skeleton);
 
-/// The .skeleton files of one performance, one per camera -> evidence tracks of one of its people, merged in the world
-/// of one of the cameras, and depth views. The cameras' places and clocks, which nobody publishes, are found from the
-/// joints that they follow (core/quality/view_alignment.h): provenance says each number and how sure it is. A
-/// camera that saw nobody, whose joints fit no other or only mirrored is left out with a finding. Refused are a clip
-/// that nobody saw and one of which no two cameras agree while two contradict each other.
+/// The .skeleton files of one performance, one per camera -> evidence tracks of one of its people, in the world of one
+/// camera, and depth views. Camera poses and clock offsets, which are not published, are estimated from the joints
+/// (core/quality/view_alignment.h); provenance holds each number with its uncertainty. A camera without the person, or
+/// whose joints fit no other or only mirrored, is excluded with a finding. Refused are a clip without the person, and
+/// one where no two cameras agree while two contradict each other.
 Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file);
 
 }  // namespace mocurate

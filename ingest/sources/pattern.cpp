@@ -10,7 +10,7 @@ namespace {
 constexpr int kMatchBudget = 100000;  // steps of backtracking; far beyond any sensible pattern
 constexpr std::string_view kFolderMark = "?/";
 
-/// Takes the mark of a folder that may be missing from a field's text.
+/// Removes the mark of an optional folder from a field's text.
 bool TakeFolderMark(std::string& field) {
   const std::size_t mark = kFolderMark.size();
   if (field.size() < mark || field.compare(field.size() - mark, mark, kFolderMark) != 0) return false;
@@ -54,7 +54,7 @@ Expected<NamePattern> NamePattern::Parse(const std::string& text, const std::str
     const bool touches = !pattern.parts_.empty() && pattern.parts_.back().is_field && !pattern.parts_.back().folder;
     if (touches && pattern.parts_.back().width == 0 && field.width == 0) {
       return Fail(ErrorCode::kConfig,
-                  "fields '" + pattern.parts_.back().text + "' and '" + field.text + "' cannot be told apart", where,
+                  "fields '" + pattern.parts_.back().text + "' and '" + field.text + "' cannot be separated", where,
                   "give one of them a width, e.g. {" + field.text + ":2}");
     }
     pattern.parts_.push_back(field);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kLongestGap = 10000;  // frames; a recording of minutes has some thousands
 
-/// "time_gap" of frames without a row, which are missing; of rows that were damaged it is told already.
+/// "time_gap" of frames without a row, which become missing; damaged rows are reported already.
 void NoteGaps(const PhspdPose& pose, std::vector<Finding>& findings) {
   for (std::size_t i = 1; i < pose.frame.size(); ++i) {
     const int first = pose.frame.front(), before = pose.frame[i - 1], after = pose.frame[i];
@@ -39,7 +39,7 @@ Expected<PhspdTracks> ReadPhspdTracks(std::string_view bytes, const std::string&
     if (pose->frame[i] - pose->frame[i - 1] <= kLongestGap) continue;
     return Fail(ErrorCode::kInconsistent,
                 "frame " + std::to_string(pose->frame[i]) + " follows " + std::to_string(pose->frame[i - 1]), name,
-                "a gap of more than " + std::to_string(kLongestGap) + " frames is no recording");
+                "check the file: a gap of more than " + std::to_string(kLongestGap) + " frames is refused");
   }
   const int frames = pose->frame.back() - first + 1;
   PhspdTracks tracks;

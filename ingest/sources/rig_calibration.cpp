@@ -8,7 +8,7 @@
 #include "core/base/text.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/opencv_storage.h"
-#include "ingest/sense/calibration_sense.h"
+#include "ingest/inspect/calibration_estimate.h"
 
 namespace mocurate {
 namespace {
@@ -62,7 +62,7 @@ Expected<Calibration> ReadFiles(const SourceFile& file, std::string& content) {
     files.emplace_back(input.name, std::move(*bytes));
   }
   if (files.empty()) {
-    return Fail(ErrorCode::kNotFound, "the clip has no calibration", file.name, "mend ingest.source.calibration");
+    return Fail(ErrorCode::kNotFound, "the clip has no calibration", file.name, "correct ingest.source.calibration");
   }
   const std::vector<std::string>& declared = file.source.calibration;
   const std::vector<std::string> fields = FieldsOf(declared[0]);
@@ -74,24 +74,24 @@ Expected<Calibration> ReadFiles(const SourceFile& file, std::string& content) {
   if (IsOpenCv(files[0].second)) return ParseOpenCvCalibration(files);
   if (files.size() > 1) {
     return Fail(ErrorCode::kConfig, std::to_string(files.size()) + " files calibrate the cameras", files[1].first,
-                "only OpenCV's intri and extri are two; mend ingest.source.calibration");
+                "only OpenCV's intri and extri are two files; correct ingest.source.calibration");
   }
   return ParseCalibration(files[0].second, files[0].first);
 }
 
-/// Where the format is silent, the declaration speaks; where both do and differ, that is a contradiction.
+/// The declaration fills in what the format does not state; where both do and differ, that is a contradiction.
 Status Declare(const SourceOptions& source, Calibration& calibration, std::vector<Finding>& findings) {
-  const std::map<CameraPose, PoseReading> readings = {{CameraPose::kMeasured, PoseReading::kUnknown},
-                                                      {CameraPose::kWorldToCamera, PoseReading::kWorldToCamera},
-                                                      {CameraPose::kCentre, PoseReading::kCentre},
-                                                      {CameraPose::kCameraToWorld, PoseReading::kCameraToWorld}};
-  const PoseReading pose = readings.at(source.camera_pose);
+  const std::map<CameraPose, PoseConvention> readings = {{CameraPose::kMeasured, PoseConvention::kUnknown},
+                                                         {CameraPose::kWorldToCamera, PoseConvention::kWorldToCamera},
+                                                         {CameraPose::kCentre, PoseConvention::kCentre},
+                                                         {CameraPose::kCameraToWorld, PoseConvention::kCameraToWorld}};
+  const PoseConvention pose = readings.at(source.camera_pose);
   const auto contradict = [&](const std::string& message) {
     findings.push_back(Contradiction(source, "calibration_contradiction", 0.0, message));
   };
-  if (pose != PoseReading::kUnknown) {
-    if (calibration.reading != PoseReading::kUnknown && calibration.reading != pose) {
-      contradict("a file of the format " + calibration.dialect + " holds " + std::string(Name(calibration.reading)) +
+  if (pose != PoseConvention::kUnknown) {
+    if (calibration.reading != PoseConvention::kUnknown && calibration.reading != pose) {
+      contradict("a file of the format " + calibration.dialect + " states " + std::string(Name(calibration.reading)) +
                  ", the source declares " + std::string(Name(pose)));
     }
     calibration.reading = pose;
@@ -107,7 +107,7 @@ Status Declare(const SourceOptions& source, Calibration& calibration, std::vecto
   return {};
 }
 
-std::string ToldMeasure(const char* what, const Measured& measured, bool given) {
+std::string DeclaredMeasure(const char* what, const Measured& measured, bool given) {
   return std::string(what) + " " + measured.value +
          (given ? "" : " (measured: " + measured.evidence + "; " + RoundedText(measured.confidence, 3) + ")");
 }
@@ -119,7 +119,7 @@ Vector3d Direction(const std::string& axis) {
   return direction;
 }
 
-/// The images' top against the declared axes.
+/// The images' top compared with the declared axes.
 void CheckUp(const SourceOptions& source, const AxisConvention& axes, const Measured& up,
              std::vector<Finding>& findings) {
   if (up.value.empty()) return;
@@ -128,8 +128,8 @@ void CheckUp(const SourceOptions& source, const AxisConvention& axes, const Meas
   findings.push_back(Contradiction(source, "up_contradiction", up.confidence,
                                    "with axes '" + source.axes +
                                        "' the cameras lie on their sides or heads: the top of their images points to " +
-                                       up.value + ", " + RoundedText(100.0 * up.confidence, 3) + " % sure (" +
-                                       up.evidence + "); mend ingest.source.axes"));
+                                       up.value + ", " + RoundedText(100.0 * up.confidence, 3) + " % confidence (" +
+                                       up.evidence + "); correct ingest.source.axes"));
 }
 
 }  // namespace
@@ -154,31 +154,31 @@ Expected<Rig> ReadRig(const SourceFile& file) {
   if (!axes) return Forward(axes);
   if (axes->handedness() == Handedness::kLeft) {
     return Fail(ErrorCode::kConfig, "axes '" + file.source.axes + "' are left-handed", "ingest.source.axes",
-                "a rig of cameras with rotations is right-handed");
+                "camera rotations need a right-handed frame");
   }
   Rig rig;
   Expected<Calibration> calibration = ReadFiles(file, rig.content);
   if (!calibration) return Forward(calibration);
   if (Status declared = Declare(file.source, *calibration, rig.findings); !declared) return Forward(declared);
-  const CalibrationSense sense = SenseCalibration(*calibration);
-  const bool pose_given = calibration->reading != PoseReading::kUnknown;
-  if (sense.reading.value.empty() || sense.unit.value.empty()) {
-    const bool pose = sense.reading.value.empty();
+  const CalibrationEstimate estimate = EstimateCalibration(*calibration);
+  const bool pose_given = calibration->reading != PoseConvention::kUnknown;
+  if (estimate.reading.value.empty() || estimate.unit.value.empty()) {
+    const bool pose = estimate.reading.value.empty();
     return Fail(ErrorCode::kInconsistent,
                 std::string(pose ? "what R and t of the cameras mean" : "the unit of length of the cameras") +
-                    " is not told: " + (pose ? sense.reading.evidence : sense.unit.evidence),
+                    " is ambiguous: " + (pose ? estimate.reading.evidence : estimate.unit.evidence),
                 file.calibrations[0].name,
                 pose ? "write ingest.source.camera_pose: world_to_camera, centre or camera_to_world"
                      : "write ingest.source.units: m, cm or mm");
   }
-  rig.meaning = ToldMeasure("pose", sense.reading, pose_given) + ", " +
-                ToldMeasure("unit", sense.unit, calibration->metres_per_unit > 0.0);
-  for (const Finding& remark : sense.remarks) {
+  rig.meaning = DeclaredMeasure("pose", estimate.reading, pose_given) + ", " +
+                DeclaredMeasure("unit", estimate.unit, calibration->metres_per_unit > 0.0);
+  for (const Finding& remark : estimate.remarks) {
     rig.findings.push_back(Contradiction(file.source, remark.code, remark.value, remark.message));
   }
-  CheckUp(file.source, *axes, sense.up, rig.findings);
+  CheckUp(file.source, *axes, estimate.up, rig.findings);
   const RigidTransform world_from_source{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};
-  rig.cameras = sense.cameras;
+  rig.cameras = estimate.cameras;
   for (Camera& camera : rig.cameras) {
     camera.camera_from_world = camera.camera_from_world * Inverse(world_from_source);
     camera.camera_from_world.rotation.normalize();
@@ -198,20 +198,20 @@ Expected<std::map<std::string, FilesOfCamera>> SortByCamera(const std::string& t
     const auto frame = fields->find("frame");
     const std::optional<long long> number = frame == fields->end() ? 0 : ParseInteger(frame->second);
     if (!number || *number < 0) {
-      return Fail(ErrorCode::kInconsistent, "'" + frame->second + "' is no number of a frame", input.name,
-                  std::string("mend ") + option);
+      return Fail(ErrorCode::kInconsistent, "'" + frame->second + "' is not a frame number", input.name,
+                  std::string("correct ") + option);
     }
     const auto [other, fresh] = cameras[camera == fields->end() ? "" : camera->second].emplace(*number, &input);
     if (!fresh) {
       return Fail(ErrorCode::kInconsistent, "the same frame as " + other->second->name, input.name,
-                  "one file per camera and frame is expected");
+                  "keep one file per camera and frame");
     }
   }
   return cameras;
 }
 
 Expected<FrameSpan> SpanOf(const std::map<std::string, FilesOfCamera>& cameras, const std::string& name) {
-  constexpr long long kMostGaps = 20;  // frames per file
+  constexpr long long kMostGaps = 20;  // frame numbers per file
   std::optional<long long> first, last;
   std::size_t most = 0;
   for (const auto& [camera, files] : cameras) {
@@ -225,7 +225,7 @@ Expected<FrameSpan> SpanOf(const std::map<std::string, FilesOfCamera>& cameras, 
     return Fail(ErrorCode::kInconsistent,
                 "frames are numbered from " + std::to_string(*first) + " to " + std::to_string(*last) +
                     ", but a camera has at most " + std::to_string(most),
-                name, "is a file among them that does not belong there? mend ingest.source.files");
+                name, "check for a file of another recording, or correct ingest.source.files");
   }
   return FrameSpan{*first, static_cast<int>(*last - *first + 1)};
 }
@@ -251,14 +251,14 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
   }
   if (!uncalibrated.empty()) {
     findings.push_back(CameraFinding("camera_not_calibrated", static_cast<double>(uncalibrated.size()),
-                                     "no calibration is named as the files of " + ListedCameras(uncalibrated) +
-                                         "; ingest.source.cameras says which is theirs",
-                                     FindingAction::kLeftOut));
+                                     "no calibration has the name of the files of " + ListedCameras(uncalibrated) +
+                                         "; assign one with ingest.source.cameras",
+                                     FindingAction::kExcluded));
   }
   if (!unused.empty()) {
     findings.push_back(CameraFinding("camera_without_files", static_cast<double>(unused.size()),
                                      "there are no files of the calibrated " + ListedCameras(unused),
-                                     FindingAction::kLeftOut));
+                                     FindingAction::kExcluded));
   }
   if (partners.empty()) {
     return Fail(ErrorCode::kInconsistent,

@@ -15,16 +15,16 @@ struct Rig {
   std::vector<Camera> cameras;
   std::vector<Finding> findings;  ///< "calibration_contradiction", "up_contradiction"
   std::string content;            ///< bytes of the files
-  std::string meaning;            ///< what R, t and the unit mean, and who says it
+  std::string meaning;            ///< meaning of R, t and the unit, and where it comes from
 
-  /// By its name in the calibration, or in the names of files: as declared, else equal, else the only one with equal
-  /// letters and digits ("cam01" is "cam_01"). Null when there is none.
+  /// Finds a camera by its name in the calibration or in file names: as declared, else equal, else the only one with
+  /// equal letters and digits ("cam01" is "cam_01"). Null when there is none.
   const Camera* Find(const SourceOptions& source, const std::string& camera) const;
 };
 
 /// Reads file.calibrations: one file of any dialect, OpenCV's intri and extri, or one of OpenCV per {camera}. What the
-/// format does not say is declared (camera_pose, units), else measured; a contradiction between them is a finding.
-/// Error kMalformed, kInconsistent, kConfig; what is neither declared nor told by the evidence is refused with it.
+/// format does not state is declared (camera_pose, units), else estimated; a contradiction between them is a finding.
+/// Error kMalformed, kInconsistent, kConfig; where the estimate is ambiguous, kInconsistent with its evidence.
 Expected<Rig> ReadRig(const SourceFile& file);
 
 /// Files of a clip by camera and number of the frame, {camera} and {frame} of its pattern; without {frame} all are
@@ -33,8 +33,7 @@ using FilesOfCamera = std::map<long long, const StageInput*>;
 Expected<std::map<std::string, FilesOfCamera>> SortByCamera(const std::string& pattern, const char* option,
                                                             const std::vector<StageInput>& files);
 
-/// The frames that the numbers of all cameras span. Error kInconsistent where the numbers are so far apart that they
-/// count no frames.
+/// The range of frame numbers over all cameras. Error kInconsistent where the numbers are too far apart for frames.
 struct FrameSpan {
   long long first = 0;
   int frames = 0;
@@ -42,14 +41,14 @@ struct FrameSpan {
 Expected<FrameSpan> SpanOf(const std::map<std::string, FilesOfCamera>& cameras, const std::string& name);
 
 /// Names of cameras in the files, each with its calibration. Those without a partner are findings
-/// "camera_not_calibrated" and "camera_without_files" (those of `others`, files of another kind, have files too);
-/// without any partner error kInconsistent.
+/// "camera_not_calibrated" and "camera_without_files" (a camera of `others`, files of another type, counts as having
+/// files); without any partner error kInconsistent.
 using Partners = std::vector<std::pair<std::string, const Camera*>>;
 Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
                               const std::map<std::string, FilesOfCamera>& cameras, std::vector<Finding>& findings,
                               const std::map<std::string, FilesOfCamera>& others = {});
 
-/// A finding about one camera that lacks files or images.
+/// A finding about a camera with missing files or images.
 Finding CameraFinding(const std::string& code, double value, const std::string& message, FindingAction action);
 
 }  // namespace mocurate

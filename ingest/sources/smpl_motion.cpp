@@ -47,12 +47,12 @@ Expected<std::vector<Quaterniond>> SmplLocalRotations(const Skeleton& skeleton, 
   return local;
 }
 
-Expected<Quaterniond> TurnOf(const std::string& text) {
+Expected<Quaterniond> RotationOfAxes(const std::string& text) {
   const Expected<AxisConvention> axes = AxisConvention::Parse(text);
   if (!axes) return Forward(axes);
   if (axes->handedness() == Handedness::kLeft) {
     return Fail(ErrorCode::kConfig, "axes '" + text + "' are left-handed", "ingest.source.axes",
-                "recorded rotations are those of a right-handed frame; z up is '+x -z +y', y down '+x -y -z'");
+                "recorded rotations need a right-handed frame; z up is '+x -z +y', y down '+x -y -z'");
   }
   return Quaterniond(axes->canonical_from_source);
 }

@@ -8,7 +8,7 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
-#include "ingest/sense/comparison.h"
+#include "ingest/inspect/comparison.h"
 
 namespace mocurate {
 namespace {
@@ -35,14 +35,13 @@ Status CheckLabelRules(const SourceOptions& source) {
   for (const LabelRule& rule : source.label_rules) {
     if (rule.label.empty()) {
       return Fail(ErrorCode::kConfig, "the rule '" + rule.pattern + "' has no label", "ingest.source.label_rules",
-                  "name the label of the texts that have the pattern");
+                  "add the label of texts that match the pattern");
     }
     try {
       (void)std::regex(rule.pattern, kLabelPattern);
     } catch (const std::regex_error& problem) {
-      return Fail(ErrorCode::kConfig, "'" + rule.pattern + "' is no regular expression: " + problem.what(),
-                  "ingest.source.label_rules",
-                  "escape ( ) [ ] { } . * + ? | with a backslash where they mean themselves");
+      return Fail(ErrorCode::kConfig, "'" + rule.pattern + "' is not a regular expression: " + problem.what(),
+                  "ingest.source.label_rules", "escape literal ( ) [ ] { } . * + ? | with a backslash");
     }
   }
   return {};
@@ -62,7 +61,7 @@ Expected<std::string> LabelOf(const SourceOptions& source, const std::string& te
   const std::optional<std::string> near = Nearest(text, known);
   return Fail(ErrorCode::kInconsistent,
               "the label '" + text + "' is not listed under ingest.source.labels" +
-                  (source.label_rules.empty() ? "" : ", and no rule of label_rules fits it"),
+                  (source.label_rules.empty() ? "" : ", and no rule of label_rules matches it"),
               name, near ? "did you mean '" + *near + "'?" : "add it, or repair the file name");
 }
 
@@ -78,7 +77,7 @@ std::string BytesOf(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
 
-/// The fields of a name that do not say which camera saw it: "action=001 person=001 repetition=002".
+/// The fields of a name that do not depend on the camera: "action=001 person=001 repetition=002".
 std::string PerformanceOf(const SourceOptions& source, const std::vector<std::string>& names,
                           const NameFields& fields) {
   const std::vector<std::string> of_view = FieldsOf(source.view);
@@ -100,7 +99,7 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   std::optional<NameFields> fields = pattern->Match(relative_name);
   if (!fields) {
     return Fail(ErrorCode::kInconsistent, "the name does not match the pattern '" + source.files + "'", relative_name,
-                "rename the file, mend ingest.source.files, or set other_files: ignore");
+                "rename the file, correct ingest.source.files, or set other_files: ignore");
   }
   NamedFile named;
   named.fields = std::move(*fields);
@@ -123,8 +122,8 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   named.identity.licence = source.licence;
   named.style = FillFields(source.style, named.fields);
   const std::string text = FillFields(source.label, named.fields);
-  const bool told_elsewhere = text.empty() && (!source.label_table.empty() || !source.container.empty());
-  Expected<std::string> label = told_elsewhere ? Expected<std::string>() : LabelOf(source, text, relative_name);
+  const bool label_elsewhere = text.empty() && (!source.label_table.empty() || !source.container.empty());
+  Expected<std::string> label = label_elsewhere ? Expected<std::string>() : LabelOf(source, text, relative_name);
   if (!label) return Forward(label);
   named.label = std::move(*label);
   named.fine_label = FillFields(source.fine_label, named.fields);
@@ -199,10 +198,10 @@ Finding Contradiction(const SourceOptions& source, std::string code, double valu
 }
 
 FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested,
-                     std::optional<Finding> doubt) {
-  if (!source.rate_hz && doubt) {
-    doubt->action = FindingAction::kRefused;
-    ingested.findings.push_back(*std::move(doubt));
+                     std::optional<Finding> rate_finding) {
+  if (!source.rate_hz && rate_finding) {
+    rate_finding->action = FindingAction::kRefused;
+    ingested.findings.push_back(*std::move(rate_finding));
   }
   if (!source.rate_hz) return FrameRate::FromHz(file_hz);
   const std::optional<Finding> differs = CompareRate(source, file_hz);
@@ -210,7 +209,7 @@ FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& 
   if (differs) {
     ingested.findings.push_back(
         Contradiction(source, differs->code, differs->value,
-                      differs->message + "; mend ingest.source.rate, or leave it out where the files are right"));
+                      differs->message + "; correct ingest.source.rate, or remove it where the files are right"));
   }
   return FrameRate::FromHz(*source.rate_hz);
 }
@@ -226,17 +225,17 @@ void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vec
     const auto first = confidence.begin() + f * joints;
     return std::all_of(first, first + joints, [](double c) { return c == 0.0; });
   };
-  // Frames whose rows were damaged are told of already.
-  std::vector<char> told(static_cast<std::size_t>(frames), 0);
+  // Frames whose rows were damaged are reported already.
+  std::vector<char> reported(static_cast<std::size_t>(frames), 0);
   for (const Finding& finding : findings) {
     if (finding.action != FindingAction::kDropped) continue;
     for (int f = std::max(0, finding.frame_begin); f < std::min(frames, finding.frame_end); ++f)
-      told[static_cast<std::size_t>(f)] = 1;
+      reported[static_cast<std::size_t>(f)] = 1;
   }
   for (int f = 0; f < frames; ++f) {
-    if (!empty(f) || told[static_cast<std::size_t>(f)] != 0) continue;
+    if (!empty(f) || reported[static_cast<std::size_t>(f)] != 0) continue;
     const int begin = f;
-    while (f < frames && empty(f) && told[static_cast<std::size_t>(f)] == 0) ++f;
+    while (f < frames && empty(f) && reported[static_cast<std::size_t>(f)] == 0) ++f;
     findings.push_back(
         FrameFinding("no_joint_seen", begin, f, "", f - begin,
                      "no joint is seen in " + std::to_string(f - begin) + " of " + Counted(frames, "frame")));

@@ -17,115 +17,115 @@ namespace mocurate {
 /// A part of a clip's id, which holds no '/' and no '#': each becomes '.'.
 std::string IdPart(std::string text);
 
-/// Who and what a file name tells, by the source's declaration.
+/// Identity and label of a clip by its file name and the source's declaration.
 struct NamedFile {
   NameFields fields;      ///< of the pattern, plus "file"
   ClipIdentity identity;  ///< without the span of frames
   std::string label;
   std::string fine_label;
   std::string style;
-  std::string performance;  ///< what all cameras saw at once, where the source declares a view; else empty
+  std::string performance;  ///< fields shared by all cameras, where the source declares a view; else empty
   std::string role;
   int bodies = 1;  ///< people in the file
-  int body = 1;    ///< which of them this is, from 1
+  int body = 1;    ///< index of this person, from 1
 
   /// Item of the stage: source/person/recording.
   std::string item() const;
 };
 
-/// Of the `body`-th person in the file. Error kConfig for a broken declaration, kInconsistent for a name that does not
-/// match or a label that is not listed. A role is that of the person as named without {body}.
+/// For the `body`-th person in the file. Error kConfig for a broken declaration, kInconsistent for a name that does not
+/// match or a label that is not listed. The role depends on the person as named without {body}.
 Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name, int body = 1);
 
-/// The label that a text stands for. Error kInconsistent where `labels` lists others only; `name` for messages.
+/// The label of a text. Error kInconsistent where `labels` does not list it; `name` for messages.
 Status CheckLabelRules(const SourceOptions& source);
 Expected<std::string> LabelOf(const SourceOptions& source, const std::string& text, const std::string& name);
-/// One thing of the declaration that a clip can speak of.
-struct ShownFact {
+/// One property of the declaration that a clip can confirm or contradict.
+struct InspectedFact {
   bool contradicts = false;
-  double weight = 0.0;  ///< how much the clip tells, 0 to 1
+  double weight = 0.0;  ///< strength of the clip's evidence, 0 to 1
 };
 
 /// One file turned into a clip. Findings carry no clip id yet.
 struct IngestedClip {
   Clip clip;
   std::vector<Finding> findings;
-  std::string content;  ///< what was read of a file that holds other clips too; empty: all of the file
-  std::map<std::string, ShownFact> shown =
-      {};  ///< by the code that a contradiction has; what the clip does not show lacks
+  std::string content;  ///< bytes read of a file with several clips; empty: the whole file
+  std::map<std::string, InspectedFact> shown =
+      {};  ///< by the code of a contradiction; properties that the clip does not show are missing
 };
 
-/// Of its tracks, motion, depth views, clouds or keypoints.
+/// Number of frames of its tracks, motion, depth views, clouds or keypoints.
 int FrameCount(const Clip& clip);
 
-/// The bytes of numbers, as they lie in memory.
+/// The bytes of numbers in memory order.
 std::string BytesOf(const std::vector<double>& values);
 
 /// One of several cameras' files of a clip.
 struct ViewFile {
-  std::string view;  ///< by the source's declaration, "C002"
+  std::string view;  ///< the camera by the source's declaration, "C002"
   std::string name;
   std::string bytes;
   NameFields fields;
 };
 
-/// What a reader of one format gets. `bytes` of the file, `name` for messages.
+/// The input of a format's reader. `bytes` of the file, `name` for messages.
 struct SourceFile {
   const SourceOptions& source;
   const NamedFile& named;
   const std::string& name;
   const std::string& bytes;
   std::vector<StageInput> depth_files;
-  std::vector<StageInput> frame_files = {};   ///< of a gathered clip: openpose, panoptic
+  std::vector<StageInput> frame_files = {};   ///< of a clip of many files: openpose, panoptic
   std::vector<StageInput> calibrations = {};  ///< openpose, depth_views
   std::string skeleton_name = {};             ///< asf_amc: the .asf
   std::string skeleton_bytes = {};
   std::string annotation = {};           ///< amass: JSON of one BABEL sequence, or empty
-  std::filesystem::path container = {};  ///< the file that holds this clip among others; `bytes` is empty then
-  int entry = -1;                        ///< which of them
-  int most_frames = 0;                   ///< of the clip; 0: all
+  std::filesystem::path container = {};  ///< the file that contains this clip among others; `bytes` is empty then
+  int entry = -1;                        ///< index of the clip in the container
+  int most_frames = 0;                   ///< maximum number of frames of the clip; 0: all
   std::string array = {};                ///< npy: the clip in a file of arrays, sources/array_clips.h
-  std::vector<ViewFile> views = {};      ///< ntu_skeleton with views.together: all of them, the first is the file too
+  std::vector<ViewFile> views = {};      ///< ntu_skeleton with views.multi_view: all of them, the first is the file too
 };
 
-/// What is done about a contradiction between a clip and its declaration: the clip is flagged, or refused where
-/// `on_contradiction` asks for it.
+/// Action for a contradiction between a clip and its declaration: flagged, or refused where `on_contradiction` asks for
+/// it.
 FindingAction ContradictionAction(const SourceOptions& source);
-/// An error of that kind.
+/// An error finding about a contradiction.
 Finding Contradiction(const SourceOptions& source, std::string code, double value, std::string message);
 
-/// The rate of a clip whose file says one: the declared rate if there is one. Where they differ that is a finding
-/// (error) "rate_contradiction". `doubt`: what is wrong with the file's (sense/rate_sense.h); without a declared one
+/// The rate of a clip whose file states one: the declared rate if there is one. A difference is a finding (error)
+/// "rate_contradiction". `rate_finding`: a problem of the file's rate (checks/rate_checks.h); without a declared rate
 /// the clip is then refused.
 FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested,
-                     std::optional<Finding> doubt = std::nullopt);
+                     std::optional<Finding> rate_finding = std::nullopt);
 
-/// Compares what the body shows with the declaration, as `mocurate inspect` does: units, up, handedness and, where the
-/// declaration lists the joints, their order. Appends findings (error) "units_contradiction", "up_contradiction",
-/// "handedness_contradiction", "joint_order_contradiction", and says in `shown` what the clip speaks of. Reads tracks,
-/// else the motion, of a tree without known names by what its names look like.
+/// Compares the body with the declaration, as `mocurate inspect` does: units, up, handedness and, where the declaration
+/// lists the joints, their order. Appends findings (error) "units_contradiction", "up_contradiction",
+/// "handedness_contradiction", "joint_order_contradiction", and sets `shown` to the properties that the clip shows.
+/// Reads tracks, else the motion; a tree without known names is matched by the form of its names.
 void CheckBody(const SourceOptions& source, IngestedClip& ingested);
 
 /// Appends an image by its name below the source's folder and its hash. Errors of reading it.
 Status AddDepthImage(const StageInput& image, double time_s, DepthView& view);
 
-/// Appends a finding "no_joint_seen" for each run of frames in which the tracker saw nothing.
+/// Appends a finding "no_joint_seen" for each run of frames without a tracked joint.
 void NoteEmptyFrames(const JointTracks& tracks, std::vector<Finding>& findings);
 void NoteEmptyFrames(const std::vector<double>& confidence, int frames, std::vector<Finding>& findings);
 
 /// From the axes and units of a source to the canonical world.
 struct SourceFrame {
-  Matrix3d world_from_file;   ///< turns, and mirrors a left-handed source
+  Matrix3d world_from_file;   ///< rotates, and mirrors a left-handed source
   Matrix3d metres_from_file;  ///< the same, in metres
 };
 
 /// The frame that a source declares. Error kConfig.
 Expected<SourceFrame> FrameOf(const SourceOptions& source);
 
-/// The names that ingest.source.joints has twice or that the skeleton does not know.
+/// The names in ingest.source.joints that occur twice or that the skeleton does not know.
 void CheckJointNames(const SourceOptions& source, const Skeleton& skeleton, ProblemList& problems);
 
-/// LoadSkeleton, and each of the source's joints looked up in it. Error kConfig names all unknown joints.
+/// LoadSkeleton, then looks up each of the source's joints in it. Error kConfig names all unknown joints.
 Expected<SkeletonPtr> SourceSkeleton(const SourceOptions& source);
 
 }  // namespace mocurate

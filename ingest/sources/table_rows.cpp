@@ -5,19 +5,19 @@
 #include "core/base/text.h"
 #include "core/formats/decimal_comma.h"
 #include "core/quality/tracked_points.h"
-#include "ingest/sense/joint_orders.h"
+#include "ingest/inspect/joint_orders.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kFewestTableFrames = 8;  // fewer tell nothing about the order of joints
+constexpr int kFewestTableFrames = 8;  // fewer do not determine the order of joints
 
-/// Whether the last whole frames are a body in the declared order, as the others are. What does not tell is none.
+/// Whether the last whole frames are a body in the declared order, as the others are. Too few frames count as no body.
 bool EndsAsBody(const JointRows& rows, const SourceOptions& source) {
   const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
   if (!skeleton || !*skeleton || rows.frames < kFewestTableFrames) return true;
-  const std::vector<ObservedBone> bones = BonesOf(source.joints, **skeleton);
+  const std::vector<RawBone> bones = BonesOf(source.joints, **skeleton);
   for (const int frames : {rows.frames, kFewestTableFrames}) {
     JointPositions positions(frames, rows.joints);
     std::vector<double> confidence;
@@ -32,10 +32,10 @@ bool EndsAsBody(const JointRows& rows, const SourceOptions& source) {
   return true;
 }
 
-std::string CountWords(const JointRows& rows, int per_frame) {
+std::string RowCountProblem(const JointRows& rows, int per_frame) {
   const long long count = static_cast<long long>(rows.frames) * per_frame + rows.rows_left_over;
   const int missing = per_frame - rows.rows_left_over;
-  return std::to_string(count) + " rows are no whole number of frames of " + std::to_string(per_frame) +
+  return std::to_string(count) + " rows are not a whole number of frames of " + std::to_string(per_frame) +
          " rows: " + Counted(missing, "row") + (missing == 1 ? " is" : " are") + " missing, or " +
          std::to_string(rows.rows_left_over) + " too many";
 }
@@ -43,7 +43,7 @@ std::string CountWords(const JointRows& rows, int per_frame) {
 }  // namespace
 
 Finding DecimalCommas() {
-  return MakeFinding("decimal_comma", Severity::kInfo, 0.0, "numbers have a decimal comma (1,5): it is read as a point",
+  return MakeFinding("decimal_comma", Severity::kInfo, 0.0, "numbers have a decimal comma (1,5); it is read as a point",
                      FindingAction::kRepaired);
 }
 
@@ -62,11 +62,11 @@ Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view 
   table.end_word = source.end_word;
   Expected<JointRows> rows = ParseJointRows(bytes, *layout, table, name);
   if (!rows || rows->rows_left_over == 0) return rows;
-  // A file that is cut off is a body to its end; after a row that is lost or stands twice joints have other names.
+  // A file that is cut off is a body up to its end; after a lost or repeated row, joints get wrong names.
   if (EndsAsBody(*rows, source)) return rows;
-  return Fail(ErrorCode::kInconsistent, CountWords(*rows, table.rows_per_frame), name,
-              "the file is not cut off at its end, where joints are no body any more: compare it with its source, or "
-              "mend ingest.source.rows_per_frame and joints");
+  return Fail(ErrorCode::kInconsistent, RowCountProblem(*rows, table.rows_per_frame), name,
+              "the joints stop forming a body before the end of the file: compare the file with its source, or "
+              "correct ingest.source.rows_per_frame and joints");
 }
 
 }  // namespace mocurate

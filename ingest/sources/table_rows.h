@@ -8,12 +8,11 @@
 
 namespace mocurate {
 
-/// "decimal_comma": a table whose numbers are written with commas is read as if these were points.
+/// "decimal_comma": a table with decimal commas, which are read as points.
 Finding DecimalCommas();
 
-/// Joints of a table by its declaration. Errors of ParseJointRows; kInconsistent where the rows are no whole number of
-/// frames and the last frames are no body in the declared order: the file is not cut off, but a row is lost or too
-/// many.
+/// Joints of a table by its declaration. Errors of ParseJointRows; kInconsistent where the rows are not a whole number
+/// of frames and the last frames are not a body in the declared order: a row is lost or repeated.
 Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view bytes, const std::string& name);
 
 }  // namespace mocurate

@@ -10,8 +10,8 @@ constexpr const char* kCounts = "info/num_frames_min.txt";
 Expected<std::string> ReadBeside(const std::filesystem::path& folder, const std::string& name) {
   Expected<std::string> bytes = ReadFile(folder / name);
   if (!bytes && bytes.error().code == ErrorCode::kNotFound) {
-    return Fail(ErrorCode::kNotFound, "the file is not in the folder: the container does not say whose its clips are",
-                name, "put it beside the container; `mocurate doctor --source NAME` lists what is needed");
+    return Fail(ErrorCode::kNotFound, "the file is not in the folder: the container does not name its clips", name,
+                "put it beside the container; `mocurate doctor --source NAME` lists what is needed");
   }
   return bytes;
 }
@@ -34,14 +34,14 @@ Expected<UestcFolder> ReadUestcFolder(const std::filesystem::path& folder) {
   return UestcFolder{*std::move(videos), *std::move(frames), *std::move(actions)};
 }
 
-std::optional<Finding> DoubtFrameCount(int announced, std::size_t frames, int entry) {
-  if (announced <= 0 || static_cast<std::size_t>(announced) <= frames) return std::nullopt;
-  return MakeFinding("count_contradiction", Severity::kError, announced,
-                     std::string(kCounts) + ":" + std::to_string(entry + 1) + " announces " +
-                         std::to_string(announced) + " frames, VIBE's track of the video has " +
-                         std::to_string(frames) +
-                         ": those are taken; correct the line, or copy info/ and the cache again if others differ too",
-                     FindingAction::kKept);
+std::optional<Finding> CheckFrameCount(int declared, std::size_t frames, int entry) {
+  if (declared <= 0 || static_cast<std::size_t>(declared) <= frames) return std::nullopt;
+  return MakeFinding(
+      "count_contradiction", Severity::kError, declared,
+      std::string(kCounts) + ":" + std::to_string(entry + 1) + " declares " + std::to_string(declared) +
+          " frames, VIBE's track of the video has " + std::to_string(frames) +
+          ": those are used; correct the line, or copy info/ and the cache again if other lines differ too",
+      FindingAction::kKept);
 }
 
 }  // namespace mocurate

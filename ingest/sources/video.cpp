@@ -31,10 +31,10 @@ struct VideoReader::Decoder {
   std::filesystem::path file;
   cv::VideoCapture capture;
   VideoFacts facts;
-  int next = 0;  ///< frame that is decoded next
+  int next = 0;  ///< index of the frame decoded next
 
   tl::unexpected<Error> Bad(const std::string& what) const {
-    return Fail(ErrorCode::kMalformed, what, DisplayPath(file), "is it whole, and does it play?");
+    return Fail(ErrorCode::kMalformed, what, DisplayPath(file), "check that the file is complete and plays");
   }
 
   Status Begin() {
@@ -43,16 +43,16 @@ struct VideoReader::Decoder {
       if (capture.open(file.string())) return {};
     } catch (const cv::Exception&) {  // the same as not opened
     }
-    return Bad("the file is no video that OpenCV decodes");
+    return Bad("OpenCV cannot decode the file as a video");
   }
 
   Status ReadFacts() {
     const double rate = capture.get(cv::CAP_PROP_FPS), frames = capture.get(cv::CAP_PROP_FRAME_COUNT);
     const double width = capture.get(cv::CAP_PROP_FRAME_WIDTH), height = capture.get(cv::CAP_PROP_FRAME_HEIGHT);
     if (!(width >= 1 && width <= kLargestSide && height >= 1 && height <= kLargestSide)) {
-      return Bad("images of " + FormatDouble(width) + " x " + FormatDouble(height) + " pixels are none");
+      return Bad("images of " + FormatDouble(width) + " x " + FormatDouble(height) + " pixels are invalid");
     }
-    if (!(rate > 0.0 && rate <= kHighestRate)) return Bad("a rate of " + FormatDouble(rate) + " Hz is none");
+    if (!(rate > 0.0 && rate <= kHighestRate)) return Bad("a rate of " + FormatDouble(rate) + " Hz is invalid");
     facts.rate_hz = rate;
     facts.width = static_cast<int>(width);
     facts.height = static_cast<int>(height);
@@ -69,7 +69,7 @@ struct VideoReader::Decoder {
       if (capture.grab()) continue;
       return Fail(
           ErrorCode::kNotFound,
-          "frame " + std::to_string(index) + " is asked for, the file ends after " + std::to_string(next) + " frames",
+          "frame " + std::to_string(index) + " does not exist, the file ends after " + std::to_string(next) + " frames",
           DisplayPath(file));
     }
     cv::Mat image;
@@ -90,7 +90,7 @@ VideoReader::~VideoReader() = default;
 Expected<VideoReader> VideoReader::Open(const std::filesystem::path& file) {
   std::error_code unknown;
   if (!std::filesystem::exists(file, unknown)) {
-    return Fail(ErrorCode::kNotFound, "there is no such file", DisplayPath(file));
+    return Fail(ErrorCode::kNotFound, "no such file", DisplayPath(file));
   }
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   VideoReader reader;
@@ -114,8 +114,7 @@ Expected<ColourFrame> VideoReader::Frame(int index) {
 Expected<ColourFrame> VideoReader::FrameAt(double seconds) {
   const double frame = std::floor(seconds * decoder_->facts.rate_hz + kRounding);
   if (!(frame >= 0.0 && frame <= kMostFrames)) {
-    return Fail(ErrorCode::kNotFound, FormatDouble(seconds) + " s is no time of the video",
-                DisplayPath(decoder_->file));
+    return Fail(ErrorCode::kNotFound, FormatDouble(seconds) + " s is outside the video", DisplayPath(decoder_->file));
   }
   return Frame(static_cast<int>(frame));
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "ingest/sense/video_facts.h"
+#include "ingest/inspect/video_facts.h"
 
 namespace mocurate {
 
@@ -16,20 +16,20 @@ struct ColourFrame {
   std::vector<std::uint8_t> rgb;
 };
 
-/// A video file, decoded by OpenCV. Frames are counted from 0 by decoding, never by seeking, which in many containers
-/// ends at a key frame: going forward costs what lies between, going back begins again.
+/// A video file, decoded by OpenCV. Frames are counted by decoding from 0, never by seeking, which in many containers
+/// ends at a key frame. Going forward decodes the frames between; going back starts again.
 class VideoReader {
  public:
-  /// Errors kNotFound, kMalformed for what is no video or has no rate or size.
+  /// Errors kNotFound; kMalformed for a file that is not a video or has no rate or size.
   static Expected<VideoReader> Open(const std::filesystem::path& file);
   VideoReader(VideoReader&&) noexcept;
   VideoReader& operator=(VideoReader&&) noexcept;
   ~VideoReader();
 
   const VideoFacts& facts() const;
-  /// Error kNotFound where the file ends before it, which also tells how many frames there are.
+  /// Error kNotFound where the file ends before it; the message holds the number of frames.
   Expected<ColourFrame> Frame(int index);
-  /// The frame that is shown at this time: rate * seconds, rounded down.
+  /// The frame shown at this time: rate * seconds, rounded down.
   Expected<ColourFrame> FrameAt(double seconds);
 
  private:

@@ -10,8 +10,8 @@ namespace mocurate {
 struct ActionRow {
   const char* name;
   void (*perform)(double at, const Manner& manner, Pose& pose);
-  double period_s;  ///< of one cycle; 0: done once
-  double once_s;    ///< seconds that getting there and back takes
+  double period_s;  ///< of one cycle; 0: performed once
+  double once_s;    ///< seconds to reach the pose and return
 };
 
 /// Warming up, lifting, boxing, running, jumping.

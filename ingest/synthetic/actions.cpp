@@ -16,7 +16,7 @@ void Wave(double at, const Manner& m, Pose& pose) {
   Toward(pose.arm[kRightSide], {0.25, 1.45 * m.amplitude, 1.45, 1.35 + 0.55 * m.amplitude * to_and_fro, 0.0}, raised);
   pose.arm[kRightSide].wrist += 0.25 * to_and_fro;
   pose.trunk_side -= 0.06 * raised;
-  pose.head_turn -= 0.1 * raised;
+  pose.head_rotation -= 0.1 * raised;
 }
 
 void Punch(double at, const Manner& m, Pose& pose) {
@@ -130,7 +130,7 @@ void Sit(double at, const Manner& m, Pose& pose) {
 void Turn(double at, const Manner& m, Pose& pose) {
   const double going = Pulse(at, 0.0, 0.15, 0.85, 1.0);
   pose.yaw += kPi * MinimumJerk(at, 0.03, 0.97);
-  pose.head_turn += 0.35 * Pulse(at, 0.0, 0.2, 0.6, 0.95);
+  pose.head_rotation += 0.35 * Pulse(at, 0.0, 0.2, 0.6, 0.95);
   for (int side : {kLeftSide, kRightSide}) {
     const double lift = std::max(0.0, std::sin(2.0 * kPi * m.cycles * at + (side == kLeftSide ? 0.0 : kPi)));
     pose.leg[side].flex += 0.35 * m.amplitude * going * lift * lift;
@@ -145,7 +145,7 @@ constexpr ActionRow kActions[] = {{"clap", Clap, 0.7, 0.6},   {"jump", Jump, 0.0
                                   {"throw", Throw, 0.0, 1.9}, {"turn", Turn, 1.0, 0.4}, {"walk", Walk, 1.05, 0.5},
                                   {"wave", Wave, 0.6, 0.6}};
 
-/// Every table, in the order in which they stand in the sources.
+/// All tables, in the order of the source files.
 std::vector<const ActionRow*> AllActions() {
   std::vector<const ActionRow*> all;
   for (const ActionRow& row : kActions) all.push_back(&row);

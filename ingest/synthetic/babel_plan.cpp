@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-/// An action of the studio in BABEL's words, and how often it is repeated.
+/// An action of the studio with BABEL's labels, and how often it is repeated.
 struct BabelAction {
   const char* action;
   const char* proc_label;
@@ -69,7 +69,7 @@ AnnotatedSequence PlanBabelSequence(const StudioOptions& options, int subject, i
     const int end = frame + std::max(2, frames(manner.active_s));
     script.actions.push_back({action.action, frame, end, manner});
     annotated.words.push_back({action.proc_label, action.categories});
-    // Half of the actions follow each other: the way there takes all of the time between them.
+    // Half of the actions follow each other directly: the transition fills the time between them.
     const bool rests = random.Uniform() < 0.5;
     frame = end + frames(rests ? random.Uniform(1.8, 3.5) : kTransition_s);
   }

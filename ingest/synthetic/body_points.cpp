@@ -1,6 +1,6 @@
 #include "ingest/synthetic/body_points.h"
 
-#include "core/body/flesh_body.h"
+#include "core/body/capsule_body.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
@@ -8,7 +8,7 @@ namespace {
 
 Vector3d MirroredOffset(const Vector3d& offset) { return {-offset.x(), offset.y(), offset.z()}; }
 
-/// Places of one side from those of the left, all named without their side.
+/// Points of one side from those of the left, all named without their side.
 std::vector<BodyPlace> Side(const std::string& side, const std::vector<BodyPlace>& left) {
   std::vector<BodyPlace> places;
   for (const BodyPlace& place : left) {

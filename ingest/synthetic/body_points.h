@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// A point of the body that a sensor or a detector speaks of: fixed in the frame of a joint of skeleton smpl24.
+/// A point of the body that a sensor or detector reports: fixed in the frame of a joint of skeleton smpl24.
 struct BodyPlace {
   std::string name;
   std::string joint;
@@ -27,7 +27,7 @@ const std::vector<BodyPlace>& Body25Places();
 
 std::vector<std::string> NamesOf(const std::vector<BodyPlace>& places);
 
-/// Where the places are, (F,K,3). Offsets grow with the body. The motion's skeleton has smpl24's joints.
+/// Positions of the points, (F,K,3). Offsets scale with the body. The motion's skeleton has smpl24's joints.
 JointPositions PlacesOf(const Motion& motion, const std::vector<BodyPlace>& places);
 
 }  // namespace mocurate

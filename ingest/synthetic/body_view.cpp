@@ -7,14 +7,14 @@ namespace mocurate {
 
 BodyView::BodyView(const Actor& actor)
     : actor_(actor),
-      flesh_(FleshBody::Make(actor.skeleton, BodyScale(*actor.skeleton, actor.subject.bone_length), 1.0)) {}
+      capsules_(CapsuleBody::Make(actor.skeleton, BodyScale(*actor.skeleton, actor.subject.bone_length), 1.0)) {}
 
 std::vector<PosedCapsule> BodyView::Capsules(const Motion& motion, int frame) const {
   std::vector<Vector3d> joints(static_cast<std::size_t>(motion.joint_count()));
   std::vector<Quaterniond> global(joints.size());
   ForwardKinematics(*motion.skeleton, motion.root_translation[frame], &motion.rotation_at(frame, 0), motion.bone_length,
                     joints.data(), global.data());
-  return PosedCapsules(flesh_, joints.data(), global.data());
+  return PosedCapsules(capsules_, joints.data(), global.data());
 }
 
 std::vector<float> BodyView::Depth(const Motion& motion, int frame, const Camera& camera,

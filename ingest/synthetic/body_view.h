@@ -2,26 +2,26 @@
 
 #include <vector>
 
-#include "core/body/capsule_body.h"
+#include "core/body/bone_capsules.h"
 #include "ingest/synthetic/layout.h"
 
 namespace mocurate {
 
-/// An actor's body as a depth camera sees it: skin where there is a template, else capsules.
+/// Renders an actor's body for a depth camera: skin where there is a template, else capsules.
 class BodyView {
  public:
   explicit BodyView(const Actor& actor);
 
-  /// Metres along the camera's axis, 0 where the body is not seen. `motion` is the actor's.
+  /// Metres along the camera's axis, 0 outside the body. `motion` is the actor's.
   std::vector<float> Depth(const Motion& motion, int frame, const Camera& camera,
                            const std::vector<Vector2d>& rays) const;
 
-  /// Flesh around the bones in the world: what hides a joint.
+  /// Capsules around the bones in the world, for occlusion of joints.
   std::vector<PosedCapsule> Capsules(const Motion& motion, int frame) const;
 
  private:
   const Actor& actor_;
-  FleshBody flesh_;
+  CapsuleBody capsules_;
 };
 
 }  // namespace mocurate

@@ -16,19 +16,19 @@ Expected<nlohmann::json> ReadCapture(const fs::path& artifact) {
   if (!text) return Forward(text);
   nlohmann::json capture = nlohmann::json::parse(*text, nullptr, false);
   if (!capture.is_object() || !capture.contains("files") || !capture["files"].is_object()) {
-    return Fail(ErrorCode::kMalformed, "is no capture", DisplayPath(artifact), "mocurate cache verify");
+    return Fail(ErrorCode::kMalformed, "is not a capture", DisplayPath(artifact), "mocurate cache verify");
   }
   return std::move(capture["files"]);
 }
 
-/// name -> SHA-256 of what was written; empty when there is no list, or none that can be read.
+/// name -> SHA-256 of the written file; empty when the list is missing or unreadable.
 std::map<std::string, std::string> ReadWritten(const fs::path& list) {
   const auto text = ReadFile(list);
   const nlohmann::json json = nlohmann::json::parse(text ? *text : std::string(), nullptr, false);
   std::map<std::string, std::string> written;
   if (!json.is_object()) return written;
   for (const auto& [name, sha256] : json.items()) {
-    // Only plain names: a list that was tampered with reaches nothing outside the folder.
+    // Only plain names: a manipulated list must not reach files outside the folder.
     if (sha256.is_string() && name.find('/') == std::string::npos) written[name] = sha256.get<std::string>();
   }
   return written;
@@ -63,7 +63,7 @@ Status UnpackCapture(const fs::path& artifact, const fs::path& folder) {
   std::map<std::string, std::string> now;
   for (const auto& [name, text] : files->items()) now[name] = Sha256Hex(text.get<std::string>());
 
-  // The list names what is ours before it is there, so that a run that is killed in between can go on.
+  // The list names our files before they are written, so that a killed run can continue.
   std::map<std::string, std::string> both = now;
   both.insert(before.begin(), before.end());
   if (both != before) {

@@ -8,8 +8,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kEdge = 0.06;     // metres between neighbours that are not of one surface
-constexpr double kFarthest = 8.0;  // metres; nothing comes back from farther away
+constexpr double kEdge = 0.06;     // metres between neighbours on different surfaces
+constexpr double kFarthest = 8.0;  // metres; no return from farther away
 constexpr double kNearest = 0.4;
 constexpr double kDepthStepsPerMetre = 1000.0;
 
@@ -23,7 +23,7 @@ class Surface {
     return depth_[static_cast<std::size_t>(y) * camera_.width + x];
   }
 
-  /// A neighbour that lies on another surface, or in the void: its depth, 0 for the void, negative: there is none.
+  /// A neighbour on another surface or in the void: its depth, 0 for the void; negative: no such neighbour.
   float Across(int x, int y) const {
     const float own = at(x, y);
     for (const auto& [dx, dy] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
@@ -34,7 +34,7 @@ class Surface {
     return -1.0F;
   }
 
-  /// Cosine of the angle between the ray and the surface's normal; 1 where the surface cannot be told.
+  /// Cosine of the angle between the ray and the surface's normal; 1 where the normal is unknown.
   double Incidence(int x, int y) const {
     const auto point = [&](int px, int py) {
       const Vector2d& ray = rays_[static_cast<std::size_t>(py) * camera_.width + px];
@@ -53,7 +53,7 @@ class Surface {
   const std::vector<Vector2d>& rays_;
 };
 
-/// The nearest of the sensor's levels. They are even in the integral of distance^-growth: of disparities for 2.
+/// The nearest of the sensor's levels, which are equidistant in the integral of distance^-growth: in disparity for 2.
 double Stepped(double metres, const DepthSensorOptions& options) {
   const double step = options.quantisation;
   if (step <= 0.0) return metres;
@@ -89,9 +89,9 @@ std::vector<float> RoomDepth(const Camera& camera, const std::vector<Vector2d>& 
   return depth;
 }
 
-DepthImage Sensed(const std::vector<float>& body, const std::vector<float>& background, const Camera& camera,
-                  const std::vector<Vector2d>& rays, const DepthSensorOptions& options, std::int64_t seed,
-                  const std::string& item) {
+DepthImage SimulateDepth(const std::vector<float>& body, const std::vector<float>& background, const Camera& camera,
+                         const std::vector<Vector2d>& rays, const DepthSensorOptions& options, std::int64_t seed,
+                         const std::string& item) {
   std::vector<float> depth = body;
   for (std::size_t i = 0; i < background.size(); ++i) {
     if (background[i] > 0.0F && (depth[i] == 0.0F || background[i] < depth[i])) depth[i] = background[i];
@@ -108,7 +108,7 @@ DepthImage Sensed(const std::vector<float>& body, const std::vector<float>& back
       double metres = depth[pixel];
       const float across = surface.Across(x, y);
       if (across >= 0.0F && options.flying_share > 0.0 && random.Uniform() < options.flying_share) {
-        // Light from both sides mixes; beside the void half of it is too weak to be seen at all.
+        // Light from both sides mixes; beside the void half of it is too weak for a measurement.
         const double part = random.Uniform();
         if (across == 0.0F && part < 0.5) continue;
         metres = across == 0.0F ? metres + 0.05 * part : metres + part * (across - metres);
@@ -121,9 +121,9 @@ DepthImage Sensed(const std::vector<float>& body, const std::vector<float>& back
   return image;
 }
 
-DepthImage SensedMasked(const std::vector<float>& body, const Camera& camera, const std::vector<Vector2d>& rays,
-                        const DepthSensorOptions& options, std::int64_t seed, const std::string& item) {
-  return Sensed(body, {}, camera, rays, options, seed, item);
+DepthImage SimulateMaskedDepth(const std::vector<float>& body, const Camera& camera, const std::vector<Vector2d>& rays,
+                               const DepthSensorOptions& options, std::int64_t seed, const std::string& item) {
+  return SimulateDepth(body, {}, camera, rays, options, seed, item);
 }
 
 DepthImage Mirrored(const DepthImage& image) {

@@ -8,20 +8,20 @@
 
 namespace mocurate {
 
-/// Depth of an empty room: the floor y = 0 and a wall `wall` metres behind the origin at -z, as seen by a camera; 0
-/// where neither is seen. Metres, (height*width).
+/// Depth of an empty room: the floor y = 0 and a wall `wall` metres behind the origin at -z, from a camera; 0 where
+/// neither is visible. Metres, (height*width).
 std::vector<float> RoomDepth(const Camera& camera, const std::vector<Vector2d>& rays, double wall);
 
-/// What the sensor makes of a body before a background (empty: nothing behind it): noise and quantisation that grow
-/// with the distance (Nguyen et al. 2012, Khoshelham 2012), flying pixels at edges, holes, nothing from surfaces seen
-/// at a grazing angle. Millimetres, 0 for nothing. `item` keys the randomness.
-DepthImage Sensed(const std::vector<float>& body, const std::vector<float>& background, const Camera& camera,
-                  const std::vector<Vector2d>& rays, const DepthSensorOptions& options, std::int64_t seed,
-                  const std::string& item);
+/// The sensor's measurement of a body before a background (empty: no background). Noise and quantisation grow with the
+/// distance (Nguyen et al. 2012, Khoshelham 2012); edges have flying pixels; holes and surfaces at a grazing angle have
+/// no value. Millimetres, 0 for no value. `item` keys the randomness.
+DepthImage SimulateDepth(const std::vector<float>& body, const std::vector<float>& background, const Camera& camera,
+                         const std::vector<Vector2d>& rays, const DepthSensorOptions& options, std::int64_t seed,
+                         const std::string& item);
 
 /// The same without background: a masked image.
-DepthImage SensedMasked(const std::vector<float>& body, const Camera& camera, const std::vector<Vector2d>& rays,
-                        const DepthSensorOptions& options, std::int64_t seed, const std::string& item);
+DepthImage SimulateMaskedDepth(const std::vector<float>& body, const Camera& camera, const std::vector<Vector2d>& rays,
+                               const DepthSensorOptions& options, std::int64_t seed, const std::string& item);
 
 /// Left and right exchanged, as Kinects write their images.
 DepthImage Mirrored(const DepthImage& image);

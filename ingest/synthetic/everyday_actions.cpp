@@ -7,7 +7,7 @@
 namespace mocurate {
 namespace {
 
-// Places of a hand, found by placing it on the mean body: flex, abduct, twist, elbow, wrist of the arm.
+// Positions of a hand, found by trial on the mean body: flex, abduct, twist, elbow, wrist of the arm.
 constexpr ArmPose kAtTheMouth{1.22, 0.29, -0.60, 2.20, 0.0};
 constexpr ArmPose kBottleTipped{1.52, 0.37, -0.65, 2.02, 0.0};
 constexpr ArmPose kAtTheEar{1.53, 0.78, -0.30, 2.40, 0.0};
@@ -79,7 +79,7 @@ void SteeringWheel(double at, const Manner& m, Pose& pose) {
     pose.arm[side].abduct -= 0.20 * std::max(0.0, up);
   }
   pose.trunk_side += 0.10 * turned;
-  pose.head_turn += 0.12 * turned;
+  pose.head_rotation += 0.12 * turned;
 }
 
 /// Out of the pocket, looked at, to the ear for a while, back.
@@ -91,7 +91,7 @@ void PhoneCall(double at, const Manner& m, Pose& pose) {
   const double ear = Pulse(at, 0.25, 0.35, 0.72, 0.84);
   Toward(arm, kAtTheEar, ear);
   arm.abduct += 0.06 * ear * talk;
-  pose.head_turn += 0.22 * m.amplitude * ear * talk;
+  pose.head_rotation += 0.22 * m.amplitude * ear * talk;
   pose.head_nod += 0.30 * Pulse(at, 0.12, 0.2, 0.26, 0.34) + 0.05 * ear;
   pose.trunk_twist += 0.08 * ear * talk;
   pose.trunk_side += 0.04 * ear;
@@ -104,7 +104,7 @@ void PhoneLeft(double at, const Manner& m, Pose& pose) {
   pose.arm[kLeftSide].abduct += 0.08 * held * talk;
   pose.arm[kRightSide].flex += 0.35 * held * m.amplitude * std::max(0.0, talk);
   pose.arm[kRightSide].elbow += 0.55 * held * m.amplitude * std::max(0.0, talk);
-  pose.head_turn -= 0.20 * m.amplitude * held * talk;
+  pose.head_rotation -= 0.20 * m.amplitude * held * talk;
   pose.trunk_side -= 0.04 * held;
 }
 

@@ -7,7 +7,7 @@
 namespace mocurate {
 namespace {
 
-// Places of a hand, found by placing it on the mean body: flex, abduct, twist, elbow, wrist of the arm.
+// Positions of a hand, found by trial on the mean body: flex, abduct, twist, elbow, wrist of the arm.
 constexpr ArmPose kBeforeTheChest{0.79, 0.46, -1.03, 1.84, 0.0};
 constexpr ArmPose kExpanderClosed{1.39, 0.55, -1.57, 1.97, 0.0};
 constexpr ArmPose kExpanderOpen{1.45, 1.75, -1.45, 0.45, 0.0};
@@ -25,7 +25,7 @@ constexpr ArmPose kPressTop{2.85, 0.20, -0.58, 0.50, 0.0};
 
 double UpAndDown(double x) { return 0.5 - 0.5 * std::cos(2.0 * kPi * x); }
 
-/// Hands circle before the chest, the toes of one foot turn on the floor; the other foot in the second half.
+/// Hands circle before the chest, the toes of one foot rotate on the floor; the other foot in the second half.
 void WristAnkle(double at, const Manner& m, Pose& pose) {
   const double held = Held(at, m, 0.7);
   const double swing = Swing(at, m);
@@ -171,7 +171,7 @@ void CurlBendLegs(double at, const Manner& m, Pose& pose) {
   for (ArmPose& arm : pose.arm) Toward(arm, kCurled, held * (1.0 - x));
 }
 
-/// Fists at the chin; the strike of `side` at place `x` of its time.
+/// Fists at the chin; the strike of `side` at fraction `x` of its time.
 void Guard(Pose& pose, double held) {
   for (ArmPose& arm : pose.arm) Toward(arm, kGuard, held);
   pose.leg[kLeftSide].flex += 0.22 * held;

@@ -13,8 +13,8 @@ namespace mocurate {
 namespace {
 
 constexpr double kHumanAct12RateHz = 15.0;
-constexpr double kHurried = 0.6;       // of its natural time: what is cut shorter shows a part of the action
-constexpr double kStepsPerTurn = 1.0;  // radians of a circle that a cycle of walking goes on
+constexpr double kHurried = 0.6;       // of its natural time: a shorter clip shows a part of the action
+constexpr double kStepsPerTurn = 1.0;  // radians along the circle per cycle of walking
 constexpr std::array<double, 7> kShares = {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0};
 
 struct PlannedClip {
@@ -51,7 +51,7 @@ std::vector<PlannedClip> ClipsOf(const HumanAct12Variant& variant, std::uint64_t
   return clips;
 }
 
-/// How a clip is performed, and how many frames the whole action takes.
+/// How a clip is performed, and the frames of the whole action.
 std::pair<Manner, int> MannerOf(const PlannedClip& clip, std::uint64_t seed) {
   Random random(seed, "studio.manner", clip.Name());
   const std::string action = clip.variant->action;

@@ -11,13 +11,13 @@ namespace mocurate {
 
 constexpr int kHumanAct12Subjects = 12;
 
-/// One of HumanAct12's 34 fine classes: what is performed, and how often and how long in the real set.
+/// One of HumanAct12's 34 fine classes, with its counts and lengths in the real set.
 struct HumanAct12Variant {
   const char* code;                            ///< "0102"; its first two characters are the coarse class, 01 to 12
   const char* label;                           ///< of the coarse class
   const char* action;                          ///< of the studio
   int group;                                   ///< of PHSPD's recordings that it was cut from
-  double seated;                               ///< share of clips on a chair; inferred from what its group holds
+  double seated;                               ///< share of clips on a chair; inferred from its group
   std::array<int, 7> frames;                   ///< last - first + 1: least, 10, 25, 50, 75, 90 %, most
   std::array<int, kHumanAct12Subjects> clips;  ///< of subjects 1 to 12
 };
@@ -35,7 +35,7 @@ struct CutClip {
   int last = 0;
 };
 
-/// A recording of PHSPD: what a subject performs in it, one action after the other, and HumanAct12's clips of it.
+/// A recording of PHSPD: one subject's actions one after the other, and HumanAct12's clips of it.
 struct PlannedRecording {
   int subject = 1;  ///< 1 to 12
   int group = 1;    ///< 1 to 3
@@ -44,16 +44,16 @@ struct PlannedRecording {
   std::vector<CutClip> clips;
 };
 
-/// What is asked of the set. 0: as much as the real set has.
+/// The requested part of the set. 0: as many as in the real set.
 struct HumanAct12Plan {
   std::int64_t seed = 1;
   std::int64_t subjects = 0;
-  std::int64_t clips = 0;            ///< at most so many of each variant and subject
+  std::int64_t clips = 0;            ///< maximum of each variant and subject
   std::vector<std::string> actions;  ///< coarse labels or actions; empty: all
 };
 
-/// Recordings sorted by subject, group, time. Clips of each variant are spread over the real set's lengths; with
-/// nothing left out there are as many of each subject and variant as in the real set.
+/// Recordings sorted by subject, group, time. Clips of each variant are distributed over the real set's lengths; the
+/// whole set has the real numbers of each subject and variant.
 std::vector<PlannedRecording> PlanHumanAct12(const HumanAct12Plan& plan);
 
 }  // namespace mocurate

@@ -8,7 +8,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kFleshBeforePoint = 0.14;  ///< m in front of a point that belong to it
+constexpr double kSurfaceBeforeJoint = 0.14;  ///< m in front of a point that count as its own surface
 
 double RoundedToStep(double value, double steps) { return std::round(value * steps) / steps; }
 
@@ -19,7 +19,7 @@ OpenPosePerson Detected(const std::vector<ImagePoint>& points, const KeypointOpt
   Random random(static_cast<std::uint64_t>(seed), "studio.keypoints", item);
   OpenPosePerson person;
   for (const ImagePoint& point : points) {
-    // The same draws whatever becomes of the point: one option does not move the errors of another.
+    // The same random draws for every outcome of the point: one option does not change the errors of another.
     const double missed = random.Uniform();
     const double wrong = random.Uniform();
     const double sure = random.Uniform();
@@ -44,10 +44,10 @@ OpenPosePerson Detected(const std::vector<ImagePoint>& points, const KeypointOpt
   return person;
 }
 
-std::vector<ImagePoint> PointsIn(const Camera& camera, const std::vector<PosedCapsule>& flesh,
+std::vector<ImagePoint> PointsIn(const Camera& camera, const std::vector<PosedCapsule>& capsules,
                                  const JointPositions& places, int frame) {
   std::vector<PosedCapsule> in_camera;
-  for (const PosedCapsule& capsule : flesh) {
+  for (const PosedCapsule& capsule : capsules) {
     in_camera.push_back(
         {camera.camera_from_world * capsule.begin, camera.camera_from_world * capsule.end, capsule.radius});
   }
@@ -60,7 +60,7 @@ std::vector<ImagePoint> PointsIn(const Camera& camera, const std::vector<PosedCa
     if (point.pixel && !(inside(point.pixel->x(), camera.width) && inside(point.pixel->y(), camera.height))) {
       point.pixel.reset();
     }
-    point.hidden = FirstEntry(in_camera, at) < 1.0 - kFleshBeforePoint / at.norm();
+    point.hidden = FirstRayHit(in_camera, at) < 1.0 - kSurfaceBeforeJoint / at.norm();
     points.push_back(point);
   }
   return points;

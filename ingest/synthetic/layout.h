@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/body/flesh_body.h"
+#include "core/body/capsule_body.h"
 #include "core/body/skinned_body.h"
 #include "ingest/synthetic/performance.h"
 #include "ingest/synthetic/studio_folder.h"
@@ -12,7 +12,7 @@
 
 namespace mocurate {
 
-/// Somebody with a body: on SMPL's 24 joints, with a skin where there is a template.
+/// A person with a body: on SMPL's 24 joints, with a skin where there is a template.
 struct Actor {
   Subject subject;
   SkeletonPtr skeleton;  ///< "smpl24"; the actor's own rest offsets with a skin
@@ -20,21 +20,21 @@ struct Actor {
   RestBody rest;  ///< of the template, in the actor's shape
 };
 
-/// People 1 .. count. With a template their bodies are its shapes, without one the skeleton's with other proportions.
-/// Somebody's body does not depend on what is performed.
+/// People 1 .. count. With a template their bodies are its shapes, without one the skeleton's with other proportions. A
+/// person's body does not depend on the actions.
 Expected<std::vector<Actor>> ActorsOf(const StudioOptions& options, std::int64_t count, const BodyTemplate* body);
 
-/// The same motion at these frames only, moved by `target_from_world`. Rotation included; the rate stays.
-Motion Seen(const Motion& motion, const std::vector<int>& frames, const RigidTransform& target_from_world);
+/// The motion at these frames only, transformed by `target_from_world`, rotations included; the rate stays.
+Motion SelectFrames(const Motion& motion, const std::vector<int>& frames, const RigidTransform& target_from_world);
 /// All frames.
-Motion Seen(const Motion& motion, const RigidTransform& target_from_world);
+Motion SelectFrames(const Motion& motion, const RigidTransform& target_from_world);
 
-/// As a camera sees it whose clock is late by so many seconds: between two frames rotations by slerp, the root on a
-/// line.
-Motion Later(const Motion& motion, double seconds);
+/// The motion as recorded by a camera with this clock offset in seconds: rotations by slerp between frames, the root
+/// linearly.
+Motion DelayBy(const Motion& motion, double seconds);
 
-/// x right, y down, z forward from x right, y up, z back: half a turn about x, both ways the same.
-RigidTransform HalfTurnAboutX();
+/// x right, y down, z forward from x right, y up, z back: half a rotation about x, its own inverse.
+RigidTransform HalfRotationAboutX();
 
 /// sensor_from_world, canonical axes, of a sensor at the origin that looks along -z and `tilt` radians down.
 RigidTransform LooksDown(double tilt);
@@ -44,7 +44,7 @@ std::vector<double> RotationVectors(const Motion& motion, int frame);
 
 std::string Digits(int number, int width);
 
-// One layout each: its files below the folder and the truth of its clips.
+// One function per layout: it writes the files below the folder and the truth of its clips.
 Status WriteHumanAct12Layout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);
 Status WritePhspdLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);
 Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);

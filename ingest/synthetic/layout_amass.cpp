@@ -19,7 +19,7 @@ constexpr std::int64_t kSequences = 5;
 constexpr std::size_t kPoseColumns = 156;  // SMPL-H: root, 21 of the body, two hands of 15
 constexpr std::size_t kBodyColumns = 66;
 
-/// HumanAct12's variants in BABEL's words.
+/// HumanAct12's variants with BABEL's labels.
 BabelWords WordsOfVariant(const HumanAct12Variant& variant) {
   const std::string label = variant.label;
   if (label == "warm_up") return {"warm up", {"exercise/training"}};
@@ -34,7 +34,7 @@ BabelWords WordsOfVariant(const HumanAct12Variant& variant) {
 Amass AmassOf(const Motion& motion) {
   // y up to z up: (x, y, z) -> (x, -z, y).
   const RigidTransform z_up{Quaterniond(Eigen::AngleAxisd(0.5 * kPi, Vector3d::UnitX())), Vector3d::Zero()};
-  const Motion seen = Seen(motion, z_up);
+  const Motion seen = SelectFrames(motion, z_up);
   Amass amass;
   amass.rate_hz = static_cast<double>(kAmassRateHz);
   amass.gender = "neutral";
@@ -77,8 +77,8 @@ BabelLabel LabelOfSpan(const BabelWords& words, const ScriptSpan& span, Random& 
   return label;
 }
 
-/// Labels of all actions, of the ways between them and of standing; not sorted, and now and then overlapping, as those
-/// of the real set.
+/// Labels of all actions, of the transitions between them and of standing; unsorted, and sometimes overlapping, as in
+/// the real set.
 BabelSequence AnnotationOf(const StudioOptions& options, const AnnotatedSequence& annotated, std::int64_t sid) {
   const PlannedSequence& sequence = annotated.sequence;
   Random random(static_cast<std::uint64_t>(options.seed), "studio.babel", sequence.Key());

@@ -10,7 +10,7 @@ constexpr std::int64_t kCmuRateHz = 12;
 constexpr double kCmuUnit = 0.0254 / 0.45;  // metres: that of the database's ASF files
 constexpr TakeRules kCmuTakes = {8, 17, static_cast<double>(kCmuRateHz), 0.2, 0.5};  // 1,088 clips of 8 classes
 
-/// The set's word for a class: "animal_behavior" -> "Animal Behavior".
+/// The set's name of a class: "animal_behavior" -> "Animal Behavior".
 std::string CmuText(const std::string& label) {
   std::string text = label;
   bool first = true;
@@ -43,7 +43,7 @@ Status WriteCmu8Layout(const StudioOptions& options, const std::vector<Actor>& a
     }
     ClipIdentity identity;
     identity.source = "cmu8";
-    identity.person = "unknown";  // the set does not tell
+    identity.person = "unknown";  // not stated by the set
     identity.recording = name;
     identity.end_frame = motion.frame_count();
     folder.AddTruth("P" + Digits(take.subject, 2), identity.id(), motion);

@@ -13,7 +13,7 @@ namespace {
 
 nlohmann::json VectorJson(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Camera from the rig's frame: x right, y down, z forward, where PHSPD's polarisation camera stands.
+/// Camera from the rig's frame: x right, y down, z forward, at PHSPD's polarisation camera.
 nlohmann::json ViewJson(const Camera& camera) {
   const RigidTransform camera_from_rig = camera.camera_from_world * Inverse(PhspdPolarFromWorld());
   const Matrix3d r = camera_from_rig.rotation.toRotationMatrix();
@@ -25,7 +25,7 @@ nlohmann::json ViewJson(const Camera& camera) {
           {"size", {camera.width, camera.height}}};
 }
 
-/// What happens frame by frame, in the rig's frame.
+/// The motion frame by frame, in the rig's frame.
 nlohmann::json TruthJson(const Actor& actor, const Motion& seen) {
   const Vector3d pelvis = actor.body == nullptr ? Vector3d(Vector3d::Zero()) : actor.rest.joints[0];
   nlohmann::json frames = nlohmann::json::array();
@@ -65,7 +65,7 @@ Status WriteViews(const StudioOptions& options, const Actor& actor, const Motion
   for (int f = 0; f < motion.frame_count(); ++f) {
     const std::string item = person + "/" + camera.name + "/" + std::to_string(f);
     const DepthImage image =
-        SensedMasked(body.Depth(motion, f, camera, rays), camera, rays, options.depth, options.seed, item);
+        SimulateMaskedDepth(body.Depth(motion, f, camera, rays), camera, rays, options.depth, options.seed, item);
     const Expected<std::string> png = EncodePng(image);
     if (!png) return Forward(png);
     const std::string name = "rendered_seq/" + person + "/depth/" + camera.name + "_" + Digits(f, 4) + ".png";
@@ -82,7 +82,7 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
   const RigFaults faults = FaultsOf(options.rig, rig, options.seed);
   for (const Camera& camera : rig) {
     if (camera.distortion.IsZero()) continue;
-    return Fail(ErrorCode::kConfig, "camera '" + camera.name + "' has a lens that the layout cannot tell", "rig.kind",
+    return Fail(ErrorCode::kConfig, "camera '" + camera.name + "' has a lens that the layout cannot store", "rig.kind",
                 "choose ring or phspd");
   }
   const std::size_t parts = rig.size() + 1;
@@ -93,9 +93,9 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
     const std::string person = sequence.Person();
     if (i % parts > 0) {
       const std::size_t k = i % parts - 1;
-      return WriteViews(options, actor, Later(motion, faults.clock_s[k]), faults.real[k], person, folder);
+      return WriteViews(options, actor, DelayBy(motion, faults.clock_s[k]), faults.real[k], person, folder);
     }
-    const Motion seen = Seen(motion, PhspdPolarFromWorld());
+    const Motion seen = SelectFrames(motion, PhspdPolarFromWorld());
     nlohmann::json document = {{"body", actor.body == nullptr ? "capsules" : "body_cc0"},
                                {"fps", kDepthSequenceHz},
                                {"frames", motion.frame_count()},
@@ -109,7 +109,7 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
     identity.person = person;
     identity.recording = person + ".seq_" + person;
     identity.end_frame = motion.frame_count();
-    folder.AddTruth(person, identity.id(), Seen(seen, HalfTurnAboutX()));
+    folder.AddTruth(person, identity.id(), SelectFrames(seen, HalfRotationAboutX()));
     return folder.Write("rendered_seq/" + person + "/seq_" + person + ".json", document.dump(1) + "\n");
   });
 }

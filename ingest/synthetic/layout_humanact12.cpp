@@ -43,7 +43,7 @@ Status WriteHumanAct12Clips(const StudioOptions& options, const PlannedRecording
     }
     if (frames.empty()) continue;
     const std::string name = HumanAct12Name(recording, cut);
-    const Motion seen = Seen(motion, frames, colour.camera_from_world);
+    const Motion seen = SelectFrames(motion, frames, colour.camera_from_world);
     HumanAct12Clip clip = HumanAct12ClipOf(seen, cut);
     const std::string npy = WriteNpy({{clip.frames, kPhspdJoints, 3}, "<f8", clip.joints, {}});
     if (Status written = folder.Write(folder_name + "/" + name + ".npy", npy); !written) return written;
@@ -52,7 +52,7 @@ Status WriteHumanAct12Clips(const StudioOptions& options, const PlannedRecording
     identity.person = person;
     identity.recording = name;
     identity.end_frame = static_cast<int>(frames.size());
-    folder.AddTruth(person, identity.id(), Seen(seen, HalfTurnAboutX()));
+    folder.AddTruth(person, identity.id(), SelectFrames(seen, HalfRotationAboutX()));
     published.emplace_back(name, std::move(clip));
   }
   return {};

@@ -29,7 +29,7 @@ Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& a
   Random room(static_cast<std::uint64_t>(options.seed), "studio.room");
   const double height = room.Uniform(0.7, 1.0);
   const double away = room.Uniform(2.4, 2.9);
-  // The sensor's own place in canonical axes: the subject in front of it at -z.
+  // The sensor's own frame in canonical axes: the subject in front of it at -z.
   const RigidTransform sensor_from_world =
       LooksDown(options.tilt) * RigidTransform{Quaterniond::Identity(), Vector3d(0.0, -height, -away)};
   return folder.ForEach(takes->size(), [&](std::size_t i) -> Status {
@@ -37,11 +37,11 @@ Status WriteKardLayout(const StudioOptions& options, const std::vector<Actor>& a
     const Actor& actor = actors[static_cast<std::size_t>(take.subject - 1)];
     const std::string person = "s" + Digits(take.subject, 2);
     const std::string recording = "a" + Digits(take.kind->id, 2) + "_" + person + "_e" + Digits(take.repetition, 2);
-    const Motion motion =
-        Seen(PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kKardRateHz, 1}), sensor_from_world);
+    const Motion motion = SelectFrames(
+        PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kKardRateHz, 1}), sensor_from_world);
     const std::vector<std::string> names = NamesOf(KardPlaces());
     TrackedTake tracked = Track(PlacesOf(motion, KardPlaces()), names, options.tracker, options.seed, recording);
-    GuessUnseen(options.tracker, options.seed, recording, tracked);  // the set has no word for what was not seen
+    ExtrapolateMissing(options.tracker, options.seed, recording, tracked);  // the set cannot mark missing joints
     JointTable table;
     table.frames = motion.frame_count();
     table.rows_per_frame = static_cast<int>(names.size());

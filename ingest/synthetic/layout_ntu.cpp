@@ -2,7 +2,8 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "core/body/flesh_body.h"
+#include "core/base/renamed.h"
+#include "core/body/capsule_body.h"
 #include "core/formats/ntu_skeleton.h"
 #include "core/formats/png.h"
 #include "core/motion/kinematics.h"
@@ -19,28 +20,28 @@ namespace mocurate {
 namespace {
 
 constexpr std::int64_t kNtuRateHz = 30;
-constexpr std::uint64_t kFirstBody = 72057594037927936u;  // ids of the sensor begin here
+constexpr std::uint64_t kFirstBody = 72057594037927936u;  // first id of the sensor
 constexpr double kColourFocal = 1050.0;
 constexpr double kColourShift = 0.052;  // metres from the depth to the colour camera
 
-/// One of the three sensors of a set-up: on a line of sight at -45, 0 and 45 degrees, all at one height.
+/// One of the three sensors of a set-up: at -45, 0 and 45 degrees, all at one height.
 Camera SensorOf(std::int64_t seed, int camera) {
   Random random(static_cast<std::uint64_t>(seed), "studio.setup");
   RigOptions ring;
   ring.cameras = 8;
   ring.radius = random.Uniform(2.8, 3.6);
   ring.height = random.Uniform(0.9, 1.5);
-  // Camera 1 sees from half the side, 2 and 3 from the front and from the side of who faces them.
+  // Camera 1 looks from 45 degrees, 2 and 3 from the front and the side of a person facing them.
   const std::array<std::size_t, 3> place = {0, 7, 1};
   Camera sensor = RingRig(ring, SensorKind::kDepth)[place[static_cast<std::size_t>(camera - 1)]];
   sensor.name = "C" + Digits(camera, 3);
   return sensor;
 }
 
-/// Which places are hidden from a camera by the body itself: flesh comes before them by more than their own.
+/// Points that the body itself occludes from a camera, by capsules other than their own.
 std::vector<std::uint8_t> HiddenPlaces(const BodyView& view, const Motion& motion, const JointPositions& places,
                                        const Camera& camera) {
-  constexpr double kOwnFlesh = 0.16;  // metres in front of a joint that belong to it
+  constexpr double kOwnSurface = 0.16;  // metres in front of a joint that count as its own surface
   std::vector<std::uint8_t> hidden;
   for (int f = 0; f < places.frames; ++f) {
     std::vector<PosedCapsule> capsules = view.Capsules(motion, f);
@@ -50,13 +51,13 @@ std::vector<std::uint8_t> HiddenPlaces(const BodyView& view, const Motion& motio
     }
     for (int k = 0; k < places.joints; ++k) {
       const Vector3d at = camera.camera_from_world * places.at(f, k);
-      hidden.push_back(FirstEntry(capsules, at) < 1.0 - kOwnFlesh / at.norm() ? 1 : 0);
+      hidden.push_back(FirstRayHit(capsules, at) < 1.0 - kOwnSurface / at.norm() ? 1 : 0);
     }
   }
   return hidden;
 }
 
-/// A point of the camera's frame in the sensor's own: x to its left, y up, z away. Its images are mirrored likewise.
+/// A point of the camera's frame in the sensor's: x to its left, y up, z away. Its images are mirrored likewise.
 Vector3d InSensor(const Vector3d& in_camera) { return {-in_camera.x(), -in_camera.y(), in_camera.z()}; }
 
 void PutPixels(const Camera& camera, NtuJoint& joint) {
@@ -101,7 +102,7 @@ NtuBody BodyAt(const View& view, const Motion& motion, const TrackedTake& tracke
   return body;
 }
 
-/// Float32, as the sensor gives its numbers, in seven digits.
+/// Float32 in seven digits, as the sensor writes its numbers.
 double SevenDigits(double value) {
   if (value == 0.0) return 0.0;
   const double step = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 6.0);
@@ -117,15 +118,15 @@ void RoundAll(NtuBody& body) {
   }
 }
 
-/// Furniture that the sensor took for somebody: hardly moves, comes and goes.
-void AddGhost(const StudioOptions& options, const std::string& item, const Camera& camera, NtuSkeleton& skeleton) {
-  Random random(static_cast<std::uint64_t>(options.seed), "studio.ghost", item);
-  if (random.Uniform() >= options.ghost_share || skeleton.frames.empty()) return;
-  NtuBody ghost = skeleton.frames.front().front();
-  ghost.id = kFirstBody + 60000 + random.Below(1000);
+/// A false track: furniture that the sensor took for a person; hardly moves, appears and disappears.
+void AddFalseTrack(const StudioOptions& options, const std::string& item, const Camera& camera, NtuSkeleton& skeleton) {
+  Random random(static_cast<std::uint64_t>(options.seed), kFalseTrackStream, item);
+  if (random.Uniform() >= options.false_track_share || skeleton.frames.empty()) return;
+  NtuBody false_track = skeleton.frames.front().front();
+  false_track.id = kFirstBody + 60000 + random.Below(1000);
   const double side = random.Uniform() < 0.5 ? -1.0 : 1.0;
   const Vector3d away(side * random.Uniform(0.9, 1.4), random.Uniform(-0.4, 0.1), random.Uniform(0.3, 0.8));
-  for (NtuJoint& joint : ghost.joints) {
+  for (NtuJoint& joint : false_track.joints) {
     joint.x_m += away.x() + random.Uniform(-0.08, 0.08);
     joint.y_m = 0.6 * joint.y_m + away.y() + random.Uniform(-0.08, 0.08);
     joint.z_m += away.z() + random.Uniform(-0.08, 0.08);
@@ -135,7 +136,7 @@ void AddGhost(const StudioOptions& options, const std::string& item, const Camer
   const std::size_t begin = random.Below(std::max<std::size_t>(1, count / 2));
   const std::size_t end = begin + 1 + random.Below(count - begin);
   for (std::size_t f = begin; f < std::min(end, count); ++f) {
-    NtuBody body = ghost;
+    NtuBody body = false_track;
     for (NtuJoint& joint : body.joints) {
       joint.x_m += 0.002 * random.Normal();
       joint.y_m += 0.002 * random.Normal();
@@ -147,14 +148,14 @@ void AddGhost(const StudioOptions& options, const std::string& item, const Camer
   }
 }
 
-/// MDepth-%08d.png of every frame: mirrored as the sensor's images are, 0 where nobody is.
+/// MDepth-%08d.png of every frame: mirrored as the sensor's images are, 0 outside the body.
 Status WriteMaskedDepth(const StudioOptions& options, const BodyView& body, const Motion& motion, const Camera& camera,
                         const std::string& recording, StudioFolder& folder) {
   const std::vector<Vector2d> rays = PixelRays(camera);
   for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
     const std::vector<float> depth = body.Depth(motion, f, camera, rays);
-    const DepthImage image =
-        Mirrored(SensedMasked(depth, camera, rays, options.depth, options.seed, recording + "/" + std::to_string(f)));
+    const DepthImage image = Mirrored(
+        SimulateMaskedDepth(depth, camera, rays, options.depth, options.seed, recording + "/" + std::to_string(f)));
     const Expected<std::string> png = EncodePng(image);
     if (!png) return Forward(png);
     const std::string name = "nturgb+d_depth_masked/" + recording + "/MDepth-" + Digits(f + 1, 8) + ".png";
@@ -187,12 +188,12 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
     // The first repetition faces camera 2, the second camera 3.
     script.heading += view.take->repetition % 2 == 1 ? -0.25 * kPi : 0.25 * kPi;
     const Motion motion =
-        Later(PerformScript(script, actor.subject, actor.skeleton, FrameRate{kNtuRateHz, 1}), faults.clock_s[sensor]);
+        DelayBy(PerformScript(script, actor.subject, actor.skeleton, FrameRate{kNtuRateHz, 1}), faults.clock_s[sensor]);
     const std::string recording = view.name.Text();
     const BodyView body(actor);
     const JointPositions places = PlacesOf(motion, Kinect25Places());
     TrackedTake tracked = Track(places, NamesOf(Kinect25Places()), options.tracker, options.seed, recording);
-    GuessUnseen(options.tracker, options.seed, recording, tracked);
+    ExtrapolateMissing(options.tracker, options.seed, recording, tracked);
     const std::vector<std::uint8_t> hidden = HiddenPlaces(body, motion, places, camera);
     NtuSkeleton skeleton;
     for (int f = 0; f < motion.frame_count(); ++f) {
@@ -200,7 +201,7 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
       RoundAll(at);
       skeleton.frames.push_back({at});
     }
-    AddGhost(options, recording, camera, skeleton);
+    AddFalseTrack(options, recording, camera, skeleton);
     Status written = folder.Write("nturgb+d_skeletons/" + recording + ".skeleton", WriteNtuSkeleton(skeleton));
     if (!written) return written;
     ClipIdentity identity;
@@ -208,7 +209,8 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
     identity.person = "P" + Digits(view.take->subject, 3);
     identity.recording = recording;
     identity.end_frame = motion.frame_count();
-    folder.AddTruth(identity.person, identity.id(), Seen(motion, HalfTurnAboutX() * camera.camera_from_world));
+    folder.AddTruth(identity.person, identity.id(),
+                    SelectFrames(motion, HalfRotationAboutX() * camera.camera_from_world));
     if (!options.depth.enabled) return {};
     return WriteMaskedDepth(options, body, motion, camera, recording, folder);
   });

@@ -44,13 +44,14 @@ std::vector<SetClass> Classes() {
   return classes;
 }
 
-/// What one camera's detector says of a take, frame by frame; `take` is its folder.
+/// One camera's detections of a take, frame by frame; `take` is its folder.
 Status WriteKeypoints(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
                       const std::string& folder_name, const std::string& take, StudioFolder& folder) {
   const BodyView body(actor);
   const JointPositions places = PlacesOf(motion, Body25Places());
-  // Somebody else stands behind the subject all the time and is found now and then.
-  const Motion other = Seen(motion, std::vector<int>(1, 0), {Quaterniond::Identity(), Vector3d(1.1, 0.0, -1.2)});
+  // A bystander stands behind the subject all the time and is detected in some frames.
+  const Motion other =
+      SelectFrames(motion, std::vector<int>(1, 0), {Quaterniond::Identity(), Vector3d(1.1, 0.0, -1.2)});
   const JointPositions other_places = PlacesOf(other, Body25Places());
   for (int f = 0; f < motion.frame_count(); ++f) {
     const std::string item = take + "/" + camera.name + "/" + std::to_string(f);
@@ -76,8 +77,8 @@ Status WriteTakeDepth(const StudioOptions& options, const Actor& actor, const Mo
   const BodyView body(actor);
   for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
     const std::string item = take + "/" + camera.name + "/" + std::to_string(f);
-    const Expected<std::string> png =
-        EncodePng(SensedMasked(body.Depth(motion, f, camera, rays), camera, rays, options.depth, options.seed, item));
+    const Expected<std::string> png = EncodePng(
+        SimulateMaskedDepth(body.Depth(motion, f, camera, rays), camera, rays, options.depth, options.seed, item));
     if (!png) return Forward(png);
     const std::string name = folder_name + "/" + take + "/depth/" + camera.name + "_" + Digits(f, 4) + ".png";
     if (Status written = folder.Write(name, *png); !written) return written;
@@ -85,7 +86,7 @@ Status WriteTakeDepth(const StudioOptions& options, const Actor& actor, const Mo
   return {};
 }
 
-/// Takes before colour cameras, and depth cameras where there are any; one calibration of all.
+/// Takes for the colour cameras, and the depth cameras where there are any; one calibration of all.
 Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors, const std::string& source,
                   const std::vector<Camera>& depth, StudioFolder& folder) {
   const Expected<std::vector<PlannedTake>> takes = PlanVariantTakes(options);
@@ -111,7 +112,7 @@ Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors
       identity.end_frame = motion.frame_count();
       folder.AddTruth(person, identity.id(), motion);
     }
-    const Motion seen = Later(motion, faults.clock_s[view]);
+    const Motion seen = DelayBy(motion, faults.clock_s[view]);
     return view < colour ? WriteKeypoints(options, actor, seen, faults.real[view], source, name, folder)
                          : WriteTakeDepth(options, actor, seen, faults.real[view], source, name, folder);
   });

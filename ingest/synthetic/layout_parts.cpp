@@ -8,7 +8,7 @@
 namespace mocurate {
 namespace {
 
-/// Shape coefficients of somebody: between the man and the woman, and a little of what bodies differ in otherwise.
+/// Shape coefficients of a person: between man and woman, with small random variation in the others.
 std::vector<double> ShapeOf(const BodyTemplate& body, std::int64_t seed, const std::string& subject) {
   Random random(static_cast<std::uint64_t>(seed), "studio.shape", subject);
   std::vector<double> shape(body.shape_names.size(), 0.0);
@@ -53,7 +53,7 @@ Expected<std::vector<Actor>> ActorsOf(const StudioOptions& options, std::int64_t
   return actors;
 }
 
-Motion Seen(const Motion& motion, const std::vector<int>& frames, const RigidTransform& target_from_world) {
+Motion SelectFrames(const Motion& motion, const std::vector<int>& frames, const RigidTransform& target_from_world) {
   std::vector<Vector3d> root;
   std::vector<Quaterniond> rotation;
   for (const int f : frames) {
@@ -68,13 +68,13 @@ Motion Seen(const Motion& motion, const std::vector<int>& frames, const RigidTra
   return MakeMotion(motion.skeleton, motion.rate, std::move(root), std::move(rotation), motion.bone_length);
 }
 
-Motion Seen(const Motion& motion, const RigidTransform& target_from_world) {
+Motion SelectFrames(const Motion& motion, const RigidTransform& target_from_world) {
   std::vector<int> frames(static_cast<std::size_t>(motion.frame_count()));
   std::iota(frames.begin(), frames.end(), 0);
-  return Seen(motion, frames, target_from_world);
+  return SelectFrames(motion, frames, target_from_world);
 }
 
-Motion Later(const Motion& motion, double seconds) {
+Motion DelayBy(const Motion& motion, double seconds) {
   if (seconds == 0.0) return motion;
   std::vector<Vector3d> root;
   std::vector<Quaterniond> rotation;
@@ -96,7 +96,7 @@ RigidTransform LooksDown(double tilt) {
   return {Quaterniond(Eigen::AngleAxisd(tilt, Vector3d::UnitX())), Vector3d::Zero()};
 }
 
-RigidTransform HalfTurnAboutX() { return {Quaterniond(0.0, 1.0, 0.0, 0.0), Vector3d::Zero()}; }
+RigidTransform HalfRotationAboutX() { return {Quaterniond(0.0, 1.0, 0.0, 0.0), Vector3d::Zero()}; }
 
 std::vector<double> RotationVectors(const Motion& motion, int frame) {
   std::vector<double> vectors;

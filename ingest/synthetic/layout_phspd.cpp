@@ -45,8 +45,8 @@ Status WriteViewDepth(const StudioOptions& options, const Actor& actor, const Mo
   const std::string view = "view" + camera.name.substr(1);
   for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
     const std::string item = recording + "/" + camera.name + "/" + std::to_string(f);
-    const DepthImage image =
-        Mirrored(Sensed(body.Depth(motion, f, camera, rays), room, camera, rays, options.depth, options.seed, item));
+    const DepthImage image = Mirrored(
+        SimulateDepth(body.Depth(motion, f, camera, rays), room, camera, rays, options.depth, options.seed, item));
     const Expected<std::string> png = EncodePng(image);
     if (!png) return Forward(png);
     Status written =
@@ -56,7 +56,7 @@ Status WriteViewDepth(const StudioOptions& options, const Actor& actor, const Mo
   return {};
 }
 
-/// A recording's clips, its annotation and its views are written by four items, so that several threads share one.
+/// Four items write a recording's clips, its annotation and its views, so that several threads share one recording.
 Status WriteRecording(const StudioOptions& options, const PlannedRecording& planned, const Actor& actor,
                       const Motion& motion, int part, StudioFolder& folder) {
   const std::string recording = PhspdRecording{planned.subject, planned.group, planned.time}.Name();
@@ -65,9 +65,9 @@ Status WriteRecording(const StudioOptions& options, const PlannedRecording& plan
     const std::vector<Camera> depth = {rig[1], rig[2], rig[3]};
     const RigFaults faults = FaultsOf(options.rig, depth, options.seed);
     const auto k = static_cast<std::size_t>(part - 1);
-    return WriteViewDepth(options, actor, Later(motion, faults.clock_s[k]), faults.real[k], recording, folder);
+    return WriteViewDepth(options, actor, DelayBy(motion, faults.clock_s[k]), faults.real[k], recording, folder);
   }
-  const Motion seen = Seen(motion, rig[0].camera_from_world);
+  const Motion seen = SelectFrames(motion, rig[0].camera_from_world);
   Status annotated = WriteAnnotation(seen, AnnotatedFrames(options, planned), recording, folder);
   if (!annotated) return annotated;
   ClipIdentity identity;
@@ -75,7 +75,7 @@ Status WriteRecording(const StudioOptions& options, const PlannedRecording& plan
   identity.person = "subject" + Digits(planned.subject, 2);
   identity.recording = recording;
   identity.end_frame = motion.frame_count();
-  folder.AddTruth(identity.person, identity.id(), Seen(seen, HalfTurnAboutX()));
+  folder.AddTruth(identity.person, identity.id(), SelectFrames(seen, HalfRotationAboutX()));
   std::vector<std::pair<std::string, HumanAct12Clip>> published;
   return WriteHumanAct12Clips(options, planned, motion, "phspd/HumanAct12", folder, published);
 }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMicrometres = 1e6;
 
-/// One row "x y z confidence" per joint, metres, "0 0 0 0" for what was not seen.
+/// One row "x y z confidence" per joint, metres, "0 0 0 0" for a missing joint.
 std::string TracksText(const TrackedTake& tracked) {
   JointTable table;
   table.frames = tracked.positions.frames;
@@ -37,7 +37,7 @@ Status WriteTracksLayout(const StudioOptions& options, const std::vector<Actor>&
     const PlannedTake& take = (*takes)[i];
     const Actor& actor = actors[static_cast<std::size_t>(take.subject - 1)];
     Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kVariantRateHz, 1});
-    if (options.tilt != 0.0) motion = Seen(motion, LooksDown(options.tilt));
+    if (options.tilt != 0.0) motion = SelectFrames(motion, LooksDown(options.tilt));
     ClipIdentity identity;
     identity.source = "tracks";
     identity.person = "p" + Digits(take.subject, 2);

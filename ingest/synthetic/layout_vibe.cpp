@@ -14,12 +14,12 @@ namespace {
 constexpr std::int64_t kVibeRateHz = 30;
 constexpr int kViews = 8;  // of UESTC's second camera; the ninth moves
 
-/// Before a level camera at `height` metres, `away` metres off, that sees the subject turned by `turned` about the
-/// vertical. Camera axes: x right, y down, z forward.
+/// From the world to a level camera at `height` metres and `away` metres distance, with the subject rotated by `turned`
+/// about the vertical. Camera axes: x right, y down, z forward.
 RigidTransform CameraFromWorld(double height, double away, double turned) {
   const RigidTransform turn{Quaterniond(Eigen::AngleAxisd(turned, Vector3d::UnitY())), Vector3d::Zero()};
   const RigidTransform shift{Quaterniond::Identity(), Vector3d(0.0, -height, -away)};
-  return HalfTurnAboutX() * shift * turn;
+  return HalfRotationAboutX() * shift * turn;
 }
 
 ClipIdentity IdentityOf(const std::string& source, const std::string& person, const std::string& recording,
@@ -32,7 +32,7 @@ ClipIdentity IdentityOf(const std::string& source, const std::string& person, co
   return identity;
 }
 
-/// A video of UESTC: both cameras see each take, the second from one of eight sides.
+/// A video of UESTC: both cameras record each take, the second from one of eight sides.
 struct Video {
   UestcVideo name;
   const PlannedTake* take = nullptr;
@@ -59,21 +59,22 @@ std::vector<Video> VideosOf(const std::vector<PlannedTake>& takes) {
   return videos;
 }
 
-/// World (canonical axes) from the video's camera: the set's own reading turns side 2 back by its view.
+/// World (canonical axes) from the video's camera: the set's own reader rotates side 2 back by its view.
 RigidTransform TurnedBack(const Video& video) {
   const double back = video.name.side == 1 ? 0.0 : 0.25 * kPi * video.name.view;
-  return RigidTransform{Quaterniond(Eigen::AngleAxisd(back, Vector3d::UnitY())), Vector3d::Zero()} * HalfTurnAboutX();
+  return RigidTransform{Quaterniond(Eigen::AngleAxisd(back, Vector3d::UnitY())), Vector3d::Zero()} *
+         HalfRotationAboutX();
 }
 
-/// What happens in a video, in its camera's axes. The second camera stands higher and nearer.
+/// The motion of a video, in its camera's axes. The second camera stands higher and nearer.
 Motion SeenIn(const Video& video, const Motion& motion) {
-  if (video.name.side == 1) return Seen(motion, CameraFromWorld(1.1, 3.6, 0.0));
-  return Seen(motion, CameraFromWorld(1.25, 3.3, -0.25 * kPi * video.name.view));
+  if (video.name.side == 1) return SelectFrames(motion, CameraFromWorld(1.1, 3.6, 0.0));
+  return SelectFrames(motion, CameraFromWorld(1.25, 3.3, -0.25 * kPi * video.name.view));
 }
 
 void AddVideoTruth(const Video& video, const char* source, const Motion& seen, StudioFolder& folder) {
   const ClipIdentity identity = IdentityOf(source, video.Person(), video.Recording(), seen.frame_count());
-  folder.AddTruth(video.Person(), identity.id(), Seen(seen, TurnedBack(video)));
+  folder.AddTruth(video.Person(), identity.id(), SelectFrames(seen, TurnedBack(video)));
 }
 
 /// Frames [begin, end) of a track under another id.
@@ -96,21 +97,22 @@ VibeTrack Piece(const VibeTrack& whole, std::int64_t id, std::size_t begin, std:
 
 constexpr std::size_t kLost = 3;  // frames between two ids of one person
 
-/// The performer's track; where somebody stood by, of two ids, and that person's.
+/// The performer's track; in files with a bystander, under two ids, with the bystander's track.
 std::vector<VibeTrack> VibeTracksOf(const Video& video, const Actor& bystander, const Motion& seen,
                                     const StudioOptions& options) {
   const Vector2d image_centre(480.0, 270.0);
   const std::string name = video.name.Name();
   VibeTrack whole = VibeTrackOf(seen, options.tracker, options.seed, name, image_centre);
   Random random(static_cast<std::uint64_t>(options.seed), "studio.bystander", name);
-  if (random.Uniform() >= options.ghost_share || whole.frames < 4 * kLost) return {std::move(whole)};
+  if (random.Uniform() >= options.false_track_share || whole.frames < 4 * kLost) return {std::move(whole)};
   Script standing;
   standing.frames = seen.frame_count();
   standing.sway_phase = random.Uniform(0.0, 2.0 * kPi);
   const Motion other = PerformScript(standing, bystander.subject, bystander.skeleton, FrameRate{kVibeRateHz, 1});
   RigidTransform aside = CameraFromWorld(1.1, 4.4, 0.0);
   aside.translation.x() += random.Uniform() < 0.5 ? -1.5 : 1.5;
-  VibeTrack theirs = VibeTrackOf(Seen(other, aside), options.tracker, options.seed, name + "/bystander", image_centre);
+  VibeTrack theirs =
+      VibeTrackOf(SelectFrames(other, aside), options.tracker, options.seed, name + "/bystander", image_centre);
   theirs.id = 2;
   const std::size_t lost = whole.frames / 2;
   return {Piece(whole, 1, 0, lost), std::move(theirs), Piece(whole, 3, lost + kLost, whole.frames)};
@@ -180,14 +182,14 @@ Status WriteNtuVibeLayout(const StudioOptions& options, const std::vector<Actor>
     const std::string recording =
         NtuName{FirstSetupOf(take.kind->id), 1, take.subject, take.repetition, take.kind->id}.Text();
     const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kVibeRateHz, 1});
-    const Motion seen = Seen(motion, CameraFromWorld(1.2, 3.4, 0.0));
+    const Motion seen = SelectFrames(motion, CameraFromWorld(1.2, 3.4, 0.0));
     const VibeTrack track = VibeTrackOf(seen, options.tracker, options.seed, recording);
     names[i] = recording + ".pkl";
     const Expected<std::string> bytes = EncodeVibeTracks({track}, names[i]);
     if (!bytes) return Forward(bytes);
     if (Status written = folder.Write("ntu13/" + names[i], *bytes); !written) return written;
     folder.AddTruth(person, IdentityOf("ntu13", person, recording, motion.frame_count()).id(),
-                    Seen(seen, HalfTurnAboutX()));
+                    SelectFrames(seen, HalfRotationAboutX()));
     return {};
   });
   if (!done) return done;

@@ -14,7 +14,7 @@ namespace {
 
 std::string TwoDigits(int number) { return (number < 10 ? "0" : "") + std::to_string(number); }
 
-/// Which lengths of a body vary together.
+/// Groups of body lengths that vary together.
 enum BodyPart { kLegs, kArms, kTrunk, kWidth, kHead, kPartCount };
 
 BodyPart PartOf(const std::string& joint) {
@@ -27,19 +27,19 @@ BodyPart PartOf(const std::string& joint) {
 
 double Around(Random& random, double middle, double spread) { return random.Uniform(middle - spread, middle + spread); }
 
-/// Place and heading of a take, and how its time runs.
+/// Position and heading of a take, and its time scale.
 struct Staging {
   Manner manner;
   double lead_s = 0.3;
   int frames = 0;
   double heading = 0.0;               ///< of the person, 0: towards the sensor
-  Vector3d place = Vector3d::Zero();  ///< of the pelvis above the floor in frame 0, the sensor's place
+  Vector3d place = Vector3d::Zero();  ///< of the pelvis above the floor in frame 0, in the sensor's frame
   double floor = 0.0;                 ///< height of the floor
   double sway_phase = 0.0;
 };
 
 Staging Stage(const SyntheticOptions& options, const Take& take, const Subject& subject) {
-  // The sensor stands in one place for the whole capture; its yaw shows as a heading of everything it sees.
+  // The sensor stays in one position for the whole capture; its yaw appears as a heading of every take.
   Random room(static_cast<std::uint64_t>(options.seed), "studio.room");
   const double sensor_height = room.Uniform(0.9, 1.2);
   const double sensor_yaw = Around(room, 0.0, 0.3);
@@ -97,7 +97,7 @@ Pose StandingPose(const Subject& subject, double time_s, double sway_phase) {
   }
   pose.trunk_bend = subject.stoop + 0.01 * breath;
   pose.trunk_side = 0.012 * sway;
-  pose.head_turn = 0.05 * sway;
+  pose.head_rotation = 0.05 * sway;
   return pose;
 }
 

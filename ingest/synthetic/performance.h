@@ -19,10 +19,10 @@ struct Subject {
   double arm_abduct = 0.15;  ///< of a standing person, radians
   double elbow = 0.25;
   double stoop = 0.0;
-  double knee = 0.0;  ///< bent further than straight, radians; of scripts alone
+  double knee = 0.0;  ///< flexion when standing, radians; of scripts only
 };
 
-/// Where one take stands in the capture.
+/// One take of the capture.
 struct Take {
   std::string action;
   int subject = 0;     ///< from 0
@@ -35,15 +35,15 @@ struct Take {
 /// All takes, sorted by file name.
 std::vector<Take> Takes(const SyntheticOptions& options);
 
-/// The bodies differ in stature (0.90 to 1.10 of the skeleton's, one step of it each) and in the proportions of legs,
-/// arms, trunk, width and head (5 % each).
+/// The bodies differ in stature (0.90 to 1.10 of the skeleton's, in equal steps) and in the proportions of legs, arms,
+/// trunk, width and head (5 % each).
 std::vector<Subject> Cast(std::int64_t seed, std::int64_t subjects, const Skeleton& skeleton);
 
-/// How the subject stands at a moment: never quite still, and breathing.
+/// Pose of the standing subject at a moment: small sway, and breathing.
 Pose StandingPose(const Subject& subject, double time_s, double sway_phase);
 
-/// What really happens in a take: in the sensor's own place, canonical axes (right-handed, y up, origin at the sensor,
-/// the person in front of it at -z). The standing foot stays where it is.
+/// The true motion of a take in the sensor's frame: canonical axes (right-handed, y up, origin at the sensor, the
+/// person in front of it at -z). The standing foot stays where it is.
 Motion PerformTake(const SyntheticOptions& options, const Take& take, const Subject& subject,
                    const SkeletonPtr& skeleton);
 

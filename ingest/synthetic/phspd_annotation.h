@@ -10,7 +10,7 @@
 
 namespace mocurate {
 
-/// What happens in a recording, in the studio's world, at 15 Hz.
+/// The motion of a recording, in the studio's world, at 15 Hz.
 Motion PerformRecording(const PlannedRecording& recording, const std::vector<Actor>& actors);
 
 /// Frames of a recording that PHSPD annotated: all but some runs of frames. Sorted.

@@ -16,7 +16,7 @@ Quaterniond AboutX(double angle) { return Quaterniond(Eigen::AngleAxisd(angle, V
 Quaterniond AboutY(double angle) { return Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitY())); }
 Quaterniond AboutZ(double angle) { return Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitZ())); }
 
-/// Own names only: a synonym is another joint's part.
+/// Own names only: a synonym may be another joint's name.
 bool HasJoint(const Skeleton& skeleton, const std::string& name) {
   return std::any_of(skeleton.joints.begin(), skeleton.joints.end(),
                      [&](const Joint& joint) { return joint.name == name; });
@@ -41,23 +41,23 @@ class Rotations {
 std::vector<Quaterniond> RotationsOf(const Pose& pose, const Skeleton& skeleton) {
   Rotations rotations(skeleton);
   rotations.Set(skeleton.joints[0].name, AboutY(pose.yaw) * AboutX(pose.lean));
-  // The trunk bends at two or three places alike, the head turns at one or two.
+  // The trunk bends equally at two or three joints, the head rotates at one or two.
   const bool has_spines = HasJoint(skeleton, "spine3");
   const double share = has_spines ? 1.0 / 3.0 : 0.5;
   const Quaterniond part =
       AboutY(share * pose.trunk_twist) * AboutZ(-share * pose.trunk_side) * AboutX(share * pose.trunk_bend);
   if (has_spines) {
     for (const char* joint : {"spine1", "spine2", "spine3"}) rotations.Set(joint, part);
-    const Quaterniond half = AboutY(0.5 * pose.head_turn) * AboutX(0.5 * pose.head_nod);
+    const Quaterniond half = AboutY(0.5 * pose.head_rotation) * AboutX(0.5 * pose.head_nod);
     for (const char* joint : {"neck", "head"}) rotations.Set(joint, half);
   } else {
     rotations.Set("spine", part);
     rotations.Set("shoulder_center", part);
-    rotations.Set("head", AboutY(pose.head_turn) * AboutX(pose.head_nod));
+    rotations.Set("head", AboutY(pose.head_rotation) * AboutX(pose.head_nod));
   }
   for (int side = 0; side < 2; ++side) {
     const std::string prefix = side == 0 ? "left_" : "right_";
-    const double mirror = side == 0 ? 1.0 : -1.0;  // a mirror image turns the other way about y and z
+    const double mirror = side == 0 ? 1.0 : -1.0;  // a mirror image rotates the other way about y and z
     const ArmPose& arm = pose.arm[side];
     const Quaterniond upper_arm =
         AboutX(-arm.flex) * AboutZ(mirror * arm.abduct) * AboutY(mirror * arm.twist) * AboutZ(-mirror * kRightAngle);

@@ -10,7 +10,7 @@ namespace mocurate {
 struct ArmPose {
   double flex = 0.0;    ///< raised to the front
   double abduct = 0.0;  ///< raised to its own side
-  double twist = 0.0;   ///< about itself: at a right angle a bent forearm points to its own side instead of forwards
+  double twist = 0.0;   ///< about its axis: at a right angle a bent forearm points sideways instead of forwards
   double elbow = 0.0;
   double wrist = 0.0;
 };
@@ -32,12 +32,12 @@ struct Pose {
   double trunk_twist = 0.0;  ///< right shoulder forwards
   double trunk_side = 0.0;   ///< to the right
   double head_nod = 0.0;
-  double head_turn = 0.0;      ///< to the left
+  double head_rotation = 0.0;  ///< to the left
   double lean = 0.0;           ///< of the pelvis, forwards
   double yaw = 0.0;            ///< of the whole body about +y
   double left_support = -1.0;  ///< share of the weight on the left foot; negative: on the lower one
   double height = 0.0;         ///< of the lowest foot above the floor, metres
-  double homing = 0.0;         ///< share of the way back to where the take began that is gone from the frame before
+  double homing = 0.0;         ///< share of the way back to the take's starting point since the previous frame
 };
 
 /// Rotations (J) of skeleton "kinect20" or "smpl24", parent_from_joint; for the root world_from_root with the person

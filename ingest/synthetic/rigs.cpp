@@ -126,7 +126,7 @@ const PhspdCalibration& PhspdCalibrationOf(int subject) {
 }
 
 RigidTransform PhspdPolarFromWorld() {
-  // x right, y down, z forward; the axes pass (0.118, -0.193, 4.381). From this height all see the feet.
+  // x right, y down, z forward; the axes meet at (0.118, -0.193, 4.381). From this height all cameras see the feet.
   return {Quaterniond(0.0, 1.0, 0.0, 0.0), Vector3d(0.118, 0.85, 4.381)};
 }
 
@@ -248,7 +248,7 @@ RigFaults FaultsOf(const RigOptions& options, const std::vector<Camera>& calibra
   if (options.moved > 0.0 && !calibrated.empty()) {
     Random random(static_cast<std::uint64_t>(seed), "studio.moved");
     const double way = random.Uniform(0.0, 2.0 * kPi);
-    // Pushed aside and turned a little: what a knock does to a tripod.
+    // Shifted sideways and slightly rotated: a tripod that was knocked.
     const RigidTransform knock{ExpQuaternion(0.3 * options.moved * Vector3d(random.Normal(), random.Normal(), 0.0)),
                                options.moved * Vector3d(std::cos(way), 0.0, std::sin(way))};
     faults.real.back().camera_from_world = knock * faults.real.back().camera_from_world;

@@ -27,15 +27,15 @@ struct PhspdCalibration {
 /// That of the subject, 1 to 12.
 const PhspdCalibration& PhspdCalibrationOf(int subject);
 
-/// Where the studio's world lies before the polarisation camera: the subject where the axes of all cameras meet, the
-/// camera level. A choice: the set does not publish its floor.
+/// Pose of the studio's world in the polarisation camera's frame: the subject where the axes of all cameras meet, the
+/// camera level. This is a choice: the set does not publish its floor.
 RigidTransform PhspdPolarFromWorld();
 
 /// p, d1, d2, d3, c1, c2, c3, with pinhole lenses.
 std::vector<Camera> PhspdRig(int subject);
 
-/// CamParamsNNNN.pkl: arrays of float32 under the set's keys. The boards p1w to p3w, of which the set has about 30, are
-/// three each around the subject.
+/// CamParamsNNNN.pkl: arrays of float32 under the set's keys. The boards p1w to p3w, of which the set has about 30
+/// each, are three each around the subject.
 Expected<std::string> EncodePhspdCalibration(const PhspdCalibration& calibration);
 
 /// Human3.6M's four cameras with their lenses, as calibrated for subject S1.
@@ -49,10 +49,10 @@ std::vector<Camera> RingRig(const RigOptions& options, SensorKind sensor);
 /// By RigOptions::kind; PHSPD's are those of subject 1.
 std::vector<Camera> RigOf(const RigOptions& options, SensorKind sensor);
 
-/// How the cameras of a capture fail to be what their calibration says.
+/// How the cameras of a capture deviate from their calibration.
 struct RigFaults {
-  std::vector<double> clock_s;  ///< camera k sees what happens this much later
-  std::vector<Camera> real;     ///< as they really stand
+  std::vector<double> clock_s;  ///< camera k's clock offset: it records this much later
+  std::vector<Camera> real;     ///< the true cameras
 };
 RigFaults FaultsOf(const RigOptions& options, const std::vector<Camera>& calibrated, std::int64_t seed);
 

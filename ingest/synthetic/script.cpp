@@ -9,9 +9,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSeatS = 1.5;       // sitting down or standing up takes at least so long
-constexpr double kTurnRate = 2.2;    // rad/s, of a standing person who turns
-constexpr double kLeastTurn = 0.25;  // radians that are turned without a step
+constexpr double kSeatS = 1.5;       // minimum time for sitting down or standing up
+constexpr double kTurnRate = 2.2;    // rad/s, of a standing person
+constexpr double kLeastTurn = 0.25;  // radians; smaller rotations need no step
 constexpr double kStepHz = 1.6;
 
 double Blend(double a, double b, double part) { return a + part * (b - a); }
@@ -38,14 +38,14 @@ Pose Blend(const Pose& a, const Pose& b, double part) {
   pose.trunk_twist = Blend(a.trunk_twist, b.trunk_twist, part);
   pose.trunk_side = Blend(a.trunk_side, b.trunk_side, part);
   pose.head_nod = Blend(a.head_nod, b.head_nod, part);
-  pose.head_turn = Blend(a.head_turn, b.head_turn, part);
+  pose.head_rotation = Blend(a.head_rotation, b.head_rotation, part);
   pose.lean = Blend(a.lean, b.lean, part);
   pose.yaw = Blend(a.yaw, b.yaw, part);
   pose.height = Blend(a.height, b.height, part);
   return pose;
 }
 
-/// Standing people shift, and never hold their arms quite still: slow waves that do not repeat within a take.
+/// Standing people shift and move their arms slightly: slow waves that do not repeat within a take.
 void Fidget(const Subject& subject, double time_s, double phase, Pose& pose) {
   const auto slow = [&](double hertz, double offset) {
     return std::sin(2.0 * kPi * hertz * time_s + offset + 2.3 * phase) +
@@ -62,7 +62,7 @@ void Fidget(const Subject& subject, double time_s, double phase, Pose& pose) {
   pose.trunk_bend += 0.02 * slow(0.17, 0.3);
   pose.trunk_twist += 0.03 * slow(0.21, 1.3);
   pose.trunk_side += 0.012 * slow(0.15, 2.3);
-  pose.head_turn += 0.07 * slow(0.18, 3.3);
+  pose.head_rotation += 0.07 * slow(0.18, 3.3);
   pose.head_nod += 0.03 * slow(0.24, 4.3);
 }
 

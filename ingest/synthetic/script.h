@@ -16,9 +16,9 @@ struct ScriptedAction {
   Manner manner;
 };
 
-/// What somebody performs, one action after the other. Between two actions, and before the first and after the last,
-/// they stand or sit as the actions ask for; they go from one to the next with minimum jerk, step back to where they
-/// began and turn to the heading again. Also a single action that begins with the first frame and ends with the last.
+/// A person's performance, one action after the other. Between two actions, and before the first and after the last,
+/// the person stands or sits as the actions require. Transitions have minimum jerk; the person steps back to the
+/// starting point and rotates to the heading again. A script may also be a single action over all frames.
 struct Script {
   int frames = 0;
   std::vector<ScriptedAction> actions;  ///< sorted, not overlapping
@@ -27,13 +27,13 @@ struct Script {
   double transition_s = 1.1;
 };
 
-/// A span of a script that is no action: the way to the next one.
+/// A span of a script that is no action: the transition to the next one.
 struct ScriptSpan {
   int begin = 0;
   int end = 0;
 };
 
-/// Frames in which the subject is on the way from an action to the next. (actions - 1), at most the gap between them.
+/// Frames of the transitions between actions. (actions - 1), at most the gap between them.
 std::vector<ScriptSpan> Transitions(const Script& script, FrameRate rate);
 
 /// Poses of every frame of the script.

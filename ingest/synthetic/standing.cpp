@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSupportSoft = 0.012;  // metres over which the weight goes from one foot to the other
+constexpr double kSupportSoft = 0.012;  // metres over which the weight shifts from one foot to the other
 
 /// Metres from a joint of a standing skeleton down to the floor.
 struct SoleHeights {
@@ -20,7 +20,7 @@ struct SoleHeights {
   double ball = 0.0;    ///< below the foot
 };
 
-/// kinect20 has its feet on the floor, smpl24 has flesh below them (FleshBody's capsules).
+/// kinect20 has its feet on the floor; smpl24 has the capsules of CapsuleBody below them.
 SoleHeights SolesOf(const Skeleton& skeleton) {
   return skeleton.name == "kinect20" ? SoleHeights{} : SoleHeights{0.073, 0.013};
 }
@@ -39,7 +39,7 @@ std::array<Vector3d, 4> Soles(const Skeleton& skeleton, const std::vector<Vector
   return soles;
 }
 
-/// Share of the weight on each point: almost all of it on the lowest ones.
+/// Share of the weight on each point: almost all on the lowest ones.
 std::array<double, 4> Weights(const std::array<Vector3d, 4>& soles) {
   double lowest = soles[0].y();
   for (const Vector3d& sole : soles) lowest = std::min(lowest, sole.y());
@@ -50,7 +50,7 @@ std::array<double, 4> Weights(const std::array<Vector3d, 4>& soles) {
   return weights;
 }
 
-/// Share of the weight on each point when the left foot carries `left`: heel and toe of a foot as they are low.
+/// Share of the weight on each point when the left foot carries `left`: between heel and toe by their height.
 std::array<double, 4> SharedWeights(const std::array<double, 4>& lowest, double left) {
   std::array<double, 4> weights = lowest;
   for (int side = 0; side < 2; ++side) {
@@ -61,7 +61,7 @@ std::array<double, 4> SharedWeights(const std::array<double, 4>& lowest, double 
   return weights;
 }
 
-/// A part of the body between two joints, sides apart, with its share of the weight (Winter 2009, table 4.1).
+/// A segment of the body between two joints, with its share of the weight (Winter 2009, table 4.1).
 struct WeighedPart {
   const char* from;
   const char* to;
@@ -75,7 +75,7 @@ constexpr WeighedPart kLimbs[] = {{"hip", "knee", 0.100, 0.433},
                                   {"elbow", "wrist", 0.022, 0.682}};
 constexpr double kHeadWeight = 0.081, kTrunkWeight = 0.497;
 
-/// How far the centre of mass lies above the root.
+/// Height of the centre of mass above the root.
 double CentreAboveRoot(const Skeleton& skeleton, const std::vector<Vector3d>& joints) {
   const auto height = [&](const std::string& name) {
     const std::optional<int> joint = skeleton.FindJoint(name);
@@ -92,8 +92,9 @@ double CentreAboveRoot(const Skeleton& skeleton, const std::vector<Vector3d>& jo
   return centre;
 }
 
-/// Nothing pulls a body down faster than it falls: where the legs would, the feet leave the floor for a moment, and the
-/// body flies as its last step threw it. `height`: of the centre of mass while the feet bear it (metres, a frame each).
+/// A body falls no faster than gravity allows. Where the legs would pull it down faster, the feet leave the floor for a
+/// moment and the body follows a ballistic path. `height`: of the centre of mass while the feet carry it (metres, one
+/// per frame).
 std::vector<double> NoFasterThanFall(const std::vector<double>& height, double frame_s) {
   std::vector<double> path = height;
   for (std::size_t f = 2; f < path.size(); ++f)

@@ -12,10 +12,10 @@
 namespace mocurate {
 namespace {
 
-/// Calls `take` for every take of a capture with what really happens in it.
+/// Calls `take` for every take of a capture with its true motion.
 Status ForEachTake(const SyntheticOptions& options, const std::function<Status(const Take&, Motion)>& use) {
   if (options.actions.empty()) {
-    return Fail(ErrorCode::kConfig, "no action is to be performed", "ingest.synthetic.actions", "e.g. [wave, kick]");
+    return Fail(ErrorCode::kConfig, "the list of actions is empty", "ingest.synthetic.actions", "e.g. [wave, kick]");
   }
   for (const std::string& action : options.actions) {
     if (Status known = CheckAction(action); !known) return known;

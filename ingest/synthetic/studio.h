@@ -9,14 +9,14 @@
 
 namespace mocurate {
 
-/// What a source declaration must say of the studio's files (configs/demo.yaml says the same).
+/// The source declaration of the studio's files (as in configs/demo.yaml).
 SourceOptions StudioSource();
 
 /// The files of a capture, by name. Error kConfig: an unknown action, no action.
 Expected<std::map<std::string, std::string>> CaptureFiles(const SyntheticOptions& options);
 
-/// What really happened, by the id of the clip that the stage `ingest` makes of each file under StudioSource, in that
-/// clip's world: joints are directly comparable. Skeleton kinect20. Errors as above.
+/// The true motion, by the id of the clip that the stage `ingest` makes of each file under StudioSource, in that clip's
+/// world: joints are directly comparable. Skeleton kinect20. Errors as above.
 Expected<Truth> SyntheticTruth(const SyntheticOptions& options);
 
 }  // namespace mocurate

@@ -12,8 +12,8 @@
 
 namespace mocurate {
 
-/// A folder that the studio writes: data files, and per subject truth/SUBJECT.h5 by clip id. May be used by several
-/// threads; what is written does not depend on their number.
+/// A folder that the studio writes: data files, and per subject truth/SUBJECT.h5 by clip id. Thread-safe; the output
+/// does not depend on the number of threads.
 class StudioFolder {
  public:
   struct Counts {
@@ -23,19 +23,19 @@ class StudioFolder {
     std::size_t clips = 0;
     std::size_t frames = 0;
   };
-  /// Told of what is written so far after every file, by one thread at a time.
+  /// Called after every file with the counts so far, by one thread at a time.
   using Progress = std::function<void(const Counts&)>;
 
   StudioFolder(std::filesystem::path folder, int jobs, Progress progress = {})
       : folder_(std::move(folder)), jobs_(jobs), progress_(std::move(progress)) {}
 
-  /// Written last: a folder without it is not whole.
+  /// Written last: a folder without it is incomplete.
   static constexpr const char* kWhole = "studio.json";
 
-  /// A file below the folder; makes the folders on the way. Error kCannotWrite. Not flushed file by file: a folder may
-  /// hold a hundred thousand images.
+  /// Writes a file below the folder and creates its parent folders. Error kCannotWrite. Not flushed per file: a folder
+  /// may contain a hundred thousand images.
   Status Write(const std::string& name, std::string_view bytes);
-  /// Takes what really happened in a clip: in its subject's own truth file, all with one skeleton.
+  /// Adds a clip's true motion to its subject's truth file; all have one skeleton.
   void AddTruth(const std::string& subject, const std::string& clip_id, Motion motion);
   /// Writes the truth, then studio.json.
   Status Finish(std::string_view studio_json);

@@ -54,13 +54,13 @@ Status CheckFolder(const std::filesystem::path& folder) {
     return Fail(ErrorCode::kCannotWrite, "this is a file, not a folder", DisplayPath(folder), "choose another with -o");
   }
   if (std::filesystem::is_empty(folder, unreadable)) return {};
-  return Fail(ErrorCode::kCannotWrite, "the folder holds something already", DisplayPath(folder),
+  return Fail(ErrorCode::kCannotWrite, "the folder is not empty", DisplayPath(folder),
               std::filesystem::exists(folder / StudioFolder::kWhole, unreadable)
-                  ? "choose another with -o, or remove it: the studio mixes nothing with other files"
-                  : "choose another with -o; where an earlier run was broken off there is no studio.json: remove it");
+                  ? "choose another with -o, or remove it: the studio writes into empty folders only"
+                  : "choose another with -o; without studio.json it is an interrupted run: remove it");
 }
 
-/// HumanAct12's classes where the layout performs them by clip; others check their own.
+/// HumanAct12's classes for layouts that perform them by clip; other layouts check their own.
 Status CheckStudioActions(const StudioOptions& options) {
   const bool by_variants = options.layout == StudioLayout::kHumanAct12 || options.layout == StudioLayout::kPhspd ||
                            options.layout == StudioLayout::kDepthSequence;
@@ -72,7 +72,7 @@ std::int64_t PeopleOf(const StudioOptions& options) {
   return options.subjects > 0 ? options.subjects : RowOf(options.layout).subjects;
 }
 
-/// `body` holds the template, where there is one, as long as the actors live.
+/// `body` keeps the template, where there is one, alive for the actors.
 Expected<std::vector<Actor>> ActorsFor(const StudioOptions& options, std::int64_t people,
                                        std::optional<BodyTemplate>& body) {
   if (!options.body.empty()) {
@@ -83,7 +83,7 @@ Expected<std::vector<Actor>> ActorsFor(const StudioOptions& options, std::int64_
   return ActorsOf(options, people, body ? &*body : nullptr);
 }
 
-/// Images that the depth cameras of the layout will give.
+/// Number of images of the layout's depth cameras.
 std::size_t DepthImagesOf(const StudioOptions& options, std::int64_t people) {
   std::size_t frames = 0, cameras = 3;
   const auto add = [&](int count, std::int64_t every) {
@@ -99,17 +99,17 @@ std::size_t DepthImagesOf(const StudioOptions& options, std::int64_t people) {
     }
   } else if (options.layout == StudioLayout::kOpenPoseDepth && options.depth.enabled) {
     const auto takes = PlanVariantTakes(options);
-    if (!takes) return 0;  // writing says why
+    if (!takes) return 0;  // writing reports the error
     for (const PlannedTake& take : *takes) add(take.script.frames, options.depth.every);
   } else if (options.layout == StudioLayout::kNtu && options.depth.enabled) {
     const auto takes = PlanNtuTakes(options);
-    if (!takes) return 0;  // writing says why
+    if (!takes) return 0;  // writing reports the error
     for (const PlannedTake& take : *takes) add(take.script.frames, options.depth.every);
   }
   return frames * cameras;
 }
 
-/// Bytes of one image of somebody who stands before the first camera.
+/// Bytes of one image of a person before the first camera.
 Expected<std::size_t> SampleImage(const StudioOptions& options, const Actor& actor) {
   const bool ring = options.layout == StudioLayout::kDepthSequence;
   const Camera camera = ring ? RigOf(options.rig, SensorKind::kDepth).front() : PhspdRig(1)[1];
@@ -120,8 +120,8 @@ Expected<std::size_t> SampleImage(const StudioOptions& options, const Actor& act
   const std::vector<float> body = BodyView(actor).Depth(motion, 0, camera, rays);
   const bool room = options.layout == StudioLayout::kPhspd && options.depth.room;
   const DepthImage image =
-      room ? Sensed(body, RoomDepth(camera, rays, 1.6), camera, rays, options.depth, options.seed, "estimate")
-           : SensedMasked(body, camera, rays, options.depth, options.seed, "estimate");
+      room ? SimulateDepth(body, RoomDepth(camera, rays, 1.6), camera, rays, options.depth, options.seed, "estimate")
+           : SimulateMaskedDepth(body, camera, rays, options.depth, options.seed, "estimate");
   const Expected<std::string> png = EncodePng(image);
   if (!png) return Forward(png);
   return png->size();
@@ -187,11 +187,11 @@ Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, c
   const LayoutRow& row = RowOf(options.layout);
   StudioFolder files(folder, std::max(1, jobs), progress);
   if (Status written = row.write(options, *actors, files); !written) return Forward(written);
-  StudioOptions said = options;
-  said.body = options.body.filename();  // where it lay does not matter
+  StudioOptions stated = options;
+  stated.body = options.body.filename();  // its folder does not matter
   const StudioFolder::Counts counts = files.counts();
   const nlohmann::json made = {{"created_by", CreatedBy()},
-                               {"options", OptionsToJson(said)},
+                               {"options", OptionsToJson(stated)},
                                {"clips", counts.clips},
                                {"frames", counts.frames}};
   if (Status whole = files.Finish(made.dump(1) + "\n"); !whole) return Forward(whole);

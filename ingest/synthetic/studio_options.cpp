@@ -51,9 +51,9 @@ void RigOptions::Declare(OptionVisitor& v) {
   v.Integer("image_height", height_px, {0.0, 8192.0},
             "ring: height of the images in pixels; 0: 960, of depth cameras 424");
   v.Number("clock_offset", clock_offset_s, Unit::kSecond, {0.0, 10.0},
-           "each camera but the first sees the subject earlier or later by up to so much");
+           "largest clock offset of every camera but the first");
   v.Number("moved", moved, Unit::kMetre, {0.0, 10.0},
-           "distance by which the last camera was moved after it was calibrated");
+           "distance by which the last camera is moved after its calibration");
 }
 
 void DepthSensorOptions::Declare(OptionVisitor& v) {
@@ -70,35 +70,34 @@ void DepthSensorOptions::Declare(OptionVisitor& v) {
   v.Number("hole", hole_share, Unit::kNone, {0.0, 1.0}, "share of pixels without a value");
   v.Number("grazing", grazing, Unit::kNone, {0.0, 1.0},
            "a surface seen at an angle whose cosine is smaller than this gives no value");
-  v.Integer("every", every, {1.0, 1e4}, "only each so-many-th frame gets depth images");
+  v.Integer("every", every, {1.0, 1e4}, "every n-th frame gets depth images");
 }
 
 void KeypointOptions::Declare(OptionVisitor& v) {
   v.Number("noise", noise, Unit::kPixel, {0.0, 500.0}, "standard deviation of a keypoint per axis at full confidence");
   v.Number("miss", miss_share, Unit::kNone, {0.0, 1.0}, "share of visible keypoints that are not found");
-  v.Number("wrong", wrong_share, Unit::kNone, {0.0, 1.0}, "share of keypoints that are found in a wrong place");
-  v.Number("wrong_distance", wrong_px, Unit::kPixel, {0.0, 5000.0}, "how far away a wrong place is, at most");
+  v.Number("wrong", wrong_share, Unit::kNone, {0.0, 1.0}, "share of keypoints at a wrong position");
+  v.Number("wrong_distance", wrong_px, Unit::kPixel, {0.0, 5000.0}, "largest distance of a wrong position");
   v.Number("hidden", hidden_share, Unit::kNone, {0.0, 1.0},
-           "share of hidden keypoints that are found all the same, less surely");
-  v.Number("bystander", bystander_share, Unit::kNone, {0.0, 1.0},
-           "share of images in which a person who is not the subject is found too");
+           "share of hidden keypoints that are found, with lower confidence");
+  v.Number("bystander", bystander_share, Unit::kNone, {0.0, 1.0}, "share of images in which a bystander is found too");
 }
 
 void StudioOptions::Declare(OptionVisitor& v) {
   v.Choice("layout", layout, Layouts(), "the set whose files are written");
-  v.Integer("seed", seed, {}, "of everything random in the folder");
-  v.Integer("subjects", subjects, {0.0, 1000.0}, "number of people, each with a body of its own; 0: as the set has");
+  v.Integer("seed", seed, {}, "random seed of the folder");
+  v.Integer("subjects", subjects, {0.0, 1000.0}, "number of people, each with a body of its own; 0: as in the set");
   v.Integer("clips", clips, {0.0, 1000.0},
-            "most clips of each action, of HumanAct12 of each of its 34 variants, by each subject; 0: as the set has");
-  v.Texts("actions", actions, "labels or actions that are performed; empty: all of the set's");
+            "maximum clips per subject and action (of HumanAct12: per variant, 34 of them); 0: as in the set");
+  v.Texts("actions", actions, "labels or actions to perform; empty: all of the set's");
   v.Choice("vocabulary", vocabulary,
            {{"humanact12", StudioVocabulary::kHumanAct12}, {"babel", StudioVocabulary::kBabel}},
-           "amass: what is performed: HumanAct12's variants, or short actions in BABEL's words");
-  v.Path("body", body, "skinned body (body_cc0.h5) that depth is rendered of; empty: capsules");
-  v.Number("tilt", tilt, Unit::kRadian, {-0.8, 0.8}, "kard, tracks: how far the sensor looks down");
+           "amass: the actions: HumanAct12's variants, or short actions with BABEL's labels");
+  v.Path("body", body, "skinned body (body_cc0.h5) for rendering depth; empty: capsules");
+  v.Number("tilt", tilt, Unit::kRadian, {-0.8, 0.8}, "kard, tracks: downward tilt of the sensor");
   v.Number("missing", missing_share, Unit::kNone, {0.0, 0.9}, "humanact12, phspd: share of frames without annotation");
-  v.Number("ghost", ghost_share, Unit::kNone, {0.0, 1.0},
-           "ntu: share of files in which the sensor followed a body that is nobody; uestc_vibe: of videos with a "
+  v.Number("false_track", false_track_share, Unit::kNone, {0.0, 1.0},
+           "ntu: share of files with a false track; uestc_vibe: share of videos with a "
            "bystander, in which the performer is lost and found again under another id");
   v.Group("tracker", tracker, "tracks, ntu, kard, uestc, uestc_vibe, ntu_vibe: errors of the joints");
   v.Group("rig", rig, "cameras");

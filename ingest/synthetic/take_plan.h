@@ -9,7 +9,7 @@
 
 namespace mocurate {
 
-/// A class of a set, and what the studio performs for it: the action itself or the nearest that it has.
+/// A class of a set, and the studio's action for it: the same or the nearest.
 struct SetClass {
   int id = 0;
   const char* label = "";
@@ -19,7 +19,7 @@ struct SetClass {
 
 /// KARD's 18 activities. Stand-ins: the throws, catches and drawings are waves, throws and fists.
 const std::vector<SetClass>& KardClasses();
-/// The actions of NTU RGB+D that the studio has, NTU-13 among them.
+/// The actions of NTU RGB+D that the studio can perform, NTU-13 among them.
 const std::vector<SetClass>& NtuClasses();
 /// NTU-13, in the order of Action2Motion's classes.
 const std::vector<SetClass>& Ntu13Classes();
@@ -39,7 +39,8 @@ struct PlannedTake {
   std::string Key() const;
 };
 
-/// How takes of a set are: who and how often where the options leave it open, and how long somebody stands before.
+/// Rules for the takes of a set: subjects and repetitions where the options leave them open, and the standing time
+/// before.
 struct TakeRules {
   std::int64_t subjects = 2;
   std::int64_t repetitions = 2;
@@ -59,10 +60,10 @@ Expected<std::vector<PlannedTake>> PlanNtuTakes(const StudioOptions& options);
 /// One class per variant of HumanAct12: the takes of layouts tracks, openpose and openpose_depth, kVariantRateHz.
 Expected<std::vector<PlannedTake>> PlanVariantTakes(const StudioOptions& options);
 
-/// How an action is performed once, and its seconds.
+/// The manner of one performance of an action, and its seconds.
 Manner NaturalManner(const std::string& action, double seated_share, Random& random);
 
-/// Error kConfig for a wanted action that is none of `known`, with the nearest.
+/// Error kConfig for a requested action that is not in `known`, with the nearest.
 Status CheckWanted(const std::vector<std::string>& wanted, const std::vector<std::string>& known);
 
 }  // namespace mocurate

@@ -22,7 +22,7 @@ Vector3d RandomDirection(Random& random) {
   return direction.normalized();
 }
 
-/// Joints in a state for some frames on end: a two-state chain whose long-run share is `share`.
+/// Joints in a state for several frames in a row: a two-state Markov chain with stationary share `share`.
 std::vector<bool> Spells(int frames, std::size_t joints, double share, double mean_frames, Random& random) {
   std::vector<bool> in_state(static_cast<std::size_t>(frames) * joints, false);
   if (share <= 0.0) return in_state;
@@ -38,7 +38,7 @@ std::vector<bool> Spells(int frames, std::size_t joints, double share, double me
   return in_state;
 }
 
-/// Unit white noise smoothed twice over some frames: a joint's slow error, per axis.
+/// White noise of unit variance, smoothed twice over some frames: a joint's slow error, per axis.
 class Wander {
  public:
   Wander(double frames, Random random) : keep_(std::exp(-1.0 / frames)), random_(std::move(random)) {
@@ -46,7 +46,7 @@ class Wander {
     for (int warm = 0; warm < static_cast<int>(5.0 * frames); ++warm) Next();
   }
   Vector3d Next() {
-    // The inner noise has variance 1, what is smoothed of it (1 + a^2) / (1 + a)^2.
+    // The inner noise has variance 1, its smoothed version (1 + a^2) / (1 + a)^2.
     const double fresh = std::sqrt(1.0 - keep_ * keep_);
     const double scale = (1.0 + keep_) / std::sqrt(1.0 + keep_ * keep_);
     for (int k = 0; k < 3; ++k) {
@@ -63,7 +63,7 @@ class Wander {
   Vector3d outer_ = Vector3d::Zero();
 };
 
-/// Position in `names` of the same point on the other side; its own where there is none.
+/// Index in `names` of the same point on the other side; its own where there is none.
 int PartnerPoint(const std::vector<std::string>& names, int point) {
   std::string other = names[point];
   for (const auto& [side, opposite] : {std::pair("left", "right"), std::pair("right", "left")}) {
@@ -98,7 +98,7 @@ unsigned RandomParts(Random& random) {
   return outer ? kForearm : kArms;
 }
 
-/// Which point each listed point is taken for in a frame: itself, or its partner while limbs are exchanged.
+/// The point reported for each listed point in a frame: itself, or its partner while limbs are exchanged.
 class Exchange {
  public:
   Exchange(const std::vector<std::string>& names, int frames, const TrackerOptions& options, Random& once,
@@ -199,7 +199,8 @@ TrackedTake Track(const JointPositions& truth, const std::vector<std::string>& n
   return tracked;
 }
 
-void GuessUnseen(const TrackerOptions& options, std::int64_t seed, const std::string& item, TrackedTake& tracked) {
+void ExtrapolateMissing(const TrackerOptions& options, std::int64_t seed, const std::string& item,
+                        TrackedTake& tracked) {
   Random tremble(static_cast<std::uint64_t>(seed), "studio.guess", item);
   const double per_axis = options.noise / std::sqrt(3.0);
   const auto count = static_cast<std::size_t>(tracked.positions.joints);

@@ -5,7 +5,7 @@ namespace {
 
 using LayoutList = std::vector<StudioLayout>;
 
-/// Which layouts use an option, or all of a group; those that are not listed shape people and what they perform.
+/// Layouts that use an option, or all of a group; options that are not listed define people and actions.
 struct Use {
   std::string option;
   LayoutList layouts;
@@ -21,7 +21,7 @@ const std::vector<Use>& Uses() {
       {"missing", {L::kHumanAct12, L::kPhspd}},
       {"vocabulary", {L::kAmass}},
       {"tilt", {L::kKard, L::kTracks}},
-      {"ghost", {L::kNtu, L::kUestcVibe}},
+      {"false_track", {L::kNtu, L::kUestcVibe}},
       {"tracker", {L::kNtu, L::kKard, L::kUestc, L::kUestcVibe, L::kNtuVibe, L::kTracks}},
       {"rig.clock_offset", clocks},
       {"rig.moved", clocks},

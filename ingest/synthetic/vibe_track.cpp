@@ -13,25 +13,25 @@ namespace {
 constexpr double kFocal = 500.0;
 constexpr double kHalfImage = 270.0;
 constexpr double kBoxMargin = 1.1;
-constexpr double kCropScale = 0.9;   // of a box, that the person fills in VIBE's crop
-constexpr double kLimb = 0.25;       // metres, by which a wrong rotation moves the end of a bone
-constexpr double kDepthError = 4.0;  // of one image: along the line of sight, of that across
+constexpr double kCropScale = 0.9;   // of a box, filled by the person in VIBE's crop
+constexpr double kLimb = 0.25;       // metres; bone length that converts position errors to rotation errors
+constexpr double kDepthError = 4.0;  // of one image: error along the line of sight, relative to across
 
-/// What is off of the rotations and the root, as if each joint and, last, the root were points that are followed.
+/// Errors of the rotations and the root, generated as for tracked points; the last one is the root.
 JointPositions ErrorsOf(const Motion& motion, const TrackerOptions& options, std::int64_t seed,
                         const std::string& item) {
-  TrackerOptions lasting = options;
-  lasting.dropout_share = lasting.outlier_share = lasting.frozen_share = 0.0;
-  lasting.swap_share = lasting.swapped_share = 0.0;
+  TrackerOptions persistent = options;
+  persistent.dropout_share = persistent.outlier_share = persistent.frozen_share = 0.0;
+  persistent.swap_share = persistent.swapped_share = 0.0;
   std::vector<std::string> names;
   for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
   names.emplace_back("place of the root");
   const JointPositions still(motion.frame_count(), static_cast<int>(names.size()));
-  return Track(still, names, lasting, seed, item + "/rotations").positions;
+  return Track(still, names, persistent, seed, item + "/rotations").positions;
 }
 
-/// Rotations and root as they are told.
-Motion ToldMotion(const Motion& motion, const JointPositions& errors) {
+/// Rotations and root with these errors.
+Motion DeclaredMotion(const Motion& motion, const JointPositions& errors) {
   const int joints = motion.joint_count();
   std::vector<Vector3d> root = motion.root_translation;
   std::vector<Quaterniond> rotation = motion.rotation;
@@ -56,10 +56,10 @@ VibeTrack VibeTrackOf(const Motion& motion, const TrackerOptions& options, std::
   track.joints = names.size();
   const JointPositions truth = PlacesOf(motion, Vibe49Places());
   TrackedTake tracked = Track(truth, names, options, seed, item);
-  GuessUnseen(options, seed, item, tracked);
-  const Motion told = ToldMotion(motion, ErrorsOf(motion, options, seed, item));
+  ExtrapolateMissing(options, seed, item, tracked);
+  const Motion declared = DeclaredMotion(motion, ErrorsOf(motion, options, seed, item));
   for (int f = 0; f < motion.frame_count(); ++f) {
-    const std::vector<double> pose = RotationVectors(told, f);
+    const std::vector<double> pose = RotationVectors(declared, f);
     track.pose.insert(track.pose.end(), pose.begin(), pose.end());
     const Vector3d root = motion.root_translation[f];
     Vector2d low = Vector2d::Constant(1e9), high = Vector2d::Constant(-1e9);
@@ -72,9 +72,9 @@ VibeTrack VibeTrackOf(const Motion& motion, const TrackerOptions& options, std::
       high = high.cwiseMax(pixel);
     }
     track.betas.insert(track.betas.end(), 10, 0.0);
-    const Vector3d seen_root = told.root_translation[f];
-    const double scale = kFocal / (kHalfImage * seen_root.z());
-    track.original_camera.insert(track.original_camera.end(), {scale, scale, seen_root.x(), seen_root.y()});
+    const Vector3d declared_root = declared.root_translation[f];
+    const double scale = kFocal / (kHalfImage * declared_root.z());
+    track.original_camera.insert(track.original_camera.end(), {scale, scale, declared_root.x(), declared_root.y()});
     const Vector2d centre = 0.5 * (low + high);
     const double side = kBoxMargin * (high - low).maxCoeff();
     const double crop = kCropScale * scale * 2.0 * kHalfImage / side;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMostPerSecond = 60.0;
 constexpr double kRateSlack = 1e-9;
 
-/// Every how many frames one is shown: at most `most` in all, and no more a second than players keep up with.
+/// Decimation step: at most `most` frames in all, and at most the players' maximum rate.
 int StepOf(const Motion& motion, int most) {
   const int frames = motion.frame_count();
   const double slowed = std::ceil(motion.rate.hz() / kMostPerSecond - kRateSlack);
@@ -25,7 +25,7 @@ void WriteName(const std::string& name, cv::Mat& image) {
   cv::putText(image, name, {8, 18}, cv::FONT_HERSHEY_SIMPLEX, 0.45, cv::Scalar(235, 235, 235), 1, cv::LINE_AA);
 }
 
-/// H.264 wants even sides.
+/// H.264 needs even sides.
 cv::Mat Even(const cv::Mat& image, int height) {
   cv::Mat even;
   cv::copyMakeBorder(image(cv::Rect(0, 0, image.cols, std::min(image.rows, height))), even, 0,

@@ -8,7 +8,7 @@
 
 namespace mocurate {
 
-/// The fitted body from its front with the tracked points before it, and over what its views saw, side by side, as
+/// The fitted body from its front with the tracked points before it, and over the images of its views, side by side, as
 /// H.264 in MP4, at the speed of the clip and at most 60 pictures a second. Errors kMissingOnHost where OpenCV finds no
 /// encoder, kInconsistent for a clip without a motion, errors of depth images, kCannotWrite. Returns the number of
 /// pictures.

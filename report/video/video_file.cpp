@@ -21,7 +21,7 @@ int PicturesIn(const std::filesystem::path& file) {
   }
 }
 
-/// A file under a passing name; removed where it does not become the whole one.
+/// A file under a temporary name; removed unless it is completed.
 class PartialFile {
  public:
   explicit PartialFile(std::filesystem::path path) : path_(std::move(path)) {}
@@ -41,7 +41,7 @@ class PartialFile {
 
 Expected<int> WriteVideo(const std::string& item, double rate_hz, int count,
                          const std::function<Expected<cv::Mat>(int)>& draw, const std::filesystem::path& file) {
-  const PartialFile partial(file.string() + ".mp4");  // the name tells OpenCV the container
+  const PartialFile partial(file.string() + ".mp4");  // OpenCV chooses the container by the name
   cv::VideoWriter writer;
   for (int picture = 0; picture < count; ++picture) {
     const auto image = draw(picture);
@@ -61,7 +61,7 @@ Expected<int> WriteVideo(const std::string& item, double rate_hz, int count,
   }
   writer.release();
   if (PicturesIn(partial.path()) != count) {
-    return Fail(ErrorCode::kCannotWrite, "the video was not written whole", item, "is the disk full?");
+    return Fail(ErrorCode::kCannotWrite, "the video is incomplete", item, "check the disk space");
   }
   std::error_code problem;
   std::filesystem::rename(partial.path(), file, problem);

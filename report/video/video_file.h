@@ -9,9 +9,8 @@
 
 namespace mocurate {
 
-/// Draws pictures 0 to `count` - 1 of one size with even sides and writes them as H.264 (MP4), which appears whole.
-/// Returns their number. Errors of drawing; kMissingOnHost where OpenCV finds no encoder, kCannotWrite; both name
-/// `item`.
+/// Draws pictures 0 to `count` - 1 of one size with even sides and writes them atomically as H.264 (MP4). Returns their
+/// number. Errors of drawing; kMissingOnHost where OpenCV finds no encoder, kCannotWrite; both name `item`.
 Expected<int> WriteVideo(const std::string& item, double rate_hz, int count,
                          const std::function<Expected<cv::Mat>(int)>& draw, const std::filesystem::path& file);
 

@@ -1,4 +1,4 @@
-// `mocurate review --annotate`: from recordings without labels to a dataset that is cut by what a person marked.
+// `mocurate review --annotate`: from recordings without labels to a dataset cut by marked spans.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,6 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -18,7 +17,7 @@ using program::WriteText;
 using ::testing::HasSubstr;
 
 TEST(Annotated, RecordingsAreCutByTheSpansThatThePageSaves) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto run = [&](const char* name, const std::string& rule, const std::string& spans) {
     std::vector<std::string> job = SmallJob(folder, name);
     for (const std::string& set :
@@ -51,7 +50,7 @@ TEST(Annotated, RecordingsAreCutByTheSpansThatThePageSaves) {
   EXPECT_EQ(annotate({"--all", "--labels", "walk,,run"}).exit_code, 2);
   EXPECT_EQ(annotate({"--all", "--labels", "walk", "--recipe", "kard18"}).exit_code, 2);
   EXPECT_EQ(annotate({"--all", "--recipe", "kard81"}).exit_code, 2);
-  EXPECT_EQ(annotate({"--clip", "nobody"}).exit_code, 2);
+  EXPECT_EQ(annotate({"--clip", "unknown"}).exit_code, 2);
   EXPECT_EQ(annotate({"--all", "--most", "3"}).exit_code, 2) << "an option of the other page";
   EXPECT_EQ(annotate({"--all", "--spans", (folder / "none.csv").string()}).exit_code, 3);
   EXPECT_EQ(RunProgram(folder, {"review", set, "--labels", "walk", "-o", page, "--force"}).exit_code, 2);

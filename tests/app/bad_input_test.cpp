@@ -1,4 +1,4 @@
-// Bad input through the whole program: the message names file, place, value, rule and way out, and the exit code is the
+// Bad input through the whole program: the message has file, place, value, rule and remedy, and the exit code is the
 // documented one.
 
 #include <gmock/gmock.h>
@@ -12,7 +12,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -59,7 +58,7 @@ std::string TableConfig(const std::string& units = "units: mm", const std::strin
   return Replaced(Replaced(kTable, "UNITS", units), "JOINTS", joints);
 }
 
-Result RunFolder(const Folder& folder, const std::string& config) {
+Result RunFolder(const ScratchFolder& folder, const std::string& config) {
   WriteText(folder / "job.yaml", config);
   return RunProgram(
       folder, {"run", (folder / "job.yaml").string(), "-o", (folder / "run").string(), "--to", "assemble", "--json"});
@@ -83,7 +82,7 @@ void ExpectError(const Result& result, int exit_code, const std::vector<std::str
 }
 
 TEST(BadInput, AnEmptyFileIsNamed) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "data/a01_s01.txt", "");
   ExpectError(
       RunFolder(folder, TableConfig()), 3,
@@ -94,7 +93,7 @@ TEST(BadInput, AnEmptyFileIsNamed) {
 }
 
 TEST(BadInput, ARowCountThatDoesNotDivideNamesFileLineAndCounts) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "data/a01_s01.txt", Rows(7));
   ExpectError(RunFolder(folder, TableConfig("units: mm\n    damaged_rows: refuse")), 3,
               {"a01_s01.txt:8", "7 rows are not a whole number of frames of 3 rows (1 left over)",
@@ -102,30 +101,30 @@ TEST(BadInput, ARowCountThatDoesNotDivideNamesFileLineAndCounts) {
 }
 
 TEST(BadInput, AMissingUnitIsAConfigErrorWithTheOptionToWrite) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "data/a01_s01.txt", Rows(6));
   ExpectError(RunFolder(folder, TableConfig("licence: none")), 2,
               {"ingest.source.units", "source 'bad' does not say its unit of length", "write `units: m`"});
 }
 
 TEST(BadInput, AnUnknownJointIsNamedWithTheSkeletonThatLacksIt) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "data/a01_s01.txt", Rows(6));
   ExpectError(RunFolder(folder, TableConfig("units: mm", "head, neck, third_elbow")), 2,
               {"ingest.source.joints", "joint 'third_elbow' is unknown to skeleton 'openni15'",
                "use the skeleton's names or synonyms"});
 }
 
-TEST(BadInput, AFileNameOutsideThePatternIsSaidWithPatternAndWayOut) {
-  const Folder folder;
+TEST(BadInput, AFileNameOutsideThePatternIsReportedWithPatternAndRemedy) {
+  const ScratchFolder folder;
   WriteText(folder / "data/walk.txt", Rows(6));
   ExpectError(RunFolder(folder, TableConfig()), 3,
               {(folder / "data").string(), "no file matches the pattern 'a{action}_s{person}.txt'",
-               "'walk.txt' does not match", "mend ingest.source.files"});
+               "'walk.txt' does not match", "ingest.source.files"});
 }
 
 TEST(BadInput, ATruncatedBvhNamesLineAndCountsInARunAndInInspect) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string cut = std::string(kBvhHead) + "Frames: 3\nFrame Time: 0.033\n0 0 0\n";
   WriteText(folder / "data/walk_p1.bvh", cut);
   ExpectError(RunFolder(folder, std::string(kBvh) + "    damaged_rows: refuse\n"), 3,
@@ -140,7 +139,7 @@ TEST(BadInput, ATruncatedBvhNamesLineAndCountsInARunAndInInspect) {
 }
 
 TEST(BadInput, ABvhWithNanNamesLineFrameAndChannelInARunAndInInspect) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "data/walk_p1.bvh", std::string(kBvhHead) + "Frames: 1\nFrame Time: 0.033\n0 nan 0\n");
   const std::vector<std::string> parts = {"walk_p1.bvh:10", "'nan' in frame 0, channel 1 is no finite number",
                                           "repair the file, or leave it out"};
@@ -149,7 +148,7 @@ TEST(BadInput, ABvhWithNanNamesLineFrameAndChannelInARunAndInInspect) {
 }
 
 TEST(BadInput, AStoreWithOneFieldCorruptedIsAnErrorThatNamesTheField) {
-  const Folder folder;
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, program::SmallJob(folder, "r")).exit_code, 0);
   const std::string bytes = ReadText(folder / "r/dataset.h5");
   std::string label = bytes;
@@ -187,12 +186,12 @@ void ExpectMistakenAxes(const std::vector<nlohmann::json>& findings, const std::
     EXPECT_EQ(finding["action"], "flagged");
     const std::string message = finding["message"];
     EXPECT_THAT(message, HasSubstr("with axes '" + axes + "' the motion is left-handed"));
-    EXPECT_THAT(message, HasSubstr("mend ingest.source.axes"));
+    EXPECT_THAT(message, HasSubstr("ingest.source.axes"));
   }
 }
 
 TEST(LeftHandedDeclaredRightHanded, ASyntheticCaptureIsFlaggedFromItsMotionAndNotMirrored) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto run = [&](const std::string& axes, const std::string& on_contradiction) {
     std::vector<std::string> arguments = program::SmallJob(folder, "r");
     std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("ingest"));
@@ -205,7 +204,7 @@ TEST(LeftHandedDeclaredRightHanded, ASyntheticCaptureIsFlaggedFromItsMotionAndNo
   EXPECT_TRUE(Flagged(folder / "r", "handedness_contradiction", clips).empty());
 
   const Result mistaken = run("+x +y +z", "flag");
-  ExpectError(mistaken, 1, {"are doubtful, tolerated_doubtful is"});
+  ExpectError(mistaken, 1, {"are suspect, tolerated_suspect is"});
   const auto flagged = Flagged(folder / "r", "handedness_contradiction", clips);
   EXPECT_GE(flagged.size(), clips * 2 / 3) << "of " << clips;
   ExpectMistakenAxes(flagged, "+x +y +z");
@@ -221,7 +220,7 @@ TEST(LeftHandedDeclaredRightHanded, ASyntheticCaptureIsFlaggedFromItsMotionAndNo
 TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
   const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
-  const Folder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "kard");
   for (const char* clip : {"a12_s01_e01", "a12_s01_e02", "a17_s01_e01", "a17_s01_e02", "a18_s01_e01", "a18_s01_e02"}) {
     const std::string name = std::string(clip) + "_realworld.txt";
@@ -241,12 +240,12 @@ TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
       EXPECT_TRUE(flagged.empty());
       continue;
     }
-    EXPECT_EQ(flagged.size(), 6u) << "four that sit down and stand up tell, and speak for the two that bend";
+    EXPECT_EQ(flagged.size(), 6u) << "four that sit down and stand up decide, also for the two that bend";
     ExpectMistakenAxes(flagged, "+x +y +z");
   }
-  const Result told = RunProgram(
+  const Result inspected = RunProgram(
       folder, {"inspect", (folder / "kard").string(), "--source", (folder / "mistaken.yaml").string(), "--json"});
-  EXPECT_THAT(told.Json()["findings"].dump(), HasSubstr("handedness_contradiction")) << told.out;
+  EXPECT_THAT(inspected.Json()["findings"].dump(), HasSubstr("handedness_contradiction")) << inspected.out;
 }
 
 /// A few real Kinect clips through the stage `ingest`, with the declaration of KARD changed.
@@ -279,7 +278,7 @@ class MistakenDeclaration : public ::testing::Test {
     return Flagged(folder_ / "r", code, clips).size();
   }
 
-  Folder folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(MistakenDeclaration, AWrongUpAxisIsFoundInEveryClipAndInTheSet) {
@@ -289,9 +288,9 @@ TEST_F(MistakenDeclaration, AWrongUpAxisIsFoundInEveryClipAndInTheSet) {
   const Result lying = Run({"ingest.source.axes=+x +z +y"});
   EXPECT_EQ(FlaggedClips("up_contradiction"), 12u);
   EXPECT_EQ(lying.exit_code, 1) << lying.err;
-  EXPECT_EQ(lying.Json()["doubtful"], 12) << lying.out;
-  EXPECT_THAT(lying.err, HasSubstr("12 of 12 clips are doubtful, tolerated_doubtful is 6 clips"));
-  EXPECT_EQ(Run({"ingest.source.axes=+x +z +y", "tolerated_doubtful=1"}).exit_code, 0);
+  EXPECT_EQ(lying.Json()["suspect"], 12) << lying.out;
+  EXPECT_THAT(lying.err, HasSubstr("12 of 12 clips are suspect, tolerated_suspect is 6 clips"));
+  EXPECT_EQ(Run({"ingest.source.axes=+x +z +y", "tolerated_suspect=1"}).exit_code, 0);
   EXPECT_EQ(lying.Json()["set_findings"][0]["code"], "up_contradiction") << lying.out;
   EXPECT_THAT(lying.err, HasSubstr("error: the whole source contradicts its declaration: 12 of the 12 clips"));
 }
@@ -303,13 +302,13 @@ TEST_F(MistakenDeclaration, AWrongOrderOfJointsIsFound) {
   EXPECT_GE(FlaggedClips("joint_order_contradiction"), 10u);
 }
 
-TEST_F(MistakenDeclaration, ClipsThatSayNothingAreRefusedWithTheirSource) {
+TEST_F(MistakenDeclaration, UndecidedClipsAreRefusedWithTheirSource) {
   const Result refused = Run({"ingest.source.axes=+x +y +z", "ingest.source.on_contradiction=refuse"});
   EXPECT_EQ(refused.exit_code, 1) << refused.err;
   EXPECT_EQ(refused.Json()["failed"], 12) << refused.out;
 }
 
-TEST_F(MistakenDeclaration, ValuesThatAreWrongByThemselvesAreToldAtOnceBeforeAnyWork) {
+TEST_F(MistakenDeclaration, ValuesThatAreWrongByThemselvesAreReportedAtOnceBeforeAnyWork) {
   ExpectError(Run({"ingest.source.units=furlong", "ingest.source.axes=+x +x +z", "canon.rate=abc",
                    "ingest.source.roles={s01: tset}"}),
               2,
@@ -322,15 +321,15 @@ TEST_F(MistakenDeclaration, ValuesThatAreWrongByThemselvesAreToldAtOnceBeforeAny
   EXPECT_EQ(Run({"canon.rate=25fps"}).exit_code, 0);
 }
 
-TEST(GivenMotion, IsNotBroughtToAnotherSkeletonInSilence) {
-  const Folder folder;
+TEST(GivenMotion, IsNotRetargetedToAnotherSkeletonSilently) {
+  const ScratchFolder folder;
   WriteText(folder / "data/walk_p1.bvh", std::string(kBvhHead) + "Frames: 1\nFrame Time: 0.033\n0 0 0\n");
   ExpectError(RunFolder(folder, std::string(kBvh) + "skeleton: smpl24\n"), 2,
-              {"job.yaml:", "skeleton: motion of the format bvh is kept on the skeleton of its files"});
+              {"job.yaml:", "skeleton: motion of format bvh is kept on the skeleton of its files"});
 }
 
 TEST(BadInput, AHeaderThatContradictsTheRowsIsAFindingOfTheRunWithItsNumber) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::string rows;
   for (int i = 0; i < 40; ++i) rows += std::to_string(i) + " 90 0\n";
   WriteText(folder / "data/walk_p1.bvh", std::string(kBvhHead) + "Frames: 60\nFrame Time: 0.033\n" + rows);

@@ -1,4 +1,4 @@
-// A checkpoint that holds another model than the one wanted: refused by kind, never read as if it were right.
+// A checkpoint of another kind of network than requested is refused.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -21,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 /// The small job up to the table, with networks of a few numbers.
-std::vector<std::string> TinyTraining(const Folder& folder) {
+std::vector<std::string> TinyTraining(const ScratchFolder& folder) {
   std::vector<std::string> arguments = program::SmallJob(folder, "r");
   std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("table"));
   for (const char* option :
@@ -35,8 +34,8 @@ std::vector<std::string> TinyTraining(const Folder& folder) {
   return arguments;
 }
 
-/// Where the cache keeps what item `item` of stage `train` made, as the journal of the run tells.
-fs::path RecordOf(const Folder& folder, const std::string& item) {
+/// Cache record of item `item` of stage `train`, by the journal of the run.
+fs::path RecordOf(const ScratchFolder& folder, const std::string& item) {
   std::ifstream journal(folder / "r/journal.jsonl");
   std::string line;
   while (std::getline(journal, line)) {
@@ -48,7 +47,7 @@ fs::path RecordOf(const Folder& folder, const std::string& item) {
   return {};
 }
 
-/// Puts the artifact of one record in the place of another's.
+/// Exchanges the artifacts of two records.
 void Exchange(const fs::path& record, const fs::path& other) {
   nlohmann::json changed = nlohmann::json::parse(ReadText(record));
   const nlohmann::json wrong = nlohmann::json::parse(ReadText(other));
@@ -59,8 +58,8 @@ void Exchange(const fs::path& record, const fs::path& other) {
   WriteText(record, changed.dump());
 }
 
-/// What a person is told about what a run has made: a checkpoint, the dataset, the run folder.
-void ExpectInspectToTell(const Folder& folder) {
+/// Checks the description of a run's outputs: a checkpoint, the dataset, the run folder.
+void ExpectDescriptions(const ScratchFolder& folder) {
   const Result generator = RunProgram(folder, {"inspect", (folder / "r/checkpoints/Action2Motion_1.h5").string()});
   EXPECT_EQ(generator.exit_code, 0) << generator.err;
   for (const char* part :
@@ -82,7 +81,7 @@ void ExpectInspectToTell(const Folder& folder) {
   const Result run = RunProgram(folder, {"inspect", (folder / "r").string()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   for (const char* part : {"a run of demo", "with exit code 0", "up to stage   table", "15 items: 15 done",
-                           "clips         15 clips, 15 kept, left out by rule: 0, 0 failed", "dataset.h5: mocurate/1",
+                           "clips         15 clips, 15 kept, excluded by rule: 0, 0 failed", "dataset.h5: mocurate/1",
                            "tables/table.md"}) {
     EXPECT_THAT(run.out, HasSubstr(part));
   }
@@ -90,7 +89,7 @@ void ExpectInspectToTell(const Folder& folder) {
 }
 
 TEST(Generate, GivesTheSameMotionsAgainAndOtherBonesWithTheSameRotations) {
-  const Folder folder;
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, TinyTraining(folder)).exit_code, 0);
   const std::string network = (folder / "r/checkpoints/Action2Motion_1.h5").string();
   const auto generate = [&](const std::string& output, std::vector<std::string> more) {
@@ -140,10 +139,10 @@ TEST(Generate, GivesTheSameMotionsAgainAndOtherBonesWithTheSameRotations) {
 }
 
 TEST(WrongCheckpoint, IsRefusedNamingBothKindsAndTheFile) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Result good = RunProgram(folder, TinyTraining(folder));
   ASSERT_EQ(good.exit_code, 0) << good.out << good.err;
-  ExpectInspectToTell(folder);
+  ExpectDescriptions(folder);
 
   const fs::path generator = RecordOf(folder, "Action2Motion/1");
   const fs::path recogniser = RecordOf(folder, "recogniser/1");

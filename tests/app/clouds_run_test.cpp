@@ -33,7 +33,7 @@ std::string CloudOf(const std::string& obj, double move) {
 TEST(CloudsRun, ADatasetAndAReportWithoutImages) {
   const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
-  const program::Folder folder;
+  const ScratchFolder folder;
   const std::string body = ReadText(fs::path(data) / "body_cc0/male_tpose.obj");
   for (int frame = 1; frame <= 6; ++frame)
     WriteText(folder / ("scans/slide/scan_" + std::to_string(frame) + ".ply"), CloudOf(body, 0.02 * frame));

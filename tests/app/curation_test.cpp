@@ -1,4 +1,4 @@
-// What becomes of clips that are not kept: those that a rule of the config leaves out are told, but fail nothing.
+// Clips that are not kept: those that a rule of the config excludes are reported, and are no failures.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -29,7 +28,7 @@ class Curated : public ::testing::Test {
  protected:
   /// One for all cases: what they share is made once where one process runs them.
   static std::string Cache() {
-    static const Folder cache;
+    static const ScratchFolder cache;
     return cache.path().native();
   }
 
@@ -77,7 +76,7 @@ class Curated : public ::testing::Test {
     return {};
   }
 
-  Folder folder_;
+  ScratchFolder folder_;
   fs::path capture_;
   std::string brief_, empty_;
   int count_ = 0;
@@ -90,31 +89,31 @@ TEST_F(Curated, OnlyBadInputCountsAsFailure) {
   const nlohmann::json document = strict.Json();
   EXPECT_EQ(document["clips"], count_ + 1);
   EXPECT_EQ(document["kept"], count_ - 2);
-  EXPECT_EQ(document["left_out"], 2);
+  EXPECT_EQ(document["excluded"], 2);
   EXPECT_EQ(document["failed"], 1);
 
   fs::remove(capture_ / (empty_ + ".txt"));
   const Result sound = Run({});
   EXPECT_EQ(sound.exit_code, 0) << sound.err;
-  EXPECT_THAT(sound.out, HasSubstr("left out by rule: 2, 0 failed"));
+  EXPECT_THAT(sound.out, HasSubstr("excluded by rule: 2, 0 failed"));
 }
 
 TEST_F(Curated, ARunThatEndsBeforeTheDatasetCountsTheRestAsUndecided) {
   const Result early = Run({}, {"--to", "ingest"});
   EXPECT_EQ(early.exit_code, 1) << early.err;
-  const std::string counts = std::to_string(count_ + 1) + " clips, 0 kept, left out by rule: 1, 1 failed, " +
+  const std::string counts = std::to_string(count_ + 1) + " clips, 0 kept, excluded by rule: 1, 1 failed, " +
                              std::to_string(count_ - 1) + " undecided (the run ended before)";
   EXPECT_THAT(early.out, HasSubstr(counts));
-  EXPECT_THAT(early.err, HasSubstr("curation_log.jsonl says why each failed)")) << "there is no dataset to speak of";
+  EXPECT_THAT(early.err, HasSubstr("curation_log.jsonl has the reason of each)")) << "there is no dataset";
   EXPECT_THAT(RunProgram(folder_, {"inspect", (folder_ / "r").string()}).out, HasSubstr(counts));
 }
 
 TEST_F(Curated, TheLogNamesTheRuleOrTheFailure) {
   Run({});
-  EXPECT_EQ(LogOf(brief_)["decision"], "left_out");
+  EXPECT_EQ(LogOf(brief_)["decision"], "excluded");
   EXPECT_EQ(LogOf(brief_)["stage"], "canon");
   EXPECT_THAT(LogOf(brief_)["rule"], ::testing::AnyOf("too_short", "never_moves"));
-  EXPECT_EQ(LogOf("notes.doc")["decision"], "left_out");
+  EXPECT_EQ(LogOf("notes.doc")["decision"], "excluded");
   EXPECT_EQ(LogOf("notes.doc")["rule"], "name_mismatch");
   const nlohmann::json failed = LogOf(empty_);
   EXPECT_EQ(failed["decision"], "dropped");
@@ -133,8 +132,8 @@ TEST_F(Curated, TheLogHasTheLimitOfAContradictionAndTheHashOfAFileThatIsRefusedB
   EXPECT_EQ(LogOf("notes.doc")["source_sha256"], Sha256Hex("no capture"));
 }
 
-TEST(ClipOfManyFiles, ThatIsRefusedHasAHashOfThemAll) {
-  const Folder folder;
+TEST(ClipOfManyFiles, RefusedClipHasAHashOfAllItsFiles) {
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, {"synthesize", "--layout", "openpose", "-o", (folder / "studio").string(), "--set",
                                 "subjects=1", "--set", "actions=[walk]"})
                 .exit_code,
@@ -171,11 +170,11 @@ TEST_F(Curated, AFolderNamedLikeAClipHasALine) {
   }
 }
 
-TEST_F(Curated, FilesLeftOutForOneReasonAreOneLineWithTheirNumber) {
+TEST_F(Curated, FilesExcludedForOneReasonAreOneLineWithTheirNumber) {
   WriteText(capture_ / "more.doc", "no capture");
   WriteText(capture_ / "other.doc", "no capture");
   const Result result = Run({}, {"--to", "ingest"});
-  EXPECT_THAT(result.err, HasSubstr("3 files left out (name_mismatch; curation_log.jsonl lists them), the first: "));
+  EXPECT_THAT(result.err, HasSubstr("3 files excluded (name_mismatch; curation_log.jsonl lists them), the first: "));
   EXPECT_THAT(result.err, ::testing::Not(HasSubstr("other.doc")));
   EXPECT_EQ(LogOf("other.doc")["rule"], "name_mismatch");
 }
@@ -205,7 +204,7 @@ TEST_F(Curated, ALinkThatLeadsNowhereIsAFailureOfThatFile) {
               HasSubstr("is a link to 'nowhere.txt', which does not exist"));
 }
 
-TEST_F(Curated, FilesWhereThePatternDoesNotLookAreCountedByFolder) {
+TEST_F(Curated, FilesOutsideThePatternAreCountedByFolder) {
   fs::remove(capture_ / (empty_ + ".txt"));
   WriteText(capture_ / "more/day1/wave_p09_r01.txt", "");
   WriteText(capture_ / "more/wave_p09_r02.txt", "");
@@ -213,14 +212,14 @@ TEST_F(Curated, FilesWhereThePatternDoesNotLookAreCountedByFolder) {
   const Result result = Run({});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json line = LogOf("more");
-  EXPECT_EQ(line["decision"], "left_out");
+  EXPECT_EQ(line["decision"], "excluded");
   EXPECT_EQ(line["rule"], "folder_not_read");
   EXPECT_EQ(line["findings"][0]["value"], 2.0);
   EXPECT_THAT(line["reason"].get<std::string>(), HasSubstr("not looked at: 2 files"));
-  EXPECT_THAT(result.out, HasSubstr("left out by rule: 2,")) << "the brief clip and notes.doc; a folder is no clip";
+  EXPECT_THAT(result.out, HasSubstr("excluded by rule: 2,")) << "the brief clip and notes.doc; a folder is no clip";
   EXPECT_THAT(ReadText(folder_ / "r/curation_log.jsonl"), ::testing::Not(HasSubstr("\"empty\"")));
   const std::string counts = std::to_string(count_) + " clips, " + std::to_string(count_ - 2) +
-                             " kept, left out by rule: 2, 0 failed; 1 folder not looked into";
+                             " kept, excluded by rule: 2, 0 failed; 1 folder skipped";
   EXPECT_THAT(result.out, HasSubstr(counts));
   EXPECT_THAT(RunProgram(folder_, {"inspect", (folder_ / "r").string()}).out, HasSubstr(counts)) << "the same counts";
   EXPECT_THAT(result.out, ::testing::Not(HasSubstr("folder_not_read"))) << "no finding about a clip";
@@ -229,11 +228,11 @@ TEST_F(Curated, FilesWhereThePatternDoesNotLookAreCountedByFolder) {
   for (const char* doubled : {"more: more:", "notes.doc: notes.doc:"}) {
     EXPECT_THAT(result.err, ::testing::Not(HasSubstr(doubled)));
   }
-  EXPECT_EQ(Run({"ingest.source.other_files=ignore"}, {"--json"}).Json()["left_out"], 1) << "the brief clip";
+  EXPECT_EQ(Run({"ingest.source.other_files=ignore"}, {"--json"}).Json()["excluded"], 1) << "the brief clip";
 }
 
 TEST(Capture, WithoutNoiseEveryFitConverges) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::vector<std::string> arguments = SmallJob(folder, "r");
   arguments.insert(arguments.end(), {"--json", "--set", "ingest.synthetic.noise=0", "--set",
                                      "ingest.synthetic.dropout=0", "--set", "ingest.synthetic.outlier=0"});
@@ -244,7 +243,7 @@ TEST(Capture, WithoutNoiseEveryFitConverges) {
 }
 
 TEST(Capture, FilesOfOthersInTheFolderOfARunStayAndAreNotRead) {
-  const Folder folder;
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "calm")).exit_code, 0);
   WriteText(folder / "r/capture/wave_p01_r9.txt", "mine");
   const Result result = RunProgram(folder, SmallJob(folder, "r"));
@@ -254,7 +253,7 @@ TEST(Capture, FilesOfOthersInTheFolderOfARunStayAndAreNotRead) {
 }
 
 TEST(Limits, AreOptionsOfTheConfig) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Result shown = RunProgram(
       folder, {"config", "show", "--set", "pipeline.item_timeout=2 min", "--set", "pipeline.item_memory=3 GiB"});
   EXPECT_EQ(shown.exit_code, 0) << shown.err;
@@ -280,8 +279,8 @@ std::string SmallBvh(const std::string& arm) {
   return text;
 }
 
-TEST(CurationOfSets, AClipOfAnotherRestPoseIsLeftOutByARuleAndNotKept) {
-  const Folder folder;
+TEST(CurationOfSets, AClipOfAnotherRestPoseIsExcludedByARuleAndNotKept) {
+  const ScratchFolder folder;
   WriteText(folder / "c/p1_a.bvh", SmallBvh("40 0 0"));
   WriteText(folder / "c/p2_b.bvh", SmallBvh("41 0 0"));
   WriteText(folder / "c/p3_c.bvh", SmallBvh("0 -40 0"));
@@ -292,16 +291,16 @@ TEST(CurationOfSets, AClipOfAnotherRestPoseIsLeftOutByARuleAndNotKept) {
   const Result result = RunProgram(
       folder, {"run", (folder / "job.yaml").string(), "-o", (folder / "r").string(), "-j", "1", "--to", "assemble"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("3 clips, 2 kept, left out by rule: 1, 0 failed"));
+  EXPECT_THAT(result.out, HasSubstr("3 clips, 2 kept, excluded by rule: 1, 0 failed"));
   EXPECT_THAT(result.out, HasSubstr("other_skeleton"));
   EXPECT_THAT(result.err, HasSubstr("arms/p3/c"));
-  int left_out = 0;
+  int excluded = 0;
   const std::string log = ReadText(folder / "r/curation_log.jsonl");
   for (const std::string_view text : SplitText(log, '\n')) {
     if (text.empty()) continue;
     const nlohmann::json line = nlohmann::json::parse(text);
-    if (line["decision"] != "left_out") continue;
-    ++left_out;
+    if (line["decision"] != "excluded") continue;
+    ++excluded;
     EXPECT_THAT(line["clip"].get<std::string>(), HasSubstr("p3"));
     EXPECT_EQ(line["stage"], "assemble");
     EXPECT_EQ(line["rule"], "other_skeleton");
@@ -309,7 +308,7 @@ TEST(CurationOfSets, AClipOfAnotherRestPoseIsLeftOutByARuleAndNotKept) {
     EXPECT_NEAR(line["value"].get<double>(), 1.5708, 1e-3);
     EXPECT_GT(line["threshold"].get<double>(), 0.0);
   }
-  EXPECT_EQ(left_out, 1);
+  EXPECT_EQ(excluded, 1);
   const Result seen = RunProgram(folder, {"inspect", (folder / "r").string()});
   EXPECT_THAT(seen.out, HasSubstr("2 kept"));
   EXPECT_THAT(seen.out, HasSubstr("in 2 clips"));

@@ -1,5 +1,5 @@
 // Files that a library reads (AMASS's .npz, through libzip), damaged in many ways, through the program and its workers:
-// each costs itself at most, with a reason in the curation log, and the sound ones come out as if alone.
+// each fails alone, with a reason in the curation log, and the valid ones give the same result as without them.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,6 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -61,8 +60,8 @@ std::string Damaged(const std::string& whole, int copy, Random& random) {
   return flipped;
 }
 
-TEST(DamagedArchives, CostThemselvesAlone) {
-  const Folder folder;
+TEST(DamagedArchives, DoNotAffectOtherFiles) {
+  const ScratchFolder folder;
   const std::string whole = Walk();
   Random random(3, "damaged archives");
   WriteText(folder / "data/p1/sound1_poses.npz", whole);

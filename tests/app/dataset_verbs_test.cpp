@@ -1,4 +1,4 @@
-// Verbs that make datasets of datasets: what they answer, with which exit code, and that nothing is changed in place.
+// Verbs that make datasets from datasets: answers, exit codes, and unchanged inputs.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,10 +28,10 @@ class DatasetVerbs : public ::testing::Test {
     return RunProgram(folder_, arguments);
   }
 
-  program::Folder folder_;
+  ScratchFolder folder_;
 };
 
-TEST_F(DatasetVerbs, TakeADatasetApartAndTogetherAgain) {
+TEST_F(DatasetVerbs, SplitAndMergeADataset) {
   const Result walks =
       Dataset("subset", {Path("set.h5"), "--where", "label == walk and frames > 4", "-o", Path("walk.h5"), "--json"});
   ASSERT_EQ(walks.exit_code, 0) << walks.err;

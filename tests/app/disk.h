@@ -11,8 +11,8 @@
 
 namespace mocurate::program {
 
-/// A file system of a few bytes, as a full disk is. It stands in a mount namespace of its own, which a child process
-/// holds, and is reached through /proc. Where nobody may mount, a limit on the size of files stands in for it.
+/// A file system of a few bytes, like a full disk. It is in a mount namespace of a child process, and is reached
+/// through /proc. Where mounting is not permitted, a limit on the size of files replaces it.
 class TightDisk {
  public:
   TightDisk(const fs::path& place, std::size_t bytes, std::size_t largest_file)
@@ -46,7 +46,7 @@ class TightDisk {
   fs::path path() const {
     return mounted_ ? fs::path("/proc/" + std::to_string(holder_) + "/root" + place_.native()) : place_;
   }
-  /// What a program that writes to it is started with.
+  /// Runs before the start of a program that writes to it.
   std::function<void()> Limit() const {
     if (mounted_ || grown_) return {};
     return [bytes = largest_file_] {
@@ -54,7 +54,7 @@ class TightDisk {
       setrlimit(RLIMIT_FSIZE, &limit);
     };
   }
-  /// Room for everything from now on.
+  /// Enlarges it.
   bool Grow() {
     grown_ = true;
     return !mounted_ || (write(ask_, "g", 1) == 1 && Answered());

@@ -1,4 +1,4 @@
-// The doctor on machines that lack something: each missing thing by name, with the package that brings it.
+// The doctor on machines with missing parts: each is named, with its package.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -27,8 +26,8 @@ nlohmann::json CheckOf(const Result& result, const std::string& name) {
   return {{"ok", nullptr}, {"found", ""}, {"advice", ""}};
 }
 
-TEST(Doctor, TellsProgramsBlasThreadsAndCache) {
-  const Folder folder;
+TEST(Doctor, ReportsProgramsBlasThreadsAndCache) {
+  const ScratchFolder folder;
   Surroundings surroundings;
   surroundings.before_start = [] { setenv("OMP_NUM_THREADS", "7", 1); };
   const Result result = RunProgram(folder, {"doctor", "--json"}, surroundings);
@@ -44,12 +43,12 @@ TEST(Doctor, BlasHasTheKernelsThatTheCpuCanRunUnlessTheUserNamesOthers) {
 #if defined(__x86_64__)
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return;  // the oldest kernels are right here
 #endif
-  const Folder folder;
+  const ScratchFolder folder;
   Surroundings surroundings;
   surroundings.before_start = [] { unsetenv("OPENBLAS_CORETYPE"); };
   const std::string chosen =
       CheckOf(RunProgram(folder, {"doctor", "--json"}, surroundings), "BLAS")["found"].get<std::string>();
-  if (chosen.find("kernels") == std::string::npos) return;  // a BLAS that does not say which
+  if (chosen.find("kernels") == std::string::npos) return;  // a BLAS that does not report them
   EXPECT_THAT(chosen, Not(HasSubstr("Prescott")));
   surroundings.before_start = [] { setenv("OPENBLAS_CORETYPE", "Nehalem", 1); };
   EXPECT_THAT(CheckOf(RunProgram(folder, {"doctor", "--json"}, surroundings), "BLAS")["found"].get<std::string>(),
@@ -61,7 +60,7 @@ TEST(Doctor, TheReferenceBlasIsNamedWithItsFix) {
   if (!fs::exists(reference / "libblas.so.3")) {
     GTEST_SKIP() << "the reference BLAS is not here, so nothing can load it: scripts/install.sh tests";
   }
-  const Folder folder;
+  const ScratchFolder folder;
   Surroundings surroundings;
   surroundings.before_start = [reference] { setenv("LD_LIBRARY_PATH", reference.c_str(), 1); };
   const Result result = RunProgram(folder, {"doctor", "--json"}, surroundings);
@@ -76,7 +75,7 @@ TEST(Doctor, TheReferenceBlasIsNamedWithItsFix) {
 /// mocurate installed below the folder of the test, its workers in libexec.
 class Installed {
  public:
-  explicit Installed(const Folder& folder) : workers_(folder / "prefix/libexec/mocurate") {
+  explicit Installed(const ScratchFolder& folder) : workers_(folder / "prefix/libexec/mocurate") {
     fs::create_directories(workers_);
     fs::create_directories(folder / "prefix/bin");
     surroundings_.program = folder / "prefix/bin/mocurate";
@@ -93,7 +92,7 @@ class Installed {
   Surroundings surroundings_;
 };
 
-/// Makes a program ask for a library that does not exist.
+/// Makes a program need a library that does not exist.
 void Rename(const fs::path& program, const std::string& library, const std::string& other) {
   std::string bytes = ReadText(program);
   const std::size_t at = bytes.find(library);
@@ -104,7 +103,7 @@ void Rename(const fs::path& program, const std::string& library, const std::stri
 }
 
 TEST(Doctor, NamesEveryLibraryThatAWorkerLacksWithItsPackage) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Installed installed(folder);
   EXPECT_TRUE(CheckOf(RunProgram(folder, {"doctor", "--json"}, installed.surroundings()), "mocurate-learn")["ok"]);
   Rename(installed.Worker("mocurate-learn"), "libtorch_cpu.so.1.13", "libtorch_cpu.so.9.99");
@@ -135,7 +134,7 @@ TEST(Doctor, NamesEveryLibraryThatAWorkerLacksWithItsPackage) {
 }
 
 TEST(Doctor, AWorkerThatIsMissingBrokenOrOfAnotherVersionIsExitCode4) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Installed installed(folder);
   const fs::path learn = installed.Worker("mocurate-learn");
   const auto found = [&](const std::string& script) {

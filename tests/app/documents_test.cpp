@@ -1,4 +1,4 @@
-// With --json stdout is one JSON document, whatever becomes of the verb; logs go to stderr, and with -q errors alone.
+// With --json stdout is one JSON document, whatever the outcome; logs go to stderr, and with -q errors only.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -39,8 +38,8 @@ nlohmann::json ExpectDocument(const Result& result, int exit_code) {
   return document;
 }
 
-TEST(Documents, AWholeRunAndWhatLooksAtIt) {
-  const Folder folder;
+TEST(Documents, AWholeRunAndVerbsThatInspectIt) {
+  const ScratchFolder folder;
   std::vector<std::string> job = SmallJob(folder, "r");
   job.emplace_back("--json");
   const Result run = RunProgram(folder, job);
@@ -60,19 +59,19 @@ TEST(Documents, AWholeRunAndWhatLooksAtIt) {
   }
   EXPECT_EQ(ExpectDocument(RunProgram(folder, {"cache", "verify", "--json"}), 3)["damaged"].size(), 1u);
   const std::vector<std::string> prune = {"cache", "prune", "--days", "0", "--json"};
-  const nlohmann::json foreseen =
+  const nlohmann::json predicted_decrease =
       ExpectDocument(RunProgram(folder, {"cache", "prune", "--days", "0", "--json", "--dry-run"}), 0);
-  EXPECT_TRUE(foreseen["dry_run"].get<bool>());
+  EXPECT_TRUE(predicted_decrease["dry_run"].get<bool>());
   EXPECT_GT(ExpectDocument(RunProgram(folder, {"cache", "stat", "--json"}), 0)["objects"], 15) << "nothing is removed";
   const nlohmann::json pruned = ExpectDocument(RunProgram(folder, prune), 0);
   EXPECT_GT(pruned["objects"], 15);
-  EXPECT_EQ(pruned["objects"], foreseen["objects"]);
-  EXPECT_EQ(pruned["bytes"], foreseen["bytes"]);
+  EXPECT_EQ(pruned["objects"], predicted_decrease["objects"]);
+  EXPECT_EQ(pruned["bytes"], predicted_decrease["bytes"]);
   EXPECT_EQ(ExpectDocument(RunProgram(folder, {"cache", "stat", "--json"}), 0)["objects"], 0);
 }
 
 TEST(Documents, ARunWithABadClipIsOneDocumentWithExitCode1) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::vector<std::string> job = SmallJob(folder, "r");
   ASSERT_EQ(RunProgram(folder, job).exit_code, 0);
   fs::copy(folder / "r/capture", folder / "capture");
@@ -84,8 +83,8 @@ TEST(Documents, ARunWithABadClipIsOneDocumentWithExitCode1) {
   EXPECT_THAT(result.err, HasSubstr("clap_p01_r01.txt"));
 }
 
-TEST(Quiet, PrintsErrorsAloneOfEveryVerb) {
-  const Folder folder;
+TEST(Quiet, PrintsOnlyErrorsOfEveryVerb) {
+  const ScratchFolder folder;
   std::vector<std::string> job = SmallJob(folder, "r");
   const auto quiet = [&](std::vector<std::string> arguments) {
     arguments.emplace_back("-q");
@@ -128,7 +127,7 @@ TEST(Quiet, PrintsErrorsAloneOfEveryVerb) {
 }
 
 TEST(Documents, VerbsThatNeedNoCapture) {
-  const Folder folder;
+  const ScratchFolder folder;
   EXPECT_TRUE(ExpectDocument(RunProgram(folder, {"config", "show", "--json"}), 0).contains("ingest"));
   EXPECT_TRUE(ExpectDocument(RunProgram(folder, {"config", "schema", "--json"}), 0).contains("properties"));
   EXPECT_TRUE(ExpectDocument(RunProgram(folder, {"config", "reference", "--json"}), 0).contains("markdown"));
@@ -136,7 +135,7 @@ TEST(Documents, VerbsThatNeedNoCapture) {
 }
 
 TEST(Documents, WrongUsageAndWrongConfigAreExitCode2) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const std::vector<std::string>& arguments : {std::vector<std::string>{"run", "--wings", "--json"},
                                                     {"--json", "fly"},
                                                     {"--json"},
@@ -161,8 +160,8 @@ TEST(Documents, WrongUsageAndWrongConfigAreExitCode2) {
   }
 }
 
-TEST(Documents, AConfigurationThatIsNotThereIsExitCode2AndInputThatIsNotThere3) {
-  const Folder folder;
+TEST(Documents, AMissingConfigurationIsExitCode2AndMissingInput3) {
+  const ScratchFolder folder;
   const std::string none = folder / "none.yaml";
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"run", none}, {"config", "show", none}, {"inspect", none}}) {

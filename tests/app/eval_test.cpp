@@ -1,4 +1,4 @@
-// `mocurate eval`: published weights on published motions, files of other programs, and what is refused.
+// `mocurate eval`: published weights on published motions, files of other programs, and refused input.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,6 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::WriteText;
@@ -25,7 +24,7 @@ namespace fs = std::filesystem;
 
 fs::path Published(const std::string& name) { return fs::path(std::getenv("MOCURATE_GOLDENS")) / "published" / name; }
 
-Result Eval(const Folder& folder, std::vector<std::string> arguments, bool weights = true) {
+Result Eval(const ScratchFolder& folder, std::vector<std::string> arguments, bool weights = true) {
   arguments.insert(arguments.begin(), "eval");
   arguments.push_back("--json");
   program::Surroundings surroundings;
@@ -83,7 +82,7 @@ TEST(Eval, PublishedWeightsScorePublishedMotionsAsTheReleasedCode) {
       {"a2m-ntu13", ntu_lie, ntu, "ntu_rgbd_vibe/vanilla_vae_lie_mse_kld01/fk_first_root_at_origin", at_origin, 1.0},
       {"a2m-cmu8", cmu, "", "mocap/vanila_vae_tf_2/as_stored", {}, 0.25},
       {"a2m-cmu8", cmu_lie, cmu, "mocap/vanilla_vae_lie_mse_kld01/fk", {}, 0.65}};
-  const Folder folder;
+  const ScratchFolder folder;
   for (const PublishedCase& one : cases) {
     std::vector<std::string> arguments = {
         "--protocol",  one.protocol,
@@ -102,9 +101,9 @@ TEST(Eval, PublishedWeightsScorePublishedMotionsAsTheReleasedCode) {
   }
 }
 
-TEST(Eval, ComesWithThePublishedNumbersAndSaysWhatItNeedsForTheRest) {
+TEST(Eval, HasPublishedNumbersAndNamesMissingInputs) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string();
   const Result result = Eval(folder, {"--protocol", "a2m-humanact12", "--generated", joints});
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -146,7 +145,7 @@ NpyArray PublishedMotions() {
 
 TEST(Eval, RealComesFirstRowsFollowAndReleasedDrawsAsThePaperDoes) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "real.npy", WriteNpy(Varied(PublishedMotions(), 3)));
   WriteText(folder / "a.npy", WriteNpy(Varied(PublishedMotions(), 2)));
   NpyArray frozen = Varied(PublishedMotions(), 2);  // the first frame of each motion
@@ -185,13 +184,13 @@ TEST(Eval, RealComesFirstRowsFollowAndReleasedDrawsAsThePaperDoes) {
               ::testing::Contains("same_motions_in_every_repetition"));
   EXPECT_EQ(drawn.out, Eval(folder, released).out) << "same inputs, same bytes";
   released.insert(released.end(), {"-j", "1"});
-  const Folder other;  // another cache
+  const ScratchFolder other;  // another cache
   EXPECT_EQ(drawn_rows, Eval(other, released).Json()["rows"]) << "with any number of jobs";
 }
 
 TEST(Eval, LabelsComeFromFilesNamesOfFilesAndTables) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   const NpyArray all = PublishedMotions();
   const std::size_t each = all.values.size() / all.shape[0];
   for (std::size_t i = 0; i < 4; ++i) {
@@ -227,7 +226,7 @@ struct BadInput {
 
 TEST(Eval, BadInputEndsWithItsCode) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string(),
                     classes = Published("humanact12/vanila_vae_tf/motion_class.npy").string(),
                     raw = Published("ntu_rgbd_vibe/vanilla_vae_lie_mse_kld01/motion_joints50000.npy").string();
@@ -279,9 +278,9 @@ TEST(Eval, BadInputEndsWithItsCode) {
   EXPECT_EQ(unset.exit_code, 4) << unset.err;
 }
 
-TEST(Eval, AMotionWithANumberThatIsNoneIsNamedAndTheOthersAreScored) {
+TEST(Eval, AMotionWithNanIsNamedAndTheOthersAreScored) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   NpyArray broken = PublishedMotions();
   broken.values[7 * 60 * 72 + 100] = std::nan("");
   WriteText(folder / "broken.npy", WriteNpy(broken));
@@ -292,9 +291,9 @@ TEST(Eval, AMotionWithANumberThatIsNoneIsNamedAndTheOthersAreScored) {
   EXPECT_THAT(result.out, ::testing::HasSubstr("0007"));
 }
 
-TEST(Eval, ARowThatFailsCostsItself) {
+TEST(Eval, AFailedRowDoesNotAffectOthers) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string();
   const std::string other = Published("ntu_rgbd_vibe/vanila_vae_tf_2/motion_joints300000.npy").string();
   const Result result =
@@ -305,9 +304,9 @@ TEST(Eval, ARowThatFailsCostsItself) {
   EXPECT_TRUE(result.Json()["failed"].contains("bad"));
 }
 
-TEST(Eval, AFileThatIsNotThereCostsItsRowAlone) {
+TEST(Eval, AMissingFileOnlyFailsItsRow) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string();
   const Result result = Eval(
       folder, {"--protocol", "a2m-humanact12", "--generated", "good=" + joints, "--generated", "typo=nowhere.npy"});
@@ -318,7 +317,7 @@ TEST(Eval, AFileThatIsNotThereCostsItsRowAlone) {
 
 TEST(Eval, FilesAreLabelledByWholeWordsOfTheirNamesAndListedLabelsFollowTheirNumbers) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   const NpyArray all = PublishedMotions();
   const auto write = [&](const std::string& name, std::size_t motion) {
     NpyArray one = all;
@@ -350,7 +349,7 @@ TEST(Eval, FilesAreLabelledByWholeWordsOfTheirNamesAndListedLabelsFollowTheirNum
   }
 }
 
-/// A turn of every position of the published motions.
+/// A rotation of every position of the published motions.
 NpyArray Turned(double (*turn)(const double* position, int axis)) {
   NpyArray turned = PublishedMotions();
   const NpyArray whole = turned;
@@ -360,9 +359,9 @@ NpyArray Turned(double (*turn)(const double* position, int axis)) {
   return turned;
 }
 
-TEST(Eval, MotionsInAnotherFrameAreRefusedOrWarnedOf) {
+TEST(Eval, MotionsInAnotherFrameAreRefusedOrGiveAWarning) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "z_up.npy", WriteNpy(Turned([](const double* p, int axis) {
               return axis == 0 ? p[0] : axis == 1 ? p[2] : -p[1];
             })));
@@ -383,7 +382,7 @@ TEST(Eval, MotionsInAnotherFrameAreRefusedOrWarnedOf) {
 
 TEST(Eval, EverySetMayHaveLabelsOfItsOwnAndTheRealSetIsNoGeneratedOne) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string(),
                     labels = Published("humanact12/vanila_vae_tf/motion_class.npy").string();
   std::string walk;
@@ -403,7 +402,7 @@ TEST(Eval, EverySetMayHaveLabelsOfItsOwnAndTheRealSetIsNoGeneratedOne) {
 
 TEST(Eval, RealMotionsWithoutASplitHaveNoTestPart) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string joints = Published("humanact12/vanila_vae_tf/motion_joints500000.npy").string();
   const Result result = Eval(folder, {"--protocol", "a2m-humanact12", "--generated", "s=" + joints, "--real", joints,
                                       "--set", "test_reference=true"});
@@ -415,7 +414,7 @@ TEST(Eval, RealMotionsWithoutASplitHaveNoTestPart) {
 
 TEST(Eval, DoseResponseScoresDamagedCopiesOfRealMotionsBesideTheUndamagedOnes) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "real.npy", WriteNpy(Varied(PublishedMotions(), 2)));
   const std::vector<std::string> arguments = {"--protocol", "a2m-humanact12", "--dose-response",
                                               (folder / "real.npy").string()};
@@ -439,7 +438,7 @@ TEST(Eval, DoseResponseScoresDamagedCopiesOfRealMotionsBesideTheUndamagedOnes) {
     EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
   }
   const std::string csv = ReadText(folder / "out/tables/dose_response.csv");
-  const Folder other;  // another cache
+  const ScratchFolder other;  // another cache
   EXPECT_EQ(Eval(other, {"--protocol", "a2m-humanact12", "--dose-response", (folder / "real.npy").string(), "--doses",
                          "jitter_mm=5,50", "--doses", "frozen_share=0.5", "-o", (other / "out").string(), "-j", "1"})
                 .exit_code,
@@ -453,9 +452,9 @@ TEST(Eval, DoseResponseScoresDamagedCopiesOfRealMotionsBesideTheUndamagedOnes) {
   EXPECT_EQ(Eval(folder, {"--protocol", "a2m-humanact12"}).exit_code, 2) << "nothing to score";
 }
 
-TEST(Doctor, SaysWhichWeightsAProtocolNeedsAndWhetherTheyAreThere) {
+TEST(Doctor, ListsTheWeightsOfAProtocolAndMissingOnes) {
   REQUIRE_GOLDENS();
-  const Folder folder;
+  const ScratchFolder folder;
   program::Surroundings surroundings;
   surroundings.before_start = [] { setenv("MOCURATE_WEIGHTS", Published("").c_str(), 1); };
   const Result found = program::RunProgram(folder, {"doctor", "--protocol", "a2m-ntu13", "--json"}, surroundings);

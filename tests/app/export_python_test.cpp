@@ -12,7 +12,6 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::Result;
 using program::RunProgram;
 
@@ -70,7 +69,7 @@ class ExportsInPython : public ::testing::Test {
   }
 
   const Dataset dataset_ = SwingingSet("smpl24");
-  const Folder folder_;
+  const ScratchFolder folder_;
 };
 
 TEST_F(ExportsInPython, ArraysHoldJointsRotationsAndRate) {
@@ -86,7 +85,7 @@ TEST_F(ExportsInPython, ArraysHoldJointsRotationsAndRate) {
   }
 }
 
-TEST_F(ExportsInPython, HumanAct12HasJointsWithYDownAndNamesThatSayTheRest) {
+TEST_F(ExportsInPython, HumanAct12HasJointsWithYDownAndNamesWithPersonAndLabel) {
   const nlohmann::json read = Read("humanact12");
   for (std::size_t i = 0; i < dataset_.clips.size(); ++i) {
     const nlohmann::json& clip = read.at(Id(i));

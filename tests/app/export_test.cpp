@@ -14,7 +14,6 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -56,7 +55,7 @@ class ExportVerbs : public ::testing::Test {
     return RunProgram(folder_, words);
   }
 
-  Folder folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(ExportVerbs, WritesAFileForEachClip) {
@@ -85,11 +84,11 @@ TEST_F(ExportVerbs, OneFileHoldsOneClip) {
   EXPECT_EQ(Export({"-o", file, "--clip", "c#0-3", "--force"}).exit_code, 0);
 }
 
-TEST_F(ExportVerbs, NamesWhatItDoesNotKnow) {
+TEST_F(ExportVerbs, NamesUnknownClipsAndRepresentations) {
   const std::string output = (folder_ / "arrays").string();
   const Result clip = Export({"-o", output, "--clip", "d"});
   EXPECT_EQ(clip.exit_code, 2);
-  EXPECT_THAT(clip.err, HasSubstr("no clip is called 'd'"));
+  EXPECT_THAT(clip.err, HasSubstr("no clip has the id 'd'"));
   EXPECT_EQ(Export({"-o", output, "--as", "euler"}).exit_code, 2);
   const Result none = RunProgram(folder_, {"export", (folder_ / "none.h5").string(), "-o", output});
   EXPECT_EQ(none.exit_code, 3);
@@ -112,7 +111,7 @@ class ExportLayouts : public ::testing::Test {
   }
 
   Dataset dataset_ = SwingingSet("smpl24");
-  Folder folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(ExportLayouts, ComeBackAsADataset) {
@@ -145,7 +144,7 @@ TEST_F(ExportLayouts, ComeBackAsADataset) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
-TEST_F(ExportLayouts, RefuseWhatTheyHaveNot) {
+TEST_F(ExportLayouts, RefuseUnsupportedOptions) {
   EXPECT_EQ(Export("fbx", "x").exit_code, 2);
   EXPECT_EQ(Export("bvh", "x", {"--as", "quaternion"}).exit_code, 2);
   EXPECT_EQ(Export("csv", "x", {"--split", "none"}).exit_code, 2);
@@ -159,7 +158,7 @@ TEST_F(ExportLayouts, RefuseWhatTheyHaveNot) {
   EXPECT_EQ(Export("csv", "tables").exit_code, 0);
 }
 
-TEST_F(ExportLayouts, AClipThatCannotBeTakenCostsNoOther) {
+TEST_F(ExportLayouts, AClipThatCannotBeExportedDoesNotAffectOthers) {
   dataset_.clips[1].rate = dataset_.clips[1].motion->rate = FrameRate{60, 1};
   Store(dataset_);
   const Result result = Export("csv", "tables", {"--json"});
@@ -173,17 +172,17 @@ TEST_F(ExportLayouts, AClipThatCannotBeTakenCostsNoOther) {
   }
 }
 
-TEST_F(ExportLayouts, OverwriteAndMixNothingUnasked) {
+TEST_F(ExportLayouts, OverwriteOnlyWithForce) {
   program::WriteText(folder_ / "out/notes.txt", "mine");
   EXPECT_EQ(Export("csv", "out").exit_code, 2);
   const Result forced = Export("csv", "out", {"--force", "--json"});
   EXPECT_EQ(forced.exit_code, 0) << forced.err;
   EXPECT_EQ(ReadText(folder_ / "out/notes.txt"), "mine");
   const std::size_t notes = forced.Json()["notes"].size();
-  EXPECT_EQ(Export("csv", "alone", {"--json"}).Json()["notes"].size() + 1, notes) << "what stays there is said";
+  EXPECT_EQ(Export("csv", "alone", {"--json"}).Json()["notes"].size() + 1, notes) << "remaining files are reported";
 }
 
-TEST_F(ExportLayouts, OneFileWhereOneIsNamed) {
+TEST_F(ExportLayouts, WriteOneFileIfOneIsNamed) {
   const std::string clip = dataset_.clips[0].id();
   EXPECT_EQ(Export("bvh", "walk.bvh").exit_code, 2) << "four clips";
   EXPECT_EQ(Export("bvh", "walk.bvh", {"--clip", clip}).exit_code, 0);
@@ -198,10 +197,10 @@ TEST_F(ExportLayouts, OneFileWhereOneIsNamed) {
   EXPECT_EQ(back.Json()["files"].size(), 4u);
 }
 
-TEST(ExportVerb, TakesAnyMotionFileAndNamesTheOnesThatCannotBeRead) {
+TEST(ExportVerb, ReadsAnyMotionFileAndNamesUnreadableOnes) {
   const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string walk = ReadText(std::filesystem::path(data) / "bvh/misc/olafhaag_walk01.bvh");
   program::WriteText(folder / "bvh/good.bvh", walk);
   const Result alone = RunProgram(folder, {"export", (folder / "bvh/good.bvh").string(), "-o",
@@ -210,7 +209,7 @@ TEST(ExportVerb, TakesAnyMotionFileAndNamesTheOnesThatCannotBeRead) {
   const auto arrays = ParseNpz(ReadText(folder / "one.npz"), "exported");
   ASSERT_TRUE(arrays.has_value()) << arrays.error().Message();
   EXPECT_EQ(arrays->Find("joints")->shape.at(0), 101u) << "as many frames as the file declares";
-  program::WriteText(folder / "bvh/torn.bvh", walk.substr(0, walk.find("MOTION")));
+  program::WriteText(folder / "bvh/truncated.bvh", walk.substr(0, walk.find("MOTION")));
   const Result both =
       RunProgram(folder, {"export", (folder / "bvh").string(), "-o", (folder / "all").string(), "--json"});
   EXPECT_EQ(both.exit_code, 1) << both.err;
@@ -219,8 +218,8 @@ TEST(ExportVerb, TakesAnyMotionFileAndNamesTheOnesThatCannotBeRead) {
 }
 
 /// A walk that is fitted, written as joints and fitted again.
-TEST(ExportedJoints, AreFittedAgainByWhatTheFileItselfSays) {
-  const Folder folder;
+TEST(ExportedJoints, AreFittedAgainByTheFilesOwnDeclaration) {
+  const ScratchFolder folder;
   const auto path = [&](const char* name) { return (folder / name).string(); };
   const auto succeeds = [&](const std::vector<std::string>& words) {
     const Result result = RunProgram(folder, words);
@@ -252,7 +251,7 @@ TEST(ExportedJoints, AreFittedAgainByWhatTheFileItselfSays) {
 }
 
 TEST(ExportedJoints, AnotherOrderThanTheFileNamesIsRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto path = [&](const char* name) { return (folder / name).string(); };
   ASSERT_EQ(RunProgram(folder, {"synthesize", "--layout", "tracks", "-o", path("studio"), "--set", "subjects=1",
                                 "--set", "actions=[walk]"})
@@ -270,7 +269,7 @@ TEST(ExportedJoints, AnotherOrderThanTheFileNamesIsRefused) {
   const Result refused = RunProgram(folder, {"fit", path("walk.npz"), "-o", path("again.h5"), "--skeleton", "smpl24",
                                              "--set", "ingest.source.joints=" + joints + "]"});
   EXPECT_NE(refused.exit_code, 0);
-  EXPECT_THAT(refused.err, HasSubstr("joint_names says 'right_hip' where 'left_hip' is declared"));
+  EXPECT_THAT(refused.err, HasSubstr("'right_hip' where 'left_hip' is declared"));
 }
 
 }  // namespace

@@ -16,7 +16,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::Result;
 using program::RunProgram;
 using program::WriteText;
@@ -43,24 +42,24 @@ class FitVerbs : public ::testing::Test {
   }
   fs::path kard() const { return data_ / "kinect/kard/a14_s02_e01_realworld.txt"; }
 
-  Folder folder_;
+  ScratchFolder folder_;
   fs::path data_;
 };
 
-TEST_F(FitVerbs, SayWhatTheyGuessedOfNumbersThatNobodyDeclared) {
+TEST_F(FitVerbs, ReportAssumptionsAboutUndeclaredColumns) {
   const fs::path msr = data_ / "kinect/msr_action3d/a01_s01_e01_skeleton3D.txt";
-  const std::string guess = "taken as a confidence, by which";
+  const std::string assumption = "taken as a confidence, by which";
   const Result silent = Fit(msr, {"--set", "ingest.source.rate=15 Hz"});
   EXPECT_EQ(silent.exit_code, 0) << silent.err;
-  EXPECT_THAT(silent.err, HasSubstr(guess));
-  const Result told =
+  EXPECT_THAT(silent.err, HasSubstr(assumption));
+  const Result declared =
       Fit(msr, {"--set", "ingest.source.rate=15 Hz", "--set", "ingest.source.least_confidence=0.1", "--force"});
-  EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_EQ(told.err.find(guess), std::string::npos) << told.err;
+  EXPECT_EQ(declared.exit_code, 0) << declared.err;
+  EXPECT_EQ(declared.err.find(assumption), std::string::npos) << declared.err;
 }
 
 /// 22 joints of SMPL's 24, hips that hang from the pelvis, shoulders beside the neck: not where the skeleton's rest
-/// pose has them. A point that is none costs itself.
+/// pose has them. A false point does not affect the others.
 TEST_F(FitVerbs, JointsOfAnotherBodyAreFollowedToMillimetres) {
   const fs::path sample = data_ / "humanact12/humanml3d_sample/012314_joints.npy";
   auto array = ParseNpy(program::ReadText(sample), "sample");
@@ -88,7 +87,7 @@ TEST_F(FitVerbs, JointsOfAnotherBodyAreFollowedToMillimetres) {
 }
 
 /// Trees of several programs, which call an ankle a foot, a collar a shoulder, and begin the arms where the chest does:
-/// what is in the file is where it was, nothing of it is guessed.
+/// what is in the file is where it was, none of it is assumed.
 TEST_F(FitVerbs, MotionsOfOtherTreesKeepTheirAnatomy) {
   for (const char* file :
        {"olafhaag_walk01", "kevinxie4c_walk_mixed_orders", "omimo_AV_8Walk_HVHA", "olafhaag_test_freebvh_mixamo"}) {
@@ -105,8 +104,8 @@ TEST_F(FitVerbs, MotionsOfOtherTreesKeepTheirAnatomy) {
   }
 }
 
-/// Exchanged names and a mirrored world look the same: what is done about it is said.
-TEST_F(FitVerbs, AWorldThatIsMirroredToReadItIsTold) {
+/// Exchanged names and a mirrored world look the same: the correction is reported.
+TEST_F(FitVerbs, AMirroredWorldIsReported) {
   std::string text = program::ReadText(data_ / "bvh/misc/olafhaag_walk01.bvh");
   const auto replace = [&](const std::string& from, const std::string& to) {
     for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
@@ -117,13 +116,13 @@ TEST_F(FitVerbs, AWorldThatIsMirroredToReadItIsTold) {
   const Result mirrored = Fit(folder_ / "exchanged.bvh", {"--skeleton", "smpl24"});
   EXPECT_EQ(mirrored.exit_code, 0) << mirrored.err;
   EXPECT_THAT(mirrored.err, HasSubstr("--set ingest.source.axes='+x +y +z'"));
-  const Result told =
+  const Result kept =
       Fit(folder_ / "exchanged.bvh", {"--skeleton", "smpl24", "--force", "--set", "ingest.source.axes=+x +y +z"});
-  EXPECT_EQ(told.exit_code, 1) << told.err;
+  EXPECT_EQ(kept.exit_code, 1) << kept.err;
 }
 
-/// Names of one skeleton, another tree: the file's own is taken.
-TEST_F(FitVerbs, ATreeThatHangsOtherwiseThanItsNamesakeIsFitted) {
+/// Names of one skeleton, another tree: the file's own tree is used.
+TEST_F(FitVerbs, ATreeThatDiffersFromItsNamesakeIsFitted) {
   const Result result = Fit(data_ / "cmu/asf_amc/01_01.bvh",
                             {"--skeleton", "smpl24", "--json", "--set", "fitting.joint_tracks.uncertainty=false"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -145,16 +144,16 @@ TEST_F(FitVerbs, OneFileOfADeclaredSetGetsRotationsOnTheSkeletonAskedFor) {
   EXPECT_LT(fit["residual_rms_mm"], 40.0);
 }
 
-TEST_F(FitVerbs, WhatContradictsTheDeclarationIsToldAndTheExitCodeSaysSo) {
+TEST_F(FitVerbs, AContradictedDeclarationIsReportedWithExitCode1) {
   std::istringstream lines(program::ReadText(kard()));
   std::ostringstream halved;
   double x = 0.0, y = 0.0, z = 0.0;
   while (lines >> x >> y >> z) halved << 0.45 * x << ' ' << 0.45 * y << ' ' << 0.45 * z << '\n';
   const fs::path file = folder_ / "a14_s02_e01_realworld.txt";
   WriteText(file, halved.str());
-  const Result told = Fit(file, {"--source", "kard", "--skeleton", "openni16"});
-  EXPECT_EQ(told.exit_code, 1) << told.err;
-  EXPECT_THAT(told.out, HasSubstr("error: units_contradiction"));
+  const Result contradicting = Fit(file, {"--source", "kard", "--skeleton", "openni16"});
+  EXPECT_EQ(contradicting.exit_code, 1) << contradicting.err;
+  EXPECT_THAT(contradicting.out, HasSubstr("error: units_contradiction"));
   EXPECT_EQ(Fitted().clips.size(), 1u) << "written all the same";
   const Result json = Fit(file, {"--source", "kard", "--skeleton", "openni16", "--json", "--force"});
   const nlohmann::json answer = json.Json();
@@ -164,14 +163,14 @@ TEST_F(FitVerbs, WhatContradictsTheDeclarationIsToldAndTheExitCodeSaysSo) {
   EXPECT_TRUE(found) << json.out;
 }
 
-TEST_F(FitVerbs, PointsOfATrackerThatAreNoJointsOfTheSkeletonAreNotLeftOut) {
+TEST_F(FitVerbs, PointsOfATrackerThatAreNoJointsOfTheSkeletonAreNotExcluded) {
   const Result result = Fit(kard(), {"--source", "kard", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(Fitted().skeleton->name, "smpl24");
-  EXPECT_THAT(result.Json()["clips"][0]["findings"].dump(), Not(HasSubstr("joints_left_out")));
+  EXPECT_THAT(result.Json()["clips"][0]["findings"].dump(), Not(HasSubstr("joints_excluded")));
 }
 
-/// MSR-Action3D's tracker measures people anew in each recording, which its declaration knows.
+/// MSR-Action3D's tracker measures people anew in each recording, as its declaration states.
 TEST_F(FitVerbs, ABodyIsOfAPersonOrOfARecording) {
   for (const char* name : {"a01_s02_e01_skeleton3D.txt", "a04_s02_e01_skeleton3D.txt"}) {
     fs::create_directories(folder_ / "clips");
@@ -195,7 +194,7 @@ TEST_F(FitVerbs, ABodyIsOfAPersonOrOfARecording) {
   EXPECT_EQ(shared.clips[0].motion->bone_length, shared.clips[1].motion->bone_length);
 }
 
-TEST_F(FitVerbs, RecordingsOfNobodyKnownAreBodiesOfTheirOwn) {
+TEST_F(FitVerbs, RecordingsOfNoPersonKnownAreBodiesOfTheirOwn) {
   const std::vector<std::string> smpl = {"--skeleton", "smpl24", "--force", "--json"};
   const Result own = Fit(data_ / "bvh/misc", smpl);
   EXPECT_TRUE(own.Json()["shared_bodies"].empty()) << own.Json()["shared_bodies"];
@@ -207,7 +206,7 @@ TEST_F(FitVerbs, RecordingsOfNobodyKnownAreBodiesOfTheirOwn) {
 }
 
 /// The recording is then called as the file, and all else of the declaration holds: units, axes, rate, skeleton.
-TEST_F(FitVerbs, FilesOfASetThatWereRenamedAreFittedAsOfSomebodyUnknown) {
+TEST_F(FitVerbs, RenamedFilesOfASetAreFittedAsOfAnUnknownPerson) {
   struct Renamed {
     const char *file, *name, *source, *beside;
   };
@@ -251,7 +250,7 @@ TEST_F(FitVerbs, FilesOfASetThatWereRenamedAreFittedAsOfSomebodyUnknown) {
   }
 }
 
-TEST_F(FitVerbs, APatternThatIsToldForOneFileNeedsNoFields) {
+TEST_F(FitVerbs, APatternThatIsReportedForOneFileNeedsNoFields) {
   fs::copy_file(data_ / "ntu/S001C001P001R001A011.skeleton", folder_ / "x.skeleton");
   const Result result =
       Fit(folder_ / "x.skeleton", {"--skeleton", "smpl24", "--set", "ingest.source.files='{recording}.skeleton'"});
@@ -259,8 +258,8 @@ TEST_F(FitVerbs, APatternThatIsToldForOneFileNeedsNoFields) {
   EXPECT_EQ(Fitted().clips.at(0).identity.person, "unknown");
 }
 
-/// A run is of a set, and wants its names.
-TEST_F(FitVerbs, ARunOfRenamedFilesEndsAsBefore) {
+/// A run processes a set, and needs its file names.
+TEST_F(FitVerbs, ARunOfRenamedFilesIsRefused) {
   fs::copy_file(kard(), folder_ / "x.txt");
   const Result result =
       RunProgram(folder_, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml", "--set",
@@ -269,20 +268,20 @@ TEST_F(FitVerbs, ARunOfRenamedFilesEndsAsBefore) {
   EXPECT_THAT(result.err, HasSubstr("no file matches the pattern"));
 }
 
-TEST_F(FitVerbs, JointsThatTheSkeletonLacksAreLeftOutAndNamed) {
+TEST_F(FitVerbs, JointsThatTheSkeletonLacksAreExcludedAndNamed) {
   const Result result = Fit(kard(), {"--source", "kard", "--skeleton", "ntu14", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.Json()["clips"][0]["findings"].dump(), HasSubstr("skeleton 'ntu14' has no torso"));
 }
 
-TEST_F(FitVerbs, WhatNoFileTellsIsAskedForAllAtOnce) {
+TEST_F(FitVerbs, UndeclaredValuesAreRequestedAllAtOnce) {
   const Result unknown = Fit(kard(), {});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("rate"));
   EXPECT_THAT(unknown.err, HasSubstr("--set ingest.source.rate='30 Hz'"));
   EXPECT_FALSE(fs::exists(output()));
-  const Result told = Fit(kard(), {"--set", "ingest.source.rate=30 Hz", "--set", "ingest.source.axes=+x +y -z"});
-  EXPECT_EQ(told.exit_code, 0) << told.err;
+  const Result declared = Fit(kard(), {"--set", "ingest.source.rate=30 Hz", "--set", "ingest.source.axes=+x +y -z"});
+  EXPECT_EQ(declared.exit_code, 0) << declared.err;
 }
 
 TEST_F(FitVerbs, AMotionOfAnotherSkeletonIsFittedByItsOwnNamesOfJoints) {
@@ -300,7 +299,7 @@ TEST_F(FitVerbs, AMotionOfAnotherSkeletonIsFittedByItsOwnNamesOfJoints) {
   EXPECT_LT(result.Json()["clips"][0]["fit"]["residual_p95_mm"], 40.0);
 }
 
-TEST_F(FitVerbs, FeetOfAMotionThatIsGivenNoLongerSlideAndTheRestIsItsOwn) {
+TEST_F(FitVerbs, FootSlidingOfAGivenMotionIsRemovedAndTheRestIsUnchanged) {
   ASSERT_EQ(Fit(data_ / "bvh/bandai2/dataset-2_walk_normal_001.bvh", {"--skeleton", "smpl24"}).exit_code, 0);
   const Dataset before = Fitted();
   const fs::path given = folder_ / "given.h5";
@@ -318,7 +317,7 @@ TEST_F(FitVerbs, FeetOfAMotionThatIsGivenNoLongerSlideAndTheRestIsItsOwn) {
   EXPECT_EQ(after.clips[0].identity.recording, before.clips[0].identity.recording);
 }
 
-TEST_F(FitVerbs, ADamagedDatasetIsToldByItsField) {
+TEST_F(FitVerbs, ADamagedDatasetIsReportedByItsField) {
   ASSERT_EQ(Fit(data_ / "bvh/bandai2/dataset-2_walk_normal_001.bvh", {"--skeleton", "smpl24"}).exit_code, 0);
   const Dataset dataset = Fitted();
   const auto value = static_cast<float>(dataset.clips[0].motion->joints.xyz.back());
@@ -383,7 +382,7 @@ TEST_F(FitVerbs, AMotionFindsItsSkeletonFileInTheFolderAbove) {
   EXPECT_EQ(Fitted().clips.size(), 1u);
 }
 
-TEST_F(FitVerbs, NothingIsWrittenOverAndNothingIsMadeOfNothing) {
+TEST_F(FitVerbs, OutputsAreNotOverwrittenAndMissingInputIsRefused) {
   WriteText(output(), "mine");
   EXPECT_EQ(Fit(kard(), {"--source", "kard"}).exit_code, 2);
   EXPECT_EQ(program::ReadText(output()), "mine");

@@ -1,4 +1,4 @@
-// What is told of run folders: each result belongs to the run that made it.
+// Descriptions of run folders: each result is assigned to the run that made it.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::Result;
 using program::RunProgram;
 using program::SmallJob;
@@ -19,15 +18,15 @@ using program::WriteText;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::vector<std::string> Failing(const Folder& folder) {
+std::vector<std::string> Failing(const ScratchFolder& folder) {
   std::vector<std::string> arguments = SmallJob(folder, "runs/a");
   arguments.insert(arguments.end(), {"--set", "ingest.synthetic.enabled=false", "--set",
                                      "ingest.path=" + (folder / "nowhere").string()});
   return arguments;
 }
 
-TEST(InspectRun, ALaterRunThatFailedIsNotGivenTheResultsOfTheEarlierOne) {
-  const Folder folder;
+TEST(InspectRun, AFailedLaterRunHasNoResultsOfTheEarlierOne) {
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
   const std::string run = (folder / "runs/a").string();
   const std::string whole = RunProgram(folder, {"inspect", run}).out;
@@ -38,24 +37,24 @@ TEST(InspectRun, ALaterRunThatFailedIsNotGivenTheResultsOfTheEarlierOne) {
   const Result failed = RunProgram(folder, {"inspect", run});
   EXPECT_THAT(failed.out, HasSubstr("with exit code 3"));
   EXPECT_THAT(failed.out, Not(HasSubstr("15 kept")));
-  EXPECT_THAT(failed.out, HasSubstr("dataset.h5, curation_log.jsonl: of an earlier run of this folder"));
+  EXPECT_THAT(failed.out, HasSubstr("dataset.h5, curation_log.jsonl: written by an earlier run of this folder"));
   EXPECT_THAT(failed.out, HasSubstr("dataset.h5 of an earlier run: mocurate/1"));
   const nlohmann::json json = RunProgram(folder, {"inspect", run, "--json"}).Json();
   EXPECT_TRUE(json["files"].empty());
   EXPECT_TRUE(json["clips"].empty());
 }
 
-TEST(InspectRun, AResultThatIsGoneIsMissed) {
-  const Folder folder;
+TEST(InspectRun, ARemovedResultIsReportedAsMissing) {
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
   fs::remove(folder / "runs/a/dataset.h5");
   const std::string run = (folder / "runs/a").string();
-  EXPECT_THAT(RunProgram(folder, {"inspect", run}).out, HasSubstr("dataset.h5: this run wrote it, it is no longer"));
+  EXPECT_THAT(RunProgram(folder, {"inspect", run}).out, HasSubstr("dataset.h5: written by this run and removed since"));
   EXPECT_EQ(RunProgram(folder, {"inspect", run, "--json"}).Json()["missing"], nlohmann::json({"dataset.h5"}));
 }
 
 TEST(InspectRun, AFolderOfRunsNamesThemAndTheirFilesAreKnown) {
-  const Folder folder;
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
   fs::copy(folder / "runs/a", folder / "runs/b", fs::copy_options::recursive);
   const Result runs = RunProgram(folder, {"inspect", (folder / "runs").string()});
@@ -72,10 +71,10 @@ TEST(InspectRun, AFolderOfRunsNamesThemAndTheirFilesAreKnown) {
   }
 }
 
-TEST(Comparison, NeverCostsTheFittedDatasetAndIsSaidBeforeTheWork) {
+TEST(Comparison, NeverStopsTheFittedDatasetAndIsReportedBeforeTheWork) {
   const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
-  const Folder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "kard");
   for (const char* clip : {"a12_s01_e01", "a17_s01_e01"}) {
     const std::string name = std::string(clip) + "_realworld.txt";
@@ -87,10 +86,10 @@ TEST(Comparison, NeverCostsTheFittedDatasetAndIsSaidBeforeTheWork) {
                           "assemble.splits=[]", "--set", "ingest.path=" + (folder / "kard").string(), "--json"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
-  const std::size_t said =
-      result.err.find("no comparison with the raw tracks (trained_on: unfitted): the source tracks no ");
-  ASSERT_NE(said, std::string::npos) << result.err;
-  EXPECT_LT(said, result.err.find("ingest: 2 items"));
+  const std::size_t reported = result.err.find(
+      "the comparison with the raw tracks (trained_on: unfitted) was dropped: the source has no tracks of ");
+  ASSERT_NE(reported, std::string::npos) << result.err;
+  EXPECT_LT(reported, result.err.find("ingest: 2 items"));
   EXPECT_EQ(result.err.find("refused"), std::string::npos) << result.err;
   EXPECT_EQ(result.Json()["set_findings"].back()["code"], "comparison_dropped");
 }

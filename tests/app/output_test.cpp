@@ -1,5 +1,5 @@
-// Output that cannot be written: exit code 74, a message that names the place and the way out, and a run that goes on
-// once there is room.
+// Output that cannot be written: exit code 74, a message with place and remedy, and a run that continues
+// once there is space.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,6 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::FromCache;
 using program::ReadText;
 using program::Result;
@@ -24,14 +23,15 @@ using ::testing::HasSubstr;
 
 constexpr std::size_t kLargestFile = 380000;  // the dataset of the small job is larger, all else is smaller
 
-std::vector<std::string> JsonJob(const Folder& folder, const std::string& output) {
+std::vector<std::string> JsonJob(const ScratchFolder& folder, const std::string& output) {
   std::vector<std::string> arguments = SmallJob(folder, output);
   arguments.emplace_back("--json");
   return arguments;
 }
 
-/// Runs the small job where `disk` is too small, then where there is room.
-void ExpectAnEndAndAGoingOn(const Folder& folder, TightDisk& disk, const std::string& run, const std::string& cache) {
+/// Runs the small job on a `disk` that is too small, then with enough space.
+void ExpectEndAndContinuation(const ScratchFolder& folder, TightDisk& disk, const std::string& run,
+                              const std::string& cache) {
   const Result full = RunProgram(folder, JsonJob(folder, run), Surroundings{cache, disk.Limit()});
   ASSERT_EQ(full.exit_code, 74) << full.out << full.err;
   const nlohmann::json error = full.Json()["error"];
@@ -50,19 +50,19 @@ void ExpectAnEndAndAGoingOn(const Folder& folder, TightDisk& disk, const std::st
   EXPECT_TRUE(ReadText(folder / "calm/dataset.h5") == ReadText(folder / (run + "/dataset.h5")));
 }
 
-TEST(FullDisk, UnderTheCacheEndsWith74AndTheRunGoesOnWhenThereIsRoom) {
-  const Folder folder;
+TEST(FullDisk, UnderTheCacheEndsWith74AndTheRunContinuesWithSpace) {
+  const ScratchFolder folder;
   TightDisk disk(folder / "small", 1500000, kLargestFile);
-  ExpectAnEndAndAGoingOn(folder, disk, "r", disk.path().native());
+  ExpectEndAndContinuation(folder, disk, "r", disk.path().native());
 }
 
-TEST(FullDisk, UnderTheRunFolderEndsWith74AndTheRunGoesOnWhenThereIsRoom) {
-  const Folder folder;
+TEST(FullDisk, UnderTheRunFolderEndsWith74AndTheRunContinuesWithSpace) {
+  const ScratchFolder folder;
   TightDisk disk(folder / "small", 600000, kLargestFile);
-  ExpectAnEndAndAGoingOn(folder, disk, disk.path().native(), "small/cache_elsewhere");
+  ExpectEndAndContinuation(folder, disk, disk.path().native(), "small/cache_elsewhere");
 }
 
-/// The one who owns everything may write everywhere, unless that is taken from them.
+/// Drops root's capabilities to write everywhere.
 void GiveUpOverridingPermissions() {
   if (geteuid() != 0) return;
   prctl(PR_CAPBSET_DROP, 1);  // CAP_DAC_OVERRIDE
@@ -70,7 +70,7 @@ void GiveUpOverridingPermissions() {
 }
 
 TEST(ReadOnlyFolder, ForTheRunOrTheCacheEndsWith74AndNamesIt) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::filesystem::create_directories(folder / "locked");
   ASSERT_EQ(chmod((folder / "locked").c_str(), 0555), 0);
   for (const bool run_folder : {true, false}) {

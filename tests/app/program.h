@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/scratch_folder.h"
+
 namespace mocurate::program {
 
 namespace fs = std::filesystem;
@@ -31,26 +33,6 @@ inline void WriteText(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-/// A folder of one test, removed at its end; holds its own cache.
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "mocurate_app_XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const fs::path& path() const { return path_; }
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
-
 struct Result {
   int exit_code = -1;  ///< 128 + signal when killed
   std::string out;
@@ -58,7 +40,7 @@ struct Result {
   nlohmann::json Json() const { return nlohmann::json::parse(out); }
 };
 
-/// What a program is started with, besides its arguments.
+/// Environment of a started program.
 struct Surroundings {
   std::string cache = "cache";              ///< below the folder of the test, unless absolute
   std::function<void()> before_start = {};  ///< runs in the child: limits, environment, terminals
@@ -68,7 +50,7 @@ struct Surroundings {
 /// A started program; output goes to files of the folder.
 class Started {
  public:
-  Started(const Folder& folder, const std::vector<std::string>& arguments, const Surroundings& surroundings)
+  Started(const ScratchFolder& folder, const std::vector<std::string>& arguments, const Surroundings& surroundings)
       : out_(folder / "out.txt"), err_(folder / "err.txt") {
     pid_ = fork();
     if (pid_ != 0) return;
@@ -83,7 +65,7 @@ class Started {
     execv(program.c_str(), argv.data());
     _exit(127);
   }
-  Started(const Folder& folder, const std::vector<std::string>& arguments, const std::string& cache = "cache")
+  Started(const ScratchFolder& folder, const std::vector<std::string>& arguments, const std::string& cache = "cache")
       : Started(folder, arguments, Surroundings{cache}) {}
 
   pid_t pid() const { return pid_; }
@@ -106,18 +88,18 @@ class Started {
   bool done_ = false;
 };
 
-inline Result RunProgram(const Folder& folder, const std::vector<std::string>& arguments,
+inline Result RunProgram(const ScratchFolder& folder, const std::vector<std::string>& arguments,
                          const std::string& cache = "cache") {
   return Started(folder, arguments, cache).Wait();
 }
 
-inline Result RunProgram(const Folder& folder, const std::vector<std::string>& arguments,
+inline Result RunProgram(const ScratchFolder& folder, const std::vector<std::string>& arguments,
                          const Surroundings& surroundings) {
   return Started(folder, arguments, surroundings).Wait();
 }
 
 /// A small synthetic job up to the dataset: a few clips, seconds.
-inline std::vector<std::string> SmallJob(const Folder& folder, const std::string& output,
+inline std::vector<std::string> SmallJob(const ScratchFolder& folder, const std::string& output,
                                          const std::string& jobs = "2") {
   return {"run",
           "-o",

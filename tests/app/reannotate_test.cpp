@@ -50,7 +50,7 @@ TEST_P(Reannotation, GivesClipsOfConstantBonesAndAPageForEach) {
   const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const RecordedSet& set = GetParam();
-  const Folder folder;
+  const ScratchFolder folder;
   CopyMatching(fs::path(data) / set.folder, std::regex(set.files), folder / "files");
   const fs::path config = fs::path(MOCURATE_SOURCE_FOLDER) / "configs/reannotate" / (set.config + std::string(".yaml"));
   const Result run =

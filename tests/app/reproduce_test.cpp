@@ -1,4 +1,4 @@
-// `mocurate reproduce`: the papers' tables and figures by one command, and what it refuses.
+// `mocurate reproduce`: the papers' tables and figures by one command, and refused arguments.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,6 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -19,7 +18,7 @@ using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 /// An item in profile smoke, its answer as JSON.
-nlohmann::json Reproduced(const Folder& folder, const std::string& id, std::vector<std::string> more = {}) {
+nlohmann::json Reproduced(const ScratchFolder& folder, const std::string& id, std::vector<std::string> more = {}) {
   std::string name = id;
   std::replace(name.begin(), name.end(), '/', '_');
   std::vector<std::string> arguments = {
@@ -49,8 +48,8 @@ bool HasPictures(const nlohmann::json& answer, std::size_t count) {
   return true;
 }
 
-TEST(Reproduce, TheListSaysWhatThereIsWhatIsMissingAndHowLongItTakes) {
-  const Folder folder;
+TEST(Reproduce, TheListHasItemsMissingInputsAndDurations) {
+  const ScratchFolder folder;
   program::Surroundings bare;  // a machine without a body for losses on vertices
   bare.before_start = [] {
     unsetenv("MOCURATE_DATA");
@@ -74,7 +73,7 @@ TEST(Reproduce, TheListSaysWhatThereIsWhatIsMissingAndHowLongItTakes) {
 }
 
 TEST(Reproduce, TablesOfCountsAreExactWithoutData) {
-  const Folder folder;
+  const ScratchFolder folder;
   const nlohmann::json classes = Reproduced(folder, "a2m/table5");
   ASSERT_EQ(classes.at("sets").size(), 1U);
   for (const nlohmann::json& row : classes["sets"][0]["rows"]) {
@@ -88,10 +87,10 @@ TEST(Reproduce, TablesOfCountsAreExactWithoutData) {
   }
 }
 
-TEST(Reproduce, ATableStandsBesideThePublishedOneAndNamesItsSubstitute) {
-  const Folder folder;
+TEST(Reproduce, ATableHasThePublishedNumbersAndNamesItsSubstitute) {
+  const ScratchFolder folder;
   const nlohmann::json table = Reproduced(folder, "a2m/table2");
-  ASSERT_EQ(table.at("sets").size(), 2U) << "the paper's reading, and one with held-out recordings";
+  ASSERT_EQ(table.at("sets").size(), 2U) << "the paper's split, and one with held-out recordings";
   const nlohmann::json& set = table["sets"][0];
   EXPECT_EQ(set["substitute"], "cmu8");
   EXPECT_EQ(RowOf(set, "Ours")["metrics"]["FID_train"]["published"], 2.885);
@@ -107,7 +106,7 @@ TEST(Reproduce, ATableStandsBesideThePublishedOneAndNamesItsSubstitute) {
 }
 
 TEST(Reproduce, FiguresAreDrawnFromTheNetworksOfTheirRun) {
-  const Folder folder;
+  const ScratchFolder folder;
   if (std::getenv("MOCURATE_DATA") != nullptr) {  // which has a body for the loss on vertices
     EXPECT_TRUE(HasPictures(Reproduced(folder, "actor/figure3"), 2U));
     EXPECT_EQ(RunProgram(folder, {"draw", (folder / "actor_figure3/motions/samples_ACTOR.h5").string(), "--stills", "3",
@@ -125,8 +124,8 @@ TEST(Reproduce, FiguresAreDrawnFromTheNetworksOfTheirRun) {
   EXPECT_THAT(svg, HasSubstr("ACTOR + Interpolation"));
 }
 
-TEST(Reproduce, ATimeBudgetBoundsTrainingAndIsKept) {
-  const Folder folder;
+TEST(Reproduce, ATimeBudgetBoundsTrainingAndIsSaved) {
+  const ScratchFolder folder;
   const std::string place = (folder / "r").string();
   const std::vector<std::string> asked = {"reproduce", "a2m/figure6", "--profile",
                                           "small",     "--set",       "substitutes=[subjects=2]",
@@ -145,8 +144,8 @@ TEST(Reproduce, ATimeBudgetBoundsTrainingAndIsKept) {
   EXPECT_EQ(ReadText(folder / "r/time_budget.json"), kept) << "the same run goes on with the same share";
 }
 
-TEST(Reproduce, WhatCannotBeRunIsRefusedWithTheWayOut) {
-  const Folder folder;
+TEST(Reproduce, UnknownItemsAndBudgetsAreRefusedWithTheRemedy) {
+  const ScratchFolder folder;
   const std::pair<std::vector<std::string>, const char*> asked[] = {
       {{"actor/tabel3"}, "actor/table3"},
       {{"table3"}, "a2m/table3 or actor/table3 or multiact/table3"},
@@ -174,7 +173,7 @@ TEST(Reproduce, WhatCannotBeRunIsRefusedWithTheWayOut) {
 }
 
 TEST(Draw, PicturesAndVideosAreWrittenAndNothingElseIsOverwritten) {
-  const Folder folder;
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, program::SmallJob(folder, "r")).exit_code, 0);
   const std::string set = (folder / "r/dataset.h5").string();
   for (const char* name : {"a.svg", "a.png", "a.mp4"}) {

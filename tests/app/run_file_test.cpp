@@ -1,4 +1,4 @@
-// run.json says with what and on what a run was made, down to what its bytes depend on.
+// run.json records the program, options and machine of a run, including all that its bytes depend on.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,14 +10,13 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
 using ::testing::HasSubstr;
 
-TEST(RunFile, NamesTheMachineAsFarAsBytesDependOnIt) {
-  const Folder folder;
+TEST(RunFile, RecordsTheMachineAsFarAsBytesDependOnIt) {
+  const ScratchFolder folder;
   std::vector<std::string> arguments = program::SmallJob(folder, "r");
   std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("ingest"));
   const Result result = RunProgram(folder, arguments);

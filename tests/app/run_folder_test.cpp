@@ -1,4 +1,4 @@
-// A run writes into folders of runs and into empty ones: files of others that happen to bear our names are not touched.
+// A run writes into run folders and empty ones: other files with the names of outputs are not changed.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -30,17 +29,17 @@ std::map<std::string, std::string> FilesOf(const fs::path& folder) {
   return files;
 }
 
-std::vector<std::string> IngestOnly(const Folder& folder, const std::string& output) {
+std::vector<std::string> IngestOnly(const ScratchFolder& folder, const std::string& output) {
   std::vector<std::string> arguments = SmallJob(folder, output);
   std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("ingest"));
   return arguments;
 }
 
-TEST(RunFolder, AFolderOfOthersWithAFileOfOurNameIsRefusedAndNothingIsTouched) {
+TEST(RunFolder, AFolderOfOthersWithAFileOfOurNameIsRefusedUnchanged) {
   for (const char* name :
        {"dataset.h5", "metrics.json", "tables/table.csv", "report/index.html", "checkpoints/recogniser_3.h5",
         "curation_log.jsonl", "run.json", "journal.jsonl", "lock", "capture.json"}) {
-    const Folder folder;
+    const ScratchFolder folder;
     WriteText(folder / ("mine/" + std::string(name)), "{\"mine\": true}");
     WriteText(folder / "mine/notes.txt", "mine");
     const auto before = FilesOf(folder / "mine");
@@ -54,8 +53,8 @@ TEST(RunFolder, AFolderOfOthersWithAFileOfOurNameIsRefusedAndNothingIsTouched) {
   }
 }
 
-TEST(RunFolder, TheFolderOneIsInFollowsTheSameRule) {
-  const Folder folder;
+TEST(RunFolder, TheCurrentFolderFollowsTheSameRule) {
+  const ScratchFolder folder;
   WriteText(folder / "mine/metrics.json", "mine");
   fs::create_directories(folder / "empty");
   for (const bool empty : {false, true}) {
@@ -72,8 +71,8 @@ TEST(RunFolder, TheFolderOneIsInFollowsTheSameRule) {
   EXPECT_TRUE(fs::exists(folder / "empty/run.json"));
 }
 
-TEST(RunFolder, OtherFilesOfAFolderAreNoHindranceAndStay) {
-  const Folder folder;
+TEST(RunFolder, OtherFilesOfAFolderAreAllowedAndStay) {
+  const ScratchFolder folder;
   WriteText(folder / "mine/notes.txt", "mine");
   WriteText(folder / "mine/lock", "");  // a run that was killed before its run.json was there
   WriteText(folder / "mine/journal.jsonl", "");
@@ -84,8 +83,8 @@ TEST(RunFolder, OtherFilesOfAFolderAreNoHindranceAndStay) {
   }
 }
 
-TEST(RunFolder, ANameThatLeadsElsewhereIsRefused) {
-  const Folder folder;
+TEST(RunFolder, ANameThatIsAPathIsRefused) {
+  const ScratchFolder folder;
   Surroundings there;
   there.before_start = [&folder] {
     if (chdir(folder.path().c_str()) != 0) _exit(1);
@@ -97,7 +96,7 @@ TEST(RunFolder, ANameThatLeadsElsewhereIsRefused) {
   }
   const Result empty = RunProgram(folder, {"run", "-o", "", "--to", "ingest"}, there);
   EXPECT_EQ(empty.exit_code, 2);
-  EXPECT_THAT(empty.err, HasSubstr("-o: the run folder is empty text"));
+  EXPECT_THAT(empty.err, HasSubstr("-o: the run folder is an empty text"));
   EXPECT_FALSE(fs::exists(folder / "runs"));
   EXPECT_FALSE(fs::exists(folder / "out"));
 }

@@ -1,4 +1,4 @@
-// Whole runs: the same bytes whatever happens on the way, one bad clip never costs another, nothing is done twice.
+// Whole runs: the same bytes whatever happens, a bad clip does not affect others, no work is repeated.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::FromCache;
 using program::ReadText;
 using program::Result;
@@ -34,7 +33,7 @@ int Items(const nlohmann::json& document) {
 }
 
 TEST(Run, GivesTheSameBytesWithOneAndTwoJobsAndServesTheSecondRunFromTheCache) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::vector<std::string> one = SmallJob(folder, "one", "1");
   one.emplace_back("--json");
   const Result first = RunProgram(folder, one, "cache1");
@@ -48,8 +47,8 @@ TEST(Run, GivesTheSameBytesWithOneAndTwoJobsAndServesTheSecondRunFromTheCache) {
   EXPECT_EQ(FromCache(again.Json()), Items(again.Json()));
 }
 
-TEST(Run, AnOptionOfCanonRedoesNothingBeforeIt) {
-  const Folder folder;
+TEST(Run, AnOptionOfCanonRepeatsNoEarlierStage) {
+  const ScratchFolder folder;
   std::vector<std::string> arguments = SmallJob(folder, "r");
   arguments.emplace_back("--json");
   ASSERT_EQ(RunProgram(folder, arguments).exit_code, 0);
@@ -66,8 +65,8 @@ TEST(Run, AnOptionOfCanonRedoesNothingBeforeIt) {
   }
 }
 
-TEST(Run, ABadClipCostsOnlyItselfAndTheConfigSaysWhetherThatFails) {
-  const Folder folder;
+TEST(Run, ABadClipDoesNotAffectOthersAndToleranceDecidesTheExitCode) {
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
   // The capture is a folder like any other: take it as a source, with one file emptied and one cut off.
   const fs::path capture = folder / "capture";
@@ -94,18 +93,18 @@ TEST(Run, ABadClipCostsOnlyItselfAndTheConfigSaysWhetherThatFails) {
   EXPECT_EQ(tolerant.exit_code, 0) << tolerant.err;
   EXPECT_EQ(tolerant.Json()["kept"], static_cast<int>(files.size()) - 1) << "whole rows of the cut file stay";
   EXPECT_EQ(tolerant.Json()["failed"], 1);
-  EXPECT_EQ(tolerant.Json()["doubtful"], 1);
+  EXPECT_EQ(tolerant.Json()["suspect"], 1);
   const std::string log = ReadText(folder / "bad/curation_log.jsonl");
   EXPECT_THAT(log, HasSubstr("\"decision\":\"dropped\""));
   EXPECT_THAT(log, HasSubstr("cut_off"));
 }
 
 /// Four clips with their page; nothing is trained.
-std::vector<std::string> PagedJob(const Folder& folder, const std::string& output) {
+std::vector<std::string> PagedJob(const ScratchFolder& folder, const std::string& output) {
   std::vector<std::string> arguments = SmallJob(folder, output);
   std::replace(arguments.begin(), arguments.end(), std::string("assemble"), std::string("report"));
   for (const char* assignment : {"ingest.synthetic.actions=[walk, wave]", "ingest.synthetic.subjects=2",
-                                 "train.networks=[]", "report.videos=false", "tolerated_doubtful=1"}) {
+                                 "train.networks=[]", "report.videos=false", "tolerated_suspect=1"}) {
     arguments.insert(arguments.end(), {"--set", assignment});
   }
   return arguments;
@@ -119,8 +118,8 @@ double OfHeadline(const fs::path& run, const std::string& attribute) {
   return std::regex_search(page, found, headline) ? std::stod(found[1]) : 0.0;
 }
 
-TEST(Run, ThePageCallsFitsSuspectThatLieFarFromTheTruth) {
-  const Folder folder;
+TEST(Run, ThePageMarksFitsFarFromTheTruthAsSuspect) {
+  const ScratchFolder folder;
   std::vector<std::string> job = PagedJob(folder, "r");
   job.emplace_back("--json");
   const Result sound = RunProgram(folder, job);
@@ -133,21 +132,21 @@ TEST(Run, ThePageCallsFitsSuspectThatLieFarFromTheTruth) {
   const double mean_mm = turned.Json()["fit_error"]["joint_mm"];
   EXPECT_GT(mean_mm, 150.0);
   EXPECT_GE(OfHeadline(folder / "r", "joint-error-mm"), std::floor(mean_mm)) << "of the worst clip";
-  EXPECT_GE(OfHeadline(folder / "r", "suspect-clips"), turned.Json()["doubtful"].get<double>());
+  EXPECT_GE(OfHeadline(folder / "r", "suspect-clips"), turned.Json()["suspect"].get<double>());
 }
 
 /// Six clips: long enough to be killed in every stage, short enough to be killed twenty times.
-std::vector<std::string> SixClips(const Folder& folder, const std::string& output) {
+std::vector<std::string> SixClips(const ScratchFolder& folder, const std::string& output) {
   std::vector<std::string> arguments = SmallJob(folder, output);
   arguments.insert(arguments.end(),
                    {"--set", "ingest.synthetic.actions=[kick, squat, wave]", "--set", "ingest.synthetic.subjects=2"});
   return arguments;
 }
 
-/// Starts the job until it comes to its end, killing it at times spread over the length of an undisturbed run. Counts
-/// the kills; gives the stages in which they fell.
-std::set<std::string> RunUnderKills(const Folder& folder, const std::string& output, std::chrono::microseconds& length,
-                                    Random& random, int& kills_left) {
+/// Starts the job until it ends, killing it at times distributed over the length of an undisturbed run. Counts the
+/// kills; returns their stages.
+std::set<std::string> RunUnderKills(const ScratchFolder& folder, const std::string& output,
+                                    std::chrono::microseconds& length, Random& random, int& kills_left) {
   std::set<std::string> stages;
   bool first = true;
   for (;;) {
@@ -158,7 +157,7 @@ std::set<std::string> RunUnderKills(const Folder& folder, const std::string& out
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     const bool kill = run.Running();
     if (kill) run.Signal(SIGKILL);
-    // A machine that was busy while the length was measured: kills shall meet the runs that there are.
+    // The machine may have been busy while the length was measured: kills must hit the runs.
     const auto lasted = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
     if (first && !kill) length = std::min(length, lasted);
     first = false;
@@ -176,7 +175,7 @@ std::set<std::string> RunUnderKills(const Folder& folder, const std::string& out
 }
 
 TEST(Run, SurvivesTwentyRandomKillsSpreadOverItAndEndsWithTheSameBytes) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto start = std::chrono::steady_clock::now();
   ASSERT_EQ(RunProgram(folder, SixClips(folder, "calm"), "calm_cache").exit_code, 0);
   auto length = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
@@ -196,20 +195,20 @@ TEST(Run, SurvivesTwentyRandomKillsSpreadOverItAndEndsWithTheSameBytes) {
   RecordProperty("last_stage_in_the_journal_at_the_kills", met);
 }
 
-TEST(Run, StopsOnRequestWith75AndGoesOn) {
-  const Folder folder;
+TEST(Run, StopsOnRequestWith75AndContinues) {
+  const ScratchFolder folder;
   Started run(folder, SmallJob(folder, "r", "1"));
   while (run.Running() && !fs::exists(folder / "r/journal.jsonl"))
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   run.Signal(SIGTERM);
   const Result stopped = run.Wait();
   EXPECT_EQ(stopped.exit_code, 75) << stopped.err;
-  EXPECT_THAT(stopped.err, HasSubstr("again to go on"));
+  EXPECT_THAT(stopped.err, HasSubstr("again to "));
   EXPECT_EQ(RunProgram(folder, SmallJob(folder, "r", "1")).exit_code, 0);
 }
 
 TEST(Run, FolderNamesMayHoldBlanksAndBytesThatAreNotUtf8) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string odd = "my r\xfcn";
   const Result result = RunProgram(folder, SmallJob(folder, odd));
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -217,11 +216,11 @@ TEST(Run, FolderNamesMayHoldBlanksAndBytesThatAreNotUtf8) {
 }
 
 TEST(Run, TwoRunsOfOneFolderAreRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   Started first(folder, SmallJob(folder, "r", "1"));
   while (first.Running() && !fs::exists(folder / "r/journal.jsonl"))
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  const Folder other;
+  const ScratchFolder other;
   std::vector<std::string> arguments = SmallJob(folder, "r", "1");
   const Result second = RunProgram(other, arguments);
   EXPECT_NE(second.exit_code, 0);

@@ -1,5 +1,5 @@
-// A source from files nobody declared: `config init` writes its declaration, `run` takes it; `doctor --source` says
-// what a source declaration lacks. `run` takes the names of jobs, `--source` those of source declarations.
+// A source of undeclared files: `config init` writes its declaration, `run` reads it; `doctor --source` lists missing
+// files. `run` accepts the names of jobs, `--source` those of source declarations.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -32,7 +31,7 @@ class Declarations : public ::testing::Test {
     data_ = std::getenv("MOCURATE_DATA");
   }
 
-  /// Writes the declaration of some files of a recorded set, each at its place; gives what is to be filled in.
+  /// Writes the declaration of some files of a recorded set, each at its place; returns the options to fill in.
   std::vector<std::string> Declare(const std::string& set, const std::vector<std::string>& files) {
     for (const std::string& file : files) {
       fs::create_directories((folder_ / set / file).parent_path());
@@ -68,7 +67,7 @@ class Declarations : public ::testing::Test {
     return kept;
   }
 
-  Folder folder_;
+  ScratchFolder folder_;
   fs::path data_;
   std::string text_;
 };
@@ -120,7 +119,7 @@ TEST_F(Declarations, RecordedRotationsAreKeptOnTheSkeletonOfTheirFiles) {
     std::ifstream log(folder_ / "r/curation_log.jsonl");
     for (std::string line; std::getline(log, line);) {
       const nlohmann::json clip = nlohmann::json::parse(line);
-      EXPECT_EQ(clip["motion_sha256"], clip["evidence_sha256"]) << "handed on as it was read";
+      EXPECT_EQ(clip["motion_sha256"], clip["evidence_sha256"]) << "passed through unchanged";
     }
     const auto dataset = ReadDataset(folder_ / "r/dataset.h5");
     ASSERT_TRUE(dataset) << dataset.error().Message();
@@ -132,12 +131,12 @@ TEST_F(Declarations, RecordedRotationsAreKeptOnTheSkeletonOfTheirFiles) {
   }
 }
 
-/// As the number in the result, the log and the page, and in the text of the run and of what looks at it.
-TEST_F(Declarations, ARunThatReplacesRecordedRotationsSaysSo) {
+/// In the result, the log and the page, and in the text of the run and of `inspect`.
+TEST_F(Declarations, ARunReportsReplacedRotations) {
   Declare("bvh/bandai2", {"dataset-2_walk_normal_001.bvh"});
   std::vector<std::string> job = {"run", folder_ / "made.yaml", "-o", folder_ / "r"};
   for (const char* assignment :
-       {"fitting.method=joint_tracks", "fitting.other_joints=leave_out", "fitting.joint_tracks.uncertainty=false",
+       {"fitting.method=joint_tracks", "fitting.other_joints=exclude", "fitting.joint_tracks.uncertainty=false",
         "fitting.joint_tracks.solver=banded", "skeleton=smpl24", "report.videos=false"}) {
     job.insert(job.end(), {"--set", assignment});
   }
@@ -152,7 +151,7 @@ TEST_F(Declarations, ARunThatReplacesRecordedRotationsSaysSo) {
   EXPECT_EQ(RunProgram(folder_, job).Json()["replaces_rotations"], 1);
 }
 
-TEST_F(Declarations, KardLacksItsRateAloneAndIsRefusedByThatNameUntilItIsFilledIn) {
+TEST_F(Declarations, KardOnlyLacksItsRateAndIsRefusedUntilItIsFilledIn) {
   const std::vector<std::string> unknown =
       Declare("kinect/kard", {"a17_s01_e01_realworld.txt", "a17_s02_e01_realworld.txt", "a18_s01_e02_realworld.txt",
                               "a12_s03_e01_realworld.txt", "a01_s01_e01_realworld.txt"});
@@ -212,7 +211,7 @@ TEST_F(Declarations, NtusNamesAndPeopleAreKnownByTheFormat) {
 TEST_F(Declarations, CmusMotionsFindTheirSkeletons) {
   const std::vector<std::string> unknown = Declare("cmu/asf_amc", {"01.asf", "01_01.amc", "12.asf", "02_01.amc"});
   EXPECT_THAT(unknown, IsEmpty());
-  EXPECT_THAT(text_, HasSubstr("rate: 120 Hz")) << "one of the two jumps, and tells it";
+  EXPECT_THAT(text_, HasSubstr("rate: 120 Hz")) << "one of the two jumps, which determines the rate";
   EXPECT_THAT(text_, HasSubstr("measured: 1 of 2 clips say so"));
   EXPECT_THAT(text_, HasSubstr("skeleton_files: \"{person}.asf\""));
   EXPECT_THAT(text_, HasSubstr("person: \"{person}\""));
@@ -244,7 +243,7 @@ TEST_F(Declarations, OfMixedArraysThoseThatAreBodiesAreTheSource) {
   EXPECT_EQ(Kept(), 20);
 }
 
-TEST_F(Declarations, WhatNothingTellsIsRefusedByItsNameOneAfterTheOther) {
+TEST_F(Declarations, UndeclaredOptionsAreRefusedByNameOneAfterTheOther) {
   EXPECT_THAT(Declare("cmu/expmap", {"train/walking/walking_4.txt", "train/running/running_5.txt"}),
               ElementsAre("units", "axes", "rate", "skeleton", "joints"));
   Fill("rate", "120 Hz");
@@ -319,7 +318,7 @@ TEST_F(Declarations, FoldersOfDepthImagesAreDeclaredWithTheirCamerasAndMasks) {
   EXPECT_EQ(Kept(), 6);
 }
 
-TEST_F(Declarations, AWrongUnitIsToldAsThatWithTheRightOne) {
+TEST_F(Declarations, AWrongUnitIsReportedWithTheRightOne) {
   Declare("bvh/bandai2", {"dataset-2_walk_normal_001.bvh", "dataset-2_run_normal_001.bvh"});
   Fill("units", "m");
   const Result run = Ingest();
@@ -330,8 +329,8 @@ TEST_F(Declarations, AWrongUnitIsToldAsThatWithTheRightOne) {
   EXPECT_THAT(log, Not(HasSubstr("rest offset")));
 }
 
-TEST_F(Declarations, AFileThatIsThereIsNotOverwrittenUnlessAsked) {
-  const Folder folder;
+TEST_F(Declarations, AnExistingFileIsOnlyOverwrittenWithForce) {
+  const ScratchFolder folder;
   WriteText(folder / "mine.yaml", "name: mine\n");
   const std::string data = (data_ / "ntu").string();
   const std::string mine = (folder / "mine.yaml").string();
@@ -346,8 +345,8 @@ TEST_F(Declarations, AFileThatIsThereIsNotOverwrittenUnlessAsked) {
   EXPECT_EQ(shown.out, ReadText(folder / "mine.yaml"));
 }
 
-TEST(DeclarationsOfNothing, AFolderWithoutMotionIsToldSo) {
-  const Folder folder;
+TEST(DeclarationsOfNothing, AFolderWithoutMotionIsReported) {
+  const ScratchFolder folder;
   WriteText(folder / "data/note.txt", "nothing here\n");
   const Result result = RunProgram(folder, {"config", "init", (folder / "data").string()});
   EXPECT_NE(result.exit_code, 0);
@@ -355,8 +354,8 @@ TEST(DeclarationsOfNothing, AFolderWithoutMotionIsToldSo) {
   EXPECT_THAT(result.out, IsEmpty());
 }
 
-TEST(DoctorOfASource, NamesWhatIsMissingWhereAndUnderWhichLicence) {
-  const Folder folder;
+TEST(DoctorOfASource, NamesMissingFilesFolderAndLicence) {
+  const ScratchFolder folder;
   WriteText(folder / "uestc/info/names.txt", "a00_d0_p001_c1_color.avi\n");
   const Result some =
       RunProgram(folder, {"doctor", "--source", "uestc", "--path", (folder / "uestc").string(), "--json"});
@@ -376,8 +375,8 @@ TEST(DoctorOfASource, NamesWhatIsMissingWhereAndUnderWhichLicence) {
   EXPECT_THAT(text.err, HasSubstr("3 of 4 kinds of files are missing"));
 }
 
-TEST(DoctorOfASource, SaysWhereFilesLieThatLieOneFolderTooHighOrTooDeep) {
-  const Folder folder;
+TEST(DoctorOfASource, NamesTheFolderOfFilesOneLevelTooHighOrTooDeep) {
+  const ScratchFolder folder;
   WriteText(folder / "set/kard/a01_s01_e01_realworld.txt", "1 2 3\n");
   const Result deeper = RunProgram(folder, {"doctor", "--source", "kard", "--path", (folder / "set").string()});
   EXPECT_EQ(deeper.exit_code, 4);
@@ -389,23 +388,23 @@ TEST(DoctorOfASource, SaysWhereFilesLieThatLieOneFolderTooHighOrTooDeep) {
 }
 
 TEST(DoctorOfASource, OfACaptureThatTheProgramMakesNothingIsMissing) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Result result = RunProgram(folder, {"doctor", "--source", "studio"});
   EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
-  EXPECT_THAT(result.out, HasSubstr("folder   none: the program makes the files itself"));
+  EXPECT_THAT(result.out, HasSubstr("folder   none: the program generates the files"));
   EXPECT_THAT(result.out, Not(HasSubstr("MISSING")));
 }
 
-TEST(DoctorOfASource, TellsOfFilesWithTheEndingAndAnotherName) {
-  const Folder folder;
+TEST(DoctorOfASource, ReportsFilesWithTheEndingAndAnotherName) {
+  const ScratchFolder folder;
   WriteText(folder / "ntu/S001C001P001R001A001.skeleton", "0\n");
   WriteText(folder / "ntu/mine.skeleton", "0\n");
   const Result result = RunProgram(folder, {"doctor", "--source", "ntu", "--path", (folder / "ntu").string()});
   EXPECT_THAT(result.out, HasSubstr("1 file with this ending and another name, e.g. mine.skeleton"));
 }
 
-TEST(DoctorOfASource, KnowsEveryDeclarationAndSaysWhereEachComesFrom) {
-  const Folder folder;
+TEST(DoctorOfASource, KnowsEveryDeclarationAndItsOrigin) {
+  const ScratchFolder folder;
   for (const auto& entry : fs::directory_iterator(fs::path(MOCURATE_SOURCE_FOLDER) / "configs/sources")) {
     const std::string name = entry.path().stem().string();
     const Result result =
@@ -420,24 +419,24 @@ TEST(DoctorOfASource, KnowsEveryDeclarationAndSaysWhereEachComesFrom) {
   EXPECT_THAT(unknown.err, HasSubstr("did you mean 'kard'?"));
 }
 
-TEST(DoctorOfASource, IsContentWithAFolderThatHasItAll) {
+TEST(DoctorOfASource, AcceptsACompleteFolder) {
   const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
-  const Folder folder;
+  const ScratchFolder folder;
   const Result result = RunProgram(folder, {"doctor", "--source", "kard"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("(432 files)"));
 }
 
 /// Starts the program in the folder of the test.
-Result RunThere(const Folder& folder, const std::vector<std::string>& arguments) {
+Result RunThere(const ScratchFolder& folder, const std::vector<std::string>& arguments) {
   program::Surroundings there;
   there.before_start = [&folder] { std::filesystem::current_path(folder.path()); };
   return RunProgram(folder, arguments, there);
 }
 
 TEST(SourceNames, AreThoseOfConfigsWhateverLiesInTheFolder) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::filesystem::create_directories(folder / "kard");
   WriteText(folder / "kard/notes.txt", "nothing");
   WriteText(folder / "florence3d", "nothing");
@@ -457,14 +456,14 @@ TEST(SourceNames, AreThoseOfConfigsWhateverLiesInTheFolder) {
 }
 
 /// `config show` of a name or a file, with captures in /data.
-Result ShownConfig(const Folder& folder, const std::string& config) {
+Result ShownConfig(const ScratchFolder& folder, const std::string& config) {
   program::Surroundings data;
   data.before_start = [] { setenv("MOCURATE_DATA", "/data", 1); };
   return RunProgram(folder, {"config", "show", config, "--json", "--set", "ingest.path=/data/captures"}, data);
 }
 
 TEST(JobNames, MeanTheFilesOfThatNameInConfigs) {
-  const Folder folder;
+  const ScratchFolder folder;
   const fs::path configs = fs::path(MOCURATE_SOURCE_FOLDER) / "configs";
   for (const char* below : {"", "reannotate/"}) {
     for (const auto& entry : fs::directory_iterator(configs / below)) {
@@ -481,7 +480,7 @@ TEST(JobNames, MeanTheFilesOfThatNameInConfigs) {
 }
 
 TEST(JobNames, ThatNoJobHasAreWrongConfigWithTheNearestJob) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const auto& [name, meant] : {std::pair<std::string, std::string>{"kardd", "'kard'"},
                                     {"sources/kard", "'kard'"},
                                     {"ntu", "'reannotate/ntu'"},
@@ -502,7 +501,7 @@ TEST(JobNames, ThatNoJobHasAreWrongConfigWithTheNearestJob) {
 }
 
 TEST(JobNames, AreNoSourceDeclarations) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "captures/note.txt", "nothing here\n");
   for (const char* verb : {"inspect", "fit"}) {
     std::vector<std::string> arguments = {verb, (folder / "captures").string(), "--source", "reannotate/kard"};

@@ -1,4 +1,4 @@
-// An answer that does not reach stdout is no answer; usage errors name what was meant.
+// An answer that is not completely written to stdout is an error; usage errors suggest the intended command.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::Result;
 using program::RunProgram;
 using program::Surroundings;
@@ -19,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 TEST(FullStdout, IsExitCode74WithOneLineOnStderr) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "walk.bvh",
             "HIERARCHY\nROOT a\n{\n OFFSET 0 0 0\n CHANNELS 3 Xposition Yposition Zposition\n}\nMOTION\n"
             "Frames: 2\nFrame Time: 0.033\n0 0 0\n0 1 0\n");
@@ -43,7 +42,7 @@ TEST(FullStdout, IsExitCode74WithOneLineOnStderr) {
 }
 
 TEST(Version, IsADocumentWithJson) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"--version", "--json"}, {"--json", "--version"}}) {
     const Result result = RunProgram(folder, arguments);
@@ -53,8 +52,8 @@ TEST(Version, IsADocumentWithJson) {
   }
 }
 
-TEST(Usage, AMistypedOptionOrVerbIsSaidWithTheNearest) {
-  const Folder folder;
+TEST(Usage, AMistypedOptionOrVerbIsReportedWithTheNearest) {
+  const ScratchFolder folder;
   const std::pair<std::vector<std::string>, std::string> said[] = {
       {{"run", "--sett", "x"}, "there is no option '--sett' of 'mocurate run' (did you mean '--set'?)"},
       {{"config", "shwo"}, "there is no 'mocurate config shwo' (did you mean 'mocurate config show'?)"},
@@ -71,14 +70,14 @@ TEST(Usage, AMistypedOptionOrVerbIsSaidWithTheNearest) {
   }
 }
 
-TEST(Inspect, WhatIsNoRegularFileIsSaidAndNotRead) {
-  const Folder folder;
+TEST(Inspect, IrregularFilesAreReportedAndNotRead) {
+  const ScratchFolder folder;
   fs::create_directories(folder / "data");
   ASSERT_EQ(mkfifo((folder / "data/pipe").c_str(), 0600), 0);
   for (const std::string& path : {(folder / "data/pipe").string(), std::string("/dev/zero")}) {
     const Result result = RunProgram(folder, {"inspect", path});
     EXPECT_EQ(result.exit_code, 3);
-    EXPECT_THAT(result.err, HasSubstr(path + ": is no regular file"));
+    EXPECT_THAT(result.err, HasSubstr(path + ": is not a regular file"));
   }
   const Result inspected = RunProgram(folder, {"inspect", (folder / "data").string(), "--json"});
   const nlohmann::json findings = inspected.Json()["findings"];
@@ -86,8 +85,8 @@ TEST(Inspect, WhatIsNoRegularFileIsSaidAndNotRead) {
   EXPECT_EQ(findings[0]["code"], "no_regular_file");
 }
 
-TEST(Origins, OfWhatComesThroughTheSkeletonOfTheJobAreItsPlace) {
-  const Folder folder;
+TEST(Origins, OfInheritedSkeletonsAreThatOfTheJobs) {
+  const ScratchFolder folder;
   WriteText(folder / "a.yaml", "name: mine\nskeleton: openni16\ncanon:\n  rate: \"20\"\n");
   const std::string config = (folder / "a.yaml").string();
   const Result json = RunProgram(folder, {"config", "show", config, "--origins", "--json"});

@@ -1,4 +1,4 @@
-// What a user has around the program: a terminal or a pipe, a locale, odd file names, a warm or a cold cache.
+// Environments of the program: a terminal or a pipe, a locale, unusual file names, a warm or a cold cache.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -40,17 +39,18 @@ std::map<std::string, std::string> Snapshot(const fs::path& folder) {
   return files;
 }
 
-TEST(DryRun, OfAColdCacheSaysThatThereIsWorkAndWritesNothing) {
-  const Folder folder;
+TEST(DryRun, OfAColdCacheReportsWorkAndWritesNothing) {
+  const ScratchFolder folder;
   const Result result = RunProgram(folder, With(SmallJob(folder, "r"), {"--dry-run"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("dry run: 1 item would run, and what follows from it up to the stage assemble"));
+  EXPECT_THAT(result.out,
+              HasSubstr("dry run: 1 item would run, and the items that depend on it up to the stage assemble"));
   EXPECT_FALSE(fs::exists(folder / "r"));
   EXPECT_FALSE(fs::exists(folder / "cache"));
 }
 
-TEST(DryRun, OfAWarmCacheSaysThatNothingWouldRunAndWritesNothing) {
-  const Folder folder;
+TEST(DryRun, OfAWarmCacheReportsNoWorkAndWritesNothing) {
+  const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
   const auto run = Snapshot(folder / "r"), cache = Snapshot(folder / "cache");
   const Result result = RunProgram(folder, With(SmallJob(folder, "r"), {"--dry-run"}));
@@ -68,7 +68,7 @@ TEST(DryRun, OfAWarmCacheSaysThatNothingWouldRunAndWritesNothing) {
 }
 
 /// What a program prints to a terminal.
-std::string OnATerminal(const Folder& folder, const std::vector<std::string>& arguments) {
+std::string OnATerminal(const ScratchFolder& folder, const std::vector<std::string>& arguments) {
   const test::Terminal terminal;
   EXPECT_TRUE(terminal.exists()) << test::Terminal::kMissing;
   Surroundings surroundings;
@@ -89,7 +89,7 @@ std::string OnATerminal(const Folder& folder, const std::vector<std::string>& ar
 
 TEST(Progress, IsDrawnOnATerminalUnlessQuiet) {
   if (!test::Terminal().exists()) GTEST_SKIP() << test::Terminal::kMissing;
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string terminal = OnATerminal(folder, SmallJob(folder, "r"));
   EXPECT_THAT(terminal, HasSubstr("\r\x1b[Kfitting "));
   EXPECT_THAT(terminal, HasSubstr("/15"));
@@ -97,7 +97,7 @@ TEST(Progress, IsDrawnOnATerminalUnlessQuiet) {
 }
 
 TEST(Progress, IsOneLineAStageInAPipe) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Result piped = RunProgram(folder, SmallJob(folder, "r"));
   EXPECT_EQ(piped.exit_code, 0);
   EXPECT_THAT(piped.err, Not(HasSubstr("\r")));
@@ -105,8 +105,8 @@ TEST(Progress, IsOneLineAStageInAPipe) {
   EXPECT_THAT(piped.err, HasSubstr("fitting: 15 items"));
 }
 
-/// Makes a locale with a decimal comma below `folder`, of which the program is told.
-Surroundings CommaLocale(const Folder& folder) {
+/// Makes a locale with a decimal comma below `folder`, and the variables to use it.
+Surroundings CommaLocale(const ScratchFolder& folder) {
   const pid_t made = fork();
   const std::string target = folder / "de_DE.UTF-8";
   if (made == 0) {
@@ -128,7 +128,7 @@ Surroundings CommaLocale(const Folder& folder) {
 }
 
 TEST(Locale, ADecimalCommaChangesNoByteAndNoNumber) {
-  const Folder folder;
+  const ScratchFolder folder;
   Surroundings comma = CommaLocale(folder);
   const std::vector<std::string> rate = {"--json", "--set", "canon.trim.margin=0.25 s"};
   const Result point = RunProgram(folder, With(SmallJob(folder, "point"), rate));
@@ -151,7 +151,7 @@ TEST(Locale, ADecimalCommaChangesNoByteAndNoNumber) {
 }
 
 TEST(FileNames, MayHoldBytesThatAreNotUtf8UnderThePlainLocale) {
-  const Folder folder;
+  const ScratchFolder folder;
   Surroundings plain;
   plain.before_start = [] { setenv("LC_ALL", "C", 1); };
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r"), plain).exit_code, 0);
@@ -159,10 +159,10 @@ TEST(FileNames, MayHoldBytesThatAreNotUtf8UnderThePlainLocale) {
   fs::path chosen;
   for (const auto& entry : fs::directory_iterator(folder / "odd c\xe4pture")) chosen = std::max(chosen, entry.path());
   fs::rename(chosen, chosen.parent_path() / "wave_pJ\xf6rg_r01.txt");
-  const Result told = RunProgram(folder, {"inspect", (folder / "odd c\xe4pture").string(), "--json"}, plain);
-  EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_THAT(told.Json().dump(), HasSubstr("odd c\\\\xe4pture"));
-  EXPECT_THAT(told.out, HasSubstr("J\\\\xf6rg"));
+  const Result described = RunProgram(folder, {"inspect", (folder / "odd c\xe4pture").string(), "--json"}, plain);
+  EXPECT_EQ(described.exit_code, 0) << described.err;
+  EXPECT_THAT(described.Json().dump(), HasSubstr("odd c\\\\xe4pture"));
+  EXPECT_THAT(described.out, HasSubstr("J\\\\xf6rg"));
 
   fs::rename(folder / "odd c\xe4pture", folder / "capture");
   const Result with_name =

@@ -9,7 +9,6 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -30,7 +29,7 @@ nlohmann::json AnswersFor(const std::string& source, const std::string& particip
 }
 
 TEST(Surveyed, AnswersAreCountedAndEditedOnesRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::vector<std::string> job = SmallJob(folder, "run");
   job.insert(job.end(), {"--set", "ingest.synthetic.actions=[walk, wave]"});
   ASSERT_EQ(RunProgram(folder, job).exit_code, 0);

@@ -10,7 +10,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -19,7 +18,7 @@ using program::WriteText;
 using ::testing::HasSubstr;
 
 TEST(Synthesize, TheKardJobRunsOnAFolderOfKardsLayout) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string studio = (folder / "studio").string();
   const Result written = RunProgram(folder, {"synthesize", "--layout", "kard", "-o", studio, "--seed", "3", "--set",
                                              "actions=[walk, drink]", "--json"});
@@ -42,7 +41,7 @@ std::vector<std::string> WithNoisyTracks(std::vector<std::string> words) {
 }
 
 TEST(Synthesize, NoisyTracksOfAllJointsAreFittedAndComparedWithTheTruthBesideThem) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string studio = (folder / "studio").string();
   const Result written =
       RunProgram(folder, WithNoisyTracks({"synthesize", "--layout", "tracks", "-o", studio, "--seed", "5", "--set",
@@ -70,14 +69,15 @@ TEST(Synthesize, NoisyTracksOfAllJointsAreFittedAndComparedWithTheTruthBesideThe
   EXPECT_THAT(refused.err, HasSubstr("no truth file (.h5) is here"));
 }
 
-TEST(Synthesize, AnOptionThatTheLayoutPassesOverIsRefusedAndItsLayoutsAreNamed) {
-  const Folder folder;
+TEST(Synthesize, AnOptionUnusedByTheLayoutIsRefusedAndItsLayoutsAreNamed) {
+  const ScratchFolder folder;
   const std::string out = (folder / "s").string();
   const Result noise = RunProgram(folder, {"synthesize", "--layout", "humanact12", "-o", out, "--set",
                                            "tracker.noise=4 mm", "--set", "depth.room=false"});
   EXPECT_EQ(noise.exit_code, 2);
-  EXPECT_THAT(noise.err, HasSubstr("layout humanact12 does not use what is set: tracker.noise is of ntu, kard, uestc, "
-                                   "uestc_vibe, ntu_vibe, tracks; depth.room is of phspd"));
+  EXPECT_THAT(noise.err,
+              HasSubstr("layout humanact12 does not use all given options: tracker.noise is of ntu, kard, uestc, "
+                        "uestc_vibe, ntu_vibe, tracks; depth.room is of phspd"));
   EXPECT_FALSE(fs::exists(folder / "s"));
   WriteText(folder / "studio.yaml", "layout: humanact12\ntracker: {noise: 30 mm}\n");
   const Result file = RunProgram(folder, {"synthesize", (folder / "studio.yaml").string(), "-o", out});
@@ -89,8 +89,8 @@ TEST(Synthesize, AnOptionThatTheLayoutPassesOverIsRefusedAndItsLayoutsAreNamed) 
   EXPECT_EQ(ring.exit_code, 2);
 }
 
-TEST(Synthesize, WhatIsShownOfOneLayoutReadsForAnother) {
-  const Folder folder;
+TEST(Synthesize, ShownOptionsOfOneLayoutAreValidForAnother) {
+  const ScratchFolder folder;
   WriteText(folder / "studio.yaml", RunProgram(folder, {"synthesize", "--layout", "kard", "--show"}).out);
   const Result shown =
       RunProgram(folder, {"synthesize", (folder / "studio.yaml").string(), "--layout", "openpose", "--show"});
@@ -98,7 +98,7 @@ TEST(Synthesize, WhatIsShownOfOneLayoutReadsForAnother) {
 }
 
 TEST(Synthesize, ASeedBeyond64BitsIsRefusedByItsName) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const char* seed : {"18446744073709551616", "9223372036854775808", "-9223372036854775809"}) {
     const Result result =
         RunProgram(folder, {"synthesize", "-o", (folder / "studio").string(), "--seed", seed, "--show"});
@@ -107,8 +107,8 @@ TEST(Synthesize, ASeedBeyond64BitsIsRefusedByItsName) {
   }
 }
 
-TEST(Synthesize, SaysWhichDeclarationReadsWhichFolderAndEachDoes) {
-  const Folder folder;
+TEST(Synthesize, NamesTheDeclarationOfEachFolderWhichReadsIt) {
+  const ScratchFolder folder;
   const std::vector<std::pair<std::string, std::string>> layouts = {
       {"humanact12", "[walk]"}, {"phspd", "[walk]"},        {"ntu", "[drink_water]"},
       {"kard", "[walk]"},       {"uestc", "[squatting]"},   {"uestc_vibe", "[squatting]"},
@@ -144,7 +144,7 @@ TEST(Synthesize, SaysWhichDeclarationReadsWhichFolderAndEachDoes) {
 }
 
 TEST(Synthesize, NamesAConfigToRunOnlyWhereThatIs) {
-  const Folder folder;
+  const ScratchFolder folder;
   const fs::path installed = folder / "prefix/share/mocurate/configs/sources/kard.yaml";
   fs::create_directories(folder / "prefix/bin");
   fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / "mocurate", folder / "prefix/bin/mocurate");
@@ -169,7 +169,7 @@ TEST(Synthesize, NamesAConfigToRunOnlyWhereThatIs) {
 }
 
 TEST(Synthesize, OptionsComeFromAFileAndAreShown) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "studio.yaml", "layout: ntu\nseed: 7\ndepth: {noise: 3 mm}\n");
   const Result shown =
       RunProgram(folder, {"synthesize", (folder / "studio.yaml").string(), "--set", "clips=2", "--show", "--json"});
@@ -180,10 +180,10 @@ TEST(Synthesize, OptionsComeFromAFileAndAreShown) {
   EXPECT_DOUBLE_EQ(shown.Json()["depth"]["noise"].get<double>(), 0.003);
 }
 
-TEST(Synthesize, AFolderWithoutRoomIsRefusedBeforeAnythingIsWritten) {
-  const Folder folder;
+TEST(Synthesize, AFolderWithoutSpaceIsRefusedBeforeAnythingIsWritten) {
+  const ScratchFolder folder;
   TightDisk disk(folder / "small", 200000, 100000000);
-  if (disk.Limit()) GTEST_SKIP() << "nobody may mount here";
+  if (disk.Limit()) GTEST_SKIP() << "mounting is not permitted here";
   const Result refused =
       RunProgram(folder, {"synthesize", "--layout", "phspd", "-o", (disk.path() / "studio").string()});
   EXPECT_EQ(refused.exit_code, 74) << refused.err;
@@ -192,8 +192,8 @@ TEST(Synthesize, AFolderWithoutRoomIsRefusedBeforeAnythingIsWritten) {
   EXPECT_FALSE(fs::exists(disk.path() / "studio"));
 }
 
-TEST(Synthesize, AnActionThatIsNotThereNamesEachThatIsOnce) {
-  const Folder folder;
+TEST(Synthesize, AnUnknownActionListsEachKnownOneOnce) {
+  const ScratchFolder folder;
   const Result refused = RunProgram(
       folder, {"synthesize", "--layout", "humanact12", "-o", (folder / "s").string(), "--set", "actions=[qqqq]"});
   EXPECT_EQ(refused.exit_code, 2);
@@ -202,8 +202,8 @@ TEST(Synthesize, AnActionThatIsNotThereNamesEachThatIsOnce) {
   EXPECT_EQ(refused.err.find(" warm_up,", first + 1), std::string::npos) << refused.err;
 }
 
-TEST(Synthesize, WhatIsWrongIsNamed) {
-  const Folder folder;
+TEST(Synthesize, WrongOptionsAreNamed) {
+  const ScratchFolder folder;
   const Result layout = RunProgram(folder, {"synthesize", "--layout", "kardd", "-o", (folder / "s").string()});
   EXPECT_EQ(layout.exit_code, 2);
   EXPECT_THAT(layout.err, HasSubstr("kard"));

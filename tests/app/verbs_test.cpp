@@ -1,4 +1,4 @@
-// The command as a user meets it: help, errors that name place and way out, exit codes, JSON on stdout.
+// The command for a user: help, errors with place and remedy, exit codes, JSON on stdout.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,14 +8,13 @@
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::Result;
 using program::RunProgram;
 using program::WriteText;
 using ::testing::HasSubstr;
 
 TEST(Help, EveryVerbHasAnExample) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const auto& verb : std::vector<std::vector<std::string>>{{"run"},
                                                                 {"generate"},
                                                                 {"audit"},
@@ -45,7 +44,7 @@ TEST(Help, EveryVerbHasAnExample) {
 }
 
 TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
-  const Folder folder;
+  const ScratchFolder folder;
   EXPECT_EQ(RunProgram(folder, {"fly"}).exit_code, 2);
   EXPECT_EQ(RunProgram(folder, {"run", "--wings"}).exit_code, 2);
   EXPECT_EQ(RunProgram(folder, {}).exit_code, 2);
@@ -61,7 +60,7 @@ TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
 }
 
 TEST(Usage, HelpAndVersionOfAVerbThatDoesNotExistAreExitCode2) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const char* asked : {"--help", "-h", "--version"}) {
     for (const std::vector<std::string>& verb :
          {std::vector<std::string>{"runn"}, {"fly"}, {"config", "shwo"}, {"cache", "fly"}}) {
@@ -83,8 +82,8 @@ TEST(Usage, HelpAndVersionOfAVerbThatDoesNotExistAreExitCode2) {
   EXPECT_EQ(RunProgram(folder, {"cache", "stat", "--help"}).exit_code, 0);
 }
 
-TEST(Usage, AnAssignmentDoesNotTakeTheConfigBehindIt) {
-  const Folder folder;
+TEST(Usage, AnAssignmentDoesNotConsumeTheConfigAfterIt) {
+  const ScratchFolder folder;
   WriteText(folder / "mine.yaml", "name: mine\n");
   const Result result =
       RunProgram(folder, {"config", "show", "--set", "evaluate.motions=77", (folder / "mine.yaml").string()});
@@ -94,7 +93,7 @@ TEST(Usage, AnAssignmentDoesNotTakeTheConfigBehindIt) {
 }
 
 TEST(Config, AllProblemsAreReportedAtOnceWithPlaceAndNearestName) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "bad.yaml",
             "name: x\nskeletn: smpl24\ncanon:\n  trim:\n    min_length: 5 kg\n  facing: {anchor: centre}\n");
   const Result result = RunProgram(folder, {"run", (folder / "bad.yaml").string(), "-o", (folder / "r").string()});
@@ -105,8 +104,8 @@ TEST(Config, AllProblemsAreReportedAtOnceWithPlaceAndNearestName) {
   EXPECT_THAT(result.err, HasSubstr("bad.yaml:6:"));
 }
 
-TEST(Config, ShowSaysWhereEachValueComesFrom) {
-  const Folder folder;
+TEST(Config, ShowPrintsTheOriginOfEachValue) {
+  const ScratchFolder folder;
   WriteText(folder / "a.yaml", "name: mine\ncanon:\n  rate: \"20\"\n");
   const Result result =
       RunProgram(folder, {"config", "show", (folder / "a.yaml").string(), "--origins", "--set", "audit.split=s"});
@@ -117,14 +116,14 @@ TEST(Config, ShowSaysWhereEachValueComesFrom) {
 }
 
 TEST(Config, TheSchemaIsJson) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Result result = RunProgram(folder, {"config", "schema"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(result.Json().contains("properties"));
 }
 
 TEST(Errors, AMissingConfigOrFolderIsNamed) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Result config = RunProgram(folder, {"run", (folder / "none.yaml").string()});
   EXPECT_EQ(config.exit_code, 2);
   EXPECT_THAT(config.err, HasSubstr("none.yaml: the configuration cannot be read: no such file"));
@@ -137,14 +136,14 @@ TEST(Errors, AMissingConfigOrFolderIsNamed) {
 }
 
 TEST(Errors, AnOutputThatCannotBeWrittenIsExitCode74) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Result result = RunProgram(folder, {"run", "-o", "/proc/mocurate_run", "--to", "ingest"});
   EXPECT_EQ(result.exit_code, 74);
   EXPECT_THAT(result.err, HasSubstr("/proc/mocurate_run"));
 }
 
 TEST(Inspect, AnEmptyFileIsAnErrorThatNamesIt) {
-  const Folder folder;
+  const ScratchFolder folder;
   WriteText(folder / "empty.bvh", "");
   const Result result = RunProgram(folder, {"inspect", (folder / "empty.bvh").string(), "--json"});
   EXPECT_EQ(result.exit_code, 3);

@@ -1,4 +1,4 @@
-// `mocurate inspect` tells of videos without linking what decodes them.
+// `mocurate inspect` describes videos without linking a decoder.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,13 +6,12 @@
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "app/ask_program.h"
+#include "job/run_and_capture.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
 namespace {
 
-using program::Folder;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
@@ -24,8 +23,8 @@ void WriteVideo(const std::filesystem::path& file) {
   for (int i = 0; i < 24; ++i) writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar(8 * i, 0, 0)));
 }
 
-TEST(InspectVideo, SaysFramesRateAndSize) {
-  const Folder folder;
+TEST(InspectVideo, ReportsFramesRateAndSize) {
+  const ScratchFolder folder;
   WriteVideo(folder / "a.avi");
   const Result result = RunProgram(folder, {"inspect", (folder / "a.avi").string(), "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -37,8 +36,8 @@ TEST(InspectVideo, SaysFramesRateAndSize) {
   EXPECT_TRUE(document["findings"].empty());
 }
 
-TEST(InspectVideo, ADamagedOneIsAFindingAndCostsTheOthersNothing) {
-  const Folder folder;
+TEST(InspectVideo, ADamagedOneIsAFindingAndDoesNotAffectOthers) {
+  const ScratchFolder folder;
   std::filesystem::create_directories(folder / "set");
   WriteVideo(folder / "set/a.avi");
   WriteText(folder / "set/b.avi", ReadText(folder / "set/a.avi").substr(0, 100));
@@ -52,7 +51,7 @@ TEST(InspectVideo, ADamagedOneIsAFindingAndCostsTheOthersNothing) {
 }
 
 /// The program with a script as its decoder: what it answers of videos a.avi, b.avi, ...
-nlohmann::json InspectedBy(const Folder& folder, const std::string& script) {
+nlohmann::json InspectedBy(const ScratchFolder& folder, const std::string& script) {
   namespace fs = std::filesystem;
   fs::create_directories(folder / "bin");
   fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / "mocurate", folder / "bin/mocurate");
@@ -66,8 +65,8 @@ nlohmann::json InspectedBy(const Folder& folder, const std::string& script) {
   return RunProgram(folder, {"inspect", (folder / "set").string(), "--json"}, surroundings).Json();
 }
 
-TEST(InspectVideo, AnAnswerIsOfTheFileThatItNamesWhateverElseIsPrinted) {
-  const Folder folder;
+TEST(InspectVideo, AnswersAreAssignedByIndexWhateverElseIsPrinted) {
+  const ScratchFolder folder;
   const nlohmann::json document =
       InspectedBy(folder,
                   "echo '{\"index\": 0, \"frames\": 99}' >&2\n"
@@ -81,8 +80,8 @@ TEST(InspectVideo, AnAnswerIsOfTheFileThatItNamesWhateverElseIsPrinted) {
   }
 }
 
-TEST(InspectVideo, TheDecoderIsAskedInTheNeutralLocaleWhateverTheUsersIs) {
-  const Folder folder;
+TEST(InspectVideo, TheDecoderRunsInTheNeutralLocale) {
+  const ScratchFolder folder;
   const nlohmann::json document = InspectedBy(
       folder,
       "locale=$(tr '\\0' '\\n' < /proc/$$/environ | grep ^LC_ALL= | tr '\\n' ' ')\n"
@@ -91,17 +90,17 @@ TEST(InspectVideo, TheDecoderIsAskedInTheNeutralLocaleWhateverTheUsersIs) {
   EXPECT_EQ(document["companions"][0]["facts"]["codec"], "LC_ALL=C ");
 }
 
-TEST(AskProgram, EndsWhatSaysNothingForTooLong) {
+TEST(RunAndCapture, EndsAProgramWithoutOutputForTooLong) {
   const ProgramAnswer answer =
-      AskProgram("/bin/sh", {"-c", "echo first; exec sleep 1000"}, "LC_ALL=C", Listening{true, 0.5});
+      RunAndCapture("/bin/sh", {"-c", "echo first; exec sleep 1000"}, "LC_ALL=C", CaptureOptions{true, 0.5});
   EXPECT_TRUE(answer.timed_out);
   EXPECT_EQ(answer.exit_status, -1);
 }
 
-TEST(AskProgram, HearsErrorsOnlyWhereAskedTo) {
+TEST(RunAndCapture, ReadsErrorsOnlyIfRequested) {
   const std::vector<std::string> both = {"-c", "echo out; echo err >&2; exit 3"};
-  EXPECT_EQ(AskProgram("/bin/sh", both, "LC_ALL=C").text, "out\nerr\n");
-  const ProgramAnswer answer = AskProgram("/bin/sh", both, "LC_ALL=C", Listening{false, 600.0});
+  EXPECT_EQ(RunAndCapture("/bin/sh", both, "LC_ALL=C").text, "out\nerr\n");
+  const ProgramAnswer answer = RunAndCapture("/bin/sh", both, "LC_ALL=C", CaptureOptions{false, 600.0});
   EXPECT_EQ(answer.text, "out\n");
   EXPECT_EQ(answer.exit_status, 3);
   EXPECT_FALSE(answer.timed_out);

@@ -1,9 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/file.h"
 #include "core/base/resources.h"
 #include "tests/base/config_message.h"
-#include "tests/base/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -37,7 +38,7 @@ TEST(ConfigInclude, LaterAndInnerValuesWin) {
   EXPECT_EQ(options->path, folder / "sub/d") << "relative to the file that says it";
 }
 
-TEST(ConfigInclude, ProblemsOfIncludedFilesAreToldThere) {
+TEST(ConfigInclude, ProblemsOfIncludedFilesAreReportedThere) {
   const ScratchFolder folder;
   ASSERT_TRUE(WriteFile(folder / "a.yaml", "seed: 1\nseed: 2\n"));
   ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: [a.yaml, none.yaml, [x]]\n"));
@@ -139,7 +140,7 @@ TEST(ConfigProfiles, TheNamedOneStandsAboveTheConfigAndBelowTheCommandLine) {
   EXPECT_FALSE(LoadConfig(source, {"profile=quik"}));
 }
 
-TEST(ConfigSet, TellsWhatCannotBeAssigned) {
+TEST(ConfigSet, ReportsWhatCannotBeAssigned) {
   EXPECT_EQ(MessageOf("seed: 1\njoints: [{}]", {"seed", "=3", "a..b=1", "seed.x=1", "joints.1.name=x", "title=[a"}),
             "--set: 'seed' must be KEY=VALUE (e.g. --set canon.trim.margin='40 ms')\n"
             "--set: '=3' must be KEY=VALUE (e.g. --set canon.trim.margin='40 ms')\n"

@@ -17,13 +17,13 @@ TEST(Config, AKeyThatStandsTwiceIsRefused) {
             "c.yaml:3:1: key 'seed' stands twice, first in line 1 (keep one of them)");
 }
 
-TEST(Config, BrokenYamlIsToldWithItsPlace) {
+TEST(Config, BrokenYamlIsReportedWithItsPlace) {
   EXPECT_THAT(MessageOf("seed: 1\n  bad: [1, 2\n"), StartsWith("c.yaml:2:6: not YAML: "));
   EXPECT_THAT(MessageOf("a: 'open"), StartsWith("c.yaml:1:9: not YAML: "));
   EXPECT_THAT(MessageOf("seed: *none"), HasSubstr("c.yaml:1:7: not YAML: "));
 }
 
-TEST(Config, AReferenceThatNeedsQuotesIsToldSo) {
+TEST(Config, AReferenceThatNeedsQuotesIsReportedSo) {
   EXPECT_THAT(MessageOf("title: x\npeople: [${title}]\n"),
               AllOf(StartsWith("c.yaml:2:"), EndsWith("(inside [ ] and { }, ${...} must stand in quotes)")));
 }

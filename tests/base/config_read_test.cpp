@@ -58,7 +58,7 @@ TEST(Config, AnEmptyFileOrGroupKeepsTheDefaults) {
   }
 }
 
-TEST(Config, TellsAllProblemsAtOnceWithTheirPlaces) {
+TEST(Config, ReportsAllProblemsAtOnceWithTheirPlaces) {
   EXPECT_EQ(MessageOf("seed: x\n"
                       "heigth: 1.8\n"
                       "trim:\n"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/base/config_message.h"
-#include "tests/base/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -64,7 +64,7 @@ TEST(ConfigReference, APathKeepsTheFolderOfTheFileThatSaysIt) {
   EXPECT_EQ(OptionsFromConfig<SampleOptions>(*node)->path, folder / "sub/data/kard");
 }
 
-TEST(ConfigReference, WhatNamesNothingIsToldWithAWayOut) {
+TEST(ConfigReference, WhatNamesNothingIsReportedWithAWayOut) {
   EXPECT_EQ(MessageOf("title: x ${MOCURATE_NO_SUCH}\npath: ${titel}\nloss: ${trim.x}\ntrim: {enabled: '${'}"),
             "c.yaml:1:8: ${MOCURATE_NO_SUCH} names neither a key of this configuration nor an environment variable "
             "(export MOCURATE_NO_SUCH=..., or give the value with --set)\n"

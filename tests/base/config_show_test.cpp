@@ -14,7 +14,7 @@ constexpr const char* kYaml =
     "  enabled: false\n"
     "joints: [{name: x}, {name: '2', weight: 5}]\n";
 
-TEST(ConfigShow, TellsWhereEveryValueComesFrom) {
+TEST(ConfigShow, ReportsWhereEveryValueComesFrom) {
   const auto node = LoadConfig(ConfigSource{kYaml, "c.yaml", {}}, {"rate=25 fps"});
   const auto options = OptionsFromConfig<SampleOptions>(*node);
   ASSERT_TRUE(options) << options.error().Message();

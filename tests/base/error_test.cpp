@@ -7,7 +7,7 @@
 namespace mocurate {
 namespace {
 
-TEST(Error, TellsPlaceFactAndWayOutOnOneLine) {
+TEST(Error, ReportsPlaceFactAndWayOutOnOneLine) {
   EXPECT_EQ((Error{ErrorCode::kMalformed, "12 columns", "a.trc:8", "check it"}.Message()),
             "a.trc:8: 12 columns (check it)");
   EXPECT_EQ((Error{ErrorCode::kMalformed, "12 columns", "", ""}.Message()), "12 columns");
@@ -31,13 +31,13 @@ TEST(Error, ExitCodesAreTheDocumentedOnes) {
   EXPECT_EQ(static_cast<int>(ExitCodeOf(ErrorCode::kTooManyFailures)), 1);
 }
 
-TEST(ProblemList, TellsOneProblemAsItIsAndManyLineByLine) {
+TEST(ProblemList, ReportsOneProblemAsItIsAndManyLineByLine) {
   ProblemList problems;
   EXPECT_TRUE(problems.Result());
-  problems.Add("a:1:2", "wrong", "mend it");
-  EXPECT_EQ(problems.Result().error(), (Error{ErrorCode::kConfig, "wrong", "a:1:2", "mend it"}));
+  problems.Add("a:1:2", "wrong", "correct it");
+  EXPECT_EQ(problems.Result().error(), (Error{ErrorCode::kConfig, "wrong", "a:1:2", "correct it"}));
   problems.Add("a:3:4", "also wrong");
-  EXPECT_EQ(problems.Result().error().Message(), "a:1:2: wrong (mend it)\na:3:4: also wrong");
+  EXPECT_EQ(problems.Result().error().Message(), "a:1:2: wrong (correct it)\na:3:4: also wrong");
 }
 
 TEST(ProblemList, StopsAfterFiftyLines) {

@@ -7,7 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/base/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -53,7 +53,7 @@ TEST(File, EveryPathSurvivesItsText) {
   }
 }
 
-TEST(File, AMissingFileAndAFolderAreToldApart) {
+TEST(File, AMissingFileAndAFolderAreDistinguished) {
   const ScratchFolder folder;
   const Error missing = ReadFile(folder / "none").error();
   EXPECT_EQ(missing.code, ErrorCode::kNotFound);
@@ -108,7 +108,7 @@ TEST(File, AReadOnlyFolderIsRefusedInWords) {
   fs::permissions(folder.path(), fs::perms::owner_all);
 }
 
-TEST(File, AMissingFolderIsToldByTheHint) {
+TEST(File, AMissingFolderIsReportedByTheHint) {
   const ScratchFolder folder;
   EXPECT_EQ(WriteFile(folder / "none/x", "x").error().hint, "its folder does not exist");
 }

@@ -3,9 +3,10 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/file.h"
 #include "core/base/random.h"
 #include "core/base/sha256.h"
-#include "tests/base/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {

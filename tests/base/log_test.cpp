@@ -9,14 +9,14 @@ TEST(Log, LinesGoToStderrWithTheirLevelAndNothingToStdout) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   LogInfo("read {} of %s clips");
-  LogWarning("one is doubtful");
+  LogWarning("one is suspect");
   Log(LogLevel::kDebug, "not shown");
   SetLogLevel(LogLevel::kError);
   LogWarning("not shown");
   Log(LogLevel::kError, "failed");
   SetLogLevel(LogLevel::kInfo);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "info: read {} of %s clips\nwarning: one is doubtful\nerror: failed\n");
+            "info: read {} of %s clips\nwarning: one is suspect\nerror: failed\n");
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
 }
 

@@ -43,7 +43,7 @@ TEST(OptionsJson, MissingKeysKeepDefaultsAndAGivenListReplacesThem) {
   EXPECT_EQ(options->joints[0].weight, 1.0) << "not the 3 of the default list's first element";
 }
 
-TEST(OptionsJson, EveryProblemIsToldAtOnce) {
+TEST(OptionsJson, EveryProblemIsReportedAtOnce) {
   const nlohmann::json json = {{"seed", 1.5},
                                {"height", 9},
                                {"tittle", "x"},

@@ -1,6 +1,6 @@
-// Action2Motion training as a run does it: batches of 128 windows of 60 frames drawn from 1,191 clips, HumanAct12
-// sizes; loader, forward, backward, Adam. One JSON line of the form that the Python reference prints. Arguments: lie |
-// plain [threads [shards [steps]]].
+// Action2Motion training as a run does it: batches of 128 windows of 60 frames from 1,191 clips with HumanAct12's
+// sizes. Measures loader, forward, backward and Adam. Prints one JSON line in the format of the Python reference.
+// Arguments: lie | plain [threads [shards [steps]]].
 
 #include <chrono>
 #include <cstdio>
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   Clock::time_point begin;
   int steps = 0;
   control.progress = [&](double, const std::string&) {
-    if (steps++ == 0) begin = Clock::now();  // the first warms up
+    if (steps++ == 0) begin = Clock::now();  // the first step is a warm-up
   };
   if (!TrainNetwork(set, options, control)) return 1;
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count() / (steps - 1);

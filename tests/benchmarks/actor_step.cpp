@@ -1,7 +1,7 @@
-// Training steps of ACTOR, or of ST-GCN, as a run does them: batches of 60 frames of 24 joints' rotations, 12 classes,
-// the paper's sizes; loader, forward, backward, AdamW. ACTOR's loss is that of the Python reference, on the numbers of
-// a frame and KL. One JSON line. Arguments: actor | joints (and the loss on joints) | st_gcn [threads [shards
-// [steps]]].
+// Training steps of ACTOR or ST-GCN as a run does them: batches of 60 frames of 24 joints' rotations, 12 classes, the
+// paper's sizes. Measures loader, forward, backward and AdamW. ACTOR's loss equals the Python reference's: rotation
+// parameters per frame and KL. Prints one JSON line. Arguments: actor | joints (adds the loss on joints) | st_gcn
+// [threads [shards [steps]]].
 
 #include <sys/resource.h>
 
@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   int steps = 0;
   double seconds = 0.0;
   control.progress = [&](double, const std::string&) {
-    if (steps == 0) begin = Clock::now();  // the first warms up
+    if (steps == 0) begin = Clock::now();  // the first step is a warm-up
     if (steps == wanted) seconds = std::chrono::duration<double>(Clock::now() - begin).count() / wanted;
     ++steps;
   };

@@ -1,10 +1,10 @@
-// How well recordings are cut: change points, repetitions, spans found by example. Markdown tables of docs/trimming.md.
+// Accuracy of cuts of recordings: change points, repetitions, spans by example. Prints the tables of docs/trimming.md.
 //
 //   bench_boundaries [change_points|cycles|by_example|all] [SEED [RECORDINGS]]
 //
-// SEED of the studio and of which clips are joined. The constants of change points were chosen with seeds 101 and 102
-// of the studio, KARD and Bandai 1; the confidence of spans by example with seeds 1 and 2. Joined clips need the
-// unpacked data (MOCURATE_DATA).
+// SEED selects the studio's people and the clips that are joined. The constants of change points were chosen with seeds
+// 101 and 102 of the studio, KARD and Bandai 1; the confidence of spans by example with seeds 1 and 2. Joined clips
+// need the unpacked data (MOCURATE_DATA).
 
 #include <algorithm>
 #include <chrono>
@@ -27,7 +27,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastClipS = 1.0;  // of clips that are joined: seams nearer than the tolerances tell nothing
+constexpr double kLeastClipS = 1.0;  // of joined clips: closer seams lie within the tolerances
 
 /// Boundaries of one recording with confidences.
 struct FoundBoundaries {
@@ -45,7 +45,7 @@ FoundBoundaries ByChangePoints(const Motion& motion) {
   return found;
 }
 
-/// Where the fastest joint passes a speed and stays on that side for 0.3 s.
+/// Times at which the fastest joint crosses a speed and stays on that side for 0.3 s.
 FoundBoundaries BySpeed(const Motion& motion, double speed) {
   const std::vector<double> speeds = FrameSpeeds(motion, TrimOptions().speed_window_s);
   const int least = std::max(1, static_cast<int>(std::lround(0.3 * motion.rate.hz())));
@@ -62,7 +62,7 @@ FoundBoundaries BySpeed(const Motion& motion, double speed) {
   return found;
 }
 
-/// The middle of each stillness of 0.3 s and more within the recording.
+/// The middle of each stillness of at least 0.3 s within the recording.
 FoundBoundaries ByStillness(const Motion& motion, double speed) {
   const FoundBoundaries passes = BySpeed(motion, speed);
   const std::vector<double> speeds = FrameSpeeds(motion, TrimOptions().speed_window_s);
@@ -77,7 +77,7 @@ FoundBoundaries ByStillness(const Motion& motion, double speed) {
 
 using Judged = std::vector<std::pair<double, bool>>;  // confidence, right
 
-/// Probability that a right one is ranked above a wrong one; 0.5 where there are none of either.
+/// Probability that a correct boundary has a higher confidence than a wrong one; 0.5 if either set is empty.
 double RankQuality(const Judged& judged) {
   double pairs = 0.0, won = 0.0;
   for (const auto& [a, right] : judged) {
@@ -92,7 +92,7 @@ double RankQuality(const Judged& judged) {
 
 using Recordings = std::vector<LongRecording>;
 
-/// The recorded take that the rendered sequence shows, from its JSON: 12 Hz, idle counts as rest.
+/// The recorded take of the rendered sequence, from its JSON: 12 Hz, idle counts as rest.
 Recordings RenderedSequence() {
   Recordings recordings;
   const std::string file = TestData() + "/clouds/rendered_seq/seq_male.json";
@@ -181,7 +181,7 @@ void ChangePointTable(std::int64_t seed, int recordings) {
     recording.truth_s.insert(recording.truth_s.end(), recording.ways_s.begin(), recording.ways_s.end());
     recording.truth_s = InnerTimes(recording.truth_s, recording.motion.duration());
   }
-  PrintRow("studio, with the ends of ways that change seat or heading", "change points", studio, ByChangePoints);
+  PrintRow("studio, ends of transitions counted too", "change points", studio, ByChangePoints);
   if (TestData().empty()) return;
   const std::vector<std::pair<std::string, std::string>> sets = {
       {"msr_action3d", "kinect20"}, {"hdm05", "cmu31"}, {"bandai2", "bandai22"}, {"kard", "openni15"}};
@@ -204,7 +204,7 @@ Motion Noisy(const Motion& motion, double sigma) {
   return MakeJointsOnly(motion.skeleton, motion.rate, joints);
 }
 
-/// Errors of counts, found less true.
+/// Errors of counts: found minus true.
 struct CountErrors {
   std::map<int, int> histogram;
   int right = 0, all = 0;
@@ -277,7 +277,7 @@ struct JudgedSpan {
   bool right = false;
 };
 
-/// Spans of one label in all recordings but its examples, judged; counts what there is to find.
+/// Judges the spans of one label in all recordings except its examples; adds their number to `truth`.
 void JudgeLabel(const Recordings& recordings, const std::string& label, bool by_category,
                 std::vector<JudgedSpan>& judged, int& truth) {
   const auto label_of = [&](const Segment& segment) { return by_category ? segment.category : segment.label; };
@@ -355,7 +355,7 @@ void ByExampleRow(const Recordings& recordings, bool by_category) {
     threshold = judged[i].confidence;
   }
   std::printf("| %s | %d | %d | %.3f | %.2f | %.3f | %.3f |\n",
-              by_category ? "what joints can tell apart" : "all actions", labels, truth, recall, threshold,
+              by_category ? "labels that joints distinguish" : "all actions", labels, truth, recall, threshold,
               kept > 0.0 ? kept_right / kept : 1.0, kept_right / std::max(1, truth));
 }
 

@@ -1,6 +1,6 @@
-// What the stage canon does to a clip between its files: resample 30 -> 20 Hz by time, find the moving part, cut it,
-// face front; and what training draws from clips. Arguments: clips | batches. `clips` is the counterpart of
-// resample_numpy.py of the reference scripts, which does not trim: 50 clips of 120 frames, 24 joints.
+// What the stage canon does to a clip between its files: resample from 30 to 20 Hz by time, find the moving part, cut
+// it, face front. `batches` measures the windows that training draws. Arguments: clips | batches. `clips` corresponds
+// to resample_numpy.py of the reference scripts, which does not trim: 50 clips of 120 frames, 24 joints.
 
 #include <cstring>
 #include <string>

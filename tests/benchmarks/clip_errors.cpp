@@ -1,5 +1,6 @@
-// Clips that the audit finds to be mirrored, frozen for a while or to have their limbs exchanged: 2 % of each planted
-// in a dataset that is taken for right, pooled over draws. What the set holds of real errors counts against the audit.
+// Precision and recall of the audit for mirrored clips, clips that freeze for a while, and clips with exchanged limbs.
+// 2 % of each are planted in a dataset assumed correct, pooled over draws. Real errors of the set count against the
+// audit.
 //
 //   bench_clip_errors DATASET.h5 [DRAWS]
 

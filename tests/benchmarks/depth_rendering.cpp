@@ -26,7 +26,7 @@ Motion Walk(const Actor& actor) {
   return PerformScript(script, actor.subject, actor.skeleton, FrameRate{15, 1});
 }
 
-void Measure(const char* name, const Actor& actor, bool sensed, int repeats) {
+void Measure(const char* name, const Actor& actor, bool with_sensor, int repeats) {
   const Camera camera = PhspdRig(1)[2];
   const std::vector<Vector2d> rays = PixelRays(camera);
   const std::vector<float> room = RoomDepth(camera, rays, 1.6);
@@ -38,10 +38,11 @@ void Measure(const char* name, const Actor& actor, bool sensed, int repeats) {
     for (int f = 0; f < kFrames; ++f) {
       const std::vector<float> depth = body.Depth(motion, f, camera, rays);
       bytes += depth.size();
-      if (sensed) bytes += EncodePng(Sensed(depth, room, camera, rays, options, 1, std::to_string(f)))->size();
+      if (with_sensor)
+        bytes += EncodePng(SimulateDepth(depth, room, camera, rays, options, 1, std::to_string(f)))->size();
     }
   });
-  if (bytes == 0) std::printf("nothing was rendered\n");
+  if (bytes == 0) std::printf("no pixels were rendered\n");
 }
 
 int Run(int repeats) {

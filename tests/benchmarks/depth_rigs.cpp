@@ -1,10 +1,10 @@
-// bench_depth_rigs [CLIPS [FRAMES [SEED [FOLDER [OPTION=NUMBER ...]]]]]: the clips of bench_fit_clouds (its images,
-// where FOLDER has them) with a fault in the rig that the audit of depth views has to find: none, one camera of the
-// clip moved by moved=0.03 metres and turned by turned=2 degrees, its images late=1 frame too late, its files
-// exchanged=1 with the next one's; all=1: every camera but the first is moved. depths=1.1: what all cameras measure is
-// so many times too long; mirrored=1: all images are turned over (refused is found). rig=1: rendered_seq; rig=2:
-// rgbd100, 80 views of one moment. How often it is found, what else is told, where the cameras stand before and after
-// (at the person, and at the camera), the time that it takes per clip.
+// bench_depth_rigs [CLIPS [FRAMES [SEED [FOLDER [OPTION=NUMBER ...]]]]]: recall of the audit of depth views for a fault
+// in the rig. Uses the clips of bench_fit_clouds, and its images if FOLDER has them. Without options there is no fault.
+// moved=0.03 (metres) and turned=2 (degrees) move one camera of each clip. late=1 makes its images one frame late.
+// exchanged=1 exchanges its files with the next camera's. all=1 moves every camera but the first. depths=1.1 scales the
+// depths of all cameras; mirrored=1 mirrors all images (a refusal is correct). rig=1: rendered_seq; rig=2: rgbd100, 80
+// views of one moment. Prints recall, other reports, camera errors before and after (at the person and at the camera),
+// and seconds per clip.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
     if (given["late"] != 0.0) {
       code = "camera_clock_off";
       is_bad[bad] = true;
-      views = WithLateView(std::move(views), bad, static_cast<int>(given["late"]));
+      views = WithClockOffset(std::move(views), bad, static_cast<int>(given["late"]));
     }
     if (given["exchanged"] != 0.0) {
       code = "cameras_exchanged";
@@ -134,17 +134,17 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "    %s: %s; %.4f\n", fault.code.c_str(), fault.message.c_str(), fault.confidence);
     }
     for (std::size_t v = 0; v < views.size(); ++v) {
-      bool told = false, other = false;
+      bool is_reported = false, other = false;
       for (const RigFault& fault : audited->report.faults) {
         const bool names = fault.camera.find(views[v].camera.name) != std::string::npos;
-        told = told || (names && fault.code == code);
+        is_reported = is_reported || (names && fault.code == code);
         other = other || (names && fault.code != code);
       }
       faulty += is_bad[v] ? 1 : 0;
-      found += is_bad[v] && told ? 1 : 0;
-      wrong += (!is_bad[v] && told) || other ? 1 : 0;
+      found += is_bad[v] && is_reported ? 1 : 0;
+      wrong += (!is_bad[v] && is_reported) || other ? 1 : 0;
       if (!is_bad[v] && audited->report.faults.empty()) continue;
-      // Against the first camera that is what it was said to be: only places between cameras are seen.
+      // Relative to the first camera without a fault: only relative poses are observed.
       const std::size_t still = given["all"] != 0.0 ? 0 : (bad + 1) % views.size();
       const auto off = [&](const std::vector<DepthView>& rig) {
         Camera is = rig[v].camera, was = take.views[v].camera;
@@ -164,7 +164,7 @@ int main(int argc, char** argv) {
   };
   std::printf(
       "{\"name\": \"depth_rigs\", \"clips\": %zu, \"refused\": %d, \"audited\": %d, \"faulty\": %d, \"found\": %d, "
-      "\"others_told\": %d, "
+      "\"others_reported\": %d, "
       "\"loss\": %.4f, \"loss_after\": %.4f, \"person_off_mm\": %.1f, \"after_mm\": %.1f, \"worst_after_mm\": %.1f, "
       "\"turned_deg\": %.2f, \"after_deg\": %.2f, \"worst_after_deg\": %.2f, \"seconds_per_clip\": %.4f}\n",
       takes.size(), refused, audited_clips, faulty, found, wrong, MeanMedian(loss), MeanMedian(loss_after),

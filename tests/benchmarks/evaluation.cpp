@@ -1,10 +1,10 @@
-// Scoring in full, from dataset files to the figures of a row, in one process: prints one JSON line.
+// Scores a row in one process, from dataset files to its figures; prints one JSON line.
 //   evaluation given [repeats] [threads]     3,000 motions once, as given: features, logits, all metrics
 //   evaluation released [repeats] [threads]  20 repetitions as the released code draws them, random hidden states:
 //                                            reference, Real and one generator, 60 passes of 3,000 motions
-//   evaluation cached [repeats]              the metrics of `released` where its features are there already
+//   evaluation cached [repeats]              the metrics of `released` with its features in the cache
 //   evaluation fid [repeats]                 FID of two sets of 100,000 x 512 features
-// The network is a GRU of the released shape (72 numbers, 2 x 128, 12 classes), motions are the rest pose with noise.
+// The network is a GRU of the released shape (72 numbers, 2 x 128, 12 classes); motions are the rest pose with noise.
 
 #include <stdlib.h>
 

@@ -1,13 +1,12 @@
-// bench_fit_clouds [CLIPS [FRAMES [SEED [FOLDER [OPTION=NUMBER ...]]]]]: studio clips of HumanAct12's 12 classes, in
-// the order of persons, at most so many frames of each, as PHSPD's three depth cameras see them (512 x 424, a Kinect's
-// errors), bodies unknown to the fitter; fitted on one core. Errors as in bench_studio_fits; frames/s from decoded
-// images to a motion, and of decoding alone. Images stay in FOLDER for the next time. Options: those of point_clouds by
-// name, ceres, and start (0: the facing is not told), room, subjects, mix (1: also the joint tracks of the same frames,
-// 30 mm RMS of noise, alone and together with the clouds), gap (frames in the middle in which nobody is
-// seen, and errors after them), stills (1: the frame in the middle of each clip is all that is known of its person),
-// alone (1: each clip is all that is known of its person), views (bodies are known from all views, poses from so many
-// of them, one at least), hidden (a joint's number: no view shows what lies within 0.2
-// m of it; what is stated of it is told).
+// bench_fit_clouds [CLIPS [FRAMES [SEED [FOLDER [OPTION=NUMBER ...]]]]]: fits studio clips of HumanAct12's 12 classes,
+// ordered by person, at most FRAMES frames each, on one core. PHSPD's three depth cameras see them (512 x 424, a
+// Kinect's errors); bodies are unknown to the fitter. Errors as in bench_studio_fits; frames/s from decoded images to a
+// motion, and of decoding alone. Images are cached in FOLDER. Options: those of point_clouds by name, ceres, room,
+// subjects; start (0: the facing is unknown); mix (1: also joint tracks of the same frames with 30 mm RMS of noise,
+// alone and with the clouds); gap (number of frames without a person in the middle, and errors after them); stills (1:
+// only the middle frame of each clip is known of its person); alone (1: only the clip itself is known of its person);
+// views (bodies are fitted from all views, poses from this many, at least one); hidden (a joint's number: no view shows
+// points within 0.2 m of it; prints its uncertainty).
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -42,9 +41,9 @@ void Set(const std::string& name, double value, PointCloudOptions& options, Clou
   if (name == "voxel_size") options.voxel_size = value;
   if (name == "max_distance") options.max_distance = value;
   if (name == "iterations") options.iterations = static_cast<std::int64_t>(value);
-  if (name == "rotation_walk") options.rotation_walk = value;
-  if (name == "velocity_walk") options.velocity_walk = value;
-  if (name == "rest_spread") options.rest_spread = value;
+  if (name == "rotation_process_noise") options.rotation_process_noise = value;
+  if (name == "velocity_process_noise") options.velocity_process_noise = value;
+  if (name == "rest_sigma") options.rest_sigma = value;
   if (name == "huber_sigmas") options.huber_sigmas = value;
   if (name == "outliers") options.outliers.enabled = value != 0.0;
   if (name == "room") takes.room = value != 0.0;
@@ -71,7 +70,7 @@ Expected<std::vector<FusedCloud>> Fuse(const std::vector<DepthView>& views, cons
   return clouds;
 }
 
-/// No view shows what lies within 0.2 m of the joint's true place.
+/// Removes the points within 0.2 m of the joint's true position.
 void Hide(int joint, const Motion& truth, std::vector<FusedCloud>& clouds) {
   for (std::size_t f = 0; f < clouds.size(); ++f) {
     FusedCloud left = clouds[f];
@@ -87,7 +86,7 @@ void Hide(int joint, const Motion& truth, std::vector<FusedCloud>& clouds) {
   }
 }
 
-/// Nobody is seen in so many frames in the middle. The frame after them; 0 without a gap.
+/// Empties `hidden` frames in the middle. Returns the frame after them; 0 without a gap.
 int HideMiddleFrames(int hidden, std::vector<FusedCloud>& clouds) {
   const auto frames = static_cast<int>(clouds.size());
   if (hidden <= 0 || 2 * hidden > frames) return 0;
@@ -96,8 +95,8 @@ int HideMiddleFrames(int hidden, std::vector<FusedCloud>& clouds) {
   return begin + hidden;
 }
 
-/// Errors, stated deviations per axis, and in how many frames it is called observed.
-void TellOfJoint(int joint, const FitResult& fit, const Motion& truth) {
+/// Prints the joint's error, its stated deviation per axis, and the number of frames in which it is observed.
+void ReportJoint(int joint, const FitResult& fit, const Motion& truth) {
   double error = 0.0, variance = 0.0;
   int observed = 0;
   const Motion& motion = fit.motion;
@@ -113,10 +112,10 @@ void TellOfJoint(int joint, const FitResult& fit, const Motion& truth) {
                1e3 * std::sqrt(variance / n), observed, n);
 }
 
-/// Errors of joint tracks alone and of tracks and clouds together.
+/// Errors of joint tracks alone and of tracks with clouds.
 struct MixScore {
   FitScore tracks, both;
-  double trust = 0.0;
+  double surface_weight = 0.0;
   int clips = 0;
 };
 
@@ -129,13 +128,13 @@ Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, cons
   if (!tracks) return Forward(tracks);
   const auto both = FitTracksAndClouds(*tracks, clouds, options);
   if (!both) return Forward(both);
-  FitScore alone, together;
+  FitScore alone, joint;
   alone.Add(*tracks, take.clip), score.tracks.Add(*tracks, take.clip);
-  together.Add(*both, take.clip), score.both.Add(*both, take.clip);
-  score.trust += *both->cloud_trust;
+  joint.Add(*both, take.clip), score.both.Add(*both, take.clip);
+  score.surface_weight += *both->surface_weight;
   ++score.clips;
-  std::fprintf(stderr, "    tracks %5.1f mm %4.1f deg, both %5.1f mm %4.1f deg, trust %.3f, residual %4.1f mm\n",
-               alone.joint_mm(), alone.rotation_deg(), together.joint_mm(), together.rotation_deg(), *both->cloud_trust,
+  std::fprintf(stderr, "    tracks %5.1f mm %4.1f deg, both %5.1f mm %4.1f deg, weight %.3f, residual %4.1f mm\n",
+               alone.joint_mm(), alone.rotation_deg(), joint.joint_mm(), joint.rotation_deg(), *both->surface_weight,
                1e3 * both->residual_rms);
   return {};
 }
@@ -157,7 +156,7 @@ Status TakeBodyOfBoth(const std::vector<CloudTake>& takes, const SkeletonPtr& sk
   }
   const auto body = MeasurePosedBody(clips, motions, person.scale, skeleton, options);
   if (!body) return Forward(body);
-  TakeBody(*body, person.skeleton, person.bone_length);
+  UseBody(*body, person.skeleton, person.bone_length);
   return {};
 }
 
@@ -216,12 +215,12 @@ int main(int argc, char** argv) {
       auto clouds = Fuse(views, options, spent);
       if (!clouds) return std::fprintf(stderr, "%s\n", clouds.error().Message().c_str()), 1;
       for (const FusedCloud& cloud : *clouds) points += cloud.size();
-      if (wanted.stills && (*clouds)[0].size() < kFewPointsOfStill) continue;  // walked out of the cameras' sight
-      const bool told = given.count("start") == 0 ? !wanted.stills : given["start"] != 0.0;
-      if (told) options.start.facing = take.told_heading;
+      if (wanted.stills && (*clouds)[0].size() < kFewPointsOfStill) continue;  // the person left the cameras' view
+      const bool facing_known = given.count("start") == 0 ? !wanted.stills : given["start"] != 0.0;
+      if (facing_known) options.start.facing = take.reported_heading;
       const std::vector<FusedCloud> copies = given["mix"] != 0.0 ? *clouds : std::vector<FusedCloud>{};
       if (given.count("hidden") != 0) Hide(static_cast<int>(given["hidden"]), take.clip.truth, *clouds);
-      const int seen_again = HideMiddleFrames(static_cast<int>(given["gap"]), *clouds);
+      const int first_after_gap = HideMiddleFrames(static_cast<int>(given["gap"]), *clouds);
       const double begin = CpuSeconds();
       const auto fit = FitFusedClouds(std::move(*clouds), {take.clip.truth.rate, take.clip.tracks.time_s},
                                       bones->skeleton, bones->bone_length, options);
@@ -230,7 +229,7 @@ int main(int argc, char** argv) {
       FitScore one;
       one.Add(*fit, take.clip);
       all.Add(*fit, take.clip);
-      if (seen_again > 0) after_gap.Add(*fit, take.clip, seen_again, fit->motion.frame_count());
+      if (first_after_gap > 0) after_gap.Add(*fit, take.clip, first_after_gap, fit->motion.frame_count());
       iterations += fit->iterations;
       const double size = bones->bone_length[4] / take.clip.truth.bone_length[4];
       std::fprintf(
@@ -244,8 +243,8 @@ int main(int argc, char** argv) {
       }
       if (given.count("hidden") != 0) {
         const int hidden = static_cast<int>(given["hidden"]);
-        TellOfJoint(std::max(0, skeleton->joints[static_cast<std::size_t>(hidden)].parent), *fit, take.clip.truth);
-        TellOfJoint(hidden, *fit, take.clip.truth);
+        ReportJoint(std::max(0, skeleton->joints[static_cast<std::size_t>(hidden)].parent), *fit, take.clip.truth);
+        ReportJoint(hidden, *fit, take.clip.truth);
       }
       for (const Finding& finding : fit->findings) {
         std::fprintf(stderr, "    %s %.3g: %s\n", finding.code.c_str(), finding.value, finding.message.c_str());
@@ -269,7 +268,7 @@ int main(int argc, char** argv) {
         "\"both_within_sigma\": %.3f, \"both_within_two\": %.3f, \"trust\": %.3f}\n",
         mix.clips, mix.tracks.joint_mm(), mix.tracks.rotation_deg(), mix.tracks.within_one(), mix.tracks.within_two(),
         mix.both.joint_mm(), mix.both.rotation_deg(), mix.both.within_one(), mix.both.within_two(),
-        mix.trust / mix.clips);
+        mix.surface_weight / mix.clips);
   }
   std::printf(
       "{\"name\": \"fit_clouds\", \"clips\": %zu, \"frames\": %d, \"joint_mm\": %.2f, \"rotation_deg\": %.2f, "

@@ -8,8 +8,8 @@
 #include "fitting/solver/joint_track_fit.h"
 #include "tests/fitting/track_problems.h"
 
-// Frames per second of one core and what they buy. Needs the reference problems (MOCURATE_REFERENCE, or beside
-// MOCURATE_GOLDENS) and the unpacked data (MOCURATE_DATA). Run with OPENBLAS_NUM_THREADS=1.
+// Frames per second of one core, with the errors they reach. Needs the reference problems (MOCURATE_REFERENCE, or
+// beside MOCURATE_GOLDENS) and the unpacked data (MOCURATE_DATA). Run with OPENBLAS_NUM_THREADS=1.
 namespace mocurate {
 namespace {
 
@@ -20,7 +20,7 @@ ProportionsOptions MediansOnly() {
   return options;
 }
 
-/// Bones unknown: medians, then one fit with free bones; everything is timed.
+/// Unknown bones: medians, then one fit with free bones; the time includes both.
 void BM_ReferenceProblem(benchmark::State& state, const std::filesystem::path& path, TrackSolver solver,
                          double tolerance) {
   const ReferenceProblem problem = ReadReferenceProblem(path);

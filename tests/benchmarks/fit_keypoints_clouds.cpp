@@ -1,8 +1,9 @@
-// bench_fit_keypoints_clouds [CLIPS [FRAMES [SEED [FOLDER [OPTION=NUMBER ...]]]]]: studio clips of HumanAct12's 12
-// classes as PHSPD's three depth cameras and colour cameras beside them see them: depth images with a Kinect's errors,
-// BODY_25 with a detector's; bodies unknown to the fitter. Keypoints alone, depth alone (facing told within 45 degrees)
-// and both together: joint and rotation error, coverage. Images stay in FOLDER for the next time. Options: views, noise
-// (px), miss, wrong (shares), ring (1: a ring of so many `views` instead of PHSPD's), late (s), off (m), subjects.
+// bench_fit_keypoints_clouds [CLIPS [FRAMES [SEED [FOLDER [OPTION=NUMBER ...]]]]]: fits studio clips of HumanAct12's 12
+// classes, seen by PHSPD's three depth cameras and by colour cameras beside them. Depth images have a Kinect's errors,
+// BODY_25 keypoints a detector's; bodies are unknown to the fitter. Prints joint and rotation error and coverage of
+// keypoints alone, depth alone (facing known within 45 degrees) and both. Images are cached in FOLDER. Options: views,
+// noise (px), miss, wrong (shares), ring (1: a ring of `views` cameras instead of PHSPD's), late (s), off (m),
+// subjects.
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -25,7 +26,7 @@ namespace {
 struct Scores {
   FitScore keypoints, clouds, both;
   double seconds_keypoints = 0.0, seconds_clouds = 0.0, seconds_both = 0.0;
-  int told = 0;
+  int findings = 0;
 };
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -44,7 +45,7 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   clip.identity.recording = take.clip.name;
   clip.rate = take.clip.truth.rate;
   clip.evidence = take.evidence;
-  options.point_clouds.start.facing = take.told_heading;
+  options.point_clouds.start.facing = take.reported_heading;
   double begin = CpuSeconds();
   const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bones, options);
   if (!keypoints) return Forward(keypoints);
@@ -55,7 +56,7 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   scores.seconds_clouds += CpuSeconds() - begin;
   begin = CpuSeconds();
   SkeletonPtr own = body;
-  TakeBody(in_clouds, own, bones);  // as the stage proportions does
+  UseBody(in_clouds, own, bones);  // as the stage proportions does
   const auto both = FitKeypointsAndClouds(clip, skeleton, own, bones, options);
   if (!both) return Forward(both);
   scores.seconds_both += CpuSeconds() - begin;
@@ -64,13 +65,13 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   c.Add(*clouds, take.clip), scores.clouds.Add(*clouds, take.clip);
   b.Add(*both, take.clip), scores.both.Add(*both, take.clip);
   std::fprintf(stderr,
-               "%-24s keypoints %5.1f mm %4.1f deg, clouds %5.1f mm %4.1f deg, both %5.1f mm %4.1f deg, trust %.3f\n",
+               "%-24s keypoints %5.1f mm %4.1f deg, clouds %5.1f mm %4.1f deg, both %5.1f mm %4.1f deg, weight %.3f\n",
                take.clip.name.c_str(), k.joint_mm(), k.rotation_deg(), c.joint_mm(), c.rotation_deg(), b.joint_mm(),
-               b.rotation_deg(), both->cloud_trust.value_or(0.0));
+               b.rotation_deg(), both->surface_weight.value_or(0.0));
   for (const Finding& finding : both->findings) {
     if (finding.severity == Severity::kInfo) continue;
     std::fprintf(stderr, "    %s %.3g: %s\n", finding.code.c_str(), finding.value, finding.message.c_str());
-    ++scores.told;
+    ++scores.findings;
   }
   return {};
 }

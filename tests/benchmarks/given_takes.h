@@ -8,7 +8,7 @@
 
 namespace mocurate {
 
-/// [CLIPS [FRAMES [SEED [FOLDER]]]] of a program's arguments, where they are given; the folder of the images.
+/// Reads [CLIPS [FRAMES [SEED [FOLDER]]]] from a program's arguments; returns the folder of the images.
 inline std::filesystem::path GivenTakes(int argc, char** argv, const char* folder, CloudTakeOptions& wanted) {
   if (argc > 1) wanted.clips = std::atoi(argv[1]);
   if (argc > 2) wanted.frames = std::atoi(argv[2]);

@@ -1,10 +1,10 @@
 // bench_held_out SOURCE SKELETON [CLIPS [OPTION=NUMBER ...]]: hides 5 % of the joint observations of a real set in runs
-// of 1 to 10 frames, fits the rest and predicts what was hidden. Distances are to the hidden observations, noise
-// included, beside interpolation in time. A tracker's error lasts: `body` is where the fitted body has the joint,
-// `body + lasting error` adds what the observations around the gap depart from it, as far as departures last (their
-// autocorrelation over one and two frames), which is what the observation is expected to be. `seen` is the distance of
-// the body from the observations that it was fitted to. `|` rows are those of docs/refitted_sets.md. Options:
-// noise (m, of sets that give motion), rotation_walk, velocity_walk, walk_refits, rest_spread, huber_sigmas.
+// of 1 to 10 frames, fits the rest and predicts the hidden ones. Distances are to the hidden observations, noise
+// included, with interpolation in time for comparison. A tracker's error is autocorrelated: `body` is the fitted body's
+// joint. `body + autocorrelated error` adds the residuals around the gap, predicted by their autocorrelation over one
+// and two frames. That is the expected observation. `seen` is the body's distance from the observations it was fitted
+// to. `|` rows are those of docs/refitted_sets.md. Options: noise (m, of sets that provide motion),
+// rotation_process_noise, velocity_process_noise, walk_refits, rest_sigma, huber_sigmas.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,7 +34,7 @@ struct Sample {
   int joint;
 };
 
-/// Hides runs of seen samples; every hidden one keeps seen samples of its joint before and after.
+/// Hides runs of observed samples; each keeps observed samples of its joint before and after.
 std::vector<Sample> Hide(SkeletonTracks& tracks, const std::string& item) {
   std::vector<Sample> hidden;
   Random random(1, "held out", item);
@@ -54,7 +54,7 @@ std::vector<Sample> Hide(SkeletonTracks& tracks, const std::string& item) {
   return hidden;
 }
 
-/// Frames nearest to a hidden one in which its joint is seen, in order of time: at most `each` on either side.
+/// Frames nearest to a hidden one in which its joint is observed, in order of time: at most `each` on either side.
 std::vector<int> Neighbours(const SkeletonTracks& tracks, const Sample& at, int each) {
   std::vector<int> found;
   for (int f = at.frame - 1; f >= 0 && static_cast<int>(found.size()) < each; --f) {
@@ -74,7 +74,8 @@ Vector3d Linear(const SkeletonTracks& tracks, const Sample& at) {
   return (1.0 - a) * tracks.positions.at(near[0], at.joint) + a * tracks.positions.at(near[1], at.joint);
 }
 
-/// Natural cubic spline through the six seen samples on either side: farther ones move the middle by less than 1e-3.
+/// Natural cubic spline through the six observed samples on either side: farther ones move the middle by less than
+/// 1e-3.
 Vector3d Spline(const SkeletonTracks& tracks, const Sample& at) {
   const std::vector<int> knots = Neighbours(tracks, at, 6);
   const auto count = static_cast<int>(knots.size());
@@ -100,14 +101,14 @@ Vector3d Spline(const SkeletonTracks& tracks, const Sample& at) {
   return a * value(i) + b * value(i + 1) + width * width / 6.0 * ((a * a * a - a) * low + (b * b * b - b) * high);
 }
 
-/// How observations depart from the body: variance per axis that lasts, with its factor per frame, and the rest.
-struct Departures {
-  double lasting = 0.0;
-  double fleeting = 0.0;
+/// Residuals of observations: autocorrelated variance per axis, its factor per frame, and white variance.
+struct Residuals {
+  double correlated = 0.0;
+  double white = 0.0;
   double factor = 0.0;
 };
 
-Departures DeparturesOf(const SkeletonTracks& tracks, const JointPositions& body) {
+Residuals ResidualsOf(const SkeletonTracks& tracks, const JointPositions& body) {
   double sum[3] = {};
   double count[3] = {};
   for (int j = 0; j < tracks.joints(); ++j) {
@@ -125,33 +126,33 @@ Departures DeparturesOf(const SkeletonTracks& tracks, const JointPositions& body
   if (!(count[2] > 0.0) || !(sum[1] > 0.0) || !(sum[2] > 0.0)) return {0.0, all, 0.0};
   const double one = sum[1] / count[1];
   const double factor = std::min(0.995, sum[2] / count[2] / one);
-  const double lasting = std::min(one / factor, all);
-  return {lasting, all - lasting, factor};
+  const double correlated = std::min(one / factor, all);
+  return {correlated, all - correlated, factor};
 }
 
-/// What the departures around a gap say of the one in it: mean, and variance per axis that they leave.
-struct Expected3 {
+/// Prediction of the residual in a gap from those around it: mean, and remaining variance per axis.
+struct Prediction {
   Vector3d mean = Vector3d::Zero();
   double variance = 0.0;
 };
 
-Expected3 ExpectedDeparture(const SkeletonTracks& tracks, const JointPositions& body, const Sample& at,
-                            const Departures& noise) {
+Prediction ExpectedResidual(const SkeletonTracks& tracks, const JointPositions& body, const Sample& at,
+                            const Residuals& noise) {
   const std::vector<int> near = Neighbours(tracks, at, 3);
   const auto count = static_cast<int>(near.size());
   Eigen::MatrixXd covariance(count, count);
   Eigen::VectorXd shared(count);
-  Eigen::MatrixXd seen(count, 3);
+  Eigen::MatrixXd observed(count, 3);
   for (int a = 0; a < count; ++a) {
-    shared[a] = noise.lasting * std::pow(noise.factor, std::abs(near[a] - at.frame));
-    seen.row(a) = (tracks.positions.at(near[a], at.joint) - body.at(near[a], at.joint)).transpose();
+    shared[a] = noise.correlated * std::pow(noise.factor, std::abs(near[a] - at.frame));
+    observed.row(a) = (tracks.positions.at(near[a], at.joint) - body.at(near[a], at.joint)).transpose();
     for (int b = 0; b < count; ++b) {
-      covariance(a, b) = noise.lasting * std::pow(noise.factor, std::abs(near[a] - near[b]));
-      if (a == b) covariance(a, b) += noise.fleeting + 1e-12;
+      covariance(a, b) = noise.correlated * std::pow(noise.factor, std::abs(near[a] - near[b]));
+      if (a == b) covariance(a, b) += noise.white + 1e-12;
     }
   }
   const Eigen::VectorXd weights = covariance.llt().solve(shared);
-  return {seen.transpose() * weights, noise.lasting - shared.dot(weights) + noise.fleeting};
+  return {observed.transpose() * weights, noise.correlated - shared.dot(weights) + noise.white};
 }
 
 /// Shares of whitened components within one and two standard deviations.
@@ -185,7 +186,7 @@ void Add(const RealClip& clip, const std::vector<double>& bones, const JointTrac
   const auto fit = RepairAndFit(tracks, clip.rate, bones, RepairOptions{}, options);
   if (!fit) return;
   const JointPositions& joints = fit->motion.joints;
-  const Departures noise = DeparturesOf(tracks, joints);
+  const Residuals noise = ResidualsOf(tracks, joints);
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       if (tracks.seen(f, j)) score.seen.push_back((tracks.positions.at(f, j) - joints.at(f, j)).norm());
@@ -194,16 +195,16 @@ void Add(const RealClip& clip, const std::vector<double>& bones, const JointTrac
   for (const Sample& at : hidden) {
     const Vector3d truth = whole.positions.at(at.frame, at.joint);
     const Vector3d error = joints.at(at.frame, at.joint) - truth;
-    const Expected3 departure = ExpectedDeparture(tracks, joints, at, noise);
+    const Prediction residual = ExpectedResidual(tracks, joints, at, noise);
     score.body.push_back(error.norm());
-    score.expected.push_back((error + departure.mean).norm());
+    score.expected.push_back((error + residual.mean).norm());
     score.linear.push_back((Linear(tracks, at) - truth).norm());
     score.spline.push_back((Spline(tracks, at) - truth).norm());
     const Matrix3d covariance = FromSixNumbers(fit->motion.position_cov.data() +
                                                6 * (static_cast<std::size_t>(at.frame) * tracks.joints() + at.joint));
     const double sigma = fit->noise_sigma / whole.confidence_at(at.frame, at.joint);
     score.cover_body.Add(covariance + fit->variance_factor * sigma * sigma * Matrix3d::Identity(), error);
-    score.cover_expected.Add(covariance + departure.variance * Matrix3d::Identity(), error + departure.mean);
+    score.cover_expected.Add(covariance + residual.variance * Matrix3d::Identity(), error + residual.mean);
   }
 }
 
@@ -220,10 +221,11 @@ int main(int argc, char** argv) {
   double noise = 0.03;
   for (const auto& [name, value] : GivenNumbers(argc, argv, 4)) {
     if (name == "noise") noise = value;
-    if (name == "rotation_walk") options.rotation_walk = value;
-    if (name == "velocity_walk") options.velocity_walk = value;
-    if (name == "rest_spread") options.rest_spread = value;
-    if (name == "contact_walk") options.contact_walk = value > 0.0 ? std::optional<double>(value) : std::nullopt;
+    if (name == "rotation_process_noise") options.rotation_process_noise = value;
+    if (name == "velocity_process_noise") options.velocity_process_noise = value;
+    if (name == "rest_sigma") options.rest_sigma = value;
+    if (name == "contact_process_noise")
+      options.contact_process_noise = value > 0.0 ? std::optional<double>(value) : std::nullopt;
     if (name == "huber_sigmas") options.huber_sigmas = value;
     if (name == "walk_refits") options.steps = StepsWithRefits(static_cast<int>(value));
   }

@@ -15,8 +15,8 @@
 
 namespace mocurate {
 
-/// The clips of a declared source (configs/sources) as joints, by person: joints of `skeleton` where the set gives
-/// tracks. Those shorter than `least_s` are left out.
+/// The clips of a declared source (configs/sources) as joints, by person: joints of `skeleton` where the set provides
+/// tracks. Clips shorter than `least_s` seconds are skipped.
 inline std::map<std::string, std::vector<Clip>> ClipsByPerson(const std::string& source, const std::string& skeleton,
                                                               double least_s,
                                                               const std::vector<std::string>& assignments = {}) {
@@ -38,7 +38,7 @@ inline std::map<std::string, std::vector<Clip>> ClipsByPerson(const std::string&
   return people;
 }
 
-/// Places of one frame's joints.
+/// Positions of one frame's joints.
 using JointPlaces = std::vector<Vector3d>;
 
 inline JointPlaces PlacesOf(const Motion& motion, int frame) {
@@ -55,8 +55,8 @@ inline double HipYaw(const Skeleton& skeleton, const JointPlaces& places) {
   return std::atan2(-left.z(), left.x());
 }
 
-/// Clips one after the other in one skeleton and rate. Each is turned and moved over the floor so that its first frame
-/// stands where the seam begins; over `seam_s` both are blended. Boundaries are the middles of the seams.
+/// Concatenates clips in one skeleton and rate. Each is rotated and moved over the floor so that its first frame
+/// matches the pose at the seam; over `seam_s` seconds both are blended. Boundaries are the middles of the seams.
 inline LongRecording JoinClips(const std::vector<const Clip*>& clips, double seam_s) {
   LongRecording joined;
   const Motion& first = *clips.front()->motion;

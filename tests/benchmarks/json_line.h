@@ -9,7 +9,7 @@
 
 namespace mocurate::benchmarks {
 
-/// Runs `work` once unmeasured, then `repeats` times, and prints one JSON line with the median.
+/// Runs `work` once as a warm-up, then `repeats` times, and prints one JSON line with the median.
 inline void Report(const char* name, double items, const char* unit, int repeats, const std::function<void()>& work,
                    int threads = 1) {
   work();

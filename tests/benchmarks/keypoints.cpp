@@ -1,12 +1,12 @@
-// bench_keypoints [CLIPS [CAMERAS [NOISE [SEED [OPTION=NUMBER ...]]]]]: the studio's people before RGB cameras, all 24
-// joints detected with NOISE px (4), 10 % missed, 3 % in another place; from keypoints to a motion, one core. Speed of
-// the whole path and of its parts beside the errors: joints (mm), and rotations where joints decide them (degrees):
-// full rotations of joints with two or more children that do not lie on a line, directions of single bones of 6 cm and
-// more; and how many of the whitened error components lie within one and two standard deviations (uncertainty=1).
-// Options: frames (of each clip, at most), audit (0: none), ceres, uncertainty, walk_refits, rotation_walk,
-// velocity_walk, huber_sigmas, true_bones, wrong (share of detections elsewhere), missed (share), exchanged (frame from
-// which on all views call left right), body_25 (1: only OpenPose's 25 points are detected, and bodies are shapes of
-// body_cc0; coverage of joints among them and of the others apart, standard error: joint by joint).
+// bench_keypoints [CLIPS [CAMERAS [NOISE [SEED [OPTION=NUMBER ...]]]]]: keypoints to a motion on one core. The studio's
+// people stand before RGB cameras, all 24 joints detected with NOISE px (4), 10 % missed, 3 % misplaced. Prints the
+// speed of the whole path and of its parts, and errors. Those are joints (mm) and rotations that joints determine
+// (degrees): full rotations of joints with two or more children not on a line, directions of single bones of at least 6
+// cm. uncertainty=1 adds the share of whitened errors within one and two standard deviations. Options: frames (of each
+// clip, at most), audit (0: none), ceres, uncertainty, walk_refits, rotation_process_noise, velocity_process_noise,
+// huber_sigmas, true_bones, wrong (share of misplaced detections), missed (share), exchanged (frame from which all
+// views exchange left and right), body_25. body_25=1 detects only OpenPose's 25 points on shapes of body_cc0; it
+// separates coverage of joints among them from that of the others, and prints joint by joint to standard error.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -62,7 +62,7 @@ std::vector<Matrix3d> Global(const Motion& motion, int frame) {
   return global;
 }
 
-/// Whitened error components and how far off joints are.
+/// Whitened error components and joint errors.
 struct Coverage {
   double within_one = 0.0;
   double within_two = 0.0;
@@ -163,7 +163,7 @@ std::vector<StudioTake> Perform(int clips, int cameras, const KeypointOptions& d
     if (frames > 0 && take.truth.frame_count() > frames) {
       std::vector<int> first(static_cast<std::size_t>(frames));
       for (int f = 0; f < frames; ++f) first[static_cast<std::size_t>(f)] = f;
-      take.truth = Seen(take.truth, first, RigidTransform{});
+      take.truth = SelectFrames(take.truth, first, RigidTransform{});
     }
     for (const Joint& joint : skeleton->joints) take.evidence.keypoint_names.push_back(joint.name);
     if (body_25) take.evidence.keypoint_names = NamesOf(Body25Places());
@@ -189,7 +189,7 @@ std::vector<StudioTake> Perform(int clips, int cameras, const KeypointOptions& d
   return takes;
 }
 
-/// From frame `from` on all views call left right.
+/// From frame `from` on, exchanges left and right in all views.
 void CallLeftRight(Evidence& evidence, const Skeleton& skeleton, int from) {
   for (KeypointView& view : evidence.keypoint_views) {
     for (int f = from; f < view.frames(); ++f) {
@@ -222,11 +222,11 @@ int main(int argc, char** argv) {
       KeypointAuditOptions& audit = options.keypoints.audit;
       audit.clocks = audit.moved = audit.exchanged = audit.unit = audit.order = audit.sides = AuditAction::kOff;
     }
-    if (name == "contact_walk")
-      options.joint_tracks.contact_walk = value > 0.0 ? std::optional<double>(value) : std::nullopt;
+    if (name == "contact_process_noise")
+      options.joint_tracks.contact_process_noise = value > 0.0 ? std::optional<double>(value) : std::nullopt;
     if (name == "walk_refits") options.joint_tracks.steps = StepsWithRefits(static_cast<int>(value));
-    if (name == "rotation_walk") options.joint_tracks.rotation_walk = value;
-    if (name == "velocity_walk") options.joint_tracks.velocity_walk = value;
+    if (name == "rotation_process_noise") options.joint_tracks.rotation_process_noise = value;
+    if (name == "velocity_process_noise") options.joint_tracks.velocity_process_noise = value;
     if (name == "huber_sigmas") options.joint_tracks.huber_sigmas = value;
     if (name == "uncertainty") options.joint_tracks.uncertainty = value != 0.0;
     if (name == "true_bones") true_bones = value != 0.0;
@@ -305,11 +305,11 @@ int main(int argc, char** argv) {
     AddErrors(take.truth, fit->motion, errors);
     AddCoverage(take.truth, fit->motion, errors);
     for (const RigFault& fault : fit->keypoints->faults) {
-      std::fprintf(stderr, "  %s %s %.1f sure %.3f\n", fault.code.c_str(), fault.camera.c_str(), fault.value,
+      std::fprintf(stderr, "  %s %s %.1f confidence %.3f\n", fault.code.c_str(), fault.camera.c_str(), fault.value,
                    fault.confidence);
     }
   }
-  Coverage seen, unseen;
+  Coverage observed, unobserved;
   std::vector<bool> named(skeleton->joints.size(), false);
   for (const StudioTake& take : takes) {
     for (const std::string& name : DetectorNames(take.evidence.keypoint_names)) {
@@ -317,14 +317,14 @@ int main(int argc, char** argv) {
     }
   }
   for (const auto& [joint, coverage] : errors.of_joint) {
-    (named[static_cast<std::size_t>(joint)] ? seen : unseen).Add(coverage);
+    (named[static_cast<std::size_t>(joint)] ? observed : unobserved).Add(coverage);
     if (!body_25) continue;
     std::fprintf(stderr, "%-16s %-6s %5.1f mm, stated %5.1f, %.3f %.3f, rms %.2f sigma\n",
-                 skeleton->joints[joint].name.c_str(), named[static_cast<std::size_t>(joint)] ? "" : "unseen",
+                 skeleton->joints[joint].name.c_str(), named[static_cast<std::size_t>(joint)] ? "" : "unobserved",
                  coverage.mm(), coverage.sigma_mm(), coverage.one(), coverage.two(), coverage.rms());
   }
   if (body_25) {
-    for (const auto& [name, of] : {std::pair<const char*, const Coverage&>{"seen", seen}, {"unseen", unseen}}) {
+    for (const auto& [name, of] : {std::pair<const char*, const Coverage&>{"seen", observed}, {"unseen", unobserved}}) {
       std::printf(
           "{\"joints\": \"%s\", \"joint_mm\": %.2f, \"stated_mm\": %.2f, \"within_one\": %.4f, "
           "\"within_two\": %.4f, \"whitened_rms\": %.2f}\n",

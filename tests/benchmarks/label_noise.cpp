@@ -1,9 +1,10 @@
-// Label errors that the audit finds: planted ones (symmetric) in a dataset that is taken for right, pooled over draws.
+// Precision and recall of the audit for label errors: symmetric ones planted in a dataset assumed correct, pooled over
+// draws.
 //
 //   bench_label_noise DATASET.h5 [SHARE [DRAWS]]
 //
-// Prints the precision of the ranking at a recall of 0.8, and precision and recall of the audit's own threshold. What
-// the set holds of real errors counts against it.
+// Prints the precision of the ranking at a recall of 0.8, and precision and recall at the audit's own threshold. Real
+// errors of the set count against the audit.
 
 #include <algorithm>
 #include <chrono>
@@ -79,8 +80,8 @@ int main(int argc, char** argv) {
   }
   std::printf("%s: %zu clips, %.0f planted errors in %d draws\n", argv[1], dataset->clips.size(), all, draws);
   std::printf("ranking: precision %.3f at recall 0.8\n", precision);
-  std::printf("threshold: precision %.3f, recall %.3f, %.1f suspects a draw\n", right / std::max(1.0, suspects),
+  std::printf("threshold: precision %.3f, recall %.3f, %.1f suspects per draw\n", right / std::max(1.0, suspects),
               right / std::max(1.0, all), suspects / draws);
-  std::printf("%.2f s a draw\n", seconds / draws);
+  std::printf("%.2f s per draw\n", seconds / draws);
   return 0;
 }

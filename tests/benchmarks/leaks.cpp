@@ -1,11 +1,12 @@
-// Repeated clips that the audit finds: variants of drawn clips, planted in a dataset under another person's name.
+// Recall of the audit for repeated clips: variants of drawn clips, planted in a dataset under another person's name.
 //
 //   bench_leaks DATASET.h5 [COUNT]
 //   bench_leaks DATASET.h5 write COUNT OUT.h5   writes that dataset, as joints only: for other programs to check
-//   bench_leaks DATASET.h5 scale CLIPS      each clip of the set many times, every joint 5 to 8 cm elsewhere: how long
+//   bench_leaks DATASET.h5 scale CLIPS      each clip of the set many times, every joint 5 to 8 cm away: prints the
+//   time
 //
-// Prints the recall of each kind of variant, how many pairs are reported that were not planted (they may be real), the
-// time.
+// Prints the recall of each kind of variant, the number of reported pairs that were not planted (they may be real), and
+// the time.
 
 #include <sys/resource.h>
 
@@ -27,7 +28,7 @@ namespace {
 
 using namespace mocurate;
 
-/// Moved by 3 m and turned, as another camera's world has it.
+/// Moved by 3 m and rotated, as in another camera's world.
 void Move(Motion& motion, double yaw) {
   const Matrix3d turn = Eigen::AngleAxisd(yaw, Vector3d::UnitY()).toRotationMatrix();
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -66,7 +67,7 @@ double SecondsSince(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// "0.1 0.5 1.2 mm": the median, the 95th percentile and the largest; of frames where poses alone tell.
+/// "0.1 0.5 1.2 mm": median, 95th percentile and maximum. Only frames in which poses identify a clip count.
 std::string Quantiles(std::vector<double> values) {
   if (values.empty()) return "none";
   std::sort(values.begin(), values.end());
@@ -77,15 +78,15 @@ std::string Quantiles(std::vector<double> values) {
   return at(0.5) + " " + at(0.95) + " " + at(1.0) + " mm";
 }
 
-/// So many clips that differ from each other, one in memory at a time, and the search among them.
+/// Measures the search among `clips` clips that differ from each other, one in memory at a time.
 void TimeScale(const Dataset& dataset, std::size_t clips) {
   Motion motion;
   const auto motion_at = [&](std::size_t i) {
     motion = *dataset.clips[i % dataset.clips.size()].motion;
     Random random(1, "scale", std::to_string(i));
     for (int j = 1; j < motion.joint_count(); ++j) {
-      const Vector3d way(random.Normal(), random.Normal(), random.Normal());
-      const Vector3d offset = way.normalized() * random.Uniform(0.05, 0.08);
+      const Vector3d direction(random.Normal(), random.Normal(), random.Normal());
+      const Vector3d offset = direction.normalized() * random.Uniform(0.05, 0.08);
       for (int f = 0; f < motion.frame_count(); ++f) motion.joints.at(f, j) += offset;
     }
     return &motion;
@@ -125,8 +126,8 @@ int main(int argc, char** argv) {
     return 0;
   }
   const auto own = dataset->clips.size();
-  const char* said = what == "write" ? argv[3] : argc > 2 ? argv[2] : "100";
-  const auto count = std::min<std::size_t>(static_cast<std::size_t>(std::atoi(said)), own);
+  const char* count_text = what == "write" ? argv[3] : argc > 2 ? argv[2] : "100";
+  const auto count = std::min<std::size_t>(static_cast<std::size_t>(std::atoi(count_text)), own);
   const char* kinds[] = {"copied", "mirrored", "resampled", "cropped", "noisy", "cropped noisy", "cropped resampled"};
   std::map<std::string, std::string> planted;  // variant -> clip
   for (const char* kind : kinds) {

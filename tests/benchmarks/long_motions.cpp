@@ -1,11 +1,11 @@
-// What generated long motions lose: feet that slide, limbs in the body, cycles, uprightness and height per step.
+// Faults of long generated motions: sliding feet, self-penetration, cycles, uprightness and height per step.
 //
 //   bench_long_motions MOTIONS.h5 [FITTED.h5] [--mirrored] [--cycles run,jog]
 //
-// MOTIONS.h5: a Dataset or MotionSet whose clips have segments; those labelled "transition" lie between actions. A clip
-// is a chain, its k-th action is step k; a clip without segments is one action. FITTED.h5: the same clips after
-// `mocurate fit MOTIONS.h5 --contacts -o FITTED.h5`. Prints Markdown. Run it on recorded motions too: what is high
-// there is of the actions or of the measure.
+// MOTIONS.h5: a Dataset or MotionSet whose clips have segments; segments labelled "transition" lie between actions. A
+// clip is a chain and its k-th action is step k; a clip without segments is one action. FITTED.h5: the same clips after
+// `mocurate fit MOTIONS.h5 --contacts -o FITTED.h5`. Prints Markdown. Run it on recorded motions too: values that are
+// high there come from the actions or the measure.
 
 #include <algorithm>
 #include <cmath>
@@ -31,8 +31,8 @@ namespace {
 
 constexpr const char* kTransition = "transition";
 constexpr int kLeastFrames = 4;          // of a segment; shorter ones are not measured
-constexpr double kLeastCycleS = 1.5;     // FindCycles sees a period of up to 1 / 1.8 of it
-constexpr double kLeastMovement = 0.03;  // m, of the joint that moves most, about its mean place in the body
+constexpr double kLeastCycleS = 1.5;     // FindCycles detects periods of up to 1 / 1.8 of it
+constexpr double kLeastMovement = 0.03;  // m, of the joint that moves most, about its mean position in the body
 constexpr double kLowFootShare = 0.05;   // of a segment's frames whose lowest foot is below its floor
 
 /// Mean of numbers with its standard error.
@@ -50,14 +50,14 @@ struct Mean {
   }
 };
 
-/// A labelled stretch of a chain. `step` counts the actions of the chain from 1; 0: a transition.
-struct Stretch {
+/// A labelled segment of a chain. `step` counts the actions of the chain from 1; 0: a transition.
+struct LabelledSegment {
   std::string label;
   int step = 0;
   Motion motion;
 };
-using Chain = std::vector<Stretch>;
-/// The segments of each clip in the order of their begins, without those below kLeastFrames.
+using Chain = std::vector<LabelledSegment>;
+/// The segments of each clip, ordered by their first frame, without those below kLeastFrames.
 std::vector<Chain> ChainsOf(const std::vector<Clip>& clips) {
   std::vector<Chain> chains;
   for (const Clip& clip : clips) {
@@ -88,11 +88,11 @@ struct LabelFigures {
 std::map<std::string, LabelFigures> FiguresOf(const std::vector<Chain>& chains, std::map<std::string, int>& deepest) {
   std::map<std::string, LabelFigures> figures;
   for (const Chain& chain : chains) {
-    for (const Stretch& stretch : chain) {
-      const double skate = MeasureMotion(stretch.motion).foot_skate;
-      const auto measured = MeasureSelfPenetration(stretch.motion);
-      for (const std::string& label : {stretch.label, std::string("all actions")}) {
-        if (stretch.step == 0 && label != kTransition) continue;
+    for (const LabelledSegment& segment : chain) {
+      const double skate = MeasureMotion(segment.motion).foot_skate;
+      const auto measured = MeasureSelfPenetration(segment.motion);
+      for (const std::string& label : {segment.label, std::string("all actions")}) {
+        if (segment.step == 0 && label != kTransition) continue;
         figures[label].skate.Add(skate);
         if (!measured) continue;
         figures[label].share.Add(measured->penetrating_share);
@@ -101,7 +101,7 @@ std::map<std::string, LabelFigures> FiguresOf(const std::vector<Chain>& chains, 
       for (std::size_t f = 0; measured && f < measured->depth.size(); ++f) {
         if (measured->depth[f] <= SelfPenetrationOptions().threshold) continue;
         const auto& [a, b] = measured->joints[f];
-        const std::vector<Joint>& joints = stretch.motion.skeleton->joints;
+        const std::vector<Joint>& joints = segment.motion.skeleton->joints;
         const int first = std::min(a, b), second = std::max(a, b);
         ++deepest[joints[static_cast<std::size_t>(first)].name + " - " + joints[static_cast<std::size_t>(second)].name];
       }
@@ -133,15 +133,15 @@ void LabelTable(const std::vector<Chain>& chains, const std::vector<Chain>& fitt
   }
   std::multimap<int, std::string, std::greater<>> pairs;
   for (const auto& [names, frames] : deepest) pairs.emplace(frames, names);
-  std::printf("\n| parts deeper than that in the first file, by their joints | frames |\n|---|---|\n");
+  std::printf("\n| joints of the parts deeper than that in the first file | frames |\n|---|---|\n");
   int rows = 0;
   for (const auto& [frames, names] : pairs) {
     if (rows++ < 8) std::printf("| %s | %d |\n", names.c_str(), frames);
   }
 }
 
-/// Root mean square of the joint that moves most about the body's own frame, metres: a body that is carried along
-/// without moving has no cycle, whatever repeats in its rounding.
+/// RMS movement (m) of the joint that moves most, in the body's own frame. A body carried along without moving has no
+/// cycle, although its rounding errors repeat.
 double OwnMovement(const Motion& motion) {
   const SampleMatrix pose = DescribeBody(motion, 25.0, 0.05).pose;
   const Eigen::RowVectorXd squares = (pose.rowwise() - pose.colwise().mean()).colwise().squaredNorm() / pose.rows();
@@ -150,22 +150,21 @@ double OwnMovement(const Motion& motion) {
 }
 
 void CycleTable(const std::vector<Chain>& chains, const std::vector<std::string>& labels) {
-  std::printf("\nSegments of at least %g s that repeat themselves (FindCycles: two repetitions and more).\n\n",
-              kLeastCycleS);
+  std::printf("\nSegments of at least %g s with a cycle (FindCycles: at least two repetitions).\n\n", kLeastCycleS);
   std::printf("| label | segments | long enough | with a cycle | share | period, s (median) | 10 %% to 90 %% |\n%s",
               "|---|---|---|---|---|---|---|\n");
   for (const std::string& label : labels) {
     int segments = 0, long_enough = 0;
     std::vector<double> periods;
     for (const Chain& chain : chains) {
-      for (const Stretch& stretch : chain) {
-        if (stretch.label != label) continue;
+      for (const LabelledSegment& segment : chain) {
+        if (segment.label != label) continue;
         ++segments;
-        if (stretch.motion.duration() < kLeastCycleS) continue;
+        if (segment.motion.duration() < kLeastCycleS) continue;
         ++long_enough;
-        const std::vector<Repetition> repetitions = FindCycles({}, stretch.motion);
-        if (repetitions.size() < 2 || OwnMovement(stretch.motion) < kLeastMovement) continue;
-        periods.push_back(stretch.motion.rate.FrameTime(repetitions.back().end - repetitions.front().begin) /
+        const std::vector<Repetition> repetitions = FindCycles({}, segment.motion);
+        if (repetitions.size() < 2 || OwnMovement(segment.motion) < kLeastMovement) continue;
+        periods.push_back(segment.motion.rate.FrameTime(repetitions.back().end - repetitions.front().begin) /
                           static_cast<double>(repetitions.size()));
       }
     }
@@ -179,15 +178,15 @@ void CycleTable(const std::vector<Chain>& chains, const std::vector<std::string>
   }
 }
 
-/// How the trunk stands in a segment: mean over the frames of the unit direction from the hips to the neck.
+/// Posture of the trunk in a segment: mean over the frames of the unit direction from the hips to the neck.
 struct Posture {
   Vector3d up = Vector3d::Zero();  ///< in the world; its x and z are the sine of the lean
-  double left = 0.0, front = 0.0;  ///< its parts to the left and to the front of the hips, level
+  double left = 0.0, front = 0.0;  ///< its horizontal components to the left and front of the hips
   double foot = 0.0;               ///< m, height of the lowest foot joint, its 5th percentile
   double tilt() const { return std::atan2(std::hypot(up.x(), up.z()), up.y()) * kDegrees; }
 };
 
-/// Nothing for a skeleton without hips, legs or neck.
+/// Empty for a skeleton without hips, legs or neck.
 std::optional<Posture> PostureOf(const Motion& motion) {
   const Skeleton& skeleton = *motion.skeleton;
   const auto hips = skeleton.Hips();
@@ -219,16 +218,16 @@ struct Step {
   Mean tilt, x, z, left, front, foot;
 };
 
-/// One row per step; means over the chains that have it.
+/// Prints one row per step; means over the chains that have it.
 void DriftTable(const char* title, const std::vector<Chain>& chains) {
   std::map<int, Step> steps;
   for (const Chain& chain : chains) {
     std::optional<double> first_foot;
-    for (const Stretch& stretch : chain) {
-      const std::optional<Posture> posture = stretch.step > 0 ? PostureOf(stretch.motion) : std::nullopt;
+    for (const LabelledSegment& segment : chain) {
+      const std::optional<Posture> posture = segment.step > 0 ? PostureOf(segment.motion) : std::nullopt;
       if (!posture) continue;
-      if (stretch.step == 1) first_foot = posture->foot;
-      Step& step = steps[stretch.step];
+      if (segment.step == 1) first_foot = posture->foot;
+      Step& step = steps[segment.step];
       step.tilt.Add(posture->tilt());
       step.x.Add(posture->up.x());
       step.z.Add(posture->up.z());
@@ -238,7 +237,8 @@ void DriftTable(const char* title, const std::vector<Chain>& chains) {
     }
   }
   std::printf(
-      "\n%s: tilt of the trunk (hips to neck) from world up; its level parts in the world (x, z) and of the hips "
+      "\n%s: tilt of the trunk (hips to neck) from world up; its horizontal components in the world (x, z) and of the "
+      "hips "
       "(left, "
       "front), 1 = lying; height of the lowest foot over that of the chain's first action. Mean +- standard error.\n\n",
       title);

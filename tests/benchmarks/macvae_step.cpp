@@ -1,6 +1,6 @@
-// Training steps of MACVAE as a run does them: batches of made samples of 52 joints, placed and padded; forward, losses
-// on rotations, joints, acceleration and KL, backward, AdamW. Sizes and lengths are those of the Python reference. One
-// JSON line; peak memory is of the whole process. Arguments: reduced | full [batch [steps]].
+// Training steps of MACVAE as a run does them: batches of synthetic samples of 52 joints, placed and padded. Measures
+// forward, losses on rotations, joints, acceleration and KL, backward and AdamW. Sizes and lengths equal the Python
+// reference's. Prints one JSON line; peak memory is of the whole process. Arguments: reduced | full [batch [steps]].
 
 #include <sys/resource.h>
 
@@ -38,7 +38,7 @@ SkeletonPtr MadeSkeleton(Random& random) {
   return skeleton;
 }
 
-/// A sample of [previous action, transition, action]: each number of a rotation vector and the place a sine of time.
+/// A sample of [previous action, transition, action]: each component of rotation vector and position is a sine of time.
 void AddSample(int index, int frames, Random& random, TrainingSet& set) {
   const auto between = [&random](int least, int below) {
     return least + static_cast<int>(random.Below(static_cast<std::uint32_t>(below - least)));
@@ -108,9 +108,9 @@ int main(int argc, char** argv) {
   control.progress = [&](double, const std::string&) {
     const Clock::time_point now = Clock::now();
     if (warm) seconds.push_back(std::chrono::duration<double>(now - last).count());
-    warm = true;  // the first step warms up
+    warm = true;  // the first step is a warm-up
     last = now;
-    getrusage(RUSAGE_SELF, &usage);  // before the checkpoint is made
+    getrusage(RUSAGE_SELF, &usage);  // before the checkpoint is written
   };
   control.stop = [] { return false; };
   const auto trained = TrainNetwork(set, options, control);

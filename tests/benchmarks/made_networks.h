@@ -31,7 +31,7 @@ inline SkeletonPtr HumanAct12Skeleton() {
   return skeleton;
 }
 
-/// Random values for parameters, uniform in +-0.088 as PyTorch begins.
+/// Random parameters, uniform in +-0.088 as in PyTorch's initialisation.
 inline void FillRandomly(ParameterList& parameters) {
   Random random(0, "benchmark");
   for (Parameter& parameter : parameters) {

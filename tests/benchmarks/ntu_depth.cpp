@@ -1,7 +1,7 @@
 // bench_ntu_depth [PEOPLE [SEED [FOLDER]]]: the studio's NTU folder (three Kinects v2 with their errors, masked depth,
-// clocks up to 100 ms off), brought together by ingest from the sensors' joint tracks, then audited by what the depth
-// images say. For each clip: how far each camera is from where it stands, at the person and in degrees, before and
-// after; the fit of joints and clouds with the cameras as ingest has them and as the audit has them.
+// clocks up to 100 ms off). Ingest groups its views by the sensors' joint tracks; the audit then uses the depth images.
+// Prints for each clip the camera errors (at the person, and in degrees) before and after the audit. Prints the fit of
+// joints and clouds with both camera poses.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -34,7 +34,7 @@ const Motion* TruthOfView(const std::map<std::string, Motion>& truth, const std:
   return nullptr;
 }
 
-/// Joints of the fit against those of the truth in the reference's world.
+/// Error of the fit's joints against the truth in the reference camera's world, mm.
 double ErrorOf(const Motion& fit, const Motion& truth, int begin) {
   const JointPositions places = PlacesOf(truth, Kinect25Places());
   const std::vector<std::string> names = NamesOf(Kinect25Places());
@@ -111,13 +111,13 @@ int main(int argc, char** argv) {
     }
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (v == still) continue;
-      const Motion* seen = TruthOfView(places, recording, "C00" + std::to_string(v + 1));
-      if (seen == nullptr || world == nullptr) continue;
+      const Motion* in_view = TruthOfView(places, recording, "C00" + std::to_string(v + 1));
+      if (in_view == nullptr || world == nullptr) continue;
       const auto points = [](const Motion& motion) {
         return Eigen::Matrix3Xd(Eigen::Map<const Eigen::Matrix3Xd>(motion.joints.xyz.data(), 3, motion.joints.frames));
       };
       const RigidTransform world_from_view =
-          AlignPoints(points(*seen), points(*world), Eigen::VectorXd::Ones(points(*seen).cols()));
+          AlignPoints(points(*in_view), points(*world), Eigen::VectorXd::Ones(points(*in_view).cols()));
       const auto off = [&](const std::vector<DepthView>& rig) {
         Camera is = rig[v].camera, was = rig[v].camera;
         const RigidTransform to_world =
@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
       const CameraMoveAt before = off(views), after = off(audited->views);
       before_mm.push_back(1e3 * before.shift), after_mm.push_back(1e3 * after.shift);
       before_deg.push_back(57.2957795 * before.turn), after_deg.push_back(57.2957795 * after.turn);
-      std::fprintf(stderr, "    %s: %.1f mm %.2f deg before, %.1f mm %.2f deg after, contradicts %.3f, then %.3f\n",
+      std::fprintf(stderr, "    %s: %.1f mm %.2f deg before, %.1f mm %.2f deg after, loss %.3f before, %.3f after\n",
                    views[v].camera.name.c_str(), before_mm.back(), before_deg.back(), after_mm.back(), after_deg.back(),
                    audited->report.loss[v], audited->report.loss_after[v]);
     }
@@ -150,9 +150,9 @@ int main(int argc, char** argv) {
     const auto first = clip.provenance.find("view.first_frame");
     const int begin = first == clip.provenance.end() ? 0 : std::stoi(first->second);
     const auto both = [&](const std::vector<DepthView>& rig) {
-      Clip seen = clip;
-      seen.evidence.depth_views = rig;
-      const auto clouds = FuseClip(seen, options.point_clouds);
+      Clip given_rig = clip;
+      given_rig.evidence.depth_views = rig;
+      const auto clouds = FuseClip(given_rig, options.point_clouds);
       const auto fit = clouds ? FitTracksAndClouds(*tracks, *clouds, options.point_clouds)
                               : Expected<FitResult>(tl::unexpected<Error>(clouds.error()));
       if (!fit) std::fprintf(stderr, "    %s\n", fit.error().Message().c_str());
@@ -172,8 +172,9 @@ int main(int argc, char** argv) {
   };
   std::printf(
       "{\"name\": \"ntu_depth\", \"clips\": %zu, \"camera_mm\": %.1f, \"after_mm\": %.1f, \"camera_deg\": %.2f, "
-      "\"after_deg\": %.2f, \"median_mm\": %.1f, \"median_after_mm\": %.1f, \"moved_told\": %d, \"clocks_told\": %d, "
-      "\"others_told\": %d, \"tracks_mm\": %.1f, \"both_as_ingested_mm\": %.1f, \"both_audited_mm\": %.1f}\n",
+      "\"after_deg\": %.2f, \"median_mm\": %.1f, \"median_after_mm\": %.1f, \"moved_reported\": %d, "
+      "\"clocks_reported\": %d, "
+      "\"others_reported\": %d, \"tracks_mm\": %.1f, \"both_as_ingested_mm\": %.1f, \"both_audited_mm\": %.1f}\n",
       discovery->items.size(), mean(before_mm), mean(after_mm), mean(before_deg), mean(after_deg),
       MeanMedian(before_mm), MeanMedian(after_mm), moved, clocks, others, mean(tracks_mm), mean(given_mm),
       mean(audited_mm));

@@ -1,7 +1,7 @@
-// bench_readers FOLDER make: a folder per set of files below FOLDER, recorded ones from $MOCURATE_DATA, others
-// made. bench_readers FOLDER SET|all [REPEATS]: every file of a set, already in memory, through its reader; a JSON line
-// each. bench_readers FOLDER SET memory: every file of a set from the disk, one at a time; a JSON line with the peak
-// memory. readers.py reads the same folders with NumPy and Python, compare_readers.py runs both sides.
+// bench_readers FOLDER make: writes a folder of files per set below FOLDER, recorded ones from $MOCURATE_DATA, the
+// others synthetic. bench_readers FOLDER SET|all [REPEATS]: reads every file of a set from memory; one JSON line per
+// set. bench_readers FOLDER SET memory: reads every file of a set from the disk, one at a time; one JSON line with the
+// peak memory. readers.py reads the same folders with NumPy and Python; compare_readers.py runs both.
 #include <sys/resource.h>
 
 #include <cstdio>
@@ -51,7 +51,7 @@ bool ReadTable(const std::string& bytes, int rows_per_frame) {
 
 struct Set {
   const char* name;
-  const char* recorded;  ///< folder below $MOCURATE_DATA; null: made
+  const char* recorded;  ///< folder below $MOCURATE_DATA; null: synthetic
   const char* ending;
   Read read;
 };
@@ -159,7 +159,7 @@ std::string OpenPose(std::size_t number) {
   return WriteOpenPose(frame);
 }
 
-/// Files of a made set: (name, bytes).
+/// Files of a synthetic set: (name, bytes).
 std::vector<std::pair<std::string, std::string>> Made(const std::string& set) {
   if (set == "ply_ascii") return {{"a.ply", WritePly(Sphere(Ply::Encoding::kAscii))}};
   if (set == "ply_binary") return {{"a.ply", WritePly(Sphere(Ply::Encoding::kBinaryLittleEndian))}};
@@ -227,7 +227,7 @@ int Measure(const fs::path& folder, const Set& set, int repeats) {
   for (const fs::path& path : FilesOf(folder / set.name, set.ending)) {
     files.push_back(ReadFile(path).value());
     megabytes += static_cast<double>(files.back().size()) / 1e6;
-    if (!set.read(files.back())) return std::fprintf(stderr, "%s is refused\n", path.c_str()), 1;
+    if (!set.read(files.back())) return std::fprintf(stderr, "%s was refused\n", path.c_str()), 1;
   }
   if (files.empty()) return std::fprintf(stderr, "%s is empty: run `make`\n", set.name), 1;
   benchmarks::Report((std::string("read_") + set.name).c_str(), megabytes, "MB", repeats, [&] {
@@ -260,7 +260,7 @@ int Memory(const fs::path& folder, const Set& set) {
   std::size_t count = 0;
   for (const fs::path& path : FilesOf(folder / set.name, set.ending)) {
     const std::string bytes = ReadFile(path).value();
-    if (!set.read(bytes)) return std::fprintf(stderr, "%s is refused\n", path.c_str()), 1;
+    if (!set.read(bytes)) return std::fprintf(stderr, "%s was refused\n", path.c_str()), 1;
     most = std::max(most, static_cast<double>(bytes.size()) / 1e6);
     sum += static_cast<double>(bytes.size()) / 1e6;
     ++count;

@@ -15,16 +15,16 @@
 
 namespace mocurate {
 
-/// Joint tracks of a recorded set, as the stage `ingest` gives them.
+/// Joint tracks of a recorded set, as the stage `ingest` writes them.
 struct RealClip {
   std::string id;
   std::string label;
   FrameRate rate;
   SkeletonTracks tracks;
-  std::optional<Motion> given;  ///< of sets that hold motion (HDM05): the truth, of which `tracks` are noisy joints
+  std::optional<Motion> given;  ///< of sets with motion (HDM05): the truth; `tracks` are its noisy joints
 };
 
-/// White noise on tracks, `rms_m` metres of its length.
+/// Adds white noise of `rms_m` metres RMS length to tracks.
 inline void AddNoise(const std::string& item, double rms_m, SkeletonTracks& tracks) {
   Random random(1, "noise", item);
   const double sigma = rms_m / std::sqrt(3.0);
@@ -36,9 +36,9 @@ inline void AddNoise(const std::string& item, double rms_m, SkeletonTracks& trac
   }
 }
 
-/// About `clips` clips of a declared source (configs/sources), evenly chosen, by person. What a set gives as motion
-/// becomes tracks of its joints with white noise of `rms_m` metres, on its own skeleton: an .asf has its own
-/// directions.
+/// About `clips` clips of a declared source (configs/sources), evenly chosen, by person. Motion of a set becomes tracks
+/// of its joints with white noise of `rms_m` metres. Such tracks keep the set's skeleton, because an .asf defines its
+/// own directions.
 inline std::map<std::string, std::vector<RealClip>> ReadPeople(const std::string& source, const SkeletonPtr& skeleton,
                                                                std::size_t clips, double rms_m = 0.03) {
   std::map<std::string, std::vector<RealClip>> people;
@@ -54,7 +54,7 @@ inline std::map<std::string, std::vector<RealClip>> ReadPeople(const std::string
     if (!tracks) continue;
     if (given) {
       AddNoise(clip.id(), rms_m, *tracks);
-      // They are what fits are compared with.
+      // The recorded rotations are the truth of the comparison.
       tracks->rotation.clear();
       tracks->rotation_confidence.clear();
     }

@@ -1,6 +1,7 @@
 // bench_real_tracks SOURCE SKELETON [CLIPS [walk_refits=N]]: joint tracks of a recorded set before and after the fit,
-// one row of a table: spread of bone lengths, residual, frames with repairs, rejected samples, jerk; and how well a
-// nearest neighbour among the other persons' clips tells the action, from raw and from fitted joints.
+// as one row of a table. Columns: standard deviation of bone lengths, residual, frames with repairs, rejected samples,
+// jerk. The last two are the accuracy of a nearest neighbour among other persons' clips, from raw and from fitted
+// joints.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -16,7 +17,8 @@ namespace {
 
 constexpr int kFeatureFrames = 30;
 
-/// Joints over time as numbers: resampled to 30 frames, from the first frame's middle, turned to one facing.
+/// Joints over time as a feature vector: resampled to 30 frames, relative to the first frame's middle, rotated to one
+/// facing.
 struct Example {
   std::string person;
   std::string label;
@@ -56,7 +58,7 @@ std::vector<double> Features(const JointPositions& joints, const std::vector<boo
   return features;
 }
 
-/// Seen samples, between them straight lines.
+/// Observed samples, linearly interpolated between them.
 JointPositions Filled(const SkeletonTracks& tracks) {
   JointPositions filled = tracks.positions;
   for (int j = 0; j < tracks.joints(); ++j) {
@@ -96,7 +98,7 @@ double Accuracy(const std::vector<Example>& examples, std::vector<double> Exampl
 struct Row {
   int clips = 0;
   double frames = 0.0, samples = 0.0;
-  double spread_before = 0.0, spread_after = 0.0;  // sums over clips
+  double bone_sigma_before = 0.0, bone_sigma_after = 0.0;  // sums over clips, mm
   double jerk_before = 0.0, jerk_after = 0.0;
   double square = 0.0;
   double repaired = 0.0, swapped = 0.0, outliers = 0.0;
@@ -109,13 +111,13 @@ void Add(const RealClip& clip, const std::string& person, const FitResult& fit, 
   const auto after = MeasureMotion(fit.motion);
   ++row.clips;
   row.frames += clip.tracks.frames();
-  row.spread_before += before.bone_spread_mm;
-  row.spread_after += after.bone_spread_mm;
+  row.bone_sigma_before += before.bone_spread_mm;
+  row.bone_sigma_after += after.bone_spread_mm;
   row.jerk_before += before.jerk;
   row.jerk_after += after.jerk;
   row.square += fit.residual_rms * fit.residual_rms * clip.tracks.frames();
-  std::vector<bool> mended(static_cast<std::size_t>(clip.tracks.frames()), false);
-  std::vector<bool> swapped = mended;
+  std::vector<bool> repaired(static_cast<std::size_t>(clip.tracks.frames()), false);
+  std::vector<bool> swapped = repaired;
   for (const Finding& finding : fit.findings) {
     if (finding.code == kOutliersRejected) row.outliers += finding.value;
     if (finding.code == kOutliersRejected || finding.code == kFramesWithoutEvidence) continue;
@@ -123,14 +125,14 @@ void Add(const RealClip& clip, const std::string& person, const FitResult& fit, 
       std::printf("%s %s [%d, %d): %s (%.1f)\n", clip.id.c_str(), finding.code.c_str(), finding.frame_begin,
                   finding.frame_end, finding.message.c_str(), finding.value);
     }
-    std::fill(mended.begin() + finding.frame_begin, mended.begin() + finding.frame_end, true);
+    std::fill(repaired.begin() + finding.frame_begin, repaired.begin() + finding.frame_end, true);
     if (finding.code == "swapped_sides")
       std::fill(swapped.begin() + finding.frame_begin, swapped.begin() + finding.frame_end, true);
   }
-  row.repaired += static_cast<double>(std::count(mended.begin(), mended.end(), true));
+  row.repaired += static_cast<double>(std::count(repaired.begin(), repaired.end(), true));
   row.swapped += static_cast<double>(std::count(swapped.begin(), swapped.end(), true));
   for (const double confidence : clip.tracks.confidence) row.samples += confidence > 0.0 ? 1.0 : 0.0;
-  const std::vector<bool> used = clip.tracks.SeenJoints();
+  const std::vector<bool> used = clip.tracks.JointObservations();
   row.examples.push_back(
       {person, clip.label, Features(Filled(clip.tracks), used, skeleton), Features(fit.motion.joints, used, skeleton)});
 }
@@ -161,7 +163,7 @@ int main(int argc, char** argv) {
   }
   if (row.clips == 0) return std::fprintf(stderr, "no clip was fitted\n"), 1;
   std::printf("| %s | %d | %.0f | %.1f | %.1f | %.1f | %.2f | %.2f | %.2f | %.0f | %.0f | %.3f | %.3f |\n", argv[1],
-              row.clips, row.frames, row.spread_before / row.clips, row.spread_after / row.clips,
+              row.clips, row.frames, row.bone_sigma_before / row.clips, row.bone_sigma_after / row.clips,
               1e3 * std::sqrt(row.square / row.frames), 100.0 * row.repaired / row.frames,
               100.0 * row.swapped / row.frames, 100.0 * row.outliers / row.samples, row.jerk_before / row.clips,
               row.jerk_after / row.clips, Accuracy(row.examples, &Example::raw),

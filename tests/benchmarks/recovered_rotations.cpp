@@ -1,8 +1,7 @@
-// bench_recovered_rotations SOURCE SKELETON [NOISE_MM [CLIPS]]: the motion of a set that records rotations (hdm05), its
-// joints with NOISE_MM of white noise and bones unknown, fitted and compared with the recorded motion: a row of
-// docs/refitted_sets.md.
-// bench_recovered_rotations cad60: rotations fitted to positions alone beside those that OpenNI's tracker wrote into
-// the same files.
+// bench_recovered_rotations SOURCE SKELETON [NOISE_MM [CLIPS]]: fits the joints of a set that records rotations
+// (hdm05), with NOISE_MM of white noise and unknown bones, and compares with the recorded motion. Prints a row of
+// docs/refitted_sets.md. bench_recovered_rotations cad60: compares rotations fitted to positions alone with those that
+// OpenNI's tracker wrote into the same files.
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -24,7 +23,7 @@ namespace {
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
-/// Positions alone are fitted: recorded rotations are what the fit is compared with.
+/// Fits positions alone; the recorded rotations are the reference.
 JointTrackOptions Banded() {
   JointTrackOptions options;
   options.solver = TrackSolver::kBanded;
@@ -38,10 +37,11 @@ Expected<Proportions> BonesOf(const std::vector<RealClip>& clips) {
   return EstimateProportions(all, clips.front().tracks.skeleton, ProportionsOptions{});
 }
 
-/// Local rotations on the axes that the fit says the evidence decided (nine tenths of the prior's variance gone).
+/// Local rotations about the axes that the fit marks as observed (at least nine tenths of the prior's variance
+/// removed).
 struct AxisErrors {
   std::vector<double> degrees;
-  double axes = 0.0;  ///< all there are
+  double axes = 0.0;  ///< number of all axes
 
   void Add(const Motion& fitted, const Motion& truth) {
     for (int f = 0; f < truth.frame_count(); ++f) {
@@ -104,7 +104,8 @@ struct Angles {
   std::vector<double> bone;  ///< between the fitted bone below the joint and the recorded rotation's
 };
 
-/// Rotation r that makes recorded * r nearest to fitted on average: frames of a joint that differ by convention.
+/// The rotation r that best aligns recorded * r with fitted on average, for frames of a joint that differ by
+/// convention.
 Quaterniond Offset(const Angles& angles) {
   Matrix3d sum = Matrix3d::Zero();
   for (std::size_t i = 0; i < angles.fitted.size(); ++i)
@@ -145,7 +146,7 @@ int Cad60(const SkeletonPtr& skeleton) {
                           joints.data(), world.data());
         for (int k = 0; k < 11; ++k) {
           const int column = 1 + 14 * k;
-          if (!(table->at(f, 0, column + 9) > 0.0)) continue;  // not to be trusted
+          if (!(table->at(f, 0, column + 9) > 0.0)) continue;  // zero confidence
           Matrix3d recorded;
           for (int i = 0; i < 9; ++i) recorded(i / 3, i % 3) = table->at(f, 0, column + i);
           recorded = axes * recorded * axes;
@@ -155,14 +156,14 @@ int Cad60(const SkeletonPtr& skeleton) {
           if (kBelow[k][0] == '\0') continue;
           const int child = *skeleton->FindJoint(kBelow[k]);
           const Vector3d bone = joints[child] - joints[joint];
-          const Vector3d said = recorded * skeleton->joints[child].rest_offset;
-          angles[k].bone.push_back(kDegrees * std::atan2(bone.cross(said).norm(), bone.dot(said)));
+          const Vector3d recorded_bone = recorded * skeleton->joints[child].rest_offset;
+          angles[k].bone.push_back(kDegrees * std::atan2(bone.cross(recorded_bone).norm(), bone.dot(recorded_bone)));
         }
       }
     }
   }
   std::printf(
-      "| joint | frames | bone, median | whole rotation, median | its convention's offset | after that, median | p95 "
+      "| joint | frames | bone, median | whole rotation, median | convention's offset | median after the offset | p95 "
       "|\n");
   std::printf("|---|---|---|---|---|---|---|\n");
   for (int k = 0; k < 11; ++k) {

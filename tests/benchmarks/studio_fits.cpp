@@ -1,10 +1,10 @@
-// bench_studio_fits [SEED [SUBJECTS [all|one [HZ [OPTION=NUMBER ...]]]]]: fits studio clips of all 12 classes (one clip
-// per class and person, or all 34 variants), whose bodies the fitter does not know, and compares with the truth. Noise
-// of 30 mm RMS, 5 % dropouts, 2 % outliers, 2 % swapped frames unless options say otherwise. gap=SECONDS: in the middle
-// of each clip nobody is seen for so long (negative: throughout), and how far off and how well covered joints are
-// there; limb=1: not everybody, but the right arm below the shoulder; limb=2: the left leg below the hip. unseen=1: the
-// trackers know no spine above the pelvis, neck, collars, hands and feet; the same of these. kard=1: they are OpenNI's,
-// as KARD writes them; the same of neck, head and wrists, of which it lists other points. kard=2: by their names alone.
+// bench_studio_fits [SEED [SUBJECTS [all|one [HZ [OPTION=NUMBER ...]]]]]: fits studio clips of all 12 classes and
+// compares with the truth. One clip per class and person, or all 34 variants; bodies are unknown to the fitter. Noise
+// of 30 mm RMS, 5 % dropouts, 2 % outliers, 2 % swapped frames by default. gap=SECONDS removes the person from the
+// middle of each clip (negative: throughout) and prints errors and coverage there. limb=1 removes only the right arm
+// below the shoulder; limb=2 the left leg below the hip. unseen=1: the trackers have no spine above the pelvis, neck,
+// collars, hands and feet; prints errors of those. kard=1: the tracker is OpenNI's, as KARD writes it; prints errors of
+// neck, head and wrists, for which it lists other points. kard=2: the same, mapped by name alone.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -30,10 +30,11 @@ namespace {
 
 void Set(const std::string& name, double value, JointTrackOptions& options, RepairOptions& repair,
          StudioClipErrors& errors) {
-  if (name == "rotation_walk") options.rotation_walk = value;
-  if (name == "velocity_walk") options.velocity_walk = value;
-  if (name == "rest_spread") options.rest_spread = value;
-  if (name == "contact_walk") options.contact_walk = value > 0.0 ? std::optional<double>(value) : std::nullopt;
+  if (name == "rotation_process_noise") options.rotation_process_noise = value;
+  if (name == "velocity_process_noise") options.velocity_process_noise = value;
+  if (name == "rest_sigma") options.rest_sigma = value;
+  if (name == "contact_process_noise")
+    options.contact_process_noise = value > 0.0 ? std::optional<double>(value) : std::nullopt;
   if (name == "huber_sigmas") options.huber_sigmas = value;
   if (name == "walk_refits") options.steps = StepsWithRefits(static_cast<int>(value));
   if (name == "ceres") options.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
@@ -64,8 +65,8 @@ std::vector<bool> OfLimb(const Skeleton& skeleton, bool arm) {
   return of_limb;
 }
 
-/// These joints (empty: all) are not seen in the middle of the clip, unless that is most of it; negative seconds:
-/// never. Frames [begin, end).
+/// Hides these joints (empty: all) in the middle of the clip, unless that is most of it; negative seconds: throughout.
+/// Returns frames [begin, end).
 std::pair<int, int> HideMiddle(double seconds, const std::vector<bool>& joints, StudioClip& clip) {
   const int frames = clip.truth.frame_count();
   const int hidden = seconds < 0.0 ? frames : static_cast<int>(std::lround(seconds * clip.truth.rate.hz()));
@@ -80,7 +81,7 @@ std::pair<int, int> HideMiddle(double seconds, const std::vector<bool>& joints, 
   return {begin, begin + hidden};
 }
 
-/// Which joints a tracker of few joints does not know.
+/// Joints that a tracker of few joints does not have.
 std::vector<bool> Unknown(const Skeleton& skeleton) {
   std::vector<bool> unknown;
   for (const Joint& joint : skeleton.joints) {
@@ -98,7 +99,7 @@ void HideJoints(const std::vector<bool>& joints, StudioClip& clip) {
   }
 }
 
-/// Joints in whose place OpenNI's tracker lists another point.
+/// Joints for which OpenNI's tracker lists another point.
 std::vector<bool> Displaced(const Skeleton& skeleton) {
   std::vector<bool> displaced;
   for (const Joint& joint : skeleton.joints) {
@@ -108,18 +109,18 @@ std::vector<bool> Displaced(const Skeleton& skeleton) {
   return displaced;
 }
 
-/// What OpenNI's tracker says of the same person instead.
+/// Replaces the tracks by those of OpenNI's tracker.
 void TrackAsKard(const StudioClipErrors& errors, std::uint64_t seed, bool placed, StudioClip& clip) {
   Clip source;
   if (placed) source.provenance[kSourceSkeleton] = "openni15";
   const std::vector<std::string> names = NamesOf(KardPlaces());
-  const TrackedTake seen =
+  const TrackedTake tracked =
       Track(PlacesOf(clip.truth, KardPlaces()), names, errors.tracker, static_cast<std::int64_t>(seed), clip.name);
   JointTracks tracks;
   tracks.names = names;
   tracks.time_s = clip.tracks.time_s;
-  tracks.positions = seen.positions;
-  for (const std::uint8_t there : seen.seen) tracks.confidence.push_back(there);
+  tracks.positions = tracked.positions;
+  for (const std::uint8_t there : tracked.seen) tracks.confidence.push_back(there);
   source.evidence.tracks = std::move(tracks);
   const auto mapped = TracksOfClip(source, WithTrackerPoints(clip.tracks.skeleton, source), OtherJoints::kLeaveOut);
   if (!mapped) std::fprintf(stderr, "%s\n", mapped.error().Message().c_str()), std::exit(1);
@@ -162,10 +163,10 @@ int main(int argc, char** argv) {
   FitScore hidden;
   if (limb > 0) hidden.only = OfLimb(**LoadSkeleton("smpl24"), limb == 1);
   for (StudioClip& clip : clips) gaps[&clip] = HideMiddle(gap_s, hidden.only, clip);
-  FitScore unseen;
-  unseen.only = kard > 0 ? Displaced(**LoadSkeleton("smpl24")) : Unknown(**LoadSkeleton("smpl24"));
+  FitScore unobserved;
+  unobserved.only = kard > 0 ? Displaced(**LoadSkeleton("smpl24")) : Unknown(**LoadSkeleton("smpl24"));
   if (few_joints) {
-    for (StudioClip& clip : clips) HideJoints(unseen.only, clip);
+    for (StudioClip& clip : clips) HideJoints(unobserved.only, clip);
   }
   std::map<int, FitScore> of_class;
   double seconds = 0.0;
@@ -191,7 +192,7 @@ int main(int argc, char** argv) {
         fit->motion = WithoutDetectorPoints(fit->motion, WithoutTrackerPoints(body));
       }
       all.Add(*fit, clip);
-      if (few_joints || kard > 0) unseen.Add(*fit, clip);
+      if (few_joints || kard > 0) unobserved.Add(*fit, clip);
       if (gap_s != 0.0) hidden.Add(*fit, clip, gaps[&clip].first, gaps[&clip].second);
       of_class[clip.action].Add(*fit, clip);
       swaps.Add(*fit, clip);
@@ -216,16 +217,17 @@ int main(int argc, char** argv) {
   for (std::size_t j = 0; j < all.by_joint.size(); ++j)
     std::printf(" %s %.1f", clips[0].tracks.skeleton->joints[j].name.c_str(), all.by_joint[j] / all.frames * 1e3);
   std::printf("\n");
-  std::printf("exchanged samples: %d, of them mended %d; others exchanged by mistake: %d\n", swaps.there, swaps.mended,
-              swaps.mistaken);
+  std::printf("exchanged samples: %d, corrected %d; others exchanged by mistake: %d\n", swaps.exchanged_samples,
+              swaps.corrected, swaps.mistaken);
   std::printf(
-      "%zu clips, %d frames: joints %.2f mm (seen %.2f, hidden or wrong %.2f), rotations %.2f deg (full %.2f, bones "
+      "%zu clips, %d frames: joints %.2f mm (observed %.2f, hidden or wrong %.2f), rotations %.2f deg (full %.2f, "
+      "bones "
       "%.2f), within sigma %.1f %%, 2 sigma %.1f %%, noise %.1f mm, %.0f frames/s\n",
       clips.size(), all.frames, all.joint_mm(), all.seen_mm(), all.hidden_mm(), all.rotation_deg(), all.full_deg(),
       all.bone_deg(), 100.0 * all.within_one(), 100.0 * all.within_two(), 1e3 * sigma, all.frames / seconds);
   if (few_joints || kard > 0) {
-    std::printf("%s: joints %.1f mm, within sigma %.1f %%, 2 sigma %.1f %%\n", kard > 0 ? "other points" : "unseen",
-                unseen.joint_mm(), 100.0 * unseen.within_one(), 100.0 * unseen.within_two());
+    std::printf("%s: joints %.1f mm, within sigma %.1f %%, 2 sigma %.1f %%\n", kard > 0 ? "other points" : "unobserved",
+                unobserved.joint_mm(), 100.0 * unobserved.within_one(), 100.0 * unobserved.within_two());
   }
   if (hidden.frames == 0) return 0;
   std::printf("in gaps of %.2f s: joints %.1f mm, within sigma %.1f %%, 2 sigma %.1f %%\n", gap_s, hidden.joint_mm(),

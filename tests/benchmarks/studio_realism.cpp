@@ -1,5 +1,5 @@
-// How the studio's people move beside recorded ones: a Markdown table of speeds, jerk and joint ranges per class.
-// Needs the unpacked data (MOCURATE_DATA). Usage: bench_studio_realism [SEED]
+// Compares the motion of the studio's people with recorded people: a Markdown table of speeds, jerk and joint ranges
+// per class. Needs the unpacked data (MOCURATE_DATA). Usage: bench_studio_realism [SEED]
 
 #include <unistd.h>
 
@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 constexpr double kRateHz = 30.0;
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 
-/// One clip at 30 Hz: shoulder, elbow, wrist, hip, knee, ankle of both sides; missing frames are left out.
+/// One clip at 30 Hz: shoulder, elbow, wrist, hip, knee, ankle of both sides; missing frames are skipped.
 struct Limbs {
   std::vector<std::array<Vector3d, 12>> frames;
 };
@@ -39,7 +39,7 @@ struct Figures {
   int clips = 0;
 };
 
-/// Other words for the same joints, shoulder, elbow, wrist, hip, knee, ankle.
+/// Other names of the same joints: shoulder, elbow, wrist, hip, knee, ankle.
 std::vector<std::string> Words(int part, const std::string& side) {
   static const std::vector<std::vector<std::string>> others = {{"shoulder", "upper_arm"}, {"elbow", "lower_arm"},
                                                                {"wrist", "hand"},         {"hip", "upper_leg"},
@@ -112,8 +112,8 @@ void Print(const std::string& name, const std::string& set, const Figures& f) {
               At(f.elbow, 0.05), At(f.elbow, 0.95), At(f.knee, 0.05), At(f.knee, 0.95));
 }
 
-/// Figures of the wanted labels, of at most 24 clips each that a declaration of configs/sources finds, with changes as
-/// `--set` makes them.
+/// Figures of the wanted labels, of at most 24 clips each that a declaration of configs/sources finds. `changes`
+/// override the declaration as `--set` does.
 std::map<std::string, Figures> Measured(const std::string& declaration, std::vector<std::string> assignments,
                                         const fs::path& scratch, const std::set<std::string>& wanted) {
   constexpr int most = 24;
@@ -157,7 +157,7 @@ Figures Performed(const std::string& action, std::int64_t seed) {
   return figures;
 }
 
-/// An action of the studio and what other sets call it; empty: they lack it.
+/// An action of the studio and its labels in other sets; empty: the set does not have it.
 struct Row {
   const char* action;
   const char* bandai1;

@@ -9,7 +9,7 @@
 #include "tests/benchmarks/json_line.h"
 
 // Points per second of one core: bench_triangulate [CAMERAS [WRONG [FRAMES [REPEATS]]]]. 25 joints per frame, 4 px of
-// noise, WRONG cameras 400 px off per joint; undistortion of every detection is timed too. One JSON line.
+// noise, WRONG cameras 400 px off per joint; the time includes the undistortion of every detection. One JSON line.
 namespace mocurate {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "core/body/capsule_body.h"
+#include "core/body/bone_capsules.h"
 #include "tests/body/stick_figure.h"
 
 namespace mocurate {
@@ -26,7 +26,7 @@ Camera FrontCamera() {
 }
 
 /// Where a ray enters the body, by stepping along it by the signed distance.
-double March(const CapsuleBody& body, const Vector3d* joints, const Camera& camera, const Vector2d& ray) {
+double March(const BoneCapsules& body, const Vector3d* joints, const Camera& camera, const Vector2d& ray) {
   const RigidTransform world_from_camera = Inverse(camera.camera_from_world);
   const Vector3d direction = Vector3d(ray.x(), ray.y(), 1.0);
   double depth = 0.0;
@@ -39,7 +39,7 @@ double March(const CapsuleBody& body, const Vector3d* joints, const Camera& came
   return 0.0;
 }
 
-int CompareWithMarching(const CapsuleBody& body, const Vector3d* joints, const Camera& camera) {
+int CompareWithMarching(const BoneCapsules& body, const Vector3d* joints, const Camera& camera) {
   const std::vector<Vector2d> rays = PixelRays(camera);
   const DepthRendering rendering = RenderBody(body, joints, camera, rays);
   int seen = 0;
@@ -60,13 +60,13 @@ int CompareWithMarching(const CapsuleBody& body, const Vector3d* joints, const C
 
 TEST(DepthRendering, EqualsMarchingAlongEveryRay) {
   const test::StickFigure figure = test::MakeStickFigure();
-  const CapsuleBody body = CapsuleBody::Make(figure.skeleton);
+  const BoneCapsules body = BoneCapsules::Make(figure.skeleton);
   EXPECT_GT(CompareWithMarching(body, figure.joints.data(), FrontCamera()), 500);
 }
 
 TEST(DepthRendering, EqualsMarchingFromAnyPlaceWithLensDistortion) {
   const test::StickFigure figure = test::MakeStickFigure();
-  const CapsuleBody body = CapsuleBody::Make(figure.skeleton);
+  const BoneCapsules body = BoneCapsules::Make(figure.skeleton);
   Random random(5, "cameras");
   int seen = 0;
   for (int i = 0; i < 6; ++i) {
@@ -91,7 +91,7 @@ TEST(DepthRendering, SeesTheFrontOfTheTrunkAtItsDistance) {
   Camera camera = FrontCamera();
   camera.cx = 80.0;
   camera.cy = 60.0;
-  const std::vector<float> depth = RenderDepth(CapsuleBody::Make(figure.skeleton), figure.joints.data(), camera);
+  const std::vector<float> depth = RenderDepth(BoneCapsules::Make(figure.skeleton), figure.joints.data(), camera);
   ASSERT_EQ(depth.size(), 160u * 120u);
   EXPECT_NEAR(depth[60 * 160 + 80], 2.5 - 0.12, 1e-6);
   EXPECT_EQ(depth[0], 0.0F);
@@ -102,7 +102,7 @@ TEST(DepthRendering, SeesTheFrontOfTheTrunkAtItsDistance) {
 
 TEST(DepthRendering, OfAMirroredPictureIsThePictureMirrored) {
   const test::StickFigure figure = test::MakeStickFigure();
-  const CapsuleBody body = CapsuleBody::Make(figure.skeleton);
+  const BoneCapsules body = BoneCapsules::Make(figure.skeleton);
   Camera camera = FrontCamera();
   const std::vector<float> depth = RenderDepth(body, figure.joints.data(), camera);
   camera.fx = -camera.fx;  // as Kinects write their images; the centre is the middle column
@@ -119,7 +119,7 @@ TEST(DepthRendering, OfAMirroredPictureIsThePictureMirrored) {
 
 TEST(DepthRendering, BackProjectsOntoTheSurface) {
   const test::StickFigure figure = test::MakeStickFigure();
-  const CapsuleBody body = CapsuleBody::Make(figure.skeleton);
+  const BoneCapsules body = BoneCapsules::Make(figure.skeleton);
   const Camera camera = FrontCamera();
   const RigidTransform world_from_camera = Inverse(camera.camera_from_world);
   const std::vector<float> depth = RenderDepth(body, figure.joints.data(), camera);
@@ -135,7 +135,7 @@ TEST(DepthRendering, BackProjectsOntoTheSurface) {
 
 TEST(DepthRendering, DrawsNothingBehindTheCameraNorAroundIt) {
   const test::StickFigure figure = test::MakeStickFigure();
-  const CapsuleBody body = CapsuleBody::Make(figure.skeleton);
+  const BoneCapsules body = BoneCapsules::Make(figure.skeleton);
   Camera away = FrontCamera();
   away.camera_from_world.rotation = Quaterniond::Identity();  // looks along +z
   away.camera_from_world.translation = -Vector3d(0, 0.4, 2.5);

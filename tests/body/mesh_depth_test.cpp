@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "core/body/capsule_body.h"
+#include "core/body/bone_capsules.h"
 
 namespace mocurate {
 namespace {

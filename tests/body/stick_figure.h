@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/body/capsule_body.h"
+#include "core/body/bone_capsules.h"
 
 namespace mocurate::test {
 

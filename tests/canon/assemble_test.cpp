@@ -13,6 +13,7 @@
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
 #include "tests/canon/moving_clips.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -26,10 +27,7 @@ struct Assembled {
 };
 
 Assembled AssembleMotions(const std::vector<Motion>& motions) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("mocurate_assemble_test_" + std::to_string(getpid()));
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
+  const ScratchFolder folder;
   StageRequest request{"assemble", "dataset", OptionsToJson(AssembleOptions()), {}, folder / "dataset.h5", folder};
   for (std::size_t i = 0; i < motions.size(); ++i) {
     Dataset one;
@@ -46,7 +44,6 @@ Assembled AssembleMotions(const std::vector<Motion>& motions) {
   }
   auto outcome = AssembleStage(request);
   auto dataset = ReadDataset(folder / "dataset.h5");
-  std::filesystem::remove_all(folder);
   return {std::move(outcome), std::move(dataset)};
 }
 
@@ -56,7 +53,7 @@ Motion Standing(const SkeletonPtr& skeleton, FrameRate rate) {
       std::vector<Quaterniond>(10 * static_cast<std::size_t>(skeleton->joint_count()), Quaterniond::Identity()), {});
 }
 
-/// A bone of the skeleton's left arm that is alone at its joint, or one of several of the torso.
+/// A bone of the skeleton's left arm that is alone at its joint, or one of several at the torso.
 int BoneOf(const Skeleton& skeleton, bool alone) {
   for (const std::vector<int>& children : skeleton.Children()) {
     if ((children.size() == 1) == alone && !children.empty()) return children[0];
@@ -70,7 +67,7 @@ SkeletonPtr Turned(const SkeletonPtr& skeleton, int bone, const Vector3d& by) {
   return turned;
 }
 
-/// Somebody whose bone and its mirror image point forwards more, the whole turned back to where the skeleton's lie.
+/// A person whose bone and its mirror image point further forwards, rotated as a whole to match the skeleton's.
 SkeletonPtr Spread(const SkeletonPtr& skeleton, int bone) {
   auto own = std::make_shared<Skeleton>(*skeleton);
   const int parent = own->joints[static_cast<std::size_t>(bone)].parent;
@@ -106,8 +103,8 @@ TEST(Assemble, OneClipWhoseRotationsAreCountedFromAnotherRestPoseCostsOnlyItself
   EXPECT_THAT(set.dataset->findings[0].message, HasSubstr("45 degrees"));
 }
 
-/// The bones of a joint turned together: rotations of the joint are counted from another pose.
-TEST(Assemble, AClipWhoseTorsoIsTurnedInTheRestPoseIsLeftOut) {
+/// The bones of a joint rotated together: the joint's rotations refer to another pose.
+TEST(Assemble, AClipWhoseTorsoIsTurnedInTheRestPoseIsExcluded) {
   const SkeletonPtr skeleton = Skeleton15();
   auto turned = std::make_shared<Skeleton>(*skeleton);
   const int parent = skeleton->joints[static_cast<std::size_t>(BoneOf(*skeleton, false))].parent;
@@ -123,7 +120,7 @@ TEST(Assemble, AClipWhoseTorsoIsTurnedInTheRestPoseIsLeftOut) {
   EXPECT_EQ(set.dataset->findings[0].code, "other_skeleton");
 }
 
-/// A skeleton of a user's own that bears a built-in one's name.
+/// A user's own skeleton with the name of a built-in one.
 TEST(Assemble, ASkeletonThatOnlyBearsABuiltInNameStaysItself) {
   auto named = std::make_shared<Skeleton>(*Skeleton15());
   named->joints[2].limits = JointLimits{};
@@ -152,7 +149,7 @@ TEST(Assemble, PeopleKeepTheDirectionsOfTheirOwnBodies) {
   EXPECT_EQ(set.dataset->clips[2].motion->skeleton->joints[torso].rest_offset, skeleton->joints[torso].rest_offset);
 }
 
-/// Fits of people on one skeleton: their rotations are counted from its rest pose, wherever their bones point.
+/// Fits of people on one skeleton: rotations refer to its rest pose, whatever the bones' directions.
 TEST(Assemble, FitsOfPeopleWithBodiesOfTheirOwnAllStay) {
   const SkeletonPtr skeleton = Skeleton15();
   const int alone = BoneOf(*skeleton, true), torso = BoneOf(*skeleton, false);
@@ -163,13 +160,13 @@ TEST(Assemble, FitsOfPeopleWithBodiesOfTheirOwnAllStay) {
        {Turned(skeleton, alone, length * skeleton->joints[alone].rest_offset.unitOrthogonal()),
         Turned(skeleton, torso, Vector3d(0.0, 0.0, 0.1)), skeleton}) {
     motions.push_back(Standing(body, rate));
-    motions.back().counted_from = body == skeleton ? nullptr : skeleton;
+    motions.back().rotation_reference = body == skeleton ? nullptr : skeleton;
   }
   const Assembled set = AssembleMotions(motions);
   ASSERT_TRUE(set.dataset) << set.dataset.error().Message();
   ASSERT_EQ(set.dataset->clips.size(), 3u);
   EXPECT_TRUE(set.dataset->findings.empty());
-  EXPECT_FALSE(set.outcome->summary.contains("left_out"));
+  EXPECT_FALSE(set.outcome->summary.contains("excluded"));
   EXPECT_EQ(set.dataset->skeleton->joints[alone].rest_offset, skeleton->joints[alone].rest_offset);
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const Motion& stored = *set.dataset->clips[i].motion;
@@ -181,17 +178,17 @@ TEST(Assemble, FitsOfPeopleWithBodiesOfTheirOwnAllStay) {
   }
 }
 
-TEST(Assemble, WhichItemsAreLeftOutStandsInTheSummary) {
+TEST(Assemble, WhichItemsAreExcludedStandsInTheSummary) {
   const SkeletonPtr skeleton = Skeleton15();
   const SkeletonPtr bent = Turned(skeleton, BoneOf(*skeleton, true), Vector3d(0.0, 0.1, 0.1));
   const FrameRate rate{30, 1};
   const Assembled set = AssembleMotions({Standing(bent, rate), Standing(skeleton, rate), Standing(skeleton, rate)});
   ASSERT_TRUE(set.outcome) << set.outcome.error().Message();
-  const nlohmann::json& left_out = set.outcome->summary["left_out"];
-  ASSERT_EQ(left_out.size(), 1u);
-  EXPECT_EQ(left_out["test/p/r0#0-10"]["whole"], true);
-  EXPECT_EQ(left_out["test/p/r0#0-10"]["findings"], nlohmann::json({0}));
-  EXPECT_GT(left_out["test/p/r0#0-10"]["threshold"], 0.0);
+  const nlohmann::json& excluded = set.outcome->summary["excluded"];
+  ASSERT_EQ(excluded.size(), 1u);
+  EXPECT_EQ(excluded["test/p/r0#0-10"]["whole"], true);
+  EXPECT_EQ(excluded["test/p/r0#0-10"]["findings"], nlohmann::json({0}));
+  EXPECT_GT(excluded["test/p/r0#0-10"]["threshold"], 0.0);
 }
 
 TEST(Assemble, ClipsOfSeveralRatesAreFlagged) {

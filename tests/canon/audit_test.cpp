@@ -1,4 +1,4 @@
-// What an audit finds in a set of which the errors are known: labels, repeated clips, frozen and exchanged limbs.
+// Audit findings of a set with known errors: labels, repeated clips, frozen and exchanged limbs.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -19,6 +19,7 @@
 #include "core/base/random.h"
 #include "core/quality/swaps.h"
 #include "tests/canon/moving_clips.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -120,8 +121,8 @@ TEST(AuditOfLabels, ProbabilitiesOfAnotherClassifierCountByClip) {
   FeatureSet features;
   features.classes = {"c", "a", "b"};  // in an order of its own
   for (std::size_t row = 0; row < dataset.clips.size(); ++row) {
-    const std::string says = row == 7 ? (dataset.clips[row].label == "a" ? "b" : "a") : dataset.clips[row].label;
-    for (const std::string& name : features.classes) features.logits.push_back(name == says ? 4.0f : 0.0f);
+    const std::string predicted = row == 7 ? (dataset.clips[row].label == "a" ? "b" : "a") : dataset.clips[row].label;
+    for (const std::string& name : features.classes) features.logits.push_back(name == predicted ? 4.0f : 0.0f);
     features.clip.push_back(dataset.clips[row].id());
     features.label.push_back(0);
   }
@@ -200,7 +201,7 @@ TEST(AuditOfClips, AClipThatMovesUnlikeItsClassIsTheFirstOutlier) {
   EXPECT_TRUE(FindOutliers(dataset, MeasureClips(dataset), options).empty());
 }
 
-TEST(AuditOfSets, ClassesThatAreTestedAndNotTrainedAndNamesThatDifferInCaseAreTold) {
+TEST(AuditOfSets, ClassesThatAreTestedAndNotTrainedAndNamesThatDifferInCaseAreReported) {
   Dataset dataset = WavingSet();
   EXPECT_TRUE(FindSetErrors(dataset).empty());
   Split split;
@@ -236,9 +237,7 @@ TEST(AuditStage, ErrorsStandFirstAndEveryFindingHasItsFields) {
   for (int row = 0; row + 1 < static_cast<int>(dataset.clips.size()); ++row) split.train.push_back(row);
   split.test = {static_cast<int>(dataset.clips.size()) - 1};
   dataset.splits = {split};
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / ("audit_stage_" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(dataset, folder / "set.h5"));
   StageRequest request;
   request.stage = request.item = "audit";
@@ -263,7 +262,6 @@ TEST(AuditStage, ErrorsStandFirstAndEveryFindingHasItsFields) {
   dataset.axes = *AxisConvention::Parse("+x -z +y");
   ASSERT_TRUE(WriteDataset(dataset, folder / "set.h5"));
   EXPECT_EQ(AuditStage(request).error().code, ErrorCode::kUnsupported);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a dataset's card tells, and how two datasets differ.
+// A dataset's card, and the differences of two datasets.
 
 #include <unistd.h>
 
@@ -12,6 +12,7 @@
 #include "canon/diff/dataset_diff.h"
 #include "core/base/sha256.h"
 #include "tests/canon/moving_clips.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -22,7 +23,6 @@ using ::testing::HasSubstr;
 class TwoSets : public testing::Test {
  protected:
   void SetUp() override {
-    fs::create_directories(folder_);
     dataset_ = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1),
                       ClipMoving("p3", "b", 42, 5, 30, 1), ClipMoving("p4", "b", 43, 5, 30, 1)});
     dataset_.labels = {"a", "b", "c"};
@@ -34,19 +34,17 @@ class TwoSets : public testing::Test {
     split.leak_check = "ok: no person";
     dataset_.splits = {split};
     Finding finding;
-    finding.code = "teleport";
+    finding.code = "position_jump";
     dataset_.findings = {finding, finding};
     dataset_.clips[1].identity.licence = "CC0 | free";
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
   fs::path Written(const Dataset& dataset, const char* name) const {
     const Status written = WriteDataset(dataset, folder_ / name);
     EXPECT_TRUE(written) << written.error().Message();
     return folder_ / name;
   }
 
-  const fs::path folder_ = fs::path(testing::TempDir()) / ("two_sets_" + std::to_string(getpid()));
+  const ScratchFolder folder_;
   Dataset dataset_;
 };
 
@@ -60,7 +58,7 @@ TEST_F(TwoSets, TheCardCountsClassesPersonsSplitsAndFindings) {
   EXPECT_EQ(card->at("classes").size(), 3u) << "a class without clips is one";
   EXPECT_EQ(card->at("classes")[2], (nlohmann::json{{"name", "c"}, {"clips", 0}, {"seconds", 0.0}}));
   EXPECT_EQ(card->at("splits")[0].at("test"), 2);
-  EXPECT_EQ(card->at("findings").at("teleport"), 2);
+  EXPECT_EQ(card->at("findings").at("position_jump"), 2);
   EXPECT_EQ(card->at("sha256"), *Sha256OfFile(file));
   const std::string text = CardMarkdown(*card);
   EXPECT_THAT(text, HasSubstr("| a | 2 | "));
@@ -72,7 +70,7 @@ TEST_F(TwoSets, TheCardCountsClassesPersonsSplitsAndFindings) {
   EXPECT_FALSE(DescribeDataset(folder_ / "nowhere.h5"));
 }
 
-TEST_F(TwoSets, EachKindOfDifferenceIsToldOnceAndEqualSetsDifferInNothing) {
+TEST_F(TwoSets, EachKindOfDifferenceIsReportedOnceAndEqualSetsDifferInNothing) {
   const fs::path before = Written(dataset_, "a.h5");
   const auto none = DiffDatasets(before, Written(dataset_, "same.h5"));
   ASSERT_TRUE(none) << none.error().Message();

@@ -1,4 +1,4 @@
-// A recording is cut where what is done changes, wherever the person stands and however often they were filmed.
+// A recording is cut where the action changes, independent of the person's position and the rate.
 
 #include "canon/trim/change_points.h"
 

@@ -1,4 +1,4 @@
-// What a rule leaves out is no failure, and what was found about a clip on its way stands in the dataset, once.
+// An excluded clip is no failure, and findings about a clip are in the dataset exactly once.
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -10,6 +10,7 @@
 #include "canon/trim/trim.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -17,13 +18,10 @@ namespace {
 class Curation : public testing::Test {
  protected:
   Curation() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "mocurate_curation_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
     canon_.skeleton = "openni15";
     canon_.facing.rule = FacingRule::kNone;
     canon_.trim.rule = TrimRule::kMotionEnergy;
   }
-  ~Curation() override { std::filesystem::remove_all(folder_); }
 
   /// Evidence of a figure that travels at `speed`, with tracks and a given motion, and one finding of ingest.
   StageInput Evidence(const std::string& recording, double speed, int frames) const {
@@ -67,27 +65,27 @@ class Curation : public testing::Test {
         {"canon", evidence.name, OptionsToJson(canon_), {evidence}, folder_ / (role + evidence.name), {}});
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   CanonOptions canon_;
 };
 
-TEST_F(Curation, AClipThatNeverMovesOrIsTooShortIsLeftOutByRuleWithTheRulesName) {
+TEST_F(Curation, AClipThatNeverMovesOrIsTooShortIsExcludedByRuleWithTheRulesName) {
   const auto still = Canon(Evidence("still", 0.0, 60), "motion");
   ASSERT_TRUE(still) << still.error().Message();
-  EXPECT_EQ(still->kind, OutcomeKind::kLeftOut);
+  EXPECT_EQ(still->kind, OutcomeKind::kExcluded);
   EXPECT_EQ(still->findings.back().code, "never_moves");
   EXPECT_EQ(still->summary.at("threshold"), canon_.trim.still_speed);
   const auto brief = Canon(Evidence("brief", 1.0, 4), "motion");
   ASSERT_TRUE(brief) << brief.error().Message();
-  EXPECT_EQ(brief->kind, OutcomeKind::kLeftOut);
+  EXPECT_EQ(brief->kind, OutcomeKind::kExcluded);
   EXPECT_EQ(brief->findings.back().code, "too_short");
   EXPECT_EQ(brief->summary.at("threshold"), canon_.trim.min_length_s);
   EXPECT_LT(brief->findings.back().value, canon_.trim.min_length_s);
 }
 
-TEST_F(Curation, AClipThatCannotBeUsedIsRefusedNotLeftOut) {
+TEST_F(Curation, AClipThatCannotBeUsedIsRefusedNotExcluded) {
   StageInput evidence = Evidence("walk", 1.0, 60);
-  canon_.skeleton = "nobody";
+  canon_.skeleton = "unknown";
   EXPECT_FALSE(Canon(evidence, "tracks"));
 }
 
@@ -111,7 +109,7 @@ TEST(Annotations, OfTwoSegmentsOverTheSameFramesTheFirstIsKeptAndTheSecondIsAFin
   EXPECT_EQ(findings[0].severity, Severity::kWarning);
   EXPECT_EQ(findings[0].frame_begin, 0);
   EXPECT_EQ(findings[0].frame_end, 30);
-  EXPECT_EQ(findings[0].message, "segment 'wave' is over the same frames as segment 'walk', which was kept");
+  EXPECT_EQ(findings[0].message, "segment 'wave' has the same frames as segment 'walk', which was kept");
 }
 
 TEST_F(Curation, WhatIngestFoundStandsInTheDatasetOnceWhicheverWayTheClipCame) {
@@ -121,7 +119,7 @@ TEST_F(Curation, WhatIngestFoundStandsInTheDatasetOnceWhicheverWayTheClipCame) {
       const auto outcome = Canon(Evidence(recording, 1.0, 60), role);
       ASSERT_TRUE(outcome) << outcome.error().Message();
       ASSERT_EQ(outcome->kind, OutcomeKind::kDone);
-      EXPECT_TRUE(outcome->findings.empty()) << "ingest has told it already";
+      EXPECT_TRUE(outcome->findings.empty()) << "ingest has reported it already";
       assemble.inputs.push_back({"clip", recording, folder_ / (role + recording), "0"});
     }
     ASSERT_TRUE(AssembleStage(assemble));

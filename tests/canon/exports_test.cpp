@@ -19,6 +19,7 @@
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
 #include "ingest/read_motions.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/support/swinging_clips.h"
 
 #ifdef MOCURATE_ASSIMP
@@ -34,25 +35,6 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-
-/// A folder of one test, removed at its end.
-class ExportFolder {
- public:
-  ExportFolder() {
-    std::string name = (fs::temp_directory_path() / "mocurate_exports_XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~ExportFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ExportFolder(const ExportFolder&) = delete;
-  ExportFolder& operator=(const ExportFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 struct Written {
   std::map<std::string, std::size_t> clip_of;  ///< file, or name in the lists -> position
@@ -148,7 +130,7 @@ double FarthestRotation(const Motion& a, const Motion& b, int joints) {
 
 struct RoundTrip {
   const char* layout;
-  double joints_m;  ///< how far a joint may come back elsewhere
+  double joints_m;  ///< largest error of a joint after the round trip
   bool rotations;   ///< come back
   bool names;       ///< persons come back; recordings where their names are names for files
   bool fine_labels;
@@ -168,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(Exports, EveryLayout,
 TEST_P(EveryLayout, ComesBackByItsOwnDeclaration) {
   const RoundTrip& expected = GetParam();
   const Dataset dataset = SwingingSet("smpl24");
-  const ExportFolder folder;
+  const ScratchFolder folder;
   const Written written = WriteExport(expected.layout, dataset, folder.path());
   EXPECT_THAT(written.refused, IsEmpty());
   const std::map<std::size_t, Clip> back = ReadBack(written, folder.path());
@@ -196,9 +178,9 @@ TEST_P(EveryLayout, ComesBackByItsOwnDeclaration) {
   EXPECT_EQ(back.at(3).identity.recording, "long.40-71");
 }
 
-/// The classes in their order, and the splits that a declaration can say.
+/// The classes in their order, and the splits that a declaration supports.
 TEST_P(EveryLayout, DeclaresClassesAndSplits) {
-  const ExportFolder folder;
+  const ScratchFolder folder;
   WriteExport(GetParam().layout, SwingingSet("smpl24"), folder.path());
   const auto node = LoadConfig(folder.path() / "source.yaml");
   ASSERT_TRUE(node) << node.error().Message();
@@ -222,7 +204,7 @@ TEST_P(EveryLayout, DeclaresClassesAndSplits) {
 }
 
 TEST_P(EveryLayout, GivesTheSameBytesAgain) {
-  const ExportFolder once, twice;
+  const ScratchFolder once, twice;
   const Dataset dataset = SwingingSet("smpl24");
   const Written first = WriteExport(GetParam().layout, dataset, once.path());
   WriteExport(GetParam().layout, dataset, twice.path());
@@ -237,7 +219,7 @@ TEST_P(EveryLayout, RefusesAClipThatItCannotTakeAndNoOther) {
   Clip& odd = dataset.clips[1];
   const bool holds_rate = layout == "npz" || layout == "bvh" || layout == "amass_babel";
   odd.rate = odd.motion->rate = FrameRate{60, 1};
-  const ExportFolder folder;
+  const ScratchFolder folder;
   const Written written = WriteExport(layout, dataset, folder.path());
   if (holds_rate) {
     EXPECT_THAT(written.refused, IsEmpty());
@@ -258,7 +240,7 @@ TEST_P(EveryLayout, RefusesAClipThatItCannotTakeAndNoOther) {
 
 TEST(ExportedSegments, AreBabelsFrameLabels) {
   const Dataset dataset = SwingingSet("smpl24");
-  const ExportFolder folder;
+  const ScratchFolder folder;
   const Written written = WriteExport("amass_babel", dataset, folder.path());
   const std::map<std::size_t, Clip> back = ReadBack(written, folder.path());
   ASSERT_EQ(back.count(2), 1u);
@@ -275,7 +257,7 @@ TEST(ExportedSegments, AreBabelsFrameLabels) {
   for (const char* part : {"train", "val", "test"}) {
     const auto sequences = nlohmann::json::parse(ReadFile(babel / (std::string(part) + ".json")).value());
     for (const auto& [sid, sequence] : sequences.items()) {
-      EXPECT_FALSE(sequence["seq_ann"].contains("babel_lid")) << "nobody can know it";
+      EXPECT_FALSE(sequence["seq_ann"].contains("babel_lid")) << "the source does not state it";
       files[sequence["feat_p"].get<std::string>()] = part;
     }
   }
@@ -294,12 +276,12 @@ TEST(ExportedHumanAct12, KeepsNamesOfTheSetAndMakesOthers) {
                    Swinging(dataset.skeleton, StudioTake("anna", "walk", 5, 25), "walk", 2.0),
                    Swinging(dataset.skeleton, StudioTake("bob", "walk", 5, 25), "walk", 3.0)};
   dataset.clips[0].fine_label = "warm_up_pectoral";
-  const ExportFolder folder;
+  const ScratchFolder folder;
   const Written written = WriteExport("humanact12", dataset, folder.path());
   std::map<std::size_t, std::string> names;
   for (const auto& [name, position] : written.clip_of) names[position] = name;
   EXPECT_EQ(names[0], "P02G01R03F0010T0039A0102.npy") << "the set's own name";
-  EXPECT_EQ(names[1], "P02G01R01F0000T0029A0200.npy") << "its name says another class";
+  EXPECT_EQ(names[1], "P02G01R01F0000T0029A0200.npy") << "its name has another class";
   EXPECT_EQ(names[2], "P01G01R01F0005T0024A0200.npy");
   EXPECT_EQ(names[3], "P03G01R01F0005T0024A0200.npy");
   const auto array = ParseNpy(ReadFile(folder.path() / names[0]).value(), "clip");
@@ -309,16 +291,16 @@ TEST(ExportedHumanAct12, KeepsNamesOfTheSetAndMakesOthers) {
   const double* written_head = array->values.data() + 3 * 15;
   EXPECT_NEAR(written_head[0], head.x(), 1e-12);
   EXPECT_NEAR(written_head[1], -head.y(), 1e-12) << "y points down";
-  EXPECT_NEAR(written_head[2], -head.z(), 1e-12) << "who faces +z faces the camera";
+  EXPECT_NEAR(written_head[2], -head.z(), 1e-12) << "a person facing +z faces the camera";
 }
 
 TEST(ExportedActor, RefusesWhatItsListsCannotHold) {
   Dataset dataset = SwingingSet("smpl24");
   dataset.clips[0].label = "";
-  const ExportFolder folder;
+  const ScratchFolder folder;
   EXPECT_THAT(WriteExport("actor", dataset, folder.path()).refused, ElementsAre(dataset.clips[0].id()));
   const Dataset others = SwingingSet("openni15");
-  const ExportFolder none;
+  const ScratchFolder none;
   EXPECT_THAT(WriteExport("actor", others, none.path()).refused, SizeIs(4));
 }
 
@@ -327,13 +309,13 @@ TEST(ExportedActor, HoldsMoreClassesThanThePublishedFile) {
   dataset.labels.clear();
   for (int c = 0; c < 15; ++c) dataset.labels.push_back("class " + std::to_string(c));
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) dataset.clips[i].label = dataset.labels[14 - i];
-  const ExportFolder folder;
+  const ScratchFolder folder;
   const std::map<std::size_t, Clip> back = ReadBack(WriteExport("actor", dataset, folder.path()), folder.path());
   ASSERT_EQ(back.size(), dataset.clips.size());
   EXPECT_EQ(back.at(0).label, "class 14");
 }
 
-/// Joint tracks of a tree that is none of the built-in ones.
+/// Joint tracks of a tree that is not built in.
 TEST(ExportedJoints, OfAForeignTreeComeBackWithIt) {
   auto tree = std::make_shared<Skeleton>();
   tree->name = "insect";
@@ -358,7 +340,7 @@ TEST(ExportedJoints, OfAForeignTreeComeBackWithIt) {
   }
   for (const char* layout : {"humanact12", "csv"}) {
     SCOPED_TRACE(layout);
-    const ExportFolder folder;
+    const ScratchFolder folder;
     const Written written = WriteExport(layout, dataset, folder.path());
     const std::map<std::size_t, Clip> back = ReadBack(written, folder.path());
     ASSERT_EQ(back.size(), 2u);
@@ -379,7 +361,7 @@ TEST(ExportNames, AreNamesForFilesAndNeverOneForTwo) {
   FileNames names;
   EXPECT_EQ(names.Of("a/b"), "a_b");
   EXPECT_EQ(names.Of("a:b"), "a_b~2");
-  EXPECT_EQ(names.Of("A_B"), "A_B~3") << "one file system does not tell capitals apart";
+  EXPECT_EQ(names.Of("A_B"), "A_B~3") << "some file systems ignore case";
   EXPECT_EQ(names.Of("a/b"), "a_b");
   const std::vector<std::string> ids = {"s/p1/walk#0-9", "s/p2/walk#0-9", "s/p2/run#0-9"};
   EXPECT_EQ(ClipNames(ids, RecordingNames::kOfPerson).Recording(0), "walk");
@@ -404,7 +386,7 @@ void CollectPlaces(const aiNode& node, const std::map<std::string, const aiNodeA
 
 TEST(ExportedBvh, IsReadByAssimpInCentimetres) {
   const Dataset dataset = SwingingSet("smpl24");
-  const ExportFolder folder;
+  const ScratchFolder folder;
   const Written written = WriteExport("bvh", dataset, folder.path());
   const std::string text = ReadFile(folder.path() / written.files[0]).value();
   Assimp::Importer importer;

@@ -1,4 +1,4 @@
-// After canonicalisation the anchor frame stands at the origin and faces +z, and nothing else about the motion changed.
+// After canonicalisation the anchor frame is at the origin facing +z, and nothing else about the motion changed.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ SkeletonPtr Smpl() {
   return *skeleton;
 }
 
-/// A clip whose root turns and travels; other joints bend a little.
+/// A clip whose root rotates and travels; other joints bend a little.
 Clip TurningClip(std::uint64_t seed, double tilt) {
   Random random(seed, "clip");
   const SkeletonPtr skeleton = Smpl();
@@ -59,7 +59,7 @@ TEST(FaceFront, ReadsHipsThatHangBelowARootThatNeverTurns) {
   ASSERT_NE(*hips, 0);
   for (const double turn : {0.5, 2.0, -3.0}) {
     std::vector<Quaterniond> rotation(2 * static_cast<std::size_t>(joints), Quaterniond::Identity());
-    // Bones of this skeleton point along local x: stand it up, then turn it.
+    // Bones of this skeleton point along local x: set it upright, then rotate it.
     const Quaterniond up = ExpQuaternion(Vector3d(0, 0, 0.5 * 3.14159265358979));
     for (int f = 0; f < 2; ++f) {
       rotation[static_cast<std::size_t>(f * joints + *hips)] = ExpQuaternion(Vector3d(0, turn, 0)) * up;
@@ -75,7 +75,7 @@ TEST(FaceFront, ReadsHipsThatHangBelowARootThatNeverTurns) {
   }
 }
 
-/// A tree as an exporter names it, facing along x: hips that no skeleton of configs/skeletons calls so.
+/// A tree with an exporter's names, facing along x: no skeleton of configs/skeletons has these hip names.
 Clip ExportedClip() {
   auto skeleton = std::make_shared<Skeleton>();
   skeleton->name = "exported";
@@ -170,7 +170,7 @@ TEST(Heading, OfAPersonLyingOnTheSideComesFromTheForwardAxis) {
 }
 
 TEST(Heading, ByTheTwistIsContinuousWhereTheHipAxisPassesTheVertical) {
-  // A person who turns over sideways, from standing to lying and on towards the head: 0 to 160 degrees.
+  // A person who rolls over sideways, from standing to lying and on towards the head: 0 to 160 degrees.
   FacingOptions twist;
   twist.rule = FacingRule::kTwist;
   double most_by_twist = 0.0, most_by_euler = 0.0;
@@ -276,7 +276,7 @@ TEST(FaceFront, OfAFrameASegmentOrAPersonThatIsNotThereIsRefused) {
   EXPECT_EQ(FaceFront(bent, clip).error().code, ErrorCode::kConfig);
 }
 
-/// The released code works z-up; C = y-up from z-up on the world side turns its numbers into ours (multiact.md B.3).
+/// The released code is z-up; C = y-up from z-up on the world side converts its values to ours (multiact.md B.3).
 Matrix3d YFromZ() {
   Matrix3d y_from_z;
   y_from_z << 1, 0, 0, 0, 0, 1, 0, -1, 0;

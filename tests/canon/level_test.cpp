@@ -1,4 +1,4 @@
-// A floor is found under the feet of people who stand on it, however the sensor that saw them was tilted.
+// The floor is estimated from standing feet for any tilt of the sensor.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDegree = kPi / 180.0;
 
-/// People who stand for a second each, `away` metres around the origin, by turns of `spread` radians around +z, leaning
+/// People who stand for a second each, `away` metres around the origin, rotated by `spread` radians around +z, leaning
 /// forward by about two degrees; joints with noise of 1 cm.
 std::vector<Clip> StandingPeople(int count, double away, double spread) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
@@ -98,7 +98,7 @@ TEST(Floor, ByHeightAloneKeepsTheVertical) {
   EXPECT_NEAR(again.height, floor->height, 1e-12);
 }
 
-TEST(Floor, OfNobodyIsUnknown) { EXPECT_FALSE(EstimateFloor(Tilts(), {})); }
+TEST(Floor, OfNoPersonIsUnknown) { EXPECT_FALSE(EstimateFloor(Tilts(), {})); }
 
 }  // namespace
 }  // namespace mocurate

@@ -12,6 +12,7 @@
 #include "canon/values/subset.h"
 #include "core/motion/fingerprint.h"
 #include "tests/canon/value_sets.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -38,7 +39,7 @@ Expected<MergedDataset> Merge(const std::vector<Dataset>& datasets) {
   return MergeDatasets(parts);
 }
 
-/// Of people whom SixClips does not know.
+/// Of people who are not in SixClips.
 Dataset OtherPeople() {
   Dataset others = SixClips();
   for (Clip& clip : others.clips) {
@@ -49,7 +50,7 @@ Dataset OtherPeople() {
   return others;
 }
 
-/// The same, rotations and all; of somebody whose bones are told from another rest pose.
+/// The same with rotations, of a person whose rotations refer to another rest pose.
 Dataset WithRotations(const SkeletonPtr& skeleton, const std::string& person) {
   Dataset dataset;
   dataset.skeleton = skeleton;
@@ -73,13 +74,13 @@ TEST(Merge, OfAllPartsOfADatasetIsTheDataset) {
   EXPECT_EQ(merged->dataset.splits[0].train, whole.splits[0].train);
   EXPECT_EQ(merged->dataset.splits[0].validation, whole.splits[0].validation);
   EXPECT_EQ(merged->dataset.splits[0].test, whole.splits[0].test);
-  EXPECT_EQ(merged->dataset.splits[0].rule, "drawn") << "all parts say so";
+  EXPECT_EQ(merged->dataset.splits[0].rule, "drawn") << "as in all parts";
   const auto count = [](const std::vector<Finding>& findings, const std::string& code) {
     const auto codes = CodesOfFindings(findings);
     return std::count(codes.begin(), codes.end(), code);
   };
   EXPECT_EQ(count(merged->findings, "repeated_clip"), 2);
-  EXPECT_EQ(count(merged->dataset.findings, "teleport"), 3) << "each once, also of the clip that two parts have";
+  EXPECT_EQ(count(merged->dataset.findings, "position_jump"), 3) << "each once, also for the clip in two parts";
   for (std::size_t i = 0; i < merged->origins.size(); ++i) {
     const auto [part, row] = merged->origins[i];
     EXPECT_EQ(parts[part].clips[row].id(), whole.clips[i].id());
@@ -103,9 +104,9 @@ TEST(Merge, UnitesLabelsInTheOrderOfTheFirst) {
   EXPECT_THAT(merged->dataset.recipe, HasSubstr("six clips"));
 
   others.fine_labels[1].parent = 2;
-  const auto torn = Merge({SixClips(), others});
-  ASSERT_FALSE(torn) << "'b at once' of class b, and of class a";
-  EXPECT_EQ(torn.error().code, ErrorCode::kInconsistent);
+  const auto conflict = Merge({SixClips(), others});
+  ASSERT_FALSE(conflict) << "'b at once' of class b, and of class a";
+  EXPECT_EQ(conflict.error().code, ErrorCode::kInconsistent);
 }
 
 TEST(Merge, ChecksUnitedSplitsForLeaksThatNoPartHasByItself) {
@@ -167,7 +168,7 @@ TEST(Merge, RefusesOneIdOfTwoClipsAndNamesBothFiles) {
     EXPECT_FALSE(merged);
     EXPECT_EQ(merged.error().code, ErrorCode::kInconsistent);
     EXPECT_EQ(merged.error().where, "B");
-    EXPECT_THAT(merged.error().what, HasSubstr("that of A"));
+    EXPECT_THAT(merged.error().what, HasSubstr("differs from that of A"));
     EXPECT_THAT(merged.error().what, HasSubstr(SixClips().clips[2].id()));
   };
   refused([](Clip& clip) { clip.motion->joints.xyz[7] += 0.001; });
@@ -177,7 +178,7 @@ TEST(Merge, RefusesOneIdOfTwoClipsAndNamesBothFiles) {
   refused([](Clip& clip) { clip.identity.licence = "none"; });
 }
 
-TEST(Merge, RefusesOtherTreesRestPosesAndKindsOfMotion) {
+TEST(Merge, RefusesOtherTreesRestPosesAndModalitiesOfMotion) {
   const SkeletonPtr skeleton = Skeleton15();
   auto bent = std::make_shared<Skeleton>(*skeleton);
   for (Joint& joint : bent->joints) joint.rest_offset = Eigen::AngleAxisd(0.3, Vector3d::UnitX()) * joint.rest_offset;
@@ -195,8 +196,7 @@ TEST(Merge, RefusesOtherTreesRestPosesAndKindsOfMotion) {
 }
 
 TEST(Merge, OfFilesWritesWhatTheDatasetsHold) {
-  const fs::path folder = fs::path(testing::TempDir()) / ("merge_" + std::to_string(getpid()));
-  fs::create_directories(folder);
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(Where("person == p2"), folder / "a.h5"));
   ASSERT_TRUE(WriteDataset(Where("person != p2"), folder / "b.h5"));
   const auto files = OpenDatasetFiles({folder / "a.h5", folder / "b.h5"});
@@ -218,7 +218,6 @@ TEST(Merge, OfFilesWritesWhatTheDatasetsHold) {
     EXPECT_EQ(MotionFingerprint(*read->clips[i].motion), MotionFingerprint(*whole.clips[i].motion));
   }
   EXPECT_EQ(read->splits[0].train, whole.splits[0].train);
-  fs::remove_all(folder);
 }
 
 }  // namespace

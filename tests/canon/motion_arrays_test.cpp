@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-/// Joints turned at random, bones of a length of their own.
+/// Random joint rotations, with bone lengths of their own.
 Clip Tumbling(const std::string& skeleton_name, int frames = 7) {
   const SkeletonPtr skeleton = *LoadSkeleton(skeleton_name);
   Random random(11, "tumbling");

@@ -1,4 +1,4 @@
-// Decisions of a person about clips: read, checked, carried out, and what no longer fits is told.
+// Review decisions about clips: reading, checking, applying, and reporting the stale ones.
 
 #include <unistd.h>
 
@@ -15,6 +15,7 @@
 #include "core/base/file.h"
 #include "core/motion/fingerprint.h"
 #include "tests/canon/moving_clips.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -26,7 +27,6 @@ using ::testing::HasSubstr;
 class Reviewed : public testing::Test {
  protected:
   void SetUp() override {
-    fs::create_directories(folder_);
     dataset_ = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1),
                       ClipMoving("p3", "b", 42, 5, 30, 1), ClipMoving("p4", "b", 43, 5, 30, 1)});
     for (Clip& clip : dataset_.clips) {
@@ -47,14 +47,12 @@ class Reviewed : public testing::Test {
     dataset_.splits = {split};
     Finding finding;
     finding.clip = dataset_.clips[1].id();
-    finding.code = "teleport";
+    finding.code = "position_jump";
     finding.frame_begin = 5;
     finding.frame_end = 15;
     dataset_.findings = {finding, finding};
     dataset_.findings[1].clip = dataset_.clips[0].id();
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Decision About(int row, Verdict verdict) const {
     Decision decision;
     decision.verdict = verdict;
@@ -67,7 +65,7 @@ class Reviewed : public testing::Test {
     return decision;
   }
 
-  /// As the page saves them and a person may write them.
+  /// As saved by the page, or written by hand.
   Expected<Review> Read(const std::vector<Decision>& decisions) const {
     EXPECT_TRUE(WriteFile(folder_ / "decisions.yaml", ReviewText({"set.h5", decisions})));
     return ReadReview(folder_ / "decisions.yaml");
@@ -79,7 +77,7 @@ class Reviewed : public testing::Test {
     return codes;
   }
 
-  const fs::path folder_ = fs::path(testing::TempDir()) / ("reviewed_" + std::to_string(getpid()));
+  const ScratchFolder folder_;
   Dataset dataset_;
 };
 
@@ -121,7 +119,17 @@ TEST_F(Reviewed, AClipThatWasCutIsKnownByItsNewIdAfterwards) {
   EXPECT_EQ(dataset_.clips.size(), 3u);
 }
 
-TEST_F(Reviewed, WhatNoLongerFitsIsToldAndNotCarriedOut) {
+TEST_F(Reviewed, ADecisionAboutAFormerCodeAcceptsTheFindingOfToday) {
+  Decision kept = About(0, Verdict::kKeep);
+  kept.finding = "teleport";
+  const auto review = Read({kept});
+  ASSERT_TRUE(review) << review.error().Message();
+  EXPECT_EQ(review->decisions[0].finding, "position_jump");
+  const std::map<std::string, std::string> contents = {{kept.clip, kept.content}};
+  EXPECT_TRUE(IsAccepted(*review, contents, kept.clip, "", "position_jump"));
+}
+
+TEST_F(Reviewed, WhatNoLongerFitsIsReportedAndNotCarriedOut) {
   Decision gone = About(0, Verdict::kDrop), changed = About(1, Verdict::kDrop);
   gone.clip = "test/p9/nowhere#0-10";
   changed.content = "0123456789abcdef";
@@ -179,7 +187,7 @@ TEST_F(Reviewed, DecisionsThatContradictEachOtherAreRefusedWithBothPlaces) {
     EXPECT_THAT(review.error().Message(), AllOf(HasSubstr("decisions.yaml:3"), HasSubstr("decisions.yaml:")));
   }
   EXPECT_TRUE(Read({About(0, Verdict::kKeep), with(Verdict::kDrop, "", 0, "leak")})) << "of two findings";
-  for (const Verdict verdict : {Verdict::kDrop, Verdict::kCut}) {  // said twice, under two findings
+  for (const Verdict verdict : {Verdict::kDrop, Verdict::kCut}) {  // repeated, under two findings
     Decision again = About(0, verdict);
     again.finding = "outlier";
     Dataset copy = dataset_;
@@ -211,7 +219,7 @@ TEST_F(Reviewed, AssemblingTakesDecisionsAndAnAuditIsSilentAboutWhatWasKept) {
   const Dataset made = *ReadDataset(folder_ / "dataset.h5");
   ASSERT_EQ(made.clips.size(), 4u);
   EXPECT_EQ(made.clips[0].label, "b");
-  EXPECT_EQ(outcome->summary.at("left_out").size(), 1u);
+  EXPECT_EQ(outcome->summary.at("excluded").size(), 1u);
 
   StageRequest audit{"audit", "audit", OptionsToJson(AuditOptions()), {}, folder_ / "audit.json", folder_};
   audit.inputs = {{"dataset", "dataset.h5", folder_ / "dataset.h5", ""}};

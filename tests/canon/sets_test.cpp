@@ -1,4 +1,4 @@
-// Splitting and assembling: who plays which part, and what leaks.
+// Splits: assignment of groups to parts, and leaks.
 
 #include <unistd.h>
 
@@ -15,6 +15,7 @@
 #include "canon/splits/splits.h"
 #include "canon/stages.h"
 #include "tests/canon/moving_clips.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -165,7 +166,7 @@ TEST(Split, OtherPersonsOfTheSameSourceAreDrawnAndThatIsSaid) {
   EXPECT_EQ(findings[1].code, "split_drawn");
 }
 
-TEST(Split, OnePersonWhoIsThereTestsAloneAndNobodyIsDrawn) {
+TEST(Split, OnePersonWhoIsThereTestsAloneAndNoOneIsDrawn) {
   const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p7", "a", 41, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
@@ -178,7 +179,7 @@ TEST(Split, OnePersonWhoIsThereTestsAloneAndNobodyIsDrawn) {
   EXPECT_THAT(findings[0].message, HasSubstr("'p8'"));
 }
 
-TEST(Split, WhereEverybodyIsNamedToTestNobodyTrainsAndTheSplitIsRefused) {
+TEST(Split, WhereAllAreNamedToTestNoPersonTrainsAndTheSplitIsRefused) {
   const Dataset dataset = SetOf({ClipMoving("p7", "a", 40, 5, 30, 1), ClipMoving("p8", "a", 41, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
@@ -188,7 +189,7 @@ TEST(Split, WhereEverybodyIsNamedToTestNobodyTrainsAndTheSplitIsRefused) {
   ASSERT_FALSE(split);
   EXPECT_EQ(split.error().code, ErrorCode::kConfig);
   EXPECT_THAT(split.error().Message(), HasSubstr("none is left to train: p7, p8"));
-  EXPECT_TRUE(MeetGroups(options, {"p7", "p8", "p1"}, findings)) << "p1 trains";
+  EXPECT_TRUE(ResolveGroups(options, {"p7", "p8", "p1"}, findings)) << "p1 trains";
 }
 
 TEST(Split, WhoIsNamedPlaysThatPartWhateverIsDrawnBesideIt) {
@@ -228,7 +229,7 @@ TEST(Split, AMissingValidationPersonIsReplacedAndTheTestPersonStays) {
   EXPECT_THAT(findings[1].message, HasSubstr("selects"));
 }
 
-TEST(Split, APartThatNobodyCanPlayBesideThoseWhoAreNamedIsRefused) {
+TEST(Split, APartThatNoPersonCanPlayBesideThoseWhoAreNamedIsRefused) {
   const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
@@ -237,7 +238,7 @@ TEST(Split, APartThatNobodyCanPlayBesideThoseWhoAreNamedIsRefused) {
   std::vector<Finding> findings;
   auto split = MakeSplit(options, dataset, findings);
   ASSERT_FALSE(split);
-  EXPECT_THAT(split.error().Message(), HasSubstr("nobody would test: none of 'p7' is there"));
+  EXPECT_THAT(split.error().Message(), HasSubstr("the test part would be empty: none of 'p7' is in the set"));
   options.test = {"p2"};
   split = MakeSplit(options, dataset, findings);
   ASSERT_FALSE(split);
@@ -281,10 +282,8 @@ TEST(NearestNeighbour, RecognisesMotionsThatDiffer) {
   EXPECT_EQ(result.count, 2);
 }
 
-TEST(Stages, CanonOfAnnotatedClipsTellsTheLabelsThatThereAre) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("mocurate_labels_test_" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
+TEST(Stages, CanonOfAnnotatedClipsReportsTheLabelsThatThereAre) {
+  const ScratchFolder folder;
   Clip clip = ClipMoving("p1", "", 90, 5, 80, 1);
   for (const auto& [label, begin] : {std::pair("walk", 0.0), {"transition", 1.0}, {"kick", 2.0}}) {
     Segment segment;
@@ -302,14 +301,10 @@ TEST(Stages, CanonOfAnnotatedClipsTellsTheLabelsThatThereAre) {
   ASSERT_TRUE(outcome) << outcome.error().Message();
   EXPECT_EQ(outcome->summary.at("clips"), 2);
   EXPECT_EQ(outcome->summary.at("labels"), nlohmann::json({"kick", "transition", "walk"}));
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Stages, CanonThenAssembleGivesAReadableDataset) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("mocurate_canon_test_" + std::to_string(getpid()));
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
+  const ScratchFolder folder;
   AssembleOptions options;
   options.splits.resize(1);
   options.splits[0].by = SplitBy::kPerson;
@@ -339,7 +334,6 @@ TEST(Stages, CanonThenAssembleGivesAReadableDataset) {
   EXPECT_EQ(dataset->labels.size(), 2u);
   ASSERT_EQ(dataset->splits.size(), 1u);
   EXPECT_EQ(dataset->splits[0].test.size(), 2u);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

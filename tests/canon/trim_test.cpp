@@ -1,4 +1,4 @@
-// Trimming: what is kept, what is dropped and why.
+// Trimming: kept and dropped spans, with reasons.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -129,7 +129,7 @@ TEST(Trim, SpeedsDoNotDependOnTheFrameRate) {
   EXPECT_NEAR(FrameSpeeds(*fast.motion, 0.0)[0], 1.5, 1e-9);
 }
 
-TEST(Trim, AnnotatedSegmentsBecomeClipsAndUnwantedLabelsAreLeftOut) {
+TEST(Trim, AnnotatedSegmentsBecomeClipsAndUnwantedLabelsAreExcluded) {
   Clip clip = ClipMoving("p", "a", 90, 10, 50, 1.0);
   clip.segments = {
       {0.0, 1.0, "idle", "", "annotated"}, {1.0, 2.0, "wave", "", "annotated"}, {2.0, 2.05, "jump", "", "annotated"}};
@@ -179,7 +179,7 @@ TEST(Tracks, MissingObservationsAreInterpolatedAndMarkedAndNeverRead) {
   EXPECT_EQ(motion->state[skeleton->joint_count() + 2], JointState::kInterpolated);
 }
 
-TEST(Tracks, AJointThatNobodyTracksIsNamed) {
+TEST(Tracks, AJointThatNoPersonTracksIsNamed) {
   JointTracks tracks;
   tracks.names = {"head"};
   tracks.positions = JointPositions(2, 1);

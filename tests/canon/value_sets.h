@@ -39,7 +39,7 @@ inline Dataset SixClips() {
   for (const int row : {0, 0, 2}) {
     Finding finding;
     finding.clip = dataset.clips[static_cast<std::size_t>(row)].id();
-    finding.code = "teleport";
+    finding.code = "position_jump";
     finding.frame_begin = static_cast<int>(dataset.findings.size());
     finding.frame_end = 10;
     dataset.findings.push_back(finding);

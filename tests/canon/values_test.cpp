@@ -1,4 +1,4 @@
-// Datasets as values: which clips a condition holds for, a part of a dataset, a dataset with other labels.
+// Datasets as values: conditions on clips, subsets, relabelled datasets.
 
 #include <unistd.h>
 
@@ -15,6 +15,7 @@
 #include "core/base/file.h"
 #include "tests/canon/moving_clips.h"
 #include "tests/canon/value_sets.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -62,8 +63,9 @@ TEST(Where, HoldsForTheClipsThatAPersonWouldPick) {
                                                 {"view =~ 'front.view' and source == test", {0, 1, 2, 3, 4, 5}},
                                                 {"part(persons) == train and role == train", {0, 1, 4, 5}},
                                                 {"part('persons') in [test, validation]", {2, 3}},
-                                                {"findings(teleport) > 1", {0}},
-                                                {"findings('teleport') == 0", {1, 3, 4, 5}},
+                                                {"findings(position_jump) > 1", {0}},
+                                                {"findings('teleport') > 1", {0}},
+                                                {"findings('position_jump') == 0", {1, 3, 4, 5}},
                                                 {"segments(step) == 2", {2}},
                                                 {"session == morning and provenance(style) == 'old man'", {1}},
                                                 {"fine_label != ''", {0, 1}},
@@ -129,7 +131,8 @@ TEST(Subset, KeepsPartsLabelsAndFindingsOfTheClipsThatStay) {
   EXPECT_THAT(dataset.splits[0].train, ElementsAre(0, 1, 2));
   EXPECT_THAT(dataset.splits[0].test, IsEmpty());
   EXPECT_THAT(CodesOfFindings(subset->findings), ElementsAre("empty_part", "empty_part"));
-  EXPECT_THAT(CodesOfFindings(dataset.findings), ElementsAre("teleport", "teleport", "empty_part", "empty_part"));
+  EXPECT_THAT(CodesOfFindings(dataset.findings),
+              ElementsAre("position_jump", "position_jump", "empty_part", "empty_part"));
   EXPECT_THAT(dataset.fine_labels, SizeIs(2));
 
   const auto closed = SubsetOf(SixClips(), *Condition::Parse("label == b"), {"six.h5", true});
@@ -147,9 +150,6 @@ TEST(Subset, KeepsPartsLabelsAndFindingsOfTheClipsThatStay) {
 
 class Relabelling : public ::testing::Test {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Expected<RelabelledDataset> By(const std::string& yaml, const Dataset& dataset = SixClips()) const {
     EXPECT_TRUE(WriteFile(folder_ / "map.yaml", yaml));
     const auto map = ReadRelabelMap(folder_ / "map.yaml");
@@ -166,10 +166,10 @@ class Relabelling : public ::testing::Test {
     return labels;
   }
 
-  const fs::path folder_ = fs::path(testing::TempDir()) / ("relabel_" + std::to_string(getpid()));
+  const ScratchFolder folder_;
 };
 
-TEST_F(Relabelling, RenamesClipsSegmentsAndClassesInThePlaceOfTheFirstOldLabel) {
+TEST_F(Relabelling, RenamesClipsSegmentsAndClassesAtTheIndexOfTheirFirstLabel) {
   const auto relabelled = By("c: x\nb: y\nstep: stride\n");
   ASSERT_TRUE(relabelled) << relabelled.error().Message();
   EXPECT_THAT(relabelled->dataset.labels, ElementsAre("a", "y", "x"));
@@ -240,7 +240,7 @@ TEST_F(Relabelling, ReportsWhatFitsNothingAndRefusesWhatCannotBe) {
   EXPECT_EQ(table.error().code, ErrorCode::kConfig);
 }
 
-TEST(SetFiles, AreToldApartByTheEndsOfTheirPaths) {
+TEST(SetFiles, AreDistinguishedByTheEndsOfTheirPaths) {
   EXPECT_THAT(NamesOfFiles({"runs/a/dataset.h5", "b.h5"}), ElementsAre("a/dataset.h5", "b.h5"));
   EXPECT_THAT(NamesOfFiles({"x/a/set.h5", "y/a/set.h5"}), ElementsAre("x/a/set.h5", "y/a/set.h5"));
   EXPECT_THAT(NamesOfFiles({"set.h5", "set.h5"}), ElementsAre("set.h5", "set.h5"));
@@ -253,7 +253,7 @@ TEST(Subset, KnowsTheFindingsOfTheRecordingsThatClipsWereCutFrom) {
   Dataset dataset = SetOf({first, second, other});
   Finding finding;
   finding.clip = "test/p1/a90_5#0-90";
-  finding.code = "teleport";
+  finding.code = "position_jump";
   finding.frame_begin = 60;
   finding.frame_end = 70;
   dataset.findings = {finding};

@@ -1,5 +1,5 @@
-// What libFuzzer does for hours, in a second per parser: the functions of tests/fuzz get their seeds, the inputs that
-// once broke them (tests/fuzz/regressions) and damaged copies of both, the same in every run.
+// A short fuzz run without libFuzzer: the functions of tests/fuzz read their seeds, the regression inputs
+// (tests/fuzz/regressions) and damaged copies of both. Every run uses the same inputs.
 
 #include <gtest/gtest.h>
 
@@ -31,10 +31,10 @@ constexpr Target kTargets[] = {
 #undef MOCURATE_FUZZ_TARGET
 };
 
-constexpr int kDamagedCopies = 400;   // of all seeds of a target together
-constexpr unsigned kLongest_s = 120;  // of a target; it takes about a second, with sanitizers ten
+constexpr int kDamagedCopies = 400;   // per target
+constexpr unsigned kLongest_s = 120;  // per target; typically 1 s, with sanitizers 10 s
 #ifdef __SANITIZE_ADDRESS__
-constexpr long kMostMemory_kb = 1024 * 1024;  // the sanitizer keeps freed memory back
+constexpr long kMostMemory_kb = 1024 * 1024;  // the sanitizer delays freeing memory
 #else
 constexpr long kMostMemory_kb = 512 * 1024;
 #endif
@@ -67,7 +67,7 @@ std::vector<Input> InputsOf(const std::string& target) {
 
 class Corpus : public ::testing::TestWithParam<Target> {};
 
-TEST_P(Corpus, IsAnsweredWithoutCrashHangOrAMountainOfMemory) {
+TEST_P(Corpus, IsReadWithoutCrashHangOrExcessiveMemory) {
   const std::vector<Input> inputs = InputsOf(GetParam().name);
   ASSERT_GT(inputs.size(), static_cast<std::size_t>(kDamagedCopies)) << "no seed in tests/fuzz/seeds_*.cpp";
   const test::Children children = test::InChildren(inputs.size(), kLongest_s, [&](std::size_t i) {

@@ -1,4 +1,4 @@
-// Damages: each does its dose and nothing else, and the table says which doses a metric answers to.
+// Damages: each applies exactly its dose, and the table lists the doses that a metric responds to.
 
 #include "eval/dose/damages.h"
 
@@ -14,6 +14,7 @@
 #include "core/motion/operations.h"
 #include "core/store/store.h"
 #include "eval/dose/dose_table.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
 
 namespace mocurate {
@@ -60,7 +61,8 @@ double RmsPerAxis(const Dataset& a, const Dataset& b) {
 }
 
 std::string BytesOf(const Dataset& dataset) {
-  const std::string file = testing::TempDir() + "dose_bytes.h5";
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "dose.h5";
   const Status written = WriteDataset(dataset, file);
   EXPECT_TRUE(written) << written.error().Message();
   return ReadFile(file).value_or("");
@@ -113,7 +115,7 @@ TEST(Dose, MotionsOfPeopleWithBonesOfTheirOwnAreWrittenAsJointsOfTheSharedSkelet
   for (Clip& clip : dataset.clips) {
     Skeleton own = *dataset.skeleton;
     own.joints[4].rest_offset = Vector3d(0.1, -0.4, 0.0);
-    clip.motion->counted_from = dataset.skeleton;
+    clip.motion->rotation_reference = dataset.skeleton;
     clip.motion->skeleton = std::make_shared<Skeleton>(own);
     ComputeJoints(*clip.motion);
   }
@@ -155,7 +157,7 @@ TEST(Dose, SharesAreOfExactlySoManyMotionsAndLargerOnesHoldTheSmaller) {
     EXPECT_TRUE(motion.Check());
   }
   const Dataset mirrored = DamagedToy(dataset, Damage::kMirrored, 1.0);
-  EXPECT_LT(RmsPerAxis(dataset, DamagedToy(mirrored, Damage::kMirrored, 1.0)), 1e-12) << "twice is once too often";
+  EXPECT_LT(RmsPerAxis(dataset, DamagedToy(mirrored, Damage::kMirrored, 1.0)), 1e-12) << "twice is the identity";
   std::vector<std::string> items;
   for (const Clip& clip : dataset.clips) items.push_back(clip.id());
   const std::vector<bool> few = DamagedShare(items, 0.1, Damage::kFrozen, 1),

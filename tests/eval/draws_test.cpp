@@ -1,4 +1,4 @@
-// What a repetition draws: real motions and the requests that generators answer.
+// The draws of a repetition: real motions and requests for generators.
 
 #include "eval/protocols/draws.h"
 

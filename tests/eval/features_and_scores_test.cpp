@@ -1,4 +1,4 @@
-// Features and scores of rows: repetitions, what good and bad generators score, and what makes it an error.
+// Features and scores of rows: repetitions, scores of good and bad generators, and errors.
 
 #include <gmock/gmock.h>
 
@@ -230,7 +230,7 @@ TEST_F(ToyEvaluation, PositionsThatAreNotFiniteAreAnErrorThatNamesTheMotion) {
   EXPECT_EQ(outcome.error().where, "generated/0/4");
 }
 
-TEST_F(ToyEvaluation, RowsThatDifferAreToldApartAndEqualOnesAreNot) {
+TEST_F(ToyEvaluation, RowsThatDifferAreDistinguishedAndEqualOnesAreNot) {
   const FeatureSet real = FeatureSetOf("dataset.h5", FeaturesOptions());
   FeatureSet shifted = real;
   for (float& value : shifted.features) value += 0.2f;

@@ -1,4 +1,4 @@
-// Fits against truth: constructed errors are measured as what they are.
+// Fits against truth: known errors are measured correctly.
 
 #include <gmock/gmock.h>
 #include <stdlib.h>
@@ -10,6 +10,7 @@
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
 #include "eval/stages.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -19,15 +20,12 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 class FitErrors : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "mocurate_fit_error_XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
     const auto skeleton = LoadSkeleton("smpl24");
     ASSERT_TRUE(skeleton) << skeleton.error().Message();
     skeleton_ = *skeleton;
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  /// A person whose joints all turn a little, differently in every frame.
+  /// A person whose joints all rotate a little, differently in every frame.
   Motion Dancing(int frames, std::uint64_t seed) const {
     Random random(seed, "dance");
     std::vector<Vector3d> root(frames);
@@ -89,7 +87,7 @@ class FitErrors : public testing::Test {
     return nlohmann::json::parse(*ReadFile(request_.output));
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   SkeletonPtr skeleton_;
   StageRequest request_;
 };

@@ -1,4 +1,4 @@
-// How motions become what an extractor reads: frames, units, roots, windows, padding.
+// Conversion of motions to an extractor's input: frames, units, roots, windows, padding.
 
 #include "eval/features/motion_input.h"
 
@@ -61,7 +61,7 @@ TEST(MotionInput, WindowsAndPaddingAreThoseOfTheReleasedPreparation) {
   }
 }
 
-/// Two frames of smpl24, the root turned as a camera sees it (y down) and brought to canonical axes.
+/// Two frames of smpl24 with a root rotation in camera axes (y down), converted to canonical axes.
 Motion CameraMotion(const Quaterniond& in_camera, const Quaterniond& knee) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   const Quaterniond half_turn(0.0, 1.0, 0.0, 0.0);  // diag(1, -1, -1)

@@ -1,4 +1,4 @@
-// What is asked of networks that answer scripts, and what of an answer is scored.
+// Requests for networks that generate scripts, and the scored part of a generated motion.
 
 #include "eval/protocols/scripts.h"
 
@@ -77,7 +77,7 @@ TEST(Scripts, ChainsFollowWhatTheSamplesSay) {
     int before = request.label;
     ASSERT_EQ(request.script.size(), 5u);
     for (const ScriptStep& step : request.script) {
-      EXPECT_EQ((step.label + 1) % 3, before) << "an action follows what precedes it in a sample";
+      EXPECT_EQ((step.label + 1) % 3, before) << "an action follows its predecessor in a sample";
       EXPECT_EQ(step.transition_frames, 4);
       before = step.label;
     }

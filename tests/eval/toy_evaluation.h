@@ -16,6 +16,7 @@
 #include "eval/options.h"
 #include "eval/protocols/score.h"
 #include "eval/stages.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
 #include "train/generators/motion_generator.h"
 #include "train/items.h"
@@ -23,7 +24,7 @@
 
 namespace mocurate {
 
-/// What the worker program hands to the stage: the networks of train.
+/// The loader that the worker program passes to the stage: the networks of train.
 inline Expected<AnswerRequests> OpenTrained(const GeneratorFiles& files, int) {
   auto loaded = MotionGenerator::Load(files.main);
   if (!loaded) return Forward(loaded);
@@ -42,8 +43,8 @@ inline Expected<AnswerRequests> OpenTrained(const GeneratorFiles& files, int) {
 class ToyEvaluation : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "mocurate_evaluate_XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
+    scratch_ = std::make_unique<ScratchFolder>();
+    folder_ = *scratch_;
     dataset_ = ToyDataset(4);
     Save(dataset_, "dataset.h5");
     NetworkOptions recogniser(NetworkKind::kGruRecogniser);
@@ -64,14 +65,14 @@ class ToyEvaluation : public testing::Test {
     generator.learning.iterations = 3;
     Train("Action2Motion", generator);
   }
-  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+  static void TearDownTestSuite() { scratch_.reset(); }
 
   static void Save(const Dataset& dataset, const std::string& name) {
     const Status written = WriteDataset(dataset, folder_ / name);
     ASSERT_TRUE(written) << written.error().Message();
   }
 
-  /// Where the network of an item lies.
+  /// Path of an item's network.
   static std::filesystem::path NetworkPath(std::string item) {
     std::replace(item.begin(), item.end(), '/', '_');
     return folder_ / (item + ".h5");
@@ -188,11 +189,12 @@ class ToyEvaluation : public testing::Test {
     return Scored({}, false, 1, row, FeatureSetOf("dataset.h5", FeaturesOptions()));
   }
 
+  inline static std::unique_ptr<ScratchFolder> scratch_;
   inline static std::filesystem::path folder_;
   inline static Dataset dataset_;
 };
 
-/// Generators that no program had to train: each answers a list of requests in its own way, whatever the checkpoint.
+/// Generators without training: each generates motions for requests by a rule of its own, whatever the checkpoint.
 inline OpenGenerator Answering(AnswerRequests answer) {
   return [answer = std::move(answer)](const GeneratorFiles&, int) -> Expected<AnswerRequests> { return answer; };
 }

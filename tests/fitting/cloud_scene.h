@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/file.h"
-#include "core/body/capsule_body.h"
+#include "core/body/bone_capsules.h"
 #include "core/formats/depth_sequence.h"
 #include "core/motion/clip.h"
 #include "core/motion/kinematics.h"
@@ -33,7 +33,7 @@ inline Camera CameraAround(double angle, const std::string& name) {
   return camera;
 }
 
-/// The joints of smpl24 under names of their own: a body of plain bone capsules, as core/body draws it.
+/// smpl24's joints under other names: a body of plain bone capsules, as core/body draws it.
 inline SkeletonPtr PlainSkeleton() {
   const Expected<SkeletonPtr> smpl = LoadSkeleton("smpl24");
   if (!smpl) return nullptr;
@@ -43,7 +43,7 @@ inline SkeletonPtr PlainSkeleton() {
   return plain;
 }
 
-/// Somebody `scale` times as large as the rest skeleton, who stands still with arms held apart.
+/// A person `scale` times as large as the rest skeleton, standing still with arms held apart.
 inline Motion StandingStill(const SkeletonPtr& skeleton, double scale, const FrameRate& rate, int frames) {
   std::vector<double> bones = skeleton->RestBoneLengths();
   for (double& bone : bones) bone *= scale;
@@ -60,7 +60,7 @@ inline Expected<Clip> RenderClip(const Motion& motion, const std::filesystem::pa
   std::filesystem::create_directories(folder);
   Clip clip;
   clip.rate = motion.rate;
-  const CapsuleBody body = CapsuleBody::Make(motion.skeleton);
+  const BoneCapsules body = BoneCapsules::Make(motion.skeleton);
   for (int v = 0; v < 3; ++v) {
     DepthView view;
     view.camera = CameraAround(2.1 * v + 0.3, "c" + std::to_string(v));

@@ -17,10 +17,10 @@ namespace mocurate {
 /// One of the studio's clips as PHSPD's three depth cameras see it.
 struct CloudTake {
   StudioClip clip;
-  Evidence evidence;          ///< files in the folder that was given
-  double heading = 0.0;       ///< radians about y, where the person faces in the first frame
-  double told_heading = 0.0;  ///< within 45 degrees of it
-  bool seated = false;        ///< in the first frame
+  Evidence evidence;              ///< files in the folder given
+  double heading = 0.0;           ///< radians about y, where the person faces in the first frame
+  double reported_heading = 0.0;  ///< within 45 degrees of it
+  bool seated = false;            ///< in the first frame
 };
 
 struct CloudTakeOptions {
@@ -39,7 +39,7 @@ inline double HeadingOf(const Motion& motion, int frame) {
   return std::atan2(front.x(), front.z());
 }
 
-/// The joints' tracks of the same frames.
+/// Joint tracks of the same frames.
 inline SkeletonTracks AtFrames(const SkeletonTracks& tracks, const std::vector<int>& frames) {
   SkeletonTracks at = tracks;
   at.positions = JointPositions(static_cast<int>(frames.size()), tracks.joints());
@@ -81,28 +81,28 @@ inline std::vector<CloudTake> CloudTakes(const CloudTakeOptions& options, const 
     for (int f = 0; f < std::min(options.frames, clip.truth.frame_count()); ++f) frames.push_back(f);
     if (options.stills) frames = {clip.truth.frame_count() / 2};
     const Motion whole = clip.truth;
-    clip.truth = Seen(whole, frames, RigidTransform{});
+    clip.truth = SelectFrames(whole, frames, RigidTransform{});
     clip.tracks = AtFrames(clip.tracks, frames);
     CloudTake take;
     const Actor& actor = (*actors)[static_cast<std::size_t>(clip.subject - 1)];
     const BodyView view(actor);
     for (std::size_t c = 0; c < rig.size(); ++c) {
-      DepthView seen;
-      seen.camera = rig[c];
+      DepthView depth_view;
+      depth_view.camera = rig[c];
       for (const int f : frames) {
         const std::string item = clip.name + "_" + rig[c].name + "_" + std::to_string(f);
-        seen.files.push_back(folder / (item + ".png"));
-        seen.time_s.push_back(clip.truth.rate.FrameTime(f));
-        if (std::filesystem::exists(seen.files.back())) continue;
-        const DepthImage image =
-            Sensed(view.Depth(whole, f, rig[c], rays[c]), rooms[c], rig[c], rays[c], studio.depth, studio.seed, item);
-        if (!WriteDepthImage(image, seen.files.back())) return {};
+        depth_view.files.push_back(folder / (item + ".png"));
+        depth_view.time_s.push_back(clip.truth.rate.FrameTime(f));
+        if (std::filesystem::exists(depth_view.files.back())) continue;
+        const DepthImage image = SimulateDepth(view.Depth(whole, f, rig[c], rays[c]), rooms[c], rig[c], rays[c],
+                                               studio.depth, studio.seed, item);
+        if (!WriteDepthImage(image, depth_view.files.back())) return {};
       }
-      take.evidence.depth_views.push_back(std::move(seen));
+      take.evidence.depth_views.push_back(std::move(depth_view));
     }
     Random random(options.seed, "cloud take", clip.name);
     take.heading = HeadingOf(clip.truth, 0);
-    take.told_heading = take.heading + (2.0 * random.Uniform() - 1.0) * 0.7853981633974483;
+    take.reported_heading = take.heading + (2.0 * random.Uniform() - 1.0) * 0.7853981633974483;
     const int knee = *clip.truth.skeleton->FindJoint("left_knee");
     const int hip = *clip.truth.skeleton->FindJoint("left_hip");
     const Vector3d thigh = clip.truth.joints.at(0, knee) - clip.truth.joints.at(0, hip);

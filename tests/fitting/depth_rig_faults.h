@@ -17,17 +17,17 @@
 
 namespace mocurate {
 
-/// A camera that stands so many metres aside and looks so many degrees elsewhere, both in a random direction.
-inline Camera Knocked(Camera camera, double moved_m, double turned_deg, Random& random) {
+/// The camera moved by `moved_m` metres and rotated by `rotated_deg` degrees, both in random directions.
+inline Camera Knocked(Camera camera, double moved_m, double rotated_deg, Random& random) {
   const auto direction = [&] { return Vector3d(random.Normal(), random.Normal(), random.Normal()).normalized(); };
-  const Vector3d way = moved_m * direction();
-  const Vector3d turn = turned_deg / 57.29577951308232 * direction();
-  camera.camera_from_world = RigidTransform{ExpQuaternion(turn), way} * camera.camera_from_world;
+  const Vector3d offset = moved_m * direction();
+  const Vector3d rotation = rotated_deg / 57.29577951308232 * direction();
+  camera.camera_from_world = RigidTransform{ExpQuaternion(rotation), offset} * camera.camera_from_world;
   return camera;
 }
 
-/// View `late` lists what happened `frames` frames before (negative: after); all views are cut to what is left.
-inline std::vector<DepthView> WithLateView(std::vector<DepthView> views, std::size_t late, int frames) {
+/// View `late` shows what happened `frames` frames earlier (negative: later); all views are cut to the common range.
+inline std::vector<DepthView> WithClockOffset(std::vector<DepthView> views, std::size_t late, int frames) {
   const std::size_t by = static_cast<std::size_t>(std::abs(frames));
   for (std::size_t v = 0; v < views.size(); ++v) {
     const auto cut = [&](auto& list) {
@@ -51,7 +51,7 @@ inline void ExchangeFiles(DepthView& a, DepthView& b) {
   std::swap(a.mask_sha256, b.mask_sha256);
 }
 
-/// The same views with every image turned over, written to `folder`: x counts from the right.
+/// The same views with every image mirrored, written to `folder`: x counts from the right.
 inline Expected<std::vector<DepthView>> WithMirroredImages(std::vector<DepthView> views,
                                                            const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
@@ -78,8 +78,8 @@ inline std::vector<double> MatrixOf(const std::string& bytes, const std::string&
   return {std::istream_iterator<double>(text), {}};
 }
 
-/// Head and upper body of one person from 80 sides, as configs/sources/rgbd100.yaml reads them: the person turned
-/// before a fixed sensor, the world is y down.
+/// Head and upper body of one person from 80 sides, as configs/sources/rgbd100.yaml reads them. The person rotated
+/// before a fixed sensor; the world is y down.
 inline Expected<std::vector<DepthView>> TurntableViews(const std::filesystem::path& folder) {
   const RigidTransform canonical{Quaterniond(Matrix3d(Vector3d(1, -1, -1).asDiagonal())), Vector3d::Zero()};
   std::vector<DepthView> views;

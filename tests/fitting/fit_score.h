@@ -11,9 +11,9 @@
 
 namespace mocurate {
 
-/// Errors of fits against the truth, means over joints and frames. Rotations on identifiable axes: the full rotation of
-/// joints with two or more children in different directions, of the others the direction of the bone to their child
-/// where that is at least 6 cm long.
+/// Errors of fits against the truth, means over joints and frames. Rotations count on identifiable axes only. A joint
+/// with two or more children in different directions counts its full rotation. Any other counts the direction of the
+/// bone to its child, if that is at least 6 cm long.
 struct FitScore {
   double joint_sum = 0.0, seen_sum = 0.0, hidden_sum = 0.0;  // metres
   std::int64_t joint_count = 0, seen_count = 0, hidden_count = 0;
@@ -21,7 +21,7 @@ struct FitScore {
   std::int64_t full_count = 0, bone_count = 0;
   std::int64_t one = 0, two = 0, whitened = 0;
   std::vector<double> by_joint;
-  std::vector<bool> only;  ///< (J) joints whose places count; empty: all
+  std::vector<bool> only;  ///< (J) joints whose position errors count; empty: all
   int frames = 0;
 
   void Add(const FitResult& fit, const StudioClip& clip) { Add(fit, clip, 0, fit.motion.frame_count()); }
@@ -101,18 +101,18 @@ struct FitScore {
   }
 };
 
-/// Samples whose sides are exchanged, and which of them a fit exchanged back.
+/// Samples whose sides are exchanged, and how many of them a fit exchanged back.
 struct SwapScore {
-  int there = 0;
-  int mended = 0;
+  int exchanged_samples = 0;
+  int corrected = 0;
   int mistaken = 0;
 
   void Add(const FitResult& fit, const StudioClip& clip) {
     for (std::size_t i = 0; i < clip.exchanged.size(); ++i) {
       const bool repaired = fit.motion.state[i] == JointState::kRepaired;
       const bool exchanged = clip.exchanged[i] && clip.tracks.confidence[i] > 0.0;
-      there += exchanged ? 1 : 0;
-      mended += exchanged && repaired ? 1 : 0;
+      exchanged_samples += exchanged ? 1 : 0;
+      corrected += exchanged && repaired ? 1 : 0;
       mistaken += !clip.exchanged[i] && repaired ? 1 : 0;
     }
   }

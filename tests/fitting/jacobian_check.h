@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// A cost at a point: its blocks lie in memory that `update` makes the cost see.
+/// A cost at a point. Its blocks are memory that `update` passes to the cost.
 struct CostAt {
   const ceres::CostFunction* cost;
   std::vector<double*> blocks;
@@ -58,30 +58,30 @@ inline Jacobians NumericJacobians(const CostAt& at, double step) {
 }
 
 /// Names block and entry of the largest difference relative to the largest entry.
-inline testing::AssertionResult SameJacobians(const Jacobians& analytic, const Jacobians& judge, double tolerance,
+inline testing::AssertionResult SameJacobians(const Jacobians& analytic, const Jacobians& reference, double tolerance,
                                               const std::string& name) {
   double scale = 1.0;
-  for (const std::vector<double>& block : judge) {
+  for (const std::vector<double>& block : reference) {
     for (const double value : block) scale = std::max(scale, std::abs(value));
   }
-  for (std::size_t b = 0; b < judge.size(); ++b) {
-    for (std::size_t i = 0; i < judge[b].size(); ++i) {
-      if (std::abs(analytic[b][i] - judge[b][i]) <= tolerance * scale) continue;  // also false for NaN
+  for (std::size_t b = 0; b < reference.size(); ++b) {
+    for (std::size_t i = 0; i < reference[b].size(); ++i) {
+      if (std::abs(analytic[b][i] - reference[b][i]) <= tolerance * scale) continue;  // also false for NaN
       return testing::AssertionFailure() << "block " << b << " entry " << i << ": analytic " << analytic[b][i] << ", "
-                                         << name << " " << judge[b][i] << " (scale " << scale << ")";
+                                         << name << " " << reference[b][i] << " (scale " << scale << ")";
     }
   }
   return testing::AssertionSuccess();
 }
 
-/// Two judges: numeric differences, and an autodiff cost of the same blocks, which must agree in value too.
+/// Compares with numeric differences and with an autodiff cost of the same blocks, which must agree in value too.
 #define EXPECT_JACOBIAN(at, autodiff, numeric_tolerance)                                                             \
   do {                                                                                                               \
     ::mocurate::Jacobians analytic_;                                                                                 \
     ::mocurate::Jacobians automatic_;                                                                                \
     const std::vector<double> value_ = ::mocurate::ResidualsOf(at, &analytic_);                                      \
-    const ::mocurate::CostAt judge_{&(autodiff), (at).blocks};                                                       \
-    const std::vector<double> same_ = ::mocurate::ResidualsOf(judge_, &automatic_);                                  \
+    const ::mocurate::CostAt reference_{&(autodiff), (at).blocks};                                                   \
+    const std::vector<double> same_ = ::mocurate::ResidualsOf(reference_, &automatic_);                              \
     for (std::size_t i_ = 0; i_ < value_.size(); ++i_) {                                                             \
       EXPECT_NEAR(value_[i_], same_[i_], 1e-9 * std::max(1.0, std::abs(same_[i_])));                                 \
     }                                                                                                                \

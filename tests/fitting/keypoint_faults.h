@@ -23,14 +23,14 @@ inline Evidence FramesOf(const Evidence& evidence, int begin, int end) {
   return some;
 }
 
-/// Keypoints of an image that was turned over: x becomes width - x.
+/// Keypoints of a mirrored image: x becomes width - x.
 inline void Mirror(KeypointView& view) {
   for (std::size_t i = 0; i < view.values.size(); i += 3) {
     if (view.values[i + 2] > 0.0) view.values[i] = view.camera.width - view.values[i];
   }
 }
 
-/// Keypoints of an image of another size than the camera's.
+/// Keypoints of an image `factor` times the size of the camera's.
 inline void Enlarge(KeypointView& view, double factor) {
   for (std::size_t i = 0; i < view.values.size(); i += 3) {
     view.values[i] *= factor;
@@ -38,7 +38,7 @@ inline void Enlarge(KeypointView& view, double factor) {
   }
 }
 
-/// What a detector says of somebody whose left it calls right.
+/// Exchanges left and right keypoints, as a detector does that mistakes the sides.
 inline void ExchangeSides(KeypointView& view, const std::vector<std::string>& names) {
   const std::vector<std::size_t> other = OtherSides(names);
   const std::vector<double> given = view.values;

@@ -15,7 +15,7 @@
 
 namespace mocurate {
 
-/// A camera at a place that looks at a point, the image upright; y is up. 1280 x 960 pixels.
+/// A camera that looks at a point, with an upright image; y is up. 1280 x 960 pixels.
 inline Camera LookingAt(const std::string& name, const Vector3d& centre, const Vector3d& at) {
   const Vector3d forward = (at - centre).normalized();
   const Vector3d right = forward.cross(Vector3d::UnitY()).normalized();
@@ -45,7 +45,7 @@ inline std::vector<Camera> Ring(int count) {
   return cameras;
 }
 
-/// Somebody who swings arms and legs on the spot, of a scale, standing at a place. Skeleton smpl24, 30 Hz.
+/// A person of a scale and place who swings arms and legs on the spot. Skeleton smpl24, 30 Hz.
 inline Motion Swinging(int frames, double scale = 1.0, const Vector3d& place = Vector3d::Zero()) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   std::vector<double> bones = skeleton->RestBoneLengths();
@@ -71,7 +71,7 @@ inline Motion Swinging(int frames, double scale = 1.0, const Vector3d& place = V
   return MakeMotion(skeleton, FrameRate{30, 1}, root, rotation, bones);
 }
 
-/// What every camera detects of people, in an order that changes from frame to frame: all joints, with noise.
+/// Detections of people in every camera, in an order that changes from frame to frame: all joints, with noise.
 inline Evidence Detections(const std::vector<Camera>& cameras, const std::vector<Motion>& people, double noise_px,
                            double missing = 0.0) {
   Evidence evidence;
@@ -89,10 +89,10 @@ inline Evidence Detections(const std::vector<Camera>& cameras, const std::vector
         const Motion& person = people[(p + static_cast<std::size_t>(f) + c) % people.size()];
         for (int k = 0; k < keypoints; ++k) {
           const auto pixel = view.camera.ProjectWorld(person.joints.at(f, k));
-          const bool seen = pixel && random.Uniform() >= missing;
+          const bool is_detected = pixel && random.Uniform() >= missing;
           const Vector2d error = noise_px * Vector2d(random.Normal(), random.Normal());
-          view.values.insert(view.values.end(), {seen ? pixel->x() + error.x() : 0.0,
-                                                 seen ? pixel->y() + error.y() : 0.0, seen ? 0.9 : 0.0});
+          view.values.insert(view.values.end(), {is_detected ? pixel->x() + error.x() : 0.0,
+                                                 is_detected ? pixel->y() + error.y() : 0.0, is_detected ? 0.9 : 0.0});
         }
       }
     }
@@ -112,7 +112,7 @@ inline Evidence ReadPose2Sim(const std::filesystem::path& folder, const std::str
   const auto calibration = ParseCalibration(*ReadFile(folder / "calib_converted.json"), "calib_converted.json");
   for (std::size_t c = 0; c < calibration->views.size(); ++c) {
     KeypointView view;
-    view.camera = CameraOf(calibration->views[c], PoseReading::kWorldToCamera, 1.0);
+    view.camera = CameraOf(calibration->views[c], PoseConvention::kWorldToCamera, 1.0);
     std::vector<std::filesystem::path> files;
     const std::string name = "cam0" + std::to_string(c + 1) + "_json";
     for (const auto& entry : std::filesystem::directory_iterator(folder / trial / name)) files.push_back(entry.path());
@@ -137,7 +137,7 @@ inline Evidence ReadPose2Sim(const std::filesystem::path& folder, const std::str
   return evidence;
 }
 
-/// Mean distance of the found points from somebody's joints, metres.
+/// Mean distance of the triangulated points from a person's joints, metres.
 inline double MeanError(const JointTracks& tracks, const Motion& truth) {
   double sum = 0.0;
   int count = 0;

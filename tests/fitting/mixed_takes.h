@@ -6,19 +6,19 @@
 
 namespace mocurate {
 
-/// Colour cameras beside the depth cameras of CloudTakes, and how their detector errs.
+/// Colour cameras in addition to the depth cameras of CloudTakes, and the errors of their detector.
 struct MixedTakeOptions {
   RigOptions rig;             ///< own: a ring
-  int views = 3;              ///< of the rig, from its first on
+  int views = 3;              ///< the first of the rig
   KeypointOptions keypoints;  ///< of BODY_25
-  double later_s = 0.0;       ///< the colour cameras see everything so much later than the depth cameras
-  RigidTransform world_off;   ///< their world from the true one
+  double later_s = 0.0;       ///< delay of the colour cameras behind the depth cameras
+  RigidTransform world_off;   ///< true world to the colour cameras' world
 };
 
-/// BODY_25 of a take's person in each camera, hidden points found less surely.
+/// Detects BODY_25 of a take's person in each camera; occluded points have lower confidence.
 inline void AddKeypointViews(const MixedTakeOptions& options, const Actor& actor, std::int64_t seed, CloudTake& take) {
-  const Motion seen = Later(take.clip.truth, options.later_s);
-  const JointPositions places = PlacesOf(seen, Body25Places());
+  const Motion delayed = DelayBy(take.clip.truth, options.later_s);
+  const JointPositions places = PlacesOf(delayed, Body25Places());
   const BodyView body(actor);
   std::vector<Camera> rig = RigOf(options.rig, SensorKind::kColour);
   rig.resize(std::min<std::size_t>(rig.size(), static_cast<std::size_t>(options.views)));
@@ -29,11 +29,11 @@ inline void AddKeypointViews(const MixedTakeOptions& options, const Actor& actor
     view.camera = camera;
     view.camera.camera_from_world = camera.camera_from_world * Inverse(options.world_off);
     view.people = 1;
-    for (int f = 0; f < seen.frame_count(); ++f) {
-      view.time_s.push_back(seen.rate.FrameTime(f));
+    for (int f = 0; f < delayed.frame_count(); ++f) {
+      view.time_s.push_back(delayed.rate.FrameTime(f));
       const std::string item = take.clip.name + "/" + camera.name + "/" + std::to_string(f);
       const OpenPosePerson person =
-          Detected(PointsIn(camera, body.Capsules(seen, f), places, f), options.keypoints, seed, item);
+          Detected(PointsIn(camera, body.Capsules(delayed, f), places, f), options.keypoints, seed, item);
       for (const DetectedKeypoint& point : person.pose) {
         view.values.insert(view.values.end(), {point.u_px, point.v_px, point.detected() ? point.confidence : 0.0});
       }

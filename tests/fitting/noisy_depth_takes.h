@@ -1,8 +1,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -10,6 +8,7 @@
 
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "tests/fitting/cloud_takes.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 
@@ -23,8 +22,7 @@ class NoisyDepthTakes : public testing::Test {
     options.subjects = 1;
     options.clips = clips;
     options.frames = 12;
-    const std::string name = "mocurate_depth_takes_" + std::to_string(getpid()) + "_" + std::to_string(seed);
-    takes_ = new std::vector<CloudTake>(CloudTakes(options, std::filesystem::path(testing::TempDir()) / name));
+    takes_ = new std::vector<CloudTake>(CloudTakes(options, SharedScratch("depth_takes_" + std::to_string(seed))));
   }
 
   void SetUp() override {
@@ -37,8 +35,8 @@ class NoisyDepthTakes : public testing::Test {
   static inline std::vector<CloudTake>* takes_ = nullptr;
 };
 
-/// What an audit told, a line each.
-inline std::string Told(const DepthRigReport& report) {
+/// Faults of an audit, one per line, then why it was not audited.
+inline std::string FaultLines(const DepthRigReport& report) {
   std::string text;
   for (const RigFault& fault : report.faults) text += fault.code + " " + fault.message + "\n";
   return text + report.not_audited;

@@ -9,18 +9,15 @@
 #include "core/store/store.h"
 #include "fitting/options.h"
 #include "tests/fitting/takes.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
 
-/// Evidence of one person, written as ingest writes it.
+/// Evidence of one person, as ingest writes it.
 class FittingStages : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("fitting_stages_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(folder_);
-    ASSERT_TRUE(MakeFolder(folder_).has_value());
     auto skeleton = LoadSkeleton("openni16");
     ASSERT_TRUE(skeleton.has_value()) << skeleton.error().Message();
     std::vector<Quaterniond> rotation;
@@ -53,8 +50,6 @@ class FittingStages : public testing::Test {
     const Status written = WriteEvidence(clip, folder_ / "evidence.h5");
     ASSERT_TRUE(written.has_value()) << written.error().Message();
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   StageRequest Request(const std::string& stage, const nlohmann::json& options) const {
     StageRequest request;
     request.stage = stage;
@@ -65,12 +60,12 @@ class FittingStages : public testing::Test {
     return request;
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   Motion truth_;
   Clip clip_;
 };
 
-TEST_F(FittingStages, MakeAMotionWithOneSetOfBonesOutOfTracks) {
+TEST_F(FittingStages, FitAMotionWithOneSetOfBones) {
   const auto proportions = ProportionsStage(Request("proportions", {{"skeleton", "openni16"}}));
   ASSERT_TRUE(proportions.has_value()) << proportions.error().Message();
   EXPECT_EQ(proportions->summary["person"], "p1");
@@ -97,7 +92,7 @@ TEST_F(FittingStages, MakeAMotionWithOneSetOfBonesOutOfTracks) {
   EXPECT_EQ(dataset->clips[0].id(), clip_.id());
 }
 
-TEST_F(FittingStages, KeepAClipInAnotherUnitOutOfThePersonAndRefuseIt) {
+TEST_F(FittingStages, ExcludeAClipInAnotherUnitFromThePersonAndRefuseIt) {
   StageRequest sound = Request("proportions", {{"skeleton", "openni16"}});
   ASSERT_TRUE(ProportionsStage(sound).has_value());
   const nlohmann::json alone = nlohmann::json::parse(*ReadFile(sound.output));
@@ -130,7 +125,7 @@ TEST_F(FittingStages, KeepAClipInAnotherUnitOutOfThePersonAndRefuseIt) {
   }
 }
 
-TEST_F(FittingStages, TellWhereAClipsBonesAreNotThoseOfThePerson) {
+TEST_F(FittingStages, ReportAClipWhoseBonesDifferFromThePersons) {
   const StageRequest sound = Request("proportions", {{"skeleton", "openni16"}});
   ASSERT_TRUE(ProportionsStage(sound).has_value());
   for (const double factor : {0.95, 1.0, 1.05, 0.88, 1.15}) {
@@ -142,17 +137,17 @@ TEST_F(FittingStages, TellWhereAClipsBonesAreNotThoseOfThePerson) {
                       {"proportions", "p1", sound.output, std::string(64, 'b')}};
     const auto fitted = FittingStage(request);
     ASSERT_TRUE(fitted.has_value()) << fitted.error().Message();
-    const auto told = std::find_if(fitted->findings.begin(), fitted->findings.end(),
-                                   [](const Finding& finding) { return finding.code == "size_differs"; });
-    ASSERT_EQ(told != fitted->findings.end(), std::abs(factor - 1.0) > 0.08) << factor;
-    if (told != fitted->findings.end()) {
-      EXPECT_NEAR(told->value, factor, 5e-3);
+    const auto reported = std::find_if(fitted->findings.begin(), fitted->findings.end(),
+                                       [](const Finding& finding) { return finding.code == "size_differs"; });
+    ASSERT_EQ(reported != fitted->findings.end(), std::abs(factor - 1.0) > 0.08) << factor;
+    if (reported != fitted->findings.end()) {
+      EXPECT_NEAR(reported->value, factor, 5e-3);
     }
-    EXPECT_EQ(fitted->kind, OutcomeKind::kDone) << "told, nothing else";
+    EXPECT_EQ(fitted->kind, OutcomeKind::kDone) << "reported only";
   }
 }
 
-TEST_F(FittingStages, RefuseWhatNoPoseExplainsWithNumbers) {
+TEST_F(FittingStages, RefuseTracksThatNoPoseExplainsWithValues) {
   Clip shuffled = clip_;
   std::reverse(shuffled.evidence.tracks->names.begin(), shuffled.evidence.tracks->names.end());
   ASSERT_TRUE(WriteEvidence(shuffled, folder_ / "evidence.h5"));
@@ -161,7 +156,7 @@ TEST_F(FittingStages, RefuseWhatNoPoseExplainsWithNumbers) {
   EXPECT_NE(fitted.error().what.find("m off in the median"), std::string::npos) << fitted.error().what;
 }
 
-TEST_F(FittingStages, HandOnWhatIngestFoundBesideTheirOwnFindings) {
+TEST_F(FittingStages, KeepTheFindingsOfIngest) {
   Finding finding;
   finding.clip = clip_.id();
   finding.code = "handedness_contradiction";
@@ -177,22 +172,22 @@ TEST_F(FittingStages, HandOnWhatIngestFoundBesideTheirOwnFindings) {
   for (const Finding& own : fitted->findings) EXPECT_NE(own.code, finding.code);
 }
 
-TEST_F(FittingStages, SayWhichDepthViewsWereLeftOutAndWhy) {
-  Finding left_out;
-  left_out.clip = clip_.id();
-  left_out.code = "depth_left_out";
-  left_out.message = "C001 lacks the depth images of 63 of 71 frames";
-  left_out.action = FindingAction::kLeftOut;
-  Finding nobody = left_out;
-  nobody.code = "camera_saw_nobody";
-  nobody.message = "C002 saw nobody in its 71 frames";
-  ASSERT_TRUE(WriteEvidence(clip_, folder_ / "evidence.h5", {left_out, nobody}));
+TEST_F(FittingStages, ReportWhichDepthViewsWereExcludedAndWhy) {
+  Finding excluded;
+  excluded.clip = clip_.id();
+  excluded.code = "depth_excluded";
+  excluded.message = "C001 lacks the depth images of 63 of 71 frames";
+  excluded.action = FindingAction::kExcluded;
+  Finding no_person = excluded;
+  no_person.code = "no_person_in_view";
+  no_person.message = "C002 shows no person in its 71 frames";
+  ASSERT_TRUE(WriteEvidence(clip_, folder_ / "evidence.h5", {excluded, no_person}));
   const nlohmann::json options = {{"skeleton", "openni16"}, {"method", "joints_and_clouds"}};
   const auto refused = FittingStage(Request("fitting", options));
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().what,
-            "all depth views of the clip were left out when it was read: C001 lacks the depth images of 63 of 71 "
-            "frames; C002 saw nobody in its 71 frames");
+            "ingest excluded all depth views of the clip: C001 lacks the depth images of 63 of 71 "
+            "frames; C002 shows no person in its 71 frames");
   EXPECT_NE(refused.error().hint.find("fitting.method joint_tracks"), std::string::npos) << refused.error().hint;
 
   ASSERT_TRUE(WriteEvidence(clip_, folder_ / "evidence.h5"));
@@ -223,7 +218,7 @@ TEST_F(FittingStages, RefuseAMissingSkeletonAndUnknownOptions) {
   EXPECT_EQ(fitted.error().code, ErrorCode::kConfig);
 }
 
-TEST_F(FittingStages, RefuseProportionsThatAreNoJson) {
+TEST_F(FittingStages, RefuseProportionsThatAreNotJson) {
   ASSERT_TRUE(WriteFile(folder_ / "bad.json", "{\"person\"").has_value());
   StageRequest request = Request("fitting", {{"skeleton", "openni16"}});
   request.inputs.push_back({"proportions", "p1", folder_ / "bad.json", std::string(64, 'b')});
@@ -232,7 +227,7 @@ TEST_F(FittingStages, RefuseProportionsThatAreNoJson) {
   EXPECT_EQ(fitted.error().code, ErrorCode::kMalformed);
 }
 
-TEST_F(FittingStages, HandAGivenMotionOnOnlyIfThereIsOne) {
+TEST_F(FittingStages, PassThroughRequiresAMotion) {
   const auto fitted = FittingStage(Request("fitting", {{"method", "none"}}));
   ASSERT_FALSE(fitted.has_value());
   EXPECT_EQ(fitted.error().what, "the clip has no motion to hand on");

@@ -17,7 +17,7 @@
 
 namespace mocurate {
 
-/// One of HumanAct12's actions, performed, and what a tracker of all 24 joints says of it.
+/// One of HumanAct12's actions, performed, and the output of a tracker of all 24 joints.
 struct StudioClip {
   std::string name;
   int subject = 1;
@@ -27,7 +27,7 @@ struct StudioClip {
   std::vector<bool> exchanged;  ///< (F*J) left and right are exchanged
 };
 
-/// How tracks err beside what TrackerOptions say.
+/// Errors of tracks in addition to TrackerOptions.
 struct StudioClipErrors {
   TrackerOptions tracker;
   double swapped_frames = 0.02;  ///< share of frames in which arms, legs or both are exchanged
@@ -36,13 +36,13 @@ struct StudioClipErrors {
   /// 30 mm RMS, 5 % dropouts, 2 % outliers, 2 % swapped frames.
   static StudioClipErrors Stated() {
     StudioClipErrors errors;
-    errors.tracker.swap_share = 0.0;  // once per take; the exchanges here are spread over all frames
+    errors.tracker.swap_share = 0.0;  // once per take; the exchanges here are distributed over all frames
     return errors;
   }
 };
 
-/// Exchanges the sides of limbs for a few frames now and then: of arms or legs all joints or those from the elbow or
-/// knee down, or of all limbs.
+/// Exchanges the sides of limbs for a few frames now and then: of arms, legs or both; of all joints or those from the
+/// elbow or knee down.
 inline void ExchangeSides(StudioClip& clip, const StudioClipErrors& errors, std::uint64_t seed) {
   Random random(seed, "studio clip exchange", clip.name);
   SkeletonTracks& tracks = clip.tracks;
@@ -89,8 +89,8 @@ inline Script AtTwiceTheRate(Script script) {
   return script;
 }
 
-/// Clips of `subjects` people, all 12 classes each; with `variants` all 34. Bodies are shapes of body_cc0
-/// (MOCURATE_DATA), or smpl24 with other proportions where that is not there. 30 Hz, or 15 Hz.
+/// Clips of `subjects` people in all 12 classes; with `variants` in all 34 variants. Bodies are shapes of body_cc0
+/// (MOCURATE_DATA), or smpl24 with other proportions without it. 30 Hz, or 15 Hz.
 inline std::vector<StudioClip> StudioClips(std::uint64_t seed, int subjects, bool variants,
                                            const StudioClipErrors& errors, double rate_hz = 30.0) {
   std::vector<StudioClip> clips;
@@ -127,12 +127,12 @@ inline std::vector<StudioClip> StudioClips(std::uint64_t seed, int subjects, boo
                   std::to_string(cut.first);
       clip.subject = recording.subject;
       clip.action = action;
-      clip.truth = Seen(*motion, frames, RigidTransform{});
-      const TrackedTake seen =
+      clip.truth = SelectFrames(*motion, frames, RigidTransform{});
+      const TrackedTake tracked =
           Track(clip.truth.joints, names, errors.tracker, static_cast<std::int64_t>(seed), clip.name);
       clip.tracks.skeleton = *skeleton;
-      clip.tracks.positions = seen.positions;
-      for (const std::uint8_t there : seen.seen) clip.tracks.confidence.push_back(there);
+      clip.tracks.positions = tracked.positions;
+      for (const std::uint8_t there : tracked.seen) clip.tracks.confidence.push_back(there);
       for (int f = 0; f < clip.truth.frame_count(); ++f) clip.tracks.time_s.push_back(rate.FrameTime(f));
       if (errors.swapped_frames > 0.0) ExchangeSides(clip, errors, seed);
       clips.push_back(std::move(clip));

@@ -21,7 +21,7 @@ struct StudioView {
   RigFaults faults;
 };
 
-/// Four pixels of noise, 10 % missed, 3 % in another place.
+/// Four pixels of noise, 10 % missed, 3 % misplaced.
 inline StudioOptions FourViews(std::int64_t seed) {
   StudioOptions options;
   options.seed = seed;
@@ -50,7 +50,7 @@ inline const std::vector<SetClass>& OneVariantPerAction() {
   return classes;
 }
 
-/// The first `count` takes of the studio's actions. From frame `moved_from` on cameras stand as faults.real says.
+/// The first `count` takes of the studio's actions. From frame `moved_from` on, cameras have the poses of faults.real.
 inline std::vector<StudioView> StudioViews(const StudioOptions& options, int count, int moved_from = 0) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   const auto cast = Cast(options.seed, options.subjects, *skeleton);
@@ -65,16 +65,16 @@ inline std::vector<StudioView> StudioViews(const StudioOptions& options, int cou
     take.faults = FaultsOf(options.rig, rig, options.seed);
     for (const Joint& joint : skeleton->joints) take.evidence.keypoint_names.push_back(joint.name);
     for (std::size_t c = 0; c < rig.size(); ++c) {
-      const Motion seen = Later(take.truth, take.faults.clock_s[c]);
+      const Motion delayed = DelayBy(take.truth, take.faults.clock_s[c]);
       KeypointView view;
       view.camera = rig[c];
       view.people = 1;
-      for (int f = 0; f < seen.frame_count(); ++f) {
+      for (int f = 0; f < delayed.frame_count(); ++f) {
         const Camera& real = f >= moved_from ? take.faults.real[c] : rig[c];
-        view.time_s.push_back(seen.rate.FrameTime(f));
+        view.time_s.push_back(delayed.rate.FrameTime(f));
         std::vector<ImagePoint> points;
         for (int k = 0; k < skeleton->joint_count(); ++k) {
-          points.push_back({real.ProjectWorld(seen.joints.at(f, k)), false});
+          points.push_back({real.ProjectWorld(delayed.joints.at(f, k)), false});
         }
         const OpenPosePerson person =
             Detected(points, options.keypoints, options.seed, take.name + "/" + rig[c].name + "/" + std::to_string(f));

@@ -39,13 +39,13 @@ inline SkeletonPtr TestSkeleton() {
   return body;
 }
 
-/// A smooth take with everything that was true, and tracks that say exactly that.
+/// A smooth motion as the truth, and tracks that equal it.
 struct PlayedTake {
   Motion truth;
   SkeletonTracks tracks;
 };
 
-/// Every joint swings; `world_from_root` turns the whole person.
+/// Every joint swings; `world_from_root` rotates the whole person.
 inline PlayedTake SmoothTake(int frames, const Quaterniond& world_from_root = Quaterniond::Identity(),
                              double rate_hz = 30.0, double turn_speed = 0.4, const SkeletonPtr& body = TestSkeleton()) {
   Random random(3, "take");
@@ -78,7 +78,7 @@ inline PlayedTake SmoothTake(int frames, const Quaterniond& world_from_root = Qu
   return take;
 }
 
-/// Nothing is seen there, and what stands there must not be read.
+/// Marks a sample as not observed; its position must not be read.
 inline void Hide(SkeletonTracks& tracks, int frame, int joint) {
   tracks.confidence[static_cast<std::size_t>(frame) * tracks.joints() + joint] = 0.0;
   tracks.positions.at(frame, joint).setConstant(1e9);
@@ -89,23 +89,23 @@ inline void AddNoise(SkeletonTracks& tracks, double sigma, std::uint64_t seed) {
   for (double& value : tracks.positions.xyz) value += sigma * random.Normal();
 }
 
-/// Noise of `sigma` times a standard deviation of its own along each axis of each sample, between a third and three
-/// times, the axes turned at random; the tracks know it.
+/// Noise of `sigma` times a factor for each axis of each sample, between a third and three, with random axes. The
+/// tracks state it as precision.
 inline void AddUnevenNoise(SkeletonTracks& tracks, double sigma, std::uint64_t seed) {
   Random random(seed, "uneven");
   const auto normal = [&] { return Vector3d(random.Normal(), random.Normal(), random.Normal()); };
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       const Matrix3d axes = ExpQuaternion(2.0 * normal()).toRotationMatrix();
-      Vector3d spread;
-      for (double& value : spread) value = std::pow(3.0, random.Uniform(-1.0, 1.0));
-      tracks.positions.at(f, j) += sigma * (axes * spread.cwiseProduct(normal()));
-      tracks.precision.emplace_back(axes * spread.cwiseAbs2().cwiseInverse().asDiagonal() * axes.transpose());
+      Vector3d scale;
+      for (double& value : scale) value = std::pow(3.0, random.Uniform(-1.0, 1.0));
+      tracks.positions.at(f, j) += sigma * (axes * scale.cwiseProduct(normal()));
+      tracks.precision.emplace_back(axes * scale.cwiseAbs2().cwiseInverse().asDiagonal() * axes.transpose());
     }
   }
 }
 
-/// Tracks as a source gives them, under the skeleton's own names.
+/// Tracks as a source provides them, under the skeleton's own names.
 inline JointTracks AsSource(const SkeletonTracks& tracks) {
   JointTracks source;
   for (const Joint& joint : tracks.skeleton->joints) source.names.push_back(joint.name);

@@ -27,7 +27,7 @@ struct ReferenceProblem {
   FrameRate rate;
 };
 
-/// Folder of the reference problems: MOCURATE_REFERENCE, else beside the goldens; empty when there is none.
+/// Folder of the reference problems: MOCURATE_REFERENCE, or beside the goldens; empty if neither exists.
 inline std::filesystem::path ReferenceFolder() {
   if (const char* folder = std::getenv("MOCURATE_REFERENCE")) return folder;
   const char* goldens = std::getenv("MOCURATE_GOLDENS");
@@ -36,7 +36,7 @@ inline std::filesystem::path ReferenceFolder() {
   return std::filesystem::exists(beside) ? beside : std::filesystem::path();
 }
 
-/// A stored skeleton-fit problem: only what a solver may see, and the truth apart.
+/// A stored skeleton-fit problem: a solver's input, and the truth separately.
 inline ReferenceProblem ReadReferenceProblem(const std::filesystem::path& path) {
   const Golden file(path.string());
   const auto parents = file.Integers("skeleton/parents");
@@ -54,11 +54,11 @@ inline ReferenceProblem ReadReferenceProblem(const std::filesystem::path& path) 
   ReferenceProblem problem;
   problem.rate = FrameRate{30, 1};
   problem.tracks.skeleton = skeleton;
-  const auto seen = file.Doubles("observed/joints");
-  const auto frames = static_cast<int>(seen.rows());
+  const auto observed = file.Doubles("observed/joints");
+  const auto frames = static_cast<int>(observed.rows());
   const auto joints = static_cast<int>(parents.values.size());
   problem.tracks.positions = JointPositions(frames, joints);
-  problem.tracks.positions.xyz = seen.values;
+  problem.tracks.positions.xyz = observed.values;
   problem.tracks.confidence = file.Doubles("observed/confidence").values;
   for (int f = 0; f < frames; ++f) problem.tracks.time_s.push_back(problem.rate.FrameTime(f));
   problem.truth = JointPositions(frames, joints);
@@ -106,7 +106,7 @@ inline JointTracks ReadKardText(const std::filesystem::path& path) {
     tracks.time_s.push_back(f / 30.0);
     for (int j = 0; j < 15; ++j) {
       const double* p = numbers.data() + 45 * f + 3 * j;
-      // Left-handed x right, y up, z away from the sensor: z is turned to face the sensor.
+      // Left-handed x right, y up, z away from the sensor: z is negated to point to the sensor.
       tracks.positions.at(f, j) = Vector3d(1e-3 * p[0], 1e-3 * p[1], -1e-3 * p[2]);
     }
   }

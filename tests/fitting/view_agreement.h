@@ -9,12 +9,12 @@
 
 namespace mocurate {
 
-/// Of each view the root mean square distance (m) of its points, every `every`-th, to the nearest of any other view's,
-/// each at most `farthest`, at frame 0.
+/// RMS distance (m) at frame 0 of every `every`-th point of each view to the nearest point of any other view. Each
+/// distance counts at most `farthest`.
 inline Expected<std::vector<double>> ViewAgreement(const std::vector<DepthView>& views, double farthest, int every) {
   constexpr double kCell = 0.004;
   using Cell = std::array<int, 3>;
-  struct Seen {
+  struct ViewPoint {
     Vector3d at;
     std::size_t view;
   };
@@ -22,7 +22,7 @@ inline Expected<std::vector<double>> ViewAgreement(const std::vector<DepthView>&
     return Cell{static_cast<int>(std::floor(at.x() / kCell)), static_cast<int>(std::floor(at.y() / kCell)),
                 static_cast<int>(std::floor(at.z() / kCell))};
   };
-  std::vector<Seen> all;
+  std::vector<ViewPoint> all;
   std::map<Cell, std::vector<std::size_t>> cells;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Expected<Eigen::Matrix3Xd> points = BackProject(views[v], 0);
@@ -36,7 +36,7 @@ inline Expected<std::vector<double>> ViewAgreement(const std::vector<DepthView>&
   for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(every)) {
     double nearest = farthest * farthest;
     const Cell middle = cell_of(all[i].at);
-    // Shell after shell, until no farther one can hold a nearer point.
+    // Shell by shell, until a farther shell cannot contain a nearer point.
     for (int shell = 0; std::max(shell - 1, 0) * kCell < std::sqrt(nearest); ++shell) {
       for (int x = -shell; x <= shell; ++x) {
         for (int y = -shell; y <= shell; ++y) {

@@ -34,12 +34,12 @@ Expected<Amc> Wave(const std::string& text, const Asf& asf, DamagedRows damaged 
   return ParseAmc(text, {&asf, damaged}, "wave.amc");
 }
 
-/// The arm with one piece of its text replaced.
+/// The arm skeleton with one piece of its text replaced.
 Expected<Asf> AlteredArm(const std::string& from, const std::string& to) {
   return ParseAsf(Replaced(kArm, from, to), "arm.asf");
 }
 
-TEST(Asf, BonesHangAsTheHierarchySaysWithDofAndLimitsInTheirOwnUnits) {
+TEST(Asf, ReadsBonesFromTheHierarchyWithDofAndLimitsInDeclaredUnits) {
   const Asf asf = Arm();
   ASSERT_EQ(asf.bones.size(), 3u);
   EXPECT_EQ(asf.bones[0].parent, -1);
@@ -49,10 +49,10 @@ TEST(Asf, BonesHangAsTheHierarchySaysWithDofAndLimitsInTheirOwnUnits) {
   EXPECT_TRUE(std::isinf(asf.bones[0].limits[1].least));
   EXPECT_EQ(asf.length_unit, 0.45);
   EXPECT_TRUE(asf.degrees);
-  EXPECT_TRUE(AsfOffset(asf.bones[2]).isApprox(Vector3d(0, 0, 3))) << "a direction says where, the length how far";
+  EXPECT_TRUE(AsfOffset(asf.bones[2]).isApprox(Vector3d(0, 0, 3))) << "offset: direction times length";
 }
 
-TEST(Asf, AHierarchyThatNamesChildrenBeforeParentsIsTheSameTree) {
+TEST(Asf, ReadsTheSameTreeWhenChildrenAreListedBeforeParents) {
   const Asf asf = AlteredArm("    root upper\n    upper fixed\n    fixed lower\n",
                              "    fixed lower\n    upper fixed\n    root upper\n")
                       .value();
@@ -60,23 +60,22 @@ TEST(Asf, AHierarchyThatNamesChildrenBeforeParentsIsTheSameTree) {
   EXPECT_EQ(asf.bones[2].parent, 1);
 }
 
-TEST(Acclaim, ABoneTurnsAboutItsOwnAxesNotTheWorlds) {
+TEST(Acclaim, RotatesABoneAboutItsOwnAxes) {
   const Asf asf = Arm();
   const Amc amc = Wave(kWave, asf).value();
   std::vector<Vector3d> ends;
   Vector3d root;
   AcclaimForward(asf, amc, 0, ends, &root);
   EXPECT_TRUE(root.isApprox(Vector3d(1, 2, 3)));
-  // upper: C turns about z, L too: x becomes y. fixed follows: y becomes -x. lower turns z about y (90) to x, then to
-  // y.
+  // upper: C and L rotate about z, x becomes y. fixed: y becomes -x. lower: 90 degrees about y, z becomes x, then y.
   EXPECT_TRUE(ends[0].isApprox(Vector3d(1, 4, 3), 1e-12)) << ends[0].transpose();
   EXPECT_TRUE(ends[1].isApprox(Vector3d(0, 4, 3), 1e-12)) << ends[1].transpose();
   EXPECT_TRUE(ends[2].isApprox(Vector3d(0, 7, 3), 1e-12)) << ends[2].transpose();
   AcclaimForward(asf, amc, 1, ends);
-  EXPECT_TRUE(ends[0].isApprox(Vector3d(4, 5, 4), 1e-12)) << "the root turns by 90 degrees about y";
+  EXPECT_TRUE(ends[0].isApprox(Vector3d(4, 5, 4), 1e-12)) << "the root rotates by 90 degrees about y";
 }
 
-TEST(Acclaim, TheFirstAngleIsAppliedFirstAboutFixedAxes) {
+TEST(Acclaim, AppliesAnglesInFileOrderAboutFixedAxes) {
   const double degree = M_PI / 180;
   const Matrix3d x = Eigen::AngleAxisd(10 * degree, Vector3d::UnitX()).toRotationMatrix();
   const Matrix3d y = Eigen::AngleAxisd(20 * degree, Vector3d::UnitY()).toRotationMatrix();
@@ -85,7 +84,7 @@ TEST(Acclaim, TheFirstAngleIsAppliedFirstAboutFixedAxes) {
   EXPECT_TRUE(AcclaimMatrix({Vector3d(30, 20, 10), "ZYX"}, degree).isApprox(x * y * z, 1e-14));
 }
 
-TEST(Acclaim, TheMotionsOwnAngleUnitHoldsForTheMotionOnly) {
+TEST(Acclaim, AppliesTheAngleUnitOfTheMotionToTheMotionOnly) {
   const Asf asf = Arm();
   const std::string radians =
       Replaced(Replaced(kWave, ":DEGREES", ":RADIANS"), "upper 0 90", "upper 0 1.5707963267948966");
@@ -94,7 +93,7 @@ TEST(Acclaim, TheMotionsOwnAngleUnitHoldsForTheMotionOnly) {
   EXPECT_TRUE(ends[0].isApprox(Vector3d(1, 4, 3), 1e-12)) << ends[0].transpose();
 }
 
-TEST(Acclaim, WrittenAndReadAgainIsTheSame) {
+TEST(Acclaim, RoundTripsThroughTheWriter) {
   const Asf asf = Arm();
   const std::string written = WriteAsf(asf);
   const auto again = ParseAsf(written, "again.asf");
@@ -110,14 +109,13 @@ TEST(Acclaim, WrittenAndReadAgainIsTheSame) {
   EXPECT_EQ(WriteAmc(*motion), WriteAmc(amc));
 }
 
-TEST(Acclaim, EveryDamagedFieldIsNamedWithItsLine) {
+TEST(Acclaim, ReportsTheLineOfEveryDamagedField) {
   ExpectEveryDamagedWordIsNamed(
       kArm, [](const std::string& text) { return StatusOf(ParseAsf(text, "file")); },
       [](std::string_view line, std::string_view word) {
-        const bool infinite =
-            word.find("inf") != std::string_view::npos;  // "nan" beside it is tried on the other limit
+        const bool infinite = word.find("inf") != std::string_view::npos;  // "nan" is tested on the other limit
         const bool remark = line.front() == '#' || line == "  two bones";
-        const bool ends_remarks = word == ":root";  // damaged, it is one more line of the documentation
+        const bool ends_remarks = word == ":root";  // when damaged it reads as a line of the documentation
         return remark || ends_remarks || word == "arm" || infinite ||
                (line.find("name ") != std::string_view::npos && word != "name");
       });
@@ -130,7 +128,7 @@ TEST(Acclaim, EveryDamagedFieldIsNamedWithItsLine) {
       nullptr);
 }
 
-TEST(Asf, ContradictionsAreRefusedAtTheirPlace) {
+TEST(Asf, RejectsContradictionsWithTheirLine) {
   ExpectMalformed(ParseAsf("", "arm.asf"), "arm.asf");
   ExpectMalformed(AlteredArm("(-inf inf)\n", "(-inf inf)\n (1 2)\n"), "arm.asf:26");
   ExpectMalformed(AlteredArm("length 3", "length 1e300"), "arm.asf:37");
@@ -149,20 +147,20 @@ TEST(Asf, ContradictionsAreRefusedAtTheirPlace) {
   }
 }
 
-TEST(Asf, ARootWithoutAxisIsReadAndToldAndIsAnErrorWhereItIsTurned) {
-  const std::string axis = "  axis XYZ\n  position", turned = "orientation 0 90 0";
+TEST(Asf, ReportsARootWithoutAxisAndRejectsItWhenTheRootIsRotated) {
+  const std::string axis = "  axis XYZ\n  position", rotated = "orientation 0 90 0";
   EXPECT_TRUE(Arm().findings.empty());
   const auto still = AlteredArm(axis, "  position");
   ASSERT_TRUE(still) << still.error().Message();
   ASSERT_EQ(still->findings.size(), 1u);
   EXPECT_EQ(still->findings[0].code, "root_axis_missing");
   EXPECT_EQ(still->findings[0].severity, Severity::kWarning);
-  const auto root = ParseAsf(Replaced(Replaced(kArm, axis, "  position"), "orientation 0 0 0", turned), "arm.asf");
+  const auto root = ParseAsf(Replaced(Replaced(kArm, axis, "  position"), "orientation 0 0 0", rotated), "arm.asf");
   ASSERT_TRUE(root) << root.error().Message();
   EXPECT_EQ(root->findings.at(0).severity, Severity::kError);
 }
 
-TEST(Amc, ABoneMissingInSomeFrameIsMissingThereAndReported) {
+TEST(Amc, ReportsABoneThatIsMissingInOneFrame) {
   const Asf asf = Arm();
   const auto amc = Wave(Replaced(kWave, "upper 0 90\n", ""), asf);
   ASSERT_TRUE(amc) << amc.error().Message();
@@ -174,7 +172,7 @@ TEST(Amc, ABoneMissingInSomeFrameIsMissingThereAndReported) {
   EXPECT_EQ(amc->findings[0].value, 1.0);
 }
 
-TEST(Amc, ARowOfWrongLengthNeverShiftsWhatFollows) {
+TEST(Amc, KeepsLaterValuesInPlaceAfterARowOfWrongLength) {
   const Asf asf = Arm();
   const std::string damaged = Replaced(kWave, "upper 0 90\n", "upper 0\n");
   ExpectMalformed(Wave(damaged, asf), "wave.amc:5");
@@ -189,7 +187,7 @@ TEST(Amc, ARowOfWrongLengthNeverShiftsWhatFollows) {
   EXPECT_EQ(amc->findings[0].value, 1.0);
 }
 
-TEST(Amc, AFileThatIsCutOffIsRefused) {
+TEST(Amc, RejectsATruncatedFile) {
   const Asf asf = Arm();
   ExpectMalformed(Wave(Replaced(kWave, "upper 0 0\nlower 0\n", ""), asf), "wave.amc:9");
   ExpectMalformed(Wave(Replaced(kWave, "root 4 5 6 0 90 0\nupper 0 0\nlower 0\n", ""), asf), "wave.amc:8");
@@ -204,11 +202,11 @@ std::string FiveFrames() {
   return text;
 }
 
-TEST(Amc, AFileThatIsCutAnywhereKeepsItsWholeFramesAndIsToldOnce) {
+TEST(Amc, KeepsCompleteFramesOfATruncatedFileAndReportsItOnce) {
   const Asf asf = Arm();
   const std::string text = FiveFrames();
   const std::size_t fifth = text.find("\n5\n") + 1;
-  // Up to the name of its last row; within the last number nothing can tell.
+  // Up to the name of the last row: a cut within the last number cannot be detected.
   for (std::size_t end = fifth + 2; end < text.size() - 4; ++end) {
     const auto amc = Wave(text.substr(0, end), asf, DamagedRows::kReport);
     ASSERT_TRUE(amc) << end << amc.error().Message();
@@ -223,7 +221,7 @@ TEST(Amc, AFileThatIsCutAnywhereKeepsItsWholeFramesAndIsToldOnce) {
   }
 }
 
-TEST(Amc, AFrameThatLacksABoneWhichMostHaveIsDamagedWhateverBecameOfTheRow) {
+TEST(Amc, MarksAFrameDamagedWhenABoneOfMostFramesIsMissing) {
   const Asf asf = Arm();
   const std::string text = FiveFrames();
   const std::pair<const char*, const char*> damages[] = {{"", "bone_missing"},
@@ -242,11 +240,11 @@ TEST(Amc, AFrameThatLacksABoneWhichMostHaveIsDamagedWhateverBecameOfTheRow) {
     EXPECT_EQ(amc->findings[0].code, code);
     EXPECT_EQ(amc->findings[0].frame_begin, 2);
     EXPECT_EQ(amc->findings[0].action, FindingAction::kDropped);
-    EXPECT_FALSE(Wave(damaged, asf)) << code << " is refused where damage is";
+    EXPECT_FALSE(Wave(damaged, asf)) << code << " is rejected without DamagedRows::kReport";
   }
 }
 
-TEST(Amc, FramesOnEndThatLackTheSameBoneAreToldOnce) {
+TEST(Amc, ReportsConsecutiveFramesWithoutTheSameBoneOnce) {
   const Asf asf = Arm();
   std::string text = FiveFrames();
   for (const char* frame : {"\n2\n", "\n3\n"}) {
@@ -264,12 +262,12 @@ TEST(Amc, FramesOnEndThatLackTheSameBoneAreToldOnce) {
   EXPECT_EQ(amc->findings[0].value, 2.0);
 }
 
-TEST(Amc, ACommaForTheDecimalPointIsRefused) {
+TEST(Amc, RejectsDecimalCommas) {
   const Asf asf = Arm();
   ExpectMalformed(Wave(Replaced(kWave, "root 1 2 3", "root 1,5 2,5 3"), asf, DamagedRows::kReport), "wave.amc:4");
 }
 
-TEST(Amc, FrameNumbersThatJumpAreKeptAndReported) {
+TEST(Amc, KeepsAndReportsFrameNumbersThatJump) {
   const Asf asf = Arm();
   const auto amc = Wave(Replaced(kWave, "\n2\nroot", "\n7\nroot"), asf);
   ASSERT_TRUE(amc);
@@ -278,14 +276,14 @@ TEST(Amc, FrameNumbersThatJumpAreKeptAndReported) {
   EXPECT_EQ(amc->findings[0].code, "frame_number");
 }
 
-TEST(Amc, WithoutASkeletonTheFirstFrameSaysWhichBonesThereAre) {
+TEST(Amc, TakesTheBonesFromTheFirstFrameWithoutASkeleton) {
   const auto amc = ParseAmc(kWave, {}, "wave.amc");
   ASSERT_TRUE(amc) << amc.error().Message();
   EXPECT_EQ(amc->channel_count, 9);
   EXPECT_EQ(WriteAmc(*amc), kWave);
 }
 
-TEST(Amc, APlaceWithoutNumbersCostsNoMemory) {
+TEST(Amc, RejectsSparseFramesWithoutAllocatingThem) {
   std::string text = "1\n";
   for (int i = 0; i < 20000; ++i) text += "b" + std::to_string(i) + " 1\n";
   for (int frame = 2; frame < 20000; ++frame) text += std::to_string(frame) + "\nb0 1\n";
@@ -294,9 +292,9 @@ TEST(Amc, APlaceWithoutNumbersCostsNoMemory) {
 
 // Recorded files.
 
-TEST(AcclaimFiles, EverySkeletonAndEveryMotionIsReadAndWrittenAgain) {
+TEST(AcclaimFiles, RoundTripEverySkeletonAndMotion) {
   const auto cmu = RecordedData("cmu"), hdm05 = RecordedData("hdm05");
-  if (cmu.empty() || hdm05.empty()) GTEST_SKIP() << "CMU and HDM05 are not there";
+  if (cmu.empty() || hdm05.empty()) GTEST_SKIP() << "CMU or HDM05 data not found";
   int clips = 0, frames = 0;
   for (const auto& path : FilesEndingIn(hdm05, ".amc")) {
     const Asf asf = ParseAsf(Bytes(hdm05 / (path.filename().string().substr(0, 6) + ".asf")), "asf").value();
@@ -323,9 +321,9 @@ TEST(AcclaimFiles, EverySkeletonAndEveryMotionIsReadAndWrittenAgain) {
   }
 }
 
-TEST(AcclaimFiles, OldDialectsKeepTheirRootOrderAndTheirOddNumbers) {
+TEST(AcclaimFiles, KeepTheRootOrderAndFrameNumbersOfOldDialects) {
   const auto folder = RecordedData("cmu/acclaim_old");
-  if (folder.empty()) GTEST_SKIP() << "CMU is not there";
+  if (folder.empty()) GTEST_SKIP() << "CMU data not found";
   const Asf walk = ParseAsf(Bytes(folder / "walk.asf"), "walk.asf").value();
   EXPECT_EQ(walk.root_order[3], AcclaimChannel::kRz);
   EXPECT_TRUE(walk.bones[static_cast<std::size_t>(walk.Find("hips1"))].dof.empty());
@@ -334,7 +332,7 @@ TEST(AcclaimFiles, OldDialectsKeepTheirRootOrderAndTheirOddNumbers) {
   EXPECT_EQ(skel.findings[0].code, "bone_id_twice");
   const Amc motion = ParseAmc(Bytes(folder / "skel.amc"), {&skel, DamagedRows::kRefuse}, "skel.amc").value();
   EXPECT_THAT(motion.frame_numbers, ElementsAre(1, 2, 3, 4, 5, 6, 4, 5, 6, 6, 4, 5));
-  // A person of walk.asf stands on feet below the head, whatever the order of the root.
+  // In walk.asf the feet are below the head for every order of the root angles.
   const Amc steps = ParseAmc(Bytes(folder / "walk.amc"), {&walk, DamagedRows::kRefuse}, "walk.amc").value();
   std::vector<Vector3d> ends;
   for (int f = 0; f < steps.frames; ++f) {
@@ -345,9 +343,9 @@ TEST(AcclaimFiles, OldDialectsKeepTheirRootOrderAndTheirOddNumbers) {
   }
 }
 
-TEST(AcclaimFiles, JointsOfHdm05AgreeWithThoseOfAnotherParser) {
+TEST(AcclaimFiles, MatchTheJointsOfAnotherParserOnHdm05) {
   const auto folder = RecordedData("hdm05");
-  if (folder.empty()) GTEST_SKIP() << "HDM05 is not there";
+  if (folder.empty()) GTEST_SKIP() << "HDM05 data not found";
   const std::string script = "/usr/bin/python3 -c \"import scipy.io as s;m=s.loadmat('" +
                              (folder / "mat/HDM_bd_depositFloorR_001_120.amc.mat").string() +
                              "',squeeze_me=True)['mot'];j=m['jointTrajectories'].item();n=m['boneNames'].item();"
@@ -358,7 +356,7 @@ TEST(AcclaimFiles, JointsOfHdm05AgreeWithThoseOfAnotherParser) {
   std::string text;
   char buffer[4096];
   for (std::size_t n = 0; (n = fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
-  if (pclose(pipe) != 0) GTEST_SKIP() << "python3-scipy is not there";
+  if (pclose(pipe) != 0) GTEST_SKIP() << "python3-scipy is not installed";
   const Asf asf = ParseAsf(Bytes(folder / "HDM_bd.asf"), "HDM_bd.asf").value();
   const Amc amc =
       ParseAmc(Bytes(folder / "01/HDM_bd_depositFloorR_001_120.amc"), {&asf, DamagedRows::kRefuse}, "amc").value();
@@ -382,9 +380,9 @@ TEST(AcclaimFiles, JointsOfHdm05AgreeWithThoseOfAnotherParser) {
   RecordProperty("worst_inches", FormatDouble(worst));
 }
 
-TEST(AcclaimFiles, LegsOfCmuAgreeWithTheBvhOfTheSameTake) {
+TEST(AcclaimFiles, MatchTheLegsOfTheBvhOfTheSameCmuTake) {
   const auto folder = RecordedData("cmu/asf_amc");
-  if (folder.empty()) GTEST_SKIP() << "CMU is not there";
+  if (folder.empty()) GTEST_SKIP() << "CMU data not found";
   const Asf asf = ParseAsf(Bytes(folder / "01.asf"), "01.asf").value();
   const Amc amc = ParseAmc(Bytes(folder / "01_01.amc"), {&asf, DamagedRows::kRefuse}, "01_01.amc").value();
   const Bvh bvh = ParseBvh(Bytes(folder / "01_01.bvh"), "01_01.bvh").value();

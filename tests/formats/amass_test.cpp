@@ -32,7 +32,7 @@ Amass SmallAmass(Amass::Layout layout, std::size_t columns) {
     amass.markers = 2;
     amass.marker_labels = {"C7", "LSHO"};
     amass.marker_data_m = {1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0};
-    amass.marker_seen = {1, 1, 1, 0};
+    amass.marker_observed = {1, 1, 1, 0};
   } else {
     amass.surface_model = "smplx";
   }
@@ -50,7 +50,7 @@ NpyArray& At(Npz& npz, const std::string& name) {
 
 Expected<Amass> AmassOf(const Npz& npz) { return ParseAmass(EncodeNpz(npz, "m.npz").value(), "m.npz"); }
 
-TEST(Amass, BothLayoutsAreWrittenAndReadAgain) {
+TEST(Amass, RoundTripsBothLayouts) {
   for (const auto& [layout, columns] : {std::pair{Amass::Layout::kLegacy, 156}, std::pair{Amass::Layout::kSplit, 156},
                                         std::pair{Amass::Layout::kSplit, 165}}) {
     const Amass amass = SmallAmass(layout, static_cast<std::size_t>(columns));
@@ -67,11 +67,11 @@ TEST(Amass, BothLayoutsAreWrittenAndReadAgain) {
     EXPECT_EQ(again->dmpls, amass.dmpls);
     EXPECT_EQ(again->marker_labels, amass.marker_labels);
     EXPECT_EQ(again->marker_data_m, amass.marker_data_m);
-    EXPECT_EQ(again->marker_seen, amass.marker_seen) << "NaN in the file";
+    EXPECT_EQ(again->marker_observed, amass.marker_observed) << "NaN in the file";
   }
 }
 
-TEST(Amass, TheSplitKeysAloneGiveTheSamePoses) {
+TEST(Amass, ReadsTheSamePosesFromTheSplitKeys) {
   const Amass amass = SmallAmass(Amass::Layout::kSplit, 165);
   Npz npz = AmassMembers(amass);
   npz.members.erase(npz.members.begin());  // poses
@@ -80,7 +80,7 @@ TEST(Amass, TheSplitKeysAloneGiveTheSamePoses) {
   EXPECT_EQ(again->poses, amass.poses);
 }
 
-TEST(Amass, GenderIsReadAsBytesTextOrPrintedBytes) {
+TEST(Amass, ReadsGenderAsBytesTextOrPrintedBytes) {
   for (const auto& [dtype, text] :
        {std::pair{"|S6", "male"}, std::pair{"<U4", "male"}, std::pair{"<U7", "b'male'"}, std::pair{"<U4", "Male"}}) {
     Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
@@ -92,7 +92,7 @@ TEST(Amass, GenderIsReadAsBytesTextOrPrintedBytes) {
   }
 }
 
-TEST(Amass, PosesUnderAnotherNameAreMissingByTheirs) {
+TEST(Amass, ReportsMissingPosesWhenTheirKeyHasAnotherName) {
   Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   for (NpzMember& member : npz.members) {
     if (member.name == "poses") member.name = "pose";
@@ -100,7 +100,7 @@ TEST(Amass, PosesUnderAnotherNameAreMissingByTheirs) {
   ExpectMalformed(AmassOf(npz), "m.npz:poses");
 }
 
-TEST(Amass, ArraysOfDifferentLengthsDisagreeAndTheOneThatAloneDiffersIsNamed) {
+TEST(Amass, NamesTheArrayWhoseLengthDiffersFromTheOthers) {
   for (const char* key : {"poses", "trans"}) {
     Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
     NpyArray& array = At(npz, key);
@@ -110,7 +110,7 @@ TEST(Amass, ArraysOfDifferentLengthsDisagreeAndTheOneThatAloneDiffersIsNamed) {
   }
 }
 
-TEST(Amass, PosesOfAnotherShapeAreRefused) {
+TEST(Amass, RejectsPosesOfAnotherShape) {
   Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   for (const std::vector<std::size_t>& shape : {std::vector<std::size_t>{156, 2}, {2, 52, 3}}) {
     At(npz, "poses").shape = shape;
@@ -118,7 +118,7 @@ TEST(Amass, PosesOfAnotherShapeAreRefused) {
   }
 }
 
-TEST(Amass, BetasWithAnAxisOfOnePersonAreTheSame) {
+TEST(Amass, ReadsBetasWithAnAxisOfOnePerson) {
   Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   At(npz, "betas").shape = {1, 2};
   const auto amass = AmassOf(npz);
@@ -126,7 +126,7 @@ TEST(Amass, BetasWithAnAxisOfOnePersonAreTheSame) {
   EXPECT_EQ(amass->betas, SmallAmass(Amass::Layout::kLegacy, 156).betas);
 }
 
-TEST(Amass, AnyCorruptedFieldIsNamed) {
+TEST(Amass, NamesEveryCorruptedField) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   struct Case {
     const char* key;
@@ -184,7 +184,7 @@ TEST(Amass, AnyCorruptedFieldIsNamed) {
   }
 }
 
-TEST(Amass, RatesThatContradictEachOtherOrTheLengthAreRefused) {
+TEST(Amass, RejectsRatesThatContradictEachOtherOrTheLength) {
   Npz npz = AmassMembers(SmallAmass(Amass::Layout::kLegacy, 156));
   npz.members.push_back({"mocap_frame_rate", MakeArray({}, {60}), ""});
   ExpectError(AmassOf(npz), ErrorCode::kInconsistent, "m.npz:mocap_frame_rate");
@@ -193,14 +193,14 @@ TEST(Amass, RatesThatContradictEachOtherOrTheLengthAreRefused) {
   ExpectError(AmassOf(npz), ErrorCode::kInconsistent, "m.npz:mocap_time_length");
 }
 
-TEST(Amass, AShapeFileHoldsNoMotion) {
+TEST(Amass, RejectsAShapeFileAsMotion) {
   Npz npz;
   npz.members.push_back({"betas", MakeArray({2}, {1, 2}), ""});
   npz.members.push_back({"gender", MakeTextArray("male"), ""});
   ExpectError(AmassOf(npz), ErrorCode::kUnsupported, "m.npz");
 }
 
-TEST(Amass, ThePublishedSampleIsReadWhole) {
+TEST(Amass, ReadsThePublishedSample) {
   const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto bytes = ReadFile(std::filesystem::path(data) / "amass_babel/amass_sample.npz");
@@ -214,9 +214,9 @@ TEST(Amass, ThePublishedSampleIsReadWhole) {
   EXPECT_EQ(amass->betas.size(), 16u);
   EXPECT_EQ(amass->dmpl_columns, 8u);
   EXPECT_EQ(amass->markers, 85u);
-  std::size_t unseen = 0;
-  for (const std::uint8_t seen : amass->marker_seen) unseen += seen == 0 ? 1 : 0;
-  EXPECT_EQ(unseen, 1u);
+  std::size_t missing = 0;
+  for (const std::uint8_t seen : amass->marker_observed) missing += seen == 0 ? 1 : 0;
+  EXPECT_EQ(missing, 1u);
   const auto again = ParseAmass(EncodeAmass(*amass, "again.npz").value(), "again.npz");
   ASSERT_TRUE(again) << again.error().Message();
   EXPECT_EQ(again->poses, amass->poses);

@@ -1,4 +1,4 @@
-// Names in an AMC file that are nearly those of bones.
+// AMC files with misspelt bone names.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ std::string FiveSpelt() {
   return text;
 }
 
-TEST(AmcMisspelt, AMisspeltBoneCostsItsFrameWhereverItIs) {
+TEST(AmcMisspelt, DropsTheFrameOfAMisspeltBone) {
   const Asf asf = ParseAsf(kAsf, "arm.asf").value();
   const std::string text = FiveSpelt();
   for (const char* bone : {"root", "upper", "lower"}) {
@@ -55,10 +55,10 @@ TEST(AmcMisspelt, AMisspeltBoneCostsItsFrameWhereverItIs) {
   }
 }
 
-TEST(AmcMisspelt, ABoneThatTheSkeletonNamesOtherwiseInMostFramesIsAnErrorNotDamage) {
+TEST(AmcMisspelt, RejectsABoneThatIsMisspeltInMostFrames) {
   const Asf asf = ParseAsf(kAsf, "arm.asf").value();
   std::string text = FiveSpelt();
-  // In the first frame alone, and like none.
+  // In the first frame only, and similar to no bone of the skeleton.
   ExpectMalformed(ReadArm(Replaced(text, "upper 0 90\n", "thigh 0 90\n"), asf, DamagedRows::kReport), "wave.amc:5");
   for (std::size_t at = 0; (at = text.find("upper", at)) != std::string::npos; at += 6) text.insert(at + 5, "r");
   ExpectMalformed(ReadArm(text, asf, DamagedRows::kReport), "wave.amc:5");

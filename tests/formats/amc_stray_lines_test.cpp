@@ -1,4 +1,4 @@
-// Lines of an AMC file between frames that are none of its own.
+// Stray lines between the frames of an AMC file.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ Expected<Amc> ReadStray(const std::string& frames) {
 
 const char* const kTwo = "1\nroot 1 2\narm 3\n2\nroot 4 5\narm 6\n";
 
-TEST(AmcStrayLines, AWordBeforeTheNumberOfAFrameBeginsNoFrameOfItsOwn) {
+TEST(AmcStrayLines, AWordBeforeAFrameNumberStartsNoFrame) {
   const auto amc = ReadStray(std::string(kTwo) + "pause\n3\nroot 7 8\narm 9\n4\nroot 1 2\narm 3\n");
   ASSERT_TRUE(amc) << amc.error().Message();
   EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 4));
@@ -27,14 +27,14 @@ TEST(AmcStrayLines, AWordBeforeTheNumberOfAFrameBeginsNoFrameOfItsOwn) {
   EXPECT_EQ(amc->findings[0].value, 3.0);
 }
 
-TEST(AmcStrayLines, AWordInTheNumbersPlaceIsTheFrameItself) {
+TEST(AmcStrayLines, AWordInPlaceOfTheFrameNumberStartsTheFrame) {
   const auto amc = ReadStray(std::string(kTwo) + "3x\nroot 7 8\narm 9\n4\nroot 1 2\narm 3\n");
   ASSERT_TRUE(amc) << amc.error().Message();
   EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 4));
   EXPECT_EQ(amc->findings.size(), 1u);
 }
 
-TEST(AmcStrayLines, ANumberThatStandsTwiceIsStillTwoFrames) {
+TEST(AmcStrayLines, ARepeatedFrameNumberStartsTwoFrames) {
   const auto amc = ReadStray(std::string(kTwo) + "3\n3\nroot 7 8\narm 9\n");
   ASSERT_TRUE(amc) << amc.error().Message();
   EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 3));

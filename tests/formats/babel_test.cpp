@@ -27,7 +27,7 @@ const char* const kExtra = R"({"3": {"babel_sid": 3, "url": "u", "feat_p": "f", 
    {"raw_label": "r", "proc_label": "p", "act_cat": ["c"], "seg_id": "s", "start_t": 0.5, "end_t": 1}]},
    {"babel_lid": "n", "anntr_id": "c", "mul_act": true, "labels": []}]}})";
 
-TEST(Babel, EveryFieldIsReadInTheOrderOfTheFile) {
+TEST(Babel, ReadsEveryFieldInFileOrder) {
   const auto babel = ParseBabel(kDense, "train.json");
   ASSERT_TRUE(babel) << babel.error().Message();
   ASSERT_EQ(babel->size(), 2u);
@@ -43,7 +43,7 @@ TEST(Babel, EveryFieldIsReadInTheOrderOfTheFile) {
   ASSERT_EQ(first.frame_anns.size(), 1u);
   const std::vector<BabelLabel>& labels = first.frame_anns[0].labels;
   ASSERT_EQ(labels.size(), 3u);
-  EXPECT_EQ(labels[0].start_t, 2.0) << "unsorted labels stay as they stand";
+  EXPECT_EQ(labels[0].start_t, 2.0) << "labels keep the order of the file";
   EXPECT_EQ(labels[0].end_t, 3.834) << "past the duration";
   EXPECT_EQ(labels[0].act_cat->size(), 2u);
   EXPECT_EQ(labels[1].start_t, 0.0);
@@ -53,7 +53,7 @@ TEST(Babel, EveryFieldIsReadInTheOrderOfTheFile) {
   EXPECT_TRUE((*babel)[1].frame_anns.empty());
 }
 
-TEST(Babel, ExtraFilesHoldSeveralAnnotators) {
+TEST(Babel, ReadsSeveralAnnotatorsFromExtraFiles) {
   const auto babel = ParseBabel(kExtra, "extra_train.json");
   ASSERT_TRUE(babel) << babel.error().Message();
   EXPECT_TRUE((*babel)[0].extra);
@@ -61,7 +61,7 @@ TEST(Babel, ExtraFilesHoldSeveralAnnotators) {
   EXPECT_FALSE((*babel)[0].seq_anns[0].mul_act);
 }
 
-TEST(Babel, WrittenAndReadAgainIsTheSame) {
+TEST(Babel, RoundTripsThroughTheWriter) {
   for (const char* text : {kDense, kExtra}) {
     const auto babel = ParseBabel(text, "b.json");
     ASSERT_TRUE(babel);
@@ -71,7 +71,7 @@ TEST(Babel, WrittenAndReadAgainIsTheSame) {
   }
 }
 
-TEST(Babel, IdentifiersThatBabelAloneGivesMayBeMissing) {
+TEST(Babel, AllowsMissingBabelIdentifiers) {
   ordered_json without = ordered_json::parse(kDense);
   ordered_json& sequence = without["7692"];
   sequence.erase("url");
@@ -90,7 +90,7 @@ TEST(Babel, IdentifiersThatBabelAloneGivesMayBeMissing) {
   EXPECT_EQ(again["12"]["url"], "u");
 }
 
-TEST(Babel, TimesThatCannotBeAreListedAndRefuseNothing) {
+TEST(Babel, ListsImpossibleTimesWithoutRejectingTheFile) {
   const auto babel = ParseBabel(kDense, "train.json");
   const std::vector<BabelProblem> problems = FindBabelProblems((*babel)[0]);
   ASSERT_EQ(problems.size(), 1u);
@@ -100,7 +100,7 @@ TEST(Babel, TimesThatCannotBeAreListedAndRefuseNothing) {
   EXPECT_GT(FindBabelProblems(shorter).size(), 1u);
 }
 
-TEST(Babel, AnyFieldOfAWrongKindIsNamed) {
+TEST(Babel, NamesEveryFieldOfAWrongType) {
   const ordered_json good = ordered_json::parse(kDense);
   const char* const paths[] = {"/7692",
                                "/7692/babel_sid",

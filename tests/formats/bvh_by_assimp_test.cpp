@@ -1,4 +1,4 @@
-// What we write as BVH says the same to a reader that is not ours (assimp).
+// BVH files of our writer, read by assimp.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 Vector3d Eigens(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-/// Places of all nodes at a frame, by name; the node's own place counts where a channel holds a single key.
+/// World positions of all nodes at a frame, by name. A channel with one key holds for all frames.
 void PlaceNodes(const aiNode& node, const std::map<std::string, const aiNodeAnim*>& channels, unsigned frame,
                 const aiMatrix4x4& parent, std::map<std::string, Vector3d>& places) {
   aiMatrix4x4 local = node.mTransformation;
@@ -92,9 +92,9 @@ Bvh Walker() {
   return bvh;
 }
 
-TEST(BvhByAssimp, ReadsJointsFramesRateAndPlacesAsWeWroteThem) { ExpectAssimpReads(Walker(), 1e-3); }
+TEST(BvhByAssimp, ReadsJointsFramesRateAndPositionsAsWritten) { ExpectAssimpReads(Walker(), 1e-3); }
 
-TEST(BvhByAssimp, ReadsARecordedClipThatWeWroteAgain) {
+TEST(BvhByAssimp, ReadsARewrittenRecordedClip) {
   const std::filesystem::path folder = RecordedData("bvh/bandai1");
   if (folder.empty()) GTEST_SKIP() << "MOCURATE_DATA has no bvh/bandai1";
   const auto files = FilesEndingIn(folder, ".bvh");
@@ -104,7 +104,7 @@ TEST(BvhByAssimp, ReadsARecordedClipThatWeWroteAgain) {
 
 #else
 
-TEST(BvhByAssimp, ReadsJointsFramesRateAndPlacesAsWeWroteThem) { GTEST_SKIP() << "built without libassimp-dev"; }
+TEST(BvhByAssimp, ReadsJointsFramesRateAndPositionsAsWritten) { GTEST_SKIP() << "built without libassimp-dev"; }
 
 #endif
 

@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-/// Two joints; the second has a position channel on one axis only and another rotation order than the first.
+/// Two joints. The second has one position channel and another rotation order than the first.
 std::string TwoJoints(const std::string& rows = "1 2 3 0 0 90  7 0 0 0\n4 5 6 0 0 0  8 0 90 0\n",
                       const std::string& frames = "2", const std::string& time = "0.5") {
   return "HIERARCHY\nROOT Hips\n{\n OFFSET 100 100 100\n CHANNELS 6 Xposition Yposition Zposition Xrotation Yrotation "
@@ -22,12 +22,12 @@ std::string TwoJoints(const std::string& rows = "1 2 3 0 0 90  7 0 0 0\n4 5 6 0 
          frames + "\nFrame Time: " + time + "\n" + rows;
 }
 
-/// Two joints with one piece of their text replaced.
+/// The two-joint file with one piece of its text replaced.
 Expected<Bvh> Altered(const std::string& from, const std::string& to) {
   return ParseBvh(Replaced(TwoJoints(), from, to), "clip.bvh", DamagedRows::kReport);
 }
 
-TEST(Bvh, PositionChannelsReplaceOffsetComponentwise) {
+TEST(Bvh, ReplacesOffsetComponentsByPositionChannels) {
   const auto bvh = ParseBvh(TwoJoints(), "clip.bvh");
   ASSERT_TRUE(bvh) << bvh.error().Message();
   ASSERT_EQ(bvh->joints.size(), 2u);
@@ -39,11 +39,11 @@ TEST(Bvh, PositionChannelsReplaceOffsetComponentwise) {
   EXPECT_TRUE(BvhLocalPosition(*bvh, 0, 1).isApprox(Vector3d(1, 7, 3)));
   std::vector<Vector3d> positions;
   BvhForward(*bvh, 0, positions);
-  // The root is turned by 90 degrees about z: (1,7,3) becomes (-7,1,3).
+  // The root is rotated by 90 degrees about z: (1,7,3) becomes (-7,1,3).
   EXPECT_TRUE(positions[1].isApprox(Vector3d(1 - 7, 2 + 1, 3 + 3), 1e-12)) << positions[1].transpose();
 }
 
-TEST(Bvh, RotationsMultiplyInTheOrderOfTheJointsOwnChannels) {
+TEST(Bvh, MultipliesRotationsInChannelOrderOfTheJoint) {
   const auto bvh = ParseBvh(TwoJoints("0 0 0 10 20 30 0 40 50 60\n", "1"), "clip.bvh");
   ASSERT_TRUE(bvh);
   const double degree = M_PI / 180;
@@ -53,7 +53,7 @@ TEST(Bvh, RotationsMultiplyInTheOrderOfTheJointsOwnChannels) {
                   .isApprox(MatrixFromEuler(degree * Vector3d(40, 50, 60), *EulerOrder::Parse("ZYX")), 1e-12));
 }
 
-TEST(Bvh, WrittenAndReadAgainIsTheSame) {
+TEST(Bvh, RoundTripsThroughTheWriter) {
   const auto bvh = ParseBvh(TwoJoints(), "clip.bvh");
   const auto again = ParseBvh(WriteBvh(*bvh), "again.bvh");
   ASSERT_TRUE(again) << again.error().Message();
@@ -64,7 +64,7 @@ TEST(Bvh, WrittenAndReadAgainIsTheSame) {
   EXPECT_EQ(WriteBvh(*again), WriteBvh(*bvh));
 }
 
-TEST(Bvh, CarriageReturnsAndByteOrderMarkChangeNothing) {
+TEST(Bvh, IgnoresCarriageReturnsAndByteOrderMark) {
   std::string text = "\xEF\xBB\xBF";
   for (const char c : TwoJoints()) text += c == '\n' ? "\r\n" : std::string(1, c);
   const auto bvh = ParseBvh(text, "clip.bvh");
@@ -72,7 +72,7 @@ TEST(Bvh, CarriageReturnsAndByteOrderMarkChangeNothing) {
   EXPECT_EQ(bvh->values, ParseBvh(TwoJoints(), "clip.bvh")->values);
 }
 
-TEST(Bvh, TabsBetweenAllWordsChangeNothing) {
+TEST(Bvh, AcceptsTabsBetweenAllWords) {
   std::string text = TwoJoints();
   std::replace(text.begin(), text.end(), ' ', '\t');
   const auto bvh = ParseBvh(text, "clip.bvh");
@@ -80,14 +80,14 @@ TEST(Bvh, TabsBetweenAllWordsChangeNothing) {
   EXPECT_EQ(bvh->values, ParseBvh(TwoJoints(), "clip.bvh")->values);
 }
 
-TEST(Bvh, ThousandsOfJointsOfOneNameHideNoDamage) {
+TEST(Bvh, ReportsDamageAmongThousandsOfJointsWithOneName) {
   std::string text = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n";
   for (int j = 0; j < 2000; ++j) text += "JOINT a\n{\nOFFSET 0 0 0\n}\n";
   text += "}\nMOTION\nFrames: 2\nFrame Time: 0.1\nx\ny\n";
   ExpectMalformed(ParseBvh(text, "clip.bvh", DamagedRows::kReport), "clip.bvh:8010");
 }
 
-TEST(Bvh, AnAxisThatStandsTwiceIsRefusedAtItsLine) {
+TEST(Bvh, RejectsARepeatedAxisWithItsLine) {
   std::string text = "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n}\n";
   text += "MOTION\nFrames: 2\nFrame Time: 0.1\n1 2 3\n4 5 6\n";
   ASSERT_TRUE(ParseBvh(text, "clip.bvh"));
@@ -95,7 +95,7 @@ TEST(Bvh, AnAxisThatStandsTwiceIsRefusedAtItsLine) {
   ExpectMalformed(ParseBvh(text, "clip.bvh"), "clip.bvh:5");
 }
 
-TEST(Bvh, BadInputIsRefusedAtItsPlace) {
+TEST(Bvh, RejectsBadInputWithItsPlace) {
   ExpectMalformed(Altered("Frames: 2", "Frames: two"), "clip.bvh:13");
   ExpectMalformed(Altered("Frame Time: ", "Frame Time: -"), "clip.bvh:14");
   ExpectMalformed(Altered("Frame Time: ", "Frame Time: nan"), "clip.bvh:14");
@@ -130,7 +130,7 @@ TEST(Bvh, BadInputIsRefusedAtItsPlace) {
   ExpectError(ParseBvh(TwoJoints(row), "clip.bvh"), ErrorCode::kInconsistent, "clip.bvh:13");
 }
 
-TEST(Bvh, CutOffAnywhereItIsRefusedNeverReadAsShorter) {
+TEST(Bvh, RejectsAFileTruncatedAtAnyByte) {
   const std::string text = TwoJoints();
   const std::size_t last_digit = text.find_last_of("0123456789");
   for (std::size_t length = 0; length < last_digit; ++length) {
@@ -148,7 +148,7 @@ struct Fact {
 
 class BvhExporters : public ::testing::TestWithParam<Fact> {};
 
-TEST_P(BvhExporters, ReadsAsItsFactsSay) {
+TEST_P(BvhExporters, ReadsTheKnownFactsOfEachFile) {
   const Fact& fact = GetParam();
   const std::filesystem::path folder = RecordedData("bvh/misc");
   if (folder.empty()) GTEST_SKIP() << "MOCURATE_DATA has no bvh/misc";

@@ -1,4 +1,4 @@
-// Calibrations of every dialect, brought to one type.
+// Calibrations of every dialect, read into one type.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ std::vector<Camera> CamerasOf(const Calibration& calibration) {
 
 Status ReadCameras(const std::string& bytes) { return StatusOf(ParseCalibration(bytes, "c.json")); }
 
-TEST(Calibration, Pose2SimXmlTomlAndJsonProjectAlike) {
+TEST(Calibration, ProjectsAlikeFromPose2SimXmlTomlAndJson) {
   MOCURATE_RECORDED(xml, "pose2sim/Calib.qca.txt");
   const auto qualisys = ParseCalibration(xml, "Calib.qca.txt");
   const auto toml = ParseCalibration(test::RecordedFile("pose2sim/Calib_converted.toml"), "Calib.toml");
@@ -57,7 +57,7 @@ TEST(Calibration, Pose2SimXmlTomlAndJsonProjectAlike) {
   }
 }
 
-TEST(Calibration, EveryAttributeOfAQualisysCameraIsNamedWhenDamaged) {
+TEST(Calibration, NamesEveryDamagedAttributeOfAQualisysCamera) {
   const std::string text =
       R"(<?xml version="1.0"?><calibration><cameras><camera serial="a &amp; b"><fov_video left="0" top="0" right="99" bottom="49"/>
 <transform r11="1" r12="0" r13="0" r21="0" r22="1" r23="0" r31="0" r32="0" r33="1" x="1000" y="0" z="0"/>
@@ -89,11 +89,11 @@ radialDistortion2="0" radialDistortion3="0" tangentalDistortion1="0" tangentalDi
   };
   ExpectError(altered("right=\"99\"", "right=\"0\""), ErrorCode::kInconsistent, "q.txt:1:fov_video/left, right");
   ExpectMalformed(altered("skew=", "focallength=\"9.3o\" skew="),
-                  "q.txt:3:intrinsic/focallength");  // a field that is not needed
+                  "q.txt:3:intrinsic/focallength");  // an optional field
   ExpectError(altered("r11=\"1\"", "r11=\"-1\""), ErrorCode::kInconsistent, "q.txt:2:transform/r11..r33");
 }
 
-TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
+TEST(Calibration, NamesEveryDamagedFieldOfAJsonDialect) {
   const json matrix = {{1000, 0, 500}, {0, 1000, 500}, {0, 0, 1}};
   const json rotation = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const json column = {{1}, {2}, {3}};
@@ -107,12 +107,12 @@ TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
                          {"dist_k1k2p1p2k3", {0.1, 0, 0, 0, 0}},
                          {"R", rotation},
                          {"t", {1, 2, 3}}}}}};
-  // A lens may have four numbers: taking one of five away is no damage.
+  // A lens has four or five coefficients: removing one of five is no damage.
   const auto fifth = [](const std::string& path) { return path.find("dist") != std::string::npos; };
-  test::EachFieldIsRefusedWhenDamaged(plain, ReadCameras, fifth);
+  test::ExpectEveryDamagedFieldIsRejected(plain, ReadCameras, fifth);
   const json human = {{"intrinsics", {{"54138969", {{"calibration_matrix", matrix}, {"distortion", lens}}}}},
                       {"extrinsics", {{"S1", {{"54138969", {{"R", rotation}, {"t", column}}}}}}}};
-  test::EachFieldIsRefusedWhenDamaged(human, ReadCameras, fifth);
+  test::ExpectEveryDamagedFieldIsRejected(human, ReadCameras, fifth);
   const json campus = {{"0",
                         {{"R", rotation},
                          {"T", column},
@@ -122,7 +122,7 @@ TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
                          {"cy", 140},
                          {"k", {{0}, {0}, {0}}},
                          {"p", {{0}, {0}}}}}};
-  test::EachFieldIsRefusedWhenDamaged(campus, ReadCameras, [](const std::string& path) { return path == "/0/fx"; });
+  test::ExpectEveryDamagedFieldIsRejected(campus, ReadCameras, [](const std::string& path) { return path == "/0/fx"; });
   const json panoptic = {{"cameras",
                           {{{"name", "00_01"},
                             {"type", "hd"},
@@ -131,7 +131,7 @@ TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
                             {"distCoef", lens},
                             {"R", rotation},
                             {"t", column}}}}};
-  test::EachFieldIsRefusedWhenDamaged(
+  test::ExpectEveryDamagedFieldIsRejected(
       panoptic, ReadCameras, [](const std::string& path) { return path.find("distCoef") != std::string::npos; });
   const json pose = {1, 0, 0, 0, 10, 20, 30};
   const json params = {1000, 1000, 500, 500, 0, 0, 0};
@@ -144,7 +144,7 @@ TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
                           {"param_d1", params},
                           {"param_c1", params},
                           {"p1w", {pose}}}}}}};
-  test::EachFieldIsRefusedWhenDamaged(phspd, ReadCameras, [](const std::string& path) { return path == "/units"; });
+  test::ExpectEveryDamagedFieldIsRejected(phspd, ReadCameras, [](const std::string& path) { return path == "/units"; });
   json bad = phspd;
   bad["rig"]["A"]["d1p"][0] = 1.1;
   ExpectError(ReadCameras(bad.dump()), ErrorCode::kInconsistent, "c.json:/rig/A/d1p");
@@ -156,7 +156,7 @@ TEST(Calibration, EveryFieldOfAJsonDialectIsNamedWhenDamaged) {
   ExpectMalformed(ReadCameras(bad.dump()), "c.json:/cameras/0/K");
 }
 
-TEST(Calibration, ThePhspdRigIsTheOneOfTheRenderings) {
+TEST(Calibration, ReadsThePhspdRigOfTheRenderings) {
   MOCURATE_RECORDED(bytes, "cameras/phspd/phspd_rigs.json");
   const auto rigs = ParseCalibration(bytes, "rigs.json");
   ASSERT_TRUE(rigs) << rigs.error().Message();
@@ -164,7 +164,7 @@ TEST(Calibration, ThePhspdRigIsTheOneOfTheRenderings) {
   const json rendering = json::parse(test::RecordedFile("clouds/rendered_body/male_tpose.json"));
   for (const CalibratedView& view : rigs->views) {
     if (view.world != "CamParams0906" || view.kind != "depth") continue;
-    const Camera camera = CameraOf(view, PoseReading::kWorldToCamera, 0.001);
+    const Camera camera = CameraOf(view, PoseConvention::kWorldToCamera, 0.001);
     const json& truth = rendering["views"][view.name];
     EXPECT_NEAR(camera.camera_from_world.translation.z(), truth["t_m"][2].get<double>(), 1e-6);
     EXPECT_NEAR(camera.camera_from_world.rotation.toRotationMatrix()(0, 2), truth["R_p_to_d"][0][2].get<double>(),
@@ -174,7 +174,7 @@ TEST(Calibration, ThePhspdRigIsTheOneOfTheRenderings) {
   EXPECT_EQ(rigs->subject_points.size(), 34u + 30 + 26 + 35 + 26 + 28);
 }
 
-TEST(Calibration, EveryRecordedDialectIsRecognised) {
+TEST(Calibration, RecognisesEveryRecordedDialect) {
   const std::pair<const char*, std::pair<const char*, std::size_t>> files[] = {
       {"cameras/human36m/camera-parameters.json", {"human36m", 44}},
       {"cameras/campus_shelf/calibration_campus.json", {"campus_shelf", 3}},
@@ -186,12 +186,12 @@ TEST(Calibration, EveryRecordedDialectIsRecognised) {
     ASSERT_TRUE(calibration) << calibration.error().Message();
     EXPECT_EQ(calibration->dialect, expected.first);
     EXPECT_EQ(calibration->views.size(), expected.second);
-    EXPECT_EQ(calibration->reading, PoseReading::kUnknown);
+    EXPECT_EQ(calibration->reading, PoseConvention::kUnknown);
     EXPECT_EQ(calibration->metres_per_unit, 0.0);
   }
 }
 
-/// Expects a malformed file at that place, or at a column of it: "c.toml:2" or "c.toml:2:5".
+/// Expects kMalformed at a line or a column of it: "c.toml:2" or "c.toml:2:5".
 template <class T>
 void ExpectMalformedWithin(const Expected<T>& result, const std::string& place, const std::string& text) {
   ASSERT_FALSE(result) << text;
@@ -199,7 +199,7 @@ void ExpectMalformedWithin(const Expected<T>& result, const std::string& place, 
   EXPECT_EQ((result.error().where + ":").rfind(place + ":", 0), 0u) << text << " " << result.error().where;
 }
 
-TEST(Toml, RefusesWhatBreaksTheGrammarWithItsPlace) {
+TEST(Toml, RejectsSyntaxErrorsWithTheirPlace) {
   std::string key = "a";
   for (int i = 0; i < 60; ++i) key += ".a";
   std::string deep = "[" + key + "]\n" + key + " = 1\n[b]\n";
@@ -228,7 +228,7 @@ TEST(Toml, RefusesWhatBreaksTheGrammarWithItsPlace) {
   for (const auto& [text, place] : cases) ExpectMalformedWithin(ParsePose2SimToml(text, "c.toml"), place, text);
 }
 
-TEST(Toml, EveryFieldOfAPose2SimCameraIsNamedWhenDamaged) {
+TEST(Toml, NamesEveryDamagedFieldOfAPose2SimCamera) {
   const std::string text =
       "[c]\nname = \"c\"\nsize = [ 10.0, 20.0,]\nmatrix = [ [ 5.0, 0.0, 1.0,], [ 0.0, 5.0, 2.0,], [ 0.0, 0.0, 1.0,],]\n"
       "distortions = [ 0.1, 0.2, 0.3, 0.4,]\nrotation = [ 1.0, 0.0, 0.0,]\ntranslation = [ 0.0, 0.0, 4.0,]\nfisheye = "
@@ -249,7 +249,7 @@ TEST(Toml, EveryFieldOfAPose2SimCameraIsNamedWhenDamaged) {
               "c.toml:/c/fisheye");
 }
 
-TEST(Xml, RefusesWhatBreaksTheGrammarWithItsLine) {
+TEST(Xml, RejectsSyntaxErrorsWithTheirLine) {
   std::string deep;
   for (int i = 0; i < 1'000'000; ++i) deep += "<a>";
   const std::pair<std::string, const char*> cases[] = {{"<!-- c --><a b='1'><c/>text<![CDATA[<d>]]></a>\n", "c.xml"},

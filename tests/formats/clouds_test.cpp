@@ -40,7 +40,7 @@ Status ReadPly(const std::string& bytes) {
   return ply ? StatusOf(PlyTriangles(*ply, "c.ply")) : StatusOf(ply);
 }
 
-TEST(Ply, ComesBackFromEveryEncoding) {
+TEST(Ply, RoundTripsInEveryEncoding) {
   for (const Ply::Encoding encoding :
        {Ply::Encoding::kAscii, Ply::Encoding::kBinaryLittleEndian, Ply::Encoding::kBinaryBigEndian}) {
     const Ply ply = SmallPly(encoding);
@@ -54,14 +54,14 @@ TEST(Ply, ComesBackFromEveryEncoding) {
   }
 }
 
-TEST(Ply, EveryByteOfABinaryFileIsNeeded) {
+TEST(Ply, RejectsABinaryFileTruncatedAtAnyByte) {
   const std::string bytes = WritePly(SmallPly(Ply::Encoding::kBinaryBigEndian));
   for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_FALSE(ReadPly(bytes.substr(0, size))) << size;
   ExpectError(ReadPly(bytes + "x"), ErrorCode::kInconsistent, "c.ply");
   ExpectError(ReadPly(bytes.substr(0, bytes.size() - 1)), ErrorCode::kInconsistent, "c.ply:face 1");
 }
 
-TEST(Ply, EveryDamagedWordOfATextFileIsNamedWithItsLine) {
+TEST(Ply, ReportsTheLineOfEveryDamagedWordOfATextFile) {
   Ply ply = SmallPly(Ply::Encoding::kAscii);
   ply.comments.clear();
   ExpectEveryDamagedWordIsNamed(
@@ -75,7 +75,7 @@ TEST(Ply, EveryDamagedWordOfATextFileIsNamedWithItsLine) {
   ExpectMalformed(ReadPly("plx" + WritePly(ply).substr(3)), "c.ply");
 }
 
-TEST(Ply, RefusesWhatIsNoNumberOrNoVertex) {
+TEST(Ply, RejectsInvalidNumbersAndVertices) {
   const std::string head = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nend_header\n";
   ExpectMalformed(ReadPly(head + "0 0\n0 nan\n"), "c.ply:8:vertex 1/y");
   ExpectMalformed(ReadPly(head + "0 0\n0 1e39\n"), "c.ply:8:vertex 1/y");
@@ -88,7 +88,7 @@ TEST(Ply, RefusesWhatIsNoNumberOrNoVertex) {
   ExpectMalformed(ReadPly(face + "300 0 1 2\n"), "c.ply:6:face 0/vertex_index");
 }
 
-TEST(Ply, ReadsTheDoubleMeshOfTheHandheldScan) {
+TEST(Ply, ReadsTheDoublePrecisionMeshOfTheHandheldScan) {
   MOCURATE_RECORDED(bytes, "clouds/handheld_head/Mesh_DepthOnly__A_hat1__every_10th_14frames.ply");
   const auto ply = ParsePly(bytes, "mesh.ply");
   ASSERT_TRUE(ply) << ply.error().Message();
@@ -114,7 +114,7 @@ Pcd SmallPcd(Pcd::Encoding encoding) {
   return pcd;
 }
 
-TEST(Pcd, ComesBackFromEveryEncodingWithMissingPointsAndPackedColours) {
+TEST(Pcd, RoundTripsMissingPointsAndPackedColoursInEveryEncoding) {
   for (const Pcd::Encoding encoding :
        {Pcd::Encoding::kAscii, Pcd::Encoding::kBinary, Pcd::Encoding::kBinaryCompressed}) {
     const Pcd pcd = SmallPcd(encoding);
@@ -125,7 +125,7 @@ TEST(Pcd, ComesBackFromEveryEncodingWithMissingPointsAndPackedColours) {
   }
 }
 
-TEST(Pcd, APointWithOneCoordinateMissingIsMissingWhole) {
+TEST(Pcd, MarksAPointMissingWhenOneCoordinateIsMissing) {
   const std::string head =
       "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n";
   const auto pcd = ParsePcd(head + "1 nan 3\n4 5 6\n", "c.pcd");
@@ -135,7 +135,7 @@ TEST(Pcd, APointWithOneCoordinateMissingIsMissingWhole) {
   EXPECT_TRUE(*ParsePcd(WritePcd(*pcd), "again") == *pcd);
 }
 
-TEST(Pcd, AColourWithAnAlphaIsNoMissingPoint) {
+TEST(Pcd, ReadsColoursWithAlphaAsValidPoints) {
   std::string bytes =
       "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA binary\n";
   for (const double value : {1.0, 2.0, 3.0}) AppendNumber(bytes, value, NumberType::kFloat32, ByteOrder::kLittle);
@@ -146,15 +146,15 @@ TEST(Pcd, AColourWithAnAlphaIsNoMissingPoint) {
   EXPECT_EQ(PcdPoints(*pcd, "c.pcd")->size(), 1u);
 }
 
-TEST(Pcd, EveryDamagedWordOfATextFileIsNamedWithItsLine) {
+TEST(Pcd, ReportsTheLineOfEveryDamagedWordOfATextFile) {
   const std::string text = WritePcd(SmallPcd(Pcd::Encoding::kAscii));
   ExpectEveryDamagedWordIsNamed(
       text.substr(text.find('\n') + 1), [](const std::string& bytes) { return StatusOf(ParsePcd(bytes, "c.pcd")); },
       [](std::string_view line, std::string_view word) { return line.rfind("FIELDS ", 0) == 0 && word != "FIELDS"; },
-      " \n", {"x?"});  // a point of NaN is missing
+      " \n", {"x?"});  // a NaN point is a missing point
 }
 
-TEST(Pcd, EveryByteOfABinaryFileIsNeeded) {
+TEST(Pcd, RejectsABinaryFileTruncatedAtAnyByte) {
   for (const Pcd::Encoding encoding : {Pcd::Encoding::kBinary, Pcd::Encoding::kBinaryCompressed}) {
     const std::string bytes = WritePcd(SmallPcd(encoding));
     for (std::size_t size = 0; size < bytes.size(); ++size) {
@@ -164,8 +164,8 @@ TEST(Pcd, EveryByteOfABinaryFileIsNeeded) {
   }
 }
 
-TEST(Pcd, CopiesInCompressedBlocksAreUnpacked) {
-  // 'abc', then 9 bytes from 3 back (long copy), then 3 bytes from 1 back (short copy).
+TEST(Pcd, UnpacksBackReferencesOfCompressedBlocks) {
+  // 'abc', then 9 bytes copied from 3 back (long reference), then 3 bytes from 1 back (short reference).
   const std::string block = {'\x02', 'a', 'b', 'c', '\xE0', '\x00', '\x02', '\x20', '\x00'};
   EXPECT_EQ(UnpackLzf(block, 15), "abcabcabcabcccc");
   EXPECT_EQ(UnpackLzf(block, 14), std::nullopt);
@@ -191,7 +191,7 @@ TEST(Pcd, ReadsTheDepthViewClouds) {
   EXPECT_TRUE(*ParsePcd(WritePcd(*pcd), "again") == *pcd);
 }
 
-TEST(Clouds, NormalsAreReadWhereEveryPointHasOne) {
+TEST(Clouds, ReadNormalsOnlyWhenEveryPointHasOne) {
   Ply ply = SmallPly(Ply::Encoding::kAscii);
   const auto bare = ParsePointCloud(WritePly(ply), "c.ply");
   ASSERT_TRUE(bare) << bare.error().Message();
@@ -207,7 +207,7 @@ TEST(Clouds, NormalsAreReadWhereEveryPointHasOne) {
   EXPECT_THAT(cloud->normals,
               ::testing::ElementsAre(Vector3d(0, 1, 0), Vector3d(0, 0, -1), Vector3d(1, 0, 0), Vector3d(1, 0, 0)));
   columns[4].values[2] = 0;
-  EXPECT_TRUE(ParsePointCloud(WritePly(ply), "c.ply")->normals.empty()) << "of a point it is zero";
+  EXPECT_TRUE(ParsePointCloud(WritePly(ply), "c.ply")->normals.empty()) << "one normal is zero";
 
   const std::string pcd =
       "VERSION 0.7\nFIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F\nWIDTH 3\nHEIGHT 1\n"
@@ -220,7 +220,7 @@ TEST(Clouds, NormalsAreReadWhereEveryPointHasOne) {
   EXPECT_FALSE(ParsePointCloud("", "c.ply"));
 }
 
-TEST(Clouds, ACoordinateThatNoScanHasIsRefusedAtItsPlace) {
+TEST(Clouds, RejectImplausibleCoordinatesWithTheirPlace) {
   for (const std::string value : {"1e300", "-1e38", "2e12"}) {
     ExpectMalformed(ParsePly("ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
                              "property double z\nend_header\n0 0 0\n1 " +

@@ -15,14 +15,14 @@
 
 namespace mocurate {
 
-/// Below $MOCURATE_DATA; empty where the variable is not set or the set is not there.
+/// A path below $MOCURATE_DATA; empty when the variable is unset or the path does not exist.
 inline std::filesystem::path RecordedData(const std::string& below) {
   const char* data = std::getenv("MOCURATE_DATA");
   const std::filesystem::path path = std::filesystem::path(data != nullptr ? data : "") / below;
   return data != nullptr && std::filesystem::exists(path) ? path : std::filesystem::path();
 }
 
-/// Files of a folder whose names end so, in order.
+/// Files of a folder with this ending, sorted.
 inline std::vector<std::filesystem::path> FilesEndingIn(const std::filesystem::path& folder,
                                                         const std::string& ending) {
   std::vector<std::filesystem::path> files;
@@ -44,11 +44,11 @@ inline std::string Replaced(std::string text, const std::string& from, const std
   return text;
 }
 
-/// Which words of a text may say anything (names, remarks).
+/// Words that may have any value, such as names and remarks.
 using FreeWord = std::function<bool(std::string_view line, std::string_view word)>;
 
-/// Replaces every word of a small file in turn by each of `damages`: each time `read` must give an error at the line of
-/// the word, as "file:LINE".
+/// Replaces each word of a small file by each of `damages`. Every time `read` must fail with the place "file:LINE" of
+/// that word.
 inline void ExpectEveryDamagedWordIsNamed(const std::string& text,
                                           const std::function<Status(const std::string&)>& read, const FreeWord& free,
                                           const std::string& separators = " \t\n,",
@@ -69,7 +69,7 @@ inline void ExpectEveryDamagedWordIsNamed(const std::string& text,
       if (free && free(whole, word)) continue;
       ++words;
       const Status answer = read(text.substr(0, at) + damage + text.substr(end));
-      ASSERT_FALSE(answer) << "'" << word << "' of line " << line << " as " << damage << " is read";
+      ASSERT_FALSE(answer) << "'" << word << "' of line " << line << " as " << damage << " is accepted";
       const std::string place = answer.error().where + ":";
       EXPECT_NE(place.find(":" + std::to_string(line) + ":"), std::string::npos)
           << "'" << word << "' of line " << line << " as " << damage << ": " << answer.error().Message();

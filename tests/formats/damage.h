@@ -13,7 +13,7 @@
 
 namespace mocurate::test {
 
-/// The bytes of a recorded file; the test is skipped by the caller when empty.
+/// The bytes of a recorded file; empty when it is absent, then the caller skips the test.
 inline std::string RecordedFile(const std::string& path) {
   const char* folder = std::getenv("MOCURATE_DATA");
   if (folder == nullptr) return {};
@@ -25,11 +25,11 @@ inline std::string RecordedFile(const std::string& path) {
   const std::string variable = ::mocurate::test::RecordedFile(path); \
   if (variable.empty()) GTEST_SKIP() << "MOCURATE_DATA has no " << (path)
 
-/// Replaces each number, text and boolean of a JSON document in turn by an object and then takes its key away: every
-/// time the error must be at its place, or at that of its parent. `optional` says which paths need not be there.
-inline void EachFieldIsRefusedWhenDamaged(const nlohmann::json& document,
-                                          const std::function<Status(const std::string& bytes)>& read,
-                                          const std::function<bool(const std::string& path)>& optional = {}) {
+/// Replaces each number, text and boolean of a JSON document by an object, then removes its key. Each time the error
+/// must state its place or that of its parent. `optional` selects paths that may be absent.
+inline void ExpectEveryDamagedFieldIsRejected(const nlohmann::json& document,
+                                              const std::function<Status(const std::string& bytes)>& read,
+                                              const std::function<bool(const std::string& path)>& optional = {}) {
   ASSERT_TRUE(read(document.dump())) << read(document.dump()).error().Message();
   const nlohmann::json flat = document.flatten();
   for (const auto& leaf : flat.items()) {
@@ -38,9 +38,9 @@ inline void EachFieldIsRefusedWhenDamaged(const nlohmann::json& document,
     if (optional && optional(leaf.key())) continue;
     nlohmann::json damaged = document;
     damaged[place] = nlohmann::json::object();
-    Status refused = read(damaged.dump());
-    ASSERT_FALSE(refused) << leaf.key() << " damaged";
-    EXPECT_THAT(refused.error().where, ::testing::HasSubstr(leaf.key()));
+    Status status = read(damaged.dump());
+    ASSERT_FALSE(status) << leaf.key() << " damaged";
+    EXPECT_THAT(status.error().where, ::testing::HasSubstr(leaf.key()));
     damaged = document;
     nlohmann::json& parent = damaged[place.parent_pointer()];
     if (parent.is_array()) {
@@ -48,9 +48,9 @@ inline void EachFieldIsRefusedWhenDamaged(const nlohmann::json& document,
     } else {
       parent.erase(place.back());
     }
-    refused = read(damaged.dump());
-    ASSERT_FALSE(refused) << leaf.key() << " taken away";
-    EXPECT_THAT(refused.error().where, ::testing::HasSubstr(place.parent_pointer().to_string()));
+    status = read(damaged.dump());
+    ASSERT_FALSE(status) << leaf.key() << " removed";
+    EXPECT_THAT(status.error().where, ::testing::HasSubstr(place.parent_pointer().to_string()));
   }
 }
 

@@ -1,5 +1,5 @@
-// One field of a small file damaged at a time: the error names the field, or the line that holds it. And counts of
-// headers that what follows contradicts.
+// Small files with one damaged field: the error names the field or its line. Headers whose counts contradict the
+// data.
 
 #include "core/formats/bvh.h"
 #include "core/formats/depth_sequence.h"
@@ -23,13 +23,13 @@ constexpr const char* kBvh =
     "  CHANNELS 3 Zrotation Xrotation Yrotation\n  End Site\n  {\n   OFFSET 0 1 0\n  }\n }\n}\nMOTION\nFrames: 2\n"
     "Frame Time: 0.5\n1 2 3 4 5 6\n7 8 9 1 2 3\n";
 
-TEST(DamagedFields, OfABvhAreNamedWithTheirLine) {
+TEST(DamagedFields, OfABvhAreReportedWithTheirLine) {
   ExpectEveryDamagedWordIsNamed(
       kBvh, [](const std::string& text) { return StatusOf(ParseBvh(text, "file")); },
       [](std::string_view, std::string_view word) { return word == "Hips" || word == "Knee"; });
 }
 
-TEST(DamagedFields, OfATableOfNumbersAreNamedWithTheirLine) {
+TEST(DamagedFields, OfANumberTableAreReportedWithTheirLine) {
   JointTableLayout layout;
   layout.rows_per_frame = 2;
   for (const char* text : {"1 2 3\n4 5 6\n7 8 9\n1 2 3\n", "1,2,3\n4,5,6\n7,8,9\n1,2,3\n"}) {
@@ -38,12 +38,12 @@ TEST(DamagedFields, OfATableOfNumbersAreNamedWithTheirLine) {
   }
 }
 
-TEST(DamagedFields, OfADepthSequenceAreNamedWithTheirPath) {
+TEST(DamagedFields, OfADepthSequenceAreReportedWithTheirPath) {
   const auto document = nlohmann::json::parse(
       R"({"body":"male","fps":12,"frames":1,"labels":[{"action":"idle","first":0,"last":0}],"views":{"d1":{"R_p_to_d":
       [[1,0,0],[0,1,0],[0,0,1]],"t_m":[1,2,3],"fx_fy_cx_cy":[360,361,250,200],"size":[512,424]}},"frames_data":[
       {"rotvec24":[[0,0,0],[0,0,1]],"translation_added":[0,1,0],"joints_m":[[1,2,3],[4,5,6]]}]})");
-  test::EachFieldIsRefusedWhenDamaged(
+  test::ExpectEveryDamagedFieldIsRejected(
       document,
       [](const std::string& bytes) {
         const Status sequence = StatusOf(ParseDepthSequence(bytes, "s.json"));
@@ -52,7 +52,7 @@ TEST(DamagedFields, OfADepthSequenceAreNamedWithTheirPath) {
       [](const std::string& path) { return path == "/body"; });
 }
 
-TEST(DamagedFields, OfTheHeaderOfAnArrayAreRefused) {
+TEST(DamagedFields, OfAnArrayHeaderAreRejected) {
   NpyArray array;
   array.shape = {2, 3};
   array.dtype = "<f8";
@@ -104,7 +104,7 @@ std::string SkeletonText(const std::string& count) {
   return count + WriteNtuSkeleton(scene).substr(1);
 }
 
-TEST(HeaderCounts, ThatContradictWhatFollowsAreRefusedAtTheirPlace) {
+TEST(HeaderCounts, AreRejectedWithTheirPlaceWhenTheDataDisagree) {
   const Contradiction cases[] = {{"BVH, more", StatusOf(ParseBvh(BvhOf("3"), "f")), 3, "f:17"},
                                  {"BVH, fewer", StatusOf(ParseBvh(BvhOf("1"), "f")), 1, "f:17"},
                                  {"NTU, more", StatusOf(ParseNtuSkeleton(SkeletonText("7"), "f")), 7, "f:1"},
@@ -128,7 +128,7 @@ TEST(HeaderCounts, ThatContradictWhatFollowsAreRefusedAtTheirPlace) {
   EXPECT_EQ(ParseBvh(Replaced(kBvh, "1 2 3 4", "1 2 x 4"), "f").error().reason, Reason::kNone);
 }
 
-TEST(HeaderCounts, OfABvhAreAFindingWhereThatIsAskedForAndNoRowMoves) {
+TEST(HeaderCounts, OfABvhAreReportedOnRequestWithoutMovingRows) {
   const Bvh right = ParseBvh(kBvh, "f").value();
   for (const char* count : {"0", "-5", "1", "3", "99999999999"}) {
     const auto bvh = ParseBvh(BvhOf(count), "f", DamagedRows::kReport);
@@ -142,7 +142,7 @@ TEST(HeaderCounts, OfABvhAreAFindingWhereThatIsAskedForAndNoRowMoves) {
   EXPECT_TRUE(ParseBvh(kBvh, "f", DamagedRows::kReport)->findings.empty());
 }
 
-TEST(HeaderCounts, ALastRowOfABvhThatIsCutOffIsLeftOutAndSaid) {
+TEST(HeaderCounts, ExcludeAndReportATruncatedLastRowOfABvh) {
   const std::string text = kBvh;
   const auto bvh = ParseBvh(text.substr(0, text.size() - 4), "f", DamagedRows::kReport);
   ASSERT_TRUE(bvh) << bvh.error().Message();
@@ -153,18 +153,18 @@ TEST(HeaderCounts, ALastRowOfABvhThatIsCutOffIsLeftOutAndSaid) {
   EXPECT_EQ(bvh->findings[1].code, "count_contradiction");
 }
 
-TEST(HeaderCounts, ADamagedRowOfABvhKeepsItsPlaceUnlessRowsMayHaveMoved) {
+TEST(HeaderCounts, KeepTheTimeOfADamagedBvhRowUnlessRowsMayHaveMoved) {
   for (const auto& [row, code] : {std::pair<std::string, std::string>{"1 2 3 4", "row_length"},
                                   {"1 2 three 4 5 6", "not_a_number"},
                                   {"1 2 nan 4 5 6", "not_a_number"},
                                   {"1 2 3 4 5 -1e31", "number_too_large"}}) {
     const std::string text = Replaced(kBvh, "1 2 3 4 5 6", row);
-    EXPECT_FALSE(ParseBvh(text, "f")) << "refused where nothing else is asked for";
+    EXPECT_FALSE(ParseBvh(text, "f")) << "rejected by default";
     const auto bvh = ParseBvh(text, "f", DamagedRows::kReport);
     ASSERT_TRUE(bvh) << bvh.error().Message();
     EXPECT_EQ(bvh->frames, 2);
     EXPECT_EQ(bvh->damaged, std::vector<int>{0});
-    EXPECT_EQ(bvh->value(0, 0), 7.0) << "of the row beside it";
+    EXPECT_EQ(bvh->value(0, 0), 7.0) << "copied from the neighbouring row";
     EXPECT_EQ(bvh->value(1, 0), 7.0);
     ASSERT_EQ(bvh->findings.size(), 1u);
     EXPECT_EQ(bvh->findings[0].code, code);

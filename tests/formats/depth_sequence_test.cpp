@@ -15,14 +15,14 @@ constexpr const char* kSequence = R"({"body": "male", "fps": 12, "frames": 2, "f
   "frames_data": [{"rotvec24": [[0, 0, 0], [0, 0, 1]], "translation_added": [0, 1, 0], "joints_m": [[1, 2, 3], [4, 5, 6]]},
                   {"rotvec24": [[0, 0, 0], [0, 0, 2]], "translation_added": [0, 1, 0], "joints_m": [[1, 2, 3], [4, 5, 6]]}]})";
 
-/// The sequence and its truth with one piece of their text replaced.
+/// Parses the sequence and its ground truth with one piece of the text replaced.
 Status AlteredSequence(const std::string& from, const std::string& to) {
   const std::string text = Replaced(kSequence, from, to);
   const Status sequence = StatusOf(ParseDepthSequence(text, "s.json"));
   return sequence ? StatusOf(ParseDepthSequenceTruth(text, "s.json")) : sequence;
 }
 
-TEST(DepthSequence, CamerasLabelsAndTruthAreReadApart) {
+TEST(DepthSequence, ReadsCamerasLabelsAndGroundTruthSeparately) {
   const auto sequence = ParseDepthSequence(kSequence, "s.json");
   ASSERT_TRUE(sequence) << sequence.error().Message();
   EXPECT_EQ(sequence->frames, 2);
@@ -38,7 +38,7 @@ TEST(DepthSequence, CamerasLabelsAndTruthAreReadApart) {
   EXPECT_EQ(truth->rotation_vector[3].z(), 2.0);
 }
 
-TEST(DepthSequence, BadInputIsRefusedAtItsKey) {
+TEST(DepthSequence, RejectsBadInputWithItsKey) {
   ExpectMalformed(ParseDepthSequence("", "s.json"), "s.json");
   ExpectMalformed(ParseDepthSequence("{\"fps\": 12", "s.json"), "s.json");
   ExpectMalformed(ParseDepthSequence("[]", "s.json"), "s.json:");

@@ -20,7 +20,7 @@ HumanAct12Clip ClipOfLabel(std::size_t frames, int label) {
   return clip;
 }
 
-TEST(HumanAct12Pickle, WrittenAndReadAgainIsTheSame) {
+TEST(HumanAct12Pickle, RoundTripsThroughTheWriter) {
   const std::vector<HumanAct12Clip> clips{ClipOfLabel(3, 0), ClipOfLabel(8, 11)};
   const auto again = ParseHumanAct12Pickle(EncodeHumanAct12Pickle(clips, "h.pkl").value(), "h.pkl");
   ASSERT_TRUE(again) << again.error().Message();
@@ -35,11 +35,11 @@ TEST(HumanAct12Pickle, WrittenAndReadAgainIsTheSame) {
 
 Expected<std::vector<HumanAct12Clip>> ClipsOf(const std::vector<NpyArray>& poses, const std::vector<NpyArray>& joints,
                                               const std::vector<std::int64_t>& labels,
-                                              const std::string& left_out = "") {
+                                              const std::string& excluded = "") {
   PickleWriter writer;
   writer.BeginDict();
   const auto list = [&](const char* key, const std::vector<NpyArray>& arrays) {
-    if (left_out == key) return;
+    if (excluded == key) return;
     writer.Text(key);
     writer.BeginList();
     for (const NpyArray& array : arrays) writer.Array(array);
@@ -47,7 +47,7 @@ Expected<std::vector<HumanAct12Clip>> ClipsOf(const std::vector<NpyArray>& poses
   };
   list("poses", poses);
   list("joints3D", joints);
-  if (left_out != "y") {
+  if (excluded != "y") {
     writer.Text("y");
     writer.BeginList();
     for (const std::int64_t label : labels) writer.Integer(label);
@@ -57,7 +57,7 @@ Expected<std::vector<HumanAct12Clip>> ClipsOf(const std::vector<NpyArray>& poses
   return ParseHumanAct12Pickle(writer.Finish("h.pkl").value(), "h.pkl");
 }
 
-TEST(HumanAct12Pickle, AnyCorruptedFieldIsNamed) {
+TEST(HumanAct12Pickle, NamesEveryCorruptedField) {
   const NpyArray poses = MakeArray({2, 72}, std::vector<double>(144, 0.1));
   const NpyArray joints = MakeArray({2, 24, 3}, std::vector<double>(144, 0.1));
   const NpyArray shorter = MakeArray({1, 24, 3}, std::vector<double>(72, 0.1));

@@ -27,7 +27,7 @@ JointTableLayout LayoutRows(int rows_per_frame, DamagedRows damaged = DamagedRow
   return rows;
 }
 
-TEST(JointLayout, ADeclarationSaysWhatEachNumberIs) {
+TEST(JointLayout, AssignsAMeaningToEachNumber) {
   const JointLayout layout = Layout(kCad60);
   EXPECT_EQ(layout.Joints(), 15);
   EXPECT_EQ(layout.NumbersPerFrame(), 171);
@@ -35,7 +35,7 @@ TEST(JointLayout, ADeclarationSaysWhatEachNumberIs) {
   EXPECT_EQ(Layout("skip 2*(x y z skip skip)").NumbersPerFrame(), 11);
 }
 
-TEST(JointLayout, ADeclarationThatCannotBeMeantIsRefused) {
+TEST(JointLayout, RejectsInvalidDeclarations) {
   for (const char* text :
        {"15*(x y zz)", "15*(x y)", "15*(x y z", "15(x y z)", "15*(x y z x)", "frame", "", "confidence 2*(x y z)",
         "3*(frame) 2*(x y z)", "0*(x y z)", "99999*(x y z)", "2*() 1*(x y z)", "2*(x y z confidenc)"}) {
@@ -43,7 +43,7 @@ TEST(JointLayout, ADeclarationThatCannotBeMeantIsRefused) {
   }
 }
 
-TEST(JointRows, NumbersGoWhereTheDeclarationPutsThem) {
+TEST(JointRows, AssignNumbersByTheDeclaration) {
   const auto rows = ParseJointRows(
       "7,1,0,0,0,1,0,0,0,1,0.5,10,20,30,1,40,50,60,0,\n8,1,0,0,0,1,0,0,0,1,0,11,21,31,1,41,"
       "51,61,1,\nEND\n",
@@ -65,7 +65,7 @@ TEST(JointRows, NumbersGoWhereTheDeclarationPutsThem) {
   EXPECT_TRUE(rows->findings.empty());
 }
 
-TEST(JointRows, ARowOfWrongLengthIsReportedAndKeepsItsPlaceInTime) {
+TEST(JointRows, ReportARowOfWrongLengthAndKeepItsTime) {
   const JointLayout layout = Layout("2*(x y z)");
   const std::string text = "1 2 3\n4 5 6\n7 8\n10 11 12\n13 14 15\n16 17 18\n";
   ExpectMalformed(ParseJointRows(text, layout, LayoutRows(2), "a.txt"), "a.txt:3");
@@ -80,7 +80,7 @@ TEST(JointRows, ARowOfWrongLengthIsReportedAndKeepsItsPlaceInTime) {
   EXPECT_EQ(rows->findings[0].value, 2.0);
 }
 
-TEST(JointRows, WordsAndALastHalfFrameAreReportedToo) {
+TEST(JointRows, ReportWordsAndAnIncompleteLastFrame) {
   const JointLayout layout = Layout("2*(x y z)");
   const auto rows =
       ParseJointRows("1 2 3\n4 oops 6\n7 8 9\n10 11 12\n13 14 15\n", layout, LayoutRows(2, DamagedRows::kReport), "a");
@@ -96,7 +96,7 @@ TEST(JointRows, WordsAndALastHalfFrameAreReportedToo) {
   ExpectMalformed(ParseJointRows(other, layout, LayoutRows(2, DamagedRows::kReport), "a"), "a:1");
 }
 
-TEST(JointRows, TheEndIsTheEnd) {
+TEST(JointRows, RejectRowsAfterTheEndMarker) {
   JointTableLayout table = LayoutRows(1);
   table.end_word = "END";
   EXPECT_TRUE(ParseJointRows("1 2 3\n", Layout("1*(x y z)"), table, "a"));
@@ -104,7 +104,7 @@ TEST(JointRows, TheEndIsTheEnd) {
   ExpectMalformed(ParseJointRows("1 2 3\nEND\n", Layout("1*(x y z)"), LayoutRows(1), "a"), "a:2");
 }
 
-TEST(JointRows, FramesThatNumbersLeaveOutAreWithoutAPoint) {
+TEST(JointRows, LeaveFramesMissingThatTheFrameNumbersSkip) {
   const auto rows =
       ParseJointRows("1,1,2,3\n2,1,2,4\n5,1,2,5\n6,1,2,6\n", Layout("frame 1*(x y z)"), LayoutRows(1), "a");
   ASSERT_TRUE(rows);
@@ -118,7 +118,7 @@ TEST(JointRows, FramesThatNumbersLeaveOutAreWithoutAPoint) {
   EXPECT_EQ(rows->position[4 * 3 + 2], 5.0);
 }
 
-TEST(JointRows, ADamagedFirstRowMakesNoGapBeforeTheSecond) {
+TEST(JointRows, AddNoGapAfterADamagedFirstRow) {
   JointTableLayout table = LayoutRows(1);
   table.damaged_rows = DamagedRows::kReport;
   const auto rows = ParseJointRows("7,1,x,3\n8,1,2,3\n9,1,2,3\n", Layout("frame 1*(x y z)"), table, "a");
@@ -126,7 +126,7 @@ TEST(JointRows, ADamagedFirstRowMakesNoGapBeforeTheSecond) {
   EXPECT_EQ(rows->frames, 3);
 }
 
-TEST(JointRows, FrameNumbersThatDoNotCountAreReportedAndKept) {
+TEST(JointRows, KeepAndReportFrameNumbersThatDoNotIncrease) {
   for (const char* third : {"2", "1.5", "90000000"}) {
     const auto rows = ParseJointRows("1,1,2,3\n2,1,2,3\n" + std::string(third) + ",1,2,3\n4,1,2,3\n",
                                      Layout("frame 1*(x y z)"), LayoutRows(1), "a");
@@ -138,7 +138,7 @@ TEST(JointRows, FrameNumbersThatDoNotCountAreReportedAndKept) {
   }
 }
 
-TEST(JointRows, EveryDamagedFieldIsNamedWithItsLine) {
+TEST(JointRows, ReportTheLineOfEveryDamagedField) {
   ExpectEveryDamagedWordIsNamed(
       "1,1,2,3\n2,4,5,6\n",
       [](const std::string& text) {
@@ -158,10 +158,10 @@ struct Set {
 
 class KinectSets : public ::testing::TestWithParam<Set> {};
 
-TEST_P(KinectSets, IsReadByItsDeclaration) {
+TEST_P(KinectSets, AreReadWithTheirDeclaration) {
   const Set& set = GetParam();
   const auto folder = RecordedData(set.folder);
-  if (folder.empty()) GTEST_SKIP() << set.folder << " is not there";
+  if (folder.empty()) GTEST_SKIP() << set.folder << " not found";
   JointTableLayout table = LayoutRows(set.rows_per_frame);
   table.end_word = "END";
   int files = 0, frames = 0;
@@ -181,11 +181,12 @@ INSTANTIATE_TEST_SUITE_P(Recorded, KinectSets,
                                                449, 18921},
                                            Set{"kinect/utkinect", ".txt", "20*(x y z)", 20, 160, 4867},
                                            Set{"kinect/florence3d", ".txt", "15*(x y z)", 15, 173, 3096},
-                                           Set{"kinect/cad60", ".txt", kCad60, 1, 3, 900}));
+                                           Set{"kinect/cad60", ".txt", kCad60, 1, 3, 900}),
+                         [](const auto& set) { return std::filesystem::path(set.param.folder).filename().string(); });
 
-TEST(KinectSets, Cad60HoldsRotationsOfWholeBodies) {
+TEST(KinectSets, ReadWholeBodyRotationsOfCad60) {
   const auto folder = RecordedData("kinect/cad60");
-  if (folder.empty()) GTEST_SKIP() << "CAD-60 is not there";
+  if (folder.empty()) GTEST_SKIP() << "CAD-60 data not found";
   for (const auto& path : FilesEndingIn(folder, ".txt")) {
     const JointRows rows = ParseJointRows(Bytes(path), Layout(kCad60), LayoutRows(1), path.string()).value();
     EXPECT_EQ(rows.frame_number[0], 1.0);

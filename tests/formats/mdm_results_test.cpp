@@ -1,4 +1,4 @@
-// results.npy of MDM: its own bytes, dictionaries that lack something, and files that ask for more than numbers.
+// results.npy of MDM: files of numpy, dictionaries without optional keys, and invalid dictionaries.
 
 #include "core/formats/mdm_results.h"
 
@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-TEST(MdmResults, OfNumpyItselfAreReadFramesFirstAndCutToTheirLengths) {
+TEST(MdmResults, AreReadFramesFirstAndCutToTheirLengths) {
   const std::string bytes = FromHex(kMdmResults);
   const auto results = MdmResults::Open(bytes, "results.npy");
   ASSERT_TRUE(results) << results.error().Message();
@@ -34,12 +34,12 @@ TEST(MdmResults, OfNumpyItselfAreReadFramesFirstAndCutToTheirLengths) {
   }
 }
 
-/// A dictionary as MDM writes it, without numpy's array of one object around it.
+/// A dictionary as MDM writes it, without numpy's enclosing one-object array.
 struct MdmDictionary {
   std::vector<std::size_t> shape = {2, 3, 3, 4};
   std::vector<double> lengths = {4, 2};
   std::vector<std::string> texts = {"walk", "sit"};
-  std::string left_out;
+  std::string excluded;
 
   std::string Npy() const {
     PickleWriter writer;
@@ -50,11 +50,11 @@ struct MdmDictionary {
     std::size_t count = 1;
     for (const std::size_t extent : shape) count *= extent;
     motion.values.assign(count, 0.5);
-    if (left_out != "motion") {
+    if (excluded != "motion") {
       writer.Text("motion");
       writer.Array(motion);
     }
-    if (left_out != "lengths") {
+    if (excluded != "lengths") {
       NpyArray array;
       array.dtype = "<i8";
       array.shape = {lengths.size()};
@@ -62,7 +62,7 @@ struct MdmDictionary {
       writer.Text("lengths");
       writer.Array(array);
     }
-    if (left_out != "text") {
+    if (excluded != "text") {
       writer.Text("text");
       writer.BeginList();
       for (const std::string& text : texts) writer.Text(text);
@@ -78,7 +78,7 @@ struct MdmDictionary {
 TEST(MdmResults, LengthsAndTextsMayBeAbsent) {
   for (const char* key : {"lengths", "text"}) {
     MdmDictionary written;
-    written.left_out = key;
+    written.excluded = key;
     const std::string bytes = written.Npy();
     const auto results = MdmResults::Open(bytes, "results.npy");
     ASSERT_TRUE(results) << key << ": " << results.error().Message();
@@ -87,17 +87,17 @@ TEST(MdmResults, LengthsAndTextsMayBeAbsent) {
   }
 }
 
-TEST(MdmResults, ThatDoNotFitAreRefusedByTheirKey) {
-  MdmDictionary no_motion, flat, long_one, none, uneven, few;
-  no_motion.left_out = "motion";
+TEST(MdmResults, AreRejectedWithTheKeyThatDoesNotFit) {
+  MdmDictionary no_motion, flat, long_one, zero_length, uneven, few;
+  no_motion.excluded = "motion";
   flat.shape = {2, 9, 4};
   long_one.lengths = {4, 5};
-  none.lengths = {4, 0};
+  zero_length.lengths = {4, 0};
   uneven.lengths = {4};
   few.texts = {"walk"};
   const std::pair<MdmDictionary, const char*> cases[] = {
-      {no_motion, "results.npy:/"},  {flat, "results.npy:/motion"},    {long_one, "results.npy:lengths"},
-      {none, "results.npy:lengths"}, {uneven, "results.npy:/lengths"}, {few, "results.npy:/text"}};
+      {no_motion, "results.npy:/"},         {flat, "results.npy:/motion"},    {long_one, "results.npy:lengths"},
+      {zero_length, "results.npy:lengths"}, {uneven, "results.npy:/lengths"}, {few, "results.npy:/text"}};
   for (const auto& [written, where] : cases) {
     const std::string bytes = written.Npy();
     ExpectMalformed(MdmResults::Open(bytes, "results.npy"), where);

@@ -1,5 +1,5 @@
-// Damaged files: whatever happens to the bytes, a reader answers with a value or an error, soon, and never crashes (run
-// under sanitizers by scripts/sanitize.sh). The same entry points are driven by libFuzzer in tests/fuzz.
+// Damaged files: a reader returns a value or an error in bounded time and never crashes. scripts/sanitize.sh runs
+// these tests under sanitizers; tests/fuzz drives the same readers by libFuzzer.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ void Survives(const std::string& seed, int rounds, const std::function<void(cons
   for (int i = 0; i < rounds; ++i) read(test::Mutated(seed, random));
 }
 
-TEST(DamagedFiles, Bvh) {
+TEST(DamagedFiles, DoNotCrashTheBvhReader) {
   const std::string seed =
       "HIERARCHY\nROOT Hips\n{\n OFFSET 1 2 3\n CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
       "Yrotation\n"
@@ -62,7 +62,7 @@ TEST(DamagedFiles, Bvh) {
   EXPECT_GT(read, 100);
 }
 
-TEST(DamagedFiles, JointTable) {
+TEST(DamagedFiles, DoNotCrashTheJointTableReader) {
   std::string seed;
   for (int i = 0; i < 30; ++i) seed += "-133.46135 562.2903 2687.6377\n";
   JointTableLayout layout;
@@ -75,7 +75,7 @@ TEST(DamagedFiles, JointTable) {
   });
 }
 
-TEST(DamagedFiles, Npy) {
+TEST(DamagedFiles, DoNotCrashTheNpyReader) {
   NpyArray array;
   array.shape = {4, 2, 3};
   array.dtype = "<f4";
@@ -87,14 +87,14 @@ TEST(DamagedFiles, Npy) {
   });
 }
 
-TEST(DamagedFiles, Npz) {
+TEST(DamagedFiles, DoNotCrashTheNpzReader) {
   Npz npz;
   npz.members.push_back({"a", MakeArray({4, 2}, {1, 2, 3, 4, 5, 6, 7, 8}, "<f4"), ""});
   npz.members.push_back({"t", MakeTextArray("male"), ""});
   Survives(EncodeNpz(npz, "seed").value(), 5000, [](const std::string& bytes) { (void)ParseNpz(bytes, "damaged"); });
 }
 
-/// Reads whatever hangs from a value, as its user would.
+/// Visits every value below a value, as a caller would.
 void Visit(const PickleRef& value) {
   (void)value.Array();
   (void)value.Sparse();
@@ -104,7 +104,7 @@ void Visit(const PickleRef& value) {
   for (std::size_t i = 0; i < value.size(); ++i) Visit(pairs ? value.ValueAt(i) : value.Item(i));
 }
 
-TEST(DamagedFiles, Pickle) {
+TEST(DamagedFiles, DoNotCrashThePickleReader) {
   int read = 0;
   for (const char* digits : {kPickleP0, kPickleP2, kPickleP4, kPickleP5, kPickleJoblib, kPickleCsc, kPickleCh0}) {
     Survives(FromHex(digits), 5000, [&](const std::string& bytes) {
@@ -117,7 +117,7 @@ TEST(DamagedFiles, Pickle) {
   EXPECT_GT(read, 100);
 }
 
-TEST(DamagedFiles, ResultsOfBodyEstimators) {
+TEST(DamagedFiles, DoNotCrashTheReadersOfBodyEstimates) {
   VibeTrack track;
   track.frames = 2;
   track.joints = 2;
@@ -130,7 +130,7 @@ TEST(DamagedFiles, ResultsOfBodyEstimators) {
            [](const std::string& bytes) { (void)ParseHumanAct12Pickle(bytes, "damaged"); });
 }
 
-TEST(DamagedFiles, CloudsAndMeshes) {
+TEST(DamagedFiles, DoNotCrashTheCloudAndMeshReaders) {
   const std::string header = "element vertex 2\nproperty float x\nproperty list uchar short n\nend_header\n";
   for (const std::string& seed : {"ply\nformat ascii 1.0\n" + header + "1.5 2 7 8\n2.5 0\n",
                                   "ply\nformat binary_big_endian 1.0\n" + header + std::string("abcd\1efghij\0", 12)}) {
@@ -158,7 +158,7 @@ TEST(DamagedFiles, CloudsAndMeshes) {
   }
 }
 
-TEST(DamagedFiles, PeopleAndCameras) {
+TEST(DamagedFiles, DoNotCrashTheKeypointAndCameraReaders) {
   Survives(R"({"version":1.3,"people":[{"person_id":[-1],"pose_keypoints_2d":[1,2,0.5,0,0,0]}]})", 20000,
            [](const std::string& bytes) {
              const auto frame = ParseOpenPose(bytes, "damaged");
@@ -178,14 +178,14 @@ TEST(DamagedFiles, PeopleAndCameras) {
       const auto calibration = ParseCalibration(bytes, "damaged");
       if (!calibration) return;
       for (const CalibratedView& view : calibration->views) {
-        const Camera camera = CameraOf(view, PoseReading::kCentre, 0.001);
+        const Camera camera = CameraOf(view, PoseConvention::kCentre, 0.001);
         ASSERT_TRUE(camera.Centre().allFinite() || !view.translation.allFinite()) << bytes;
       }
     });
   }
 }
 
-TEST(DamagedFiles, DepthSequence) {
+TEST(DamagedFiles, DoNotCrashTheDepthSequenceReader) {
   const std::string seed =
       R"({"body":"male","fps":12,"frames":1,"labels":[{"action":"idle","first":0,"last":0}],"views":{"d1":{"R_p_to_d":
       [[1,0,0],[0,1,0],[0,0,1]],"t_m":[1,2,3],"fx_fy_cx_cy":[360,361,250,200],"size":[512,424]}},"frames_data":[
@@ -197,7 +197,7 @@ TEST(DamagedFiles, DepthSequence) {
   Survives(std::string(100000, '['), 3, [](const std::string& bytes) { (void)ParseDepthSequence(bytes, "deep"); });
 }
 
-TEST(DamagedFiles, Acclaim) {
+TEST(DamagedFiles, DoNotCrashTheAcclaimReader) {
   const std::string skeleton =
       ":version 1.10\n:units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n position 0 0 0\n"
       ":bonedata\n begin\n id 1\n name a\n direction 1 0 0\n length 2\n axis 0 0 90 XYZ\n dof rx rz\n limits (-1 2)\n"
@@ -226,7 +226,7 @@ TEST(DamagedFiles, Acclaim) {
   });
 }
 
-TEST(DamagedFiles, NtuSkeleton) {
+TEST(DamagedFiles, DoNotCrashTheNtuSkeletonReader) {
   NtuSkeleton scene;
   scene.frames = {{NtuBody()}, {}, {NtuBody()}};
   scene.frames[0][0].id = 72057594037931649u;
@@ -240,7 +240,7 @@ TEST(DamagedFiles, NtuSkeleton) {
   EXPECT_GT(read, 10);
 }
 
-TEST(DamagedFiles, JointLayout) {
+TEST(DamagedFiles, DoNotCrashTheJointLayoutReader) {
   Survives("frame 1*(rotation rotation_confidence x y z confidence) 1*(x y z)", 5000,
            [](const std::string& text) { (void)ParseJointLayout(text, "damaged"); });
   const JointLayout layout = ParseJointLayout("frame 2*(x y z)", "layout").value();
@@ -255,7 +255,7 @@ TEST(DamagedFiles, JointLayout) {
   });
 }
 
-TEST(DamagedFiles, TablesAndLists) {
+TEST(DamagedFiles, DoNotCrashTheTableAndListReaders) {
   Survives("Coordinates\nnRows=2\nnColumns=3\ninDegrees=yes\nendheader\ntime\ta\tb\n0\t1\t2\n1\t3\t4\n", 20000,
            [](const std::string& bytes) {
              const auto table = ParseOpenSimTable(bytes, "damaged");

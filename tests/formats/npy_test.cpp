@@ -37,7 +37,7 @@ std::string BytesOfNumbers(std::initializer_list<T> values, bool big_endian = fa
   return bytes;
 }
 
-TEST(Npy, TypesByteOrdersAndVersionsGiveTheSameNumbers) {
+TEST(Npy, ReadsTheSameNumbersFromAllTypesByteOrdersAndVersions) {
   const std::string files[] = {NpyFile("<f4", "(2, 2)", BytesOfNumbers<float>({1, -2, 3, 4})),
                                NpyFile(">f4", "(2,2)", BytesOfNumbers<float>({1, -2, 3, 4}, true), 2),
                                NpyFile("<f8", "(2, 2)", BytesOfNumbers<double>({1, -2, 3, 4}), 3),
@@ -51,14 +51,14 @@ TEST(Npy, TypesByteOrdersAndVersionsGiveTheSameNumbers) {
   }
 }
 
-TEST(Npy, FortranOrderIsTurnedIntoCOrder) {
+TEST(Npy, ConvertsFortranOrderToCOrder) {
   const auto array =
       ParseNpy(NpyFile("<i4", "(2, 3)", BytesOfNumbers<std::int32_t>({0, 10, 1, 11, 2, 12}), 1, "True"), "p.npy");
   ASSERT_TRUE(array) << array.error().Message();
   EXPECT_THAT(array->values, ElementsAre(0, 1, 2, 10, 11, 12));
 }
 
-TEST(Npy, WrittenAndReadAgainIsTheSame) {
+TEST(Npy, RoundTripsThroughTheWriter) {
   NpyArray array;
   array.shape = {3};
   array.dtype = "<f8";
@@ -69,7 +69,7 @@ TEST(Npy, WrittenAndReadAgainIsTheSame) {
   EXPECT_EQ(again->shape, array.shape);
 }
 
-TEST(Npy, EveryNumericTypeIsReadAndWrittenAgainInBothByteOrders) {
+TEST(Npy, RoundTripsEveryNumericTypeInBothByteOrders) {
   const std::vector<std::pair<std::string, std::vector<double>>> types = {
       {"|b1", {0, 1, 1, 0}},
       {"|i1", {-128, 127, 0, 5}},
@@ -100,7 +100,7 @@ TEST(Npy, EveryNumericTypeIsReadAndWrittenAgainInBothByteOrders) {
   }
 }
 
-TEST(Npy, HalfPrecisionIsRoundedToTheNearestEvenDigit) {
+TEST(Npy, RoundsHalfPrecisionToNearestEven) {
   NpyArray array;
   array.dtype = "<f2";
   array.shape = {5};
@@ -114,7 +114,7 @@ TEST(Npy, HalfPrecisionIsRoundedToTheNearestEvenDigit) {
   EXPECT_EQ(again->values[4], 0.0);
 }
 
-TEST(Npy, TextsAreReadInUnicodeAndBytes) {
+TEST(Npy, ReadsTextsAsUnicodeAndBytes) {
   const auto unicode =
       ParseNpy(NpyFile("<U3", "(2,)", std::string("a\0\0\0\xe9\0\0\0\0\0\0\0x\0\0\0y\0\0\0\xac\x20\0\0", 24)), "p");
   ASSERT_TRUE(unicode) << unicode.error().Message();
@@ -135,7 +135,7 @@ TEST(Npy, TextsAreReadInUnicodeAndBytes) {
   ExpectMalformed(ParseNpy(NpyFile("<U1", "(1,)", std::string("\0\0\x11\0", 4)), "p.npy"), "p.npy");
 }
 
-TEST(Npy, AValueThatItsTypeCannotHoldIsNotWritten) {
+TEST(Npy, RefusesToWriteAValueOutsideItsType) {
   const auto write = [](const std::string& dtype, double value) {
     NpyArray array;
     array.dtype = dtype;
@@ -149,7 +149,7 @@ TEST(Npy, AValueThatItsTypeCannotHoldIsNotWritten) {
   EXPECT_TRUE(write("<u8", 18446744073709549568.0));
 }
 
-TEST(Npy, BadInputIsRefused) {
+TEST(Npy, RejectsBadInput) {
   using Code = ErrorCode;
   for (const auto& [bytes, code] :
        {std::pair<std::string, Code>{"", Code::kMalformed},

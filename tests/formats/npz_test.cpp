@@ -24,7 +24,7 @@ Npz SmallNpz() {
   return npz;
 }
 
-TEST(Npz, WrittenAndReadAgainIsTheSameAndTheBytesAreTheSame) {
+TEST(Npz, RoundTripsToTheSameBytes) {
   const auto bytes = EncodeNpz(SmallNpz(), "a.npz");
   ASSERT_TRUE(bytes) << bytes.error().Message();
   EXPECT_EQ(*EncodeNpz(SmallNpz(), "a.npz"), *bytes);
@@ -38,7 +38,7 @@ TEST(Npz, WrittenAndReadAgainIsTheSameAndTheBytesAreTheSame) {
   EXPECT_EQ(again->Find("trans"), nullptr);
 }
 
-TEST(Npz, TheTimeOfDayDoesNotReachTheFile) {
+TEST(Npz, WritesNoTimeOfDay) {
   const std::string bytes = EncodeNpz(SmallNpz(), "a.npz").value();
   EXPECT_EQ(bytes.substr(10, 4), std::string("\0\0\x21\0", 4)) << "1980-01-01 00:00";
   setenv("TZ", "Pacific/Auckland", 1);
@@ -46,13 +46,13 @@ TEST(Npz, TheTimeOfDayDoesNotReachTheFile) {
   unsetenv("TZ");
 }
 
-TEST(Npz, AnArchiveWithoutMembersIsEmpty) {
+TEST(Npz, ReadsAnArchiveWithoutMembersAsEmpty) {
   const auto empty = ParseNpz(EncodeNpz({}, "a.npz").value(), "a.npz");
   ASSERT_TRUE(empty) << empty.error().Message();
   EXPECT_TRUE(empty->members.empty());
 }
 
-TEST(Npz, MembersOfObjectsAreSkippedAndForeignFilesIgnored) {
+TEST(Npz, SkipsObjectMembersAndIgnoresOtherFiles) {
   std::string object = WriteNpy(MakeArray({1}, {0}));
   object.replace(object.find("<f8"), 3, "|O ");
   object.replace(object.find("|O "), 3, "|O'").erase(object.find("|O'") + 3, 1);
@@ -66,14 +66,14 @@ TEST(Npz, MembersOfObjectsAreSkippedAndForeignFilesIgnored) {
   EXPECT_THAT(npz->Find("a")->values, ElementsAre(7));
 }
 
-/// An array of one object, which is this pickle.
+/// A one-object array that contains this pickle.
 std::string ObjectsOf(const std::string& pickle) {
   std::string header = "{'descr': '|O', 'fortran_order': False, 'shape': (1,), }";
   header += std::string(64 - (10 + header.size() + 1) % 64, ' ') + "\n";
   return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size()) + '\0' + header + pickle;
 }
 
-TEST(Npz, AMemberThatNamesAClassBesidePlainDataIsToldAndTheOthersAreRead) {
+TEST(Npz, ReportsAMemberThatNamesAClassAndReadsTheOthers) {
   const char* const kEvil = "cos\nsystem\n(S'touch evil'\ntR.";
   const std::string plain = WriteNpy(MakeArray({1}, {7}));
   for (const auto& [member, content, where] :
@@ -94,10 +94,10 @@ TEST(Npz, AMemberThatNamesAClassBesidePlainDataIsToldAndTheOthersAreRead) {
   EXPECT_FALSE(std::filesystem::exists("evil"));
 }
 
-TEST(Npz, ABadMemberIsNamed) {
+TEST(Npz, NamesABadMember) {
   const std::string good = EncodeNpz(SmallNpz(), "a.npz").value();
   std::string damaged = good;
-  damaged[damaged.find("NUMPY") + 130] ^= 1;  // a value of poses: the checksum tells
+  damaged[damaged.find("NUMPY") + 130] ^= 1;  // a value of poses: the checksum fails
   const std::string cut = WriteNpy(MakeArray({1}, {7})).substr(0, 130);
   ExpectMalformed(ParseNpz(damaged, "a.npz"), "a.npz:poses.npy");
   ExpectMalformed(ParseNpz(good.substr(0, good.size() - 30), "a.npz"), "a.npz");
@@ -107,7 +107,7 @@ TEST(Npz, ABadMemberIsNamed) {
               "a.npz:trans");
 }
 
-TEST(Npz, WhatIsUnpackedIsBounded) {
+TEST(Npz, LimitsTheUnpackedSize) {
   const std::string bytes = EncodeNpz(SmallNpz(), "a.npz").value();
   NpzLimits few_bytes, few_numbers, few_members;
   few_bytes.zip.bytes = 100;
@@ -118,7 +118,7 @@ TEST(Npz, WhatIsUnpackedIsBounded) {
   ExpectError(ParseNpz(bytes, "a.npz", few_members), ErrorCode::kUnsupported, "a.npz");
 }
 
-TEST(Npz, APackedArchiveIsRead) {
+TEST(Npz, ReadsACompressedArchive) {
   const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   const auto bytes = ReadFile(std::filesystem::path(data) / "pose2sim/reference_3d_own_dlt.npz");

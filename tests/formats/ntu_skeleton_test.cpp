@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::uint64_t kFirst = 72057594037931648u;  // no double holds kFirst + 1
+constexpr std::uint64_t kFirst = 72057594037931648u;  // kFirst + 1 is not representable as a double
 
 NtuBody Body(std::uint64_t id, double x) {
   NtuBody body;
@@ -27,7 +27,7 @@ NtuBody Body(std::uint64_t id, double x) {
   return body;
 }
 
-/// A person, nobody, then two of whom the second comes before the first.
+/// Three frames: one person, no person, then two people in reverse order.
 NtuSkeleton Scene() {
   NtuSkeleton scene;
   scene.frames = {{Body(kFirst, 0.1)}, {}, {Body(kFirst + 1, -0.4), Body(kFirst, 0.2)}};
@@ -43,7 +43,7 @@ std::string WithoutLine(const std::string& text, int line) {
   return shorter;
 }
 
-TEST(NtuSkeletonText, PeopleComeAndGoAndKeepAllBitsOfTheirIds) {
+TEST(NtuSkeletonText, ReadsPeopleWhoComeAndGoWithAllBitsOfTheirIds) {
   const auto scene = ParseNtuSkeleton(WriteNtuSkeleton(Scene()), "a.skeleton");
   ASSERT_TRUE(scene) << scene.error().Message();
   EXPECT_TRUE(*scene == Scene());
@@ -53,14 +53,14 @@ TEST(NtuSkeletonText, PeopleComeAndGoAndKeepAllBitsOfTheirIds) {
   EXPECT_TRUE(scene->frames[0][0].joints[4].HasOrientation());
 }
 
-TEST(NtuSkeletonText, CarriageReturnsChangeNothingAndAnEmptyTakeIsEmpty) {
+TEST(NtuSkeletonText, IgnoresCarriageReturnsAndReadsAnEmptyTake) {
   std::string text;
   for (const char c : WriteNtuSkeleton(Scene())) text += c == '\n' ? "\r\n" : std::string(1, c);
   EXPECT_TRUE(ParseNtuSkeleton(text, "a.skeleton").value() == Scene());
   EXPECT_TRUE(ParseNtuSkeleton("0\r\n", "a.skeleton").value().frames.empty());
 }
 
-TEST(NtuSkeletonText, CountsThatContradictTheDataAreRefusedWhereItShows) {
+TEST(NtuSkeletonText, RejectsCountsThatContradictTheDataWithTheirLine) {
   const std::string text = WriteNtuSkeleton(Scene());
   const std::string same_id = Replaced(text, std::to_string(kFirst + 1), std::to_string(kFirst));
   for (const auto& [damaged, where] : {std::pair<std::string, const char*>{"2" + text.substr(1), "a.skeleton:1"},
@@ -75,7 +75,7 @@ TEST(NtuSkeletonText, CountsThatContradictTheDataAreRefusedWhereItShows) {
   ExpectMalformed(ParseNtuSkeleton("99999999999\n", "a.skeleton"), "a.skeleton:1");
 }
 
-TEST(NtuSkeletonText, NoLineCanBeLostUnseen) {
+TEST(NtuSkeletonText, ReportsEveryMissingLine) {
   const std::string text = WriteNtuSkeleton(Scene());
   for (int line = 1; line <= 3 + 3 * 27 + 1; ++line) {
     EXPECT_FALSE(ParseNtuSkeleton(WithoutLine(text, line), "a.skeleton")) << line;
@@ -85,7 +85,7 @@ TEST(NtuSkeletonText, NoLineCanBeLostUnseen) {
   }
 }
 
-TEST(NtuSkeletonText, EveryDamagedFieldIsNamedWithItsLine) {
+TEST(NtuSkeletonText, ReportsTheLineOfEveryDamagedField) {
   NtuSkeleton one;
   one.frames = {{Body(kFirst, 0.1)}};
   ExpectEveryDamagedWordIsNamed(
@@ -100,34 +100,34 @@ TEST(NtuSkeletonText, EveryDamagedFieldIsNamedWithItsLine) {
   ExpectMalformed(altered("\n" + std::to_string(kFirst), "\n7.2e16"), "a.skeleton:3");
 }
 
-TEST(NtuSkeletonText, ADamagedLineCostsItsJointAndNothingElseWhereThatIsAskedFor) {
+TEST(NtuSkeletonText, DropsOnlyTheJointOfADamagedLineOnRequest) {
   const std::string text = WriteNtuSkeleton(Scene());
-  NtuSkeleton wanted = Scene();
-  wanted.frames[0][0].joints[3] = NtuJoint();
+  NtuSkeleton expected = Scene();
+  expected.frames[0][0].joints[3] = NtuJoint();
   for (const auto& [line, code] : {std::pair{"0.13 NaN 3.1 270", "not_a_number"}, {"0.13 0.5 270", "row_length"}}) {
     const std::string damaged = Replaced(text, "0.13 0.5 3.1 270", line);
     EXPECT_FALSE(ParseNtuSkeleton(damaged, "a.skeleton"));
     const auto skeleton = ParseNtuSkeleton(damaged, "a.skeleton", DamagedRows::kReport);
     ASSERT_TRUE(skeleton) << skeleton.error().Message();
-    EXPECT_TRUE(*skeleton == wanted);
+    EXPECT_TRUE(*skeleton == expected);
     ASSERT_EQ(skeleton->findings.size(), 1u);
     EXPECT_EQ(skeleton->findings[0].code, code);
     EXPECT_EQ(skeleton->findings[0].joint, "3");
     EXPECT_EQ(skeleton->findings[0].frame_begin, 0);
   }
-  wanted = Scene();
-  wanted.frames[0][0].hand_left_confidence = wanted.frames[0][0].tracking = 0;
-  wanted.frames[0][0].lean_x = 0;
+  expected = Scene();
+  expected.frames[0][0].hand_left_confidence = expected.frames[0][0].tracking = 0;
+  expected.frames[0][0].lean_x = 0;
   const auto lean = ParseNtuSkeleton(Replaced(text, "-0.1159187", "nan"), "a.skeleton", DamagedRows::kReport);
   ASSERT_TRUE(lean) << lean.error().Message();
-  EXPECT_TRUE(*lean == wanted);
+  EXPECT_TRUE(*lean == expected);
   for (int line = 2; line <= 3 + 3 * 27 + 1; ++line) {
     const auto shorter = ParseNtuSkeleton(WithoutLine(text, line), "a.skeleton", DamagedRows::kReport);
-    EXPECT_TRUE(!shorter || !shorter->findings.empty()) << "line " << line << " is lost unseen";
+    EXPECT_TRUE(!shorter || !shorter->findings.empty()) << "line " << line << " is lost without a finding";
   }
 }
 
-TEST(NtuSkeletonText, AFrameCountThatContradictsTheDataIsAFindingWhereThatIsAskedFor) {
+TEST(NtuSkeletonText, ReportsAContradictoryFrameCountOnRequest) {
   const std::string text = WriteNtuSkeleton(Scene());
   for (const char* count : {"2", "4"}) {
     const auto skeleton = ParseNtuSkeleton(count + text.substr(1), "a.skeleton", DamagedRows::kReport);
@@ -140,16 +140,16 @@ TEST(NtuSkeletonText, AFrameCountThatContradictsTheDataIsAFindingWhereThatIsAske
   EXPECT_TRUE(ParseNtuSkeleton(text, "a.skeleton", DamagedRows::kReport)->findings.empty());
 }
 
-TEST(NtuSkeletonText, AFileThatIsCutOffKeepsItsWholeFramesWhereThatIsAskedFor) {
+TEST(NtuSkeletonText, KeepsCompleteFramesOfATruncatedFileOnRequest) {
   const std::string text = WriteNtuSkeleton(Scene());
   ASSERT_EQ(Scene().frames.size(), 3u);
   std::set<std::size_t> kept;
   for (std::size_t end = 2; end + 1 < text.size(); ++end) {
     const auto skeleton = ParseNtuSkeleton(text.substr(0, end), "a.skeleton", DamagedRows::kReport);
-    if (!skeleton) continue;  // before the first frame is whole
+    if (!skeleton) continue;  // no complete frame yet
     kept.insert(skeleton->frames.size());
     for (std::size_t f = 0; f + 1 < skeleton->frames.size(); ++f) EXPECT_TRUE(skeleton->frames[f] == Scene().frames[f]);
-    if (skeleton->frames.size() == 3u) continue;  // in the last number of all
+    if (skeleton->frames.size() == 3u) continue;  // the cut is within the last number
     ASSERT_FALSE(skeleton->findings.empty()) << end;
     EXPECT_EQ(skeleton->findings.back().code, "count_contradiction");
     EXPECT_EQ(skeleton->findings.back().severity, Severity::kError);
@@ -158,7 +158,7 @@ TEST(NtuSkeletonText, AFileThatIsCutOffKeepsItsWholeFramesWhereThatIsAskedFor) {
   EXPECT_EQ(kept, (std::set<std::size_t>{0, 1, 2, 3}));
 }
 
-TEST(NtuNames, FilesThatDifferInTheirCameraAreOneCapture) {
+TEST(NtuNames, GroupFilesThatDifferOnlyInTheirCamera) {
   const auto first = ParseNtuName("S001C001P008R002A058.skeleton"),
              third = ParseNtuName("S001C003P008R002A058_rgb.avi");
   ASSERT_TRUE(first && third);
@@ -174,9 +174,9 @@ TEST(NtuNames, FilesThatDifferInTheirCameraAreOneCapture) {
   }
 }
 
-TEST(NtuSkeletonFiles, ReadAsTheirFactsSay) {
+TEST(NtuSkeletonFiles, ReadTheKnownFactsOfEachFile) {
   const auto folder = RecordedData("ntu");
-  if (folder.empty()) GTEST_SKIP() << "NTU is not there";
+  if (folder.empty()) GTEST_SKIP() << "NTU data not found";
   const struct {
     const char* name;
     std::size_t frames, bodies;

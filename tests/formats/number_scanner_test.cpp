@@ -15,7 +15,7 @@ namespace {
 using ::testing::ElementsAre;
 using Token = NumberScanner::Token;
 
-/// A decimal of up to 21 digits, with sign, point and exponent or without.
+/// A decimal of up to 21 digits, with optional sign, point and exponent.
 std::string Decimal(Random& random) {
   std::string text = random.Below(2) == 0 ? "-" : "";
   const std::uint64_t whole = random.Below(12), fraction = random.Below(10);
@@ -30,25 +30,25 @@ std::string Decimal(Random& random) {
   return text;
 }
 
-TEST(NumberScanner, EveryDecimalIsReadAsTheNearestDouble) {
+TEST(NumberScanner, ReadsEveryDecimalAsTheNearestDouble) {
   Random random(3, "decimals");
   for (int i = 0; i < 50000; ++i) {
     const std::string text = Decimal(random);
-    const double wanted = std::strtod(text.c_str(), nullptr);
+    const double expected = std::strtod(text.c_str(), nullptr);
     for (const std::string& bytes : {text, text + " ", text + "\n1 2 3 4"}) {
       NumberScanner scanner(bytes, false);
       ASSERT_EQ(scanner.Next(), Token::kNumber) << bytes;
       const double value = scanner.value();
-      ASSERT_EQ(std::memcmp(&value, &wanted, sizeof(value)), 0) << bytes << " is " << value << ", not " << wanted;
+      ASSERT_EQ(std::memcmp(&value, &expected, sizeof(value)), 0) << bytes << " is " << value << ", not " << expected;
       ASSERT_EQ(scanner.text(), text);
       std::vector<double> values;
       NumberScanner(bytes, false).Numbers(values);
-      ASSERT_EQ(std::memcmp(&values.at(0), &wanted, sizeof(wanted)), 0) << bytes;
+      ASSERT_EQ(std::memcmp(&values.at(0), &expected, sizeof(expected)), 0) << bytes;
     }
   }
 }
 
-TEST(NumberScanner, ARowEndsAtTheFirstThingThatIsNoNumber) {
+TEST(NumberScanner, EndsARowAtTheFirstNonNumber) {
   std::vector<double> values;
   NumberScanner scanner("1 2.5 -3e2\r\n4 five 6\nnan", false, 7);
   EXPECT_EQ(scanner.Numbers(values), Token::kLineEnd);
@@ -61,7 +61,7 @@ TEST(NumberScanner, ARowEndsAtTheFirstThingThatIsNoNumber) {
   EXPECT_THAT(values, ElementsAre(1, 2.5, -300, 4, 6));
 }
 
-TEST(NumberScanner, WhatOnlyBeginsAsANumberIsAWord) {
+TEST(NumberScanner, ReadsATokenThatOnlyStartsAsANumberAsAWord) {
   for (const char* text :
        {"1x", "1e", "1e+", "1.2.3", "--1", "-", ".", "1:2", "12345678a", "123456789\xB0", "0x10", "1,2"}) {
     NumberScanner scanner(text, false);

@@ -1,5 +1,4 @@
-// Calibrations of OpenCV's FileStorage: errors and their places. Recorded rigs are in
-// tests/ingest/view_source_test.cpp.
+// Errors and places of OpenCV FileStorage calibrations. Recorded rigs: tests/ingest/declaration/calibration_test.cpp.
 
 #include "core/formats/opencv_storage.h"
 
@@ -18,7 +17,7 @@ const std::string kHead = "%YAML:1.0\n---\n";
 const std::string kView = kHead + Matrix("intrinsic", "500, 0, 320, 0, 500, 240., 0, 0, 1") +
                           Matrix("R", "1, 0, 0, 0, 1, 0, 0, 0, 1") + Matrix("t", "1, 2,\n  3");
 
-TEST(OpenCvStorage, XmlAndYamlGiveTheSameView) {
+TEST(OpenCvStorage, ReadsTheSameViewFromXmlAndYaml) {
   const std::string xml =
       "<?xml version=\"1.0\"?>\n<opencv_storage>\n<intrinsic type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols>"
       "<data>\n 500 0. 320 0 500\n 240 0 0 1</data></intrinsic>\n<R type_id=\"opencv-matrix\"><data>1 0 0 0 1 0 0 0 1"
@@ -34,7 +33,7 @@ TEST(OpenCvStorage, XmlAndYamlGiveTheSameView) {
   }
 }
 
-TEST(OpenCvStorage, NamesMayBeNumbersOrHoldBlanks) {
+TEST(OpenCvStorage, AcceptsNamesThatAreNumbersOrContainBlanks) {
   const auto rig = [](const std::string& names) {
     std::string intrinsic = kHead + names, extrinsic = intrinsic;
     for (const std::string name : {"01", "b c"}) {
@@ -56,7 +55,7 @@ TEST(OpenCvStorage, NamesMayBeNumbersOrHoldBlanks) {
   ExpectMalformed(ParseOpenCvCalibration(files), "i:H_01");
 }
 
-TEST(OpenCvStorage, RefusesDamageWithItsPlace) {
+TEST(OpenCvStorage, RejectsDamageWithItsPlace) {
   const std::pair<std::string, const char*> yaml[] = {
       {kView + "R: 1\n", "a.yml:R"},
       {kView + "junk\n", "a.yml:junk"},

@@ -18,7 +18,7 @@ using nlohmann::json;
 
 Status ReadFrame(const std::string& bytes) { return StatusOf(ParseOpenPose(bytes, "f.json")); }
 
-TEST(OpenPose, ComesBackWithManyPeopleAndEmptyLists) {
+TEST(OpenPose, RoundTripsManyPeopleAndEmptyLists) {
   OpenPoseFrame frame;
   frame.people.resize(3);
   frame.people[0].pose = {{505.232, 431.63, 0.664216}, {0, 0, 0}, {-3.25, 1e-7, 1.0}};
@@ -31,23 +31,24 @@ TEST(OpenPose, ComesBackWithManyPeopleAndEmptyLists) {
   EXPECT_TRUE(ParseOpenPose(R"({"people":[]})", "f.json")->people.empty());
 }
 
-TEST(OpenPose, EveryFieldIsNamedWhenDamaged) {
+TEST(OpenPose, NamesEveryDamagedField) {
   const json document = json::parse(
       R"({"version":1.3,"people":[{"person_id":[-1],"pose_keypoints_2d":[1,2,0.5,0,0,0],"face_keypoints_2d":[4,5,1]}]})");
-  test::EachFieldIsRefusedWhenDamaged(document, ReadFrame, [](const std::string& path) { return path == "/version"; });
+  test::ExpectEveryDamagedFieldIsRejected(document, ReadFrame,
+                                          [](const std::string& path) { return path == "/version"; });
   ExpectMalformed(ReadFrame(R"({"people":[{"pose_keypoints_2d":[1,2,-0.5]}]})"),
                   "f.json:/people/0/pose_keypoints_2d/2");
   ExpectMalformed(ReadFrame(R"({"people":[{}]})"), "f.json:/people/0");
 }
 
-TEST(OpenPose, APointWithCoordinatesAndNoConfidenceIsNotDetectedAndCounted) {
+TEST(OpenPose, CountsAPointWithoutConfidenceAsUndetected) {
   const auto frame = ParseOpenPose(R"({"people":[{"pose_keypoints_2d":[1,2,0,3,4,0.5,0,0,0]}]})", "f.json");
   ASSERT_TRUE(frame) << frame.error().Message();
-  EXPECT_EQ(frame->unsure_points, 1);
+  EXPECT_EQ(frame->uncertain_points, 1);
   EXPECT_TRUE((frame->people[0].pose == std::vector<DetectedKeypoint>{{}, {3, 4, 0.5}, {}}));
 }
 
-TEST(OpenPose, APointThatIsNoNumberIsNotDetectedAndCounted) {
+TEST(OpenPose, CountsANonFinitePointAsUndetected) {
   const auto frame = ParseOpenPose(
       R"({"people":[{"pose_keypoints_2d":[NaN,2,0.5, 3,4,0.5, 1,-Infinity,0.5, null,null,0.5, NaN,NaN,0, 5,6,NaN]}]})",
       "f.json");
@@ -56,7 +57,7 @@ TEST(OpenPose, APointThatIsNoNumberIsNotDetectedAndCounted) {
   EXPECT_TRUE((frame->people[0].pose == std::vector<DetectedKeypoint>{{}, {3, 4, 0.5}, {}, {}, {}, {}}));
 }
 
-TEST(JsonPlaces, ANumberThatIsNoneIsNamedWithItsPlace) {
+TEST(JsonPlaces, NameThePlaceOfAnInvalidNumber) {
   const std::string name = "calib.json";
   const auto document = ParseJson(R"({"NaN\"NaN": "NaN", "K": [1, NaN, -Infinity]})", name);
   ASSERT_TRUE(document) << document.error().Message();
@@ -66,7 +67,7 @@ TEST(JsonPlaces, ANumberThatIsNoneIsNamedWithItsPlace) {
   EXPECT_FALSE(ParseJson(R"({"K": [1, NaNa]})", name));
 }
 
-TEST(OpenPose, LayoutsNameEachPointOnce) {
+TEST(OpenPose, NamesEachPointOfALayoutOnce) {
   for (const KeypointLayout& layout : KeypointLayouts()) {
     std::vector<std::string> points = layout.points;
     std::sort(points.begin(), points.end());
@@ -82,7 +83,7 @@ TEST(OpenPose, LayoutsNameEachPointOnce) {
   EXPECT_EQ(KeypointLayouts()[3].Find("mid_hip"), -1);
 }
 
-TEST(OpenPose, ReadsTheTrialsWithTheirBystandersAndTheEmptyPerson) {
+TEST(OpenPose, ReadsTrialsWithBystandersAndAnEmptyPerson) {
   MOCURATE_RECORDED(single, "pose2sim/single/cam01_json/cam01.0000.json");
   const auto frame = ParseOpenPose(single, "cam01.0000.json");
   ASSERT_TRUE(frame) << frame.error().Message();
@@ -102,17 +103,18 @@ TEST(OpenPose, ReadsTheTrialsWithTheirBystandersAndTheEmptyPerson) {
 
 Status ReadBodies(const std::string& bytes) { return StatusOf(ParsePanopticBodies(bytes, "b.json")); }
 
-TEST(PanopticBodies, EveryFieldIsNamedWhenDamaged) {
+TEST(PanopticBodies, NamesEveryDamagedField) {
   json body = {{"id", 0}, {"joints19", json::array()}};
   for (int i = 0; i < 76; ++i) body["joints19"].push_back(i % 4 == 3 ? 0.5 : i);
   const json document = {{"version", 0.7}, {"univTime", 5.5}, {"fpsType", "hd"}, {"bodies", {body}}};
-  test::EachFieldIsRefusedWhenDamaged(document, ReadBodies, [](const std::string& path) { return path == "/fpsType"; });
+  test::ExpectEveryDamagedFieldIsRejected(document, ReadBodies,
+                                          [](const std::string& path) { return path == "/fpsType"; });
   json wrong = document;
   wrong["bodies"][0]["joints19"][3] = -0.5;
   ExpectMalformed(ReadBodies(wrong.dump()), "b.json:/bodies/0/joints19/3");
 }
 
-TEST(PanopticBodies, TheBandHasHumanLimbs) {
+TEST(PanopticBodies, OfTheBandHaveHumanLimbLengths) {
   MOCURATE_RECORDED(first, "cameras/panoptic/160906_band1/body3DScene_00000168.json");
   std::vector<double> thighs_cm;
   double time_ms = 0.0;

@@ -153,7 +153,7 @@ inline std::string FromHex(const std::string& digits) {
   return bytes;
 }
 
-/// MDM's results.npy as numpy 1.24 writes it: motion = arange(72) in (2, 3, 3, 4), text ['walk', 'sit down'],
+/// MDM's results.npy of numpy 1.24: motion = arange(72) in (2, 3, 3, 4), text ['walk', 'sit down'],
 /// lengths [4, 2].
 inline const char* const kMdmResults =
     "934e554d5059010076007b276465736372273a20277c4f272c2027666f727472616e5f6f72646572273a2046616c73652c202773686170"

@@ -24,7 +24,7 @@ std::string FromHex(const std::string& digits) {
   return bytes;
 }
 
-/// Interlaced, 5 x 3 pixels of 2 bits of grey, with the time of writing: rows 0 1 2 3 0, the same, 3 3 3 3 3.
+/// Interlaced, 5 x 3 pixels, 2-bit grey, with a time chunk: rows 0 1 2 3 0, 0 1 2 3 0, 3 3 3 3 3.
 const std::string kInterlaced = FromHex(
     "89504e470d0a1a0a0000000d494844520000000500000003020000000143eab2130000000774494d4507e40101000000c4ddbde10000001549"
     "44"
@@ -35,7 +35,7 @@ const std::string kPalette = FromHex(
     "41"
     "5478da637060680000014400c10487cffa0000000049454e44ae426082");
 
-/// What CheckPng reports; "whole" for no error.
+/// The place that CheckPng reports; "whole" without an error.
 std::string Place(const std::string& bytes) {
   const Status checked = CheckPng(bytes, "d.png");
   EXPECT_EQ(checked.has_value(), DecodePng(bytes, "d.png").has_value());
@@ -44,7 +44,7 @@ std::string Place(const std::string& bytes) {
   return checked.error().where;
 }
 
-TEST(Png, ADepthImageIsReadAsItWasWritten) {
+TEST(Png, RoundTripsADepthImage) {
   const DepthImage image = Slope();
   const std::string bytes = EncodePng(image).value();
   EXPECT_EQ(bytes, EncodePng(image).value());
@@ -57,7 +57,7 @@ TEST(Png, ADepthImageIsReadAsItWasWritten) {
   EXPECT_FALSE(EncodePng(DepthImage{}));
 }
 
-TEST(Png, TheHeaderIsReadFromTheHeadOfAFile) {
+TEST(Png, ReadsTheHeaderFromTheFirstBytesOfAFile) {
   const std::string bytes = EncodePng(Slope()).value();
   const auto header = ReadPngHeader(bytes.substr(0, kPngHeaderBytes), "d.png");
   ASSERT_TRUE(header) << header.error().Message();
@@ -73,7 +73,7 @@ TEST(Png, TheHeaderIsReadFromTheHeadOfAFile) {
   }
 }
 
-TEST(Png, PalettesAndInterlacedImagesAreDecoded) {
+TEST(Png, DecodesPalettesAndInterlacedImages) {
   const auto grey = DecodePng(kInterlaced, "g.png");
   ASSERT_TRUE(grey) << grey.error().Message();
   EXPECT_EQ(grey->header.bits, 8);
@@ -87,7 +87,7 @@ TEST(Png, PalettesAndInterlacedImagesAreDecoded) {
   ExpectMalformed(DecodeDepthPng(kPalette, "p.png"), "p.png");
 }
 
-TEST(Png, DamageIsNamedByItsChunk) {
+TEST(Png, NamesTheDamagedChunk) {
   const std::string png = EncodePng(Slope()).value();
   EXPECT_EQ(Place(png), "whole");
   EXPECT_EQ(Place(png + "what follows the end"), "whole");
@@ -107,7 +107,7 @@ TEST(Png, DamageIsNamedByItsChunk) {
   EXPECT_EQ(Place(time), "d.png:tIME");
 }
 
-TEST(Png, AnImageOfFewerRowsThanDeclaredIsNotWhole) {
+TEST(Png, RejectsAnImageWithFewerRowsThanDeclared) {
   const std::string tall = EncodePng(Slope()).value();
   DepthImage half = Slope();
   half.height = 24;
@@ -117,7 +117,7 @@ TEST(Png, AnImageOfFewerRowsThanDeclaredIsNotWhole) {
   EXPECT_EQ(Place(low.substr(0, kPngHeaderBytes) + tall.substr(kPngHeaderBytes)), "d.png:IDAT");
 }
 
-TEST(Png, AnImageIsBlankWhereEverySampleIsZero) {
+TEST(Png, ReportsABlankImageWhenEverySampleIsZero) {
   DepthImage image{4, 3, std::vector<std::uint16_t>(12, 0)};
   EXPECT_TRUE(IsBlankPng(*EncodePng(image)));
   image.values[7] = 1;
@@ -125,7 +125,7 @@ TEST(Png, AnImageIsBlankWhereEverySampleIsZero) {
   EXPECT_FALSE(IsBlankPng("no image"));
 }
 
-TEST(Png, DamagedRecordedImagesAreRefused) {
+TEST(Png, RejectsDamagedRecordedImages) {
   MOCURATE_RECORDED(png, "clouds/rendered_body/male_tpose_d3.png");
   EXPECT_EQ(Place(png), "whole");
   for (std::size_t at = 0; at < png.size(); at += 211) {

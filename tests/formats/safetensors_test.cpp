@@ -12,7 +12,7 @@ Safetensors TwoTensors() {
   return file;
 }
 
-TEST(Safetensors, AreReadAsTheyWereWritten) {
+TEST(Safetensors, RoundTripThroughTheWriter) {
   const std::string bytes = EncodeSafetensors(TwoTensors());
   const auto file = ParseSafetensors(bytes, "x");
   ASSERT_TRUE(file) << file.error().Message();
@@ -24,14 +24,14 @@ TEST(Safetensors, AreReadAsTheyWereWritten) {
   EXPECT_EQ(EncodeSafetensors(*file), bytes);
 }
 
-/// The file of another writer: header and numbers.
+/// A file of another writer, from header and numbers.
 std::string Made(const std::string& header, std::size_t numbers) {
   std::string bytes(8, '\0');
   bytes[0] = static_cast<char>(header.size());
   return bytes + header + std::string(4 * numbers, 'x');
 }
 
-TEST(Safetensors, ThatDoNotAddUpAreRefused) {
+TEST(Safetensors, AreRejectedWhenTheirSizesDisagree) {
   EXPECT_TRUE(ParseSafetensors(Made(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 2), "x"));
   for (const std::string& bytes :
        {std::string("short"), Made("{", 0), Made("[]", 0), Made(R"({"a":{"dtype":"F32"}})", 0),

@@ -46,17 +46,17 @@ void ExpectSmall(const Expected<SmplModel>& model) {
   EXPECT_EQ(model->faces, small.faces);
 }
 
-TEST(SmplModel, AnNpzIsWrittenAndReadAgain) {
+TEST(SmplModel, RoundTripsAnNpz) {
   ExpectSmall(ParseSmplModel(EncodeSmplModelNpz(SmallModel(), "s.npz").value(), "s.npz"));
 }
 
-TEST(SmplModel, APickleHoldsTheSameModel) {
+TEST(SmplModel, ReadsTheSameModelFromAPickle) {
   PickleWriter writer;
   writer.BeginDict();
   for (const NpzMember& member : ModelMembers().members) {
     writer.Text(member.name);
     NpyArray array = member.array;
-    if (member.name == "kintree_table") {  // as in SMPL: unsigned, the root's parent is the largest number
+    if (member.name == "kintree_table") {  // as in SMPL: unsigned; the parent of the root is the maximum
       array.dtype = "<u4";
       array.values[0] = 4294967295.0;
     }
@@ -68,7 +68,7 @@ TEST(SmplModel, APickleHoldsTheSameModel) {
   ExpectSmall(ParseSmplModel(writer.Finish("s.pkl").value(), "s.pkl"));
 }
 
-TEST(SmplModel, ASparseRegressorIsTheSameMatrix) {
+TEST(SmplModel, ReadsASparseRegressorAsTheSameMatrix) {
   PickleWriter writer;
   writer.BeginDict();
   for (const NpzMember& member : ModelMembers().members) {
@@ -78,7 +78,7 @@ TEST(SmplModel, ASparseRegressorIsTheSameMatrix) {
   }
   writer.End();
   std::string bytes = writer.Finish("s.pkl").value();
-  // Appended by hand: 'J_regressor': csc_matrix, an object of scipy with its state.
+  // Appended by hand: 'J_regressor': a scipy csc_matrix object with its state.
   PickleWriter state;
   state.BeginDict();
   state.Text("_shape");
@@ -100,7 +100,7 @@ TEST(SmplModel, ASparseRegressorIsTheSameMatrix) {
   ExpectSmall(ParseSmplModel(bytes, "s.pkl"));
 }
 
-TEST(SmplModel, AnyCorruptedFieldIsNamed) {
+TEST(SmplModel, NamesEveryCorruptedField) {
   struct Case {
     const char* key;
     std::function<void(NpyArray&)> corrupt;

@@ -1,4 +1,4 @@
-// A table of labelled spans says which part of which recording is a clip.
+// Tables of labelled spans: which frames of which recording are a clip.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-TEST(SpanTable, GivesTheRowsOfItsColumnsInAnyOrder) {
+TEST(SpanTable, ReadsColumnsInAnyOrder) {
   const auto spans = ParseSpanTable(
       "# marked by hand\nlabel,clip,end_s,begin_s,note\nwalk,set/p1/r1,2.5,0.5,\"calm, slow\"\n\"sit "
       "\"\"down\"\"\",r2,9,8,\r\n",
@@ -32,7 +32,7 @@ TEST(SpanTable, GivesTheRowsOfItsColumnsInAnyOrder) {
   EXPECT_EQ(ParseSpanTable("clip,begin_s,end_s,label\n", "spans.csv")->size(), 0u);
 }
 
-TEST(SpanTable, OfHumanAct12NamesHoldsBothFramesAndBothLabels) {
+TEST(SpanTable, ReadsFramesAndLabelsFromHumanAct12Names) {
   for (const char* text : {"P03G02R04F0012T0075A0803.npy\n", "P03G02R04F0012T0075A0803\n", "0324001200750803\n"}) {
     const auto spans = ParseSpanTable(text, "names");
     ASSERT_TRUE(spans) << spans.error().Message();
@@ -45,7 +45,7 @@ TEST(SpanTable, OfHumanAct12NamesHoldsBothFramesAndBothLabels) {
   }
 }
 
-TEST(SpanTable, RefusesWhatIsNoSpanAndNamesTheLine) {
+TEST(SpanTable, RejectsInvalidSpansWithTheirLine) {
   const std::string header = "clip,begin_s,end_s,label\n";
   for (const std::string row :
        {"r1,2,1,walk", "r1,1,1,walk", "r1,-1,1,walk", "r1,one,2,walk", "r1,nan,2,walk", ",0,1,walk", "r1,0,1,",
@@ -62,8 +62,8 @@ TEST(SpanTable, RefusesWhatIsNoSpanAndNamesTheLine) {
   }
 }
 
-/// Table 5 of the paper (a2m_actor.md A.1); the counts of the names reproduce it.
-TEST(SpanTable, OfTheSetHasTheClipsOfEachClassThatThePaperPrints) {
+/// Table 5 of the paper (a2m_actor.md A.1): the clips per class.
+TEST(SpanTable, OfHumanAct12MatchesTheClassCountsOfThePaper) {
   const auto text = ReadFile(std::string(MOCURATE_SOURCE_FOLDER) + "/configs/spans/humanact12.csv");
   ASSERT_TRUE(text);
   const auto spans = ParseSpanTable(*text, "humanact12");
@@ -86,7 +86,7 @@ TEST(SpanTable, OfTheSetHasTheClipsOfEachClassThatThePaperPrints) {
   EXPECT_EQ(persons.size(), 12u);
 }
 
-TEST(HumanAct12Codes, AreThoseOfTheSourceDeclaration) {
+TEST(HumanAct12Codes, MatchTheSourceDeclaration) {
   const auto text = ReadFile(std::string(MOCURATE_SOURCE_FOLDER) + "/configs/sources/humanact12_npy.yaml");
   ASSERT_TRUE(text);
   std::size_t checked = 0;

@@ -1,4 +1,4 @@
-// Tables and lists with few rules of their own: OpenSim, exponential maps, Bandai labels, UESTC, PHSPD.
+// Small text tables: OpenSim, exponential maps, Bandai labels, UESTC, PHSPD.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ const char* const kMot =
     "Coordinates\nversion=1\nnRows=2\nnColumns=3\ninDegrees=yes\n\nendheader\ntime\tknee\tpelvis_tx\n"
     "  0.0\t 10.5\t0.1\n  0.1\t 11.5\t0.2\n";
 
-TEST(OpenSim, HeaderLabelsAndRows) {
+TEST(OpenSim, ReadsHeaderLabelsAndRows) {
   const auto table = ParseOpenSimTable(kMot, "ik.mot");
   ASSERT_TRUE(table) << table.error().Message();
   EXPECT_EQ(table->title, "Coordinates");
@@ -33,7 +33,7 @@ TEST(OpenSim, HeaderLabelsAndRows) {
   EXPECT_EQ(table->value(1, 0), 11.5);
 }
 
-TEST(OpenSim, CellsOfSeveralNumbersAndHeadersWithoutCounts) {
+TEST(OpenSim, ReadsCellsOfSeveralNumbersAndHeadersWithoutCounts) {
   const auto table = ParseOpenSimTable(
       "DataRate=100.0\nDataType=Quaternion\nversion=3\nOpenSimVersion=4.1\nendheader\ntime\tpelvis\ttibia_r\n"
       "0\t1,0,0,0\t0.5,0.5,0.5,0.5\n",
@@ -47,7 +47,7 @@ TEST(OpenSim, CellsOfSeveralNumbersAndHeadersWithoutCounts) {
             ErrorCode::kUnsupported);
 }
 
-TEST(OpenSim, AHeaderThatContradictsTheDataIsRefused) {
+TEST(OpenSim, RejectsAHeaderThatContradictsTheData) {
   const auto altered = [](const std::string& from, const std::string& to) {
     return ParseOpenSimTable(Replaced(kMot, from, to), "ik.mot");
   };
@@ -61,20 +61,20 @@ TEST(OpenSim, AHeaderThatContradictsTheDataIsRefused) {
   ExpectMalformed(ParseOpenSimTable("", "ik.mot"), "ik.mot");
 }
 
-TEST(OpenSim, EveryDamagedFieldIsNamedWithItsLine) {
+TEST(OpenSim, ReportsTheLineOfEveryDamagedField) {
   ExpectEveryDamagedWordIsNamed(
       kMot, [](const std::string& text) { return StatusOf(ParseOpenSimTable(text, "file")); },
       [](std::string_view line, std::string_view word) {
         const bool name = line == "Coordinates" || word == "knee" || word == "pelvis_tx";
         const bool key = word == "version" || word == "nRows" || word == "nColumns" || word == "inDegrees";
-        return name || key || word == "endheader";  // keys that nobody knows are allowed; endheader is tried above
+        return name || key || word == "endheader";  // unknown keys are allowed; endheader is tested above
       },
       " \t\n=");
 }
 
-TEST(OpenSim, TheRecordedInverseKinematicsIsRead) {
+TEST(OpenSim, ReadsTheRecordedInverseKinematics) {
   const auto path = RecordedData("pose2sim/opensim_ik_body25b.mot");
-  if (path.empty()) GTEST_SKIP() << "Pose2Sim is not there";
+  if (path.empty()) GTEST_SKIP() << "Pose2Sim data not found";
   const auto table = ParseOpenSimTable(Bytes(path), "ik.mot");
   ASSERT_TRUE(table) << table.error().Message();
   EXPECT_EQ(table->rows(), 100);
@@ -83,7 +83,7 @@ TEST(OpenSim, TheRecordedInverseKinematicsIsRead) {
   EXPECT_NEAR(table->value(0, 4), 0.96918196, 1e-12) << "pelvis_ty, metres";
 }
 
-TEST(Expmap, ColumnsAreARootAndRotationVectors) {
+TEST(Expmap, ReadsColumnsAsRootAndRotationVectors) {
   const auto table = ParseExpmapTable("1,2,3,0,0,0.5,0.1,0.2,0.3\n4,5,6,0,0,1,0,0,0\n", "a.txt");
   ASSERT_TRUE(table) << table.error().Message();
   EXPECT_EQ(table->joints, 2);
@@ -97,7 +97,7 @@ TEST(Expmap, ColumnsAreARootAndRotationVectors) {
   EXPECT_FALSE(ParseExpmapTable("", "a.txt"));
 }
 
-TEST(Expmap, ARowOfWrongLengthKeepsItsPlaceAndIsReported) {
+TEST(Expmap, ReportsARowOfWrongLengthAndKeepsItsTime) {
   const auto table = ParseExpmapTable("1,2,3,0,0,1\n4,5,6,0,0\n7,8,9,0,0,3\n", "a.txt", 0, DamagedRows::kReport);
   ASSERT_TRUE(table) << table.error().Message();
   EXPECT_EQ(table->frames, 3);
@@ -107,15 +107,15 @@ TEST(Expmap, ARowOfWrongLengthKeepsItsPlaceAndIsReported) {
   EXPECT_EQ(table->findings[0].frame_begin, 1);
 }
 
-TEST(Expmap, EveryDamagedFieldIsNamedWithItsLine) {
+TEST(Expmap, ReportsTheLineOfEveryDamagedField) {
   ExpectEveryDamagedWordIsNamed(
       "1,2,3,0,0,1\n4,5,6,0,0,2\n", [](const std::string& text) { return StatusOf(ParseExpmapTable(text, "file")); },
       nullptr);
 }
 
-TEST(Expmap, TheRecordedTablesHave38Joints) {
+TEST(Expmap, Reads38JointsFromTheRecordedTables) {
   const auto folder = RecordedData("cmu/expmap");
-  if (folder.empty()) GTEST_SKIP() << "CMU is not there";
+  if (folder.empty()) GTEST_SKIP() << "CMU data not found";
   int files = 0;
   for (const auto& path : FilesEndingIn(folder, ".txt")) {
     const auto table = ParseExpmapTable(Bytes(path), path.filename().string());
@@ -127,7 +127,7 @@ TEST(Expmap, TheRecordedTablesHave38Joints) {
   EXPECT_EQ(files, 5);
 }
 
-TEST(Bandai, ALabelIsTwoIndices) {
+TEST(Bandai, ReadsALabelAsTwoIndices) {
   const auto label = ParseBandaiLabel(R"({"content": 6, "style": 11})", "a.json");
   ASSERT_TRUE(label);
   EXPECT_EQ(label->content, 6);
@@ -146,7 +146,7 @@ TEST(Bandai, ALabelIsTwoIndices) {
   }
 }
 
-TEST(Bandai, ALineOfTheListIsALabelWithoutTheSetsPrefix) {
+TEST(Bandai, ReadsAListLineAsALabelWithoutThePrefix) {
   const auto labels = ParseBandaiLabelList("dataset-1_walk-back\r\n_wave\nrun", "content_label.txt");
   ASSERT_TRUE(labels) << labels.error().Message();
   EXPECT_THAT(*labels, ElementsAre("walk-back", "wave", "run"));
@@ -155,9 +155,9 @@ TEST(Bandai, ALineOfTheListIsALabelWithoutTheSetsPrefix) {
   ExpectMalformed(ParseBandaiLabelList("a_\n", "l.txt"), "l.txt:1");
 }
 
-TEST(Bandai, RecordedLabelsAgreeWithTheNamesOfTheirFiles) {
+TEST(Bandai, MatchesRecordedLabelsWithTheirFileNames) {
   const auto folder = RecordedData("bvh");
-  if (folder.empty()) GTEST_SKIP() << "Bandai is not there";
+  if (folder.empty()) GTEST_SKIP() << "Bandai data not found";
   int files = 0;
   for (const char* set : {"bandai1", "bandai2"}) {
     const auto contents = ParseBandaiLabelList(Bytes(folder / set / "content_label.txt"), "content_label.txt").value();
@@ -169,16 +169,16 @@ TEST(Bandai, RecordedLabelsAgreeWithTheNamesOfTheirFiles) {
       const std::string name = path.filename().string();
       ASSERT_LT(static_cast<std::size_t>(label->content), contents.size());
       ASSERT_LT(static_cast<std::size_t>(label->style), styles.size());
-      const std::string wanted = "_" + contents[static_cast<std::size_t>(label->content)] + "_" +
-                                 styles[static_cast<std::size_t>(label->style)] + "_";
-      EXPECT_NE(name.find(wanted), std::string::npos) << name << " is " << wanted;
+      const std::string expected = "_" + contents[static_cast<std::size_t>(label->content)] + "_" +
+                                   styles[static_cast<std::size_t>(label->style)] + "_";
+      EXPECT_NE(name.find(expected), std::string::npos) << name << " is " << expected;
       ++files;
     }
   }
   EXPECT_EQ(files, 194);
 }
 
-TEST(Uestc, ANameSaysActionViewSubjectAndSide) {
+TEST(Uestc, ReadsActionViewSubjectAndSideFromAName) {
   const auto video = ParseUestcName("a12_d4_p007_c2_color.avi", "names.txt:1");
   ASSERT_TRUE(video) << video.error().Message();
   EXPECT_EQ(video->action, 12);
@@ -194,7 +194,7 @@ TEST(Uestc, ANameSaysActionViewSubjectAndSide) {
   }
 }
 
-TEST(Uestc, ListsAreCountedByLines) {
+TEST(Uestc, CountsListEntriesByLines) {
   const std::string names = "a0_d0_p001_c1_color.avi\na0_d0_p001_c2_color.avi\n";
   const auto videos = ParseUestcNames(names, "names.txt");
   ASSERT_TRUE(videos) << videos.error().Message();
@@ -223,7 +223,7 @@ PhspdPose Pose(std::vector<int> frames) {
   return pose;
 }
 
-TEST(Phspd, FramesHaveGapsAndNumbersKeepAllDigits) {
+TEST(Phspd, ReadsFramesWithGapsAndKeepsAllDigits) {
   const auto pose = ParsePhspdPose(WritePhspdPose(Pose({0, 1, 5})), "pose.txt");
   ASSERT_TRUE(pose) << pose.error().Message();
   EXPECT_THAT(pose->frame, ElementsAre(0, 1, 5));
@@ -242,7 +242,7 @@ TEST(Phspd, FramesHaveGapsAndNumbersKeepAllDigits) {
   EXPECT_EQ(again->pose_rad, shape.pose_rad);
 }
 
-TEST(Phspd, BadInputIsRefusedAtItsLine) {
+TEST(Phspd, RejectsBadInputWithItsLine) {
   const std::string text = WritePhspdPose(Pose({4, 5}));
   ExpectEveryDamagedWordIsNamed(
       text, [](const std::string& damaged) { return StatusOf(ParsePhspdPose(damaged, "file")); }, nullptr);
@@ -251,7 +251,7 @@ TEST(Phspd, BadInputIsRefusedAtItsLine) {
   ExpectMalformed(ParsePhspdShape(text, "s.txt"), "s.txt:1");
 }
 
-TEST(Phspd, ADamagedRowIsLeftOutAndToldAtTheFrameThatItWasOf) {
+TEST(Phspd, ExcludesADamagedRowAndReportsItsFrame) {
   std::string text = WritePhspdPose(Pose({4, 5, 9, 10}));
   const std::size_t third = text.find("\n9 ") + 1;
   text.replace(third, text.find('\n', third) - third, "9 1.5 2");
@@ -262,13 +262,13 @@ TEST(Phspd, ADamagedRowIsLeftOutAndToldAtTheFrameThatItWasOf) {
   EXPECT_EQ(pose->position_m[2 * kPhspdJoints * 3], Pose({4, 5, 9, 10}).position_m[3 * kPhspdJoints * 3]);
   ASSERT_EQ(pose->findings.size(), 1u);
   EXPECT_EQ(pose->findings[0].code, "row_length");
-  EXPECT_EQ(pose->findings[0].frame_begin, 6) << "the next one after frame 5";
+  EXPECT_EQ(pose->findings[0].frame_begin, 6) << "the frame after 5";
   EXPECT_EQ(pose->findings[0].value, 3.0) << "numbers in the row";
   ExpectMalformed(ParsePhspdPose("a header\n" + WritePhspdPose(Pose({4, 4})), "p.txt", DamagedRows::kReport),
                   "p.txt:3");
 }
 
-TEST(Phspd, AFolderNamesItsRecording) {
+TEST(Phspd, ReadsTheRecordingFromTheFolderName) {
   const auto recording = ParsePhspdRecording("subject03_group2_time4");
   ASSERT_TRUE(recording);
   EXPECT_EQ(recording->subject, 3);

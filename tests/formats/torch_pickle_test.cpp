@@ -22,7 +22,7 @@ std::string PickledText(const std::string& text) {
 
 const std::string kMagic("\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e", 15);
 
-// A file of torch.save around the pickle of its object; no storage follows.
+// A torch.save file around the pickle of its object, without storages.
 std::string TorchFile(const std::string& object, const std::string& keys = "]", const std::string& storages = "") {
   return kMagic + PickleBytes(std::string("M\xe9\x03", 3)) + PickleBytes("}" + PickledText("little_endian") + "\x88s") +
          PickleBytes(object) + PickleBytes(keys) + storages;
@@ -33,7 +33,7 @@ std::string Storage(const std::string& element_class, int size) {
          "K" + static_cast<char>(size) + "NtQ";
 }
 
-// {"w": tensor} over a storage of `stored` floats.
+// {"w": tensor} with a storage of `stored` floats.
 std::string TensorObject(int stored, int offset, int rows, int columns, int row_stride, int column_stride) {
   const auto k = [](int value) { return std::string("K") + static_cast<char>(value); };
   return "}" + PickledText("w") + "ctorch._utils\n_rebuild_tensor_v2\n" + Storage("FloatStorage", stored) + k(offset) +
@@ -46,7 +46,7 @@ std::string Floats(const std::vector<float>& values) {
          std::string(reinterpret_cast<const char*>(values.data()), 4 * values.size());
 }
 
-TEST(TorchPickle, ATensorIsReadThroughItsStrides) {
+TEST(TorchPickle, ReadsATensorThroughItsStrides) {
   const std::string bytes =
       TorchFile(TensorObject(6, 0, 2, 3, 1, 2), "](" + PickledText("7") + "e", Floats({0, 1, 2, 3, 4, 5}));
   const Expected<TorchTable> table = ParseTorchPickle(bytes, "t.tar");
@@ -57,7 +57,7 @@ TEST(TorchPickle, ATensorIsReadThroughItsStrides) {
   EXPECT_EQ(tensor->values, (std::vector<double>{0, 2, 4, 1, 3, 5}));
 }
 
-TEST(TorchPickle, ATensorThatReachesOutsideItsStorageIsRefused) {
+TEST(TorchPickle, RejectsATensorBeyondItsStorage) {
   for (const auto& object : {TensorObject(6, 1, 2, 3, 1, 2), TensorObject(6, 0, 2, 4, 1, 2),
                              TensorObject(6, 6, 1, 1, 1, 1), TensorObject(6, 0, 100, 100, 100, 100)}) {
     const Expected<TorchTable> table =
@@ -67,24 +67,24 @@ TEST(TorchPickle, ATensorThatReachesOutsideItsStorageIsRefused) {
   }
 }
 
-TEST(TorchPickle, ATinyStorageCannotBeBlownUpBeyondTheLimit) {
+TEST(TorchPickle, LimitsTensorsThatExpandATinyStorage) {
   TorchLimits limits;
   limits.elements = 100;
   const std::string bytes = TorchFile(TensorObject(1, 0, 100, 100, 0, 0), "](" + PickledText("7") + "e", Floats({1}));
   EXPECT_FALSE(ParseTorchPickle(bytes, "t.tar", limits));
 }
 
-TEST(TorchPickle, AClassThatIsNoDataIsNamedAndNothingRuns) {
+TEST(TorchPickle, RejectsAClassThatCouldRunCode) {
   const std::string evil = TorchFile("cposix\nsystem\n" + PickledText("touch evil") + "\x85R");
   ExpectError(ParseTorchPickle(evil, "evil.tar"), ErrorCode::kUnsupported, "evil.tar: byte 61");
   EXPECT_FALSE(std::filesystem::exists("evil"));
 }
 
-TEST(TorchPickle, AnUnknownOpcodeIsRefusedAtItsByte) {
+TEST(TorchPickle, RejectsAnUnknownOpcodeWithItsByte) {
   ExpectError(ParseTorchPickle(TorchFile("\x82\x01"), "t.tar"), ErrorCode::kUnsupported, "t.tar: byte 47");
 }
 
-TEST(TorchPickle, ScalarsAreListedByTheirPath) {
+TEST(TorchPickle, ListsScalarsByTheirPath) {
   const Expected<TorchTable> table = ParseTorchPickle(TorchFile("}" + PickledText("a") + "}" + PickledText("b") +
                                                                 "J\xff\xff\xff\xff"
                                                                 "s"
@@ -104,10 +104,10 @@ TEST(TorchPickle, ScalarsAreListedByTheirPath) {
   EXPECT_EQ(table->texts.at("name"), "x");
 }
 
-TEST(TorchPickle, ContainersThatHoldThemselvesOrExplodeEnd) {
+TEST(TorchPickle, StopsAtRecursiveAndExpandingContainers) {
   EXPECT_FALSE(ParseTorchPickle(TorchFile(std::string("]q\0h\0a", 6)), "cycle.tar"));
   std::string bomb = std::string("]q\0", 3);
-  for (char i = 1; i < 40; ++i) {  // each list holds the one before it twice: 2^40 visits
+  for (char i = 1; i < 40; ++i) {  // each list contains the previous one twice: 2^40 visits
     bomb += std::string("](h") + static_cast<char>(i - 1) + "h" + static_cast<char>(i - 1) + "eq" + i;
   }
   EXPECT_FALSE(ParseTorchPickle(TorchFile(bomb), "bomb.tar"));
@@ -121,7 +121,7 @@ std::string ZipFile(const std::string& object, const std::vector<float>& values)
   return WriteStoredZip({{"archive/data.pkl", PickleBytes(object)}, {"archive/data/7", numbers}}, "t.pt").value();
 }
 
-TEST(TorchPickle, TheZipFormHoldsTheSameTensors) {
+TEST(TorchPickle, ReadsTheSameTensorsFromTheZipForm) {
   const Expected<TorchTable> table =
       ParseTorchPickle(ZipFile(TensorObject(6, 0, 2, 3, 1, 2), {0, 1, 2, 3, 4, 5}), "t.pt");
   ASSERT_TRUE(table) << table.error().Message();
@@ -130,7 +130,7 @@ TEST(TorchPickle, TheZipFormHoldsTheSameTensors) {
   EXPECT_EQ(table->Find("w")->values, (std::vector<double>{0, 2, 4, 1, 3, 5}));
 }
 
-TEST(TorchPickle, ADamagedZipFormIsRefusedByItsMember) {
+TEST(TorchPickle, RejectsADamagedZipFormWithItsMember) {
   const std::string object = TensorObject(6, 0, 2, 3, 1, 2);
   ExpectMalformed(ParseTorchPickle("PK\x03\x04zip", "t.pt"), "t.pt");
   ExpectMalformed(ParseTorchPickle(ZipFile(object, {0, 1, 2}), "t.pt"), "t.pt:archive/data/7");
@@ -138,7 +138,7 @@ TEST(TorchPickle, ADamagedZipFormIsRefusedByItsMember) {
     ExpectMalformed(ParseTorchPickle(WriteStoredZip({{member, bytes}}, "t").value(), "t.pt"), "t.pt");
 }
 
-TEST(TorchPickle, NoMutationOfAFileBreaksTheReader) {
+TEST(TorchPickle, SurvivesMutatedFiles) {
   const std::string good =
       TorchFile(TensorObject(6, 0, 2, 3, 3, 1), "](" + PickledText("7") + "e", Floats({0, 1, 2, 3, 4, 5}));
   ASSERT_TRUE(ParseTorchPickle(good, "good"));
@@ -173,7 +173,7 @@ TEST(TorchPickle, NoMutationOfAFileBreaksTheReader) {
   EXPECT_GT(refused, 10000);
 }
 
-TEST(TorchPickle, PublishedWeightsAreReadWhole) {
+TEST(TorchPickle, ReadsPublishedWeights) {
   const char* goldens = std::getenv("MOCURATE_GOLDENS");
   if (goldens == nullptr) GTEST_SKIP() << "MOCURATE_GOLDENS is not set";
   const Expected<TorchTable> table =

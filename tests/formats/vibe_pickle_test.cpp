@@ -45,7 +45,7 @@ void ExpectSame(const VibeTrack& a, const VibeTrack& b) {
   EXPECT_EQ(a.frame_ids, b.frame_ids);
 }
 
-TEST(VibePickle, TracksAreWrittenAndReadAgain) {
+TEST(VibePickle, RoundTripsTracks) {
   std::vector<VibeTrack> tracks{Track(1, 3), Track(7, 2)};
   tracks[1].betas.clear();
   tracks[1].frame_ids.clear();
@@ -56,7 +56,7 @@ TEST(VibePickle, TracksAreWrittenAndReadAgain) {
   for (std::size_t i = 0; i < 2; ++i) ExpectSame((*again)[i], tracks[i]);
 }
 
-TEST(VibePickle, ACacheGivesOneVideoAtATime) {
+TEST(VibePickle, ReadsOneVideoOfACacheAtATime) {
   std::vector<VibeTrack> videos{Track(0, 3), Track(1, 2), Track(2, 4)};
   videos[1].betas.clear();
   for (VibeTrack& video : videos) video.predicted_camera.clear();
@@ -71,7 +71,7 @@ TEST(VibePickle, ACacheGivesOneVideoAtATime) {
   }
 }
 
-/// One track under the id 1, field by field, with one of them changed.
+/// One track with id 1, with one field changed.
 Expected<std::vector<VibeTrack>> ReadWith(const std::string& changed, const std::function<void(PickleWriter&)>& write) {
   PickleWriter writer;
   writer.BeginDict();
@@ -103,7 +103,7 @@ Expected<std::vector<VibeTrack>> ReadWith(const std::string& changed, const NpyA
   return ReadWith(changed, [&](PickleWriter& writer) { writer.Array(array); });
 }
 
-TEST(VibePickle, AnyCorruptedFieldIsNamed) {
+TEST(VibePickle, NamesEveryCorruptedField) {
   ASSERT_TRUE(ReadWith("", [](PickleWriter&) {}));
   for (const char* key : {"pose", "joints3d", "betas", "orig_cam", "pred_cam", "bboxes", "frame_ids"}) {
     const std::string where = std::string("v.pkl:/1/") + key;
@@ -118,7 +118,7 @@ TEST(VibePickle, AnyCorruptedFieldIsNamed) {
   ExpectMalformed(ReadWith("pose", [](PickleWriter& w) { w.None(); }), "v.pkl:/1");
 }
 
-TEST(VibePickle, ACacheWithAListCutShortIsRefused) {
+TEST(VibePickle, RejectsACacheWithATruncatedList) {
   PickleWriter writer;
   writer.BeginDict();
   writer.Text("pose");

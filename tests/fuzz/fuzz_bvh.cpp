@@ -1,4 +1,4 @@
-/// Any bytes are a BVH file: an answer is a motion that can be written and read again, or an error.
+/// Any bytes as a BVH file: the result is an error or a motion that round-trips through the writer.
 
 #include <cstddef>
 #include <cstdint>

@@ -4,13 +4,13 @@
 #include "core/formats/camera_files.h"
 #include "core/formats/opencv_storage.h"
 
-/// One file of any dialect; or, for OpenCV, one or two files apart by a zero byte.
+/// One file of any dialect, or for OpenCV one or two files separated by a zero byte.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   const auto calibration = mocurate::ParseCalibration(bytes, "fuzz");
   if (calibration) {
     for (const mocurate::CalibratedView& view : calibration->views) {
-      (void)mocurate::CameraOf(view, mocurate::PoseReading::kCentre, 0.01);
+      (void)mocurate::CameraOf(view, mocurate::PoseConvention::kCentre, 0.01);
     }
   }
   std::vector<std::pair<std::string, std::string>> storages;

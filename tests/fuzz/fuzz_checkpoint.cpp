@@ -1,4 +1,4 @@
-/// Any bytes are a checkpoint.
+/// Any bytes as a checkpoint.
 
 #include "tests/fuzz/memory_file.h"
 #include "train/checkpoint/checkpoint.h"

@@ -1,5 +1,5 @@
-/// Entry for a coverage-guided fuzzer: any bytes are a configuration and a --set assignment (after the first NUL).
-/// Nothing may crash, hang or read the file system beyond what `include:` names; an answer is options or an error.
+/// Any bytes as a configuration and, after the first NUL, a --set assignment. The parser must not crash, hang or read
+/// files other than those of `include:`. It returns options or an error.
 
 #include <cstddef>
 #include <cstdint>

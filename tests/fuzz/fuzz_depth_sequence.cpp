@@ -1,4 +1,4 @@
-/// Any bytes are the JSON beside a depth sequence.
+/// Any bytes as the JSON of a depth sequence.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// Any bytes are a joint table of three rows per frame: an answer holds finite numbers only, or is an error.
+/// Any bytes as a joint table of three rows per frame: the result is an error or finite numbers.
 
 #include <cmath>
 #include <cstddef>

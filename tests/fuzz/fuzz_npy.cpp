@@ -1,5 +1,5 @@
-/// Any bytes are an .npy file: an answer holds no more than the bytes do and can be written and read again, or it is an
-/// error.
+/// Any bytes as an .npy file: the result is an error or an array no larger than the file that round-trips through the
+/// writer.
 
 #include <cstddef>
 #include <cstdint>

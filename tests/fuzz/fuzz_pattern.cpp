@@ -1,4 +1,4 @@
-/// The first line is a file-name pattern, the rest a name: what matches, matches again with its fields put in.
+/// First line: a file-name pattern; rest: a name. A match must match again after its fields are filled in.
 
 #include <cstddef>
 #include <cstdint>

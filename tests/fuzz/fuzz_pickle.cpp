@@ -5,7 +5,7 @@
 
 namespace {
 
-/// Reads whatever hangs from a value, as its user would.
+/// Visits every value below a value, as a caller would.
 void Visit(const mocurate::PickleRef& value) {
   (void)value.Array();
   (void)value.Sparse();

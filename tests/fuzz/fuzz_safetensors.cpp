@@ -1,4 +1,4 @@
-/// Any bytes are a safetensors file; what is read is written as it was.
+/// Any bytes as a safetensors file; the result round-trips through the writer.
 
 #include <cstdint>
 #include <cstdlib>

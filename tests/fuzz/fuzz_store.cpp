@@ -1,4 +1,4 @@
-/// Any bytes are a file of the store, of whatever kind.
+/// Any bytes as any file of the store.
 
 #include <nlohmann/json.hpp>
 

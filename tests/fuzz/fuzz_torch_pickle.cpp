@@ -1,4 +1,4 @@
-/// Any bytes are a file of torch.save: nothing runs, and nothing beyond the limits is allocated.
+/// Any bytes as a torch.save file: no code runs, and allocations stay within the limits.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
-/// Any bytes are a condition about clips. It is refused at a column of its text, or it holds for each clip for which
-/// its negation does not.
+/// Any bytes as a condition on clips: it is rejected at a column, or it is true exactly where its negation is
+/// false.
 
 #include <cstddef>
 #include <cstdint>
@@ -42,7 +42,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const mocurate::Dataset clips = FuzzClips();
   const auto holds = condition->Holds(clips);
   const auto negated = mocurate::Condition::Parse("not (" + text + ")");
-  if (!holds || !negated) return 0;  // no such split; one bracket too many
+  if (!holds || !negated) return 0;  // an unknown split, or an unbalanced bracket
   const auto not_held = negated->Holds(clips);
   for (std::size_t row = 0; row < clips.clips.size(); ++row) {
     if ((*holds)[row] == (*not_held)[row]) __builtin_trap();

@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// A file on a memory file system with these bytes, for readers that want a path (HDF5 takes no anonymous file).
+/// A file with these bytes on a memory file system, for readers that need a path (HDF5 opens no anonymous file).
 class MemoryFile {
  public:
   MemoryFile(const std::uint8_t* data, std::size_t size)

@@ -5,7 +5,7 @@
 
 namespace mocurate {
 
-/// A first input of a fuzz target, made by a writer of ours where there is one.
+/// A seed input of a fuzz target, made by our writer where one exists.
 struct FuzzSeed {
   std::string target;
   std::string bytes;
@@ -13,12 +13,12 @@ struct FuzzSeed {
 
 using FuzzSeeds = std::vector<FuzzSeed>;
 
-void AddMotionSeeds(FuzzSeeds& seeds);  ///< text that holds motion
+void AddMotionSeeds(FuzzSeeds& seeds);  ///< motion as text
 void AddNotedSeeds(FuzzSeeds& seeds);   ///< JSON, labels, calibrations, configurations
 void AddBinarySeeds(FuzzSeeds& seeds);  ///< arrays, pickles, clouds
 void AddStoredSeeds(FuzzSeeds& seeds);  ///< files of the store
 
-/// All of them. Aborts where a writer fails.
+/// All seeds. Aborts when a writer fails.
 FuzzSeeds AllFuzzSeeds();
 
 }  // namespace mocurate

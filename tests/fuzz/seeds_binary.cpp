@@ -106,7 +106,7 @@ void AddPickles(FuzzSeeds& seeds) {
   Add(seeds, "smpl_model", writer.Finish("seed"));
 }
 
-/// {"w": 2 x 3 floats} as torch.save wrote it, before zip files and in one.
+/// {"w": 2 x 3 floats} of torch.save, in the format before zip files and in the zip format.
 void AddTorch(FuzzSeeds& seeds) {
   const auto pickle = [](const std::string& body) { return std::string("\x80\x02", 2) + body + "."; };
   const auto text = [](const std::string& value) {

@@ -11,12 +11,12 @@ namespace {
 
 void AddBvh(FuzzSeeds& seeds) {
   using C = BvhChannel;
-  const std::vector<C> turns = {C::kZRotation, C::kXRotation, C::kYRotation};
+  const std::vector<C> rotations = {C::kZRotation, C::kXRotation, C::kYRotation};
   std::vector<C> all = {C::kXPosition, C::kYPosition, C::kZPosition};
-  all.insert(all.end(), turns.begin(), turns.end());
+  all.insert(all.end(), rotations.begin(), rotations.end());
   Bvh bvh;
   bvh.joints = {{"Hips", -1, {1, 2, 3}, all, 0, false, {}},
-                {"Knee", 0, {0, 5, 0}, turns, 6, true, {0, 1, 0}},
+                {"Knee", 0, {0, 5, 0}, rotations, 6, true, {0, 1, 0}},
                 {"Spine", 0, {0, -5, 0}, {}, 9, false, {}}};
   bvh.channel_count = 9;
   bvh.frames = 2;
@@ -31,7 +31,7 @@ void AddBvh(FuzzSeeds& seeds) {
 
 void AddAcclaim(FuzzSeeds& seeds) {
   const std::string text =
-      ":version 1.10\n:name a\n:units\n mass 1\n length 0.45\n angle deg\n:documentation\n told\n:root\n order TX TY "
+      ":version 1.10\n:name a\n:units\n mass 1\n length 0.45\n angle deg\n:documentation\n text\n:root\n order TX TY "
       "TZ RX "
       "RY RZ\n axis XYZ\n position 0 0 0\n orientation 0 0 0\n:bonedata\n begin\n id 1\n name a\n direction 1 0 0\n "
       "length "

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -7,19 +5,19 @@
 #include "core/base/file.h"
 #include "tests/fuzz/seeds.h"
 #include "tests/store/builders.h"
+#include "tests/support/scratch_folder.h"
 #include "train/checkpoint/checkpoint.h"
 
 namespace mocurate {
 namespace {
 
-/// The bytes of what `write` writes at a path.
+/// The bytes that `write` stores at a path.
 template <typename Write>
 void AddStored(FuzzSeeds& seeds, const std::string& target, const Write& write) {
-  const std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("mocurate_seed_" + std::to_string(::getpid()));
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "seed";
   const Status written = write(path);
   const Expected<std::string> bytes = ReadFile(path);
-  std::filesystem::remove(path);
   if (!written || !bytes) {
     std::fprintf(stderr, "seed of %s cannot be written to %s\n", target.c_str(), path.c_str());
     std::abort();

@@ -1,4 +1,4 @@
-// Writes the first inputs of every fuzz target, a folder per target: fuzz_seeds FOLDER.
+// Writes the seed inputs of every fuzz target, one folder per target: fuzz_seeds FOLDER.
 
 #include <cstdio>
 #include <filesystem>

@@ -6,7 +6,7 @@
 namespace mocurate {
 namespace {
 
-TEST(AxisConvention, TellsWhereTheAxesOfTheSourcePoint) {
+TEST(AxisConvention, ReportsWhereTheAxesOfTheSourcePoint) {
   const AxisConvention camera = AxisConvention::Parse("+x -y -z").value();
   EXPECT_EQ(camera.canonical_from_source * Vector3d(1, 2, 3), Vector3d(1, -2, -3));
   EXPECT_EQ(camera.handedness(), Handedness::kRight);

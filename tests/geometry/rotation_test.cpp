@@ -55,7 +55,7 @@ TEST(AngleBetween, IsExactForTinyAngles) {
   }
 }
 
-TEST(NearestRotation, KeepsRotationsAndMendsPerturbedOnes) {
+TEST(NearestRotation, KeepsRotationsAndCorrectsPerturbedOnes) {
   Random random(14, "nearest");
   for (int i = 0; i < 200; ++i) {
     const Matrix3d r = DrawRotation(random).toRotationMatrix();

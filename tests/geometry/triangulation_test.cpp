@@ -26,8 +26,8 @@ std::vector<Camera> Ring(int count, const Vector3d& target) {
   return cameras;
 }
 
-std::vector<Sighting> Sight(const std::vector<Camera>& cameras, const Vector3d& point) {
-  std::vector<Sighting> sightings;
+std::vector<ImageObservation> Sight(const std::vector<Camera>& cameras, const Vector3d& point) {
+  std::vector<ImageObservation> sightings;
   for (const Camera& camera : cameras) sightings.push_back({&camera, *camera.ProjectWorld(point), 1.0});
   return sightings;
 }
@@ -48,7 +48,7 @@ TEST(TriangulateLinear, FindsThePointThroughLensDistortionWhereverTheWorldsOrigi
 
 TEST(TriangulateLinear, DoesNotReadAViewWithoutWeight) {
   const std::vector<Camera> cameras = Ring(4, Vector3d::Zero());
-  std::vector<Sighting> sightings = Sight(cameras, Vector3d(0.1, 0.2, 0.3));
+  std::vector<ImageObservation> sightings = Sight(cameras, Vector3d(0.1, 0.2, 0.3));
   sightings[2].pixel = Vector2d(1e6, std::nan(""));
   sightings[2].weight = 0.0;
   EXPECT_LT((*TriangulateLinear(sightings) - Vector3d(0.1, 0.2, 0.3)).norm(), 1e-10);
@@ -60,7 +60,7 @@ TEST(TriangulateLinear, DoesNotReadAViewWithoutWeight) {
 
 TEST(TriangulateLinear, NeedsTwoRaysThatAreNotParallel) {
   const std::vector<Camera> cameras = Ring(2, Vector3d::Zero());
-  std::vector<Sighting> sightings = Sight(cameras, Vector3d(0, 0.1, 0));
+  std::vector<ImageObservation> sightings = Sight(cameras, Vector3d(0, 0.1, 0));
   sightings[1].weight = 0.0;
   EXPECT_FALSE(TriangulateLinear(sightings));
   sightings[1] = sightings[0];
@@ -71,18 +71,18 @@ TEST(TriangulateLinear, NeedsTwoRaysThatAreNotParallel) {
   EXPECT_FALSE(TriangulateLinear({{&cameras[0], Vector2d(960, 540), 1.0}, {&beside, Vector2d(960, 540), 1.0}}));
 }
 
-TEST(MeetAxes, IsWhereTheCamerasLook) {
+TEST(NearestPointToAxes, IsWhereTheCamerasLook) {
   const Vector3d target(1, 2, 3);
   std::vector<RigidTransform> poses;
   for (const Camera& camera : Ring(4, target)) poses.push_back(camera.camera_from_world);
-  const auto meeting = MeetAxes(poses);
+  const auto meeting = NearestPointToAxes(poses);
   ASSERT_TRUE(meeting);
   EXPECT_LT((meeting->point - target).norm(), 1e-12);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(meeting->depth[i], 4.0, 1e-12);
     EXPECT_NEAR(meeting->miss[i], 0.0, 1e-12);
   }
-  EXPECT_FALSE(MeetAxes({RigidTransform{}, {Quaterniond::Identity(), Vector3d(1, 0, 0)}}));
+  EXPECT_FALSE(NearestPointToAxes({RigidTransform{}, {Quaterniond::Identity(), Vector3d(1, 0, 0)}}));
 }
 
 TEST(BackProject, GivesTheMeasuredPixelsOfTheMaskInOrder) {

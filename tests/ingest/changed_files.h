@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// Recorded files with something changed, in a folder of one test: what an inspection and a run report of them.
+/// Edited copies of recorded files in a test folder, with the findings of an inspection and of a run.
 class ChangedFiles : public WrittenFormats {
  protected:
   void SetUp() override {
@@ -21,9 +21,9 @@ class ChangedFiles : public WrittenFormats {
 
   static std::string Recorded(const std::string& path) { return *ReadFile(TestData() + "/" + path); }
 
-  nlohmann::json Look(const std::optional<SourceOptions>& source = {}) const { return InspectPath(folder_, source); }
+  nlohmann::json Inspect(const std::optional<SourceOptions>& source = {}) const { return InspectPath(folder_, source); }
 
-  /// A declaration of configs/sources for the files of the test, without annotations.
+  /// A source declaration of configs/sources for the files of the test, without annotations.
   IngestOptions From(const std::string& declaration) const {
     IngestOptions options = Declared(declaration);
     options.path = folder_;
@@ -39,7 +39,7 @@ class ChangedFiles : public WrittenFormats {
   }
 };
 
-/// Those of one code, in order.
+/// Findings of one code, in order.
 inline std::vector<Finding> FindingsOf(const StageOutcome& outcome, const std::string& code) {
   std::vector<Finding> findings;
   for (const Finding& finding : outcome.findings) {

@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "core/base/file.h"
-#include "ingest/sense/inspect.h"
+#include "ingest/inspect/inspect.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 
-/// What an inspection says of one thing.
+/// The reported value of a field.
 inline nlohmann::json Value(const nlohmann::json& entry, const char* field) { return entry.at(field).at("value"); }
 
 /// Codes of the findings of one severity.
@@ -25,7 +26,7 @@ inline std::vector<std::string> Codes(const nlohmann::json& inspection, const st
   return codes;
 }
 
-/// Those of one code, in order.
+/// Findings of one code, in order.
 inline std::vector<nlohmann::json> FindingsOf(const nlohmann::json& inspection, const std::string& code) {
   std::vector<nlohmann::json> findings;
   for (const nlohmann::json& finding : inspection.at("findings")) {
@@ -51,13 +52,13 @@ inline void ExpectFrame(const nlohmann::json& clip, const nlohmann::json& units,
   EXPECT_EQ(Value(clip, "handedness"), handedness) << clip.at("id") << clip.at("handedness");
 }
 
-/// The recorded sets.
+/// Tests on the recorded sets.
 class RecordedFormats : public ::testing::Test {
  protected:
   void SetUp() override {
     if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
   }
-  static nlohmann::json Look(const std::string& path) {
+  static nlohmann::json Inspect(const std::string& path) {
     return InspectPath(std::filesystem::path(std::getenv("MOCURATE_DATA")) / path, std::nullopt);
   }
 };
@@ -65,19 +66,14 @@ class RecordedFormats : public ::testing::Test {
 /// Files that the test writes.
 class WrittenFormats : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              (std::string("formats_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void SetUp() override { std::filesystem::create_directories(folder_); }
   std::filesystem::path Written(const std::string& name, const std::string& bytes) {
     std::filesystem::create_directories((folder_ / name).parent_path());
     EXPECT_TRUE(WriteFile(folder_ / name, bytes));
     return folder_ / name;
   }
-  std::filesystem::path folder_;
+  const ScratchFolder scratch_;
+  const std::filesystem::path folder_ = scratch_ / "formats";
 };
 
 }  // namespace mocurate

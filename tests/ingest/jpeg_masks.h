@@ -7,7 +7,7 @@
 
 namespace mocurate::test {
 
-/// A JPEG as mask: inside from half way up. Empty for what is no image.
+/// A JPEG mask whose lower half is inside. Empty when the input is no image.
 inline PixelMask JpegMask(std::string bytes) {
   const cv::Mat image =
       cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8U, bytes.data()), cv::IMREAD_GRAYSCALE);

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "tests/ingest/sources.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 
-/// Items of a source as the stage `ingest` leaves them.
+/// The outcome of an item after the stage `ingest`.
 inline std::vector<ItemResult> RunAll(const IngestOptions& options) {
   std::vector<ItemResult> results;
   const auto discovery = Discover(options);
@@ -21,8 +22,7 @@ inline std::vector<ItemResult> RunAll(const IngestOptions& options) {
     request.item = item.item;
     request.options = item.options;
     request.inputs = item.inputs;
-    request.output =
-        std::filesystem::path(::testing::TempDir()) / ("run_and_inspect_" + std::to_string(getpid()) + ".h5");
+    request.output = SharedScratch("run.h5");
     std::filesystem::remove(request.output);
     ItemResult result;
     result.item = item.item;
@@ -36,7 +36,7 @@ inline std::vector<ItemResult> RunAll(const IngestOptions& options) {
   return results;
 }
 
-/// The stage `ingest` of a whole source, its artifacts in a folder that goes with the value.
+/// The stage `ingest` of a whole source. Its artifacts are deleted with the value.
 struct SourceRun {
   Expected<Discovery> discovery;
   std::vector<Expected<StageOutcome>> outcomes;  ///< of each item of `discovery`
@@ -60,13 +60,13 @@ struct SourceRun {
   std::filesystem::path Artifact(std::size_t item) const { return folder / (std::to_string(item) + ".h5"); }
 };
 
-/// A recorded source, run once in a process.
+/// A recorded source, run once per process.
 inline const SourceRun& RunOnce(const IngestOptions& options) {
   static std::map<std::string, SourceRun> runs;
   return runs.try_emplace(options.path.string() + OptionsToJson(options).dump(), options).first->second;
 }
 
-/// The recorded sets, whose runs cases share.
+/// The recorded sets; test cases share their runs.
 class RecordedSets : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -83,7 +83,7 @@ inline std::vector<std::string> ErrorCodes(const StageOutcome& outcome) {
   return codes;
 }
 
-/// Clips with an error of that code.
+/// Clips with an error of this code.
 inline std::size_t CountCode(const std::vector<ItemResult>& clips, const std::string& code) {
   return static_cast<std::size_t>(std::count_if(clips.begin(), clips.end(), [&](const ItemResult& clip) {
     const auto codes = ErrorCodes(clip.outcome);

@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// The keywords of JSON Schema (draft 2020-12) that the document uses; any other is told as a fault of the schema.
+/// Checks a document against the JSON Schema (draft 2020-12) keywords that the schema uses; any other is a fault.
 class SchemaCheck {
  public:
   SchemaCheck() {
@@ -58,33 +58,34 @@ class SchemaCheck {
 
   void CheckKeyword(const nlohmann::json& schema, const std::string& keyword, const nlohmann::json& value,
                     const std::string& place) {
-    static const std::set<std::string> words = {"$schema",     "$defs",    "title",
-                                                "description", "required", "additionalProperties"};
-    const nlohmann::json& said = schema.at(keyword);
-    if (words.count(keyword) != 0) return;
+    static const std::set<std::string> annotations = {"$schema",     "$defs",    "title",
+                                                      "description", "required", "additionalProperties"};
+    const nlohmann::json& constraint = schema.at(keyword);
+    if (annotations.count(keyword) != 0) return;
     if (keyword == "$ref")
-      return Check(schema_.at(nlohmann::json::json_pointer(said.get<std::string>().substr(1))), value, place);
+      return Check(schema_.at(nlohmann::json::json_pointer(constraint.get<std::string>().substr(1))), value, place);
     if (keyword == "type") {
-      const nlohmann::json types = said.is_array() ? said : nlohmann::json::array({said});
+      const nlohmann::json types = constraint.is_array() ? constraint : nlohmann::json::array({constraint});
       const auto is = [&](const nlohmann::json& type) { return Is(value, type); };
-      if (std::none_of(types.begin(), types.end(), is)) Fault(place, value.dump() + " is no " + said.dump());
+      if (std::none_of(types.begin(), types.end(), is)) Fault(place, value.dump() + " is no " + constraint.dump());
     } else if (keyword == "enum") {
-      if (std::find(said.begin(), said.end(), value) == said.end()) Fault(place, value.dump() + " is none of the enum");
+      if (std::find(constraint.begin(), constraint.end(), value) == constraint.end())
+        Fault(place, value.dump() + " is none of the enum");
     } else if (keyword == "properties") {
       if (value.is_object()) CheckObject(schema, value, place);
     } else if (keyword == "items") {
       for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) {
-        Check(said, value[i], place + "/" + std::to_string(i));
+        Check(constraint, value[i], place + "/" + std::to_string(i));
       }
     } else if (keyword == "minItems" || keyword == "maxItems") {
       const bool least = keyword == "minItems";
-      const auto limit = said.get<std::size_t>();
+      const auto limit = constraint.get<std::size_t>();
       if (value.is_array() && (least ? value.size() < limit : value.size() > limit)) Fault(place, keyword);
     } else if (keyword == "pattern") {
-      if (value.is_string() && !std::regex_search(value.get<std::string>(), std::regex(said.get<std::string>())))
+      if (value.is_string() && !std::regex_search(value.get<std::string>(), std::regex(constraint.get<std::string>())))
         Fault(place, value.dump() + " is not as the pattern");
     } else if (keyword == "minimum" || keyword == "maximum" || keyword == "exclusiveMinimum") {
-      if (value.is_number()) CheckNumber(keyword, said, value, place);
+      if (value.is_number()) CheckNumber(keyword, constraint, value, place);
     } else {
       Fault(place, "the schema's keyword " + keyword + " is not known");
     }
@@ -97,7 +98,7 @@ class SchemaCheck {
     }
     if (!schema.contains("properties") && schema.contains("additionalProperties") && value.is_object())
       CheckObject(schema, value, place);
-    for (const auto& [keyword, said] : schema.items()) CheckKeyword(schema, keyword, value, place);
+    for (const auto& [keyword, constraint] : schema.items()) CheckKeyword(schema, keyword, value, place);
   }
 
   nlohmann::json schema_;

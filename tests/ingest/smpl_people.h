@@ -10,8 +10,8 @@ namespace mocurate {
 
 inline constexpr int kJoints = 24;
 
-/// Somebody on `smpl24` who moves every joint; in the canonical world.
-inline Motion Somebody(int frames, int seed) {
+/// A person on `smpl24` who moves every joint, in the canonical world.
+inline Motion MovingPerson(int frames, int seed) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   std::vector<Vector3d> root;
   std::vector<Quaterniond> rotation;
@@ -25,10 +25,10 @@ inline Motion Somebody(int frames, int seed) {
   return MakeMotion(skeleton, FrameRate{30, 1}, root, rotation, {});
 }
 
-/// From the canonical world to a camera's frame, y down, and back: half a turn about x.
+/// From the canonical world to a camera frame with y down, and back: 180 degrees about x.
 inline const Quaterniond kHalfTurn(0.0, 1.0, 0.0, 0.0);
 
-/// Rotation vectors (F, 72) in a frame that `file_from_world` leads to.
+/// Rotation vectors (F, 72) in the frame of `file_from_world`.
 inline std::vector<double> Vectors(const Motion& motion, const Quaterniond& file_from_world) {
   std::vector<double> vectors;
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -52,7 +52,7 @@ inline std::vector<double> Places(const Motion& motion, const Quaterniond& file_
   return places;
 }
 
-/// A track of 49 points of which those named by SPIN as SMPL's hips and more are placed by the joint's number.
+/// A track of 49 points of SPIN; the position of a point depends on its index.
 inline VibeTrack SmplTrack(const Motion& motion, const Quaterniond& file_from_world) {
   VibeTrack track;
   track.id = 1;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -14,6 +12,7 @@
 #include "core/store/store.h"
 #include "ingest/discover.h"
 #include "ingest/stages.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 
@@ -23,10 +22,9 @@ inline std::string TestData() {
   return folder == nullptr ? std::string() : std::string(folder);
 }
 
-/// A folder of one test, emptied before.
+/// An empty folder of one test.
 inline std::filesystem::path FreshFolder(const std::string& name) {
-  const std::filesystem::path folder =
-      std::filesystem::path(::testing::TempDir()) / ("mocurate_ingest_" + std::to_string(getpid()) + "_" + name);
+  const std::filesystem::path folder = SharedScratch("ingest_" + name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;
@@ -37,9 +35,9 @@ inline void Put(const std::filesystem::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
-/// The declaration of a source in configs/sources/, with changes as `--set` would make them.
+/// A source declaration of configs/sources/, with changes as in `--set`.
 inline IngestOptions Declared(const std::string& name, std::vector<std::string> assignments = {}) {
-  // Where no recorded data are, who needs them skips; others take the declaration alone.
+  // Without recorded data the tests that need them are skipped; others use the declaration only.
   if (TestData().empty()) assignments.insert(assignments.begin(), "ingest.path=.");
   const auto node =
       LoadConfig(std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "configs" / "sources" / (name + ".yaml"), assignments);
@@ -51,7 +49,7 @@ inline IngestOptions Declared(const std::string& name, std::vector<std::string> 
   return options ? *options : IngestOptions();
 }
 
-/// A table of two joints per frame in a made-up source.
+/// A table of two joints per frame in a synthetic source.
 inline IngestOptions SmallTable(const std::filesystem::path& folder) {
   IngestOptions options;
   options.path = folder;
@@ -66,7 +64,7 @@ inline IngestOptions SmallTable(const std::filesystem::path& folder) {
   return options;
 }
 
-/// Arrays of SMPL's joints in a made-up source, metres.
+/// Arrays of SMPL's joints in a synthetic source, metres.
 inline IngestOptions SmallArrays(const std::filesystem::path& folder) {
   IngestOptions options;
   options.path = folder;
@@ -86,7 +84,7 @@ inline IngestOptions SmallArrays(const std::filesystem::path& folder) {
 struct Ingested {
   Expected<StageOutcome> outcome;
   std::filesystem::path artifact;
-  Clip clip;  ///< of the artifact, when there is one
+  Clip clip;  ///< of the artifact, if written
 };
 
 inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
@@ -95,8 +93,7 @@ inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
   request.item = item.item;
   request.options = item.options;
   request.inputs = item.inputs;
-  request.output = std::filesystem::path(::testing::TempDir()) /
-                   ("mocurate_ingest_" + std::to_string(getpid()) + "_" + name + ".h5");
+  request.output = SharedScratch("ingest_" + name + ".h5");
   std::filesystem::remove(request.output);
   Ingested result{IngestStage(request), request.output, {}};
   if (result.outcome && !HasArtifact(result.outcome->kind)) {
@@ -113,7 +110,7 @@ inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
   return result;
 }
 
-/// Ingests the only file of a small source: its error, if any.
+/// Ingests the only file of a small source and returns its error, if any.
 inline Status IngestOnly(const IngestOptions& options, const std::string& name) {
   const auto discovery = Discover(options);
   if (!discovery) return Forward(discovery);

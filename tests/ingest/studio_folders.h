@@ -10,7 +10,7 @@
 
 namespace mocurate {
 
-/// Nothing errs.
+/// Options without errors.
 inline StudioOptions Perfect(StudioLayout layout) {
   StudioOptions options;
   options.layout = layout;
@@ -21,7 +21,7 @@ inline StudioOptions Perfect(StudioLayout layout) {
   return options;
 }
 
-/// Every truth file of a folder together.
+/// All ground-truth clips of a folder.
 inline std::map<std::string, Motion> TruthOf(const std::filesystem::path& folder) {
   std::map<std::string, Motion> all;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "truth")) {
@@ -41,7 +41,7 @@ inline std::map<std::string, std::string> BytesOf(const std::filesystem::path& f
   return bytes;
 }
 
-/// A folder of one test that the studio writes, and its truth.
+/// A studio folder of one test, and its ground truth.
 class Layouts : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -64,13 +64,13 @@ class Layouts : public ::testing::Test {
     return bytes ? *bytes : std::string();
   }
 
-  /// What the stage `ingest` makes of the folder under a declaration of configs/sources, by clip id.
+  /// The clips of the stage `ingest` under a declaration of configs/sources, by clip id.
   std::map<std::string, Clip> Ingested(const std::string& declaration, const std::string& below) {
     std::map<std::string, Clip> clips;
     const IngestOptions ingest = Declared(declaration, {"ingest.path=" + (folder / below).string()});
     const auto discovery = Discover(ingest);
     EXPECT_TRUE(discovery) << discovery.error().Message();
-    EXPECT_TRUE(discovery->left_out.empty());
+    EXPECT_TRUE(discovery->excluded.empty());
     for (const ItemSpec& item : discovery->items) {
       const StageRequest request{"ingest", item.item, item.options, item.inputs, folder / "clip.h5", folder};
       const auto outcome = IngestStage(request);

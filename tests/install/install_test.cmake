@@ -1,9 +1,9 @@
 # Installs the built programs into a folder of its own, runs a small job there, and builds and runs
-# examples/read_dataset against the installed package. Wants BUILD, SOURCE, SCRATCH, CXX.
+# examples/read_dataset against the installed package. Requires the variables BUILD, SOURCE, SCRATCH, CXX.
 function(must_run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE errors)
   if(NOT result EQUAL 0)
-    message(FATAL_ERROR "'${ARGV}' ended with ${result}:\n${output}\n${errors}")
+    message(FATAL_ERROR "'${ARGV}' exited with ${result}:\n${output}\n${errors}")
   endif()
   set(output "${output}" PARENT_SCOPE)
 endfunction()
@@ -35,6 +35,6 @@ endif()
 
 execute_process(COMMAND ${SCRATCH}/example/read_dataset ${SCRATCH}/none.h5 RESULT_VARIABLE result ERROR_VARIABLE errors)
 if(NOT result EQUAL 3 OR NOT errors MATCHES "none.h5")
-  message(FATAL_ERROR "a missing dataset ended the example with ${result}: ${errors}")
+  message(FATAL_ERROR "the example exited with ${result} for a missing dataset, expected 3: ${errors}")
 endif()
 file(REMOVE_RECURSE ${SCRATCH})

@@ -1,5 +1,5 @@
-// Heavy libraries stay in their rooms, also where no include shows them: in what a library or program links, directly
-// or through others, and in headers that other rooms see.
+// Heavy libraries stay in their modules, also where no include shows them: in what a library or program links, directly
+// or indirectly, and in headers that other modules include.
 
 #include <gmock/gmock.h>
 #include <stdio.h>
@@ -21,7 +21,7 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 const fs::path kSources = MOCURATE_SOURCE_FOLDER;
-const char* const kRooms[] = {"core", "ingest", "fitting", "canon", "train", "eval", "report", "app"};
+const char* const kModules[] = {"core", "ingest", "fitting", "canon", "train", "eval", "report", "job", "app"};
 
 /// Link name of a heavy library (as a prefix) -> the targets that may name it.
 const std::map<std::string, std::set<std::string>> kHeavyLinks = {
@@ -55,7 +55,7 @@ std::string ReadLinks(const fs::path& path) {
 
 bool StartsWith(const std::string& text, const std::string& prefix) { return text.rfind(prefix, 0) == 0; }
 
-/// Target -> what it links, whether PUBLIC or PRIVATE: of a static library both end up in the program.
+/// Target -> targets that it links, PUBLIC or PRIVATE: both of a static library end up in the program.
 using Links = std::map<std::string, std::set<std::string>>;
 
 void AddLinks(const std::string& cmake, Links& links) {
@@ -84,7 +84,7 @@ std::vector<std::string> ForbiddenDirectLinks(const Links& links) {
     for (const std::string& name : linked) {
       for (const auto& [heavy, allowed] : kHeavyLinks) {
         if (StartsWith(name, heavy) && allowed.count(target) == 0) {
-          forbidden.push_back(target + " links " + name + " outside its room");
+          forbidden.push_back(target + " links " + name + " outside its module");
         }
       }
     }
@@ -115,18 +115,18 @@ std::vector<std::string> ForbiddenReach(const Links& links) {
 
 Links AllLinks() {
   Links links;
-  for (const char* room : kRooms) AddLinks(ReadLinks(kSources / room / "CMakeLists.txt"), links);
+  for (const char* module : kModules) AddLinks(ReadLinks(kSources / module / "CMakeLists.txt"), links);
   return links;
 }
 
-/// "fitting/stages.h" -> what it includes.
+/// "fitting/stages.h" -> its includes.
 using Includes = std::map<std::string, std::vector<std::string>>;
 
 Includes AllIncludes() {
   static const std::regex kInclude("^\\s*#\\s*include [\"<]([^\">]+)[\">]");
   Includes includes;
-  for (const char* room : kRooms) {
-    for (const auto& entry : fs::recursive_directory_iterator(kSources / room)) {
+  for (const char* module : kModules) {
+    for (const auto& entry : fs::recursive_directory_iterator(kSources / module)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".h" && extension != ".cpp") continue;
       std::vector<std::string>& own = includes[fs::relative(entry.path(), kSources).string()];
@@ -142,8 +142,8 @@ Includes AllIncludes() {
 
 std::string TopFolder(const std::string& path) { return path.substr(0, path.find('/')); }
 
-/// Headers of core, and those that a file of another room includes, must not show a heavy library, nor may what they
-/// include.
+/// Headers of core, and headers that a file of another module includes, must not include a heavy library, directly or
+/// indirectly.
 std::vector<std::string> HeaviesShownPublicly(const Includes& includes) {
   std::set<std::string> open_to_others;
   for (const auto& [path, included] : includes) {
@@ -170,15 +170,15 @@ std::vector<std::string> HeaviesShownPublicly(const Includes& includes) {
   return shown;
 }
 
-TEST(HeavyLinks, EachLibraryIsLinkedOnlyInItsRoom) {
+TEST(HeavyLinks, EachLibraryIsLinkedOnlyInItsModule) {
   const Links links = AllLinks();
   ASSERT_TRUE(links.count("mocurate") && links.count("mocurate_fitting")) << "the link lists were not found";
   EXPECT_THAT(ForbiddenDirectLinks(links), IsEmpty());
 }
 
-TEST(HeavyLinks, NoProgramReachesALibraryThatIsNotItsOwn) { EXPECT_THAT(ForbiddenReach(AllLinks()), IsEmpty()); }
+TEST(HeavyLinks, NoProgramReachesALibraryOfAnotherModule) { EXPECT_THAT(ForbiddenReach(AllLinks()), IsEmpty()); }
 
-TEST(HeavyLinks, TheFrontEndAsBuiltLoadsNoHeavyLibrary) {
+TEST(HeavyLinks, FrontEndLoadsNoHeavyLibrary) {
   const fs::path program = fs::path(MOCURATE_BINARY_FOLDER) / "mocurate";
   if (!fs::exists(program)) GTEST_SKIP() << "the learn slice has no front end";
   FILE* pipe = ::popen(("LC_ALL=C readelf -d '" + program.string() + "'").c_str(), "r");
@@ -186,19 +186,19 @@ TEST(HeavyLinks, TheFrontEndAsBuiltLoadsNoHeavyLibrary) {
   std::string dynamic;
   for (int c = ::fgetc(pipe); c != EOF; c = ::fgetc(pipe)) dynamic += static_cast<char>(c);
   ASSERT_EQ(::pclose(pipe), 0);
-  ASSERT_THAT(dynamic, HasSubstr("[libstdc++")) << "readelf was not understood";
+  ASSERT_THAT(dynamic, HasSubstr("[libstdc++")) << "unexpected output of readelf";
   for (const char* heavy : {"[libtorch", "[libc10", "[libceres", "[libOpen3D", "[libopencv", "blas", "[libgomp"}) {
     EXPECT_THAT(dynamic, testing::Not(HasSubstr(heavy)));
   }
 }
 
-TEST(HeavyLinks, NoHeaderThatOthersSeeShowsAHeavyLibrary) {
+TEST(HeavyLinks, NoPublicHeaderIncludesAHeavyLibrary) {
   const Includes includes = AllIncludes();
   ASSERT_GT(includes.size(), 100u) << "the source tree was not found";
   EXPECT_THAT(HeaviesShownPublicly(includes), IsEmpty());
 }
 
-TEST(HeavyLinks, AForbiddenLinkIsSeen) {
+TEST(HeavyLinks, DetectsAForbiddenLink) {
   Links links;
   AddLinks("mocurate_library(canon SOURCES *.cpp PUBLIC mocurate_store PRIVATE\n Ceres::ceres)", links);
   EXPECT_THAT(ForbiddenDirectLinks(links), SizeIs(1));
@@ -213,7 +213,7 @@ TEST(HeavyLinks, AForbiddenLinkIsSeen) {
               testing::ElementsAre("through mocurate -> mocurate_x -> mocurate_fitting -> Ceres::ceres"));
 }
 
-TEST(HeavyLinks, AHeavyLibraryBehindAnotherHeaderIsSeen) {
+TEST(HeavyLinks, DetectsAHeavyLibraryBehindAnotherHeader) {
   const Includes includes = {
       {"fitting/a.h", {"fitting/b.h"}}, {"fitting/b.h", {"ceres/ceres.h"}}, {"app/x.cpp", {"fitting/a.h"}}};
   EXPECT_THAT(HeaviesShownPublicly(includes),

@@ -1,4 +1,4 @@
-// Our rows beside the published ones.
+// Our rows compared with the published ones.
 
 #include "eval/tables/comparison.h"
 
@@ -38,7 +38,7 @@ const nlohmann::json& RowOf(const Comparison& comparison, const std::string& met
   return *found;
 }
 
-TEST(Comparison, ARowStandsBesideItsMethodWithTheRatioAndItsInterval) {
+TEST(Comparison, RowIsPairedWithItsMethodRatioAndInterval) {
   const Comparison comparison = ComparePublished(SmallResult(), {"toy", "small", {}});
   const nlohmann::json fid = RowOf(comparison, "A").at("metrics").at("FID_train");
   EXPECT_EQ(fid.at("value"), 2.0);
@@ -46,13 +46,13 @@ TEST(Comparison, ARowStandsBesideItsMethodWithTheRatioAndItsInterval) {
   EXPECT_EQ(fid.at("ratio"), 2.0);
   EXPECT_EQ(fid.at("ratio_interval"), nlohmann::json({1.5, 2.5}));
   EXPECT_EQ(RowOf(comparison, "A").at("profile"), "small");
-  EXPECT_EQ(RowOf(comparison, "B/2").at("published_as"), "B") << "a seed is its network's";
+  EXPECT_EQ(RowOf(comparison, "B/2").at("published_as"), "B") << "a row of a seed belongs to its network";
   EXPECT_EQ(RowOf(comparison, "Real").at("published_as"), "Real motions");
   EXPECT_TRUE(RowOf(comparison, "B/2").at("metrics").at("accuracy").at("published").is_null());
-  EXPECT_FALSE(RowOf(comparison, "A").at("metrics").contains("KID")) << "nothing was published of it";
+  EXPECT_FALSE(RowOf(comparison, "A").at("metrics").contains("KID")) << "no published value";
 }
 
-TEST(Comparison, AMethodWithoutARowOfOursIsShownAlone) {
+TEST(Comparison, MethodWithoutOurRowIsShownAlone) {
   const Comparison comparison = ComparePublished(SmallResult(), {"toy", "small", {}});
   const nlohmann::json& alone = RowOf(comparison, "D");
   EXPECT_EQ(alone.at("metrics").at("FID_train").at("published"), 9.0);
@@ -60,17 +60,17 @@ TEST(Comparison, AMethodWithoutARowOfOursIsShownAlone) {
   EXPECT_TRUE(alone.at("profile").is_null());
 }
 
-TEST(Comparison, OrderCountsPairsOfRowsThatAreNoRealMotions) {
+TEST(Comparison, OrderCountsPairsOfGeneratedMotionsOnly) {
   const Comparison comparison = ComparePublished(SmallResult(), {"toy", "small", {}});
   ASSERT_EQ(comparison.order.size(), 2U);
   EXPECT_EQ(comparison.order[0],
             nlohmann::json({{"metric", "FID_train"}, {"pairs", 3}, {"as_published", 2}, {"equal", 0}}))
-      << "A < B and A < C as published, C < B not";
+      << "A < B and A < C as published, not C < B";
   EXPECT_EQ(comparison.order[1],
             nlohmann::json({{"metric", "accuracy"}, {"pairs", 1}, {"as_published", 0}, {"equal", 0}}));
 }
 
-TEST(Comparison, ResamplingIsTheIntervalOfARatioWhereAPapersPlusMinusIsNone) {
+TEST(Comparison, ResamplingGivesARatiosIntervalWhereThePaperHasNone) {
   nlohmann::json result = SmallResult();
   nlohmann::json& fid = result["rows"][1]["metrics"]["FID_train"];
   fid["interval_kind"] = "actor_1.96_variance";
@@ -81,7 +81,7 @@ TEST(Comparison, ResamplingIsTheIntervalOfARatioWhereAPapersPlusMinusIsNone) {
   EXPECT_EQ(RowOf(resampled, "A").at("metrics").at("FID_train").at("ratio_interval"), nlohmann::json({1.0, 4.0}));
 }
 
-TEST(Comparison, TheLongFormHasALineANumberAndTheSameFieldsInEach) {
+TEST(Comparison, LongFormHasOneLinePerNumberWithTheSameFields) {
   const std::string csv = ComparisonCsv("toy", ComparePublished(SmallResult(), {"toy", "small", {}}));
   EXPECT_NE(
       csv.find("\"toy\",\"A\",\"A\",\"small\",FID_train,2,1.5,2.5,\"student_95\",1,0.1,\"student_95\",2,1.5,2.5\n"),
@@ -96,13 +96,13 @@ TEST(Comparison, TheLongFormHasALineANumberAndTheSameFieldsInEach) {
   }
 }
 
-TEST(Comparison, ARowMayStandForAMethodOfAnotherNameOrForNone) {
+TEST(Comparison, RowCanBePairedWithAMethodOfAnotherNameOrNone) {
   const Comparison comparison = ComparePublished(SmallResult(), {"toy", "", {{"A", ""}, {"C", "A"}}});
   EXPECT_TRUE(RowOf(comparison, "A").at("published_as").is_null());
   EXPECT_EQ(RowOf(comparison, "C").at("metrics").at("FID_train").at("ratio"), 4.0);
 }
 
-TEST(Comparison, WithoutPublishedNumbersOursStandAlone) {
+TEST(Comparison, WithoutPublishedNumbersOursAreShownAlone) {
   nlohmann::json result = SmallResult();
   result["published"] = nlohmann::json::array();
   const Comparison comparison = ComparePublished(result, {"toy", "smoke", {}});

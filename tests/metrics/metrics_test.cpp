@@ -1,4 +1,4 @@
-// Laws that metrics keep; their agreement with the released code is tests/eval/precision_test.cpp.
+// Mathematical properties of metrics; tests/eval/precision_test.cpp compares them with the released code.
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ TEST(FrechetDistance, IsZeroForASetAndItself) {
   EXPECT_NEAR(Fid(a, a), 0.0, 1e-9);
 }
 
-TEST(FrechetDistance, OfTwoPointCloudsAlongALineIsTheKnownFormula) {
+TEST(FrechetDistance, MatchesTheClosedFormInOneDimension) {
   Features a(2, 1);
   a << 0.0, 2.0;  // mean 1, variance 2
   Features b(2, 1);
@@ -46,7 +46,7 @@ TEST(FrechetDistance, RefusesASingleMotionAndNumbersThatAreNotFinite) {
   EXPECT_NE(StatisticsOf(broken).error().what.find("finite"), std::string::npos);
 }
 
-TEST(Spread, MultimodalityPairsStayInTheirClassAndFillTheQuota) {
+TEST(Multimodality, PairsStayInTheirClassAndFillTheQuota) {
   Random random(3, "test");
   const std::vector<int> labels = {0, 1, 2, 2, 1, 0, 0, -1};
   std::vector<int> per_class(3, 0);
@@ -58,12 +58,12 @@ TEST(Spread, MultimodalityPairsStayInTheirClassAndFillTheQuota) {
   EXPECT_EQ(per_class, (std::vector<int>{20, 20, 20}));
 }
 
-TEST(Spread, AClassWithoutMotionsHasNoPairs) {
+TEST(Multimodality, ClassWithoutMotionsHasNoPairs) {
   Random random(3, "test");
   EXPECT_EQ(DrawMultimodalityPairs({0, 0, 2}, 3, 20, random).size(), 40u);
 }
 
-TEST(FrechetDistance, StatisticsOfManyBlocksAreThoseOfTheWhole) {
+TEST(FrechetDistance, StatisticsAreIndependentOfBlocks) {
   Random random(5, "test");
   Features rows(9000, 6);  // three blocks
   for (Eigen::Index i = 0; i < rows.size(); ++i) rows.data()[i] = 3.0 + random.Normal();
@@ -82,7 +82,7 @@ Features Normals(Eigen::Index count, Eigen::Index size, double shift, const char
   return features;
 }
 
-TEST(KernelDistance, OfTwoDrawsOfOneDistributionIsZeroOnAverageAndGrowsWithAShift) {
+TEST(KernelDistance, IsZeroOnAverageForOneDistributionAndGrowsWithAShift) {
   Random random(1, "subsets");
   double sum = 0.0;
   for (int i = 0; i < 20; ++i) {
@@ -96,7 +96,7 @@ TEST(KernelDistance, OfTwoDrawsOfOneDistributionIsZeroOnAverageAndGrowsWithAShif
   EXPECT_GT(*apart, 1.0);
 }
 
-/// Of one-dimensional sets the estimate by hand: k(x, y) = (x y + 1)^3.
+/// For one-dimensional sets, the estimate by hand: k(x, y) = (x y + 1)^3.
 TEST(KernelDistance, IsTheUnbiasedEstimate) {
   Features a(2, 1), b(2, 1);
   a << 1.0, 2.0;
@@ -107,7 +107,7 @@ TEST(KernelDistance, IsTheUnbiasedEstimate) {
   EXPECT_NEAR(*KernelDistance(a, b, 5, 10, random), expected, 1e-12);
 }
 
-TEST(Neighbours, CopiesAreAtNoDistanceAndCoverWhatTheyCopy) {
+TEST(Neighbours, CopiesHaveZeroDistanceAndCoverTheirOriginals) {
   const Features reference = Normals(300, 5, 0.0, "reference");
   const auto copies = CompareNeighbours(reference, reference);
   ASSERT_TRUE(copies);
@@ -124,7 +124,7 @@ TEST(Neighbours, CopiesAreAtNoDistanceAndCoverWhatTheyCopy) {
   EXPECT_FALSE(CompareNeighbours(reference, reference.topRows(5)));
 }
 
-TEST(PermutationTest, FindsADifferenceInEveryRepetitionAndNoneBetweenEqualRows) {
+TEST(PermutationTest, FindsDifferencesAndNoneBetweenEqualRows) {
   std::vector<double> a, b, c;
   Random random(2, "values");
   for (int i = 0; i < 20; ++i) {
@@ -138,7 +138,7 @@ TEST(PermutationTest, FindsADifferenceInEveryRepetitionAndNoneBetweenEqualRows) 
   EXPECT_EQ(PairedSignTest(a, a, 100, random), 1.0);
 }
 
-TEST(Interval, ByResamplingHoldsTheMeanNineteenTimesInTwenty) {
+TEST(Interval, ByResamplingCoversTheMeanInNineteenOfTwenty) {
   Random random(4, "values");
   int inside = 0;
   for (int trial = 0; trial < 400; ++trial) {

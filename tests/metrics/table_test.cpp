@@ -27,7 +27,7 @@ Table::Cell Cell(double value, double half_width, IntervalKind kind, std::vector
   return cell;
 }
 
-/// Ours with an interval of each kind, one without, and a published row.
+/// Our rows with each kind of interval and without one, and a published row.
 Table TwoMethods() {
   Table table;
   table.title = "toy";
@@ -44,7 +44,7 @@ Table TwoMethods() {
   return table;
 }
 
-TEST(Markdown, HasARowPerMethodAndSaysWhatThePlusMinusIs) {
+TEST(Markdown, HasARowPerMethodAndExplainsThePlusMinus) {
   EXPECT_EQ(ToMarkdown(TwoMethods()),
             "**toy**\n\n"
             "| method | FID | Accuracy |\n"
@@ -59,7 +59,7 @@ TEST(Markdown, HasARowPerMethodAndSaysWhatThePlusMinusIs) {
             "Three seeds.\n");
 }
 
-TEST(Csv, HoldsTheValueItsIntervalAndThoseOfThePapersCodes) {
+TEST(Csv, HasTheValueItsIntervalAndThePapersValues) {
   const std::string text = ToCsv(TwoMethods());
   const auto lines = SplitText(text, '\n');
   ASSERT_EQ(lines.size(), 6u);  // the last one is empty
@@ -77,7 +77,7 @@ TEST(Csv, HoldsTheValueItsIntervalAndThoseOfThePapersCodes) {
   EXPECT_EQ(lines[3], "\"Ours, \"\"new\"\"\",\"FID\",12.5,,,student_95,,,,1,\"\",");
 }
 
-TEST(Latex, IsABooktabsTabularWithTheSameNumbersADashForWhatIsMissingAndTheNotes) {
+TEST(Latex, IsABooktabsTabularWithDashesForMissingValuesAndNotes) {
   EXPECT_EQ(ToLatex(TwoMethods()),
             "% toy\n"
             "\\begin{tabular}{lcc}\n"
@@ -98,13 +98,13 @@ TEST(Latex, IsABooktabsTabularWithTheSameNumbersADashForWhatIsMissingAndTheNotes
             "Three seeds.}\n");
 }
 
-TEST(Latex, ArrowsOfColumnsAreMathematics) {
+TEST(Latex, WritesArrowsOfColumnsAsMathematics) {
   Table table = TwoMethods();
   table.columns = {"FID ↓", "Diversity →"};
   EXPECT_NE(ToLatex(table).find("method & FID $\\downarrow$ & Diversity $\\rightarrow$ \\\\"), std::string::npos);
 }
 
-/// A name of `length` characters of which most mean something to a format.
+/// A name of `length` characters, most of which are special in a format.
 std::string NastyName(Random& random, int length) {
   constexpr std::string_view kCharacters = "ab_&%|$#{}~^\\<>*`[]\n\"";
   std::string name;
@@ -112,7 +112,7 @@ std::string NastyName(Random& random, int length) {
   return name;
 }
 
-/// The text without its escapes; empty when `text` holds a character of `special` that is not escaped.
+/// The text without its escapes; empty if `text` has a character of `special` that is not escaped.
 std::optional<std::string> Unescaped(std::string_view text, std::string_view special) {
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -127,7 +127,7 @@ std::optional<std::string> Unescaped(std::string_view text, std::string_view spe
   return plain;
 }
 
-TEST(Markdown, NoNameEndsACellOrBecomesMarkup) {
+TEST(Markdown, EscapesNames) {
   Random random(3, "markdown names");
   for (int trial = 0; trial < 200; ++trial) {
     Table table = TwoMethods();
@@ -143,7 +143,7 @@ TEST(Markdown, NoNameEndsACellOrBecomesMarkup) {
   }
 }
 
-TEST(Latex, NoNameIsTakenForACommand) {
+TEST(Latex, EscapesNames) {
   Random random(4, "latex names");
   const std::pair<std::string, std::string> words[] = {{"\\textbackslash{}", "\\\\"},  {"\\textasciitilde{}", "\\~"},
                                                        {"\\textasciicircum{}", "\\^"}, {"\\textless{}", "\\<"},
@@ -189,7 +189,7 @@ nlohmann::json Result() {
           {"notes", {"Three seeds."}}};
 }
 
-TEST(ResultTable, HasAColumnPerMetricThatARowHasAndThePublishedRowsBelow) {
+TEST(ResultTable, HasAColumnPerMetricAndThePublishedRowsBelow) {
   const Table table = ResultTable(Result(), "toy");
   ASSERT_EQ(table.columns.size(), 2u);
   ASSERT_EQ(table.rows.size(), 3u);
@@ -200,7 +200,7 @@ TEST(ResultTable, HasAColumnPerMetricThatARowHasAndThePublishedRowsBelow) {
   EXPECT_EQ(table.notes, std::vector<std::string>{"Three seeds."});
 }
 
-TEST(ResultTable, MarksWhatLiesOutsideThePublishedIntervalOnTheOriginalDataAlone) {
+TEST(ResultTable, MarksValuesOutsideThePublishedIntervalOnOriginalDataOnly) {
   nlohmann::json result = Result();
   EXPECT_FALSE(ResultTable(result, "toy").rows[1].cells[0].marked);
   result["original_data"] = true;
@@ -215,7 +215,7 @@ TEST(ResultTable, MarksWhatLiesOutsideThePublishedIntervalOnTheOriginalDataAlone
   EXPECT_FALSE(ResultTable(result, "toy").rows[1].cells[0].marked);
 }
 
-TEST(Published, NumbersOfADataSetComeTheOwnPaperFirst) {
+TEST(Published, NumbersOfADataSetStartWithItsOwnPaper) {
   const auto values = ParsePublished(
       "paper,table,dataset,method,metric,value,pm,pm_kind,source\n"
       "ACTOR,3,NTU-13,ACTOR (ours),accuracy,0.971,2e-05,actor_1.96_variance,\"Petrovich et al., Table 3\"\n"

@@ -24,7 +24,7 @@ class CacheOfArtifacts : public Runs {
     for (const auto& entry : fs::recursive_directory_iterator(cache.folder())) Age(entry.path(), days);
   }
 
-  Cache cache{folder.path / "cache"};
+  Cache cache{folder / "cache"};
   const std::string one = Cache::Key(Stage("s"), Item("one"));
   const std::string two = Cache::Key(Stage("s"), Item("two"));
 };
@@ -32,14 +32,14 @@ class CacheOfArtifacts : public Runs {
 TEST_F(CacheOfArtifacts, GivesBackWhatWasPut) {
   EXPECT_FALSE(cache.Find(one));
   StageOutcome outcome;
-  outcome.kind = OutcomeKind::kDoubtful;
+  outcome.kind = OutcomeKind::kSuspect;
   outcome.summary["frames"] = 12;
   const auto put = cache.Put(one, Source("temporary", "\x89HDF bytes"), outcome);
   ASSERT_TRUE(put) << put.error().Message();
-  EXPECT_FALSE(fs::exists(folder.path / "temporary"));
+  EXPECT_FALSE(fs::exists(folder / "temporary"));
   const auto found = cache.Find(one);
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->outcome.kind, OutcomeKind::kDoubtful);
+  EXPECT_EQ(found->outcome.kind, OutcomeKind::kSuspect);
   EXPECT_EQ(found->outcome.summary, outcome.summary);
   EXPECT_EQ(found->artifact, put->artifact);
   EXPECT_EQ(found->sha256.size(), 64u);
@@ -94,7 +94,7 @@ TEST_F(CacheOfArtifacts, OtherBytesUnderOneKeyNeverMixWithTheFirst) {
 
 TEST_F(CacheOfArtifacts, AFolderIsAnArtifactToo) {
   for (int i = 0; i < 2; ++i) {
-    const fs::path made = folder.path / "made";
+    const fs::path made = folder / "made";
     ASSERT_TRUE(MakeFolder(made / "sub"));
     ASSERT_TRUE(WriteFile(made / "sub" / "a", "aa"));
     ASSERT_TRUE(WriteFile(made / "b", "bbb"));

@@ -19,7 +19,7 @@ class Faults : public Runs {
 TEST_F(Faults, AWorkerThatAbortsCostsItsItemWithAReason) {
   for (const int jobs : {1, 2}) {
     options.jobs = jobs;
-    options.cache_folder = folder.path / ("cache" + std::to_string(jobs));
+    options.cache_folder = folder / ("cache" + std::to_string(jobs));
     const auto report = Run(Stage("abort"), OneBad());
     ASSERT_TRUE(report) << report.error().Message();
     EXPECT_EQ(report->done, 2);
@@ -35,12 +35,12 @@ TEST_F(Faults, AWorkerThatAbortsCostsItsItemWithAReason) {
 }
 
 TEST_F(Faults, AWorkerKilledInTheMiddleCostsThatItemAndNothingElse) {
-  const fs::path pid_file = folder.path / "pid";
+  const fs::path pid_file = folder / "pid";
   const pid_t killer = Fork([&] {
     if (!Eventually([&] { return fs::exists(pid_file); })) return 1;
     return kill(static_cast<pid_t>(std::stoi(ReadFile(pid_file).value())), SIGKILL) == 0 ? 0 : 1;
   });
-  std::vector<ItemSpec> items = Many(6, {{"seconds", 0.02}, {"pid_file", (folder.path / "other").native()}});
+  std::vector<ItemSpec> items = Many(6, {{"seconds", 0.02}, {"pid_file", (folder / "other").native()}});
   items[2].options = {{"seconds", 60.0}, {"pid_file", pid_file.native()}};
   const auto report = Run(Stage("pid"), items);
   EXPECT_EQ(Wait(killer), 0);
@@ -87,21 +87,21 @@ TEST_F(Faults, AStageHasLimitsOfItsOwnWhichARunMayReplace) {
   EXPECT_EQ(Run(hog, {Item("x")})->items[0].outcome.error.what, "worker ran past the memory limit of 52428800 bytes");
 }
 
-TEST_F(Faults, AnItemLeftOutByARuleIsNoFailureAndIsServedFromTheCacheWithItsRule) {
+TEST_F(Faults, AnItemExcludedByARuleIsNoFailureAndIsServedFromTheCacheWithItsRule) {
   for (const int from_cache : {0, 1}) {
-    const auto report = Run(Stage("leave_out"), {Item("clip")});
+    const auto report = Run(Stage("exclude"), {Item("clip")});
     ASSERT_TRUE(report);
-    EXPECT_EQ(report->left_out, 1);
+    EXPECT_EQ(report->excluded, 1);
     EXPECT_EQ(report->refused + report->crashed + report->done, 0);
     EXPECT_EQ(report->from_cache, from_cache);
     const StageOutcome& outcome = report->items[0].outcome;
-    EXPECT_EQ(outcome.kind, OutcomeKind::kLeftOut);
+    EXPECT_EQ(outcome.kind, OutcomeKind::kExcluded);
     EXPECT_FALSE(IsFailure(outcome.kind));
     EXPECT_EQ(outcome.findings.at(0).code, "too_short");
     EXPECT_EQ(outcome.error.what, "0.1 s, the least is 0.5 s");
     EXPECT_TRUE(report->items[0].artifact.empty());
   }
-  EXPECT_EQ(Journal().at(0).at("outcome"), "left_out");
+  EXPECT_EQ(Journal().at(0).at("outcome"), "excluded");
   EXPECT_EQ(Journal().at(0).at("reason"), "clip: 0.1 s, the least is 0.5 s");
 }
 
@@ -133,7 +133,7 @@ TEST_F(Faults, ARefusalKeepsItsReasonAndIsServedFromTheCache) {
 TEST_F(Faults, AFileThatIsMissingIsLookedForAgain) {
   EXPECT_EQ(Run(Stage("missing"), {Item("clip")})->refused, 1);
   EXPECT_EQ(Run(Stage("missing"), {Item("clip")})->from_cache, 0);
-  const auto report = Run(Stage("upper"), {Over("gone", folder.path / "gone")});
+  const auto report = Run(Stage("upper"), {Over("gone", folder / "gone")});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->refused, 1);
   EXPECT_EQ(report->items[0].outcome.error.code, ErrorCode::kNotFound);
@@ -157,7 +157,7 @@ TEST_F(Faults, AMissingWorkerProgramIsNamedWithTheWayOut) {
 }
 
 TEST_F(Faults, AWorkerProgramThatDoesNotStartEndsTheRun) {
-  const fs::path programs = folder.path / "programs";
+  const fs::path programs = folder / "programs";
   ASSERT_TRUE(MakeFolder(programs));
   for (const auto& [name, script] :
        {std::pair<std::string, std::string>{"unlinked", "echo libtorch.so: not found >&2; exit 127"},
@@ -217,9 +217,9 @@ TEST_F(Faults, NoRoomForTheJournalEndsWith74) {
 
 TEST_F(Faults, AReadOnlyFolderIsNamed) {
   for (const bool run_folder : {true, false}) {
-    const fs::path locked = folder.path / "read only";
+    const fs::path locked = folder / "read only";
     ASSERT_TRUE(MakeFolder(locked));
-    chmod(folder.path.c_str(), 0777);
+    chmod(folder.path().c_str(), 0777);
     chmod(locked.c_str(), 0555);
     (run_folder ? options.run_folder : options.cache_folder) = locked / "below";
     const pid_t pid = Fork([&] {
@@ -231,7 +231,7 @@ TEST_F(Faults, AReadOnlyFolderIsNamed) {
                  : static_cast<int>(ExitCodeOf(report.error().code));
     });
     EXPECT_EQ(Wait(pid), static_cast<int>(ExitCode::kCannotWrite));
-    options.run_folder = folder.path / "run2";
+    options.run_folder = folder / "run2";
   }
 }
 

@@ -30,7 +30,7 @@ class Kills : public Runs {
     return bytes;
   }
 
-  fs::path pid_file = folder.path / "pid", second_file = folder.path / "second";
+  fs::path pid_file = folder / "pid", second_file = folder / "second";
   std::vector<ItemSpec> slow = Many(60, {{"seconds", 0.03}});
 };
 
@@ -63,7 +63,7 @@ TEST_F(Kills, TwentyKillsAtAnyMomentCostNothingThatWasFinished) {
   for (const auto& [item, times] : executed) EXPECT_EQ(times, 1) << item;
   EXPECT_TRUE(Cache(options.cache_folder).Verify().empty());
 
-  options.cache_folder = folder.path / "undisturbed";
+  options.cache_folder = folder / "undisturbed";
   EXPECT_EQ(resumed, AllBytes());
 }
 

@@ -37,7 +37,7 @@ class OnATerminal : public Runs {
   }
 };
 
-TEST_F(OnATerminal, ALineTellsHowFarTheStageIs) {
+TEST_F(OnATerminal, ALineReportsHowFarTheStageIs) {
   const test::Terminal terminal;
   if (!terminal.exists()) GTEST_SKIP() << test::Terminal::kMissing;
   const std::string shown = Shown(dup(terminal.ours()), open(terminal.name().c_str(), O_RDWR | O_NOCTTY));
@@ -58,7 +58,7 @@ TEST_F(OnATerminal, ElsewhereThereIsOneLinePerStage) {
 TEST_F(OnATerminal, WhatWorkersPrintIsShownUnlessTheRunIsQuiet) {
   for (const bool quiet : {false, true}) {
     options.quiet = quiet;
-    options.cache_folder = folder.path / (quiet ? "quiet" : "loud");
+    options.cache_folder = folder / (quiet ? "quiet" : "loud");
     int ends[2];
     ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
     const pid_t pid = Fork([&] {

@@ -16,21 +16,9 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/pipeline/runner.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
-
-/// A folder of its own, gone at the end.
-struct TemporaryFolder {
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "mocurate-pipeline-XXXXXX").native();
-    path = mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  std::filesystem::path path;
-};
 
 inline StageDeclaration Stage(const std::string& name, int version = 1) {
   return {name, version, "mocurate-test-worker"};
@@ -43,13 +31,13 @@ class Runs : public ::testing::Test {
  protected:
   Runs() {
     SetLogLevel(LogLevel::kError);
-    options.run_folder = folder.path / "run";
-    options.cache_folder = folder.path / "cache";
+    options.run_folder = folder / "run";
+    options.cache_folder = folder / "cache";
     options.jobs = 2;
   }
 
   std::filesystem::path Source(const std::string& name, const std::string& bytes) {
-    const std::filesystem::path file = folder.path / name;
+    const std::filesystem::path file = folder / name;
     EXPECT_TRUE(WriteFile(file, bytes));
     return file;
   }
@@ -125,7 +113,7 @@ class Runs : public ::testing::Test {
     return name_end != std::string::npos && stat[name_end + 2] != 'Z' && stat[name_end + 2] != 'X';
   }
 
-  TemporaryFolder folder;
+  ScratchFolder folder;
   RunnerOptions options;
 };
 

@@ -1,4 +1,4 @@
-// Frames whose axes are not those of the others are told from what people do, and from sides that a tracker exchanged.
+// Frames with other axes are distinguished from motion, and from sides that a tracker exchanged.
 
 #include "core/quality/axes_changes.h"
 
@@ -26,7 +26,7 @@ void Change(const Matrix3d& change, int begin, int end, Take& take) {
   }
 }
 
-TEST(AxesChanges, APersonWhoIsUpsideDownFromSomeFrameOnIsTold) {
+TEST(AxesChanges, APersonWhoIsUpsideDownFromSomeFrameOnIsReported) {
   for (std::uint64_t seed = 0; seed < kTurnedSeeds; ++seed) {
     for (const Vector3d& signs : {Vector3d(1, -1, 1), Vector3d(-1, -1, 1), Vector3d(1, -1, -1)}) {
       Take take = Walker(seed);
@@ -43,7 +43,7 @@ TEST(AxesChanges, APersonWhoIsUpsideDownFromSomeFrameOnIsTold) {
 }
 
 /// Who walks in a mirror plane, with limbs alike on both sides, is then as one whose sides were exchanged.
-TEST(AxesChanges, APersonBesideTheMirrorIsToldToBeMirroredFromSomeFrameOn) {
+TEST(AxesChanges, APersonBesideTheMirrorIsReportedToBeMirroredFromSomeFrameOn) {
   for (std::uint64_t seed = 0; seed < kTurnedSeeds; ++seed) {
     Take take = Walker(seed);
     for (int f = 0; f < take.positions.frames; ++f) {
@@ -56,7 +56,7 @@ TEST(AxesChanges, APersonBesideTheMirrorIsToldToBeMirroredFromSomeFrameOn) {
   }
 }
 
-TEST(AxesChanges, FramesWithZUpAmongFramesWithYUpAreToldFromFirstToLast) {
+TEST(AxesChanges, FramesWithZUpAmongFramesWithYUpAreReportedFromFirstToLast) {
   Matrix3d z_up;
   z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   for (std::uint64_t seed = 0; seed < kTurnedSeeds; ++seed) {
@@ -92,7 +92,7 @@ void ExchangeSides(int begin, int end, Take& take) {
   }
 }
 
-/// Somebody who does the same with both sides, as who bows or squats: each frame is about its own mirror.
+/// A person who does the same with both sides, such as a bow or a squat: each frame is about its own mirror.
 Take Symmetric(std::uint64_t seed, double noise, double walk) {
   TakeOptions options;
   options.noise = 0.0;
@@ -155,7 +155,7 @@ TEST(AxesChanges, SidesThatATrackerExchangedForSomeFramesAreNoMirrorThoughJoints
   }
 }
 
-/// A change in frames that show no body may be lost, but sound frames are not told for that.
+/// A change in frames that show no body may be lost, but sound frames are not reported.
 TEST(AxesChanges, FramesWithOtherAxesEndWhereTheyDoThoughJointsOrFramesAreLost) {
   TakeOptions options;
   options.noise = 0.01;

@@ -16,7 +16,7 @@ TEST(Boundaries, AreMatchedOneToOneWithinTheTolerance) {
 }
 
 TEST(Boundaries, AsManyAreMatchedAsPossible) {
-  // 1.4 is nearest to 1.5, but then 1.8 would have nobody; nor may 1.0 be taken by 1.4 alone.
+  // 1.4 is nearest to 1.5, but then 1.8 would have no partner; nor may 1.0 be taken by 1.4 alone.
   const auto pairs = MatchBoundaries({1.4, 1.8}, {1.0, 1.5}, 0.45);
   ASSERT_EQ(pairs.size(), 2u);
   EXPECT_EQ(pairs[0], (std::pair<int, int>(0, 0)));

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRate = 30.0;
 
-/// Somebody upright in the rest pose of smpl24, the left ankle 0.1 m high; `lift` moves the knee, ankle and foot of a
+/// A person upright in the rest pose of smpl24, the left ankle 0.1 m high; `lift` moves the knee, ankle and foot of a
 /// leg (side: 0 left) up.
 template <class Lift>
 Motion Standing(int frames, Lift lift) {
@@ -77,8 +77,8 @@ TEST(Penetration, IsTheMeanDepthBelowWhereTheFeetStand) {
   EXPECT_NEAR(*FloorPenetration(motion), 0.004, 1e-9);
 }
 
-TEST(Penetration, IsNothingWhereNobodyStands) {
-  // Somebody who rises at 2 m/s: no foot is ever slow.
+TEST(Penetration, IsNothingWhereNoPersonStands) {
+  // A person who rises at 2 m/s: no foot is ever slow.
   EXPECT_FALSE(FloorPenetration(Standing(60, [](int f, int) { return 2.0 * f / kRate; })).has_value());
 }
 

@@ -11,14 +11,14 @@ namespace {
 
 TEST(Defects, ASoundTakeHasNone) {
   for (std::uint64_t seed = 0; seed < 4 * kSeeds; ++seed) {
-    const TakeOptions who = SomebodyRecorded(seed);
+    const TakeOptions who = RecordedPerson(seed);
     EXPECT_TRUE(Only("none", Perform(seed, who), who.rate_hz).empty()) << "seed " << seed;
   }
 }
 
 TEST(Defects, AStreamThatHangsIsFoundFrameForFrame) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = SomebodyRecorded(seed);
+    const TakeOptions who = RecordedPerson(seed);
     Take take = Perform(seed, who);
     const int begin = 5 + static_cast<int>(seed), length = 2 + static_cast<int>(seed % 7);
     for (int f = begin + 1; f < begin + length; ++f) {
@@ -33,10 +33,10 @@ TEST(Defects, AStreamThatHangsIsFoundFrameForFrame) {
   }
 }
 
-/// 30 Hz in a file of 60 or 90, or of 72 (some frames twice, some three times): nobody's stream hangs.
-TEST(Defects, FramesThatAllStandSeveralTimesAreToldOnce) {
+/// 30 Hz in a file of 60 or 90, or of 72 (some frames twice, some three times): no stream hangs.
+TEST(Defects, FramesThatAllStandSeveralTimesAreReportedOnce) {
   for (const auto& [each, more] : {std::pair{2, 0}, {3, 0}, {2, 1}}) {
-    const TakeOptions who = SomebodyRecorded(3);
+    const TakeOptions who = RecordedPerson(3);
     const Take once = Perform(3, who);
     std::vector<int> from;
     for (int f = 0; f < once.positions.frames; ++f) from.insert(from.end(), each + (f % 2 == 0 ? more : 0), f);
@@ -79,13 +79,13 @@ TEST(Defects, AStreamThatHangsForMostOfAClipIsNoLowerRate) {
 
 TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = SomebodyRecorded(seed);
+    const TakeOptions who = RecordedPerson(seed);
     Take take = Perform(seed, who);
     const int joint = static_cast<int>(seed % 20), begin = 4 + static_cast<int>(seed);
     const int length = 2 + static_cast<int>(seed % 6);
     for (int f = begin + 1; f < begin + length; ++f)
       take.positions.at(f, joint) = take.positions.at(begin, joint).eval();
-    const auto found = Only("held_joint", take, who.rate_hz);
+    const auto found = Only("repeated_value", take, who.rate_hz);
     ASSERT_EQ(found.size(), length >= 3 ? 1u : 0u) << "seed " << seed;
     if (found.empty()) continue;
     EXPECT_EQ(found[0].joint, take.names[static_cast<std::size_t>(joint)]);
@@ -96,13 +96,13 @@ TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
 
 TEST(Defects, AJointHeldFromTheFirstFrameToTheLastIsFoundAndARootThatStaysIsNone) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = SomebodyRecorded(seed);
+    const TakeOptions who = RecordedPerson(seed);
     Take take = Perform(seed, who);
     const int joint = 1 + static_cast<int>(seed % 18);
     for (int f = 1; f < who.frames; ++f) take.positions.at(f, joint) = take.positions.at(0, joint).eval();
     const std::vector<Finding> found = FindRepeats(take.view());
     ASSERT_EQ(found.size(), 1u) << "seed " << seed;
-    EXPECT_EQ(found[0].code, "held_joint");
+    EXPECT_EQ(found[0].code, "repeated_value");
     EXPECT_EQ(found[0].joint, take.names[static_cast<std::size_t>(joint)]);
     EXPECT_EQ(found[0].frame_begin, 0);
     EXPECT_EQ(found[0].frame_end, who.frames);
@@ -122,19 +122,19 @@ Take Rounded(Take take, double step) {
   return take;
 }
 
-TEST(Defects, SamplesOnACoarseGridRepeatByChanceAndAFilledGapIsToldThereToo) {
+TEST(Defects, SamplesOnACoarseGridRepeatByChanceAndAFilledGapIsReportedThereToo) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = SomebodyRecorded(seed);
+    TakeOptions who = RecordedPerson(seed);
     who.noise = 0.0005;
     who.walk = 0.0;
     for (const Finding& finding : CheckPoints(Rounded(Perform(seed, who), 0.01).view(), who.rate_hz))
-      EXPECT_NE(finding.code, "held_joint") << seed;
+      EXPECT_NE(finding.code, "repeated_value") << seed;
     who.walk = 1.0;
     Take take = Rounded(Perform(seed, who), 0.001);
-    EXPECT_TRUE(Only("held_joint", take, who.rate_hz).empty()) << seed;
+    EXPECT_TRUE(Only("repeated_value", take, who.rate_hz).empty()) << seed;
     const int joint = static_cast<int>(seed % 20), begin = 10 + static_cast<int>(seed);
     for (int f = begin + 1; f < begin + 6; ++f) take.positions.at(f, joint) = take.positions.at(begin, joint).eval();
-    const auto found = Only("held_joint", take, who.rate_hz);
+    const auto found = Only("repeated_value", take, who.rate_hz);
     ASSERT_EQ(found.size(), 1u) << seed;
     EXPECT_EQ(found[0].joint, take.names[static_cast<std::size_t>(joint)]);
   }
@@ -142,7 +142,7 @@ TEST(Defects, SamplesOnACoarseGridRepeatByChanceAndAFilledGapIsToldThereToo) {
 
 TEST(Defects, AFootPlantedInMotionWithoutNoiseIsNoGapThatWasFilled) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = SomebodyRecorded(seed);
+    TakeOptions who = RecordedPerson(seed);
     who.noise = 0.0;
     Take take = Perform(seed, who);
     // One foot lands within a frame, two joints come softly to rest, as a walk that was keyed ends.
@@ -156,13 +156,14 @@ TEST(Defects, AFootPlantedInMotionWithoutNoiseIsNoGapThatWasFilled) {
         take.positions.at(f, k) = end + Vector3d(0, 0, -0.1 * rest * rest * rest);
       }
     }
-    for (const Finding& finding : CheckPoints(take.view(), who.rate_hz)) EXPECT_NE(finding.code, "held_joint") << seed;
+    for (const Finding& finding : CheckPoints(take.view(), who.rate_hz))
+      EXPECT_NE(finding.code, "repeated_value") << seed;
   }
 }
 
 TEST(Defects, ZeroFramesAndZeroJointsAreFoundAndAMissingOneIsNeither) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = SomebodyRecorded(seed);
+    const TakeOptions who = RecordedPerson(seed);
     Take take = Perform(seed, who);
     const int begin = 3 + static_cast<int>(seed);
     for (int f = begin; f < begin + 4; ++f) {
@@ -195,7 +196,7 @@ TEST(Defects, OneJointAtTheOriginIsFound) {
 
 TEST(Defects, SidesThatSwapAreFoundInTheFramesInWhichTheyAre) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = SomebodyRecorded(seed);
+    TakeOptions who = RecordedPerson(seed);
     who.noise = 0.01;
     Take take = Perform(seed, who);
     const bool arms = seed % 3 != 1, legs = seed % 3 != 0;
@@ -227,7 +228,7 @@ TEST(Defects, HalfAStrideOfLostFramesIsNoSwapOfTheLegs) {
 
 TEST(Defects, ASwapWhoseChangeBackIsLostEndsWhereTheLimbsLieAsBefore) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = SomebodyRecorded(seed);
+    TakeOptions who = RecordedPerson(seed);
     who.rate_hz = 60.0;
     who.noise = 0.01;
     Take take = Perform(seed, who);
@@ -266,7 +267,7 @@ TEST(Defects, LieParametersAreNoJointPositionsAndNothingElseIsAskedOfThem) {
   }
 }
 
-TEST(Defects, WhoHopsTellsAWrongRateAndWhoHopsAtTheRightOneDoesNot) {
+TEST(Defects, WhoHopsReportsAWrongRateAndWhoHopsAtTheRightOneDoesNot) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     TakeOptions who;
     who.rate_hz = seed % 2 == 0 ? 60.0 : 30.0;
@@ -283,14 +284,14 @@ TEST(Defects, WhoHopsTellsAWrongRateAndWhoHopsAtTheRightOneDoesNot) {
     for (const double factor : {2.0, 4.0, 0.5}) {
       Take marked = take;
       for (double& time : marked.time_s) time /= factor;
-      const auto found = Only("rate_doubtful", marked, factor * who.rate_hz);
+      const auto found = Only("rate_suspect", marked, factor * who.rate_hz);
       ASSERT_EQ(found.size(), 1u) << "seed " << seed << " factor " << factor;
       EXPECT_NEAR(found[0].value, who.rate_hz, 0.2 * who.rate_hz);
     }
   }
 }
 
-TEST(Defects, WhoTipsOverTheStandingFootAsGravityDoesTellsARateThatIsTooHighOrTooLow) {
+TEST(Defects, WhoTipsOverTheStandingFootAsGravityDoesReportsARateThatIsTooHighOrTooLow) {
   for (const double rate : {30.0, 60.0, 120.0}) {
     const Take take = WalkAsAPendulum(rate, 4.0);
     const RateMeasure measure = MeasureRate(take.view());
@@ -301,16 +302,16 @@ TEST(Defects, WhoTipsOverTheStandingFootAsGravityDoesTellsARateThatIsTooHighOrTo
   }
 }
 
-TEST(Defects, WhoMovesAsAPuppetDoesNeverTellsThatTheRateIsTooLow) {
+TEST(Defects, WhoMovesAsAPuppetDoesNeverReportsThatTheRateIsTooLow) {
   for (std::uint64_t seed = 0; seed < 2 * kSeeds; ++seed) {
-    const TakeOptions who = SomebodyRecorded(seed);
+    const TakeOptions who = RecordedPerson(seed);
     const RateMeasure measure = MeasureRate(Perform(seed, who).view());
     EXPECT_EQ(measure.lowest, 0.0) << "seed " << seed << ": " << measure.Words();
     EXPECT_TRUE(measure.Allows(who.rate_hz)) << "seed " << seed << ": " << measure.Words();
   }
 }
 
-TEST(Defects, AHandThatNobodyCouldAccelerateSoTellsThatTheRateIsTooHigh) {
+TEST(Defects, AHandThatNoPersonCouldAccelerateSoReportsThatTheRateIsTooHigh) {
   TakeOptions who;
   who.rate_hz = 60.0;
   who.frames = 180;
@@ -338,7 +339,7 @@ TEST(Defects, TheBestGuessLiesWithinWhatAllCluesAllow) {
 TEST(Defects, WithoutTimesAtOnePaceNoRateIsMeasured) {
   Take take = WalkAsAPendulum(60.0, 4.0);
   for (std::size_t f = 100; f < take.time_s.size(); ++f) take.time_s[f] += 0.5;
-  EXPECT_FALSE(MeasureRate(take.view()).Tells());
+  EXPECT_FALSE(MeasureRate(take.view()).IsConclusive());
 }
 
 TEST(Defects, ManyOfAKindAreCountedNotListed) {
@@ -351,7 +352,7 @@ TEST(Defects, ManyOfAKindAreCountedNotListed) {
   const auto found = CheckPoints(take.view(), 30.0, limits);
   ASSERT_EQ(found.size(), 6u);
   EXPECT_EQ(found.back().value, 17.0) << "22 holds, of which 5 are listed";
-  EXPECT_DOUBLE_EQ(CoveredShare(found, "held_joint", 90), 82.0 / 90.0) << "5 times 3, and all from the sixth on";
+  EXPECT_DOUBLE_EQ(CoveredShare(found, "repeated_value", 90), 82.0 / 90.0) << "5 times 3, and all from the sixth on";
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ const std::vector<std::string>& Names() {
   return names;
 }
 
-HandednessPoints Points() {
+BodyLandmarks Points() {
   return FindHandednessPoints([](std::string_view name) -> std::optional<int> {
     for (std::size_t i = 0; i < Names().size(); ++i) {
       if (Names()[i] == name) return static_cast<int>(i);
@@ -88,32 +88,32 @@ TEST(Handedness, AMirroredPersonBendsTheKneesBackwardsWhicheverWayTheWorldIsTurn
 }
 
 TEST(Handedness, ExchangedNamesOfLeftAndRightLookTheSameAsAMirrorImage) {
-  HandednessPoints points = Points();
+  BodyLandmarks points = Points();
   for (int* pair : {points.hip, points.knee, points.ankle, points.toe, points.shoulder, points.wrist}) {
     std::swap(pair[0], pair[1]);
   }
   EXPECT_EQ(MeasureHandedness(Person(0.3, 0.4), points).handedness, Handedness::kLeft);
 }
 
-TEST(Handedness, AStiffPersonWithoutToesDoesNotTell) {
-  HandednessPoints points = Points();
+TEST(Handedness, AStiffPersonWithoutToesDoesNotReport) {
+  BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   const HandednessMeasure measure = MeasureHandedness(Person(0.02, 0.0), points);
   EXPECT_FALSE(measure.handedness.has_value());
   EXPECT_LT(measure.confidence, 0.4);
-  EXPECT_FALSE(MeasureHandedness(Person(0.3, 0.4), HandednessPoints()).handedness.has_value());
+  EXPECT_FALSE(MeasureHandedness(Person(0.3, 0.4), BodyLandmarks()).handedness.has_value());
 }
 
 TEST(Handedness, StraightLegsThatATrackerBendsBackwardsSayNothing) {
-  HandednessPoints points = Points();
+  BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   const JointPositions backwards = Person(-0.4 * std::tan(0.45), 0.0);  // knees of 0.9 rad
   EXPECT_EQ(MeasureHandedness(DepthTracked(backwards), points).cues[1].frames, 0);
   EXPECT_EQ(MeasureHandedness(backwards, points).handedness, Handedness::kLeft) << "fixed bones do not bend so";
 }
 
-TEST(Handedness, PartsThatContradictEachOtherDoNotTell) {
-  HandednessPoints points = Points();
+TEST(Handedness, PartsThatContradictEachOtherDoNotReport) {
+  BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   const HandednessMeasure measure = MeasureHandedness(Person(0.3, -0.4), points);
   EXPECT_FALSE(measure.handedness.has_value());
@@ -130,8 +130,8 @@ TEST(Handedness, FeetAndKneesThatAgreeOverruleHandsBehindTheBack) {
   EXPECT_EQ(MeasureHandedness(Longer(DepthTracked(Person(0.4, -0.4)), 2), Points()).handedness, Handedness::kRight);
 }
 
-TEST(Handedness, OnePartAloneTellsOnlyWhenItIsOverwhelming) {
-  HandednessPoints points = Points();
+TEST(Handedness, OnePartAloneReportsOnlyWhenItIsOverwhelming) {
+  BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   const JointPositions sitting = DepthTracked(Person(0.4, 0.0));
   EXPECT_FALSE(MeasureHandedness(sitting, points).handedness.has_value()) << "20 votes of knees";
@@ -149,7 +149,7 @@ TEST(Handedness, OnePartAloneTellsOnlyWhenItIsOverwhelming) {
 }
 
 TEST(Handedness, AKneeThatTurnsAsideSaysNothing) {
-  HandednessPoints points = Points();
+  BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   JointPositions aside = Person(0.0, 0.0);
   for (int f = 0; f < aside.frames; ++f) {

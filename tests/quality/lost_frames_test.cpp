@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/quality/teleports.h"
+#include "core/quality/position_jumps.h"
 
 namespace mocurate {
 namespace {
@@ -10,25 +10,25 @@ namespace {
 constexpr int kFrames = 60, kPoints = 5;
 
 /// Five points that go `step` metres a frame, and `jump` more before frame 30.
-std::vector<Finding> TeleportsOf(double step, double jump, int lost_frames) {
+std::vector<Finding> JumpsOf(double step, double jump, int lost_frames) {
   JointPositions positions(kFrames, kPoints);
   std::vector<double> time_s;
   for (int f = 0; f < kFrames; ++f) {
     time_s.push_back(f / 30.0);
     for (int k = 0; k < kPoints; ++k) positions.at(f, k) = Vector3d(step * f + (f < 30 ? 0.0 : jump), 0.3 * k, 0.0);
   }
-  TeleportLimits limits;
+  PositionJumpLimits limits;
   limits.lost_frames = lost_frames;
-  return FindTeleports({positions, {}, time_s}, limits);
+  return FindPositionJumps({positions, {}, time_s}, limits);
 }
 
 TEST(LostFrames, ARunnerGoesOnThroughThem) {
-  EXPECT_EQ(TeleportsOf(0.14, 1.5, 0).size(), 1u) << "where every frame is there";
-  EXPECT_TRUE(TeleportsOf(0.14, 1.5, 15).empty());
-  EXPECT_EQ(TeleportsOf(0.14, 4.0, 15).size(), 1u) << "farther than anybody at that pace";
+  EXPECT_EQ(JumpsOf(0.14, 1.5, 0).size(), 1u) << "where every frame is there";
+  EXPECT_TRUE(JumpsOf(0.14, 1.5, 15).empty());
+  EXPECT_EQ(JumpsOf(0.14, 4.0, 15).size(), 1u) << "farther than anybody at that pace";
 }
 
-TEST(LostFrames, WhoStandsIsWhereTheyWere) { EXPECT_EQ(TeleportsOf(0.002, 1.0, 15).size(), 1u); }
+TEST(LostFrames, WhoStandsIsWhereTheyWere) { EXPECT_EQ(JumpsOf(0.002, 1.0, 15).size(), 1u); }
 
 TEST(LostFrames, TwoPeopleInTurnAreNotOneWhoIsFast) {
   JointPositions positions(kFrames, kPoints);
@@ -37,9 +37,9 @@ TEST(LostFrames, TwoPeopleInTurnAreNotOneWhoIsFast) {
     time_s.push_back(f / 30.0);
     for (int k = 0; k < kPoints; ++k) positions.at(f, k) = Vector3d(f % 2 == 0 ? 0.0 : 2.0, 0.3 * k, 0.01 * f);
   }
-  TeleportLimits limits;
+  PositionJumpLimits limits;
   limits.lost_frames = 15;
-  EXPECT_FALSE(FindTeleports({positions, {}, time_s}, limits).empty());
+  EXPECT_FALSE(FindPositionJumps({positions, {}, time_s}, limits).empty());
 }
 
 }  // namespace

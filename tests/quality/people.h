@@ -12,7 +12,7 @@
 
 namespace mocurate::test {
 
-/// A take of somebody: 20 joints of the Kinect v1, metres, y up.
+/// A take of one person: 20 joints of the Kinect v1, metres, y up.
 struct Take {
   JointPositions positions;
   std::vector<double> confidence;
@@ -22,7 +22,7 @@ struct Take {
   std::vector<double> rest_lengths;
 
   TrackedPoints view() const { return {positions, confidence, time_s, names, parents, rest_lengths, Body()}; }
-  HandednessPoints Body() const {
+  BodyLandmarks Body() const {
     return FindHandednessPoints([&](std::string_view name) -> std::optional<int> {
       const int joint = Joint(std::string(name));
       return joint < 0 ? std::nullopt : std::optional<int>(joint);
@@ -42,10 +42,10 @@ struct TakeOptions {
   double noise = 0.005;  ///< metres, standard deviation of each coordinate
   double stature = 1.0;  ///< of the skeleton's
   double walk = 1.0;     ///< m/s
-  double hop_s = 0.0;    ///< of each flight of somebody who hops; 0: stays on the floor
+  double hop_s = 0.0;    ///< of each flight of a hop; 0: stays on the floor
 };
 
-/// Somebody who walks (or hops on the spot) and swings arms and legs in a manner of their own. `seed` is the manner.
+/// A person who walks (or hops on the spot) and swings arms and legs in a manner of their own. `seed` is the manner.
 inline Take Perform(std::uint64_t seed, const TakeOptions& options = {}) {
   Random random(seed, "take", "person");
   Take take;
@@ -118,7 +118,7 @@ inline Take Perform(std::uint64_t seed, const TakeOptions& options = {}) {
   return take;
 }
 
-/// Somebody who walks as a pendulum on its head does: over each foot in turn the centre of mass keeps to x'' = g x / h,
+/// A person who walks as a pendulum on its head does: over each foot in turn the centre of mass keeps to x'' = g x / h,
 /// for `step` metres to either side. Arms hang.
 inline Take WalkAsAPendulum(double rate_hz, double seconds, double step = 0.28, double noise = 0.001) {
   TakeOptions options;

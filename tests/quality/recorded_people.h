@@ -13,8 +13,8 @@ namespace mocurate::test {
 inline constexpr std::uint64_t kSeeds = 24;
 
 /// A person of any size, pace and manner, as some tracker of some rate has them.
-inline TakeOptions SomebodyRecorded(std::uint64_t seed) {
-  Random random(seed, "somebody", "");
+inline TakeOptions RecordedPerson(std::uint64_t seed) {
+  Random random(seed, "person", "");
   TakeOptions options;
   options.frames = 60 + static_cast<int>(60.0 * random.Uniform());
   options.rate_hz = seed % 3 == 0 ? 120.0 : seed % 3 == 1 ? 30.0 : 15.0;

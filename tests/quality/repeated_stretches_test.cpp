@@ -37,16 +37,16 @@ TEST(RepeatedStretches, FramesCopiedOverOthersAreFoundFrameForFrame) {
   }
 }
 
-TEST(RepeatedStretches, ASectionThatIsAppendedIsToldAmongAllChecks) {
+TEST(RepeatedStretches, ASectionThatIsAppendedIsReportedAmongAllChecks) {
   Take take = WalkOf(3, 90);
   const Take sound = take;
   for (int f = 60; f < 90; ++f) CopyFrame(sound, f - 45, take, f);
-  int told = 0;
-  for (const Finding& finding : CheckPoints(take.view(), 30.0)) told += finding.code == "repeated_stretch" ? 1 : 0;
-  EXPECT_EQ(told, 1);
+  int reported = 0;
+  for (const Finding& finding : CheckPoints(take.view(), 30.0)) reported += finding.code == "repeated_stretch" ? 1 : 0;
+  EXPECT_EQ(reported, 1);
 }
 
-/// A buffer that is written twice, of somebody who hardly moves: no step at its ends is larger than others are.
+/// A buffer that is written twice, of a person who hardly moves: no step at its ends is larger than others are.
 TEST(RepeatedStretches, ASensorsNoiseRepeatsNowhereEvenWithoutAJump) {
   TakeOptions still;
   still.walk = 0.0;

@@ -1,22 +1,22 @@
 // A person, or a joint, that is suddenly elsewhere.
 
-#include "core/quality/teleports.h"
+#include "core/quality/position_jumps.h"
 
 #include "tests/quality/recorded_people.h"
 
 namespace mocurate::test {
 namespace {
 
-TEST(Teleports, FiveFramesAKilometreAwayAreATeleportAndSoIsAMetreAndAHalf) {
+TEST(Teleports, FiveFramesAKilometreAwayAreAPositionJumpAndSoIsAMetreAndAHalf) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = SomebodyRecorded(seed);
+    TakeOptions who = RecordedPerson(seed);
     Take take = Perform(seed, who);
     const double far = seed % 2 == 0 ? 1000.0 : 1.5;
     const int begin = seed % 5 == 0 ? 0 : 10 + static_cast<int>(seed), length = 1 + static_cast<int>(seed % 5);
     for (int f = begin; f < begin + length; ++f) {
       for (int k = 0; k < take.positions.joints; ++k) take.positions.at(f, k).x() += far;
     }
-    const auto found = Only("teleport", take, who.rate_hz);
+    const auto found = Only("position_jump", take, who.rate_hz);
     ASSERT_EQ(found.size(), 1u) << "seed " << seed;
     EXPECT_EQ(found[0].frame_begin, begin);
     EXPECT_EQ(found[0].frame_end, begin + length);
@@ -24,14 +24,14 @@ TEST(Teleports, FiveFramesAKilometreAwayAreATeleportAndSoIsAMetreAndAHalf) {
   }
 }
 
-/// Nobody who stands is half a metre aside a thirtieth of a second later. Where they do not go back, nothing tells
+/// A standing person is not half a metre aside a thirtieth of a second later. Where they do not go back, nothing tells
 /// which side is wrong.
-TEST(Teleports, HalfAMetreInOneFrameIsATeleportOrAJump) {
+TEST(Teleports, HalfAMetreInOneFrameIsAPositionJumpOrAJump) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = SomebodyRecorded(seed);
+    TakeOptions who = RecordedPerson(seed);
     who.frames = 90;
     const Take given = Perform(seed, who);
-    ASSERT_TRUE(Only("teleport", given, who.rate_hz).empty()) << "seed " << seed;
+    ASSERT_TRUE(Only("position_jump", given, who.rate_hz).empty()) << "seed " << seed;
     const double far = 0.3 + 50.0 / (who.rate_hz * who.rate_hz);
     const auto moved = [&](int begin, int end) {
       Take take = given;
@@ -41,13 +41,13 @@ TEST(Teleports, HalfAMetreInOneFrameIsATeleportOrAJump) {
       return take;
     };
     for (const int end : {41, 43, 50}) {
-      const auto found = Only("teleport", moved(40, end), who.rate_hz);
+      const auto found = Only("position_jump", moved(40, end), who.rate_hz);
       ASSERT_EQ(found.size(), 1u) << "seed " << seed << " to " << end;
       EXPECT_EQ(found[0].frame_begin, 40);
       EXPECT_EQ(found[0].frame_end, end);
     }
     for (const int end : {30, 60, 89}) {
-      const auto found = Only("body_jump", moved(0, end), who.rate_hz);
+      const auto found = Only("unrecovered_jump", moved(0, end), who.rate_hz);
       ASSERT_EQ(found.size(), 1u) << "seed " << seed << " to " << end;
       EXPECT_EQ(found[0].frame_begin, end - 1);
       EXPECT_EQ(found[0].frame_end, end + 1);
@@ -59,7 +59,7 @@ TEST(Teleports, HalfAMetreInOneFrameIsATeleportOrAJump) {
 /// Then the middle of what is seen is elsewhere, the person is not.
 TEST(Teleports, APersonOfWhomOnlyTheLegsAreSeenIsWhereTheyWereAndStillNotEightyCentimetresAway) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    TakeOptions who = SomebodyRecorded(seed);
+    TakeOptions who = RecordedPerson(seed);
     who.frames = 90;
     Take take = Perform(seed, who);
     take.confidence.assign(static_cast<std::size_t>(take.positions.frames * take.positions.joints), 1.0);
@@ -75,11 +75,11 @@ TEST(Teleports, APersonOfWhomOnlyTheLegsAreSeenIsWhereTheyWereAndStillNotEightyC
     };
     see_only(40, 60, true);
     if (seed % 2 == 1) see_only(60, 70, false);
-    EXPECT_TRUE(Only("teleport", take, who.rate_hz).empty()) << "seed " << seed;
+    EXPECT_TRUE(Only("position_jump", take, who.rate_hz).empty()) << "seed " << seed;
     for (int f = 45; f < 50; ++f) {
       for (int k = 0; k < take.positions.joints; ++k) take.positions.at(f, k).x() += 0.8 + 12.0 / who.rate_hz;
     }
-    const auto found = Only("teleport", take, who.rate_hz);
+    const auto found = Only("position_jump", take, who.rate_hz);
     ASSERT_EQ(found.size(), 1u) << "seed " << seed;
     EXPECT_EQ(found[0].frame_begin, 45);
     EXPECT_EQ(found[0].frame_end, 50);
@@ -88,7 +88,7 @@ TEST(Teleports, APersonOfWhomOnlyTheLegsAreSeenIsWhereTheyWereAndStillNotEightyC
 
 TEST(Teleports, TheRootAloneFarAwayIsAJointFarFromItsBody) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const TakeOptions who = SomebodyRecorded(seed);
+    const TakeOptions who = RecordedPerson(seed);
     Take take = Perform(seed, who);
     for (int f = 20; f < 25; ++f) take.positions.at(f, 0).z() += 1000.0;
     const auto found = Only("joint_far", take, who.rate_hz);

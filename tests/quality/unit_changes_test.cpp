@@ -1,4 +1,4 @@
-// Frames of another unit are told apart from bodies that fell into one place.
+// Frames of another unit are distinguished from bodies that fell into one place.
 
 #include "core/quality/unit_changes.h"
 
@@ -12,16 +12,16 @@ namespace {
 
 constexpr std::uint64_t kUnitSeeds = 24;
 
-Take Somebody(std::uint64_t seed) {
+Take TakeOfPerson(std::uint64_t seed) {
   TakeOptions options;
   options.noise = 0.001 * static_cast<double>(1 + seed % 20);
   return Perform(seed, options);
 }
 
-TEST(UnitChanges, FramesOfAnotherUnitAreToldFromFirstToLastWithTheirFactor) {
+TEST(UnitChanges, FramesOfAnotherUnitAreReportedFromFirstToLastWithTheirFactor) {
   for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed) {
     for (const double factor : {0.001, 0.01, 0.1, 10.0, 100.0, 1000.0}) {
-      Take take = Somebody(seed);
+      Take take = TakeOfPerson(seed);
       const int begin = static_cast<int>(seed), end = begin + 1 + static_cast<int>(seed) / 2;
       for (int f = begin; f < end; ++f) {
         for (int k = 0; k < take.positions.joints; ++k) take.positions.at(f, k) *= factor;
@@ -37,14 +37,15 @@ TEST(UnitChanges, FramesOfAnotherUnitAreToldFromFirstToLastWithTheirFactor) {
 }
 
 TEST(UnitChanges, ATakeOfOneUnitHasNone) {
-  for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed) EXPECT_TRUE(FindUnitChanges(Somebody(seed).view()).empty());
+  for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed)
+    EXPECT_TRUE(FindUnitChanges(TakeOfPerson(seed).view()).empty());
 }
 
 /// Within a box of some millimetres: about a hundredth of a body.
-TEST(UnitChanges, JointsThatFallIntoOnePlaceAreNoBodyOfAnotherUnit) {
+TEST(UnitChanges, JointsThatFallIntoOnePlaceAreNotAnotherUnit) {
   for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed) {
     for (const double reach : {0.001, 0.005, 0.009}) {
-      Take take = Somebody(seed);
+      Take take = TakeOfPerson(seed);
       Random random(seed, "place", "");
       for (int f = 40; f < 60; ++f) {
         const Vector3d place = take.positions.at(f, 0);

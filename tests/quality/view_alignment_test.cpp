@@ -61,7 +61,7 @@ TEST(ClockOffset, IsFoundToAFractionOfAFrame) {
   }
 }
 
-TEST(ClockOffset, OfSomebodyWhoRepeatsThemselvesThePlaceTells) {
+TEST(ClockOffset, OfAPersonWhoRepeatsThemselvesThePlaceReports) {
   // A walk repeats every second; only where the walker is tells one step from the next.
   const Take a = Tracked(5, 100, 150, 0.003, {}, 1.0), b = Tracked(5, 180, 140, 0.003, {}, 1.0);
   const auto speeds = CorrelateSpeeds(a.view(), b.view(), 2.0);
@@ -71,7 +71,7 @@ TEST(ClockOffset, OfSomebodyWhoRepeatsThemselvesThePlaceTells) {
   EXPECT_NEAR(std::remainder(view->offset_s - 80.0 / 240.0, 2.0), 0.0, 0.01);
 }
 
-TEST(ClockOffset, OfSomebodyWhoStandsStillIsNotKnown) {
+TEST(ClockOffset, OfAPersonWhoStandsStillIsNotKnown) {
   Take a = Tracked(7, 0, 60, 0.0, {}), b = a;
   Random random(7, "still");
   for (int f = 0; f < 60; ++f) {

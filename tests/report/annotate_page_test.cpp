@@ -19,7 +19,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// What the scripts below are written with: key('[', {shiftKey: true}), drag(card, from, to) as shares of the
+/// Helpers for the scripts below: key('[', {shiftKey: true}), drag(card, from, to) as shares of the timeline's width,
+/// type(card, field, text), click(card, selector), and note(name, value), which Driven::Noted returns.
 /// timeline's width, type(card, field, text), click(card, selector), and note(name, value), which Driven::Noted gives.
 constexpr const char* kHands = R"js(
   const cards = [...document.querySelectorAll('.annotated')];
@@ -54,10 +55,10 @@ constexpr const char* kHands = R"js(
   const visible = () => cards.filter(card => card.getClientRects().length > 0).length;
 )js";
 
-/// A page after somebody worked on it.
+/// A page after a person worked on it.
 struct Driven {
   std::string document;
-  std::string csv;  ///< as it was saved
+  std::string csv;  ///< as saved
 
   std::string Noted(const std::string& name) const {
     std::smatch found;
@@ -65,10 +66,10 @@ struct Driven {
   }
 };
 
-/// A dataset of four clips of three seconds: one without anything, one with segments, one with a label, and one that
-/// begins two seconds into its recording.
+/// A dataset of four clips of three seconds: one empty, one with segments, one with a label, and one that begins two
+/// seconds into its recording.
 struct Recordings {
-  Folder folder;
+  ScratchFolder folder;
   Dataset dataset;
   AnnotateOptions options;
   nlohmann::json session;
@@ -123,8 +124,8 @@ TEST(AnnotatingInABrowser, SpansThatAreMarkedByKeysAndDragsAreSavedKeptAndReadBy
   if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
   Recordings set;
   ASSERT_TRUE(set.Make());
-  // Frames 10 to 30; then, from the end to the begin, 30 back to 20; one frame is no span; a drag backwards, whose end
-  // is dragged on; a label that is not in the list is asked about. Afterwards the page is loaded again.
+  // Frames 10 to 30; then, from the end to the begin, 30 back to 20; one frame is no span; a backwards drag whose end
+  // is dragged further; a new label needs confirmation. Afterwards the page is reloaded.
   const Driven driven = set.Work(R"js(
     const before = sessionStorage;
     if (before.again) {
@@ -205,7 +206,7 @@ TEST(AnnotatingInABrowser, AnEarlierSessionGoesOnAndSpansOfOtherClipsAreSavedAga
   EXPECT_EQ(made->summary.at("not_shown"), 2);
   EXPECT_EQ(made->summary.at("unknown"), 1);
   const Driven driven = set.Work("note('count', document.getElementById('progress').value); key('s');");
-  EXPECT_EQ(driven.Noted("count"), "2") << "what the session has spans of was done";
+  EXPECT_EQ(driven.Noted("count"), "2") << "clips with spans of the session are done";
   EXPECT_EQ(driven.csv,
             "clip,begin_s,end_s,label,fine_label\n"
             "other/p/r,0.000,1.000,else,\n"
@@ -222,7 +223,7 @@ TEST(AnnotatingInABrowser, OnlyCardsNearTheWindowHoldPlayers) {
     set.dataset.clips.back().identity.person = "q" + std::to_string(10 + i);
   }
   ASSERT_TRUE(set.Make());
-  // A timeline that was never drawn has the width of HTML, one that was let go none.
+  // A timeline that was never drawn has the width of HTML, a released one has none.
   const Driven driven = set.Work(R"js(
     const drawn = () => cards.filter(card => ![0, 300].includes(card.querySelector('.track canvas').width));
     // A busy machine draws late.
@@ -264,7 +265,7 @@ TEST(AnnotatePage, ClipsAreChosenAndWhatFitsNothingIsRefused) {
   Recordings set;
   set.options.clips = {"p2/r", "#0-90"};
   EXPECT_EQ(set.Make()->summary.at("clips"), 3);
-  set.options.clips = {"nobody"};
+  set.options.clips = {"unknown"};
   EXPECT_EQ(set.Make().error().code, ErrorCode::kUsage);
   set.options.clips.clear();
   set.session = nlohmann::json::array({{{"clip", "another/p/r"}, {"begin", 0}, {"end", 1}, {"label", "x"}}});

@@ -12,15 +12,15 @@ namespace mocurate::test {
 
 inline constexpr const char* kChromium = "/usr/bin/chromium";
 
-/// Where the recorded data are, a machine without a browser is a failure.
+/// Where the recorded data are available, a missing browser is a failure.
 inline bool HasBrowser() {
   if (std::filesystem::exists(kChromium)) return true;
   EXPECT_EQ(std::getenv("MOCURATE_DATA"), nullptr) << kChromium << " is missing: install chromium";
   return false;
 }
 
-/// Opens index.html of the folder in a browser that may load nothing; its document and its log come back as files.
-inline int Browse(const Folder& place, const std::string& what) {
+/// Opens index.html of the folder in a browser without network access; its document and its log are written to files.
+inline int Browse(const ScratchFolder& place, const std::string& what) {
   const std::string folder = place / "";
   const std::string command =
       "timeout 120 " + std::string(kChromium) +

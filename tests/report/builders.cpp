@@ -82,8 +82,8 @@ SmallRun::SmallRun(const std::string& label) {
          {"takes", "no time"},
          {"created_by", "mocurate test"},
          {"stages",
-          {{{"stage", "ingest"}, {"items", 3}, {"done", 3}, {"doubtful", 0}, {"refused", 0}, {"crashed", 0}},
-           {{"stage", "fitting"}, {"items", 3}, {"done", 2}, {"doubtful", 1}, {"refused", 0}, {"crashed", 0}}}},
+          {{{"stage", "ingest"}, {"items", 3}, {"done", 3}, {"suspect", 0}, {"refused", 0}, {"crashed", 0}},
+           {{"stage", "fitting"}, {"items", 3}, {"done", 2}, {"suspect", 1}, {"refused", 0}, {"crashed", 0}}}},
          {"clips", nlohmann::json::array()},
          {"persons",
           {{"p1",
@@ -125,7 +125,7 @@ SmallRun::SmallRun(const std::string& label) {
       view.camera = FrontCamera();
       std::vector<Vector3d> joints;
       for (int j = 0; j < motion.joint_count(); ++j) joints.emplace_back(motion.joints.at(20, j));
-      const std::vector<float> depth = RenderDepth(CapsuleBody::Make(skeleton), joints.data(), view.camera);
+      const std::vector<float> depth = RenderDepth(BoneCapsules::Make(skeleton), joints.data(), view.camera);
       DepthImage image{view.camera.width, view.camera.height, {}};
       for (const float metres : depth)
         image.values.push_back(static_cast<std::uint16_t>(std::lround(1000.0F * metres)));

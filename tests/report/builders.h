@@ -10,30 +10,15 @@
 
 #include "core/base/file.h"
 #include "core/base/random.h"
-#include "core/body/capsule_body.h"
+#include "core/body/bone_capsules.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
 #include "report/options.h"
 #include "report/stages.h"
+#include "tests/support/scratch_folder.h"
 
-/// A small run as its stages leave it: three fitted clips of a person, one of them also seen by a depth camera.
+/// A small run as its stages leave it: three fitted clips of a person, one of them also recorded by a depth camera.
 namespace mocurate::test {
-
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "mocurate_report_XXXXXX").string();
-    path_ = ::mkdtemp(pattern.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline SkeletonPtr Walker() {
   auto s = std::make_shared<Skeleton>();
@@ -106,7 +91,7 @@ inline Camera FrontCamera() {
 
 /// Files and summary of the run; change `run` before asking for the page.
 struct SmallRun {
-  Folder folder;
+  ScratchFolder folder;
   nlohmann::json run;
   std::vector<StageInput> inputs;
 
@@ -118,7 +103,7 @@ struct SmallRun {
   void AddClip(const std::string& item, const Clip& evidence, const Motion& fitted);
 };
 
-/// What RunSummary of the program gives for one clip.
+/// RunSummary of the program for one clip.
 nlohmann::json FittedClip(const std::string& item, const std::string& label, double residual_mm);
 nlohmann::json FailedClip(const std::string& item, const std::string& message);
 

@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A clip of 40 frames, tracked with 20 mm of noise per axis, one exchange mended.
+/// A clip of 40 frames, tracked with 20 mm of noise per axis, with one corrected exchange of sides.
 ClipPageInput OneClip() {
   ClipPageInput input;
   const Motion motion = Stepping(Walker(), 40);
@@ -34,7 +34,7 @@ ClipPageInput OneClip() {
       R"([{"code":"swapped_sides","action":"exchanged","frames":[12,15],"joints":["left_knee","left_ankle"],"value":31.5}])";
   input.clip.evidence.evidence.tracks = NoisyTracks(motion);
   Finding finding;
-  finding.code = "teleport";
+  finding.code = "position_jump";
   finding.frame_begin = 3;
   finding.frame_end = 4;
   finding.message = "2 m <away>";
@@ -59,7 +59,7 @@ KeypointView Detected(const Motion& motion, const Camera& camera, double shift) 
   return view;
 }
 
-TEST(ClipPage, TellsWhatWasBeforeAndAfterAndWhatWasMended) {
+TEST(ClipPage, ReportsWhatWasBeforeAndAfterAndWhatWasCorrected) {
   const auto page = MakeClipPage(OneClip());
   ASSERT_TRUE(page) << page.error().Message();
   for (const char* id : {"seen-section", "time", "bones", "repairs", "uncertainty"}) {
@@ -70,7 +70,7 @@ TEST(ClipPage, TellsWhatWasBeforeAndAfterAndWhatWasMended) {
   EXPECT_THAT(*page, HasSubstr("left_knee, left_ankle"));
   EXPECT_THAT(*page, HasSubstr("2 m &lt;away&gt;"));
   EXPECT_THAT(*page, HasSubstr("class=\"s-interpolated\"/>"));
-  EXPECT_THAT(*page, HasSubstr("Stated standard deviation</dt><dd>2.0 mm"));
+  EXPECT_THAT(*page, HasSubstr("Estimated standard deviation</dt><dd>2.0 mm"));
   EXPECT_THAT(*page, Not(HasSubstr("Over the views"))) << "there are none";
   EXPECT_THAT(*page, Not(HasSubstr("<a>")));
   EXPECT_THAT(*page, Not(HasSubstr("nan")));
@@ -110,7 +110,7 @@ TEST(ClipSeries, ResidualAndBonesAreThoseOfTheNoise) {
   double square = 0.0;
   for (const double residual : series->residual) square += residual * residual / 40.0;
   EXPECT_NEAR(std::sqrt(square), 20.0 * std::sqrt(3.0), 4.0);
-  ASSERT_EQ(series->bones.size(), 5U) << "the pelvis is not tracked: bones from it are none of the evidence's";
+  ASSERT_EQ(series->bones.size(), 5U) << "the pelvis is not tracked: the evidence has no bones from it";
   for (const BoneSeries& bone : series->bones) {
     EXPECT_NEAR(bone.raw_spread, 20.0 * std::sqrt(2.0), 14.0);
     EXPECT_LT(bone.fitted_spread, 1e-6);
@@ -162,7 +162,7 @@ TEST(ClipPage, DrawsTheBodyOverKeypointsOfEveryView) {
 }
 
 TEST(ClipVideo, IsH264WithAPictureForEveryFrameAndTheSamePicturesAgain) {
-  Folder folder;
+  ScratchFolder folder;
   const ClipPageInput input = OneClip();
   ClipVideoOptions options;
   options.height = 240;
@@ -192,7 +192,7 @@ TEST(ClipVideo, IsH264WithAPictureForEveryFrameAndTheSamePicturesAgain) {
 }
 
 TEST(ClipVideo, OfAFastCameraPlaysAtTheSpeedOfTheClip) {
-  Folder folder;
+  ScratchFolder folder;
   ClipPageInput input = OneClip();
   input.clip.fitted.motion->rate = FrameRate{240, 1};
   ClipVideoOptions options;

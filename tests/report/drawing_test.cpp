@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/body/flesh_body.h"
+#include "core/body/capsule_body.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
 #include "report/pictures.h"
@@ -128,7 +128,7 @@ TEST_F(PictureTest, AllThreeKindsAreWrittenAsPng) {
 
 TEST_F(PictureTest, ABodyIsDrawnWithTheRadiiItWasFittedWith) {
   const PosedBody plain = BodyOf(fitted_, 20);
-  const std::size_t count = FleshBody::Make(fitted_.motion->skeleton, 1.0, 1.0).capsules.size();
+  const std::size_t count = CapsuleBody::Make(fitted_.motion->skeleton, 1.0, 1.0).capsules.size();
   ASSERT_GT(count, 0u);
   std::string radii = "0.2";
   for (std::size_t i = 1; i < count; ++i) radii += " 0.2";

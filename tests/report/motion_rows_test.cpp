@@ -113,12 +113,12 @@ TEST(MotionRows, AVideoHoldsTheLastFrameOfWhatHasEnded) {
 
 TEST(MotionRowsInABrowser, ThePictureIsRenderedAndFullOfFigures) {
   if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
-  const Folder place;
+  const ScratchFolder place;
   MotionPictureOptions options;
   options.figure = FigureChoice::kCapsules;
   const Drawing drawing = DrawMotionRows(Chosen(options), options);
   ASSERT_TRUE(WriteFile(place / "rows.svg", ToSvg(drawing)));
-  // The page tells how much of the picture has ink, and whether any of it lies on the edge.
+  // The page reports the share of the picture with ink, and ink on the edge.
   const std::string script =
       "<!doctype html><meta charset=utf-8><body><script>const i=new Image();i.onload=()=>{const "
       "c=document.createElement('canvas');c.width=i.width;c.height=i.height;const g=c.getContext('2d');g.drawImage(i,0,"

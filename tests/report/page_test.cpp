@@ -51,7 +51,7 @@ TEST(ReportPage, NeverCallsFitsSoundThatLieFarFromTheTruth) {
   SmallRun run;
   run.run["fit_error"]["joint_mm"] = 427.0;
   for (const bool one : {false, true}) {
-    if (one) {  // one clip of three, which the mean hides
+    if (one) {  // one clip of three, which the mean does not show
       run.run["fit_error"]["joint_mm"] = 149.0;
       run.run["clips"][0]["joint_error_mm"] = 8.0;
       run.run["clips"][1]["joint_error_mm"] = 427.0;
@@ -63,7 +63,7 @@ TEST(ReportPage, NeverCallsFitsSoundThatLieFarFromTheTruth) {
     EXPECT_THAT(headline, Not(HasSubstr("went through")));
   }
   run.run["clips"][1]["joint_error_mm"] = 150.0;
-  EXPECT_THAT(HeadlineOf(run), Not(HasSubstr("data-joint-error-mm"))) << "as far as report.suspect_joint_error allows";
+  EXPECT_THAT(HeadlineOf(run), Not(HasSubstr("data-joint-error-mm"))) << "within report.suspect_joint_error";
 }
 
 TEST(ReportPage, SaysInItsHeadlineThatFindingsAboutTheSetAreErrors) {
@@ -88,7 +88,7 @@ TEST(ReportPage, HoldsEverySectionAndTheFiguresOfTheRun) {
   ExpectAllSections(page);
   EXPECT_THAT(page, HasSubstr("All 3 clips went through."));
   EXPECT_THAT(page, HasSubstr("Error against truth 30.0 mm before and 8.0 mm after fitting."));
-  EXPECT_THAT(page, HasSubstr("right on 95.0 % of the test clips"));
+  EXPECT_THAT(page, HasSubstr("classifies 95.0 % of the test clips correctly"));
   EXPECT_THAT(page, HasSubstr("<td>0.200 ± 0.100</td>"));
   EXPECT_THAT(page, HasSubstr("best fit, residual 5.0 mm RMS"));
   EXPECT_THAT(page, HasSubstr("median fit, residual 10.0 mm RMS"));
@@ -107,9 +107,9 @@ TEST(ReportPage, DrawsTheFittedBodyOverTheDepthView) {
 
 TEST(ReportPage, DrawsHowManyErrorsTheStatedUncertaintyCovers) {
   SmallRun run;
-  EXPECT_EQ(PageOf(run).find("stated standard deviations, %</figcaption>"), std::string::npos);
+  EXPECT_EQ(PageOf(run).find("estimated standard deviations, %</figcaption>"), std::string::npos);
   run.run["fit_error"]["within_quarters_of_sigma"] = {0.2, 0.4, 0.6, 0.7};
-  EXPECT_THAT(PageOf(run), HasSubstr("stated standard deviations, %</figcaption>"));
+  EXPECT_THAT(PageOf(run), HasSubstr("estimated standard deviations, %</figcaption>"));
 }
 
 TEST(ReportPage, LinksEveryClipThatHasAPageAndListsTheRest) {
@@ -178,7 +178,7 @@ TEST(ReportPage, StaysReadableWhenEveryClipFailed) {
   ExpectAllSections(page);
   EXPECT_THAT(page, HasSubstr("None of the 2 clips is in the dataset"));
   EXPECT_THAT(page, HasSubstr("empty file"));
-  EXPECT_THAT(page, HasSubstr("No clip came far enough to be drawn."));
+  EXPECT_THAT(page, HasSubstr("No clip has a fit to draw."));
   EXPECT_THAT(page, Not(HasSubstr("nan")));
 }
 
@@ -193,9 +193,9 @@ TEST(ReportPage, ShowsNamesOfATableAsTheyAreWritten) {
 
 TEST(ReportPage, WithoutTestClipsTheNearestNeighbourIsNotScored) {
   SmallRun run;
-  EXPECT_THAT(PageOf(run), HasSubstr("nothing trained</th><td>0.800</td>"));
+  EXPECT_THAT(PageOf(run), HasSubstr("without training</th><td>0.800</td>"));
   run.run["metrics"]["nearest_neighbour"] = {{"split", "s"}, {"accuracy", 0.0}, {"correct", 0}, {"count", 0}};
-  EXPECT_THAT(PageOf(run), HasSubstr("nothing trained</th><td>not scored</td>"));
+  EXPECT_THAT(PageOf(run), HasSubstr("without training</th><td>not scored</td>"));
 }
 
 TEST(ReportPage, ARecogniserWithoutTestClipsIsNotScoredAndHasNoConfusion) {
@@ -212,7 +212,7 @@ TEST(ReportPage, ARecogniserWithoutTestClipsIsNotScoredAndHasNoConfusion) {
 
 TEST(ReportPage, ShowsWhatWasFoundAboutTheSplits) {
   SmallRun run;
-  EXPECT_THAT(PageOf(run), HasSubstr("Nothing was found wrong or doubtful about the set and its splits."));
+  EXPECT_THAT(PageOf(run), HasSubstr("Nothing was found wrong or suspect about the set and its splits."));
   run.run["findings"] = {{{"clip", ""},
                           {"code", "split_drawn"},
                           {"severity", "warning"},
@@ -255,7 +255,7 @@ TEST(ReportPage, AnEvaluationThatFailedSaysWhyInPlaceOfTheTable) {
 
 TEST(ReportPage, SaysThatNothingFailed) {
   SmallRun run;
-  EXPECT_THAT(PageOf(run), HasSubstr("No clip was left out."));
+  EXPECT_THAT(PageOf(run), HasSubstr("No clip was excluded or refused."));
 }
 
 TEST(ReportPage, StaysReadableForAnEmptySummary) {

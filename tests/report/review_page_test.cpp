@@ -1,4 +1,4 @@
-// The page that asks a person, driven by keys in a headless browser; its YAML is what canon reads.
+// The review page, driven by keys in a headless browser; canon reads its YAML.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A dataset of three clips with a suspect label and a pair that shows the same.
+/// A dataset of three clips with a suspect label and a pair with the same motion.
 struct SmallReview {
-  Folder folder;
+  ScratchFolder folder;
   Dataset dataset;
   nlohmann::json decisions = nlohmann::json::array();
   nlohmann::json audit = {{"findings", nlohmann::json::array()}};
@@ -94,8 +94,8 @@ TEST(ReviewInABrowser, KeysDecideAndCanonReadsWhatIsSaved) {
   earlier.verdict = Verdict::kKeep;
   set.decisions.push_back(OptionsToJson(earlier));
   ASSERT_TRUE(set.Make());
-  // Relabel the first, keep the second, undo that, begin of the second at the player's frame (10), cut; the third is
-  // dropped, which is taken back by a cut that has no frames, then dropped.
+  // Relabel the first, keep the second, undo that, begin of the second at the player's frame (10), cut; drop the third,
+  // replace that by a cut without frames, then drop it again.
   const auto review = set.Press({"r", "j", "k", "u", "[", "c", "j", "c", "d"});
   ASSERT_TRUE(review) << review.error().Message();
   ASSERT_EQ(review->decisions.size(), 4u);
@@ -125,7 +125,7 @@ TEST(ReviewPage, AuditsOfOtherDatasetsAreRefusedAndTheSameInputGivesTheSameBytes
   EXPECT_EQ(*ReadFile(set.folder / "index.html"), page);
   for (nlohmann::json& finding : set.audit["findings"]) finding["clip"] = "";
   const auto of_set = set.Make();
-  ASSERT_TRUE(of_set) << "findings about the set are of no clip";
+  ASSERT_TRUE(of_set) << "findings about the set have no clip";
   EXPECT_EQ(of_set->summary.at("shown"), 0);
   for (nlohmann::json& finding : set.audit["findings"]) finding["clip"] = "other/p/r#0-4";
   EXPECT_EQ(set.Make().error().code, ErrorCode::kInconsistent);

@@ -1,4 +1,4 @@
-// A survey: what is drawn, what its page shows and saves, what of it counts.
+// A survey: drawing, page, saved answers and tally.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-/// Sources with so many motions of each label.
+/// Sources with this number of motions of each label.
 std::vector<SurveySource> SourcesWith(const std::vector<std::string>& names, int motions) {
   std::vector<SurveySource> sources;
   for (const std::string& name : names) {
@@ -195,7 +195,7 @@ TEST(SurveyFiles, WhatWasEditedIsRefusedWithItsPlace) {
                 .error()
                 .code,
             ErrorCode::kMalformed)
-      << "a key that stands twice";
+      << "a repeated key";
 
   const std::string written = KeyToJson(key).dump();
   ASSERT_TRUE(ReadSurveyKey(written, "key.json"));
@@ -211,7 +211,7 @@ constexpr const char* kTheirs = "quartz_baseline";
 
 /// Two sources of motions as files, and the page that the stage makes of them.
 struct AskedSurvey {
-  Folder folder;
+  ScratchFolder folder;
   SurveyOptions options = OfKind(SurveyKind::kPreference, 6);
 
   AskedSurvey() {
@@ -240,7 +240,7 @@ struct AskedSurvey {
   }
 };
 
-TEST(SurveyPage, ItTellsNoSourceLoadsNothingAndHasTheSameBytesAgain) {
+TEST(SurveyPage, ItReportsNoSourceLoadsNothingAndHasTheSameBytesAgain) {
   AskedSurvey survey;
   const auto made = survey.Make();
   ASSERT_TRUE(made) << made.error().Message();
@@ -250,7 +250,7 @@ TEST(SurveyPage, ItTellsNoSourceLoadsNothingAndHasTheSameBytesAgain) {
     EXPECT_THAT(page, Not(HasSubstr(hint)));
   }
   EXPECT_EQ(made->summary.at("motions"), 12);
-  EXPECT_EQ(made->summary.at("notes").size(), 1u) << "motions of unlike length";
+  EXPECT_EQ(made->summary.at("notes").size(), 1u) << "motions of different length";
   const auto key = ReadSurveyKey(made->summary.at("key").dump(), "key");
   ASSERT_TRUE(key) << key.error().Message();
   EXPECT_THAT(page, HasSubstr(SurveyId(*key)));
@@ -273,7 +273,7 @@ TEST(SurveyInABrowser, AnswersByKeysAndClicksAreKeptSavedAndCounted) {
   const auto made = survey.Make();
   ASSERT_TRUE(made) << made.error().Message();
   const SurveyKey key = *ReadSurveyKey(made->summary.at("key").dump(), "key");
-  nlohmann::json ours = nlohmann::json::array();  // the side on which kOurs stands
+  nlohmann::json ours = nlohmann::json::array();  // the side of kOurs
   for (const SurveyQuestion& question : key.questions) ours.push_back(question.shown[0].source == kOurs ? 0 : 1);
   // For kOurs in all questions but the fourth. The second is answered wrongly, then corrected on the way back; a file
   // with questions left open is not saved at once; the last two are answered after the page was loaded again.
@@ -284,7 +284,7 @@ TEST(SurveyInABrowser, AnswersByKeysAndClicksAreKeptSavedAndCounted) {
     const press = side => document.querySelectorAll('.question')[here()].querySelectorAll('.answer')[side].click();
     const note = (name, value) => document.documentElement.setAttribute('data-note-' + name, value);
     const text = () => document.getElementById('answers').value;
-    // The browser does not end while a file is being saved: its name is noted in the place of that.
+    // The browser does not end while a file is being saved: the file's name is noted instead.
     HTMLAnchorElement.prototype.click = function() { note('file', this.download); };
     if (!sessionStorage.again) {
       key(String(ours[0] + 1)); press(1 - ours[1]); key('b'); press(ours[1]); press(ours[2]); key(String(2 - ours[3]));
@@ -318,7 +318,7 @@ TEST(SurveyInABrowser, AnswersByKeysAndClicksAreKeptSavedAndCounted) {
   const std::string document = ReadFile(survey.folder / "dom.html").value_or("");
   EXPECT_THAT(document, HasSubstr("data-survey=\"6\""));
   EXPECT_THAT(document, HasSubstr("data-note-refused=\"true\""));
-  EXPECT_THAT(document, HasSubstr("data-note-here=\"4\"")) << "goes on at the first open question";
+  EXPECT_THAT(document, HasSubstr("data-note-here=\"4\"")) << "continues at the first open question";
   EXPECT_THAT(document, HasSubstr("data-note-bar=\"4\""));
   EXPECT_THAT(document, HasSubstr("data-note-missing=\"q006\""));
   EXPECT_THAT(document, HasSubstr("data-note-end=\"true\""));

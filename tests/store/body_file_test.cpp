@@ -11,6 +11,7 @@
 
 #include "core/base/file.h"
 #include "core/store/hdf5_file.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -41,14 +42,13 @@ Fields SmallBody() {
 }
 
 Expected<BodyTemplate> WrittenAndRead(const Fields& fields) {
-  const auto file = std::filesystem::path(::testing::TempDir()) / ("body_" + std::to_string(getpid()) + ".h5");
+  const ScratchFolder folder;
+  const auto file = folder / "body.h5";
   auto writer = store::Hdf5Writer::Create();
   EXPECT_TRUE(writer);
   for (const auto& [path, array] : fields) EXPECT_TRUE(writer->Write(path, array)) << path;
   EXPECT_TRUE(writer->Finish([&](std::string_view bytes) { return WriteFile(file, bytes); }));
-  auto body = ReadBodyTemplate(file);
-  std::filesystem::remove(file);
-  return body;
+  return ReadBodyTemplate(file);
 }
 
 TEST(BodyFile, IsReadAsItWasWrittenAndPoses) {

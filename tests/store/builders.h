@@ -11,32 +11,10 @@
 #include "core/base/random.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
+#include "tests/support/scratch_folder.h"
 
 /// Small data in which every field of the store is used.
 namespace mocurate::test {
-
-/// A folder of its own, gone at the end.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "store test XXXXXX").string();
-    path_ = ::mkdtemp(pattern.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-  std::size_t FileCount() const {
-    std::size_t count = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(path_)) count += entry.exists() ? 1 : 0;
-    return count;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Without the care (and the time) of WriteFile.
 inline void PutBytes(const std::filesystem::path& path, const std::string& bytes) {
@@ -90,7 +68,7 @@ inline Motion Wander(const SkeletonPtr& skeleton, FrameRate rate, int frames, co
   return MakeMotion(skeleton, rate, root, rotation, bones);
 }
 
-/// The walker with hips of somebody's own.
+/// The walker with hips of one person.
 inline SkeletonPtr OtherWalker() {
   auto own = std::make_shared<Skeleton>(*Walker());
   own->joints[1].rest_offset = {0.06, -0.08, -0.02};
@@ -175,14 +153,14 @@ inline DepthView MakeView(const std::string& name) {
   return view;
 }
 
-/// Three images, of which the second shows nobody and the third two people.
+/// Three images, of which the second shows no person and the third two people.
 inline KeypointView MakeKeypointView(const std::string& name) {
   KeypointView view;
   view.camera = MakeView(name).camera;
   view.time_s = {0.0, 1.0 / 30, 2.0 / 30};
   view.people = 2;
   view.values = {10.5, -3.25, 0.5, 0, 0, 0,   0, 0, 0, 0, 0, 0,  // one person, the second point not seen
-                 0,    0,     0,   0, 0, 0,   0, 0, 0, 0, 0, 0,  // nobody
+                 0,    0,     0,   0, 0, 0,   0, 0, 0, 0, 0, 0,  // no person
                  11.5, 4,     1,   7, 8, 0.1, 1, 2, 1, 3, 4, 0.75};
   return view;
 }
@@ -215,7 +193,7 @@ inline Clip MakeEvidenceClip(bool with_motion) {
   clip.evidence.subject = 1;
   if (with_motion) {
     clip.motion = Wander(OtherWalker(), clip.rate, 3, "evidence");
-    clip.motion->counted_from = Walker();
+    clip.motion->rotation_reference = Walker();
     AddOptionalFields(*clip.motion);
   }
   return clip;

@@ -12,7 +12,6 @@ namespace {
 
 using store::Field;
 using store::Hdf5Id;
-using test::Folder;
 
 /// One kind of file with every field in it.
 struct Kind {
@@ -106,7 +105,7 @@ void FlipBit(hid_t file, const Field& field) {
 /// The change must be refused with an error that names the file and the field.
 void ExpectRefused(const Kind& kind, const std::string& bytes, const Field& field, const char* change_name,
                    const std::function<void(hid_t)>& change) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::filesystem::path path = folder / "changed.h5";
   test::PutBytes(path, bytes);
   Change(path, change);
@@ -122,7 +121,7 @@ void ExpectRefused(const Kind& kind, const std::string& bytes, const Field& fiel
 
 template <class PerField>
 void ForEveryField(const PerField& per_field) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const Kind& kind : Kinds()) {
     const Status written = kind.write(folder / "good.h5");
     ASSERT_TRUE(written) << written.error().Message();
@@ -133,14 +132,14 @@ void ForEveryField(const PerField& per_field) {
   }
 }
 
-TEST(StoreCorruption, a_missing_field_is_named) {
+TEST(StoreCorruption, AMissingFieldIsNamed) {
   ForEveryField([](const Kind& kind, const std::string& bytes, const Field& field) {
     if (field.presence == store::Presence::kOptional) return;
     ExpectRefused(kind, bytes, field, "missing", [&](hid_t file) { Remove(file, field); });
   });
 }
 
-TEST(StoreCorruption, a_missing_optional_field_is_missed_by_the_clips_that_have_it) {
+TEST(StoreCorruption, AMissingOptionalFieldIsMissedByTheClipsThatHaveIt) {
   ForEveryField([](const Kind& kind, const std::string& bytes, const Field& field) {
     if (field.presence != store::Presence::kOptional) return;
     Field missed = field;  // where the loss shows
@@ -151,7 +150,7 @@ TEST(StoreCorruption, a_missing_optional_field_is_missed_by_the_clips_that_have_
   });
 }
 
-TEST(StoreCorruption, a_field_of_another_type_is_named) {
+TEST(StoreCorruption, AFieldOfAnotherTypeIsNamed) {
   ForEveryField([](const Kind& kind, const std::string& bytes, const Field& field) {
     ExpectRefused(kind, bytes, field, "other type", [&](hid_t file) {
       const std::vector<hsize_t> shape = IsAttribute(field) ? std::vector<hsize_t>{} : ShapeOf(file, field);
@@ -160,7 +159,7 @@ TEST(StoreCorruption, a_field_of_another_type_is_named) {
   });
 }
 
-TEST(StoreCorruption, a_field_of_another_shape_is_named) {
+TEST(StoreCorruption, AFieldOfAnotherShapeIsNamed) {
   ForEveryField([](const Kind& kind, const std::string& bytes, const Field& field) {
     if (IsAttribute(field)) return;
     const auto change = [&](bool more_rows) {
@@ -181,15 +180,15 @@ TEST(StoreCorruption, a_field_of_another_shape_is_named) {
   });
 }
 
-TEST(StoreCorruption, a_flipped_bit_is_named) {
+TEST(StoreCorruption, AFlippedBitIsNamed) {
   ForEveryField([](const Kind& kind, const std::string& bytes, const Field& field) {
     if (field.path == "/splits/by_person/validation") return;  // has no rows
     ExpectRefused(kind, bytes, field, "a bit of", [&](hid_t file) { FlipBit(file, field); });
   });
 }
 
-TEST(StoreCorruption, a_link_out_of_the_file_is_not_followed) {
-  const Folder folder;
+TEST(StoreCorruption, ALinkOutOfTheFileIsNotFollowed) {
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "good.h5"));
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "linked.h5"));
   Change(folder / "linked.h5", [&](hid_t file) {
@@ -201,8 +200,8 @@ TEST(StoreCorruption, a_link_out_of_the_file_is_not_followed) {
   EXPECT_NE(read.error().where.find("linked.h5:/recipe"), std::string::npos) << read.error().Message();
 }
 
-TEST(StoreCorruption, a_field_that_announces_more_than_the_file_holds_is_refused_before_memory_is_taken) {
-  const Folder folder;
+TEST(StoreCorruption, AFieldThatAnnouncesMoreThanTheFileHoldsIsRefusedBeforeMemoryIsTaken) {
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "huge.h5"));
   Change(folder / "huge.h5", [](hid_t file) {
     H5Ldelete(file, "/frames/joints", H5P_DEFAULT);
@@ -220,8 +219,8 @@ TEST(StoreCorruption, a_field_that_announces_more_than_the_file_holds_is_refused
       << read.error().Message();
 }
 
-TEST(StoreCorruption, fields_the_table_does_not_know_are_ignored) {
-  const Folder folder;
+TEST(StoreCorruption, FieldsTheTableDoesNotKnowAreIgnored) {
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "more.h5"));
   Change(folder / "more.h5", [](hid_t file) {
     const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
@@ -232,8 +231,8 @@ TEST(StoreCorruption, fields_the_table_does_not_know_are_ignored) {
   EXPECT_TRUE(ReadDataset(folder / "more.h5"));
 }
 
-TEST(StoreCorruption, a_file_of_another_kind_says_which_it_is) {
-  const Folder folder;
+TEST(StoreCorruption, AFileOfAnotherKindSaysWhichItIs) {
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteEvidence(test::MakeEvidenceClip(false), folder / "evidence.h5"));
   const auto read = ReadDataset(folder / "evidence.h5");
   ASSERT_FALSE(read);

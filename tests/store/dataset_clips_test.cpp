@@ -12,6 +12,7 @@
 #include "core/base/file.h"
 #include "core/store/store.h"
 #include "tests/store/builders.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate {
 namespace {
@@ -20,11 +21,8 @@ using ::testing::HasSubstr;
 
 class ClipByClip : public ::testing::Test {
  protected:
-  void SetUp() override {
-    path = std::filesystem::path(::testing::TempDir()) / ("mocurate_clips_" + std::to_string(getpid()) + ".h5");
-  }
-  void TearDown() override { std::filesystem::remove(path); }
-  std::filesystem::path path;
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "clips.h5";
 };
 
 TEST_F(ClipByClip, EachIsWhatTheWholeHoldsAtItsPlace) {

@@ -18,7 +18,6 @@ namespace mocurate {
 namespace {
 
 using test::FixedDataset;
-using test::Folder;
 using ::testing::HasSubstr;
 
 constexpr int kLargeClips = 40, kLargeFrames = 400;  // 7.7 MB: written on disk bit by bit, not in memory
@@ -44,8 +43,8 @@ Status CopyByClips(const std::filesystem::path& from, const std::filesystem::pat
 }
 
 // Hashes of files that were written whole, from an image in memory.
-TEST(DatasetWriter, gives_a_dataset_the_bytes_that_it_always_had) {
-  const Folder folder;
+TEST(DatasetWriter, GivesADatasetTheBytesThatItAlwaysHad) {
+  const ScratchFolder folder;
   const struct {
     Dataset dataset;
     const char* sha256;
@@ -61,12 +60,12 @@ TEST(DatasetWriter, gives_a_dataset_the_bytes_that_it_always_had) {
     const Status copied = CopyByClips(folder / "whole.h5", folder / "clips.h5");
     ASSERT_TRUE(copied) << copied.error().Message();
     EXPECT_EQ(HashOf(folder / "clips.h5"), sha256) << dataset.clips.size() << " clips";
-    EXPECT_EQ(folder.FileCount(), 2u);
+    EXPECT_EQ(folder.FileCount(), 2);
   }
 }
 
-TEST(DatasetWriter, reads_an_outline_that_is_the_dataset_without_frames) {
-  const Folder folder;
+TEST(DatasetWriter, ReadsAnOutlineThatIsTheDatasetWithoutFrames) {
+  const ScratchFolder folder;
   const Dataset whole = test::MakeDataset();
   ASSERT_TRUE(WriteDataset(whole, folder / "set.h5"));
   const auto clips = DatasetClips::Open(folder / "set.h5", DatasetClips::Check::kNone);
@@ -87,8 +86,8 @@ TEST(DatasetWriter, reads_an_outline_that_is_the_dataset_without_frames) {
   }
 }
 
-TEST(DatasetWriter, hashes_motions_alike_in_every_file_and_others_differently) {
-  const Folder folder;
+TEST(DatasetWriter, HashesMotionsAlikeInEveryFileAndOthersDifferently) {
+  const ScratchFolder folder;
   Dataset dataset = test::MakeDataset();
   ASSERT_TRUE(WriteDataset(dataset, folder / "a.h5"));
   dataset.clips.erase(dataset.clips.begin());
@@ -102,8 +101,8 @@ TEST(DatasetWriter, hashes_motions_alike_in_every_file_and_others_differently) {
   EXPECT_NE(*a->MotionSha256(2), *b->MotionSha256(1)) << "one sigma differs";
 }
 
-TEST(DatasetWriter, refuses_what_was_not_announced_and_leaves_no_file) {
-  const Folder folder;
+TEST(DatasetWriter, RefusesWhatWasNotAnnouncedAndLeavesNoFile) {
+  const ScratchFolder folder;
   for (const Dataset& dataset : {FixedDataset(3, 5), FixedDataset(kLargeClips, kLargeFrames)}) {
     std::vector<std::uint8_t> optional_fields;
     for (const Clip& clip : dataset.clips) optional_fields.push_back(OptionalFieldsOf(*clip.motion));
@@ -129,14 +128,14 @@ TEST(DatasetWriter, refuses_what_was_not_announced_and_leaves_no_file) {
       const Status refused = refusal(good, change);
       ASSERT_FALSE(refused);
       EXPECT_EQ(refused.error().code, ErrorCode::kInconsistent) << refused.error().Message();
-      EXPECT_EQ(folder.FileCount(), 0u) << refused.error().Message();
+      EXPECT_EQ(folder.FileCount(), 0) << refused.error().Message();
     }
     EXPECT_THAT(refusal(1, wrong[4].second).error().Message(), HasSubstr(second));
   }
 }
 
-TEST(DatasetWriter, cannot_write_a_large_file_on_a_full_disk_and_goes_on_elsewhere) {
-  const Folder folder;
+TEST(DatasetWriter, CannotWriteALargeFileOnAFullDiskAndGoesOnElsewhere) {
+  const ScratchFolder folder;
   const Dataset large = FixedDataset(kLargeClips, kLargeFrames);
   const pid_t child = ::fork();
   if (child == 0) {
@@ -155,12 +154,12 @@ TEST(DatasetWriter, cannot_write_a_large_file_on_a_full_disk_and_goes_on_elsewhe
   int status = 0;
   ::waitpid(child, &status, 0);
   EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 0);
-  EXPECT_EQ(folder.FileCount(), 1u);
+  EXPECT_EQ(folder.FileCount(), 1);
   EXPECT_TRUE(ReadDataset(folder / "after.h5"));
 }
 
-TEST(DatasetWriter, follows_a_link_and_keeps_the_permissions_of_other_files) {
-  const Folder folder;
+TEST(DatasetWriter, FollowsALinkAndKeepsThePermissionsOfOtherFiles) {
+  const ScratchFolder folder;
   const Dataset large = FixedDataset(kLargeClips, kLargeFrames);
   test::PutBytes(folder / "old.h5", "old");
   std::filesystem::create_symlink("old.h5", folder / "link.h5");

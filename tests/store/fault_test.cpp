@@ -11,10 +11,8 @@
 namespace mocurate {
 namespace {
 
-using test::Folder;
-
-TEST(StoreFaults, a_missing_file_an_empty_one_and_text_are_told_apart) {
-  const Folder folder;
+TEST(StoreFaults, AMissingFileAnEmptyOneAndTextAreDistinguished) {
+  const ScratchFolder folder;
   EXPECT_EQ(ReadDataset(folder / "none.h5").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(ReadDataset(folder.path()).error().code, ErrorCode::kUnreadable);
   test::PutBytes(folder / "empty.h5", "");
@@ -25,8 +23,8 @@ TEST(StoreFaults, a_missing_file_an_empty_one_and_text_are_told_apart) {
   EXPECT_EQ(DescribeStore(folder / "text.h5").error().code, ErrorCode::kMalformed);
 }
 
-TEST(StoreFaults, a_file_cut_short_anywhere_is_malformed) {
-  const Folder folder;
+TEST(StoreFaults, AFileCutShortAnywhereIsMalformed) {
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "whole.h5"));
   const std::string bytes = ReadFile(folder / "whole.h5").value();
   for (std::size_t size = 1; size < bytes.size(); size += bytes.size() / 61) {
@@ -38,8 +36,8 @@ TEST(StoreFaults, a_file_cut_short_anywhere_is_malformed) {
   }
 }
 
-TEST(StoreFaults, a_folder_that_does_not_exist_cannot_be_written_to) {
-  const Folder folder;
+TEST(StoreFaults, AFolderThatDoesNotExistCannotBeWrittenTo) {
+  const ScratchFolder folder;
   const Status written = WriteDataset(test::MakeDataset(), folder.path() / "none" / "set.h5");
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().code, ErrorCode::kCannotWrite);
@@ -55,8 +53,8 @@ int InChild(const Body& body) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 255;
 }
 
-TEST(StoreFaults, a_folder_that_may_not_be_written_to_stays_empty) {
-  const Folder folder;
+TEST(StoreFaults, AFolderThatMayNotBeWrittenToStaysEmpty) {
+  const ScratchFolder folder;
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   const int code = InChild([&] {
     if (::geteuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) return 3;
@@ -65,11 +63,11 @@ TEST(StoreFaults, a_folder_that_may_not_be_written_to_stays_empty) {
   });
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
   EXPECT_EQ(code, 0);
-  EXPECT_EQ(folder.FileCount(), 0u);
+  EXPECT_EQ(folder.FileCount(), 0);
 }
 
-TEST(StoreFaults, a_full_disk_leaves_nothing_and_the_process_goes_on) {
-  const Folder folder;
+TEST(StoreFaults, AFullDiskLeavesNothingAndTheProcessGoesOn) {
+  const ScratchFolder folder;
   const int code = InChild([&] {
     ::signal(SIGXFSZ, SIG_IGN);
     const rlimit full{4096, RLIM_INFINITY};
@@ -83,12 +81,12 @@ TEST(StoreFaults, a_full_disk_leaves_nothing_and_the_process_goes_on) {
     return folder.FileCount() == 0 && WriteDataset(test::MakeDataset(), folder / "after.h5") ? 0 : 2;
   });
   EXPECT_EQ(code, 0);
-  EXPECT_EQ(folder.FileCount(), 1u);
+  EXPECT_EQ(folder.FileCount(), 1);
   EXPECT_TRUE(ReadDataset(folder / "after.h5"));
 }
 
-TEST(StoreFaults, a_file_that_is_there_stays_as_it_is_when_the_new_one_is_refused) {
-  const Folder folder;
+TEST(StoreFaults, AFileThatIsThereStaysAsItIsWhenTheNewOneIsRefused) {
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "set.h5"));
   const std::string before = ReadFile(folder / "set.h5").value();
   Dataset bad = test::MakeDataset();
@@ -97,11 +95,11 @@ TEST(StoreFaults, a_file_that_is_there_stays_as_it_is_when_the_new_one_is_refuse
   ASSERT_FALSE(written);
   EXPECT_NE(written.error().where.find("set.h5:/frames/joints"), std::string::npos) << written.error().Message();
   EXPECT_TRUE(ReadFile(folder / "set.h5").value() == before);
-  EXPECT_EQ(folder.FileCount(), 1u);
+  EXPECT_EQ(folder.FileCount(), 1);
 }
 
-TEST(StoreFaults, what_breaks_a_rule_is_not_written) {
-  const Folder folder;
+TEST(StoreFaults, WhatBreaksARuleIsNotWritten) {
+  const ScratchFolder folder;
   const auto refused = [&](const std::function<void(Dataset&)>& change, const std::string& part) {
     Dataset dataset = test::MakeDataset();
     change(dataset);
@@ -109,7 +107,7 @@ TEST(StoreFaults, what_breaks_a_rule_is_not_written) {
     ASSERT_FALSE(written) << part;
     EXPECT_EQ(written.error().code, ErrorCode::kInconsistent);
     EXPECT_NE(written.error().Message().find(part), std::string::npos) << written.error().Message();
-    EXPECT_EQ(folder.FileCount(), 0u);
+    EXPECT_EQ(folder.FileCount(), 0);
   };
   refused([](Dataset& d) { std::swap(d.clips[0], d.clips[1]); }, "/clips/id");
   refused([](Dataset& d) { d.clips[1] = d.clips[0]; }, "/clips/id");
@@ -139,8 +137,8 @@ std::string Outcome(const std::filesystem::path& path, const std::filesystem::pa
   return ReadFile(again).value();
 }
 
-TEST(StoreFaults, changed_bytes_give_the_same_content_or_an_error) {
-  const Folder folder;
+TEST(StoreFaults, ChangedBytesGiveTheSameContentOrAnError) {
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "good.h5"));
   const std::string good = ReadFile(folder / "good.h5").value();
   Random random(3, "fuzz");

@@ -12,7 +12,7 @@ namespace {
 
 const std::filesystem::path kDocument = std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs" / "store_format.md";
 
-TEST(StoreFormat, store_format_md_is_what_the_table_says) {
+TEST(StoreFormat, StoreFormatMdIsWhatTheTableSays) {
   const std::string document = StoreFormatDocument();
   if (std::getenv("MOCURATE_REGENERATE") != nullptr) {
     const Status made = WriteFile(kDocument, document);
@@ -20,10 +20,10 @@ TEST(StoreFormat, store_format_md_is_what_the_table_says) {
   }
   const auto written = ReadFile(kDocument);
   ASSERT_TRUE(written) << written.error().Message();
-  EXPECT_TRUE(*written == document) << "run MOCURATE_REGENERATE=1 test_store --gtest_filter='*store_format*'";
+  EXPECT_TRUE(*written == document) << "run MOCURATE_REGENERATE=1 test_store --gtest_filter='StoreFormat.*'";
 }
 
-TEST(StoreFormat, every_field_is_in_the_document) {
+TEST(StoreFormat, EveryFieldIsInTheDocument) {
   const std::string document = StoreFormatDocument();
   for (const store::Schema* schema : store::AllSchemas()) {
     EXPECT_NE(document.find("## " + schema->name + "\n"), std::string::npos);

@@ -9,8 +9,6 @@
 namespace mocurate {
 namespace {
 
-using test::Folder;
-
 struct Answer {
   int status = -1;
   std::string text;
@@ -42,8 +40,8 @@ class StoreWithH5py : public ::testing::Test {
   }
 };
 
-TEST_F(StoreWithH5py, a_dataset_is_read_without_us) {
-  const Folder folder;
+TEST_F(StoreWithH5py, ADatasetIsReadWithoutUs) {
+  const ScratchFolder folder;
   const Dataset dataset = test::MakeDataset();
   ASSERT_TRUE(WriteDataset(dataset, folder / "set.h5"));
   const Answer answer =
@@ -79,8 +77,8 @@ TEST_F(StoreWithH5py, a_dataset_is_read_without_us) {
   }
 }
 
-TEST_F(StoreWithH5py, a_set_written_by_another_program_is_read) {
-  const Folder folder;
+TEST_F(StoreWithH5py, ASetWrittenByAnotherProgramIsRead) {
+  const ScratchFolder folder;
   for (const char* storage : {"", " gzip"}) {
     const Answer answer = Python(Quoted(kScripts / "write_store.py") + " " + Quoted(folder / "made.h5") + " " +
                                  Quoted(kFormatDocument) + storage);

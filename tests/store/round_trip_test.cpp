@@ -14,7 +14,6 @@
 namespace mocurate {
 namespace {
 
-using test::Folder;
 using test::MakeDataset;
 using test::MakeEvidenceClip;
 using test::MakeTruth;
@@ -69,8 +68,8 @@ void ExpectSameClip(const Clip& read, const Clip& written) {
   }
 }
 
-TEST(Store, a_dataset_comes_back_as_it_was_written) {
-  const Folder folder;
+TEST(Store, ADatasetComesBackAsItWasWritten) {
+  const ScratchFolder folder;
   const Dataset written = MakeDataset();
   const Status status = WriteDataset(written, folder / "set.h5");
   ASSERT_TRUE(status) << status.error().Message();
@@ -103,8 +102,20 @@ TEST(Store, a_dataset_comes_back_as_it_was_written) {
   EXPECT_TRUE(read->axes == written.axes);
 }
 
-TEST(Store, each_clip_keeps_the_rest_offsets_of_its_person) {
-  const Folder folder;
+TEST(Store, FormerCodesOfFindingsAreReadAsThoseOfToday) {
+  const ScratchFolder folder;
+  Dataset dataset = MakeDataset();
+  dataset.findings[0].code = "teleport";
+  ASSERT_TRUE(WriteDataset(dataset, folder / "former.h5"));
+  const auto read = ReadDataset(folder / "former.h5");
+  ASSERT_TRUE(read) << read.error().Message();
+  EXPECT_EQ(read->findings[0].code, "position_jump");
+  const auto clips = DatasetClips::Open(folder / "former.h5", DatasetClips::Check::kHashes);
+  ASSERT_TRUE(clips) << clips.error().Message();
+}
+
+TEST(Store, EachClipKeepsTheRestOffsetsOfItsPerson) {
+  const ScratchFolder folder;
   Dataset written = MakeDataset();
   auto own = std::make_shared<Skeleton>(*written.skeleton);
   own->joints[1].rest_offset = Vector3d(0.01, -0.02, 0.03) + own->joints[1].rest_offset;
@@ -131,8 +142,8 @@ TEST(Store, each_clip_keeps_the_rest_offsets_of_its_person) {
   EXPECT_FALSE(WriteDataset(written, folder / "other.h5")) << "another tree is another skeleton";
 }
 
-TEST(Store, joints_only_sets_have_no_rotations_anywhere) {
-  const Folder folder;
+TEST(Store, JointsOnlySetsHaveNoRotationsAnywhere) {
+  const ScratchFolder folder;
   const Dataset written = test::MakeJointsOnlyDataset();
   const Status status = WriteDataset(written, folder / "set.h5");
   ASSERT_TRUE(status) << status.error().Message();
@@ -142,8 +153,8 @@ TEST(Store, joints_only_sets_have_no_rotations_anywhere) {
   for (std::size_t i = 0; i < 3; ++i) ExpectSameMotion(*read->clips[i].motion, *written.clips[i].motion);
 }
 
-TEST(Store, a_dataset_without_clips_is_a_dataset) {
-  const Folder folder;
+TEST(Store, ADatasetWithoutClipsIsADataset) {
+  const ScratchFolder folder;
   Dataset empty;
   empty.skeleton = test::Walker();
   const Status status = WriteDataset(empty, folder / "set.h5");
@@ -153,8 +164,8 @@ TEST(Store, a_dataset_without_clips_is_a_dataset) {
   EXPECT_TRUE(read->clips.empty());
 }
 
-TEST(Store, every_skeleton_of_the_program_comes_back_without_its_yaml) {
-  const Folder folder;
+TEST(Store, EverySkeletonOfTheProgramComesBackWithoutItsYaml) {
+  const ScratchFolder folder;
   for (const char* name :
        {"smpl24", "humanact12", "ntu25", "ntu18", "cmu20", "cmu31", "kinect20", "openni15", "bandai22", "a2m21"}) {
     const auto skeleton = LoadSkeleton(name);
@@ -227,8 +238,8 @@ void ExpectSameKeypoints(const Evidence& read, const Evidence& written) {
   }
 }
 
-TEST(Store, evidence_comes_back_exactly_with_paths_that_are_not_utf8) {
-  const Folder folder;
+TEST(Store, EvidenceComesBackExactlyWithPathsThatAreNotUtf8) {
+  const ScratchFolder folder;
   for (const bool with_motion : {false, true}) {
     const Clip written = MakeEvidenceClip(with_motion);
     const Status status = WriteEvidence(written, folder / "evidence.h5");
@@ -245,8 +256,8 @@ TEST(Store, evidence_comes_back_exactly_with_paths_that_are_not_utf8) {
   }
 }
 
-TEST(Store, evidence_keeps_what_was_found_about_it) {
-  const Folder folder;
+TEST(Store, EvidenceKeepsWhatWasFoundAboutIt) {
+  const ScratchFolder folder;
   Finding finding;
   finding.clip = "KARD/p1/a#0-3";
   finding.code = "bone_slides";
@@ -260,8 +271,8 @@ TEST(Store, evidence_keeps_what_was_found_about_it) {
   EXPECT_TRUE(findings.empty());
 }
 
-TEST(Store, the_value_of_a_missing_observation_is_never_kept_as_not_a_number) {
-  const Folder folder;
+TEST(Store, TheValueOfAMissingObservationIsNeverKeptAsNotANumber) {
+  const ScratchFolder folder;
   Clip clip = MakeEvidenceClip(false);
   clip.evidence.tracks->positions.xyz[6] = std::numeric_limits<double>::quiet_NaN();  // confidence 0
   ASSERT_TRUE(WriteEvidence(clip, folder / "evidence.h5"));
@@ -273,8 +284,8 @@ TEST(Store, the_value_of_a_missing_observation_is_never_kept_as_not_a_number) {
   EXPECT_NE(refused.error().where.find(":/tracks/positions"), std::string::npos) << refused.error().Message();
 }
 
-TEST(Store, a_keypoint_that_was_not_seen_may_be_anything_and_one_that_was_seen_may_not) {
-  const Folder folder;
+TEST(Store, AKeypointThatWasNotSeenMayBeAnythingAndOneThatWasSeenMayNot) {
+  const ScratchFolder folder;
   Clip clip = MakeEvidenceClip(false);
   std::vector<double>& values = clip.evidence.keypoint_views[0].values;
   values[3] = std::numeric_limits<double>::quiet_NaN();  // confidence 0
@@ -288,8 +299,8 @@ TEST(Store, a_keypoint_that_was_not_seen_may_be_anything_and_one_that_was_seen_m
   EXPECT_NE(refused.error().what.find("frame 0, person 0, nose"), std::string::npos) << refused.error().Message();
 }
 
-TEST(Store, clouds_without_order_unit_or_hash_are_refused_by_field) {
-  const Folder folder;
+TEST(Store, CloudsWithoutOrderUnitOrHashAreRefusedByField) {
+  const ScratchFolder folder;
   const auto where = [&](const std::function<void(CloudFiles&)>& damage) {
     Clip clip = MakeEvidenceClip(false);
     damage(*clip.evidence.clouds);
@@ -305,8 +316,8 @@ TEST(Store, clouds_without_order_unit_or_hash_are_refused_by_field) {
               HasSubstr("/clouds/world_from_file"));
 }
 
-TEST(Store, truth_comes_back_by_clip) {
-  const Folder folder;
+TEST(Store, TruthComesBackByClip) {
+  const ScratchFolder folder;
   const Truth written = MakeTruth();
   const Status status = WriteTruth(written, folder / "truth.h5");
   ASSERT_TRUE(status) << status.error().Message();
@@ -318,8 +329,8 @@ TEST(Store, truth_comes_back_by_clip) {
   EXPECT_TRUE(ReadTruth(folder / "none.h5")->motion.empty());
 }
 
-TEST(Store, the_same_content_gives_the_same_bytes_also_after_reading) {
-  const Folder folder;
+TEST(Store, TheSameContentGivesTheSameBytesAlsoAfterReading) {
+  const ScratchFolder folder;
   for (const Dataset& dataset : {MakeDataset(), test::MakeJointsOnlyDataset()}) {
     ASSERT_TRUE(WriteDataset(dataset, folder / "a.h5"));
     ASSERT_TRUE(WriteDataset(dataset, folder / "b.h5"));
@@ -335,7 +346,7 @@ TEST(Store, the_same_content_gives_the_same_bytes_also_after_reading) {
   EXPECT_TRUE(Bytes(folder / "a.h5") == Bytes(folder / "b.h5"));
 }
 
-TEST(Store, a_stored_quaternion_that_is_read_is_unit_and_is_stored_as_itself) {
+TEST(Store, AStoredQuaternionThatIsReadIsUnitAndIsStoredAsItself) {
   Random random(1, "quaternions");
   for (int i = 0; i < 300000; ++i) {
     Quaterniond q = Quaterniond(random.Normal(), random.Normal(), random.Normal(), random.Normal()).normalized();
@@ -350,8 +361,8 @@ TEST(Store, a_stored_quaternion_that_is_read_is_unit_and_is_stored_as_itself) {
   }
 }
 
-TEST(Store, a_description_names_schema_counts_and_fields) {
-  const Folder folder;
+TEST(Store, ADescriptionNamesSchemaCountsAndFields) {
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(MakeDataset(), folder / "set.h5"));
   const auto json = DescribeStore(folder / "set.h5");
   ASSERT_TRUE(json) << json.error().Message();

@@ -10,7 +10,7 @@
 
 namespace mocurate {
 
-/// Somebody who goes along and swings every joint, with bones of their own.
+/// A person who travels and swings every joint, with bones of their own.
 inline Clip Swinging(const SkeletonPtr& skeleton, ClipIdentity identity, const std::string& label, double phase) {
   const int frames = identity.end_frame - identity.begin_frame;
   std::vector<Vector3d> root;

@@ -139,8 +139,8 @@ TEST(Action2MotionGolden, NetworksOfThePapersSizeEqualTheReleasedOnes) {
     TracedNetwork network = Released(group == "full_lie");
     network.options.action2motion.time_counter = TimeChoice::kReleased;
     network.weights = FormulaWeights(network);
-    // Three calls on the same rows. (The file's note says that the rows grow from call to call; its numbers say that
-    // they do not: with rows that grow, every call but the first is off by 1e-3.)
+    // Three calls on the same rows. (The file's note states that the rows grow from call to call; its numbers show that
+    // they do not: with growing rows, every call but the first is off by 1e-3.)
     TraceValues inputs;
     for (const char* name : {"prior_input", "decoder_input"}) {
       Parameter rows = GoldenArray(file, group + "/" + name, name);

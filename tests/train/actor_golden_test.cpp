@@ -122,7 +122,7 @@ TEST_P(ActorTraining, StepsEqualTheReleasedOnes) {
   for (const std::string& name : names) {
     const std::vector<float> want = file.Floats(given.group + "/grad/" + name).values;
     ExpectNear(trace->gradients, name, want, std::max(1e-8, 1e-5 * LargestValue(want)), given.group + "/grad");
-    // Adam makes full steps of gradients that are rounding noise: there the weights say nothing.
+    // Adam makes full steps for gradients at rounding level: those weights are not comparable.
     const std::vector<float> after = file.Floats(given.group + "/after_adamw1/" + name).values;
     const Parameter& ours = trace->after[0][static_cast<std::size_t>(FindParameter(trace->after[0], name))];
     for (std::size_t i = 0; i < after.size(); ++i) {

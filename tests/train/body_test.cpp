@@ -14,6 +14,7 @@
 #include "core/formats/smpl_model.h"
 #include "core/motion/kinematics.h"
 #include "core/store/body_file.h"
+#include "tests/support/scratch_folder.h"
 #include "train/layers/dropout.h"
 #include "train/layers/rotations.h"
 
@@ -202,8 +203,7 @@ TEST(BodyLayer, AnSmplFileIsPosedAlikeByBothAndVariesInShape) {
   const SmplModel model = ToySmpl(**skeleton);
   const auto bytes = EncodeSmplModelNpz(model, "toy");
   ASSERT_TRUE(bytes) << bytes.error().Message();
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "smpl_files";
-  std::filesystem::create_directories(folder);
+  const ScratchFolder folder;
   ASSERT_TRUE(WriteFile(folder / "SMPL_NEUTRAL.npz", *bytes));
   const auto skin = ReadSkin(folder / "SMPL_NEUTRAL.npz", **skeleton);
   ASSERT_TRUE(skin) << skin.error().Message();
@@ -238,7 +238,6 @@ TEST(BodyLayer, AnSmplFileIsPosedAlikeByBothAndVariesInShape) {
   }
   EXPECT_TRUE(IsOfOneGender("SMPL_FEMALE.npz"));
   EXPECT_FALSE(IsOfOneGender(folder / "SMPL_NEUTRAL.npz"));
-  std::filesystem::remove_all(folder);
 }
 
 TEST(RotationNumbers, EveryRepresentationComesBack) {

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Generators, MoCoGanGolden, testing::Values("generator",
 TEST(MoCoGanGolden, TheMotionDiscriminatorEqualsTheReleasedOne) {
   MOCURATE_NEEDS_GOLDENS();
   const Golden file(golden::PathOf("a2m_gan.h5"));
-  // The released file has one without the column that says real or not, and one with it.
+  // The released file has one without the real/fake column, and one with it.
   for (const std::string group : {"discriminator", "categorical_discriminator"}) {
     const bool categorical = group == "categorical_discriminator";
     TracedNetwork network = TinyGan(false, categorical ? 12 : 11);

@@ -1,4 +1,4 @@
-// The pass without gradients gives what the network that is trained gives, for every depth, length and cut into chunks.
+// The pass without gradients equals the trained network, for every depth, length and chunking.
 
 #include "train/recognisers/gru_pass.h"
 

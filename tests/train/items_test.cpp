@@ -1,4 +1,4 @@
-// Which networks a job trains: one item per seed, each with options of its own only.
+// The networks that a job trains: one item per seed, each with its own options only.
 
 #include "train/items.h"
 

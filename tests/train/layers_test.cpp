@@ -1,4 +1,4 @@
-// Each written-out layer gives what its plain form gives, forward and backward.
+// Each optimised layer equals its plain form, forward and backward.
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>

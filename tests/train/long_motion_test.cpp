@@ -1,4 +1,4 @@
-// Scripts become long motions: each step continues the one before, wherever it stands.
+// Scripts become long motions: each step continues the one before, at any position.
 
 #include "train/generators/long_motion.h"
 
@@ -9,18 +9,19 @@
 #include <map>
 
 #include "core/motion/operations.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
 #include "train/trainer/trainer.h"
 
 namespace mocurate {
 namespace {
 
-/// Networks of every kind that answers scripts, barely trained, once for the suite.
+/// Barely trained networks of every kind that generates scripts, once for the suite.
 class LongMotion : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "mocurate_long_XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
+    scratch_ = std::make_unique<ScratchFolder>();
+    folder_ = *scratch_;
     samples_ = SampleDataset(3);
     for (const auto& [name, options] : Networks()) {
       const auto set = PackTrainingSet(samples_, NeedsOf(options));
@@ -30,7 +31,7 @@ class LongMotion : public testing::Test {
       ASSERT_TRUE(WriteCheckpoint(*trained, folder_ / (name + ".h5")));
     }
   }
-  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+  static void TearDownTestSuite() { scratch_.reset(); }
 
   static std::map<std::string, NetworkOptions> Networks() {
     NetworkOptions macvae(NetworkKind::kMacvae), actor(NetworkKind::kActor), ssmct(NetworkKind::kSsmct);
@@ -85,6 +86,7 @@ class LongMotion : public testing::Test {
     return request;
   }
 
+  static inline std::unique_ptr<ScratchFolder> scratch_;
   static std::filesystem::path folder_;
   static Dataset samples_;
 };
@@ -186,7 +188,7 @@ TEST_F(LongMotion, InterpolationGoesEvenlyAndAlignmentJoinsHeadingsAndPlaces) {
   EXPECT_NEAR(between.rotation_at(1, 1).angularDistance(after.rotation_at(0, 1)), 0.5 * whole, 1e-9);
   const RigidTransform aligned = AlignedTo(before, after, 4);
   const Vector3d place = aligned * after.root_translation.front();
-  EXPECT_NEAR(place.x(), from.x() + 4 * 0.01, 1e-9);  // it goes on 1 cm a frame
+  EXPECT_NEAR(place.x(), from.x() + 4 * 0.01, 1e-9);  // it continues by 1 cm a frame
   EXPECT_NEAR(place.y(), after.root_translation.front().y(), 1e-9);
   EXPECT_LT(
       (aligned.rotation * after.rotation_at(0, 0)).angularDistance(before.rotation_at(before.frame_count() - 1, 0)),
@@ -208,7 +210,7 @@ TEST_F(LongMotion, RefusesWhatItsNetworksCannotAnswer) {
   alone.label = 0;
   alone.frames = 9;
   alone.script = {{1, 4, 9}};
-  EXPECT_EQ(refused(networks, alone).code, ErrorCode::kInconsistent);  // nothing makes the first action
+  EXPECT_EQ(refused(networks, alone).code, ErrorCode::kInconsistent);  // no network generates the first action
   MotionRequest other = Continuing(1, {{0, 4, 10}});
   Clip faster = *other.previous;
   faster.motion->rate.numerator *= 2;
@@ -217,7 +219,7 @@ TEST_F(LongMotion, RefusesWhatItsNetworksCannotAnswer) {
   auto longer = std::make_shared<Skeleton>(*samples_.skeleton);
   longer->joints.push_back(longer->joints.back());
   faster = *Continuing(1, {}).previous;
-  faster.motion->skeleton = faster.motion->counted_from = longer;
+  faster.motion->skeleton = faster.motion->rotation_reference = longer;
   other.previous = std::make_shared<const Clip>(faster);
   EXPECT_EQ(refused(networks, other).code, ErrorCode::kInconsistent);  // another skeleton
   other = Continuing(1, {{0, 4, 10}});

@@ -1,4 +1,4 @@
-// Sets that a network makes of its training clips, to train recognisers on (a2m_actor.md D.9).
+// Sets generated from a network's training clips, to train recognisers on (a2m_actor.md D.9).
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 #include <functional>
 #include <set>
 
+#include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
 #include "train/data/batches.h"
 #include "train/data/training_windows.h"
@@ -89,7 +90,8 @@ TEST(MadeSets, WindowsAreThoseOfTheClipsThatTheNetworkLearnedFrom) {
 }
 
 TEST(MadeSets, EachRuleKeepsLabelsAndLengthsAndDrawsByClip) {
-  const fs::path file = fs::path(testing::TempDir()) / "made_sets_generator.h5";
+  const ScratchFolder folder;
+  const fs::path file = folder / "generator.h5";
   const Dataset set = TurningDataset(2);
   const auto trained = TrainNetwork(*PackTrainingSet(set, {true}), Generator(10), {});
   ASSERT_TRUE(trained) << trained.error().Message();
@@ -220,13 +222,13 @@ TEST(MadeSets, TheGeneratorIsNamedAndLearnsFromTheSameClips) {
   EXPECT_EQ(code(), ErrorCode::kConfig) << "made of half of its clips";
   recogniser.data.fraction = 0.5;
   options.networks[0].trained_on = TrainingSetChoice::kUnfitted;
-  EXPECT_EQ(code(), ErrorCode::kConfig) << "it never saw the fitted clips";
+  EXPECT_EQ(code(), ErrorCode::kConfig) << "it was not trained on the fitted clips";
   options.networks[0].trained_on = TrainingSetChoice::kDataset;
   options.networks[0].enabled = false;
   EXPECT_EQ(code(), ErrorCode::kConfig);
   options.networks[0].enabled = true;
   recogniser.trained_on = TrainingSetChoice::kDataset;
-  EXPECT_EQ(code(), ErrorCode::kConfig) << "a generator that is not asked";
+  EXPECT_EQ(code(), ErrorCode::kConfig) << "an unused generator";
 }
 
 TEST(MadeSets, ANetworkBeginsWithOneAboveItOfItsSizeAndClips) {

@@ -13,7 +13,7 @@
 
 namespace mocurate {
 
-/// Largest differences allowed, relative where it says so (goldens/README.md, tolerances).
+/// Largest differences allowed, relative where noted (goldens/README.md, tolerances).
 struct ParityTolerance {
   double outputs = 5e-6;
   double gradients = 1e-5;  ///< of the largest value of an array

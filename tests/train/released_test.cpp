@@ -1,4 +1,4 @@
-// Weights of a file of torch.save take the place of a training.
+// Weights of a file of torch.save replace a training.
 
 #include "train/checkpoint/released.h"
 
@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/file.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/data/training_set.h"
@@ -91,12 +92,9 @@ void Save(const Checkpoint& checkpoint, int iterations, const std::filesystem::p
 class ReleasedFiles : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / "mocurate_released";
-    std::filesystem::create_directories(folder_);
     set_ = *PackTrainingSet(ToyDataset(2));
     trained_ = *TrainNetwork(set_, SmallNetwork(), {});
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   Expected<Checkpoint> From(const std::string& file, const NetworkOptions& options = SmallNetwork()) {
     TrainingControl control;
@@ -104,7 +102,7 @@ class ReleasedFiles : public testing::Test {
     return TrainNetwork(set_, options, control);
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   TrainingSet set_;
   Checkpoint trained_;
 };

@@ -151,7 +151,7 @@ TEST(Ssmct, AnswerIsTheFilledTransition) {
   const std::vector<std::int64_t> parts = {5, 2, 4, 4, 3, 5};
   const Tensor filled = FilledBy(*network, frames, parts);
 
-  // 9 frames stand before the transition of the first motion: only its last 6 fit into the 12 of the network.
+  // 9 frames precede the transition of the first motion: only its last 6 fit into the 12 of the network.
   const auto request = [&](int earlier) {
     const Tensor earlier_frames = torch::cat({RandomFrames(earlier, 2, "earlier"), frames});
     const auto padded_part = [&](const Tensor& x, std::int64_t first, std::int64_t second, std::int64_t count) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "tests/support/scratch_folder.h"
 #include "tests/train/network_parity.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/recognisers/recogniser.h"
@@ -97,10 +98,10 @@ TEST_P(StGcnGolden, FeaturesLossAndGradientsAreTheReleasedOnes) {
   skeleton->name = "tree";
   checkpoint.skeleton = skeleton;
   checkpoint.parameters = network.weights;
-  const auto path = std::filesystem::temp_directory_path() / ("mocurate_st_gcn_" + group + ".h5");
+  const ScratchFolder folder;
+  const auto path = folder / (group + ".h5");
   ASSERT_TRUE(WriteCheckpoint(checkpoint, path));
   const auto recogniser = Recogniser::Load(path);
-  std::filesystem::remove(path);
   ASSERT_TRUE(recogniser) << recogniser.error().Message();
   EXPECT_TRUE((*recogniser)->reads_rotations());
   std::vector<float> motions(frames.size());  // (B,T,6V)

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/base/file.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/data/training_set.h"
@@ -16,13 +17,9 @@ namespace {
 class TrainStages : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / "mocurate_train_stages";
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
     const Status written = WriteDataset(ToyDataset(3), folder_ / "dataset.h5");
     ASSERT_TRUE(written) << written.error().Message();
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   StageRequest Request(NetworkOptions options) const {
     options.data.frames = 8;
@@ -41,7 +38,7 @@ class TrainStages : public testing::Test {
     return request;
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(TrainStages, ARecogniserIsTrainedFromADatasetFile) {

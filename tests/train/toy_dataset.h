@@ -59,7 +59,7 @@ inline Dataset ToyDataset(int clips_per_person_and_class) {
   return dataset;
 }
 
-/// The same with rotations: the arm turns, the others stand still.
+/// The same with rotations: the arm rotates, the others stay.
 inline Dataset TurningDataset(int clips_per_person_and_class) {
   Dataset dataset = ToyDataset(clips_per_person_and_class);
   dataset.joints_only = false;

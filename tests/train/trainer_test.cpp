@@ -1,4 +1,4 @@
-// Every network trains, stops and goes on bit for bit with any number of threads, and its checkpoint answers requests.
+// Every network trains, stops and resumes bit for bit with any number of threads, and its checkpoint generates motions.
 
 #include "train/trainer/trainer.h"
 
@@ -11,6 +11,7 @@
 #include <string>
 
 #include "core/base/file.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
 #include "train/data/batches.h"
 #include "train/generators/motion_generator.h"
@@ -20,20 +21,13 @@
 namespace mocurate {
 namespace {
 
-constexpr NetworkKind kAllKinds[] = {NetworkKind::kGruRecogniser, NetworkKind::kStGcn,      NetworkKind::kAction2Motion,
-                                     NetworkKind::kCondGru,       NetworkKind::kActMoCoGan, NetworkKind::kTwoStageGan,
-                                     NetworkKind::kActor,         NetworkKind::kMacvae,     NetworkKind::kSsmct};
+constexpr NetworkKind kAllModalities[] = {
+    NetworkKind::kGruRecogniser, NetworkKind::kStGcn,      NetworkKind::kAction2Motion,
+    NetworkKind::kCondGru,       NetworkKind::kActMoCoGan, NetworkKind::kTwoStageGan,
+    NetworkKind::kActor,         NetworkKind::kMacvae,     NetworkKind::kSsmct};
 
 class Trainer : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("mocurate_train_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::string BytesOf(const Expected<Checkpoint>& checkpoint) {
     EXPECT_TRUE(checkpoint) << checkpoint.error().Message();
     if (!checkpoint) return "";
@@ -42,7 +36,7 @@ class Trainer : public testing::Test {
     return *ReadFile(path);
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
 };
 
 NetworkOptions Small(NetworkKind kind) {
@@ -148,7 +142,7 @@ TEST_P(EveryNetwork, AnswersRequestsOneByOneAsByHundreds) {
   EXPECT_EQ(wrong.error().where, "request 4");
 }
 
-INSTANTIATE_TEST_SUITE_P(Networks, EveryNetwork, testing::ValuesIn(kAllKinds));
+INSTANTIATE_TEST_SUITE_P(Networks, EveryNetwork, testing::ValuesIn(kAllModalities));
 
 TEST_F(Trainer, ANetworkKeptAfterSomeStepsGoesOnToTheSameWeights) {
   NetworkOptions options = Small(NetworkKind::kAction2Motion);
@@ -294,7 +288,7 @@ TEST_F(Trainer, ClipsOfOneFrameAndMotionsThatStandStillTrain) {
   const TrainingSet set = *PackTrainingSet(dataset);
   TrainingSet turning = Toy(NetworkKind::kActor);
   for (std::size_t i = 0; i < turning.clips.size(); i += 2) turning.clips[i].frames = 1;
-  for (const NetworkKind kind : kAllKinds) {
+  for (const NetworkKind kind : kAllModalities) {
     const auto trained = TrainNetwork(NetworkOptions(kind).NeedsRotations() ? turning : set, Small(kind), {});
     EXPECT_EQ(trained.has_value(), !NetworkOptions(kind).NeedsParts()) << "clips without parts are no samples";
     EXPECT_TRUE(trained || trained.error().code == ErrorCode::kInconsistent) << trained.error().Message();

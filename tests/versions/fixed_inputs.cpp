@@ -148,7 +148,7 @@ nlohmann::json RunSummary(const std::string& clip) {
         {"bone_direction_deg", 2.5},
         {"frames", 40},
         {"clips", 1}}},
-      {"stages", {{{"stage", "fitting"}, {"items", 1}, {"done", 1}, {"doubtful", 0}, {"refused", 0}, {"crashed", 0}}}},
+      {"stages", {{{"stage", "fitting"}, {"items", 1}, {"done", 1}, {"suspect", 0}, {"refused", 0}, {"crashed", 0}}}},
       {"clips",
        {{{"item", clip},
          {"kept", true},

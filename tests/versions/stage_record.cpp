@@ -48,7 +48,7 @@ bool IsHash(const nlohmann::json& value) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-bool LeftOut(const std::string& name) {
+bool Excluded(const std::string& name) {
   return name.find("sha256") != std::string::npos || name.find("created_by") != std::string::npos;
 }
 
@@ -116,7 +116,7 @@ Expected<nlohmann::json> RecordHdf5(const std::filesystem::path& artifact) {
   if (!reader) return Forward(reader);
   nlohmann::json record = nlohmann::json::object();
   for (const std::string& path : reader->AllPaths()) {
-    if (LeftOut(path)) continue;
+    if (Excluded(path)) continue;
     Expected<store::Array> read = Fail(ErrorCode::kUnsupported, "a field of no known type", path);
     for (const store::FieldType type : {store::FieldType::kText, store::FieldType::kFloat32, store::FieldType::kFloat64,
                                         store::FieldType::kInt32, store::FieldType::kInt64, store::FieldType::kUint8}) {
@@ -176,7 +176,7 @@ nlohmann::json RecordJson(const nlohmann::json& value) {
   if (!value.is_object()) return value;
   nlohmann::json record = nlohmann::json::object();
   for (const auto& [key, member] : value.items()) {
-    if (!LeftOut(key) && !IsHash(member)) record[key] = RecordJson(member);
+    if (!Excluded(key) && !IsHash(member)) record[key] = RecordJson(member);
   }
   return record;
 }

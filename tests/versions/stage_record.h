@@ -13,7 +13,7 @@ namespace mocurate::versions {
 
 /// Record of an artifact. HDF5: every field with shape, type and figures {"mean", "rms", "mix"} (mix: the values
 /// weighted by their place, so that exchanged values show). JSON: its values. Other text: its wording apart from the
-/// numbers in it. Anything else: its length. Hashes and the program's version are left out.
+/// numbers in it. Anything else: its length. Hashes and the program's version are excluded.
 Expected<nlohmann::json> RecordArtifact(const std::filesystem::path& artifact);
 
 /// Record of any JSON value, by the same rules.

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "core/base/file.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/versions/stage_record.h"
 
 namespace mocurate::versions {
@@ -39,8 +40,6 @@ std::filesystem::path RecordFile(const std::string& name) {
 }
 
 void StageVersions::SetUp() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "mocurate_versions_XXXXXX").string();
-  folder_ = ::mkdtemp(pattern.data());
   RunnerOptions options;
   options.run_folder = folder_ / "run";
   options.cache_folder = folder_ / "cache";
@@ -50,11 +49,6 @@ void StageVersions::SetUp() {
   auto runner = Runner::Make(options);
   ASSERT_TRUE(runner) << runner.error().Message();
   runner_ = std::move(*runner);
-}
-
-void StageVersions::TearDown() {
-  runner_.reset();
-  std::filesystem::remove_all(folder_);
 }
 
 void StageVersions::Put(const std::string& file, const std::string& bytes) {

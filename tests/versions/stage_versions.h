@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/pipeline/runner.h"
+#include "tests/support/scratch_folder.h"
 
 namespace mocurate::versions {
 
@@ -19,7 +20,6 @@ std::filesystem::path RecordFile(const std::string& name);
 class StageVersions : public testing::Test {
  protected:
   void SetUp() override;
-  void TearDown() override;
 
   std::filesystem::path Path(const std::string& name) const { return folder_ / name; }
   StageInput Input(const char* role, const std::string& name, const std::string& file) const {
@@ -36,7 +36,7 @@ class StageVersions : public testing::Test {
                    const std::vector<StageDeclaration>& made_from = {});
 
  private:
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   std::unique_ptr<Runner> runner_;
 };
 

@@ -36,7 +36,7 @@ nlohmann::json NamesOf(const ParameterList& parameters) {
   return names;
 }
 
-/// What a file says of its network; the states that a training goes on from only where they are in the file.
+/// The network of a file; states for continuing a training are empty where the file has none.
 nlohmann::json AboutOf(const Checkpoint& checkpoint, nlohmann::json optimisers, nlohmann::json best) {
   nlohmann::json about = {{"kind", checkpoint.kind},
                           {"options", checkpoint.options},
@@ -72,13 +72,13 @@ Expected<Fields> ReadFields(const std::filesystem::path& path) {
   const std::string schema = AttributeText(*reader, "/@schema");
   if (schema != kSchema && schema.rfind(kFamily, 0) == 0) {
     return Fail(ErrorCode::kInconsistent, "the checkpoint is of version '" + schema + "'", where,
-                std::string("this program reads ") + kSchema + ": train again, or use the program that wrote it");
+                std::string("this program reads ") + kSchema + ": train again, or use the program that wrote the file");
   }
   if (schema != kSchema) {
-    return Fail(
-        ErrorCode::kInconsistent,
-        schema.empty() ? std::string("the file is no checkpoint") : "the file is a '" + schema + "', no checkpoint",
-        where, std::string("a checkpoint of schema ") + kSchema + " is needed");
+    return Fail(ErrorCode::kInconsistent,
+                schema.empty() ? std::string("the file is not a checkpoint")
+                               : "the file is a '" + schema + "', not a checkpoint",
+                where, std::string("use a checkpoint of schema ") + kSchema);
   }
   Fields fields;
   for (const std::string& field : reader->AllPaths()) {
@@ -92,13 +92,13 @@ Expected<Fields> ReadFields(const std::filesystem::path& path) {
   const std::string expected = AttributeText(*reader, "/@content_sha256");
   fields.erase("/@content_sha256");
   if (ContentHash(fields) != expected) {
-    return Fail(ErrorCode::kMalformed, "the content does not agree with its content_sha256", where,
+    return Fail(ErrorCode::kMalformed, "the content does not match its content_sha256", where,
                 "the file was changed or damaged; train again");
   }
   return fields;
 }
 
-/// A network in a safetensors file: its parameters, and beside them what a checkpoint says about itself.
+/// A network in a safetensors file: its parameters, and its description in the metadata.
 Expected<Fields> ReadExported(const std::filesystem::path& path) {
   const Expected<std::string> bytes = ReadFile(path);
   if (!bytes) return Forward(bytes);
@@ -107,9 +107,9 @@ Expected<Fields> ReadExported(const std::filesystem::path& path) {
   if (!file) return Forward(file);
   const auto about = file->metadata.find(kAboutKey);
   if (about == file->metadata.end()) {
-    return Fail(
-        ErrorCode::kInconsistent, "the file holds tensors, and nothing says which network they are", where,
-        std::string("metadata '") + kAboutKey + "', as `mocurate export CHECKPOINT -o FILE.safetensors` writes");
+    return Fail(ErrorCode::kInconsistent, "the file has tensors without a description of their network", where,
+                std::string("add metadata '") + kAboutKey +
+                    "', as written by `mocurate export CHECKPOINT -o FILE.safetensors`");
   }
   Fields fields;
   fields["/about"] = store::MakeText(about->second);
@@ -137,7 +137,7 @@ Expected<ParameterList> TakeParameters(const nlohmann::json& names, const std::s
   return parameters;
 }
 
-/// What a network's facts are, where they are there.
+/// Checks the types of a network's facts.
 Status CheckFacts(const nlohmann::json& facts, const std::string& where) {
   const auto numbers = [](const nlohmann::json& list) {
     return list.is_array() && std::all_of(list.begin(), list.end(), [](const auto& one) { return one.is_number(); });
@@ -145,7 +145,7 @@ Status CheckFacts(const nlohmann::json& facts, const std::string& where) {
   const auto rows = [&](const nlohmann::json& list) {
     return list.is_array() && std::all_of(list.begin(), list.end(), numbers);
   };
-  if (!facts.is_object()) return Fail(ErrorCode::kMalformed, "facts is no mapping", where + ":/about");
+  if (!facts.is_object()) return Fail(ErrorCode::kMalformed, "facts is not a mapping", where + ":/about");
   for (const auto& [name, value] : facts.items()) {
     const bool words = name == "words";
     const bool text = name == "rate" || name == "split" || name == "validation_rule" || name == "body";
@@ -158,8 +158,8 @@ Status CheckFacts(const nlohmann::json& facts, const std::string& where) {
     const bool number = name == "round" || name == "round_step" || name == "best_epoch" || name == "best_accuracy" ||
                         name == "best_loss" || name == "parameters";
     if (fits && (!number || value.is_number())) continue;
-    return Fail(ErrorCode::kMalformed, "the fact is of another type: " + value.dump().substr(0, 60),
-                where + ":/about facts." + name, "take the file as `mocurate` wrote it");
+    return Fail(ErrorCode::kMalformed, "the fact has another type: " + value.dump().substr(0, 60),
+                where + ":/about facts." + name, "use the unchanged file that mocurate wrote");
   }
   return {};
 }
@@ -267,7 +267,7 @@ Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std
     if (!kind.empty() && checkpoint.kind != kind) {
       return Fail(ErrorCode::kInconsistent,
                   "the checkpoint holds a network of kind '" + checkpoint.kind + "', '" + kind + "' is needed", where,
-                  "give the checkpoint of the other network");
+                  "use a checkpoint of the required kind");
     }
     if (Status filled = FillFromAbout(about, where, *fields, checkpoint); !filled) return Forward(filled);
     return checkpoint;

@@ -11,12 +11,12 @@
 
 namespace mocurate {
 
-/// Kinds of networks that other programs ask for by name.
+/// Kinds of networks that other programs refer to by name.
 inline constexpr const char* kGruRecogniserKind = "gru_recogniser";
 inline constexpr const char* kAction2MotionKind = "action2motion";
 inline constexpr const char* kStGcnKind = "st_gcn";
 
-/// What an optimiser remembers: moments of the parameters it has stepped, by their names.
+/// State of an optimiser: moments of the parameters it has updated, by their names.
 struct OptimiserState {
   std::string name;
   std::int64_t steps = 0;
@@ -24,8 +24,8 @@ struct OptimiserState {
   ParameterList second;  ///< mean of their squares
 };
 
-/// A network and everything that its training needs to go on bit for bit. Random draws are keyed by the step, so `step`
-/// is the position of every generator.
+/// A network and the state for continuing its training bit for bit. Random draws are keyed by the step, so that `step`
+/// is the state of every generator.
 struct Checkpoint {
   std::string kind;                                   ///< of the network, as configs name it
   nlohmann::json options = nlohmann::json::object();  ///< NetworkOptions, complete
@@ -38,18 +38,18 @@ struct Checkpoint {
   ParameterList parameters;
   ParameterList best;  ///< the best so far on the validation fold, or empty
   std::vector<OptimiserState> optimisers;
-  std::map<std::string, std::vector<double>> history;  ///< one column per measure; "step" says where
+  std::map<std::string, std::vector<double>> history;  ///< one column per measure; "step" is the index column
 };
 
 /// Schema "mocurate-checkpoint/2": HDF5 with /about (JSON), /parameters, /best, /optimisers, /history. Same content,
-/// same bytes; appears whole or not at all.
+/// same bytes; written atomically.
 Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path& path);
 
-/// The parameters as safetensors, which Python opens, with what the network is in the metadata 'mocurate'.
-/// ReadCheckpoint takes such a file (ending .safetensors) as a network that is not trained any further.
+/// The parameters as safetensors, readable from Python, with the network's description in the metadata 'mocurate'.
+/// ReadCheckpoint reads such a file (ending .safetensors) as a finished network.
 Status ExportSafetensors(const Checkpoint& checkpoint, const std::filesystem::path& path);
 
-/// Error kNotFound, kUnreadable, kMalformed; kInconsistent naming both kinds when the file holds another network than
+/// Errors kNotFound, kUnreadable, kMalformed; kInconsistent naming both kinds when the file has another network than
 /// `kind` (empty: any), or when it is of another version.
 Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std::string& kind = {});
 

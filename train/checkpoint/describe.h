@@ -7,10 +7,10 @@
 
 namespace mocurate {
 
-/// Whether an HDF5 file says that it is a checkpoint.
+/// Whether an HDF5 file is declared as a checkpoint.
 bool IsCheckpoint(const std::filesystem::path& path);
 
-/// What a checkpoint is, as JSON: network, progress, classes, skeleton, size, options. Errors of ReadCheckpoint.
+/// Summary of a checkpoint as JSON: network, progress, classes, skeleton, size, options. Errors of ReadCheckpoint.
 Expected<nlohmann::json> DescribeCheckpoint(const std::filesystem::path& path);
 
 }  // namespace mocurate

@@ -21,7 +21,7 @@ using ParameterList = std::vector<Parameter>;
 /// Number of learned values.
 std::int64_t CountValues(const ParameterList& parameters);
 
-/// The same by the first part of their names: "prior.embed.weight" is of "prior".
+/// The same, grouped by the first part of their names: "prior.embed.weight" is of "prior".
 std::map<std::string, std::int64_t> CountByPart(const ParameterList& parameters);
 
 /// Position by name; -1 when it is not there.

@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-/// Parts of a released dictionary and what the network calls them (a2m_actor.md B.6, D.1).
+/// Parts of a released dictionary and the network's names for them (a2m_actor.md B.6, D.1).
 using NameMap = std::vector<std::pair<std::string, std::string>>;
 
 NameMap NamesOfKind(const std::string& kind) {
@@ -49,8 +49,8 @@ Expected<ReleasedWeights> ReadReleasedWeights(const std::filesystem::path& path,
   if (weights.parameters.empty()) {
     std::string wanted;
     for (const auto& [theirs, ours] : names) wanted += (wanted.empty() ? "'" : ", '") + theirs + "'";
-    return Fail(ErrorCode::kInconsistent, "the file holds no weights of '" + kind + "'", DisplayPath(path),
-                "its tensors are to stand below " + wanted);
+    return Fail(ErrorCode::kInconsistent, "the file has no weights of '" + kind + "'", DisplayPath(path),
+                "its tensors must be below " + wanted);
   }
   if (const auto steps = table->numbers.find("iterations");
       steps != table->numbers.end() && steps->second >= 0.0 && steps->second < 1e12) {

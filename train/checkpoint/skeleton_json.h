@@ -7,10 +7,10 @@
 
 namespace mocurate {
 
-/// Everything a Skeleton says, so that a checkpoint can make motions without the file it came from.
+/// All fields of a Skeleton, so that a checkpoint can generate motions without the skeleton's file.
 nlohmann::json SkeletonToJson(const Skeleton& skeleton);
 
-/// Error kMalformed (a field is missing or of another type), or what Skeleton::Check says; `where` is shown.
+/// Error kMalformed (a field is missing or has another type), or that of Skeleton::Check; `where` is for messages.
 Expected<SkeletonPtr> SkeletonFromJson(const nlohmann::json& json, const std::string& where);
 
 }  // namespace mocurate

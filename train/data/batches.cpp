@@ -30,7 +30,7 @@ Status CheckRows(const TrainingSet& set, const std::vector<int>& rows) {
     const TrainingSet::Clip& clip = set.clips.at(static_cast<std::size_t>(row));
     if (clip.frames < 1 || clip.label < 0) {
       return Fail(ErrorCode::kInconsistent, "the clip has no motion or no label of the dataset", clip.id,
-                  "leave it out of the split or label it");
+                  "remove it from the split, or label it");
     }
   }
   return {};
@@ -58,7 +58,8 @@ void HoldOut(const TrainingSet& set, std::uint64_t seed, double fraction, Traini
   rows.train = std::move(kept);
 }
 
-// The first clips of each class in an order that no option moves, so that smaller fractions are parts of larger ones.
+// The first clips of each class in an order independent of options, so that smaller fractions are subsets of larger
+// ones.
 std::vector<int> FractionOf(const TrainingSet& set, const std::vector<int>& rows, double fraction) {
   if (fraction >= 1.0) return rows;
   std::vector<std::vector<int>> by_class(set.labels.size());
@@ -84,8 +85,8 @@ std::vector<float> WindowOf(const Motion& motion, const TrainingDataOptions& opt
   return std::vector<float>(values.begin(), values.end());
 }
 
-/// Frames of a window: `frames` of them as Action2Motion's rule says, or a drawn number up to `longest_frames` as
-/// ACTOR's (a2m_actor.md A.7, C.7).
+/// Length of a window: `frames` by Action2Motion's rule, or a random one up to `longest_frames` by ACTOR's
+/// (a2m_actor.md A.7, C.7).
 std::vector<int> WindowFrames(int frame_count, const TrainingDataOptions& options, Random& random) {
   const int T = static_cast<int>(options.frames);
   if (options.input == RecogniserInputKind::kWhole) {
@@ -147,7 +148,7 @@ MotionRows RowsWithRotations(const TrainingSet& set, const TrainingDataOptions& 
   return batch;
 }
 
-/// How many clips of a mixed batch are recorded, where there are `rows` of them.
+/// Number of recorded clips in a mixed batch, for `rows` recorded clips.
 std::int64_t RecordedOf(std::int64_t batch, double made_share, std::size_t rows) {
   const auto made = std::clamp<std::int64_t>(std::lround(made_share * static_cast<double>(batch)), 1,
                                              std::max<std::int64_t>(1, batch - 1));
@@ -178,7 +179,8 @@ Expected<TrainingRows> SelectTrainingRows(const TrainingSet& set, const Training
     rows.split = split->name;
   }
   if (Status whole = CheckRows(set, rows.train); !whole) return Forward(whole);
-  rows.train = FractionOf(set, rows.train, options.fraction);  // before clips are held out: a refit takes those back
+  rows.train =
+      FractionOf(set, rows.train, options.fraction);  // before clips are held out, because a refit uses those again
   if (held_out && split != nullptr && !split->validation.empty()) {
     if (Status whole = CheckRows(set, split->validation); !whole) return Forward(whole);
     rows.validation = FractionOf(set, split->validation, options.fraction);
@@ -187,7 +189,7 @@ Expected<TrainingRows> SelectTrainingRows(const TrainingSet& set, const Training
     HoldOut(set, seed, smallest_validation, rows);
   }
   if (rows.train.size() >= 2 || (held_out && !rows.train.empty() && !rows.validation.empty())) return rows;
-  return Fail(ErrorCode::kInconsistent, std::to_string(rows.train.size()) + " training clips; at least 2 are needed",
+  return Fail(ErrorCode::kInconsistent, std::to_string(rows.train.size()) + " training clips; at least 2 are required",
               rows.split.empty() ? "dataset" : "split '" + rows.split + "'");
 }
 
@@ -305,7 +307,7 @@ LieChains ChainsOf(const Skeleton& skeleton) {
   if (skeleton.lie) return *skeleton.lie;
   LieChains chains;
   const std::vector<std::vector<int>> children = skeleton.Children();
-  std::vector<std::pair<int, int>> starts;  // where a chain leaves, and its first joint
+  std::vector<std::pair<int, int>> starts;  // where a chain starts, and its first joint
   for (const int child : children[0]) starts.emplace_back(0, child);
   for (std::size_t i = 0; i < starts.size(); ++i) {
     std::vector<int> chain = {starts[i].first};

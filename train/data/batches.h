@@ -16,20 +16,20 @@ struct TrainingRows {
   std::vector<int> train;
   std::vector<int> validation;  ///< drawn from the training part of the split, never from its test part
   std::string split;            ///< name, or empty without one
-  std::string validation_rule;  ///< in words
+  std::string validation_rule;  ///< as text
 };
 
-/// Clips of the training part of the split that the options name, less what `fraction` leaves out. With `held_out`, the
-/// split's own validation part, or all clips of one training person (by `seed`), or a fraction `smallest_validation` of
-/// the clips becomes the validation part. Errors: kConfig (unknown split), kInconsistent (a clip without label or
-/// motion, fewer than 2 training clips).
+/// Clips of the training part of the split in the options, reduced by `fraction`. With `held_out`, the split's own
+/// validation part, or all clips of one training person (by `seed`), or a fraction `smallest_validation` of the clips
+/// becomes the validation part. Errors: kConfig (unknown split), kInconsistent (a clip without label or motion, fewer
+/// than 2 training clips).
 Expected<TrainingRows> SelectTrainingRows(const TrainingSet& set, const TrainingDataOptions& options, bool held_out,
                                           std::uint64_t seed, double smallest_validation);
 
-/// Made clips but those of the recordings of held-out rows, which would tell the validation what it asks for.
+/// Generated clips, except those of the recordings of held-out rows, which would leak into the validation.
 std::vector<int> MadeWithout(const TrainingSet& set, const std::vector<int>& held_out);
 
-/// What goes into each step: passes over the rows in shuffled order, by class where the options balance them.
+/// The clips of each step: passes over the rows in shuffled order, by class where the options balance them.
 class BatchOrder {
  public:
   /// `keep_last`: a pass ends with a smaller batch; else that is dropped (a2m_actor.md B.6). Draws are keyed by
@@ -52,9 +52,9 @@ class BatchOrder {
   mutable std::vector<int> order_;
 };
 
-/// The same with a stated share of each batch from the rows `made` (of TrainingSet::made), in an order of their own:
-/// every batch has both kinds at that share, the last of a pass is dropped where it would be smaller. A pass is one
-/// over the recorded rows. Without `made` the recorded ones alone.
+/// The same with a given share of each batch from the rows `made` (of TrainingSet::made), in their own order. Every
+/// batch has that share of both; the last of a pass is dropped where it would be smaller. A pass is one over the
+/// recorded rows. Without `made`, recorded clips only.
 class MixedOrder {
  public:
   MixedOrder(const TrainingSet& set, const TrainingDataOptions& options, std::vector<int> rows, std::vector<int> made,
@@ -76,11 +76,11 @@ struct MotionRows {
   std::vector<float> rotation;      ///< (T,B,J,3,3) where the set has rotations; else empty
   std::vector<std::int64_t> parts;  ///< (B,3) frames of the three parts of samples; or empty
   std::vector<std::int64_t> word;   ///< (B,3) their labels in TrainingSet::words
-  std::vector<int> length;          ///< (B) frames before the padding, which is 0; empty: all are whole
+  std::vector<int> length;          ///< (B) frames before the padding, which is 0; empty: no padding
 };
 
-/// Windows of `rows` as the options say. Draws are keyed by (seed, `key`, position); without `augment` there are no
-/// random changes.
+/// Windows of `rows` by the options. Draws are keyed by (seed, `key`, index); without `augment` there are no random
+/// changes.
 MotionRows MakeMotionRows(const TrainingSet& set, const TrainingDataOptions& options, const std::vector<int>& rows,
                           std::uint64_t seed, const std::string& key, bool augment);
 

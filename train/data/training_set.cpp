@@ -29,14 +29,14 @@ std::vector<Vector3d> MedianOffsets(const std::vector<SkeletonPtr>& skeletons, s
   return offsets;
 }
 
-/// Place of a word, which is appended where it is new.
+/// Index of a word, which is appended where it is new.
 int WordOf(const std::string& word, std::vector<std::string>& words) {
   const auto found = std::find(words.begin(), words.end(), word);
   if (found == words.end()) words.push_back(word);
   return static_cast<int>(found == words.end() ? words.size() - 1 : static_cast<std::size_t>(found - words.begin()));
 }
 
-/// Words behind the classes and "transition" in the order of their names: which clip came first does not matter.
+/// Sorts the words after the classes and "transition" by name, so that the order of clips does not matter.
 void SortWords(TrainingSet& set) {
   const std::size_t fixed = set.labels.size() + 1;
   if (set.words.size() <= fixed) return;
@@ -73,7 +73,7 @@ class Packing {
       return {};
     }
     if (needs_.rotations && clip.motion->joints_only()) {
-      return Fail(ErrorCode::kInconsistent, "clip '" + clip.id() + "' has joints alone, the network needs rotations",
+      return Fail(ErrorCode::kInconsistent, "clip '" + clip.id() + "' has joints only, the network needs rotations",
                   where, "fit the clips (fitting.method), or choose a network of joints (actor: pose: joints)");
     }
     if (needs_.parts || needs_.part != ClipPart::kWhole) {
@@ -81,10 +81,10 @@ class Packing {
       if (!parts) return Forward(parts);
       if (needs_.parts && parts->frames[0] < 1) {
         return Fail(ErrorCode::kInconsistent, "the sample has no previous action", clip.id(),
-                    "give samples of canon.trim.rule: triples");
+                    "use samples of canon.trim.rule: triples");
       }
       packed.parts = parts->frames;
-      if (needs_.parts) {  // whatever a recipe calls the transition, it is one word
+      if (needs_.parts) {  // the transition is always the same word
         packed.word = {WordOf(parts->label[0], set_.words), static_cast<int>(set_.labels.size()),
                        WordOf(parts->label[2], set_.words)};
       }
@@ -176,8 +176,8 @@ Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path, const T
 Status AddMade(const TrainingSet& made, TrainingSet& set) {
   if (made.splits.empty() || made.labels != set.labels || !SameTree(*made.skeleton, *set.skeleton) ||
       made.rotation.empty() != set.rotation.empty()) {
-    return Fail(ErrorCode::kInconsistent, "motions that were made for another set cannot be mixed with it", "made",
-                "give a generator of the same set");
+    return Fail(ErrorCode::kInconsistent, "motions generated for another set cannot be mixed with this one", "made",
+                "use a generator trained on the same set");
   }
   const std::size_t joints = set.skeleton->joints.size();
   const auto append = [](const std::vector<float>& from, std::size_t begin, std::size_t count, std::vector<float>& to) {

@@ -16,7 +16,7 @@ struct ClipWindow {
   WindowPart part;
 };
 
-/// The rows that choose clips: ids, labels and lengths without a motion.
+/// Rows for choosing clips: ids, labels and lengths without a motion.
 TrainingSet HeadersOf(const Dataset& set) {
   TrainingSet headers;
   headers.labels = set.labels;
@@ -67,7 +67,7 @@ Expected<Dataset> TrainingWindows(Dataset set, const NetworkOptions& network, bo
   }
   Split own;
   own.name = rows->split.empty() ? "all" : rows->split;
-  own.rule = "windows of the clips that " + network.name + " learned from";
+  own.rule = "windows of the training clips of " + network.name;
   own.leak_check = split != nullptr ? split->leak_check : "";
   std::vector<ClipWindow> windows;
   for (const auto& [row, part] : chosen) {

@@ -5,10 +5,10 @@
 
 namespace mocurate {
 
-/// The clips that a network learns from, cut into windows of its `frames` one after the other, what is left at the end
-/// dropped; a shorter clip stays whole, or is left out where the network has one length. They are the training part of
-/// the set's one split, as those of the validation part are its validation part; with `test`, those of the test part
-/// its test part. Clips of these two without a motion or a label of the set are left out. Errors of SelectTrainingRows.
+/// The training clips of a network, cut into consecutive windows of its `frames`; the remainder is dropped. A shorter
+/// clip stays whole, or is excluded where the network has a fixed length. They are the training part of the set's one
+/// split; clips of the validation part become its validation part, and with `test` those of the test part its test
+/// part. Clips of these two without a motion or a label of the set are excluded. Errors of SelectTrainingRows.
 Expected<Dataset> TrainingWindows(Dataset set, const NetworkOptions& network, bool test);
 
 }  // namespace mocurate

@@ -12,7 +12,7 @@ namespace {
 
 using RowMatrix = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
 
-constexpr int kSmoothedFrames = 8;  // of a previous motion that is long enough: the convolution reads two of them
+constexpr int kSmoothedFrames = 8;  // of a sufficiently long previous motion: the convolution reads two of them
 
 /// Frames [begin, begin + count) of a motion in the frame of a network, as motion b of (P,B,J,3,3) and (P,B,3).
 void WritePlaced(const Motion& motion, int begin, int count, const RigidTransform& network_from_world, std::int64_t b,
@@ -48,24 +48,24 @@ Status MotionGenerator::CheckContinuation(int label, int previous_frames, int tr
   };
   if (label < 0 || static_cast<std::size_t>(label) >= impl_->labels.size()) {
     return refused(
-        "label " + std::to_string(label) + ", the network knows 0 to " + std::to_string(impl_->labels.size() - 1),
-        "name one of its classes");
+        "label " + std::to_string(label) + ", the network has 0 to " + std::to_string(impl_->labels.size() - 1),
+        "use one of its classes");
   }
   if (transition_frames < 1 || transition_frames > L - 2) {
-    return refused("a transition of " + Counted(transition_frames, "frame") + "; the table of positions has 1 to " +
+    return refused("a transition of " + Counted(transition_frames, "frame") + "; the positional table has 1 to " +
                        std::to_string(L - 2),
-                   "ask for another length");
+                   "request another length");
   }
-  if (frames < 1) return refused("an action of " + Counted(frames, "frame"), "ask for one frame at least");
+  if (frames < 1) return refused("an action of " + Counted(frames, "frame"), "request at least one frame");
   if (previous_frames < needed) {
-    return refused("the motion before it has " + Counted(previous_frames, "frame") + ", the network reads the last " +
+    return refused("the previous motion has " + Counted(previous_frames, "frame") + ", the network reads the last " +
                        std::to_string(needed),
-                   "make the step before it longer");
+                   "lengthen the step before");
   }
   if (needed + transition_frames + frames > L) {
     return refused(Counted(transition_frames + frames, "frame") + " of transition and action after " +
-                       std::to_string(needed) + " of the motion before; the network has " + std::to_string(L),
-                   "ask for shorter ones");
+                       std::to_string(needed) + " of the previous motion; the network has " + std::to_string(L),
+                   "request shorter ones");
   }
   return {};
 }
@@ -105,7 +105,7 @@ RequestBatch MotionGenerator::Impl::BatchOf(const Continuation* asked, std::size
                          one.previous->root_translation[static_cast<std::size_t>(last)], one.canonical_from_source));
     batch.label.data_ptr<std::int64_t>()[row] = one.label;
     const std::int64_t parts[] = {previous[b], one.transition_frames, one.frames};
-    // The previous label is read in training alone.
+    // the previous label is used in training only
     const std::int64_t words[] = {one.label, static_cast<std::int64_t>(labels.size()), one.label};
     std::copy_n(parts, 3, batch.parts.data_ptr<std::int64_t>() + 3 * row);
     std::copy_n(words, 3, batch.word.data_ptr<std::int64_t>() + 3 * row);
@@ -131,10 +131,11 @@ Expected<std::vector<Motion>> MotionGenerator::Continue(const std::vector<Contin
     }
     const std::size_t bones = asked[i].bone_length.size();
     if (bones > 0 && bones != impl_->skeleton->joints.size()) {
-      return Fail(ErrorCode::kInconsistent, "the bone lengths do not fit the skeleton", where);
+      return Fail(ErrorCode::kInconsistent, "the bone lengths do not match the skeleton", where);
     }
     if (asked[i].previous->joints_only() || (asked[i].next != nullptr) != fills) {
-      return Fail(ErrorCode::kInconsistent, "the motion has no rotations, or the network fills no transitions", where);
+      return Fail(ErrorCode::kInconsistent, "the motion has no rotations, or the network cannot fill transitions",
+                  where);
     }
   }
   const int J = impl_->skeleton->joint_count();

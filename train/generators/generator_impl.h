@@ -6,7 +6,7 @@
 
 namespace mocurate {
 
-/// Motions that are worked on at once: fewer where each takes much memory.
+/// Number of motions processed at once: fewer where each needs much memory.
 int MotionsAtOnce(const NetworkOptions& options, std::int64_t frames);
 
 struct MotionGenerator::Impl {
@@ -16,13 +16,13 @@ struct MotionGenerator::Impl {
   std::vector<std::string> labels;
   FrameRate rate;
   std::vector<double> bone_length;               ///< of the training set
-  std::vector<std::vector<double>> first_poses;  ///< of each class, where the network starts from one
-  std::vector<Vector3d> rest_offset;             ///< of a usual person; empty: the network gives joints alone
+  std::vector<std::vector<double>> first_poses;  ///< of each class, for networks that start from one
+  std::vector<Vector3d> rest_offset;             ///< median of the training set; empty: the network outputs joints only
   Matrix3d rest_axes = Matrix3d::Identity();     ///< of the rest pose: left, up, forward
-  std::vector<MotionGenerator::UsualLength> usual_lengths;  ///< of each class; of networks that learned from parts
+  std::vector<MotionGenerator::UsualLength> usual_lengths;  ///< of each class; for networks trained on parts
 
   Status Check(const MotionRequest& request, std::size_t index) const;
-  /// Continuations as the network reads them; `network_from_world` gets where each stands.
+  /// Continuations as network input; `network_from_world` receives the pose of each.
   RequestBatch BatchOf(const Continuation* asked, std::size_t count,
                        std::vector<RigidTransform>& network_from_world) const;
   RequestBatch BatchOf(const MotionRequest* requests, std::size_t count) const;

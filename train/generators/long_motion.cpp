@@ -13,7 +13,7 @@
 namespace mocurate {
 namespace {
 
-constexpr int kReleasedExtra = 2;  // frames more that the released code asks for and drops (multiact.md D.2)
+constexpr int kReleasedExtra = 2;  // extra frames that the released code requests and drops (multiact.md D.2)
 
 bool Continues(const MotionGenerator& network) { return network.options().kind == NetworkKind::kMacvae; }
 
@@ -28,7 +28,7 @@ Motion Frames(const Motion& motion, int begin, int count) {
   const auto J = static_cast<std::ptrdiff_t>(motion.joint_count());
   Motion part;
   part.skeleton = motion.skeleton;
-  part.counted_from = motion.counted_from;
+  part.rotation_reference = motion.rotation_reference;
   part.rate = motion.rate;
   part.bone_length = motion.bone_length;
   part.root_translation.assign(motion.root_translation.begin() + begin,
@@ -60,10 +60,10 @@ void Finish(Motion& motion) {
   ComputeJoints(motion);
 }
 
-/// A long motion on its way.
+/// A long motion in progress.
 struct Chain {
-  Motion motion;                  ///< what was made so far
-  Motion last;                    ///< what the next step continues
+  Motion motion;                  ///< generated so far
+  Motion last;                    ///< motion that the next step continues
   RigidTransform from_source;     ///< of the previous motion's clip
   std::vector<Segment> segments;  ///< of `motion`
 
@@ -112,8 +112,8 @@ class LongRun {
       int before = request.previous ? request.previous->motion->frame_count() : request.frames;
       if (Status fits = CheckPrevious(request, of_request); !fits) return fits;
       if (request.previous && request.script.empty()) {
-        return Fail(ErrorCode::kInconsistent, "a previous motion and no action that follows it", of_request,
-                    "give a script");
+        return Fail(ErrorCode::kInconsistent, "the request has a previous motion and no following action", of_request,
+                    "add a script");
       }
       if (!request.bone_length.empty() && request.bone_length.size() != networks_.main->skeleton()->joints.size()) {
         return Fail(ErrorCode::kInconsistent,
@@ -122,8 +122,8 @@ class LongRun {
                     of_request);
       }
       if (!request.previous && Continues(*networks_.main) && networks_.first == nullptr) {
-        return Fail(ErrorCode::kInconsistent, "nothing makes the first action: the network continues motions",
-                    of_request, "give a network of single actions (--first ACTOR.h5), or a motion (--previous SET.h5)");
+        return Fail(ErrorCode::kInconsistent, "no network generates the first action: this one only continues motions",
+                    of_request, "add a network of single actions (--first ACTOR.h5), or a motion (--previous SET.h5)");
       }
       for (std::size_t k = 0; k < request.script.size(); ++k) {
         const ScriptStep& step = request.script[k];
@@ -131,7 +131,7 @@ class LongRun {
         if (continuing == nullptr) {  // any length can be interpolated
           const bool sound = step.label >= 0 && static_cast<std::size_t>(step.label) < labels().size() &&
                              step.transition_frames > 0 && step.frames > 0;
-          if (!sound) return Fail(ErrorCode::kInconsistent, "a class or a length that there is not", where);
+          if (!sound) return Fail(ErrorCode::kInconsistent, "the class or length is not valid", where);
         } else if (Status fits =
                        continuing->CheckContinuation(step.label, before, step.transition_frames, step.frames, where);
                    !fits) {
@@ -143,20 +143,20 @@ class LongRun {
     return {};
   }
 
-  /// A previous motion is of the network's skeleton, rest pose and rate, with rotations.
+  /// Checks that a previous motion has the network's skeleton, rest pose and rate, and rotations.
   Status CheckPrevious(const MotionRequest& request, const std::string& where) const {
     if (!request.previous) return {};
     const Motion& motion = *request.previous->motion;
     const Skeleton& skeleton = *networks_.main->skeleton();
     const auto refused = [&](const std::string& what) {
       return Fail(ErrorCode::kInconsistent, "the previous motion " + what, where,
-                  "give motions of skeleton '" + skeleton.name + "', fitted, at " + networks_.main->rate().Text() +
+                  "use motions of skeleton '" + skeleton.name + "', fitted, at " + networks_.main->rate().Text() +
                       " frames a second");
     };
-    if (motion.joints_only()) return refused("has joints alone");
+    if (motion.joints_only()) return refused("has joints only");
     if (!SameTree(*motion.skeleton, skeleton)) return refused("is of skeleton '" + motion.skeleton->name + "'");
     if (const double apart = RestPosesApart(*motion.rest_pose(), skeleton); apart > kSameRestPose) {
-      return refused("counts rotations from a rest pose " + RoundedText(apart, 2) + " rad apart");
+      return refused("refers its rotations to a rest pose " + RoundedText(apart, 2) + " rad apart");
     }
     if (!(motion.rate == networks_.main->rate())) return refused("has " + motion.rate.Text() + " frames a second");
     return {};
@@ -292,7 +292,7 @@ class LongRun {
   std::vector<Chain> chains_;
 };
 
-/// What was asked, of which networks: "walk:40,transition:12,kick:30".
+/// Provenance of the request and its networks: "walk:40,transition:12,kick:30".
 void AddProvenance(const LongMotionNetworks& networks, const MotionRequest& request, Clip& clip) {
   const std::vector<std::string>& labels = networks.main->labels();
   std::string script = request.previous_clip.empty()
@@ -318,33 +318,34 @@ Status LongMotionNetworks::Check() const {
   };
   const std::string name = main->options().name;
   if (main->options().kind == NetworkKind::kSsmct) {
-    return refused("the network fills transitions, it makes no actions", name, "give it as the network that fills");
+    return refused("the network fills transitions and generates no actions", name, "use it with --fill");
   }
   if (first && (first->options().NeedsParts() || !first->options().NeedsRotations())) {
-    return refused("the network makes no single actions with rotations", first->options().name,
-                   "give one of kind actor with a pose of rotations");
+    return refused("the network generates no single actions with rotations", first->options().name,
+                   "use one of kind actor with a pose of rotations");
   }
   if (!main->options().NeedsRotations()) {
-    return refused("the network gives no rotations to join motions by", name, "give one of kind macvae or actor");
+    return refused("the network outputs no rotations, which joining motions needs", name,
+                   "use one of kind macvae or actor");
   }
   if (fill && fill->options().kind != NetworkKind::kSsmct) {
-    return refused("the network fills no transitions", fill->options().name, "give one of kind ssmct");
+    return refused("the network fills no transitions", fill->options().name, "use one of kind ssmct");
   }
   for (const MotionGenerator* other : {first.get(), fill.get()}) {
     if (other == nullptr) continue;
     if (other->labels() != main->labels()) {
       return refused("the network has other classes than '" + name + "'", other->options().name,
-                     "give networks that learned from one set");
+                     "use networks trained on one set");
     }
     if (!SameTree(*other->skeleton(), *main->skeleton()) ||
         RestPosesApart(*other->skeleton(), *main->skeleton()) > kSameRestPose) {
       return refused("the network has another skeleton than '" + name + "'", other->options().name,
-                     "give networks that learned from one set");
+                     "use networks trained on one set");
     }
     if (!(other->rate() == main->rate())) {
       return refused(
-          "the network makes " + other->rate().Text() + " frames a second, '" + name + "' " + main->rate().Text(),
-          other->options().name, "give networks that learned from one set");
+          "the network generates " + other->rate().Text() + " frames a second, '" + name + "' " + main->rate().Text(),
+          other->options().name, "use networks trained on one set");
     }
   }
   return {};

@@ -21,11 +21,11 @@ namespace mocurate {
 
 namespace {
 
-constexpr int kMostFrames = 5000;      // rows of the released positional table
-constexpr int kGeneratedAtOnce = 500;  // motions whose states fit the caches; larger chunks gain nothing
+constexpr int kMostFrames = 5000;                                // rows of the released positional table
+constexpr int kGeneratedAtOnce = 500;                            // motions whose states fit the caches
 constexpr std::int64_t kNumbersAtOnce = std::int64_t{64} << 20;  // of attention and the layers between, 256 MB
 
-/// Rest offsets of a usual person; empty where the network has no rotations.
+/// Median rest offsets of the training set; empty where the network has no rotations.
 Expected<std::vector<Vector3d>> RestOffsetOf(const Checkpoint& checkpoint, const NetworkOptions& options,
                                              const std::string& where) {
   std::vector<Vector3d> offsets;
@@ -38,11 +38,11 @@ Expected<std::vector<Vector3d>> RestOffsetOf(const Checkpoint& checkpoint, const
   whole =
       whole && std::all_of(offsets.begin(), offsets.end(), [](const Vector3d& offset) { return offset.allFinite(); });
   if (whole && offsets.size() == checkpoint.skeleton->joints.size()) return offsets;
-  return Fail(ErrorCode::kMalformed, "facts.rest_offset is no place of each joint of the skeleton", where,
+  return Fail(ErrorCode::kMalformed, "facts.rest_offset does not have one offset per joint of the skeleton", where,
               "train again");
 }
 
-/// Mean lengths of the parts of each class, of networks that learned from parts.
+/// Mean lengths of the parts of each class, for networks trained on parts.
 Status ReadUsualLengths(const Checkpoint& checkpoint, const std::string& where,
                         std::vector<MotionGenerator::UsualLength>& lengths) {
   const nlohmann::json rows = checkpoint.facts.value("part_frames", nlohmann::json::array());
@@ -54,7 +54,7 @@ Status ReadUsualLengths(const Checkpoint& checkpoint, const std::string& where,
     lengths.push_back({static_cast<int>(count(0)), static_cast<int>(count(1))});
   }
   if (lengths.size() == rows.size() && (rows.empty() || rows.size() == checkpoint.labels.size())) return {};
-  return Fail(ErrorCode::kMalformed, "facts.part_frames are no two counts for each class", where, "train again");
+  return Fail(ErrorCode::kMalformed, "facts.part_frames does not have two counts per class", where, "train again");
 }
 
 /// The skeleton with bones of these lengths along the rest offsets.
@@ -68,7 +68,7 @@ SkeletonPtr WithBones(const SkeletonPtr& skeleton, const std::vector<Vector3d>& 
   return own;
 }
 
-/// The latents of requests that go part of the way to another one.
+/// Latents of requests that interpolate towards another one.
 void GiveLatents(const MotionRequest* requests, std::int64_t count, Network& network, Draws& draws) {
   const auto asked = [](const MotionRequest& request) { return request.fraction > 0.0; };
   if (std::none_of(requests, requests + count, asked)) return;
@@ -106,34 +106,35 @@ Status MotionGenerator::Impl::Check(const MotionRequest& request, std::size_t in
   if (request.label < 0 || static_cast<std::size_t>(request.label) >= labels.size()) {
     return Fail(
         ErrorCode::kInconsistent,
-        "label " + std::to_string(request.label) + ", the generator knows 0 to " + std::to_string(labels.size() - 1),
+        "label " + std::to_string(request.label) + ", the generator has 0 to " + std::to_string(labels.size() - 1),
         where);
   }
-  if (request.frames < 1) return Fail(ErrorCode::kInconsistent, "no frames are asked for", where);
+  if (request.frames < 1) return Fail(ErrorCode::kInconsistent, "the request has no frames", where);
   if (options.NeedsParts()) {
     const bool fills = options.kind == NetworkKind::kSsmct;
     return Fail(ErrorCode::kInconsistent,
-                fills ? "the network fills transitions: it makes no actions"
-                      : "the network continues motions: it makes none from a label alone",
+                fills ? "the network fills transitions and generates no actions"
+                      : "the network continues motions and generates none from a label alone",
                 where,
-                fills ? "give it as --fill to an actor with --script LABEL,LABEL,..."
-                      : "give a script: --script LABEL,LABEL,... with --first ACTOR or --previous SET");
+                fills ? "use it with --fill and an actor, with --script LABEL,LABEL,..."
+                      : "add a script: --script LABEL,LABEL,... with --first ACTOR or --previous SET");
   }
   if (network->latent_size() > 0 && request.frames > kMostFrames) {
     return Fail(ErrorCode::kInconsistent,
-                Counted(request.frames, "frame") + " are asked for; positions go to " + std::to_string(kMostFrames),
-                where, "ask for shorter motions");
+                Counted(request.frames, "frame") + " are requested, the positional table ends at " +
+                    std::to_string(kMostFrames),
+                where, "request shorter motions");
   }
   if (options.kind == NetworkKind::kActor && options.actor.coders == ActorCoders::kFullyConnected &&
       request.frames != options.data.frames) {
     return Fail(ErrorCode::kInconsistent,
-                "the network gives " + Counted(options.data.frames, "frame") + ", " + std::to_string(request.frames) +
-                    " are asked for",
-                where, "a fully connected coder has one length");
+                "the network generates " + Counted(options.data.frames, "frame") + ", requested are " +
+                    std::to_string(request.frames),
+                where, "request that length: a fully connected coder has one length only");
   }
   if (request.fraction > 0.0 && network->latent_size() == 0) {
     return Fail(ErrorCode::kInconsistent, "the network has no latent of a whole motion to interpolate", where,
-                "give a network of kind actor");
+                "use a network of kind actor");
   }
   if (!request.bone_length.empty() && request.bone_length.size() != joints) {
     return Fail(ErrorCode::kInconsistent,
@@ -143,7 +144,7 @@ Status MotionGenerator::Impl::Check(const MotionRequest& request, std::size_t in
   }
   if (!request.first_pose.empty() && request.first_pose.size() != 3 * joints) {
     return Fail(ErrorCode::kInconsistent,
-                std::to_string(request.first_pose.size()) + " numbers of a first pose, the skeleton has " +
+                std::to_string(request.first_pose.size()) + " values of a first pose, the skeleton has " +
                     std::to_string(joints) + " joints",
                 where);
   }
@@ -183,18 +184,18 @@ Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::file
   if (!options) return Forward(options);
   if (!GeneratesMotions(options->kind)) {
     return Fail(ErrorCode::kInconsistent,
-                "the checkpoint holds a network of kind '" + checkpoint->kind + "', which generates no motions", where,
-                "give the checkpoint of a generator");
+                "the checkpoint holds a network of kind '" + checkpoint->kind + "', which does not generate motions",
+                where, "give the checkpoint of a generator");
   }
   const Expected<FrameRate> rate = FrameRate::Parse(checkpoint->facts.value("rate", std::string("30")));
   if (!rate) return Forward(rate);
   if (checkpoint->skeleton == nullptr || checkpoint->labels.empty()) {
-    return Fail(ErrorCode::kMalformed, "the checkpoint names no skeleton or no labels", where, "train again");
+    return Fail(ErrorCode::kMalformed, "the checkpoint lacks a skeleton or labels", where, "train again");
   }
   torch::set_num_threads(1);
   auto impl = std::make_unique<Impl>();
   if (Status sound = CheckSizes(*options, where); !sound) {
-    return Fail(ErrorCode::kMalformed, sound.error().what, where, "take the file as `mocurate` wrote it");
+    return Fail(ErrorCode::kMalformed, sound.error().what, where, "use the unchanged file that mocurate wrote");
   }
   const auto rest = RestOffsetOf(*checkpoint, *options, where);
   if (!rest) return Forward(rest);
@@ -216,7 +217,7 @@ Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::file
   if (impl->bone_length.size() != joints ||
       (!impl->first_poses.empty() && impl->first_poses.size() != impl->labels.size()) ||
       !std::all_of(impl->first_poses.begin(), impl->first_poses.end(), fits)) {
-    return Fail(ErrorCode::kMalformed, "bone lengths or first poses do not fit the skeleton", where, "train again");
+    return Fail(ErrorCode::kMalformed, "bone lengths or first poses do not match the skeleton", where, "train again");
   }
   return std::unique_ptr<MotionGenerator>(new MotionGenerator(std::move(impl)));
 }
@@ -227,7 +228,7 @@ Expected<MotionGenerator::Rows> MotionGenerator::Answer(const std::vector<Motion
   for (std::size_t i = 0; i < requests.size(); ++i) {
     if (Status fits = impl_->Check(requests[i], i); !fits) return Forward(fits);
     if (requests[i].frames != requests[0].frames) {
-      return Fail(ErrorCode::kInconsistent, "requests ask for different numbers of frames",
+      return Fail(ErrorCode::kInconsistent, "the requests have different numbers of frames",
                   "request " + std::to_string(i));
     }
   }
@@ -263,7 +264,7 @@ Expected<std::vector<float>> MotionGenerator::Joints(const std::vector<MotionReq
 void MotionGenerator::AddRotations(const float* rotation, const std::vector<double>& bone_length,
                                    Motion& motion) const {
   const int J = motion.joint_count();
-  motion.counted_from = impl_->skeleton;
+  motion.rotation_reference = impl_->skeleton;
   motion.bone_length = bone_length.empty() ? impl_->bone_length : bone_length;
   motion.skeleton = WithBones(impl_->skeleton, impl_->rest_offset, motion.bone_length);
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -309,7 +310,7 @@ Expected<Dataset> MotionGenerator::Generate(const std::vector<MotionRequest>& re
   set.recipe = "generated";
   set.created_by = std::string(CreatedBy());
   const int J = impl_->skeleton->joint_count();
-  std::map<int, std::vector<std::size_t>> of_length;  // requests of the same number of frames are answered at once
+  std::map<int, std::vector<std::size_t>> of_length;  // requests of equal length are generated together
   for (std::size_t i = 0; i < requests.size(); ++i) of_length[requests[i].frames].push_back(i);
   set.clips.resize(requests.size());
   for (const auto& [frames, rows] : of_length) {

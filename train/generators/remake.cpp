@@ -17,12 +17,12 @@ std::uint64_t SeedOfClip(const RemakeOptions& options, const std::string& purpos
   return (high << 32) | random.Next();
 }
 
-/// For each clip another one of its class, drawn; the clip itself where it is the only one.
+/// A random other clip of the same class for each clip; the clip itself where it is the only one.
 std::vector<std::size_t> Partners(const Dataset& set, const RemakeOptions& options) {
   std::map<std::string, std::vector<std::size_t>> of_class;
   for (std::size_t i = 0; i < set.clips.size(); ++i) of_class[set.clips[i].label].push_back(i);
   std::vector<std::size_t> partners;
-  std::map<std::string, std::size_t> seen;  // place of the clip in its class
+  std::map<std::string, std::size_t> seen;  // index of the clip in its class
   for (const Clip& clip : set.clips) {
     const std::vector<std::size_t>& same = of_class[clip.label];
     const std::size_t own = seen[clip.label]++, others = same.size() - 1;
@@ -34,7 +34,7 @@ std::vector<std::size_t> Partners(const Dataset& set, const RemakeOptions& optio
   return partners;
 }
 
-/// Clips of equal length that are worked on at once.
+/// Clips of equal length that are processed at once.
 std::vector<std::vector<int>> ChunksOf(const Dataset& set, const NetworkOptions& options) {
   std::map<int, std::vector<int>> of_length;
   for (std::size_t i = 0; i < set.clips.size(); ++i) {
@@ -74,10 +74,10 @@ torch::Tensor LatentsOf(Network& network, const TrainingSet& packed, const std::
 }  // namespace
 
 Expected<std::vector<int>> MotionGenerator::LabelsOf(const Dataset& set) const {
-  const std::string way_out = "give a set of skeleton '" + impl_->skeleton->name + "' with the network's labels";
+  const std::string way_out = "use a set of skeleton '" + impl_->skeleton->name + "' with the network's labels";
   if (impl_->network->latent_size() == 0) {
-    return Fail(ErrorCode::kInconsistent, "the network encodes no motions", impl_->options.name,
-                "give a network of kind actor");
+    return Fail(ErrorCode::kInconsistent, "the network has no encoder", impl_->options.name,
+                "use a network of kind actor");
   }
   if (!SameTree(*set.skeleton, *impl_->skeleton)) {
     return Fail(ErrorCode::kInconsistent,
@@ -86,8 +86,7 @@ Expected<std::vector<int>> MotionGenerator::LabelsOf(const Dataset& set) const {
   }
   if (const double apart = RestPosesApart(*set.skeleton, *impl_->skeleton); apart > kSameRestPose) {
     return Fail(ErrorCode::kInconsistent,
-                "the set's rotations are counted from a rest pose " + RoundedText(apart, 2) + " rad apart", "motions",
-                way_out);
+                "the set's rotations refer to a rest pose " + RoundedText(apart, 2) + " rad apart", "motions", way_out);
   }
   std::vector<int> labels;
   for (const Clip& clip : set.clips) {
@@ -103,7 +102,7 @@ Expected<std::vector<int>> MotionGenerator::LabelsOf(const Dataset& set) const {
       return Fail(fits.error().code, fits.error().what, clip.id(), fits.error().hint);
     }
     if (impl_->options.NeedsRotations() && clip.motion->joints_only()) {
-      return Fail(ErrorCode::kInconsistent, "the clip has joints alone, the network encodes rotations", clip.id(),
+      return Fail(ErrorCode::kInconsistent, "the clip has joints only, the network encodes rotations", clip.id(),
                   way_out);
     }
     labels.push_back(request.label);
@@ -120,7 +119,7 @@ Expected<Dataset> MotionGenerator::Remake(Dataset set, const RemakeOptions& opti
   std::vector<std::uint64_t> seeds;
   for (const Clip& clip : set.clips) seeds.push_back(SeedOfClip(options, purpose, clip.id()));
   const std::vector<std::vector<int>> chunks = ChunksOf(set, impl_->options);
-  // One round of chunks a thread between two looks at whether to go on; the first half of the way is encoding.
+  // Threads process one round of chunks between two calls of `proceed`; encoding is the first half of the progress.
   const auto rounds = [&](double begin, const std::function<void(const std::vector<int>&)>& work) {
     const int all = static_cast<int>(chunks.size());
     for (int first = 0; first < all; first += threads) {
@@ -185,7 +184,7 @@ Expected<Dataset> MotionGenerator::Remake(Dataset set, const RemakeOptions& opti
       made.joints = JointPositions(requests[b].frames, J);
       const auto motion = static_cast<std::int64_t>(b);
       const torch::Tensor joints = motions.joints.select(1, motion).contiguous();
-      const Vector3d root = clip.motion->joints.at(0, 0);  // places are counted from the clip's first one
+      const Vector3d root = clip.motion->joints.at(0, 0);  // positions are relative to the clip's first one
       for (std::size_t k = 0; k < made.joints.xyz.size(); ++k) {
         made.joints.xyz[k] = joints.data_ptr<float>()[k] + root[static_cast<Eigen::Index>(k % 3)];
       }

@@ -6,7 +6,7 @@
 
 namespace mocurate {
 
-/// Entries (S,B,E) that attention sees as if each stood there `count` (B,S) times, 0 included.
+/// Entries (S,B,E) with multiplicity `count` (B,S) in attention, 0 included.
 struct RepeatedMemory {
   torch::Tensor entries, count;
 };
@@ -32,10 +32,10 @@ struct AttentionImpl : torch::nn::Module {
   /// out single copies, as of a memory that holds them all.
   torch::Tensor ToRepeated(const RepeatedMemory& memory, const torch::Tensor& x, Dropout& dropout);
 
-  /// The memory's keys and values, and what `x` reads of them, without dropout.
+  /// The memory's keys and values, and the attention of `x` to them, without dropout.
   Seen Remember(const torch::Tensor& memory) const;
   torch::Tensor Read(const torch::Tensor& x, const Seen& seen);
-  /// One frame more, (1,B,E), that attends to itself and all before it, which `seen` keeps.
+  /// One more frame, (1,B,E), that attends to itself and all before it, stored in `seen`.
   torch::Tensor Next(const torch::Tensor& x, Seen& seen);
 
   torch::Tensor in_proj_weight, in_proj_bias;

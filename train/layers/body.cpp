@@ -7,7 +7,7 @@ namespace {
 
 using torch::Tensor;
 
-constexpr std::int64_t kFramesAtOnce = 32;  // whose vertices stand in memory
+constexpr std::int64_t kFramesAtOnce = 32;  // whose vertices are in memory
 
 Tensor PointsOf(const std::vector<Vector3d>& points) {
   Tensor tensor = torch::empty({static_cast<std::int64_t>(points.size()), 3}, torch::kFloat64);

@@ -10,16 +10,16 @@
 
 namespace mocurate {
 
-/// Random numbers of one shard of one training step, or of motions that are asked for. They are keyed by counter, so
+/// Random numbers of one shard of one training step, or of requested motions. They are keyed by counter, so
 /// that the step is the state of every generator and a motion does not depend on its neighbours.
 class Draws {
  public:
-  /// Of a training step. Coins are those of the whole batch, everything else is the shard's own.
+  /// Of a training step. Coins are shared by the whole batch, all other draws are the shard's own.
   Draws(std::uint64_t seed, std::int64_t step, int phase, int shard);
-  /// Of motions: what is drawn for motion b depends on seeds[b] alone.
+  /// Of motions: the draws of motion b depend on seeds[b] only.
   explicit Draws(std::vector<std::uint64_t> seeds);
 
-  /// Takes the place of the next draws of that purpose: for comparison with other implementations.
+  /// Replaces the next draws of that purpose: for comparison with other implementations.
   void Give(const std::string& purpose, torch::Tensor values) { given_[purpose] = std::move(values); }
 
   /// Standard normal, or uniform in [0, 1), of shape (leading, B, width) float32; B motions.

@@ -10,7 +10,7 @@ namespace mocurate {
 /// The mask is keyed by seed, step, shard and the position of the call: the same whatever ran before.
 class Dropout {
  public:
-  /// Leaves nothing out.
+  /// Without dropout.
   Dropout() = default;
   Dropout(const Draws& draws, double rate) : draws_(&draws), rate_(rate) {}
 

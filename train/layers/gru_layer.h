@@ -36,8 +36,8 @@ class GruFrames {
 
  private:
   GruWeights weights_;
-  torch::Tensor ticket_;  ///< of the node that gathers the weights' gradients; undefined where frames go one by one
-  torch::Tensor input_, before_;                 ///< rows of all frames (T B,I), (T B,H)
+  torch::Tensor ticket_;          ///< of the node that accumulates the weights' gradients; undefined frame by frame
+  torch::Tensor input_, before_;  ///< rows of all frames (T B,I), (T B,H)
   torch::Tensor by_from_input_, by_from_state_;  ///< gradients of their sums (T B,3H)
   std::int64_t row_ = 0;                         ///< where the next frame begins
 };

@@ -11,7 +11,7 @@ namespace mocurate {
 /// out. Bones in the order of the chains; a chain starts from the identity.
 class LieLayer {
  public:
-  /// A bone ends at `joint`; they stand in the order of the chains.
+  /// The bone that ends at `joint`; bones are in the order of the chains.
   struct Bone {
     int joint = 0;
     int parent = 0;

@@ -8,7 +8,7 @@ namespace mocurate {
 
 /// ACTOR (Petrovich et al. 2021; a2m_actor.md C): a VAE over whole motions whose coders are transformers. A frame is
 /// the rotation of each joint (J rows of 6 numbers) and a row of the root's place since the first frame (x, y, z, 0, 0,
-/// 0); F = 6 (J + 1), E = 256, C classes. The layers stand at MakeActorCoders.
+/// 0); F = 6 (J + 1), E = 256, C classes. MakeActorCoders lists the layers.
 ///
 ///   mean, log-variance (B,E) = encoder(frames (T,B,F), class);  z = mean + exp(log-variance / 2) noise
 ///   frames' (T,B,F) = decoder(z, class, T)

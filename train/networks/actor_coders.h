@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// What a coder is built for: F numbers a frame, C classes.
+/// Sizes of a coder: F values a frame, C classes.
 struct CoderSizes {
   std::int64_t features = 150;
   std::int64_t row = 6;  ///< numbers of a joint, of which F is a multiple

@@ -118,7 +118,7 @@ Losses Macvae::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
   const Tensor z = posterior.mean + torch::exp(0.5 * posterior.log_variance) * noise;
   const std::int64_t wanted = options_.fills_last() ? parts.slice(1, 1).sum(1).max().item<std::int64_t>() : longest;
   const Tensor decoded = decoder_->forward(z, parts, wanted, dropout);  // (wanted,B,G)
-  // Frames behind the action are all the same: two of them are as many as the convolution reads.
+  // Frames after the action are equal: the convolution reads two of them.
   const std::int64_t count = std::min(L, longest + 2);
   const Smoothed rows = Smooth(frames, decoded, parts, count);
   const Pose made = PoseOf(rows.after);

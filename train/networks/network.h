@@ -16,15 +16,15 @@
 
 namespace mocurate {
 
-/// What a network is built for.
+/// Sizes and skeleton of a network.
 struct NetworkSizes {
   int joints = 24;
   int classes = 12;
   LieChains chains;                   ///< of the skeleton; read where a network decodes rotations
   std::vector<int> parents;           ///< (J) of the tree; -1 for the root
-  std::vector<Vector3d> rest_offset;  ///< (J) metres, of a usual person
+  std::vector<Vector3d> rest_offset;  ///< (J) metres, median of the training set
   std::shared_ptr<const Skin> skin;   ///< null: only the tree
-  std::int64_t words = 0;             ///< labels of segments, where a network learns from them
+  std::int64_t words = 0;             ///< labels of segments, for networks trained on them
 
   std::int64_t pose() const { return 3 * static_cast<std::int64_t>(joints); }
 };
@@ -63,12 +63,12 @@ struct OptimiserGroup {
   double beta1 = 0.9;
 };
 
-/// Motions that are asked for: B of them, of the same number of frames.
+/// Requested motions: B of them, of the same number of frames.
 struct RequestBatch {
   torch::Tensor label;  ///< (B) int64
   int frames = 60;
   torch::Tensor bone_length;  ///< (B,J) metres, 0 for the root
-  torch::Tensor first_pose;   ///< (B,D) metres, root at the origin; undefined where requests give none
+  torch::Tensor first_pose;   ///< (B,D) metres, root at the origin; undefined where requests have none
   /// Of networks that continue a motion: frames and words of its three parts as in Batch, and the previous motion in
   /// the frame in which the network learned, (P,B,J,3,3) and (P,B,3), padded.
   torch::Tensor parts = {}, word = {}, previous_rotation = {}, previous_place = {};
@@ -76,11 +76,11 @@ struct RequestBatch {
   torch::Tensor next_rotation = {}, next_place = {};
 };
 
-/// What a network answers.
+/// Output of a network for requests.
 struct Motions {
-  torch::Tensor joints;  ///< (T,B,D) metres
-  torch::Tensor output;  ///< (T,B,F) what the last layer gives: Lie parameters, rotations, or the joints themselves
-  torch::Tensor rotation = {};  ///< (T,B,J,3,3) parent_from_joint; undefined where the network gives joints alone
+  torch::Tensor joints;         ///< (T,B,D) metres
+  torch::Tensor output;         ///< (T,B,F) output of the last layer: Lie parameters, rotations, or joints
+  torch::Tensor rotation = {};  ///< (T,B,J,3,3) parent_from_joint; undefined where the network outputs joints only
 };
 
 /// Accuracy and loss of a classifier on held-out motions, sums over the batch.
@@ -92,7 +92,7 @@ struct ValidationScore {
 /// Named tensors, as inputs and outputs of a part of a network.
 using NamedTensors = std::map<std::string, torch::Tensor>;
 
-/// What the latent of a whole motion is drawn for, and may be given as (Draws::Give).
+/// Purpose of the draw of a whole motion's latent (Draws::Give).
 constexpr const char* kMotionLatent = "generator.latent";
 
 /// A network that a trainer can train. Parameters bear the released names (`register_module`).
@@ -119,7 +119,7 @@ class Network : public torch::nn::Module {
   virtual ValidationScore Validate(const Batch& batch);
   /// Before training: mean and standard deviation of every number of a frame, (D) each.
   virtual void Standardise(const torch::Tensor& /*mean*/, const torch::Tensor& /*deviation*/) {}
-  /// After training: stores what it learned in its parameters alone.
+  /// After training: folds all learned values into its parameters.
   virtual void Finish() {}
 
   /// Parts of the network on given inputs, for comparison with other implementations.

@@ -21,7 +21,7 @@ struct GruRecogniserConfig {
 /// Names and shapes of its parameters, without values.
 ParameterList GruRecogniserParameters(const GruRecogniserConfig& config);
 
-/// Where the numbers of a set of motions lie: frame t of motion n starts at data + n * motion_stride + t *
+/// Memory layout of a set of motions: frame t of motion n starts at data + n * motion_stride + t *
 /// frame_stride.
 struct MotionArray {
   const float* data = nullptr;

@@ -24,12 +24,12 @@ struct Recogniser::Impl {
   bool last_valid = false;
   int frames = 60;
   double rate_hz = 0.0;
-  std::optional<StGcnPass> graph;  ///< in the place of the GRU: `config` has its sizes
+  std::optional<StGcnPass> graph;  ///< instead of the GRU: `config` has its sizes
 };
 
 namespace {
 
-constexpr int kRecognisedAtOnce = 256;  // of the widths 64 to 512 the fastest
+constexpr int kRecognisedAtOnce = 256;  // fastest of the widths 64 to 512
 constexpr int kGraphsAtOnce = 8;        // motions of an ST-GCN, which runs them one by one
 
 std::vector<int> ParentsOf(const Skeleton& skeleton) {
@@ -52,7 +52,7 @@ Expected<int> Size(const ParameterList& parameters, const std::string& name, std
   const int found = FindParameter(parameters, name);
   if (found < 0 || parameters[found].shape.size() <= axis || parameters[found].shape[axis] < 1 ||
       parameters[found].shape[axis] > 100000) {
-    return Fail(ErrorCode::kInconsistent, "'" + name + "' is missing or has no such size: no recogniser of motions",
+    return Fail(ErrorCode::kInconsistent, "'" + name + "' is missing or has another size: not a recogniser of motions",
                 where);
   }
   return static_cast<int>(parameters[found].shape[axis]);
@@ -128,10 +128,10 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::Load(const std::filesystem::pa
   if (!graph && checkpoint->kind != kGruRecogniserKind) {
     return Fail(ErrorCode::kInconsistent,
                 "the checkpoint holds a network of kind '" + checkpoint->kind + "', 'gru_recogniser' is needed", where,
-                "give the checkpoint of a recogniser, gru_recogniser or st_gcn");
+                "use the checkpoint of a recogniser, gru_recogniser or st_gcn");
   }
   if (graph && checkpoint->skeleton == nullptr) {
-    return Fail(ErrorCode::kMalformed, "the checkpoint names no skeleton", where, "train again");
+    return Fail(ErrorCode::kMalformed, "the checkpoint has no skeleton", where, "train again");
   }
   Status built = graph ? BuildGraph(checkpoint->parameters, *checkpoint->skeleton, where, impl->graph, impl->config)
                        : Build(checkpoint->parameters, where, impl->config, impl->parameters);
@@ -182,7 +182,7 @@ Expected<RecogniserOutput> Recogniser::Run(const MotionWriter& write, int count,
   }
   if (frames < 1 || (!hidden.given.empty() &&
                      hidden.given.size() != static_cast<std::size_t>(config.layers) * count * config.hidden)) {
-    return Fail(ErrorCode::kInconsistent, "frames or initial state do not fit the motions", "recogniser");
+    return Fail(ErrorCode::kInconsistent, "frames or initial state do not match the motions", "recogniser");
   }
   RecogniserOutput output;
   output.count = count;
@@ -223,7 +223,7 @@ Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int 
   const bool lengths_fit =
       lengths.empty() || (static_cast<int>(lengths.size()) == count &&
                           std::all_of(lengths.begin(), lengths.end(), [&](int n) { return n >= 1 && n <= frames; }));
-  if (!lengths_fit) return Fail(ErrorCode::kInconsistent, "lengths do not fit the motions", "recogniser");
+  if (!lengths_fit) return Fail(ErrorCode::kInconsistent, "lengths do not match the motions", "recogniser");
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(frames) * dim;
   const auto copy = [&](int begin, int end, float* values, int* read_out) {
     std::copy(motions + begin * stride, motions + end * stride, values);

@@ -25,25 +25,25 @@ struct RecogniserOutput {
   int Predicted(int index) const;
 };
 
-/// Initial recurrent state of a pass. Zero for reproducible figures; normal as the released code draws it (a2m_actor.md
-/// F5), here keyed by `seed` and the position of the motion.
+/// Initial recurrent state of a pass. Zero for reproducible results; normal as in the released code (a2m_actor.md F5),
+/// here keyed by `seed` and the index of the motion.
 struct RecogniserHidden {
   InitialHidden kind = InitialHidden::kZero;
   std::uint64_t seed = 0;
-  std::vector<float> given;  ///< (layers,n,hidden), used as it is when not empty
+  std::vector<float> given;  ///< (layers,n,hidden), used unchanged when not empty
 };
 
-/// Writes motions [begin, end) as (end - begin, frames, dim) float32, and for each the frame after which its output
-/// counts. Called from several threads at once.
+/// Writes motions [begin, end) as (end - begin, frames, dim) float32, and for each the frame whose output is used.
+/// Called from several threads at once.
 using MotionWriter = std::function<void(int begin, int end, float* values, int* read_out)>;
 
 /// A trained recogniser of motions: accuracy and features of every metric.
 class Recogniser {
  public:
-  /// From a checkpoint of ours. Errors of ReadCheckpoint.
+  /// From a checkpoint of mocurate. Errors of ReadCheckpoint.
   static Expected<std::unique_ptr<Recogniser>> Load(const std::filesystem::path& path);
-  /// From the published weights (a legacy PyTorch file): read as data, nothing of it is executed. With `skeleton` they
-  /// are of an ST-GCN on its joints, else of a GRU.
+  /// From the published weights (a legacy PyTorch file): read as data, no code is executed. With `skeleton` they are of
+  /// an ST-GCN on its joints, else of a GRU.
   static Expected<std::unique_ptr<Recogniser>> LoadPublished(const std::filesystem::path& path,
                                                              const Skeleton* skeleton = nullptr);
   ~Recogniser();
@@ -73,7 +73,7 @@ class Recogniser {
   double rate_hz() const;
   /// How clips must be prepared for it.
   RecogniserInputKind input_kind() const;
-  bool reads_last_valid() const;  ///< its output at the last frame of the clip counts, not that of the padding
+  bool reads_last_valid() const;  ///< uses its output at the last frame of the clip, not of the padding
   int input_frames() const;
 
  private:

@@ -42,7 +42,7 @@ class Arrays {
 
   Status Problem() const {
     if (problem_.empty()) return {};
-    return Fail(ErrorCode::kInconsistent, problem_, where_, "these are weights of another network");
+    return Fail(ErrorCode::kInconsistent, problem_, where_, "use weights of an ST-GCN");
   }
 
  private:
@@ -136,7 +136,7 @@ Expected<StGcnPass> StGcnPass::Make(const ParameterList& parameters, const std::
     return Fail(ErrorCode::kInconsistent,
                 "the network reads " + std::to_string(channels) + " numbers a frame, the skeleton has " +
                     std::to_string(V) + " joints of 6",
-                where, "these are weights of another skeleton, or no ST-GCN");
+                where, "use weights of an ST-GCN on this skeleton");
   }
   pass.joints_ = channels / 6;
   const auto joints = static_cast<std::size_t>(pass.joints_);
@@ -172,7 +172,7 @@ Expected<StGcnPass> StGcnPass::Make(const ParameterList& parameters, const std::
   pass.head_bias_ = arrays.Take("fcn.bias", static_cast<std::size_t>(pass.classes_));
   if (Status whole = arrays.Problem(); !whole) return Forward(whole);
   if (pass.layers_.empty() || pass.classes_ == 0 || joints == 0) {
-    return Fail(ErrorCode::kInconsistent, "the file holds no ST-GCN", where, "these are weights of another network");
+    return Fail(ErrorCode::kInconsistent, "the file has no ST-GCN", where, "use weights of an ST-GCN");
   }
   return pass;
 }

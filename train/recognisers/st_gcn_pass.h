@@ -16,7 +16,7 @@ std::vector<float> SpatialPartitions(const std::vector<int>& parents);
 /// Parents of the tree without its root: joint v is joint v + 1 of the tree.
 std::vector<int> WithoutRoot(std::vector<int> parents);
 
-/// ST-GCN after training (a2m_actor.md D.1): norms folded into the layers before them. The layers stand at StGcn.
+/// ST-GCN after training (a2m_actor.md D.1): norms folded into the layers before them. StGcn defines the layers.
 class StGcnPass {
  public:
   /// `parents` of the whole tree; whether the root's rotation is read follows from the weights. Error kInconsistent

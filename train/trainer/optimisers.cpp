@@ -80,7 +80,8 @@ void Optimisers::Step(int phase, const std::vector<Tensor>& gradients, double ra
   if (largest_norm > 0.0) torch::nn::utils::clip_grad_norm_(group.parameters, largest_norm);
   for (auto& of_rule : rule.param_groups()) of_rule.options().set_lr(group.learning_rate * rate_factor);
   rule.step();
-  for (Tensor parameter : group.parameters) parameter.mutable_grad() = Tensor();  // their memory is the next step's
+  for (Tensor parameter : group.parameters)
+    parameter.mutable_grad() = Tensor();  // frees their memory for the next step
 }
 
 std::vector<OptimiserState> Optimisers::State() const {

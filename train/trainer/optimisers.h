@@ -11,18 +11,18 @@
 
 namespace mocurate {
 
-/// The optimisers of a network, one a group, whose state goes into checkpoints and comes back bit for bit.
+/// The optimisers of a network, one per group; their state is saved in checkpoints and restored bit for bit.
 class Optimisers {
  public:
   explicit Optimisers(Network& network);
 
   const OptimiserGroup& group(int phase) const { return groups_[static_cast<std::size_t>(phase)]; }
-  /// Steps the group of that phase by `gradients`, in the order of its parameters (undefined: no gradient); its rate is
-  /// `rate_factor` times its own. `largest_norm` 0: no bound.
+  /// Updates the group of that phase by `gradients`, in the order of its parameters (undefined: no gradient); its rate
+  /// is `rate_factor` times its own. `largest_norm` 0: no limit.
   void Step(int phase, const std::vector<torch::Tensor>& gradients, double rate_factor, double largest_norm);
 
   std::vector<OptimiserState> State() const;
-  /// Error kInconsistent where the state is not that of this network.
+  /// Error kInconsistent where the state is of another network.
   Status Restore(const std::vector<OptimiserState>& state, const std::string& where);
 
  private:

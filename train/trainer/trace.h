@@ -11,8 +11,8 @@
 
 namespace mocurate {
 
-/// For comparison with other implementations: a network built with given weights, fed with given inputs and draws. No
-/// type of libtorch appears, and all networks are traced by the same three functions.
+/// For comparison with other implementations: a network with given weights, inputs and draws. The interface has no
+/// libtorch types, and the same three functions trace all networks.
 struct TracedNetwork {
   NetworkOptions options;
   int joints = 24;
@@ -21,7 +21,7 @@ struct TracedNetwork {
   std::vector<int> parents;           ///< (J)
   std::vector<Vector3d> rest_offset;  ///< (J)
   int words = 0;                      ///< of the vocabulary, where a network learns from segments
-  ParameterList weights;              ///< by name; those that are missing keep their initial values
+  ParameterList weights;              ///< by name; missing ones keep their initial values
 };
 
 /// A named array; `value` of integers and truth values as numbers.
@@ -35,11 +35,11 @@ struct TraceBatch {
   std::vector<int> length;         ///< (B) valid frames; empty: all
   std::vector<int> label;          ///< (B)
   std::vector<int> parts, word;    ///< (B,3) frames and labels of the segments; or empty
-  std::vector<TraceValues> draws;  ///< of each step, by purpose: as many steps are taken
+  std::vector<TraceValues> draws;  ///< of each step, by purpose; their number is the number of steps
   int phase = 0;
 };
 
-/// What the steps gave: terms, outputs and gradients of the first, parameters after each.
+/// Results of the steps: terms, outputs and gradients of the first, parameters after each.
 struct StepTrace {
   double total = 0.0;
   std::vector<double> totals;  ///< of every step
@@ -48,7 +48,7 @@ struct StepTrace {
   std::vector<ParameterList> after;
 };
 
-/// Error kInconsistent where weights do not fit the network.
+/// Error kInconsistent where weights do not match the network.
 Expected<StepTrace> TraceStep(const TracedNetwork& network, const TraceBatch& batch);
 
 /// Network::Parts on `inputs`; with `cotangents`, the gradients of their inner product with the parts.

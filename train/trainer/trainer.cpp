@@ -28,7 +28,7 @@ namespace {
 
 using torch::Tensor;
 
-constexpr std::int64_t kHistoryRows = 2000;      // of a training, however long
+constexpr std::int64_t kHistoryRows = 2000;      // of a training of any length
 constexpr std::int64_t kValidatedAtOnce = 128;   // motions
 constexpr double kSmallestDeviation = 0.02;      // metres, of a standardised number
 constexpr std::int64_t kRoundSteps = 1LL << 40;  // keeps the draws of two rounds apart
@@ -40,7 +40,7 @@ double ResidentMegabytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
-/// A step frees and asks for the same tens of megabytes: they stay with the process, and their pages mapped.
+/// A step frees and allocates the same tens of megabytes: keep them in the process, with their pages mapped.
 void KeepFreedMemory() {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
@@ -48,8 +48,8 @@ void KeepFreedMemory() {
 
 Status CheckDevice(TrainDevice device) {
   if (device == TrainDevice::kCpu || torch::cuda::is_available()) return {};
-  return Fail(ErrorCode::kMissingOnHost, "no CUDA device is here, or this libtorch has no CUDA", "device: cuda",
-              "set device: cpu");
+  return Fail(ErrorCode::kMissingOnHost, "this machine has no CUDA device, or this libtorch has no CUDA",
+              "device: cuda", "set device: cpu");
 }
 
 /// One training: a round on the training part, and for recognisers a second one on all of it.
@@ -61,7 +61,7 @@ class Training {
   Expected<Checkpoint> Run() {
     if (Status there = CheckDevice(options_.learning.device); !there) return Forward(there);
     KeepFreedMemory();
-    torch::set_num_threads(1);  // shards have a thread each; the bytes must not depend on a thread count
+    torch::set_num_threads(1);  // one thread per shard; the result must not depend on a thread count
     auto rows =
         SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
     if (!rows) return Forward(rows);
@@ -69,7 +69,7 @@ class Training {
     if (Status fit = CheckSamples(); !fit) return Forward(fit);
     if (!control_.weights.empty()) return TakeReleasedWeights();
     if (options_.NeedsBody() && control_.skin == nullptr) {
-      return Fail(ErrorCode::kInconsistent, "the loss on vertices got no body", options_.name,
+      return Fail(ErrorCode::kInconsistent, "the loss on vertices has no body", options_.name,
                   "set body: to SMPL's file or body_cc0.h5, or vertex_weight: 0");
     }
     if (Status begun = Begin(); !begun) return Forward(begun);
@@ -90,7 +90,7 @@ class Training {
     return std::move(state_);
   }
 
-  /// Runs a few steps of a fresh training, from its beginning and from its middle: a GAN's stages cost differently.
+  /// Runs a few steps of a new training, at its beginning and in its middle: a GAN's stages have different costs.
   Expected<TrainingCost> Measure() {
     if (Status there = CheckDevice(options_.learning.device); !there) return Forward(there);
     constexpr int kParts = 2, kMeasured = 5;  // 5: the critic's steps to one of the generator (Gulrajani et al. 2017)
@@ -126,20 +126,20 @@ class Training {
     for (const int row : rows_.train) {
       const TrainingSet::Clip& clip = set_.clips[static_cast<std::size_t>(row)];
       if (*std::min_element(clip.parts.begin(), clip.parts.end()) < 1) {
-        return Fail(ErrorCode::kInconsistent, "the clip is no sample of previous action, transition and action",
+        return Fail(ErrorCode::kInconsistent, "the clip is not a sample of previous action, transition and action",
                     clip.id, "make samples with canon.trim.rule: triples");
       }
       if (clip.frames > options_.data.frames) {
         return Fail(
             ErrorCode::kInconsistent,
             "the sample has " + Counted(clip.frames, "frame") + ", the network " + std::to_string(options_.data.frames),
-            clip.id, "set `frames` of the network to more, or canon.trim.triples.most_frames to less");
+            clip.id, "increase `frames` of the network, or decrease canon.trim.triples.most_frames");
       }
       if (reads_last && clip.parts[0] < macvae.previous_frames) {
         return Fail(ErrorCode::kInconsistent,
                     "the previous action has " + Counted(clip.parts[0], "frame") + ", the network reads the last " +
                         std::to_string(macvae.previous_frames),
-                    clip.id, "set `previous_frames` to less, or canon.trim.triples.context to more");
+                    clip.id, "decrease `previous_frames`, or increase canon.trim.triples.context");
       }
     }
     return {};
@@ -159,7 +159,7 @@ class Training {
     state_.labels = set_.labels;
   }
 
-  /// The weights of a file in place of a training.
+  /// The weights of a file instead of a training.
   Expected<Checkpoint> TakeReleasedWeights() {
     FillHeader();
     const Expected<ReleasedWeights> weights = ReadReleasedWeights(control_.weights, state_.kind);
@@ -170,13 +170,13 @@ class Training {
     state_.step = weights->steps;
     Store();
     state_.optimisers.clear();
-    state_.dataset_sha256.clear();  // of a set that is not here
+    state_.dataset_sha256.clear();  // of a set that is not available
     state_.facts["clips"] = 0;
     state_.finished = true;
     return std::move(state_);
   }
 
-  /// From the state in scratch, from the checkpoint that the training goes on from, or anew.
+  /// Resumes from the state in scratch or from the checkpoint to continue, or starts anew.
   Status Begin() {
     FillHeader();
     std::error_code unknown;
@@ -186,7 +186,7 @@ class Training {
       Expected<Checkpoint> stored = ReadCheckpoint(file, state_.kind);
       if (!stored && file == control_.start) return Forward(stored);
       if (!stored) {
-        LogWarning("training starts anew: " + stored.error().Message());
+        LogWarning("training restarts: " + stored.error().Message());
         continue;
       }
       if (!SameTraining(*stored) || (End() > 0 && stored->step > End())) continue;
@@ -197,7 +197,7 @@ class Training {
     return TakeFirstWeights();
   }
 
-  /// What a round begins with in the place of drawn weights.
+  /// The initial weights of a round, in place of random ones.
   Status TakeFirstWeights() {
     if (control_.start_from.empty()) return {};
     const Expected<ReleasedWeights> weights = ReadReleasedWeights(control_.start_from, state_.kind);
@@ -205,7 +205,7 @@ class Training {
     return SetValues(weights->parameters, DisplayPath(control_.start_from), *network_);
   }
 
-  /// How long the saved state took: beside it, since a checkpoint's bytes do not depend on the clock.
+  /// Duration of the saved training, stored beside it, because a checkpoint's bytes do not depend on the clock.
   std::filesystem::path EffortFile() const { return control_.scratch / "training_seconds.txt"; }
 
   void TakeEffort() {
@@ -218,7 +218,7 @@ class Training {
     return seconds_before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   }
 
-  /// The step at which a generator is to end; 0: a recogniser, which ends by its epochs.
+  /// The last step of a generator; 0: a recogniser, which ends by its epochs.
   std::int64_t End() const {
     if (recognises_) return 0;
     const LearningOptions& learning = options_.learning;
@@ -389,9 +389,9 @@ class Training {
     return {};
   }
 
-  /// Keeps the batch and the weights of before the phase that failed.
+  /// Saves the batch and the weights before the phase that failed.
   Status Diverged(const Batch& batch, const std::string& what) {
-    std::string kept = "a scratch folder would hold the batch";
+    std::string kept = "without a scratch folder the batch is not saved";
     if (!control_.scratch.empty()) {
       Store();
       Checkpoint dump = state_;
@@ -413,7 +413,7 @@ class Training {
       if (Status written = WriteCheckpoint(dump, file); !written) return written;
       std::error_code ignored;
       std::filesystem::remove(StateFile(), ignored);
-      kept = "batch and weights are kept in " + DisplayPath(file);
+      kept = "batch and weights are saved in " + DisplayPath(file);
     }
     return Fail(ErrorCode::kInconsistent, what + " after " + Counted(state_.step, "step") + "; " + kept, options_.name,
                 "lower learning_rate, or set gradient_clip");
@@ -430,7 +430,7 @@ class Training {
     }
   }
 
-  /// A column as long as those before it: a phase may begin late.
+  /// A column as long as those before it: a phase may start late.
   std::vector<double>& Column(const std::string& name) {
     std::vector<double>& column = state_.history[name];
     column.resize(state_.history["step"].size() - 1, std::nan(""));
@@ -457,7 +457,7 @@ class Training {
     control_.progress(rounds ? 0.5 * (round_ + share) : share, text);
   }
 
-  /// At the end of every so many epochs, on the validation fold.
+  /// Check on the validation fold, every `check_every` epochs.
   void Check() {
     const std::int64_t per_pass = order_->batches_per_pass();
     if (round_step_ % per_pass != 0) return;
@@ -479,7 +479,7 @@ class Training {
     state_.history["check_step"].push_back(static_cast<double>(state_.step));
     state_.history["validation_accuracy"].push_back(score.right);
     state_.history["validation_loss"].push_back(score.loss);
-    // A rate that is annealed is meant to end: what stands in the middle was still on its way.
+    // An annealed rate has to reach its end: intermediate weights have not converged.
     const bool better = rules.anneal || best_epoch_ == 0 || score.right > best_.right ||
                         (score.right == best_.right && score.loss < best_.loss);
     if (!better) return;
@@ -524,7 +524,7 @@ class Training {
     state_.facts["best_loss"] = best_.loss;
   }
 
-  /// How long transition and action of each class usually are: means over its training samples, truncated.
+  /// Typical length of transition and action of each class: means over its training samples, truncated.
   void StoreUsualLengths() {
     std::vector<std::array<double, 3>> sums(set_.labels.size() + 1, {0.0, 0.0, 0.0});
     for (const int row : rows_.train) {
@@ -543,7 +543,7 @@ class Training {
     }
   }
 
-  /// What generated rotations are laid out with.
+  /// Rest offsets for generated rotations.
   void StoreRestPose() {
     state_.facts["rest_offset"] = nlohmann::json::array();
     state_.facts["bone_length"] = nlohmann::json::array();
@@ -565,7 +565,7 @@ class Training {
   Expected<Checkpoint> Interrupted() {
     if (Status saved = Save(); !saved) return Forward(saved);
     return Fail(ErrorCode::kInterrupted, "training was stopped after " + Counted(state_.step, "step"), options_.name,
-                "run again to go on");
+                "run again to continue");
   }
 
   const TrainingSet& set_;
@@ -579,14 +579,14 @@ class Training {
   Checkpoint state_;
   int round_ = 0;
   bool ended_ = false;
-  std::int64_t round_step_ = 0;  ///< done in this round
+  std::int64_t round_step_ = 0;  ///< completed in this round
   std::int64_t steps_ = 0;       ///< of this round
-  std::int64_t until_ = 0;       ///< where it ends
+  std::int64_t until_ = 0;       ///< last step
   std::int64_t best_epoch_ = 0;
   ValidationScore best_;  ///< means
   std::int64_t first_step_ = -1;
   std::chrono::steady_clock::time_point began_, started_ = std::chrono::steady_clock::now();
-  double seconds_before_ = 0.0;  ///< of the runs that it goes on from
+  double seconds_before_ = 0.0;  ///< of the earlier runs of this training
 };
 
 }  // namespace

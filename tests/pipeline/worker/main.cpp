@@ -86,9 +86,9 @@ Expected<StageOutcome> Refuse(const StageRequest& request) {
 }
 
 /// Like canon with a clip that a rule of its options does not want.
-Expected<StageOutcome> LeaveOut(const StageRequest& request) {
+Expected<StageOutcome> Exclude(const StageRequest& request) {
   StageOutcome outcome;
-  outcome.kind = OutcomeKind::kLeftOut;
+  outcome.kind = OutcomeKind::kExcluded;
   Finding finding;
   finding.clip = request.item;
   finding.code = "too_short";
@@ -170,7 +170,7 @@ int main() {
                     {"sleep", SleepStage},
                     {"patient", Patient},
                     {"refuse", Refuse},
-                    {"leave_out", LeaveOut},
+                    {"exclude", Exclude},
                     {"missing", Missing},
                     {"abort", Abort},
                     {"hang", Hang},

@@ -1,0 +1,247 @@
+#include "fitting/clouds/modality_alignment.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/base/median.h"
+#include "core/geometry/rotation.h"
+#include "fitting/clouds/cloud_match.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kAlignmentScale = 0.03;   ///< m, of the robust loss: beyond, a point hardly counts
+constexpr double kFarApart = 0.15;         ///< m; people farther apart than this are first brought together
+constexpr double kBodyPatchPoints = 10.0;  ///< that share an error of the body
+constexpr int kAlignmentRounds = 8;
+constexpr int kWideRounds = 4;  ///< look farther than the later ones
+constexpr double kWide = 3.0;
+constexpr double kUsualMove = 0.5;      ///< m; what is not seen stays
+constexpr double kUsualRotation = 0.3;  ///< rad
+constexpr double kUsualDelay = 0.25;    ///< s
+
+/// Move and turn about the middle of the person, and delay.
+using Unknowns = Eigen::Matrix<double, 7, 1>;
+
+struct Placement {
+  Quaterniond turn = Quaterniond::Identity();
+  Vector3d move = Vector3d::Zero();
+  double late_s = 0.0;
+};
+
+/// Of the unknowns those that are looked for.
+struct Free {
+  bool move = false;
+  bool delay = false;
+};
+
+double MeanSpread(const Eigen::Matrix3Xd& points) {
+  return std::sqrt((points.colwise() - points.rowwise().mean()).colwise().squaredNorm().mean());
+}
+
+class Aligner {
+ public:
+  Aligner(const CapsuleBody& body, const PoseState& state, const std::vector<FusedCloud>& clouds,
+          const std::vector<int>& frames, double step_s)
+      : body_(body), state_(state), clouds_(clouds), frames_(frames), step_s_(step_s) {
+    for (const int f : frames_) centre_ += JointsAt(f).rowwise().mean() / static_cast<double>(frames_.size());
+  }
+
+  Eigen::Matrix3Xd JointsAt(int frame) const {
+    Eigen::Matrix3Xd joints(3, state_.joints());
+    for (int j = 0; j < state_.joints(); ++j) joints.col(j) = state_.position(frame, j);
+    return joints;
+  }
+
+  RigidTransform Transform(const Placement& placement) const {
+    return {placement.turn, centre_ + placement.move - placement.turn * centre_};
+  }
+
+  /// Mean loss in [0, 1] and share of the points within reach.
+  struct Explained {
+    double loss = 1.0;
+    double near = 0.0;
+  };
+  Explained Explain(const Placement& placement, double reach) const {
+    double loss = 0.0, near = 0.0, all = 0.0;
+    for (const int f : frames_) {
+      const std::optional<int> shown = Shown(f, placement.late_s);
+      if (!shown) continue;
+      const FusedCloud cloud = Moved(clouds_[static_cast<std::size_t>(f)], Transform(placement));
+      const std::vector<CloudMatch> matches = MatchPoints(body_, state_, *shown, cloud, reach);
+      all += cloud.size();
+      near += static_cast<double>(matches.size());
+      loss += cloud.size() - static_cast<double>(matches.size());
+      const double rest = placement.late_s - step_s_ * (f - *shown);
+      for (const CloudMatch& match : matches) {
+        const double r = match.distance + rest * Across(match, *shown, cloud).speed;
+        loss += r * r / (r * r + kAlignmentScale * kAlignmentScale);
+      }
+    }
+    return all > 0.0 ? Explained{loss / all, near / all} : Explained{};
+  }
+
+  /// One Gauss-Newton step from the placement, over what is free; the information of the unknowns.
+  Eigen::Matrix<double, 7, 7> Improve(double reach, Free free, Placement& placement) const {
+    Eigen::Matrix<double, 7, 7> matrix = Eigen::Matrix<double, 7, 7>::Zero();
+    Unknowns right = Unknowns::Zero();
+    for (const int f : frames_) {
+      const std::optional<int> shown = Shown(f, placement.late_s);
+      if (!shown) continue;
+      const FusedCloud cloud = Moved(clouds_[static_cast<std::size_t>(f)], Transform(placement));
+      const double rest = placement.late_s - step_s_ * (f - *shown);
+      for (const CloudMatch& match : MatchPoints(body_, state_, *shown, cloud, reach)) {
+        const Surface at = Across(match, *shown, cloud);
+        const double r = match.distance + rest * at.speed;
+        const double weight =
+            std::pow(kAlignmentScale * kAlignmentScale / (r * r + kAlignmentScale * kAlignmentScale), 2) /
+            (kBodyPatchPoints * kAlignmentScale * kAlignmentScale);
+        Unknowns row;
+        row << at.out, (Vector3d(cloud.points.col(match.point)) - centre_ - placement.move).cross(at.out), at.speed;
+        if (!free.move) row.head<6>().setZero();
+        if (!free.delay) row[6] = 0.0;
+        matrix.noalias() += weight * row * row.transpose();
+        right.noalias() -= weight * r * row;
+      }
+    }
+    const Vector3d turned = LogQuaternion(placement.turn);
+    for (int i = 0; i < 7; ++i) {
+      const double usual = i < 3 ? kUsualMove : i < 6 ? kUsualRotation : kUsualDelay;
+      const double now = i < 3 ? placement.move[i] : i < 6 ? turned[i - 3] : placement.late_s;
+      matrix(i, i) += 1.0 / (usual * usual);
+      right[i] -= now / (usual * usual);
+    }
+    const Unknowns step = matrix.ldlt().solve(right);
+    placement.move += step.head<3>();
+    placement.turn = (ExpQuaternion(step.segment<3>(3)) * placement.turn).normalized();
+    placement.late_s += step[6];
+    return matrix;
+  }
+
+ private:
+  /// The surface that a point is held to: outward, and how fast it goes inward.
+  struct Surface {
+    Vector3d out = Vector3d::Zero();
+    double speed = 0.0;  ///< m/s by which the point's distance grows per second of delay
+  };
+
+  /// The frame of the poses that is nearest to what a cloud shows.
+  std::optional<int> Shown(int frame, double late_s) const {
+    const int shown = frame - static_cast<int>(std::lround(late_s / step_s_));
+    if (shown < 0 || shown >= state_.frames()) return std::nullopt;
+    return shown;
+  }
+
+  Surface Across(const CloudMatch& match, int frame, const FusedCloud& cloud) const {
+    const BodyCapsule& capsule = body_.capsules[match.capsule];
+    const CapsuleEnds ends = EndsOf(capsule, state_, frame);
+    const Vector3d point = cloud.points.col(match.point);
+    const Vector3d axis = ends.end - ends.begin;
+    const double square = axis.squaredNorm();
+    const double place = square > 0.0 ? std::clamp((point - ends.begin).dot(axis) / square, 0.0, 1.0) : 0.0;
+    Surface surface;
+    surface.out = (point - ends.begin - place * axis).stableNormalized();
+    const int before = std::max(0, frame - 1), after = std::min(state_.frames() - 1, frame + 1);
+    if (after == before) return surface;
+    const auto at = [&](int f) {
+      const CapsuleEnds moved = EndsOf(capsule, state_, f);
+      return Vector3d(moved.begin + place * (moved.end - moved.begin));
+    };
+    surface.speed = surface.out.dot(at(after) - at(before)) / (step_s_ * (after - before));
+    return surface;
+  }
+
+  const CapsuleBody& body_;
+  const PoseState& state_;
+  const std::vector<FusedCloud>& clouds_;
+  const std::vector<int>& frames_;
+  double step_s_;
+  Vector3d centre_ = Vector3d::Zero();
+};
+
+/// The delay in whole frames from which a step finds the rest: the one that leaves least, 0 where none is clearly
+/// better.
+double FirstDelay(const Aligner& aligner, const Placement& placement, double step_s, double longest_s, double reach) {
+  constexpr double kClearly = 0.95;
+  const int most = static_cast<int>(longest_s / step_s);
+  const int stride = std::max(1, most / 8);
+  double best_loss = kClearly * aligner.Explain(placement, reach).loss, best = 0.0;
+  for (int k = -most; k <= most; k += stride) {
+    Placement later = placement;
+    later.late_s = k * step_s;
+    const double loss = aligner.Explain(later, reach).loss;
+    if (loss >= best_loss) continue;
+    best_loss = loss;
+    best = later.late_s;
+  }
+  return best;
+}
+
+}  // namespace
+
+FusedCloud Moved(const FusedCloud& cloud, const RigidTransform& transform) {
+  const Matrix3d turn = transform.rotation.toRotationMatrix();
+  FusedCloud moved = cloud;
+  moved.points = (turn * cloud.points).colwise() + transform.translation;
+  moved.normals = turn * cloud.normals;
+  return moved;
+}
+
+ModalityAlignment AlignModalities(const CapsuleBody& body, const PoseState& state,
+                                  const std::vector<FusedCloud>& clouds, const std::vector<int>& frames, double step_s,
+                                  double longest_s, double reach) {
+  const Aligner aligner(body, state, clouds, frames, step_s);
+  ModalityAlignment found;
+  if (frames.empty()) return found;
+  std::vector<double> apart[3], far, sizes;
+  for (const int f : frames) {
+    const Eigen::Matrix3Xd joints = aligner.JointsAt(f);
+    const Eigen::Matrix3Xd& points = clouds[static_cast<std::size_t>(f)].points;
+    const Vector3d way = joints.rowwise().mean() - points.rowwise().mean();
+    for (int i = 0; i < 3; ++i) apart[i].push_back(way[i]);
+    far.push_back(way.norm());
+    sizes.push_back(MeanSpread(points) / std::max(1e-9, MeanSpread(joints)));
+  }
+  found.apart = MeanMedian(far);
+  found.size_ratio = MeanMedian(sizes);
+  const Aligner::Explained given = aligner.Explain({}, reach);
+  found.near = found.near_after = given.near;
+  found.loss = given.loss;
+  const auto settle = [&](Free free, double wide, Placement& placement) {
+    Eigen::Matrix<double, 7, 7> information;
+    for (int round = 0; round < kAlignmentRounds; ++round) {
+      const double widening = 1.0 + (wide - 1.0) * std::max(0.0, 1.0 - static_cast<double>(round) / kWideRounds);
+      information = aligner.Improve(widening * reach, free, placement);
+      placement.late_s = std::clamp(placement.late_s, -longest_s, longest_s);
+    }
+    const Eigen::Matrix<double, 7, 7> covariance = information.inverse();
+    const Aligner::Explained explained = aligner.Explain(placement, reach);
+    found.near_after = std::max(found.near_after, explained.near);
+    ModalityAlignment::Taken taken;
+    taken.world_from_clouds = aligner.Transform(placement);
+    taken.moved = placement.move.norm();
+    taken.turned = LogQuaternion(placement.turn).norm();
+    taken.late_s = placement.late_s;
+    taken.moved_sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+    taken.clock_offset_sigma = std::sqrt(covariance(6, 6));
+    taken.loss = explained.loss;
+    return taken;
+  };
+  Placement still;
+  if (found.apart > kFarApart) still.move = Vector3d(MeanMedian(apart[0]), MeanMedian(apart[1]), MeanMedian(apart[2]));
+  found.moved = settle({true, false}, kWide, still);
+  Placement late, both = still;
+  late.late_s = FirstDelay(aligner, late, step_s, longest_s, reach);
+  found.late = settle({false, true}, 1.0, late);
+  both.late_s = FirstDelay(aligner, still, step_s, longest_s, reach);
+  found.both = settle({true, true}, 1.0, both);
+  // From where the delay alone leads: a move that stands for a delay hides it.
+  Placement after_late = late;
+  const ModalityAlignment::Taken other = settle({true, true}, 1.0, after_late);
+  if (other.loss < found.both.loss) found.both = other;
+  return found;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "fitting/solver/track_window.h"
+
+namespace mocurate {
+
+constexpr double kUnknownAngle = 3.289868133696453;  ///< variance of a uniform angle, pi^2 / 3
+
+/// Standard deviation per axis, metres, of an unmeasured bone's end about its place on the skeleton in the person's
+/// size: for bones that start in the trunk (at a joint on the midline) and for others. Root mean squares over bodies of
+/// body_cc0 between its man and its woman (body_spread_test). Valid for people whose joints are placed by one rule; a
+/// skeleton with other rules (another end of the spine) differs more.
+inline constexpr double kTrunkSigma = 0.0055;
+inline constexpr double kLimbSigma = 0.0025;
+double SpreadOfBone(const Skeleton& skeleton, int bone);
+
+/// Standard deviation per axis, radians, of joints that no evidence rotates and that are fixed in the rest pose: those
+/// that carry a bone of 20 cm or more, and wrists, ankles and necks.
+inline constexpr double kLimbRotation = 1.0;
+inline constexpr double kEndRotation = 0.3;
+
+/// Covariance (F*J*6; xx xy xz yy yz zz, m^2) of joint positions from the unmeasured part of the body and from fixed
+/// joints; empty where all bones are measured: some frame of the tracks shows both ends. A tracker's points that are
+/// not joints (SkeletonTracks::place_sigma) add the covariance of their places. Each unmeasured bone varies
+/// independently by the standard deviations above, and the pose follows (consider covariance, Schmidt 1966, given the
+/// evidence of one frame). The result is what the pose does not compensate for and observed joints do not determine.
+/// The hand beyond the last observed joint has all of its bone's and the wrist's uncertainty, an observed joint almost
+/// none. A body's error is constant: the pose is that of a fixed frame with every joint that the tracks show. Computed
+/// every 0.2 s, linear between. `whole` is the whole clip at its solution, kinematics up to date.
+std::vector<float> CovarianceOfBody(const TrackWindow& whole);
+
+}  // namespace mocurate

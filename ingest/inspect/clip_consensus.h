@@ -1,0 +1,68 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ingest/inspect/inspection.h"
+
+namespace mocurate {
+
+/// The most frequent value of a field, weighted by confidence.
+template <class T>
+struct Consensus {
+  const Reported<T>* clearest = nullptr;  ///< of the highest confidence; none: no clip has a value
+  const Reported<T>* last = nullptr;
+  double share = 0.0;     ///< of the votes
+  std::size_t clips = 0;  ///< that report this value
+};
+
+template <class T>
+Consensus<T> ConsensusOf(const std::vector<const InspectedClip*>& clips, Reported<T> InspectedClip::*field);
+
+/// What the clips of a source report of one thing.
+template <class T>
+struct Vote {
+  std::optional<T> value;
+  Provenance from = Provenance::kUnknown;
+  double share = 0.0;   ///< of the votes
+  double voters = 0.0;  ///< share of the clips that report this
+  std::string comment;
+};
+
+/// The clips of an inspection that one source could be, asked together: of one format, of the most frequent count of
+/// joints (or of none, where a file does not say it), with names of one form where most have one. Of arrays those that
+/// are bodies, where some are. The inspection must outlive it.
+class ClipConsensus {
+ public:
+  ClipConsensus(const Inspection& inspection, std::string format);
+
+  const std::vector<const InspectedClip*>& clips() const { return clips_; }
+  /// What is excluded, with the number of clips.
+  const std::map<std::string, std::size_t>& others() const { return others_; }
+  /// Files of other clips, which a pattern must not take.
+  const std::vector<std::string>& other_files() const { return other_files_; }
+  /// The most frequent value of a field, weighted by confidence; the comment says where it comes from.
+  template <class T>
+  Vote<T> Ask(Reported<T> InspectedClip::*field) const;
+  /// The clip whose skeleton is the most certain.
+  const InspectedClip& ClearestSkeleton() const;
+  /// One of the facts, of every clip; empty where it has none.
+  std::vector<std::string> Facts(const char* key) const;
+
+ private:
+  void KeepOneForm();
+
+  std::string format_;
+  std::vector<const InspectedClip*> clips_;
+  std::map<std::string, std::size_t> others_;
+  std::vector<std::string> other_files_;
+};
+
+/// The number of joints, "null" where it is unknown.
+std::string JointsText(const InspectedClip& clip);
+
+/// "0.93", as a declaration says how sure it is.
+std::string TwoDecimals(double value);
+
+}  // namespace mocurate

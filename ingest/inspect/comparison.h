@@ -1,0 +1,66 @@
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/axes.h"
+#include "ingest/inspect/inspection.h"
+#include "ingest/inspect/measure.h"
+
+namespace mocurate {
+
+/// What is said of a clip without looking at its numbers; empty: nothing.
+struct DeclaredFrame {
+  std::string units, up, handedness, facing, axes, who;
+};
+
+/// What the clip's format says, and over it what the source declares.
+DeclaredFrame DeclaredFrameOf(const RawClip& clip, const std::optional<SourceOptions>& source);
+
+/// One thing that is declared and that the clip shows.
+struct Comparison {
+  Finding finding;  ///< an error "up_contradiction" with how sure that is, or metres; it is one where they differ
+  std::string measured;
+  double weight = 0.0;  ///< how much the clip tells, 0 to 1
+  bool contradicts = false;
+};
+
+/// Units, up and handedness: those that are declared and that the clip shows. Nothing of what it does not show.
+std::vector<Comparison> CompareFrame(const DeclaredFrame& said, const ClipMeasures& measures);
+
+/// The limit that the value behind a contradiction is beyond: metres of a body, a factor of a path, how sure a measure
+/// is, the declared rate, the fit of an order of joints. 0 of other codes.
+double ContradictionThreshold(const std::string& code, double value, const SourceOptions& source);
+
+/// A rate that a file says, where it is not the declared one: "rate_contradiction". Writers of BVH round.
+std::optional<Finding> CompareRate(const SourceOptions& source, double file_hz);
+
+/// One clip in so many that denies its rate makes that a fact about the set.
+inline constexpr std::size_t kLeastDenials = 100;
+
+/// Of all clips together: whether those whose motion denies their rate make that a fact about the set. One that allows
+/// it says little, as people may do anything slowly: 5 that deny it in the same direction, and 1 in 100, are enough.
+struct RateDenials {
+  std::size_t clips = 0;
+  std::size_t too_fast = 0;  ///< marked with more than the motion allows
+  std::size_t too_slow = 0;
+
+  void Add(double marked_hz, double fits_hz) { (fits_hz < marked_hz ? too_fast : too_slow) += 1; }
+  double Share() const { return static_cast<double>(std::max(too_fast, too_slow)) / static_cast<double>(clips); }
+  bool OfTheSet() const;
+  std::string Words() const;  ///< "86 of 205 clips deny their rate, all as too fast"
+};
+
+/// A declared order of joints that scores better (BodyScore::total) is not doubted.
+inline constexpr double kPlausibleOrder = 0.12;
+
+/// Clips of one source or folder that decide for the others, and the least share of their votes.
+inline constexpr std::size_t kFewestVotes = 5;
+/// The same against a declaration: no clip of KARD, MSR-Action3D, UTKinect and Florence3D
+/// contradicts a correct one.
+inline constexpr std::size_t kFewestDenials = 3;
+inline constexpr double kAgreement = 0.95;
+
+}  // namespace mocurate

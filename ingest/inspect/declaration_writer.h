@@ -1,0 +1,124 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/base/text.h"
+#include "ingest/inspect/clip_consensus.h"
+#include "ingest/inspect/source_declaration.h"
+#include "ingest/options.h"
+
+namespace mocurate {
+
+/// A text as YAML.
+std::string Quoted(const std::string& text);
+
+/// Lines of ingest.source, each value with a comment that says where it comes from.
+class DeclarationWriter {
+ public:
+  explicit DeclarationWriter(WrittenDeclaration& out) : out_(out) {}
+
+  void Line(const std::string& text) { out_.yaml += text + "\n"; }
+  /// A long comment stands above the value.
+  void Value(const std::string& key, const std::string& value, const std::string& comment) {
+    const std::string line = "    " + key + ": " + value;
+    if (comment.empty()) return Line(line);
+    if (line.size() + comment.size() + 4 <= kTextWidth) return Line(line + "  # " + comment);
+    Comment(comment);
+    Line(line);
+  }
+  void Comment(const std::string& text) {
+    std::string line = "    #";
+    for (const std::string_view word : SplitBlanks(text)) {
+      if (line.size() + word.size() + 1 > kTextWidth) {
+        Line(line);
+        line = "    #";
+      }
+      line += " " + std::string(word);
+    }
+    Line(line);
+  }
+  /// What must be declared and is not known.
+  void Unknown(const std::string& key, const std::string& why) {
+    out_.unknown.push_back(key);
+    Value(key, Quoted(std::string(kFillIn) + ": nothing in the files tells it"), "unknown: " + why);
+  }
+  void UnknownList(const std::string& key, const std::string& why) {
+    out_.unknown.push_back(key);
+    List(key, {std::string(kFillIn)}, "unknown: " + why);
+  }
+  void UnknownJoints() { UnknownList("joints", "names in the order of the file, \"-\" for what is no joint"); }
+  void List(const std::string& key, const std::vector<std::string>& texts, const std::string& comment) {
+    Comment(comment);
+    std::string line = "    " + key + ": [";
+    if (texts.empty()) line += "]";
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const std::string word = (texts[i] == "-" ? "\"-\"" : texts[i]) + (i + 1 < texts.size() ? "," : "]");
+      if (line.size() + word.size() + 1 > kTextWidth) {
+        Line(line);
+        line = "            ";
+      }
+      line += (line.back() == '[' || line.back() == ' ' ? "" : " ") + word;
+    }
+    Line(line);
+  }
+
+ private:
+  static constexpr std::size_t kTextWidth = 116;
+  WrittenDeclaration& out_;
+};
+
+/// Axes of a source whose people face anywhere, from up and handedness: "+x -z +y" for "+z" in a right-handed frame.
+std::optional<std::string> AxesFrom(const std::string& up, bool right);
+
+/// Names of files directly in a folder below `path`, sorted.
+std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
+                                 const std::set<std::string>& endings);
+
+/// The folder below `path` that an inspection's `file` names: one there, that of a file there, and "" for `path`
+/// itself, which an inspection calls by its own name.
+std::string Below(const std::filesystem::path& path, const std::string& file);
+
+/// Where the calibration of the cameras lies below `path`, what it means, and the axes of its world.
+void WriteCalibration(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
+
+/// Names, cameras and keypoints of a source whose clips are many files: of those in the folders that the inspection
+/// names, which lie in `path`, which lies at `prefix` ("single/") below ingest.path.
+void WriteGathered(const ClipConsensus& source, const Inspection& inspection, const std::filesystem::path& path,
+                   const std::string& prefix, const std::string& format, DeclarationWriter& writer);
+
+/// The names of images as a pattern with {`field`} for the camera and, where they are numbered, {frame}: what most of
+/// them follow. Empty where none names a camera.
+std::string EstimateImages(const std::vector<std::string>& names, const std::vector<std::string>& cameras,
+                           const std::string& field);
+
+/// Pattern of depth images beside a detector's keypoints: {camera} of the inspection's cameras and {frame}, in the
+/// folder of each {recording} where the keypoints are. Empty where there are none.
+std::string EstimateDepthBeside(const Inspection& inspection, const std::filesystem::path& path, bool by_recording);
+
+/// `from` in `text` becomes `to` where it stands as whole words and numbers: "p" in "p_01" and "p01", not in "depth".
+void ReplaceParts(std::string& text, const std::string& from, const std::string& to);
+
+/// Names of images below a folder, of depth (16 bits) or not, sorted, the first few thousand. `part`: of those alone in
+/// whose name it stands as whole words and numbers; empty: of all.
+std::vector<std::string> ImagesBelow(const std::filesystem::path& folder, bool depth, const std::string& part = "");
+
+/// Pattern of the depth images of the sequences whose JSON are the files `names` below `path`: one that, with the
+/// fields of `files` (the pattern of these), gives no image to two of them, and most of them images of all their views.
+/// Error kNotFound where no name of an image is like a view's, kInconsistent where no pattern keeps the sequences'
+/// images apart.
+Expected<std::string> EstimateDepthFiles(const std::filesystem::path& path, const std::vector<std::string>& names,
+                                         const std::string& files);
+
+/// Whether the inspection is of depth images with cameras and nothing else.
+bool IsDepthViews(const Inspection& inspection);
+
+/// The lines of ingest.source after name and format of such a folder.
+void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
+/// The same of a folder of point clouds.
+void WriteClouds(const Inspection& inspection, DeclarationWriter& writer);
+
+}  // namespace mocurate

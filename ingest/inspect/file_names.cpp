@@ -1,0 +1,182 @@
+#include "ingest/inspect/file_names.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "core/base/text.h"
+#include "ingest/sources/pattern.h"
+
+namespace mocurate {
+namespace {
+
+/// A name in pieces; `joints` are the characters between them.
+struct Pieces {
+  std::vector<std::string> parts;
+  std::string joints;
+  std::string ending;
+};
+
+Pieces PiecesOf(const std::string& name) {
+  Pieces pieces;
+  const std::size_t dot = name.rfind('.');
+  const bool has_ending = dot != std::string::npos && name.find('/', dot) == std::string::npos;
+  pieces.ending = has_ending ? name.substr(dot) : "";
+  pieces.parts.emplace_back();
+  for (const char c : name.substr(0, name.size() - pieces.ending.size())) {
+    if (c == '_' || c == '/') {
+      pieces.joints += c;
+      pieces.parts.emplace_back();
+    } else {
+      pieces.parts.back() += c;
+    }
+  }
+  return pieces;
+}
+
+/// Letters before digits that end the part; nothing for other parts.
+std::optional<std::string> LettersBeforeDigits(const std::string& part) {
+  std::size_t letters = 0;
+  while (letters < part.size() && IsLetter(part[letters])) ++letters;
+  if (letters == part.size() || !std::all_of(part.begin() + static_cast<std::ptrdiff_t>(letters), part.end(), IsDigit))
+    return std::nullopt;
+  return part.substr(0, letters);
+}
+
+std::string MeaningOf(const std::string& letters) {
+  static const std::map<std::string, std::string> known = {
+      {"a", "action"},       {"act", "action"},      {"action", "action"},   {"s", "person"},     {"sub", "person"},
+      {"subject", "person"}, {"p", "person"},        {"person", "person"},   {"e", "repetition"}, {"r", "repetition"},
+      {"rep", "repetition"}, {"time", "repetition"}, {"take", "repetition"}, {"t", "repetition"}, {"c", "camera"},
+      {"cam", "camera"},     {"v", "view"},          {"g", "group"},         {"id", "clip"}};
+  std::string lower;
+  for (const char c : letters) lower += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const auto meaning = known.find(lower);
+  return meaning == known.end() ? "" : meaning->second;
+}
+
+/// EvidenceKind every field a name of its own.
+class FieldNames {
+ public:
+  std::string Name(const std::string& wanted) {
+    std::string name = wanted.empty() ? "part" : wanted;
+    for (int copy = 2; used_.count(name) != 0; ++copy) name = (wanted.empty() ? "part" : wanted) + std::to_string(copy);
+    used_[name] = true;
+    order.push_back(name);
+    return name;
+  }
+  bool Used(const std::string& name) const { return used_.count(name) != 0; }
+  std::vector<std::string> order;
+
+ private:
+  std::map<std::string, bool> used_;
+};
+
+bool AllDiffer(const std::vector<Pieces>& all, std::size_t part) {
+  std::set<std::string> seen;
+  return std::all_of(all.begin(), all.end(), [&](const Pieces& p) { return seen.insert(p.parts[part]).second; });
+}
+
+NamePatternEstimate Unlike(const Pieces& first) {
+  const auto folders = std::count(first.joints.begin(), first.joints.end(), '/');
+  NamePatternEstimate guessed;
+  for (std::ptrdiff_t i = 0; i < folders; ++i) {
+    guessed.fields.push_back("folder" + std::to_string(i + 1));
+    guessed.pattern += "{" + guessed.fields.back() + "}/";
+  }
+  guessed.fields.emplace_back("clip");
+  guessed.pattern += "{clip}" + first.ending;
+  return guessed;
+}
+
+}  // namespace
+
+std::string FolderOf(const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  return slash == std::string::npos ? "" : name.substr(0, slash);
+}
+
+bool NamePatternEstimate::Has(const std::string& field) const {
+  return std::find(fields.begin(), fields.end(), field) != fields.end();
+}
+
+std::string FormOf(const std::string& name) {
+  const Pieces pieces = PiecesOf(name);
+  return pieces.joints + pieces.ending;
+}
+
+NamePatternEstimate EstimateNamePattern(const std::vector<std::string>& names) {
+  if (names.empty()) return {};
+  std::vector<Pieces> all;
+  for (const std::string& name : names) all.push_back(PiecesOf(name));
+  const Pieces& first = all.front();
+  if (names.size() == 1) {
+    NamePatternEstimate one = Unlike(first);
+    one.common = false;
+    return one;
+  }
+  const bool alike = std::all_of(all.begin(), all.end(), [&](const Pieces& pieces) {
+    return pieces.joints == first.joints && pieces.ending == first.ending &&
+           std::none_of(pieces.parts.begin(), pieces.parts.end(), [](const std::string& part) { return part.empty(); });
+  });
+  if (!alike) return Unlike(first);
+  NamePatternEstimate guessed;
+  guessed.common = true;
+  FieldNames fields;
+  const std::size_t count = first.parts.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) guessed.pattern += first.joints[i - 1];
+    const bool same =
+        std::all_of(all.begin(), all.end(), [&](const Pieces& p) { return p.parts[i] == first.parts[i]; });
+    if (same) {
+      guessed.pattern += first.parts[i];
+      continue;
+    }
+    const std::optional<std::string> letters = LettersBeforeDigits(first.parts[i]);
+    const bool numbered = letters && std::all_of(all.begin(), all.end(), [&](const Pieces& p) {
+                            return LettersBeforeDigits(p.parts[i]) == letters;
+                          });
+    if (numbered && !letters->empty()) {
+      guessed.pattern += *letters + "{" + fields.Name(MeaningOf(*letters)) + "}";
+    } else if (numbered) {
+      guessed.pattern += "{" + fields.Name(i + 1 == count ? "repetition" : "") + "}";
+    } else if (AllDiffer(all, i)) {
+      guessed.pattern += "{" + fields.Name("clip") + "}";
+    } else {
+      guessed.pattern += "{" +
+                         fields.Name(!fields.Used("action")  ? "action"
+                                     : !fields.Used("style") ? "style"
+                                                             : "") +
+                         "}";
+    }
+  }
+  guessed.pattern += first.ending;
+  guessed.fields = fields.order;
+  if (fields.order.empty()) return Unlike(first);
+  return guessed;
+}
+
+std::optional<std::string> EstimateCompanionPattern(const NamePatternEstimate& guessed,
+                                                    const std::vector<std::string>& names,
+                                                    const std::vector<std::string>& belonging) {
+  const Expected<NamePattern> pattern = NamePattern::Parse(guessed.pattern, "files");
+  if (!pattern) return std::nullopt;
+  const std::size_t slash = guessed.pattern.rfind('/');
+  const std::string stem = guessed.pattern.substr(slash == std::string::npos ? 0 : slash + 1);
+  for (std::size_t end = stem.find_first_of("_."); end != std::string::npos; end = stem.find_first_of("_.", end + 1)) {
+    std::string text;
+    bool fits = true, asked = false;
+    for (std::size_t i = 0; i < names.size() && fits; ++i) {
+      if (belonging[i].empty()) continue;
+      const std::optional<NameFields> fields = pattern->Match(names[i]);
+      const std::size_t dot = belonging[i].rfind('.');
+      text = stem.substr(0, end) + (dot == std::string::npos ? "" : belonging[i].substr(dot));
+      fits = fields && FillFields(text, *fields) == belonging[i];
+      asked = true;
+    }
+    if (fits && asked) return text;
+  }
+  return std::nullopt;
+}
+
+}  // namespace mocurate

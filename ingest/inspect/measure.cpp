@@ -1,0 +1,320 @@
+#include "ingest/inspect/measure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/median.h"
+#include "core/base/text.h"
+#include "core/geometry/axes.h"
+#include "core/quality/axes_changes.h"
+#include "core/quality/checks.h"
+#include "ingest/inspect/length_units.h"
+
+namespace mocurate {
+namespace {
+
+constexpr LengthOfPeople kHeadToFoot = {1.5, kShortestBody, kTallestBody};
+constexpr LengthOfPeople kBox = {1.55, 0.7, 2.3};
+constexpr int kFewestInBox = 10;        // points, for a box around them to be a person's
+constexpr double kDecided = 0.5;        // least confidence of a direction that is reported
+constexpr double kSureOrder = 0.1;      // least confidence of a guessed order whose left and right are believed
+constexpr double kUpright = 0.7;        // mean of head above feet, below which people lie or bend most of the time
+constexpr double kFirmFloor = 0.7;      // spread of the floor against that of the next axis
+constexpr int kManyFeet = 30;           // frames and sides, of feet that are believed against hands
+constexpr double kMostFeet = 0.7;       // share of them
+constexpr double kNearlyAlways = 0.95;  // score of feet that point one way
+constexpr int kFewKnees = 4;            // fewer say nothing, as of any part
+constexpr double kUnsureHands = 0.5;    // most of hands that reach both ways
+constexpr double kByFeet = 0.6;         // how sure feet make then
+constexpr double kManyTurned = 0.1;     // share of frames with other axes than the rest, that measures may hold
+constexpr double kTypicalSpeed = 0.45;  // m/s, of the joint that nine in ten do not outrun, people in action
+constexpr double kSpeedSpread = 3.0;    // factor by which their speed differs from it
+
+/// Sum of directions, one a frame.
+struct Directions {
+  Vector3d sum = Vector3d::Zero();
+  int count = 0;
+  void Add(const Vector3d& v) {
+    if (!(v.norm() > 1e-12)) return;
+    sum += v.normalized();
+    ++count;
+  }
+  Vector3d mean() const { return count == 0 ? Vector3d::Zero() : Vector3d(sum / count); }
+};
+
+class Body {
+ public:
+  explicit Body(const RawClip& clip) : clip_(clip), p_(clip.points) {}
+
+  bool Has(int f, int point) const {
+    if (point < 0) return false;
+    return clip_.confidence.empty() ||
+           clip_.confidence[static_cast<std::size_t>(f) * clip_.positions.joints + point] > 0.0;
+  }
+  bool Has(int f, const int (&pair)[2]) const { return Has(f, pair[0]) && Has(f, pair[1]); }
+  Vector3d At(int f, int point) const { return clip_.positions.at(f, point); }
+  Vector3d Middle(int f, const int (&pair)[2]) const { return 0.5 * (At(f, pair[0]) + At(f, pair[1])); }
+  int frames() const { return clip_.positions.frames; }
+
+  double Length(int a, int b) const {
+    std::vector<double> lengths;
+    for (int f = 0; f < frames(); ++f) {
+      if (Has(f, a) && Has(f, b)) lengths.push_back((At(f, a) - At(f, b)).norm());
+    }
+    return Median(lengths);
+  }
+
+  /// Head to foot along the bones; 0 if a part is not there.
+  double Chain() const {
+    double leg = 0.0;
+    int legs = 0;
+    for (int side = 0; side < 2; ++side) {
+      const double thigh = Length(p_.hip[side], p_.knee[side]);
+      const double shank = Length(p_.knee[side], p_.ankle[side]);
+      if (thigh > 0.0 && shank > 0.0) leg += thigh + shank, ++legs;
+    }
+    std::vector<double> trunk, head;
+    for (int f = 0; f < frames(); ++f) {
+      if (!Has(f, p_.hip) || !Has(f, p_.shoulder)) continue;
+      trunk.push_back((Middle(f, p_.hip) - Middle(f, p_.shoulder)).norm());
+      if (Has(f, p_.head)) head.push_back((At(f, p_.head) - Middle(f, p_.shoulder)).norm());
+    }
+    if (legs == 0 || trunk.empty() || head.empty()) return 0.0;
+    return leg / legs + Median(trunk) + Median(head);
+  }
+
+  Directions Up() const {
+    Directions up;
+    for (int f = 0; f < frames(); ++f) {
+      if (Has(f, p_.head) && Has(f, p_.ankle))
+        up.Add(At(f, p_.head) - Middle(f, p_.ankle));
+      else if (Has(f, p_.hip) && Has(f, p_.shoulder))
+        up.Add(Middle(f, p_.shoulder) - Middle(f, p_.hip));
+    }
+    return up;
+  }
+
+  /// Left to right, at hips and shoulders.
+  std::optional<Vector3d> Right(int f) const {
+    Vector3d right = Vector3d::Zero();
+    if (Has(f, p_.hip)) right += At(f, p_.hip[1]) - At(f, p_.hip[0]);
+    if (Has(f, p_.shoulder)) right += At(f, p_.shoulder[1]) - At(f, p_.shoulder[0]);
+    if (!(right.norm() > 1e-12)) return std::nullopt;
+    return right.normalized();
+  }
+
+ private:
+  const RawClip& clip_;
+  const BodyLandmarks& p_;
+};
+
+/// The axis a mean direction lies nearest to, as "+y".
+Measured NearestAxis(const Vector3d& mean) {
+  Measured measured;
+  int axis = 0;
+  mean.cwiseAbs().maxCoeff(&axis);
+  measured.confidence = std::min(1.0, std::abs(mean[axis]));
+  if (measured.confidence >= kDecided) measured.value = std::string(mean[axis] < 0.0 ? "-" : "+") + "xyz"[axis];
+  return measured;
+}
+
+Vector3d AxisVector(const std::string& text) {
+  Vector3d vector = Vector3d::Zero();
+  vector[text[1] - 'x'] = text[0] == '-' ? -1.0 : 1.0;
+  return vector;
+}
+
+/// How far the lowest of all points, along a direction, moves over the clip: what bears a person stays where it is,
+/// whatever the person does. From the tenth to the ninetieth percentile; nothing for a few frames.
+std::optional<double> FloorSpread(const Body& body, const RawClip& clip, const Vector3d& up) {
+  std::vector<double> lowest;
+  for (int f = 0; f < body.frames(); ++f) {
+    double low = 1e300;
+    for (int j = 0; j < clip.positions.joints; ++j) {
+      if (body.Has(f, j)) low = std::min(low, up.dot(clip.positions.at(f, j)));
+    }
+    if (low < 1e300) lowest.push_back(low);
+  }
+  if (lowest.size() < 10) return std::nullopt;
+  std::sort(lowest.begin(), lowest.end());
+  return lowest[lowest.size() * 9 / 10] - lowest[lowest.size() / 10];
+}
+
+/// People who lie down or bend: head above feet says little, so the floor has to agree, or decides.
+void AskTheFloor(const Body& body, const RawClip& clip, Measured& up) {
+  if (up.confidence >= kUpright) return;
+  double best = 1e300, next = 1e300;
+  std::string axis;
+  for (const char* text : {"+x", "-x", "+y", "-y", "+z", "-z"}) {
+    const auto spread = FloorSpread(body, clip, AxisVector(text));
+    if (!spread) return up.value.clear();
+    if (*spread < best) {
+      next = best;
+      best = *spread;
+      axis = text;
+    } else {
+      next = std::min(next, *spread);
+    }
+  }
+  if (!(best < kFirmFloor * next)) {
+    up.value.clear();
+    up.evidence += "; the person lies or bends, and no floor shows";
+    return;
+  }
+  up.value = axis;
+  up.confidence = std::max(kDecided, 1.0 - best / next);
+  up.evidence += "; the person lies or bends: the lowest point moves least along " + axis + ", by " +
+                 ShownLength(best) + " units, along the next axis by " + ShownLength(next);
+}
+
+/// Without names: the longest side of the box around all points.
+double LongestSide(const RawClip& clip) {
+  std::vector<double> extents;
+  for (int f = 0; f < clip.positions.frames; ++f) {
+    Vector3d low = Vector3d::Constant(1e300), high = Vector3d::Constant(-1e300);
+    for (int j = 0; j < clip.positions.joints; ++j) {
+      if (!clip.confidence.empty() && clip.confidence[static_cast<std::size_t>(f) * clip.positions.joints + j] == 0.0)
+        continue;
+      low = low.cwiseMin(clip.positions.at(f, j));
+      high = high.cwiseMax(clip.positions.at(f, j));
+    }
+    if (high.x() >= low.x()) extents.push_back((high - low).maxCoeff());
+  }
+  return Median(extents);
+}
+
+void MeasureFacing(const Body& body, ClipMeasures& m) {
+  if (m.up.value.empty() || m.handedness.value.empty()) return;
+  const Vector3d up = AxisVector(m.up.value);
+  const double sign = m.handedness.value == "right" ? 1.0 : -1.0;
+  Directions front;
+  for (int f = 0; f < body.frames(); ++f) {
+    if (const auto right = body.Right(f)) front.Add(sign * up.cross(*right));
+  }
+  Measured facing = NearestAxis(front.mean());
+  facing.confidence *= m.handedness.confidence;
+  facing.evidence = "mean over " + std::to_string(front.count) + " frames of the direction across hips and shoulders";
+  if (facing.value.empty()) facing.evidence += "; the person turns or stands slantwise";
+  m.facing = facing;
+  if (facing.value.empty() || facing.value[1] == m.up.value[1]) return;
+  const Vector3d forward = AxisVector(facing.value);
+  const Vector3d left = sign * up.cross(forward);
+  AxisConvention convention;
+  for (int i = 0; i < 3; ++i) {
+    convention.canonical_from_source.col(i) = Vector3d(left[i], up[i], forward[i]);
+  }
+  m.axes = {convention.Text(), std::min({m.up.confidence, m.handedness.confidence, m.facing.confidence}),
+            "from up, handedness and facing; facing is a habit of the recording, not a rule"};
+}
+
+/// People in action move their faster joints at about half a metre per second, give or take a factor of 3: this tells
+/// no rate, but a person may judge by it.
+Measured StepEvidence(const RawClip& clip, double metres_per_unit) {
+  Measured rate;
+  std::vector<double> steps;
+  std::vector<double> frame;
+  for (int f = 0; f + 1 < clip.positions.frames; ++f) {
+    frame.clear();
+    for (int j = 0; j < clip.positions.joints; ++j) {
+      const std::size_t at = static_cast<std::size_t>(f) * clip.positions.joints + j;
+      if (!clip.confidence.empty() &&
+          (clip.confidence[at] == 0.0 || clip.confidence[at + clip.positions.joints] == 0.0))
+        continue;
+      frame.push_back((clip.positions.at(f + 1, j) - clip.positions.at(f, j)).norm());
+    }
+    if (frame.size() < 3) continue;
+    const auto tenth = frame.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(frame.size() - 1));
+    std::nth_element(frame.begin(), tenth, frame.end());
+    steps.push_back(*tenth * metres_per_unit);
+  }
+  const double step = Median(steps);
+  if (!(step > 1e-5)) return rate;
+  const double usual = kTypicalSpeed / step;
+  rate.evidence = "the faster joints move " + ShownLength(1000.0 * step) + " mm from frame to frame, as people do at " +
+                  ShownLength(usual / kSpeedSpread) + " to " + ShownLength(usual * kSpeedSpread) + " Hz";
+  return rate;
+}
+
+/// What feet that nearly always point one way say against hands that do not agree with themselves: feet hardly turn,
+/// hands reach anywhere. Nothing where knees or feet leave a doubt.
+std::optional<Handedness> NameFeet(const std::vector<HandednessCue>& cues) {
+  const auto cue = [&](const char* name) {
+    const auto found = std::find_if(cues.begin(), cues.end(), [&](const auto& one) { return one.name == name; });
+    return found == cues.end() ? HandednessCue() : *found;
+  };
+  const HandednessCue feet = cue("feet"), knees = cue("knees"), hands = cue("hands");
+  const bool firm = feet.frames >= kManyFeet && feet.share >= kMostFeet && std::abs(feet.score) >= kNearlyAlways;
+  const bool knees_deny = knees.frames >= kFewKnees && feet.score * knees.score < 0.0;
+  if (!firm || knees_deny || std::abs(hands.score) > kUnsureHands) return std::nullopt;
+  return feet.score > 0.0 ? Handedness::kLeft : Handedness::kRight;
+}
+
+/// Of the points, by anatomy; else by the feet alone.
+HandednessMeasure HandednessOf(const RawClip& clip) {
+  HandednessMeasure measure =
+      MeasureHandedness(clip.positions, clip.points, clip.confidence.empty() ? nullptr : &clip.confidence);
+  if (measure.handedness) return measure;
+  measure.handedness = NameFeet(measure.cues);
+  if (!measure.handedness) return measure;
+  measure.confidence = kByFeet;
+  measure.evidence += ", but hands may reach anywhere";
+  return measure;
+}
+
+/// Axes that are not the same throughout the clip: what is measured over all frames is of neither part.
+void CheckAxesChange(const RawClip& clip, ClipMeasures& m) {
+  const bool named = static_cast<int>(clip.names.size()) == clip.positions.joints;
+  const std::vector<double> times;
+  const TrackedPoints points{clip.positions, clip.confidence, times, named ? clip.names : std::vector<std::string>()};
+  const std::vector<Finding> changes = FindAxesChanges(points);
+  if (CoveredShare(changes, "axes_change", clip.positions.frames) < kManyTurned) return;
+  const Finding& first = changes.front();
+  const int frame = first.frame_begin > 0 ? first.frame_begin : first.frame_end;
+  for (Measured* measured : {&m.up, &m.handedness, &m.facing, &m.axes})
+    *measured = {"", 0.0, "the axes of the body change at frame " + std::to_string(frame)};
+}
+
+}  // namespace
+
+ClipMeasures Measure(const RawClip& clip) {
+  ClipMeasures m;
+  if (!clip.confidence.empty()) {
+    const auto missing = std::count(clip.confidence.begin(), clip.confidence.end(), 0.0);
+    m.missing_share = static_cast<double>(missing) / static_cast<double>(clip.confidence.size());
+  }
+  if (clip.positions.empty()) return m;
+  const Body body(clip);
+  m.body = clip.lengths_assumed ? 0.0 : body.Chain();
+  m.root = clip.root_scale;
+  if (clip.lengths_assumed) {
+    m.units.evidence = "lengths are those of a standard body";
+  } else if (m.body > 0.0) {
+    m.units = UnitsFromLength(m.body, kHeadToFoot, "head to foot along the bones", 1.0, true);
+  } else if (clip.joints >= kFewestInBox) {
+    m.units = UnitsFromLength(LongestSide(clip), kBox, "the longest side of the box around all points", 0.5, false);
+  } else {
+    m.units.evidence = "no head, hips and legs are named, and " + Counted(clip.joints, "point") + " are no person";
+  }
+  const Directions up = body.Up();
+  m.up = NearestAxis(up.mean());
+  m.up.evidence = up.count > 0 ? "head above feet, mean over " + std::to_string(up.count) + " frames"
+                               : "no named head, hips or feet";
+  if (up.count > 0) AskTheFloor(body, clip, m.up);
+  const HandednessMeasure handedness = HandednessOf(clip);
+  m.handedness.confidence = handedness.confidence;
+  m.handedness.evidence = handedness.evidence.empty() ? "neither knees, feet nor hands tell" : handedness.evidence;
+  const bool guessed = clip.skeleton.from == Provenance::kMeasured && clip.skeleton.confidence < kSureOrder;
+  if (guessed) {
+    m.handedness = {"", 0.0, "the order of the joints is not sure, and with it their sides; " + m.handedness.evidence};
+  } else if (handedness.handedness) {
+    m.handedness.value = *handedness.handedness == Handedness::kRight ? "right" : "left";
+  }
+  MeasureFacing(body, m);
+  CheckAxesChange(clip, m);
+  const Expected<double> metres = MetresPerUnit(m.units.value);
+  if (metres && !clip.rate_hz) m.rate = StepEvidence(clip, *metres);
+  return m;
+}
+
+}  // namespace mocurate

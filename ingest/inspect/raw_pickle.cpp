@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/formats/humanact12_pickle.h"
+#include "core/formats/pickle.h"
+#include "core/formats/vibe_pickle.h"
+#include "ingest/checks/angle_checks.h"
+#include "ingest/checks/fault_codes.h"
+#include "ingest/checks/posed_joint_checks.h"
+#include "ingest/inspect/read_raw.h"
+#include "ingest/people/uestc.h"
+
+namespace mocurate {
+namespace {
+
+/// Positions (frames, joints, 3) into a clip.
+void SetPositions(const std::vector<double>& xyz, std::size_t frames, std::size_t joints, RawClip& clip) {
+  clip.frames = static_cast<int>(frames);
+  clip.joints = static_cast<int>(joints);
+  if (xyz.size() != frames * joints * 3) return;
+  clip.positions = JointPositions(clip.frames, clip.joints);
+  clip.positions.xyz = xyz;
+  clip.confidence.assign(frames * joints, 1.0);
+}
+
+Expected<RawFile> HumanAct12In(const FileBytes& file) {
+  const auto archive = HumanAct12Archive::Open(file.bytes, file.name);
+  if (!archive) return Forward(archive);
+  RawFile observed;
+  for (std::size_t i = 0; i < archive->size(); ++i) {
+    const Expected<HumanAct12Clip> entry = archive->Clip(i);
+    if (!entry) {  // costs a run one clip
+      observed.remarks.push_back(MakeFinding(FaultCode(entry.error(), "humanact12_pickle"), Severity::kError,
+                                             static_cast<double>(i), entry.error().Message()));
+      continue;
+    }
+    observed.clips.push_back(ReadRawHumanAct12Clip(*entry));
+    RawClip& clip = observed.clips.back();
+    clip.id = "[" + std::to_string(i) + "]";
+    if (const auto invalid_poses = CheckGivenRotations(*entry)) clip.remarks.push_back(*invalid_poses);
+  }
+  if (!observed.clips.empty() || archive->size() == 0) return observed;
+  return Forward(archive->Clip(0));
+}
+
+/// The order of SPIN and VIBE (Kolotouros et al. 2019): 25 of OpenPose, then 24 of other data sets.
+BodyLandmarks PointsOfSpin() {
+  BodyLandmarks points;
+  points.head = 43;
+  points.hip[0] = 12, points.hip[1] = 9;
+  points.knee[0] = 13, points.knee[1] = 10;
+  points.ankle[0] = 14, points.ankle[1] = 11;
+  points.toe[0] = 19, points.toe[1] = 22;
+  points.shoulder[0] = 5, points.shoulder[1] = 2;
+  points.wrist[0] = 7, points.wrist[1] = 4;
+  return points;
+}
+
+Expected<RawFile> VibeCacheIn(const FileBytes& file) {
+  const auto cache = VibeCache::Open(file.bytes, file.name);
+  if (!cache) return Forward(cache);
+  RawFile observed;
+  for (std::size_t video = 0; video < cache->size(); ++video) {
+    const auto track = cache->Track(video);
+    if (!track) return Forward(track);
+    observed.clips.push_back(ReadRawVibeTrack(*track, "vibe_cache"));
+    observed.clips.back().id = "[" + std::to_string(video) + "]";
+  }
+  CompareUestcInfo(file.path, observed);
+  return observed;
+}
+
+/// Where frames have no row: an ingest fills them.
+void RemarkGaps(const VibeTrack& track, RawClip& clip) {
+  for (std::size_t row = 1; row < track.frame_ids.size(); ++row) {
+    const std::int64_t last = track.frame_ids[row - 1], next = track.frame_ids[row];
+    if (next <= last + 1) continue;
+    clip.remarks.push_back(MakeFinding("frames_filled", Severity::kInfo, static_cast<double>(next - last - 1),
+                                       Counted(next - last - 1, "frame") +
+                                           " without the person: " + std::to_string(last) + " is followed by " +
+                                           std::to_string(next) + "; an ingest interpolates them"));
+  }
+}
+
+Expected<RawFile> VibeTracksIn(const FileBytes& file) {
+  const auto tracks = ParseVibeTracks(file.bytes, file.name);
+  if (!tracks) return Forward(tracks);
+  RawFile observed;
+  for (const VibeTrack& track : *tracks) {
+    observed.clips.push_back(ReadRawVibeTrack(track, "vibe_tracks"));
+    observed.clips.back().id = "[" + std::to_string(track.id) + "]";
+    RemarkGaps(track, observed.clips.back());
+  }
+  return observed;
+}
+
+}  // namespace
+
+RawClip ReadRawHumanAct12Clip(const HumanAct12Clip& source) {
+  RawClip clip;
+  clip.format = "humanact12_pickle";
+  SetPositions(source.joints, source.frames, 24, clip);
+  clip.layout_evidence = "list joints3D of the file";
+  clip.facts.emplace_back("label", std::to_string(source.label));
+  clip.units = "m";
+  for (const JointOrder& order : KnownJointOrders()) {
+    if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
+  }
+  return clip;
+}
+
+RawClip ReadRawVibeTrack(const VibeTrack& track, const std::string& format) {
+  RawClip clip;
+  clip.format = format;
+  SetPositions(track.joints3d, track.frames, track.joints, clip);
+  clip.layout_evidence = "arrays of the file";
+  clip.units = "m";
+  clip.facts.emplace_back("track", std::to_string(track.id));
+  if (const std::optional<Finding> invalid_poses = CheckAngleUnits(track)) {
+    clip.remarks.push_back(
+        MakeFinding(invalid_poses->code, invalid_poses->severity, invalid_poses->value, invalid_poses->message));
+  }
+  if (const auto places = CameraPlaces(track.original_camera); !places) {
+    clip.remarks.push_back(MakeFinding("malformed", Severity::kError, 0.0, places.error().Message()));
+  }
+  if (track.joints == 49) {
+    clip.skeleton = AsDeclared("spin49", "49 joints of VIBE and SPIN");
+    clip.points = PointsOfSpin();
+  }
+  if (track.joints != 49 && track.joints != 0) {
+    clip.remarks.push_back(MakeFinding("layout_unknown", Severity::kWarning, static_cast<double>(track.joints),
+                                       "joints3d has " + Counted(static_cast<long long>(track.joints), "joint") +
+                                           " a frame, VIBE and SPIN write 49: name them in their order under "
+                                           "ingest.source.joints, or write the file anew"));
+  }
+  if (track.joints == 0) {
+    clip.joints = static_cast<int>(track.pose.size() / std::max<std::size_t>(1, track.frames) / 3);
+    clip.silence = "rotations of a body model that is not in the file";
+    clip.missing_share = 0.0;
+  }
+  clip.people_evidence = "tracks of one person each";
+  return clip;
+}
+
+Expected<RawFile> ReadRawPickle(const FileBytes& file) {
+  const Expected<Pickle> pickle = ParsePickle(file.bytes, file.name);
+  if (!pickle) return Forward(pickle);
+  const PickleRef top = pickle->top();
+  if (top.Find("joints3D") && top.Find("y")) return HumanAct12In(file);
+  if (top.Find("v_template")) return RawFile::Of(RawCompanion{file.name, "body_model", {}, {}});
+  if (top.Find("param_p") && top.Find("d1p")) return ReadRawCalibration(file);
+  const std::optional<PickleRef> joints = top.Find("joints3d");
+  const std::optional<PickleRef> pose = joints ? joints : top.Find("pose");
+  if (pose && (pose->kind() == PickleKind::kList)) return VibeCacheIn(file);
+  if (top.kind() == PickleKind::kDict && top.size() > 0 && top.ValueAt(0).kind() == PickleKind::kDict) {
+    const PickleRef first = top.ValueAt(0);
+    if (first.Find("joints3d") || first.Find("pose")) return VibeTracksIn(file);
+  }
+  return Fail(ErrorCode::kUnsupported, "the pickle holds " + std::string(KindName(top.kind())) + " of no known layout",
+              file.name, "known are humanact12poses.pkl, tracks and caches of VIBE, rigs of PHSPD, and body models");
+}
+
+}  // namespace mocurate

@@ -1,0 +1,56 @@
+#include "ingest/inspect/read_raw.h"
+
+#include "core/formats/bandai_label.h"
+#include "core/formats/camera_files.h"
+#include "ingest/formats/driver.h"
+
+namespace mocurate {
+namespace {
+
+Expected<RawFile> BandaiLabelIn(const FileBytes& file) {
+  const Expected<BandaiLabel> label = ParseBandaiLabel(file.bytes, file.name);
+  if (!label) return Forward(label);
+  return RawFile::Of(
+      {file.name,
+       "bandai_label",
+       {},
+       {{"content", static_cast<double>(label->content)}, {"style", static_cast<double>(label->style)}}});
+}
+
+Expected<RawFile> JsonIn(const FileBytes& file) {
+  const JsonKind kind = JsonKindOf(file.bytes);
+  if (kind == JsonKind::kBabel) return ReadRawBabel(file);
+  return kind == JsonKind::kBandaiLabel ? BandaiLabelIn(file) : ReadRawCalibration(file);
+}
+
+}  // namespace
+
+Expected<RawFile> ReadRawCalibration(const FileBytes& file) {
+  Expected<Calibration> calibration = ParseCalibration(file.bytes, file.name);
+  if (!calibration) return Forward(calibration);
+  RawFile observed;
+  observed.calibrations.push_back(std::move(*calibration));
+  return observed;
+}
+
+Expected<RawFile> ReadRawFile(const FileBytes& file) {
+  const FileKind kind = KindOf(file.bytes);
+  const FormatDriver* format = RecogniseFormat(file);
+  if (format != nullptr && format->read_raw != nullptr) return format->read_raw(file);
+  switch (kind) {
+    case FileKind::kOpenSim:
+      return ReadRawOpenSim(file);
+    case FileKind::kXml:
+    case FileKind::kToml:
+      return ReadRawCalibration(file);
+    case FileKind::kJson:
+      return JsonIn(file);
+    case FileKind::kEmpty:
+      return EmptyFile(file.name);
+    default:
+      return Fail(ErrorCode::kUnsupported, "the content is none of the known formats", file.name,
+                  "docs/inspect.md lists them");
+  }
+}
+
+}  // namespace mocurate

@@ -1,0 +1,162 @@
+#include "job/job_options.h"
+
+#include <algorithm>
+
+namespace mocurate {
+
+void PipelineOptions::Declare(OptionVisitor& v) {
+  v.OptionalNumber("item_timeout", item_timeout_s, Unit::kSecond, {0.001, {}},
+                   "an item that runs longer is ended and counts as crashed; null: 1 h for stages of single clips, 1 d "
+                   "for fitting, training and stages of the whole set (times --budget)");
+  v.OptionalNumber("item_memory", item_memory_bytes, Unit::kByte, {1.0, {}},
+                   "a worker with more memory is ended with its item; null: 8 GiB for stages of single clips, 16 "
+                   "GiB for fitting, no limit for stages of the whole set");
+}
+
+void DataSetOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "name of the set's folder data/NAME and of its part of the table");
+  v.Text("job", job, "config that makes its dataset: a name of configs/, or a file from the working folder");
+  v.Path("path", path, "your copy of the set (--data NAME=PATH); empty: the substitute");
+  v.Text("substitute", substitute, "layout of `mocurate synthesize` for a synthetic substitute where path is empty");
+  v.Text("substitute_job", substitute_job, "config that makes the substitute's dataset; empty: `job`");
+  v.Text("published", published, "name of the set in the published tables");
+  v.Texts("networks", networks, "options of the networks for this set: NETWORK.OPTION=VALUE, or OPTION=VALUE for all");
+  v.Texts("evaluate", evaluate, "options of `evaluate` for this set: OPTION=VALUE");
+  v.Text("like", like,
+         "an earlier set; its job, path and substitute are used where this set has none, its networks and evaluate "
+         "come first");
+}
+
+void DrawnMotionsOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "name of the files below pictures/");
+  v.Text("set", set, "set of `data` whose networks and dataset are drawn; empty: the first");
+  v.Texts("rows", rows, "rows to draw: networks, rows of evaluate.rows, or Real (clips of the dataset)");
+  v.Texts("labels", labels, "classes to draw; empty: all");
+  v.Texts("scripts", scripts, "scripts instead of labels, for networks that answer them");
+  v.Integer("transition_frames", transition_frames, {0, 1000},
+            "frames of each transition of scripts; 0: the network's usual number");
+  v.Integer("samples", samples, {1, 100}, "number of motions of each row and label");
+  v.Text("frames", frames, "frames of each motion: 60, or FIRST:LAST:STEP; empty: as in training");
+  v.Integer("interpolate", interpolate, {0, 100}, "number of motions between two latents, instead of samples; 0: none");
+  v.Bool("denoise", denoise, "draw the clips of the dataset encoded and decoded by the networks");
+  v.Integer("stills", stills, {1, 60}, "number of equally spaced frames of a row");
+}
+
+void ReleasedMotionsOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "name of the row");
+  v.Text("set", set, "set of `data` whose table contains the row");
+  v.Text("protocol", protocol, "protocol: a name below configs/protocols");
+  v.Path("motions", motions, "file of the motions, below MOCURATE_WEIGHTS");
+  v.Path("labels", labels, "file of their classes, below MOCURATE_WEIGHTS");
+  v.Path("bone_lengths", bone_lengths, "for Lie parameters: file of positions with the same bones");
+  v.Text("method", method, "method of the published table that the row is compared with");
+}
+
+void ReproduceOptions::Declare(OptionVisitor& v) {
+  v.Choice("kind", kind,
+           {{"none", PaperItem::kNone},
+            {"table", PaperItem::kTable},
+            {"figure", PaperItem::kFigure},
+            {"study", PaperItem::kStudy},
+            {"diagram", PaperItem::kDiagram}},
+           "item of a paper that the job reproduces: `mocurate reproduce list`");
+  v.Text("shows", shows, "content of the paper's item");
+  v.Text("conclusion", conclusion, "conclusion of the paper, where its numbers are not available");
+  v.Text("recipe", recipe, "recipe whose clip counts by class are the rows of the table");
+  v.Text("parts_of", parts_of, "network whose parameter counts by part are the rows of the table");
+  v.Number("smoke_hours", smoke_hours, Unit::kNone, {0.0, {}}, "hours of profile smoke on two cores; 0: not measured");
+  v.Number("small_hours", small_hours, Unit::kNone, {0.0, {}}, "hours of profile small on two cores; 0: not measured");
+  v.Number("paper_hours", paper_hours, Unit::kNone, {0.0, {}}, "hours of profile paper on two cores; 0: not measured");
+  v.TextMap("published_as", published_as, "row: method of the published table that it is compared with; '': none");
+  v.Text("curve", curve, "name of N, where rows 'NAME N' are points of a curve");
+  v.Texts("plotted", plotted, "metrics of the curves, SET.METRIC; empty: all");
+  v.List("released", released, "motions published by the authors, scored with their recogniser");
+  v.List("pictures", pictures, "pictures of motions in rows of equally spaced frames");
+  v.Texts("surveys", surveys, "surveys about the motions of the first picture: preference, real_or_fake");
+}
+
+void JobOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "name of the job and of its run folder");
+  v.Text("description", description, "description of the job, for the report");
+  v.Text("takes", takes, "duration of the job, in words, and the machine");
+  v.Text("skeleton", skeleton, "skeleton of the dataset: a name below configs/skeletons or a YAML file");
+  v.Number("tolerated_failures", tolerated_failures, Unit::kNone, {0.0, 1.0},
+           "share of failed clips above which the run ends with exit code 1");
+  v.Number("tolerated_suspect", tolerated_suspect, Unit::kNone, {0.0, 1.0},
+           "share of suspect clips (a finding of severity error) above which the run ends with exit code 1. Where "
+           "more than half contradict their declaration, the declaration is wrong");
+  v.Text("profile", profile, "profile of the config's `profiles` to merge into it, e.g. smoke, small, paper");
+  v.List("data", data, "several sets, each run through all stages with the networks of this job");
+  v.Texts("substitutes", substitutes, "studio options of all substitutes, e.g. subjects=3");
+  v.Texts("network_options", network_options,
+          "options of the networks of all sets in `data`, before each set's own: NETWORK.OPTION=VALUE or "
+          "KIND.OPTION=VALUE");
+  v.Group("ingest", ingest, "location and declaration of the captures");
+  v.Group("proportions", proportions, "bone lengths of each person");
+  v.Group("fitting", fitting, "rotations and bone lengths from evidence");
+  v.Group("canon", canon, "trimming, place, heading and rate");
+  v.Group("assemble", assemble, "the dataset file and its splits");
+  v.Group("audit", audit, "figures about the dataset");
+  v.Group("train", train, "networks");
+  v.Group("evaluate", evaluate, "metrics and the table");
+  v.Group("report", report, "the page of the run");
+  v.Group("reproduce", reproduce, "item of a paper that the job reproduces");
+  v.Group("pipeline", pipeline, "time and memory limits of a work item");
+}
+
+Status ResolveDataSets(std::vector<DataSetOptions>& sets) {
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    DataSetOptions& set = sets[i];
+    if (set.like.empty()) continue;
+    const auto end = sets.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto found = std::find_if(sets.begin(), end, [&](const DataSetOptions& one) { return one.name == set.like; });
+    if (found == end) {
+      return Fail(ErrorCode::kConfig, "no earlier set has the name '" + set.like + "'",
+                  "data[" + std::to_string(i) + "].like", "name a set listed before it");
+    }
+    if (set.job.empty()) set.job = found->job;
+    if (set.path.empty()) set.path = found->path;
+    if (set.substitute.empty()) set.substitute = found->substitute;
+    if (set.substitute_job.empty()) set.substitute_job = found->substitute_job;
+    set.networks.insert(set.networks.begin(), found->networks.begin(), found->networks.end());
+    set.evaluate.insert(set.evaluate.begin(), found->evaluate.begin(), found->evaluate.end());
+  }
+  return {};
+}
+
+void ResolveDefaults(JobOptions& options) {
+  for (std::string* skeleton : {&options.proportions.skeleton, &options.fitting.skeleton, &options.canon.skeleton}) {
+    if (skeleton->empty()) *skeleton = options.skeleton;
+  }
+  std::vector<std::string>& order = options.assemble.label_order;
+  if (order.empty() && options.assemble.classes.empty()) {
+    for (const auto& [text, label] : options.ingest.source.labels) {
+      if (std::find(order.begin(), order.end(), label) == order.end()) order.push_back(label);
+    }
+  }
+  const std::string recogniser = RecogniserOf(options);
+  for (const NetworkOptions& network : options.train.networks) {
+    if (network.name == recogniser && options.evaluate.split.empty()) options.evaluate.split = network.data.split;
+  }
+}
+
+std::string RecogniserOf(const JobOptions& options) {
+  if (!options.evaluate.recogniser.empty()) return options.evaluate.recogniser;
+  for (const NetworkOptions& network : options.train.networks) {
+    if (network.enabled && !GeneratesMotions(network.kind) && network.trained_on == TrainingSetChoice::kDataset)
+      return network.name;
+  }
+  return {};
+}
+
+ProportionsOptions ProportionsOf(const JobOptions& options) {
+  ProportionsOptions proportions;
+  static_cast<ProportionsSettings&>(proportions) = options.proportions;
+  proportions.method = options.fitting.method;
+  proportions.other_joints = options.fitting.other_joints;
+  proportions.point_clouds = options.fitting.point_clouds;
+  proportions.keypoints = options.fitting.keypoints;
+  return proportions;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/config.h"
+
+namespace mocurate {
+
+/// The items of papers that can be reproduced, by their configs below configs/papers: "actor/table3".
+std::vector<std::string> PaperIds();
+
+/// The embedded job of configs/ with that name ("kard", "reannotate/kard", "papers/actor/table3"), whatever files
+/// exist. Empty for an unknown name, or a path ("./kard", "kard.yaml").
+std::optional<ConfigSource> NamedJob(const std::string& name);
+
+/// Error kConfig for an unknown name: lists the jobs, the nearest one first.
+Error NoJob(const std::string& name);
+
+/// The source declaration of configs/sources with that name ("kard"); empty as above.
+std::optional<ConfigSource> NamedSource(const std::string& name);
+
+/// The source of `--source`: a source declaration by its name, or a config file. Error kUsage lists the declarations.
+Expected<ConfigSource> SourceOf(const std::string& name);
+
+}  // namespace mocurate

@@ -1,0 +1,139 @@
+#include "job/protocols.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/base/config.h"
+#include "core/base/file.h"
+#include "core/base/resources.h"
+#include "core/base/text.h"
+#include "eval/published/published.h"
+#include "train/checkpoint/describe.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Names of the embedded files of a folder below configs/, without folder and extension.
+std::vector<std::string> NamesIn(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const std::string& path : ResourcePaths()) {
+    if (path.rfind(folder, 0) == 0) names.push_back(path.substr(folder.size(), path.rfind('.') - folder.size()));
+  }
+  return names;
+}
+
+/// The embedded file FOLDER/NAME.yaml, or a file.
+Expected<ConfigNode> LoadNamed(const std::string& folder, const std::string& what, const std::string& name,
+                               const std::vector<std::string>& assignments) {
+  if (const auto text = FindResource(folder + name + ".yaml")) {
+    return LoadConfig(ConfigSource{std::string(*text), "resource:" + folder + name + ".yaml", {}}, assignments);
+  }
+  std::error_code unknown;
+  if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name), assignments);
+  const std::vector<std::string> names = NamesIn(folder);
+  std::string list;
+  for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
+  const auto near = Nearest(name, names);
+  return Fail(ErrorCode::kUsage, "there is no " + what + " with that name", name,
+              (near ? "did you mean '" + *near + "'? " : std::string()) + "known: " + list + "; or a YAML file");
+}
+
+}  // namespace
+
+std::vector<std::string> ProtocolNames() { return NamesIn("protocols/"); }
+
+Expected<ProtocolOptions> LoadProtocol(const std::string& name, const std::vector<std::string>& assignments) {
+  const Expected<ConfigNode> node = LoadNamed("protocols/", "protocol", name, assignments);
+  if (!node) return Forward(node);
+  return OptionsFromConfig<ProtocolOptions>(*node);
+}
+
+Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vector<std::string>& assignments) {
+  const fs::path path(name);
+  for (const char* ending : {".tar", ".pth", ".pt", ".pkl"}) {
+    if (path.extension() != ending) continue;
+    return Fail(ErrorCode::kUsage, "a weights file does not declare how it reads motions", DisplayPath(path),
+                "name the extractor of these weights, and set MOCURATE_WEIGHTS to their folder");
+  }
+  if (path.extension() != ".h5" && path.extension() != ".safetensors") {
+    const Expected<ConfigNode> node = LoadNamed("extractors/", "extractor", name, assignments);
+    if (!node) return Forward(node);
+    return OptionsFromConfig<ExtractorOptions>(*node);
+  }
+  for (const std::string& assignment : assignments) {
+    if (assignment.rfind("yaw=", 0) == 0) continue;
+    return Fail(ErrorCode::kUsage, "a checkpoint declares itself how it reads motions", "--set extractor." + assignment,
+                "remove it; only extractor.yaw can be set");
+  }
+  const Expected<ConfigNode> turned = LoadConfig(ConfigSource{"", "extractor", {}}, assignments);
+  if (!turned) return Forward(turned);
+  const auto given = OptionsFromConfig<ExtractorOptions>(*turned);
+  if (!given) return Forward(given);
+  const auto checkpoint = DescribeCheckpoint(path);
+  if (!checkpoint) return Forward(checkpoint);
+  const bool graph = checkpoint->at("network") == "st_gcn";
+  if (!graph && checkpoint->at("network") != "gru_recogniser") {
+    return Fail(ErrorCode::kUsage,
+                "the checkpoint is of network '" + checkpoint->at("network").get<std::string>() + "'",
+                DisplayPath(path), "use a recogniser: checkpoints/recogniser_*.h5 of a run");
+  }
+  ExtractorOptions options;
+  options.name = "own";
+  options.yaw_rad = given->yaw_rad;
+  if (graph) {
+    options.network = ExtractorNetwork::kStGcn;
+    options.values = ExtractorValues::kRotation6DRows;
+  }
+  options.weights = path.string();
+  options.classes = checkpoint->at("labels").get<std::vector<std::string>>();
+  if (checkpoint->at("skeleton").is_object())
+    options.skeleton = checkpoint->at("skeleton").at("name").get<std::string>();
+  const nlohmann::json& trained = checkpoint->at("options");
+  options.frames = trained.value("frames", options.frames);
+  options.length =
+      trained.value("input", "crop") == std::string("resample") ? LengthRule::kResample : LengthRule::kCrop;
+  options.real_root = options.generated_root = RootRule::kFirstFrame;
+  return options;
+}
+
+Expected<fs::path> FindWeights(const ExtractorOptions& extractor) {
+  std::error_code unknown;
+  if (fs::is_regular_file(extractor.weights, unknown)) return fs::path(extractor.weights);
+  const char* folder = std::getenv("MOCURATE_WEIGHTS");
+  const std::string hint =
+      "set MOCURATE_WEIGHTS to the folder that contains it; it is available from " + extractor.obtain;
+  if (folder == nullptr || *folder == '\0') {
+    return Fail(ErrorCode::kMissingOnHost,
+                "the weights of extractor '" + extractor.name + "' were not found, and MOCURATE_WEIGHTS is not set",
+                extractor.weights, hint);
+  }
+  std::vector<fs::path> found;
+  for (fs::recursive_directory_iterator it(folder, unknown), end; !unknown && it != end; it.increment(unknown)) {
+    std::error_code problem;
+    if (it->path().filename() == extractor.weights && it->is_regular_file(problem)) found.push_back(it->path());
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() == 1) return found.front();
+  if (found.size() > 1) {
+    return Fail(
+        ErrorCode::kInconsistent,
+        Counted(static_cast<long long>(found.size()), "file") + " of that name were found below MOCURATE_WEIGHTS",
+        DisplayPath(found[0]) + ", " + DisplayPath(found[1]), "keep one, or set extractor.weights to a path");
+  }
+  return Fail(ErrorCode::kMissingOnHost,
+              "the weights of extractor '" + extractor.name + "' were not found below MOCURATE_WEIGHTS (" +
+                  DisplayPath(fs::path(folder)) + ")",
+              extractor.weights, hint);
+}
+
+Expected<nlohmann::json> PublishedNumbers(const std::string& paper, const std::string& dataset) {
+  const auto csv = FindResource("published/tables.csv");
+  if (!csv || dataset.empty()) return nlohmann::json::array();
+  const auto values = ParsePublished(*csv, "published/tables.csv");
+  if (!values) return Forward(values);
+  return PublishedOf(*values, paper, dataset);
+}
+
+}  // namespace mocurate

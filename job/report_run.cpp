@@ -1,0 +1,323 @@
+#include "job/report_run.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "core/base/version.h"
+#include "core/motion/action_parts.h"
+#include "core/motion/request.h"
+#include "core/store/dataset_clips.h"
+#include "ingest/formats/driver.h"
+#include "job/scratch_folder.h"
+#include "train/options.h"
+
+namespace mocurate {
+namespace {
+
+constexpr double kLongVideos = 5.0;  // seconds from which the time of videos is logged
+
+/// The clips drawn in a report: best, worst and evenly between by residual, `count` in all.
+std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips, int count) {
+  std::vector<const ClipRecord*> fitted;
+  for (const ClipRecord& clip : clips) {
+    if (!clip.motion.artifact.empty()) fitted.push_back(&clip);
+  }
+  const auto residual = [](const ClipRecord* clip) {
+    return clip->motion.outcome.summary.value("residual_rms_mm", 0.0);
+  };
+  std::sort(fitted.begin(), fitted.end(), [&](const ClipRecord* a, const ClipRecord* b) {
+    return residual(a) != residual(b) ? residual(a) < residual(b) : a->item < b->item;
+  });
+  std::vector<const ClipRecord*> chosen;
+  const std::size_t wanted = std::min(fitted.size(), static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < wanted; ++i) {
+    chosen.push_back(fitted[wanted == 1 ? 0 : i * (fitted.size() - 1) / (wanted - 1)]);
+  }
+  return chosen;
+}
+
+/// Adds the inputs for drawing a clip: evidence, depth images and, if there is one, the fit.
+void AddDrawing(const ClipRecord& clip, bool fitted, ItemSpec& item) {
+  item.inputs.push_back(InputFrom("evidence", clip.evidence));
+  if (fitted) item.inputs.push_back(InputFrom("fit", clip.motion));
+  item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
+}
+
+/// Pictures beside the page of a run: the middle fit, alone and, with depth views, over them and in its cloud.
+std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips) {
+  std::vector<ItemSpec> items;
+  const auto drawn = ClipsToDraw(clips, 3);
+  if (drawn.empty()) return items;
+  const ClipRecord& clip = *drawn[drawn.size() / 2];
+  const bool has_images = !clip.depth.empty() && DriverOf(clip.format).gives != EvidenceKind::kPointClouds;
+  for (const char* kind : {"clip", "overlay", "cloud"}) {
+    if (!has_images && std::string(kind) != "clip") continue;
+    items.push_back({kind, {{"kind", kind}}, {}});
+    AddDrawing(clip, true, items.back());
+  }
+  return items;
+}
+
+/// Files of a clip in the folder of the report; empty names for missing ones.
+struct ClipPageFiles {
+  std::string page;
+  std::string video;
+  std::string no_video;  ///< why there is no video
+};
+
+/// "clip_001.html" of the first.
+std::string ClipFileName(std::size_t index, const char* extension) {
+  std::string number = std::to_string(index + 1);
+  number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
+  return "clip_" + number + "." + extension;
+}
+
+std::vector<ItemSpec> ClipPageItems(const std::vector<const ClipRecord*>& clips,
+                                    const std::vector<ClipPageFiles>& files, const ReportOptions& options) {
+  std::vector<ItemSpec> items;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    ClipPageOptions page;
+    page.stills = options.filmstrip_frames;
+    page.views = options.page_views;
+    page.video = files[i].video;
+    page.no_video = files[i].no_video;
+    items.push_back({clips[i]->item, OptionsToJson(page), {}});
+    AddDrawing(*clips[i], true, items.back());
+  }
+  return items;
+}
+
+std::vector<ItemSpec> ClipVideoItems(const std::vector<const ClipRecord*>& clips) {
+  std::vector<ItemSpec> items;
+  for (const ClipRecord* clip : clips) {
+    items.push_back({clip->item, OptionsToJson(ClipVideoOptions()), {}});
+    AddDrawing(*clip, true, items.back());
+  }
+  return items;
+}
+
+nlohmann::json StageSummary(const StageReport& stage) {
+  return {{"stage", stage.stage},     {"branch", stage.branch},   {"items", stage.items.size()},
+          {"done", stage.done},       {"suspect", stage.suspect}, {"excluded", stage.excluded},
+          {"refused", stage.refused}, {"crashed", stage.crashed}};
+}
+
+nlohmann::json ClipSummary(const ClipRecord& clip) {
+  nlohmann::json summary = {{"item", clip.item},
+                            {"kept", clip.kept()},
+                            {"suspect", clip.suspect()},
+                            {"ingest", clip.evidence.outcome.summary},
+                            {"fitting", clip.motion.outcome.summary},
+                            {"canon", clip.canonical.outcome.summary},
+                            {"findings", nlohmann::json::array()}};
+  if (clip.joint_error_mm) summary["joint_error_mm"] = *clip.joint_error_mm;
+  for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical, &clip.assembled}) {
+    if (item == &clip.motion && clip.motion.sha256 == clip.evidence.sha256) continue;
+    for (const Finding& finding : item->outcome.findings) summary["findings"].push_back(finding);
+  }
+  if (const ItemResult* stage = clip.ended()) {
+    summary[clip.failed() ? "failure" : "excluded"] = {
+        {"stage", clip.ended_at()}, {"code", clip.reason()}, {"message", stage->outcome.error.Message()}};
+  }
+  return summary;
+}
+
+/// Contents of the report, without anything that differs between equal runs (times, paths).
+nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) {
+  const JobOptions& options = reported.options;
+  nlohmann::json run = {{"name", options.name},
+                        {"description", options.description},
+                        {"takes", options.takes},
+                        {"created_by", CreatedBy()},
+                        {"audit", result.audit},
+                        {"metrics", result.metrics},
+                        {"training", result.training},
+                        {"untrained", nlohmann::json::object()},
+                        {"ungenerated", nlohmann::json::object()},
+                        {"unevaluated", nullptr},
+                        {"fit_error", result.fit_error},
+                        {"pages", result.pages},
+                        {"table_markdown", result.table},
+                        {"recognition_markdown", result.recognition},
+                        {"findings", result.set_findings},
+                        {"stages", nlohmann::json::array()},
+                        {"clips", nlohmann::json::array()},
+                        {"persons", nlohmann::json::object()}};
+  for (const auto& [item, error] : result.untrained) {
+    run["untrained"][item] = {{"code", Name(error.code)}, {"message", error.Message()}};
+  }
+  for (const auto& [network, error] : result.ungenerated) run["ungenerated"][network] = error.Message();
+  if (const auto& error = result.unevaluated) {
+    run["unevaluated"] = {{"code", Name(error->code)}, {"message", error->Message()}};
+  }
+  for (const StageReport& stage : result.stages) run["stages"].push_back(StageSummary(stage));
+  run["replaces_rotations"] =
+      std::count_if(reported.clips.begin(), reported.clips.end(), std::mem_fn(&ClipRecord::replaces_rotations));
+  for (const ClipRecord& clip : reported.clips) {
+    if (!clip.folder()) run["clips"].push_back(ClipSummary(clip));
+    if (clip.folder()) run["findings"].push_back(clip.evidence.outcome.findings.back());
+  }
+  for (const auto& [person, item] : reported.persons) run["persons"][person] = item.outcome.summary;
+  return run;
+}
+
+Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs, RunOutputs& outputs,
+                   std::vector<ClipPageFiles>& files) {
+  const auto report = runs.Run(ClipVideoDeclaration(), ClipVideoItems(clips));
+  const bool no_encoder = !report && report.error().code == ErrorCode::kMissingOnHost;
+  if (!report && !no_encoder) return Forward(report);
+  if (no_encoder) LogWarning("no videos: " + report.error().Message());
+  if (report && report->seconds > kLongVideos) {
+    LogInfo("the videos took " + RoundedText(report->seconds, 2) +
+            " s of this run; --set report.videos=false skips them");
+  }
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (!no_encoder && !report->items[i].artifact.empty()) {
+      files[i].video = ClipFileName(i, "mp4");
+      Status copied = CopyWhole(report->items[i].artifact, outputs.Place("report/" + files[i].video));
+      if (!copied) return copied;
+    } else {
+      // A cause common to all pages is reported without the clip where it occurred first.
+      files[i].no_video = no_encoder ? report.error().what : report->items[i].outcome.error.Message();
+    }
+  }
+  return {};
+}
+
+/// Videos come first, as a page lists its files. Without an encoder there are pages without videos.
+Status WriteClipPages(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs, JobResult& result) {
+  const ReportOptions& options = run.options.report;
+  const auto clips = ClipsToDraw(run.clips, static_cast<int>(options.pages));
+  std::vector<ClipPageFiles> files(clips.size());
+  if (options.videos) {
+    if (Status written = WriteVideos(clips, runs, outputs, files); !written) return written;
+  }
+  const auto report = runs.Run(ClipPageDeclaration(), ClipPageItems(clips, files, options));
+  if (!report) return Forward(report);
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    if (report->items[i].artifact.empty()) continue;
+    files[i].page = ClipFileName(i, "html");
+    Status copied = CopyWhole(report->items[i].artifact, outputs.Place("report/" + files[i].page));
+    if (!copied) return copied;
+    result.pages[clips[i]->item] = {{"page", files[i].page}, {"video", files[i].video}};
+  }
+  return {};
+}
+
+/// Requests to a network that continues motions: for each class one sample, then transition and action again.
+Expected<std::vector<MotionRequest>> ContinuedSamples(const ItemResult& dataset) {
+  const auto clips = DatasetClips::Open(dataset.artifact, DatasetClips::Check::kNone);
+  if (!clips) return Forward(clips);
+  std::vector<MotionRequest> requests;
+  for (std::size_t label = 0; label < clips->labels().size(); ++label) {
+    for (std::size_t row = 0; row < clips->size(); ++row) {
+      if (clips->Label(row) != clips->labels()[label]) continue;
+      const auto clip = clips->Read(row);
+      if (!clip) return Forward(clip);
+      const auto parts = PartsOf(*clip);
+      if (!parts) return Forward(parts);
+      MotionRequest request;
+      request.frames = parts->frames[0];
+      request.seed = label + 1;
+      request.script = {{static_cast<int>(label), parts->frames[1], parts->frames[2]}};
+      request.previous_clip = clip->id();
+      requests.push_back(std::move(request));
+      break;
+    }
+  }
+  return requests;
+}
+
+/// Adds a motion of each class by the first seed of each generator, as inputs "generated" of the report. A failure only
+/// removes its strips.
+Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, JobResult& result) {
+  const ScratchFolder scratch;
+  if (scratch.path().empty()) return scratch.Missing();
+  std::vector<ItemSpec> items;
+  std::vector<std::string> names;
+  for (const TrainedNetwork& network : run.networks) {
+    const NetworkOptions& options = run.options.train.networks[network.network];
+    const bool seen = std::find(names.begin(), names.end(), options.name) != names.end();
+    const bool sample = network.checkpoint.name.find('@') != std::string::npos;
+    if (!GeneratesMotions(options.kind) || options.kind == NetworkKind::kSsmct || sample || seen) continue;
+    std::vector<MotionRequest> requests;
+    const bool continues = options.kind == NetworkKind::kMacvae;
+    if (continues) {
+      auto asked = ContinuedSamples(run.dataset);
+      if (!asked) {
+        result.ungenerated[options.name] = asked.error();
+        continue;
+      }
+      requests = std::move(*asked);
+    }
+    const int classes = result.training.at(network.checkpoint.name).at("classes").get<int>();
+    for (int label = 0; !continues && label < classes; ++label) {
+      MotionRequest request;
+      request.label = label;
+      request.frames = static_cast<int>(options.data.frames);
+      request.seed = static_cast<std::uint64_t>(label) + 1;
+      requests.push_back(std::move(request));
+    }
+    const auto file = scratch.path() / ("requests_" + std::to_string(network.network) + ".json");
+    if (Status written = WriteRequests(requests, file); !written) return written;
+    StageInput generator = network.checkpoint;
+    generator.role = "generator";
+    items.push_back({"generated/" + options.name, nlohmann::json::object(), {generator}});
+    items.back().inputs.push_back({"requests", "requests", file, ""});
+    if (continues) items.back().inputs.push_back(InputFrom("previous", run.dataset));
+    names.push_back(options.name);
+  }
+  if (items.empty()) return {};
+  const auto motions = runs.Run(GenerateDeclaration(), std::move(items));
+  if (!motions) return Forward(motions);
+  for (std::size_t i = 0; i < motions->items.size(); ++i) {
+    if (motions->items[i].artifact.empty()) {
+      result.ungenerated[names[i]] = motions->items[i].outcome.error;
+      continue;
+    }
+    report.inputs.push_back(InputFrom("generated", motions->items[i]));
+    report.inputs.back().name = names[i];
+  }
+  return {};
+}
+
+Status WritePictures(const std::vector<ClipRecord>& clips, StageRuns& runs, RunOutputs& outputs) {
+  const auto report = runs.Run(PictureDeclaration(), PictureItems(clips));
+  if (!report) return Forward(report);
+  for (const ItemResult& item : report->items) {
+    if (item.artifact.empty()) continue;
+    if (Status copied = CopyWhole(item.artifact, outputs.Place("report/" + item.item + ".png")); !copied) {
+      return copied;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs, JobResult& result) {
+  if (run.fits) {
+    if (Status paged = WriteClipPages(run, runs, outputs, result); !paged) return paged;
+  }
+  const auto input = outputs.Place("report_input.json");
+  ItemSpec item{"report", OptionsToJson(run.options.report), {}};
+  item.inputs.push_back({"run", "run.json", input, ""});
+  item.inputs.push_back(InputFrom("dataset", run.dataset));
+  for (const TrainedNetwork& network : run.networks) item.inputs.push_back(network.checkpoint);
+  for (const ClipRecord* clip : ClipsToDraw(run.clips, static_cast<int>(run.options.report.filmstrip_clips))) {
+    AddDrawing(*clip, run.fits, item);
+  }
+  if (Status generated = AddGenerated(run, runs, item, result); !generated) return generated;
+  if (Status written = WriteFile(input, RunSummary(run, result).dump(1) + "\n"); !written) return written;
+  const auto page = runs.One(ReportDeclaration(), std::move(item));
+  if (!page) return Forward(page);
+  if (page->artifact.empty()) return {};
+  result.report = outputs.Place("report/index.html");
+  if (Status copied = CopyWhole(page->artifact, result.report); !copied) return copied;
+  return run.fits ? WritePictures(run.clips, runs, outputs) : Status();
+}
+
+}  // namespace mocurate

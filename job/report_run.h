@@ -1,0 +1,28 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "job/job_items.h"
+#include "job/main_job.h"
+#include "job/run_outputs.h"
+#include "job/stage_runs.h"
+
+namespace mocurate {
+
+/// Input of a report.
+struct ReportedRun {
+  const JobOptions& options;
+  const std::vector<ClipRecord>& clips;
+  const std::map<std::string, ItemResult>& persons;  ///< stage proportions
+  const ItemResult& dataset;
+  const std::vector<TrainedNetwork>& networks;
+  bool fits = false;  ///< clips have pages, videos and pictures of their fits
+};
+
+/// Stages clip_video, clip_page, report and picture: writes report/ into the existing run folder, and adds the paths of
+/// its page and of the clips' pages to `result`.
+Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs, JobResult& result);
+
+}  // namespace mocurate

@@ -1,0 +1,77 @@
+#include "job/run_and_capture.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace mocurate {
+namespace {
+
+/// Our environment without the variable of `setting` (the first of two would count), and `setting`.
+std::vector<char*> EnvironmentWith(std::string& setting) {
+  const std::string name = setting.substr(0, setting.find('=') + 1);
+  std::vector<char*> environment;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    if (name.empty() || std::strncmp(*entry, name.c_str(), name.size()) != 0) environment.push_back(*entry);
+  }
+  environment.push_back(setting.data());
+  environment.push_back(nullptr);
+  return environment;
+}
+
+/// Reads until the other end is closed. False after `silence_s` without data (0: no limit).
+bool ReadAll(int end, double silence_s, std::string& text) {
+  char bytes[4096];
+  while (true) {
+    pollfd waited{end, POLLIN, 0};
+    const int ready = poll(&waited, 1, silence_s > 0.0 ? static_cast<int>(1e3 * silence_s) : -1);
+    if (ready == 0) return false;
+    const ssize_t count = ready > 0 ? read(end, bytes, sizeof bytes) : -1;
+    if (count == 0 || (count < 0 && errno != EINTR)) return true;
+    if (count > 0) text.append(bytes, static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace
+
+ProgramAnswer RunAndCapture(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                            const std::string& setting, const CaptureOptions& listening) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return {-1, std::strerror(errno)};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  if (listening.errors) {
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+  } else {
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  }
+  std::vector<std::string> words = {program.native()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::string assignment = setting;
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const std::vector<char*> environment = EnvironmentWith(assignment);
+  pid_t pid = -1;
+  const int failed = posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environment.data());
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  ProgramAnswer answer;
+  if (failed != 0) answer.text = std::strerror(failed);
+  if (failed == 0) answer.timed_out = !ReadAll(ends[0], listening.silence_s, answer.text);
+  if (answer.timed_out) kill(pid, SIGKILL);
+  close(ends[0]);
+  int status = 0;
+  if (failed == 0 && waitpid(pid, &status, 0) == pid && WIFEXITED(status)) answer.exit_status = WEXITSTATUS(status);
+  return answer;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace mocurate {
+
+/// Output of a program and how it ended.
+struct ProgramAnswer {
+  int exit_status = -1;    ///< -1: a signal ended it, or it could not be started
+  std::string text;        ///< stdout, and stderr if requested
+  bool timed_out = false;  ///< it was ended after its silence limit
+};
+
+/// What to read of a program, and for how long.
+struct CaptureOptions {
+  bool errors = true;      ///< stderr too, in the order of writing; else it is discarded
+  double silence_s = 0.0;  ///< a program without output for this time is ended; 0: no limit
+};
+
+/// Starts `program` with our environment, in which `setting` ("LC_ALL=C") replaces one variable, without input and
+/// shell, and reads its output.
+ProgramAnswer RunAndCapture(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                            const std::string& setting, const CaptureOptions& listening = {});
+
+}  // namespace mocurate

@@ -1,0 +1,54 @@
+#include "job/run_folder.h"
+
+#include <algorithm>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "job/run_file.h"
+#include "job/run_outputs.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Whether a file is left by a run that ended before it wrote run.json: a lock with a process number, an empty journal.
+bool IsBeginning(const fs::path& folder, const std::string& name) {
+  if (name != "lock" && name != "journal.jsonl") return false;
+  std::error_code unknown;
+  if (!fs::is_regular_file(folder / name, unknown) || fs::file_size(folder / name, unknown) > 32) return false;
+  const auto text = ReadFile(folder / name);
+  if (!text) return false;
+  const std::string_view content = Trim(*text);
+  const bool digits = std::all_of(content.begin(), content.end(), [](char c) { return c >= '0' && c <= '9'; });
+  return name == "lock" ? digits : content.empty();
+}
+
+}  // namespace
+
+Expected<fs::path> RunFolder(const std::optional<fs::path>& named, const std::string& name) {
+  if (named && named->empty()) {
+    return Fail(ErrorCode::kUsage, "the run folder is an empty text", "-o",
+                "name a folder; -o . is the current one, without -o it is runs/NAME");
+  }
+  if (named) return *named;
+  if (name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos) {
+    return Fail(ErrorCode::kConfig, "'" + name + "' cannot be the name of a folder below runs/", "name",
+                "choose a name without '/', or name the run folder with -o DIR");
+  }
+  return fs::path("runs") / name;
+}
+
+Status CheckRunFolder(const fs::path& folder) {
+  if (ReadRunFile(folder).is_object()) return {};
+  for (const std::string& name : RunFilesIn(folder)) {
+    if (IsBeginning(folder, name)) continue;
+    return Fail(ErrorCode::kUsage,
+                "the folder is not a run folder (it has no run.json of mocurate), and this file has the name of an "
+                "output, which would overwrite it",
+                DisplayPath(folder / name), "choose another folder with -o: an empty or a new one");
+  }
+  return {};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,160 @@
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "canon/options.h"
+#include "canon/recipes/classes.h"
+#include "canon/recipes/spans_file.h"
+#include "core/base/config.h"
+#include "core/base/file.h"
+#include "core/base/resources.h"
+#include "core/base/text.h"
+#include "job/run_outputs.h"
+#include "job/verbs/dataset_stages.h"
+#include "job/verbs/output_checks.h"
+#include "job/verbs/verbs.h"
+#include "report/options.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRecipeFolder = "recipes/";
+constexpr const char* kRecipeEnding = ".yaml";
+
+/// The labels of "walk,run". Error kUsage for an empty or repeated one.
+Expected<std::vector<std::string>> ListedLabels(const std::string& list) {
+  std::vector<std::string> labels;
+  std::set<std::string> seen;
+  for (const std::string_view part : SplitText(list, ',')) {
+    const std::string label(Trim(part));
+    if (label.empty())
+      return Fail(ErrorCode::kUsage, "a label is empty", "--labels '" + list + "'", "write e.g. --labels walk,run");
+    if (!seen.insert(label).second) {
+      return Fail(ErrorCode::kUsage, "the label '" + label + "' is given twice", "--labels '" + list + "'",
+                  "give each label once");
+    }
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+std::vector<std::string> RecipeNames() {
+  std::vector<std::string> names;
+  const std::string folder = kRecipeFolder;
+  for (const std::string& path : ResourcePaths()) {
+    if (path.rfind(folder, 0) == 0) names.push_back(path.substr(folder.size(), path.rfind('.') - folder.size()));
+  }
+  return names;
+}
+
+/// A recipe of configs/recipes by its name, or a config file. Error kUsage for neither.
+Expected<ConfigNode> LoadRecipe(const std::string& name) {
+  const std::vector<std::string> names = RecipeNames();
+  if (std::find(names.begin(), names.end(), name) != names.end()) {
+    const std::string file = kRecipeFolder + name + kRecipeEnding;
+    return LoadConfig(ConfigSource{std::string(FindResource(file).value_or("")), "resource:" + file, {}});
+  }
+  std::error_code unknown;
+  if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name));
+  std::string known;
+  for (const std::string& one : names) known += (known.empty() ? "" : ", ") + one;
+  const auto near = Nearest(name, names);
+  return Fail(ErrorCode::kUsage, "there is no recipe with that name, and no such file", name,
+              (near ? "did you mean '" + *near + "'? " : std::string()) + "known: " + known + "; or a config file");
+}
+
+/// The names of `assemble.classes`. Errors of LoadRecipe and CheckClasses; kConfig without classes.
+Expected<std::vector<std::string>> LabelsOfRecipe(const std::string& name) {
+  const auto recipe = LoadRecipe(name);
+  if (!recipe) return Forward(recipe);
+  AssembleOptions options;
+  if (const ConfigNode* assemble = recipe->Find("assemble")) {
+    auto read = OptionsFromConfig<AssembleOptions>(*assemble);
+    if (!read) return Forward(read);
+    options = std::move(*read);
+  }
+  if (Status sound = CheckClasses(options); !sound) return Forward(sound);
+  std::vector<std::string> labels;
+  for (const ClassOptions& listed : options.classes) labels.push_back(listed.name);
+  if (labels.empty()) {
+    return Fail(ErrorCode::kConfig, "assemble.classes lists no class", name, "name a recipe with classes, or --labels");
+  }
+  return labels;
+}
+
+/// The spans of an earlier session, as the stage's input.
+Expected<nlohmann::json> SessionJson(const fs::path& path) {
+  const auto spans = ReadSpans(path);
+  if (!spans) return Forward(spans);
+  nlohmann::json list = nlohmann::json::array();
+  for (const ListedSpan& span : *spans) {
+    list.push_back({{"clip", span.clip},
+                    {"begin", span.begin},
+                    {"end", span.end},
+                    {"in_frames", span.in_frames},
+                    {"label", span.label},
+                    {"fine_label", span.fine_label}});
+  }
+  return list;
+}
+
+void PrintPage(const ReviewArguments& arguments, const nlohmann::json& summary) {
+  const auto count = [&](const char* key, const char* noun) { return Counted(summary.value(key, 0LL), noun); };
+  std::printf("%s: %s, %s, %s; open it in a browser, mark spans, save spans.csv\n",
+              DisplayPath(arguments.output).c_str(), count("clips", "clip").c_str(), count("spans", "span").c_str(),
+              count("labels", "label").c_str());
+  if (summary.value("not_shown", 0) > 0) {
+    std::printf("%s of clips that are not shown will be saved unchanged\n", count("not_shown", "span").c_str());
+  }
+  if (summary.value("excluded", 0) > 0) {
+    std::printf("%s in frames of clips that are not shown will not be saved, as their rate is unknown\n",
+                count("excluded", "span").c_str());
+  }
+}
+
+}  // namespace
+
+Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments) {
+  AnnotateOptions options;
+  options.clips = arguments.clips;
+  options.all = arguments.all;
+  if (arguments.labels || !arguments.recipe.empty()) {
+    auto labels = arguments.labels ? ListedLabels(*arguments.labels) : LabelsOfRecipe(arguments.recipe);
+    if (!labels) return Forward(labels);
+    options.labels = std::move(*labels);
+  }
+  if (Status sound = CheckIsDataset(arguments.path); !sound) return sound;
+  if (Status free = CheckOutputs({arguments.output}, {arguments.path, arguments.spans}, arguments.force); !free) {
+    return free;
+  }
+  auto stages = DatasetStages::Make(common);
+  if (!stages) return Forward(stages);
+  ItemSpec item{"annotate", OptionsToJson(options), {{"dataset", DisplayPath(arguments.path), arguments.path, ""}}};
+  if (!arguments.spans.empty()) {
+    const auto session = SessionJson(arguments.spans);
+    if (!session) return Forward(session);
+    const fs::path file = (*stages)->folder() / "spans.json";
+    if (Status written = WriteFile(file, session->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+        !written) {
+      return written;
+    }
+    item.inputs.push_back({"spans", DisplayPath(arguments.spans), file, ""});
+  }
+  const auto page = (*stages)->One(AnnotateDeclaration(), std::move(item));
+  if (!page) return Forward(page);
+  if (Status copied = CopyWhole(page->artifact, arguments.output); !copied) return copied;
+  if (common.json) {
+    common.answered = true;
+    nlohmann::json answer = page->outcome.summary;
+    answer["page"] = DisplayPath(arguments.output);
+    std::printf("%s\n", answer.dump(1).c_str());
+  } else if (!common.quiet) {
+    PrintPage(arguments, page->outcome.summary);
+  }
+  return {};
+}
+
+}  // namespace mocurate

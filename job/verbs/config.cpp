@@ -1,0 +1,60 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "ingest/synthetic/studio_options.h"
+#include "job/config_loading.h"
+#include "job/verbs/verbs.h"
+
+namespace mocurate {
+namespace {
+
+/// The same tree as the options, with origins instead of values.
+nlohmann::json OriginsOf(const nlohmann::json& options, const ConfigNode* node) {
+  if (options.is_object() && !options.empty()) {
+    nlohmann::json origins = nlohmann::json::object();
+    for (const auto& [name, value] : options.items()) {
+      origins[name] = OriginsOf(value, node == nullptr ? nullptr : node->Find(name));
+    }
+    return origins;
+  }
+  const bool groups = options.is_array() && !options.empty() && options.front().is_object();
+  if (groups && node != nullptr && node->sequence.size() == options.size()) {
+    nlohmann::json origins = nlohmann::json::array();
+    for (std::size_t i = 0; i < options.size(); ++i) origins.push_back(OriginsOf(options[i], &node->sequence[i]));
+    return origins;
+  }
+  return node == nullptr || node->origin.file.empty() ? "default" : node->origin.Text();
+}
+
+}  // namespace
+
+Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments) {
+  const auto job = LoadJob(arguments.config, arguments.assignments);
+  if (!job) return Forward(job);
+  const nlohmann::json options = OptionsToJson(job->options);
+  if (common.json && arguments.origins)
+    std::printf("%s\n",
+                nlohmann::json{{"options", options}, {"origins", OriginsOf(options, &job->node)}}.dump(1).c_str());
+  else if (common.json)
+    std::printf("%s\n", options.dump(1).c_str());
+  else
+    std::printf("%s", ShowOptions(job->options, job->node, arguments.origins).c_str());
+  return {};
+}
+
+Status ConfigSchemaVerb(CommonArguments&) {
+  std::printf("%s\n", OptionsSchema<JobOptions>().dump(1).c_str());
+  return {};
+}
+
+Status ConfigReferenceVerb(CommonArguments& common) {
+  const std::string reference = OptionsReference<JobOptions>("Options of a job") + "\n" +
+                                OptionsReference<StudioOptions>("Options of `mocurate synthesize`");
+  if (common.json)
+    std::printf("%s\n", nlohmann::json{{"markdown", reference}}.dump(1).c_str());
+  else
+    std::printf("%s", reference.c_str());
+  return {};
+}
+
+}  // namespace mocurate

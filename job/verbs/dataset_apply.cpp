@@ -1,0 +1,84 @@
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "canon/review/review.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "core/base/version.h"
+#include "job/verbs/dataset_answers.h"
+#include "job/verbs/output_checks.h"
+
+namespace mocurate {
+namespace {
+
+/// The clips that a review dropped, as another dataset; nothing without any.
+Status WriteExcluded(const Dataset& whole, const AppliedReview& applied, const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (applied.dropped.empty()) {
+    std::filesystem::remove(path, ignored);  // an earlier one would be mistaken for this one's
+    return {};
+  }
+  Dataset excluded;
+  excluded.skeleton = whole.skeleton;
+  excluded.joints_only = whole.joints_only;
+  excluded.labels = whole.labels;
+  excluded.fine_labels = whole.fine_labels;
+  excluded.created_by = CreatedBy();
+  excluded.recipe = "dropped by a review";
+  excluded.axes = whole.axes;
+  excluded.clips = applied.dropped;
+  excluded.findings = applied.of_dropped;
+  return WriteDataset(excluded, path);
+}
+
+}  // namespace
+
+Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& arguments) {
+  if (Status free =
+          CheckOutputs({arguments.output, arguments.excluded}, {arguments.path, arguments.other}, arguments.force);
+      !free) {
+    return free;
+  }
+  const auto review = ReadReview(arguments.other);
+  if (!review) return Forward(review);
+  auto dataset = ReadDataset(arguments.path);
+  if (!dataset) return Forward(dataset);
+  const auto applied = ApplyReview(*review, *dataset);
+  if (!applied) return Forward(applied);
+  if (dataset->clips.empty()) {
+    return Fail(ErrorCode::kConfig, "every clip is dropped", DisplayPath(arguments.other), "keep at least one clip");
+  }
+  dataset->findings.insert(dataset->findings.end(), applied->findings.begin(), applied->findings.end());
+  for (Split& split : dataset->splits) {
+    if (split.leak_check.rfind("ok", 0) != 0) split.leak_check += " (before clips were reviewed)";
+  }
+  if (!arguments.excluded.empty()) {
+    if (Status written = WriteExcluded(*dataset, *applied, arguments.excluded); !written) return written;
+  }
+  if (Status written = WriteDataset(*dataset, arguments.output); !written) return written;
+  std::map<std::string, int> counts = {
+      {"review_drop", 0}, {"review_relabel", 0}, {"review_cut", 0}, {"review_stale", 0}};
+  for (const Finding& finding : applied->findings) {
+    ++counts[finding.code];
+    if (finding.code == "review_stale") LogWarning(finding.clip + ": " + finding.message);
+  }
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s", JsonText({{"clips", dataset->clips.size()},
+                                {"dropped", counts["review_drop"]},
+                                {"relabelled", counts["review_relabel"]},
+                                {"cut", counts["review_cut"]},
+                                {"stale", counts["review_stale"]}})
+                          .c_str());
+  } else if (!common.quiet) {
+    std::printf("%s: %s; %d dropped, %d relabelled, %d cut, %d that match no clip\n",
+                DisplayPath(arguments.output).c_str(),
+                Counted(static_cast<long long>(dataset->clips.size()), "clip").c_str(), counts["review_drop"],
+                counts["review_relabel"], counts["review_cut"], counts["review_stale"]);
+  }
+  return {};
+}
+
+}  // namespace mocurate

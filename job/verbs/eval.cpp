@@ -1,0 +1,389 @@
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/resources.h"
+#include "core/base/text.h"
+#include "eval/published/published.h"
+#include "eval/tables/result_table.h"
+#include "job/blas_kernels.h"
+#include "job/evaluation.h"
+#include "job/motion_files.h"
+#include "job/protocols.h"
+#include "job/run_outputs.h"
+#include "job/scratch_folder.h"
+#include "job/verbs/dose_response.h"
+#include "job/verbs/verbs.h"
+#include "train/items.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A row as given on the command line.
+struct NamedFiles {
+  std::string name;
+  fs::path path;
+};
+
+/// "NAME=PATH", or a path, whose row has the file's name.
+NamedFiles NamedFilesOf(const std::string& text, std::set<std::string>& taken) {
+  std::error_code unknown;
+  const std::size_t equals = text.find('=');
+  NamedFiles named{"", text};
+  if (equals != std::string::npos && equals > 0 && !fs::exists(text, unknown)) {
+    named = {text.substr(0, equals), text.substr(equals + 1)};
+  }
+  if (named.name.empty()) {
+    const fs::path whole = fs::absolute(named.path, unknown).lexically_normal();
+    named.name = DisplayPath((whole.filename().empty() ? whole.parent_path() : whole).stem());
+  }
+  const std::string base = named.name;
+  for (int copy = 2; !taken.insert(named.name).second; ++copy) named.name = base + "~" + std::to_string(copy);
+  return named;
+}
+
+Status CheckExists(const fs::path& path, const char* option) {
+  std::error_code unknown;
+  if (path.empty() || fs::exists(path, unknown)) return {};
+  return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(path), option);
+}
+
+Status CheckArguments(const EvalArguments& arguments) {
+  if (Status sound = CheckDoseArguments(arguments); !sound) return sound;
+  if (arguments.values == "joints" && !arguments.bone_lengths.empty()) {
+    return Fail(ErrorCode::kUsage, "--bone-lengths is for Lie parameters, but --values is joints", "command line",
+                "remove one of them");
+  }
+  if (arguments.values == "lie" && arguments.bone_lengths.empty()) {
+    return Fail(ErrorCode::kUsage, "Lie parameters have no bone lengths", "--values lie",
+                "give --bone-lengths FILE with motions as positions, whose median lengths are used");
+  }
+  if (arguments.labels.size() > 1 && arguments.labels.size() != arguments.generated.size()) {
+    return Fail(ErrorCode::kUsage,
+                Counted(static_cast<long long>(arguments.labels.size()), "file") + " of labels for " +
+                    Counted(static_cast<long long>(arguments.generated.size()), "set"),
+                "--labels", "give one for all sets, or one for each in their order");
+  }
+  for (const fs::path& labels : arguments.labels) {
+    if (Status there = CheckExists(labels, "--labels"); !there) return there;
+  }
+  for (const auto& [path, option] : {std::pair<const fs::path&, const char*>{arguments.bone_lengths, "--bone-lengths"},
+                                     {arguments.real, "--real"},
+                                     {arguments.damaged_real, "--dose-response"},
+                                     {arguments.real_labels, "--real-labels"},
+                                     {arguments.run, "--run"}}) {
+    if (Status there = CheckExists(path, option); !there) return there;
+  }
+  return {};
+}
+
+/// The recogniser whose features the run used, else the one of that name with the smallest seed.
+Expected<fs::path> FirstRecogniser(const fs::path& run) {
+  std::error_code unknown;
+  if (const auto text = ReadFile(run / "metrics.json")) {
+    const nlohmann::json metrics = nlohmann::json::parse(*text, nullptr, false);
+    const nlohmann::json extractor = metrics.is_object() ? metrics.value("extractor", nlohmann::json()) : nullptr;
+    if (extractor.is_string()) {
+      const fs::path file = run / "checkpoints" / (FileNameOf(extractor.get<std::string>()) + ".h5");
+      if (fs::is_regular_file(file, unknown)) return file;
+    }
+  }
+  std::vector<fs::path> found;
+  std::error_code problem;
+  for (fs::directory_iterator it(run / "checkpoints", problem), end; !problem && it != end; it.increment(problem)) {
+    if (it->path().filename().string().rfind("recogniser_", 0) == 0) found.push_back(it->path());
+  }
+  const auto earlier = [](const fs::path& a, const fs::path& b) {  // recogniser_2.h5 before recogniser_10.h5
+    const std::string first = a.filename().string(), second = b.filename().string();
+    return std::make_pair(first.size(), first) < std::make_pair(second.size(), second);
+  };
+  if (!found.empty()) return *std::min_element(found.begin(), found.end(), earlier);
+  return Fail(ErrorCode::kNotFound, "the run has no recogniser", DisplayPath(run / "checkpoints"),
+              "run the stage train, or give --extractor");
+}
+
+/// Sets and extractor of an evaluation, from the command line.
+struct Plan {
+  ProtocolOptions protocol;
+  ExtractorOptions extractor;
+  fs::path weights;
+  fs::path real;
+};
+
+Expected<Plan> PlanOf(const EvalArguments& arguments) {
+  if (Status sound = CheckArguments(arguments); !sound) return Forward(sound);
+  Plan plan;
+  const std::string prefix = "extractor.";
+  std::vector<std::string> of_protocol, of_extractor;
+  for (const std::string& text : arguments.assignments) {
+    const bool extractor = text.compare(0, prefix.size(), prefix) == 0;
+    (extractor ? of_extractor : of_protocol).push_back(extractor ? text.substr(prefix.size()) : text);
+  }
+  auto protocol = LoadProtocol(arguments.protocol, of_protocol);
+  if (!protocol) return Forward(protocol);
+  plan.protocol = std::move(*protocol);
+  std::string name = arguments.extractor.empty() ? plan.protocol.extractor : arguments.extractor;
+  plan.real = arguments.dose_response ? arguments.damaged_real : arguments.real;
+  if (!arguments.run.empty()) {
+    if (arguments.extractor.empty()) {
+      const auto recogniser = FirstRecogniser(arguments.run);
+      if (!recogniser) return Forward(recogniser);
+      name = recogniser->string();
+    }
+    if (plan.real.empty()) plan.real = arguments.run / "dataset.h5";
+  }
+  if (name.empty()) {
+    return Fail(ErrorCode::kUsage, "protocol '" + plan.protocol.name + "' has no extractor", "--protocol",
+                "give --run RUN or --extractor CHECKPOINT");
+  }
+  auto extractor = LoadExtractor(name, of_extractor);
+  if (!extractor) return Forward(extractor);
+  plan.extractor = std::move(*extractor);
+  const auto weights = FindWeights(plan.extractor);
+  if (!weights) return Forward(weights);
+  plan.weights = *weights;
+  return plan;
+}
+
+/// Motions as one file: a dataset or MotionSet unchanged, other files through the stage `motions`.
+struct MotionsRead {
+  std::map<std::string, StageInput> sets;
+  std::map<std::string, Error> failed;
+  std::set<std::string> bare_arrays;     ///< sets read in the extractor's frame
+  std::vector<nlohmann::json> warnings;  ///< unreadable motions of a set
+};
+
+Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFiles>>& sets, const Plan& plan,
+                               StageRuns& runs) {
+  MotionsRead read;
+  std::vector<ItemSpec> items;
+  std::vector<std::string> names;
+  for (const auto& [named, files] : sets) {
+    if (Status there = CheckExists(named.path, "--generated"); !there) {
+      read.failed[named.name] = there.error();
+      continue;
+    }
+    if (IsMotionStore(files.path) && files.labels.empty() && files.source.empty() && files.lie_bone_lengths.empty()) {
+      read.sets[named.name] = {"motions", named.name, files.path, ""};
+      continue;
+    }
+    auto item = MakeMotionsItem(named.name, files, plan.extractor);
+    if (!item) {
+      read.failed[named.name] = item.error();
+      continue;
+    }
+    if (files.source.empty() && AreBareArrays(files.path)) read.bare_arrays.insert(named.name);
+    for (const RefusedClip& file : item->unreadable) {
+      read.warnings.push_back({{"code", "clip_refused"}, {"row", named.name}, {"message", file.error.Message()}});
+    }
+    items.push_back(std::move(item->item));
+    names.push_back(named.name);
+  }
+  if (items.empty()) return read;
+  const auto report = runs.Run(MotionsDeclaration(), std::move(items));
+  if (!report) return Forward(report);
+  for (std::size_t i = 0; i < report->items.size(); ++i) {
+    const ItemResult& item = report->items[i];
+    if (item.artifact.empty()) {
+      read.failed[names[i]] = item.outcome.error;
+      continue;
+    }
+    read.sets[names[i]] = {"motions", names[i], item.artifact, item.sha256};
+    for (const Finding& finding : item.outcome.findings) {
+      read.warnings.push_back(
+          {{"code", finding.code}, {"row", names[i]}, {"message", finding.clip + ": " + finding.message}});
+    }
+  }
+  return read;
+}
+
+const char* VariantName(ProtocolVariant variant) {
+  return variant == ProtocolVariant::kGiven ? "given" : variant == ProtocolVariant::kReleased ? "released" : "paper";
+}
+
+Status WriteResults(const nlohmann::json& result, const EvaluationResult& evaluated, const fs::path& folder) {
+  if (Status made = MakeFolder(folder / "features"); !made) return made;
+  for (const auto& [name, file] : evaluated.features) {
+    std::string safe = name;
+    std::replace(safe.begin(), safe.end(), '/', '_');
+    if (Status copied = CopyWhole(file, folder / "features" / (safe + ".h5")); !copied) return copied;
+  }
+  if (Status written = WriteFile(folder / "metrics.json", result.dump(1) + "\n"); !written) return written;
+  const auto tables = WriteTables(result, result.at("protocol").get<std::string>(), folder / "tables");
+  return tables ? Status() : Forward(tables);
+}
+
+/// `instead`: text instead of the table of rows, or empty.
+void PrintEvaluation(const CommonArguments& common, const nlohmann::json& result, const std::string& instead) {
+  if (common.json) {
+    std::printf("%s\n", result.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    return;
+  }
+  if (common.quiet) return;
+  const Table table = ResultTable(result, result.at("protocol").get<std::string>() + ", variant " +
+                                              result.at("variant").get<std::string>() + ", extractor " +
+                                              result.at("extractor").get<std::string>());
+  std::printf("%s", (instead.empty() ? ToMarkdown(table) : instead).c_str());
+  for (const nlohmann::json& warning : result.at("warnings")) {
+    const std::string row = warning.at("row").get<std::string>();
+    LogWarning((row.empty() ? "" : row + ": ") + warning.at("message").get<std::string>());
+  }
+}
+
+}  // namespace
+
+Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
+  ChooseBlasKernels();
+  auto plan = PlanOf(arguments);
+  if (!plan) return Forward(plan);
+  const ScratchFolder scratch;
+  RunnerOptions settings;
+  settings.run_folder = arguments.output.empty() ? scratch.path() : arguments.output;
+  settings.jobs = arguments.jobs;
+  settings.quiet = common.quiet;
+  settings.log_failures = false;
+  if (settings.run_folder.empty()) return scratch.Missing();
+  if (Status made = MakeFolder(settings.run_folder); !made) return made;
+  auto runner = Runner::Make(settings);
+  if (!runner) return Forward(runner);
+  std::vector<StageReport> reports;
+  StageRuns runs(**runner, reports);
+
+  std::vector<std::pair<NamedFiles, MotionFiles>> sets;
+  std::set<std::string> taken = {"Real", "Real-test", "reference", "reference_test"};
+  std::vector<double> bone_lengths;
+  if (!arguments.bone_lengths.empty()) {
+    auto lengths = MedianBoneLengths(arguments.bone_lengths, plan->extractor);
+    if (!lengths) return Forward(lengths);
+    bone_lengths = std::move(*lengths);
+  }
+  for (const std::string& text : arguments.generated) {
+    const NamedFiles named = NamedFilesOf(text, taken);
+    const std::size_t own = arguments.labels.size() > 1 ? sets.size() : 0;
+    const fs::path labels = arguments.labels.empty() ? fs::path() : arguments.labels[own];
+    sets.push_back({named, {named.path, arguments.source, labels, bone_lengths}});
+  }
+  if (!plan->real.empty())
+    sets.push_back({{"Real", plan->real}, {plan->real, arguments.real_source, arguments.real_labels, {}}});
+  auto read = ReadSets(sets, *plan, runs);
+  if (!read) return Forward(read);
+
+  Evaluation evaluation;
+  evaluation.extractor = plan->extractor;
+  evaluation.extractor.weights.clear();  // a path; the key contains the file's content
+  evaluation.weights = {"weights", plan->weights.filename().string(), plan->weights, ""};
+  evaluation.draw = plan->protocol.draw();
+  evaluation.metrics = plan->protocol.metrics;
+  evaluation.equivalent = plan->protocol.equivalent;
+  evaluation.seed = plan->protocol.seed;
+  evaluation.protocol_motions = plan->protocol.released.motions;
+  evaluation.test_reference = plan->protocol.test_reference;
+  evaluation.split = plan->protocol.split;
+  evaluation.part = plan->protocol.part;
+  for (const auto& [named, files] : sets) {
+    const auto set = read->sets.find(named.name);
+    if (set == read->sets.end()) continue;
+    ScoredSet scored{named.name, set->second, std::nullopt, read->bare_arrays.count(named.name) > 0};
+    if (named.name == "Real") {
+      evaluation.real = std::move(scored);
+    } else {
+      evaluation.rows.push_back(std::move(scored));
+    }
+  }
+  std::vector<DoseSeries> doses;
+  if (arguments.dose_response) {
+    if (!evaluation.real) return NoMotionsToDamage(read->failed.at("Real"));
+    auto series = AddDoseRows(arguments, settings.run_folder / "doses", evaluation, read->warnings);
+    if (!series) return Forward(series);
+    doses = std::move(*series);
+  }
+  auto evaluated = Evaluate(evaluation, runs);
+  if (!evaluated) return Forward(evaluated);
+  evaluated->failed.insert(read->failed.begin(), read->failed.end());
+  for (nlohmann::json& warning : read->warnings) evaluated->warnings.push_back(std::move(warning));
+  if (plan->real.empty()) {
+    evaluated->warnings.push_back(
+        {{"code", "no_real_motions"},
+         {"row", ""},
+         {"message", "without --real there is no FID, KID, density, coverage or nearest_train: give --real PATH" +
+                         (plan->protocol.recipe.empty() ? std::string()
+                                                        : ", e.g. the dataset of recipe " + plan->protocol.recipe)}});
+  }
+  auto published = PublishedNumbers(plan->protocol.paper, plan->protocol.dataset);
+  if (!published) return Forward(published);
+  nlohmann::json result = {{"protocol", plan->protocol.name},
+                           {"paper", plan->protocol.paper},
+                           {"variant", VariantName(plan->protocol.variant)},
+                           {"extractor", plan->extractor.name},
+                           {"rows", evaluated->rows},
+                           {"comparisons", evaluated->comparisons},
+                           {"published", OfTransitions(*published, plan->protocol.part == ClipPart::kTransition)},
+                           {"notes", plan->protocol.notes},
+                           {"warnings", evaluated->warnings},
+                           {"failed", nlohmann::json::object()}};
+  for (const auto& [name, error] : evaluated->failed) result["failed"][name] = error.Message();
+  const std::vector<double>& sizes = plan->protocol.original_clips;
+  result["original_data"] = plan->protocol.original_data && plan->protocol.variant == ProtocolVariant::kReleased &&
+                            std::find(sizes.begin(), sizes.end(), evaluated->real_clips) != sizes.end();
+  if (evaluated->rows.empty() && !evaluated->failed.empty()) {
+    return tl::unexpected<Error>(evaluated->failed.begin()->second);
+  }
+  if (arguments.dose_response) AddDoseResponse(doses, result);
+  if (!arguments.output.empty()) {
+    if (Status written = WriteResults(result, *evaluated, arguments.output); !written) return written;
+    Status written = arguments.dose_response ? WriteDoseResponse(doses, result, arguments.output) : Status();
+    if (!written) return written;
+  }
+  common.answered = common.json;
+  PrintEvaluation(common, result, arguments.dose_response ? DoseResponseText(doses, result) : "");
+  if (evaluated->failed.empty()) return {};
+  const auto& [name, error] = *evaluated->failed.begin();
+  return Fail(ErrorCode::kTooManyFailures,
+              Counted(static_cast<long long>(evaluated->failed.size()), "set") + " could not be scored; " + name +
+                  ": " + error.what,
+              error.where, error.hint);
+}
+
+Status DoctorProtocolVerb(CommonArguments& common, const DoctorArguments& arguments) {
+  const auto protocol = LoadProtocol(arguments.protocol, {});
+  if (!protocol) return Forward(protocol);
+  nlohmann::json answer = {{"protocol", protocol->name}, {"extractor", protocol->extractor}};
+  if (protocol->extractor.empty()) {
+    answer["weights"] = nullptr;
+    std::printf("%s\n", common.json
+                            ? answer.dump(1).c_str()
+                            : "protocol 'own' scores with a recogniser of yours: --run RUN or --extractor FILE");
+    common.answered = common.json;
+    return {};
+  }
+  const auto extractor = LoadExtractor(protocol->extractor);
+  if (!extractor) return Forward(extractor);
+  const auto weights = FindWeights(*extractor);
+  const char* folder = std::getenv("MOCURATE_WEIGHTS");
+  answer["weights"] = extractor->weights;
+  answer["looked_in"] = folder == nullptr ? nlohmann::json() : nlohmann::json(folder);
+  answer["found"] = weights ? nlohmann::json(DisplayPath(*weights)) : nlohmann::json();
+  answer["obtain"] = extractor->obtain;
+  answer["recipe"] = protocol->recipe;
+  common.answered = common.json;
+  if (common.json) {
+    std::printf("%s\n", answer.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  } else {
+    std::printf(
+        "protocol   %s (%s on %s)\nextractor  %s\nweights    %s\nfolder     %s\nfound      %s\nobtain     %s\nreal     "
+        "  "
+        "recipe %s\n",
+        protocol->name.c_str(), protocol->paper.c_str(), protocol->dataset.c_str(), protocol->extractor.c_str(),
+        extractor->weights.c_str(), folder == nullptr ? "MOCURATE_WEIGHTS is not set" : folder,
+        weights ? DisplayPath(*weights).c_str() : "no", extractor->obtain.c_str(), protocol->recipe.c_str());
+  }
+  return weights ? Status() : Forward(weights);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,292 @@
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "canon/recipes/classes.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "core/base/version.h"
+#include "core/geometry/axes.h"
+#include "core/store/store.h"
+#include "ingest/formats/driver.h"
+#include "ingest/inspect/inspect.h"
+#include "ingest/inspect/source_declaration.h"
+#include "ingest/relaxed_pattern.h"
+#include "job/blas_kernels.h"
+#include "job/config_loading.h"
+#include "job/job_checks.h"
+#include "job/main_job.h"
+#include "job/motion_files.h"
+#include "job/named_configs.h"
+#include "job/scratch_folder.h"
+#include "job/verbs/fit_answer.h"
+#include "job/verbs/output_checks.h"
+#include "job/verbs/verbs.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Declaration of the files, and options that are still unknown.
+struct Declared {
+  ConfigSource config;
+  std::vector<std::string> unknown;  ///< options of ingest.source
+  fs::path path;                     ///< folder of the files, if not the given path: the folder above
+};
+
+/// Warns of assumptions about unnamed columns, unless the command line declares them.
+void WarnOfAssumptions(const FitArguments& arguments, const Inspection& inspection) {
+  const std::set<std::string> deciding = {"least_confidence", "columns", "layout"};
+  for (const std::string& text : arguments.assignments)
+    if (text.rfind("ingest.source.", 0) == 0 && deciding.count(text.substr(14, text.find('=') - 14)) != 0) return;
+  for (const Finding& finding : inspection.findings) {
+    if (finding.code != "confidence_guessed") continue;
+    return LogWarning(finding.clip + ": " + finding.message);
+  }
+}
+
+Expected<Declared> Declare(const FitArguments& arguments) {
+  if (!arguments.source.empty()) {
+    const Expected<ConfigSource> source = SourceOf(arguments.source);
+    if (!source) return Forward(source);
+    return Declared{*source, {}, {}};
+  }
+  if (IsMotionStore(arguments.path)) return Declared{MotionStoreConfig(arguments.path), {}, {}};
+  Inspection inspection = InspectPath(arguments.path, std::nullopt);
+  if (Status known = ChooseClips(arguments.clips, inspection); !known) return Forward(known);
+  const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit");
+  if (!written) return Forward(written);
+  WarnOfAssumptions(arguments, inspection);
+  for (const std::string& other : written->others) {
+    LogWarning(DisplayPath(arguments.path) + ": " + other +
+               " belong to other sources and are skipped; choose one with --clip");
+  }
+  return Declared{{written->yaml, "what the files show", fs::current_path()}, written->unknown, written->path};
+}
+
+/// Every unknown option must be declared on the command line.
+Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
+  std::vector<std::string> open;
+  for (const std::string& option : declared.unknown) {
+    const std::string key = "ingest.source." + option + "=";
+    const bool declared_here =
+        std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
+                    [&](const std::string& assignment) { return assignment.rfind(key, 0) == 0; });
+    if (!declared_here) open.push_back(option);
+  }
+  if (open.empty()) return {};
+  std::string names, example;
+  for (const std::string& option : open) {
+    names += (names.empty() ? "" : ", ") + option;
+    const char* value = option == "rate" ? "'30 Hz'" : option == "axes" ? "AXES" : option == "units" ? "m" : "...";
+    example += (example.empty() ? "" : " ") + std::string("--set ingest.source.") + option + "=" + value;
+  }
+  const bool axes = std::find(open.begin(), open.end(), "axes") != open.end();
+  return Fail(
+      ErrorCode::kUsage, "the files do not declare " + names, DisplayPath(arguments.path),
+      "give --source with the name of a source declaration or a config, or add " + example +
+          (axes ? "; AXES are the directions of the file's x, y and z for a person who faces +z with the left at "
+                  "+x, e.g. '-x +y -z' (docs/conventions.md); wrong axes mirror the person"
+                : "") +
+          "; see `mocurate inspect`");
+}
+
+/// Whether the clips have rotations. Motions of a dataset or MotionSet may or may not.
+bool HasRotations(const IngestOptions& ingest) {
+  const FormatDriver& driver = DriverOf(ingest.source.format);
+  if (!driver.stored) return driver.rotations;
+  return HasStoredRotations(ingest.path);
+}
+
+bool IsAssigned(const FitArguments& arguments, const std::string& option) {
+  return std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
+                     [&](const std::string& text) { return text.rfind(option + "=", 0) == 0; });
+}
+
+/// Without a known person, each recording is a body of its own. `unnamed`: the declaration does not name one either.
+void ChooseBodies(const FitArguments& arguments, bool unnamed, JobOptions& options) {
+  if (!(arguments.source.empty() || unnamed) || options.ingest.source.person != kUnknownPerson) return;
+  if (!IsAssigned(arguments, "proportions.body_of")) options.proportions.body_of = BodyOf::kRecording;
+}
+
+/// Method and skeleton, from the command line and the files.
+Status ChooseMethod(const FitArguments& arguments, JobOptions& options) {
+  if (IsAssigned(arguments, "fitting.method")) return {};
+  options.fitting.method = MethodFor(EvidenceKindOf(options.ingest.source));
+  if (!HasRotations(options.ingest) || !arguments.skeleton.empty()) return {};
+  if (!options.fitting.contacts.remove_sliding) {
+    return Fail(ErrorCode::kUsage, "the motion has rotations already, so there is nothing to fit",
+                DisplayPath(arguments.path),
+                "use --skeleton NAME to fit another skeleton to its joints, or --contacts to remove foot sliding");
+  }
+  options.fitting.method = FitMethod::kNone;
+  return {};
+}
+
+/// Warns of estimated axes that mirror: the files show left and right exchanged, and their joint names may be wrong
+/// instead.
+void ReportMirror(const FitArguments& arguments, const SourceOptions& source) {
+  const bool axes_declared =
+      !arguments.source.empty() ||
+      std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
+                  [](const std::string& text) { return text.rfind("ingest.source.axes=", 0) == 0; });
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (axes_declared || !axes || axes->handedness() == Handedness::kRight) return;
+  AxisConvention right = *axes;
+  right.canonical_from_source.col(0) *= -1.0;
+  LogWarning(DisplayPath(arguments.path) +
+             ": left and right are exchanged by the joint names, so the files are read as a left-handed world, axes '" +
+             source.axes +
+             "'. If the names are wrong instead, correct them, or keep them with --set "
+             "ingest.source.axes='" +
+             right.Text() + "'");
+}
+
+Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
+  const Expected<Declared> declared = Declare(arguments);
+  if (!declared) return Forward(declared);
+  if (Status known = CheckUnknown(arguments, *declared); !known) return Forward(known);
+  for (const std::string& assignment : arguments.assignments) {
+    for (const char* group : {"canon.", "assemble.", "audit.", "train.", "evaluate.", "report."}) {
+      if (assignment.rfind(group, 0) != 0) continue;
+      return Fail(ErrorCode::kUsage, "'" + assignment + "' has no effect: this verb ends with the fit", "--set",
+                  "use `mocurate run` with a config, which `mocurate config init` writes");
+    }
+  }
+  std::error_code unknown;
+  const fs::path path = fs::absolute(arguments.path, unknown).lexically_normal();
+  // The method is chosen below: a declaration keeps recorded rotations, and this verb may fit others.
+  std::vector<std::string> assignments = {"ingest.path=.", "fitting.other_joints=exclude",
+                                          "fitting.method=joint_tracks"};
+  if (!arguments.skeleton.empty()) assignments.push_back("skeleton=" + arguments.skeleton);
+  if (arguments.contacts) assignments.push_back("fitting.contacts.remove_sliding=true");
+  assignments.insert(assignments.end(), arguments.assignments.begin(), arguments.assignments.end());
+  Expected<LoadedJob> job = LoadJob(declared->config, assignments);
+  if (!job) return Forward(job);
+  JobOptions options = std::move(job->options);
+  // Not through YAML, as a path may contain any bytes.
+  options.ingest.path = declared->path.empty() || fs::is_regular_file(path, unknown) ? path : declared->path;
+  std::optional<std::string> unnamed;
+  if (!IsMotionStore(path)) unnamed = RelaxFilePattern(IsAssigned(arguments, "ingest.source.files"), options.ingest);
+  if (unnamed) LogInfo(*unnamed);
+  if (!IsMotionStore(path)) ReportMirror(arguments, options.ingest.source);
+  if (Status chosen = ChooseMethod(arguments, options); !chosen) return Forward(chosen);
+  ChooseBodies(arguments, unnamed.has_value(), options);
+  if (Status named = CheckNames(options, JobStage::kFitting); !named) return Forward(named);
+  return options;
+}
+
+/// The fits of a run as one dataset, sorted by id.
+Expected<Dataset> CollectFits(const StageReport& fits, const std::vector<std::string>& label_order) {
+  Dataset whole;
+  whole.created_by = CreatedBy();
+  whole.recipe = "mocurate fit";
+  for (const ItemResult& item : fits.items) {
+    if (item.artifact.empty()) continue;
+    Expected<Dataset> part = ReadDataset(item.artifact);
+    if (!part) return Forward(part);
+    whole.skeleton = part->skeleton;
+    whole.joints_only = part->joints_only;
+    std::move(part->clips.begin(), part->clips.end(), std::back_inserter(whole.clips));
+    std::move(part->findings.begin(), part->findings.end(), std::back_inserter(whole.findings));
+  }
+  std::sort(whole.clips.begin(), whole.clips.end(), [](const Clip& a, const Clip& b) { return a.id() < b.id(); });
+  std::set<std::string> labels;
+  for (const Clip& clip : whole.clips) labels.insert(clip.label);
+  whole.labels = OrderedLabels(label_order, labels);
+  return whole;
+}
+
+/// Reasons for clips that could not be fitted, each once; never empty.
+std::vector<Error> Failures(const JobResult& result) {
+  std::vector<Error> failures;
+  std::set<std::string> reported;
+  for (const StageReport& stage : result.stages) {
+    for (const ItemResult& item : stage.items) {
+      if (!item.artifact.empty() || item.outcome.error.what.empty()) continue;
+      Error error = item.outcome.error;
+      if (error.where.empty()) error.where = item.item;
+      if (reported.insert(error.Message()).second) failures.push_back(std::move(error));
+    }
+  }
+  if (failures.empty()) failures.push_back({ErrorCode::kInconsistent, "no clip could be fitted", "", ""});
+  return failures;
+}
+
+/// The first failure is the verb's error; the others are logged before.
+Error FirstFailure(const JobResult& result) {
+  const std::vector<Error> failures = Failures(result);
+  for (std::size_t i = 1; i < failures.size(); ++i) LogWarning(failures[i].Message());
+  return failures[0];
+}
+
+/// Text about fitted clips that are suspect.
+std::string SuspectClipsText(int clips) {
+  const bool one = clips == 1;
+  return Counted(clips, "clip") + (one ? " contradicts" : " contradict") + " the declaration of the source, or " +
+         (one ? "fails" : "fail") + " a check";
+}
+
+}  // namespace
+
+Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
+  ChooseBlasKernels();
+  std::error_code unknown;
+  if (!fs::exists(arguments.path, unknown)) {
+    return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
+  }
+  if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
+  const Expected<JobOptions> options = FitOptionsOf(arguments);
+  if (!options) return Forward(options);
+  const ScratchFolder scratch;
+  RunnerOptions settings;
+  settings.run_folder = scratch.path();
+  settings.jobs = arguments.jobs;
+  settings.quiet = common.quiet;
+  settings.log_failures = false;
+  if (settings.run_folder.empty()) {
+    return ScratchFolder::Missing();
+  }
+  auto runner = Runner::Make(settings);
+  if (!runner) return Forward(runner);
+  const Expected<JobResult> result = RunMainJob(*options, JobStage::kFitting, **runner, arguments.clips);
+  if (!result) return Forward(result);
+  const auto fits = std::find_if(result->stages.begin(), result->stages.end(),
+                                 [](const StageReport& stage) { return stage.stage == "fitting"; });
+  const bool any =
+      fits != result->stages.end() && std::any_of(fits->items.begin(), fits->items.end(),
+                                                  [](const ItemResult& item) { return !item.artifact.empty(); });
+  if (!any) return tl::unexpected<Error>(FirstFailure(*result));
+  const Expected<Dataset> whole = CollectFits(*fits, options->assemble.label_order);
+  if (!whole) return Forward(whole);
+  if (Status written = WriteDataset(*whole, arguments.output); !written) return written;
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s\n", AnswerOf(*result, *fits, arguments.output)
+                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+                            .c_str());
+  } else {
+    for (const ItemResult& item : fits->items) {
+      if (!item.artifact.empty()) PrintFit(*result, item);
+    }
+    PrintSharedBodies(*result);
+    std::printf("%s in %s\n", Counted(static_cast<long long>(whole->clips.size()), "clip").c_str(),
+                DisplayPath(arguments.output).c_str());
+  }
+  if (result->counts.failed == 0 && result->counts.suspect == 0) return {};
+  if (result->counts.failed == 0) {
+    return Fail(ErrorCode::kTooManyFailures, SuspectClipsText(result->counts.suspect), DisplayPath(arguments.path),
+                "see the findings above; the fits were written all the same");
+  }
+  Error error = FirstFailure(*result);
+  error.code = ErrorCode::kTooManyFailures;
+  error.what = Counted(result->counts.failed, "clip") + " could not be fitted; the first: " + error.what;
+  return tl::unexpected<Error>(error);
+}
+
+}  // namespace mocurate

@@ -1,0 +1,129 @@
+#include "job/verbs/paper_items.h"
+
+#include <algorithm>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "job/named_configs.h"
+#include "job/verbs/released_rows.h"
+
+namespace mocurate {
+namespace {
+
+nlohmann::json HoursOf(double hours) { return hours > 0.0 ? nlohmann::json(hours) : nlohmann::json(); }
+
+}  // namespace
+
+const char* Name(PaperItem kind) {
+  switch (kind) {
+    case PaperItem::kTable:
+      return "table";
+    case PaperItem::kFigure:
+      return "figure";
+    case PaperItem::kStudy:
+      return "study";
+    case PaperItem::kDiagram:
+      return "diagram";
+    case PaperItem::kNone:
+      break;
+  }
+  return "none";
+}
+
+Expected<LoadedJob> LoadPaperItem(const std::string& id, const std::string& profile,
+                                  const std::vector<std::string>& assignments) {
+  const auto source = NamedJob("papers/" + id);
+  if (!source) {
+    const std::vector<std::string> ids = PaperIds();
+    std::string near;
+    for (const std::string& one : ids) {  // for an item without its paper
+      if (one.substr(one.find('/') + 1) == id) near += (near.empty() ? "" : " or ") + one;
+    }
+    if (near.empty()) near = Nearest(id, ids).value_or("");
+    return Fail(ErrorCode::kUsage, "there is no item with that name", id,
+                (near.empty() ? "" : "did you mean " + near + "? ") + "`mocurate reproduce list` names all");
+  }
+  std::vector<std::string> all = assignments;
+  if (!profile.empty()) all.insert(all.begin(), "profile=" + profile);
+  return LoadJob(*source, all);
+}
+
+Expected<JobOptions> ReadPaperItem(const std::string& id) {
+  const auto source = NamedJob("papers/" + id);
+  if (!source)
+    return Fail(ErrorCode::kUsage, "there is no item with that name", id, "`mocurate reproduce list` names all");
+  const auto node = LoadConfig(*source);
+  if (!node) return Forward(node);
+  return OptionsFromConfig<JobOptions>(*node);
+}
+
+Status TakeData(const std::vector<std::string>& given, JobOptions& options) {
+  for (const std::string& text : given) {
+    const std::size_t equals = text.find('=');
+    std::vector<std::string> names;
+    for (const DataSetOptions& set : options.data) names.push_back(set.name);
+    const auto at = std::find(names.begin(), names.end(), text.substr(0, equals));
+    if (equals == std::string::npos || at == names.end()) {
+      const auto near = Nearest(text.substr(0, equals), names);
+      return Fail(ErrorCode::kUsage, "the job has no set '" + text.substr(0, equals) + "'", "--data",
+                  near ? "did you mean '" + *near + "=PATH'?" : "write NAME=PATH with a set of the job's `data`");
+    }
+    std::error_code unknown;
+    options.data[static_cast<std::size_t>(at - names.begin())].path =
+        std::filesystem::absolute(text.substr(equals + 1), unknown).lexically_normal();
+  }
+  return {};
+}
+
+nlohmann::json DescribePaperItem(const std::string& id, const JobOptions& options) {
+  const ReproduceOptions& item = options.reproduce;
+  nlohmann::json at_hand = nlohmann::json::array(), missing = nlohmann::json::array();
+  for (const DataSetOptions& set : options.data) {
+    if (!set.like.empty()) continue;
+    if (!set.path.empty()) {
+      at_hand.push_back(set.name);
+      continue;
+    }
+    missing.push_back({{"name", set.name},
+                       {"how", "--data " + set.name + "=PATH, your copy of it" +
+                                   (set.substitute.empty() ? ""
+                                                           : "; without it synthetic motions in the layout '" +
+                                                                 set.substitute + "' are used")}});
+  }
+  for (const ReleasedMotionsOptions& released : item.released) {
+    if (PublishedFile(released.motions).empty() || PublishedFile(released.labels).empty()) {
+      missing.push_back({{"name", released.name},
+                         {"how", "set MOCURATE_WEIGHTS to a folder with " + released.motions.generic_string() +
+                                     " and " + released.labels.generic_string() +
+                                     ", of Action2Motion's repository (checkpoints/vae), beside its model_file"}});
+    } else {
+      at_hand.push_back(released.name);
+    }
+  }
+  for (const NetworkOptions& network : options.train.networks) {
+    if (!network.enabled || !network.NeedsBody()) continue;
+    const std::filesystem::path body = FindBody();
+    const bool published = body.filename().string().rfind("body_cc0", 0) != 0 && !body.empty();
+    if (published) {
+      at_hand.push_back("SMPL's neutral body");
+    } else {
+      missing.push_back(
+          {{"name", "SMPL's neutral body"},
+           {"how", "SMPL_NEUTRAL.pkl below the folder MOCURATE_WEIGHTS; " +
+                       (body.empty() ? std::string("body_cc0.h5 there or below MOCURATE_DATA is used instead")
+                                     : DisplayPath(body.filename()) + " is used instead")}});
+    }
+    break;
+  }
+  return {{"id", id},
+          {"kind", Name(item.kind)},
+          {"shows", item.shows},
+          {"at_hand", std::move(at_hand)},
+          {"missing", std::move(missing)},
+          {"profiles", item.kind == PaperItem::kDiagram ? nlohmann::json::object()
+                                                        : nlohmann::json{{"smoke", HoursOf(item.smoke_hours)},
+                                                                         {"small", HoursOf(item.small_hours)},
+                                                                         {"paper", HoursOf(item.paper_hours)}}}};
+}
+
+}  // namespace mocurate

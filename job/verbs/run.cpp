@@ -1,0 +1,265 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "job/blas_kernels.h"
+#include "job/config_loading.h"
+#include "job/data_sets.h"
+#include "job/job_checks.h"
+#include "job/main_job.h"
+#include "job/run_file.h"
+#include "job/run_folder.h"
+#include "job/verbs/paper_items.h"
+#include "job/verbs/run_text.h"
+#include "job/verbs/verbs.h"
+
+namespace mocurate {
+namespace {
+
+nlohmann::json StagesJson(const JobResult& result) {
+  nlohmann::json stages = nlohmann::json::array();
+  for (const StageReport& stage : result.stages) {
+    stages.push_back({{"stage", stage.stage},
+                      {"branch", stage.branch},
+                      {"items", stage.items.size()},
+                      {"done", stage.done},
+                      {"suspect", stage.suspect},
+                      {"excluded", stage.excluded},
+                      {"refused", stage.refused},
+                      {"crashed", stage.crashed},
+                      {"from_cache", stage.from_cache},
+                      {"seconds", stage.seconds}});
+  }
+  return stages;
+}
+
+nlohmann::json UntrainedJson(const JobResult& result) {
+  nlohmann::json untrained = nlohmann::json::object();
+  for (const auto& [item, error] : result.untrained) untrained[item] = error.Message();
+  return untrained;
+}
+
+nlohmann::json UnevaluatedJson(const JobResult& result) {
+  if (!result.unevaluated) return nullptr;
+  return {{"code", Name(result.unevaluated->code)}, {"message", result.unevaluated->Message()}};
+}
+
+nlohmann::json ResultJson(const JobResult& result, const RunnerOptions& runner, double seconds) {
+  return {{"run", DisplayPath(runner.run_folder)},
+          {"dry_run", runner.dry_run},
+          {"executed", Executed(result)},
+          {"dataset", DisplayPath(result.dataset)},
+          {"report", DisplayPath(result.report)},
+          {"clips", result.counts.clips},
+          {"kept", result.counts.kept},
+          {"suspect", result.counts.suspect},
+          {"excluded", result.counts.excluded},
+          {"failed", result.counts.failed},
+          {"undecided", result.counts.undecided},
+          {"folders", result.counts.folders},
+          {"replaces_rotations", result.counts.replaces_rotations},
+          {"findings", result.findings},
+          {"set_findings", result.set_findings},
+          {"fit_error", result.fit_error},
+          {"audit", result.audit},
+          {"metrics", result.metrics},
+          {"untrained", UntrainedJson(result)},
+          {"unevaluated", UnevaluatedJson(result)},
+          {"stages", StagesJson(result)},
+          {"seconds", seconds}};
+}
+
+/// Error of a run that ended without the table that it was to make.
+Status CheckEvaluation(const JobResult& result) {
+  if (!result.unevaluated) return {};
+  const Error& error = *result.unevaluated;
+  return Fail(error.code, "the evaluation failed, so there is no table; " + error.what, error.where, error.hint);
+}
+
+/// A requested network that was not trained is a failure, whatever the others' results.
+Status CheckNetworks(const JobResult& result) {
+  if (result.untrained.empty()) return {};
+  const auto& [item, error] = *result.untrained.begin();
+  const auto failed = static_cast<long long>(result.untrained.size());
+  const auto all = static_cast<long long>(result.training.size()) + failed;
+  return Fail(ErrorCode::kTooManyFailures,
+              std::to_string(failed) + " of " + Counted(all, "network") + (failed == 1 ? " was" : " were") +
+                  " not trained; " + item + ": " + error.what,
+              error.where, error.hint.empty() ? "see the page of the run" : error.hint);
+}
+
+/// Checks the share of failures among the clips that were not excluded.
+Status CheckFailures(const JobOptions& options, const JobResult& result) {
+  if (result.folders_failed > 0) {
+    return Fail(ErrorCode::kTooManyFailures, Counted(result.folders_failed, "folder") + " skipped", "run",
+                "ingest.source.other_files is error; correct ingest.source.files, or set it to finding or ignore");
+  }
+  const int wanted = result.counts.clips - result.counts.excluded;
+  const double tolerated = options.tolerated_failures * wanted;
+  if (wanted == 0 || result.counts.failed <= tolerated) return {};
+  return Fail(ErrorCode::kTooManyFailures,
+              std::to_string(result.counts.failed) + " of " + Counted(wanted, "clip") +
+                  " failed, tolerated_failures is " + Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
+              "run",
+              std::string("curation_log.jsonl has the reason of each") +
+                  (result.dataset.empty() ? "" : "; the other clips are in the dataset"));
+}
+
+/// Checks the share of clips with a finding of severity error among the processed ones.
+Status CheckSuspectShare(const JobOptions& options, const JobResult& result) {
+  const int all = result.counts.kept + result.counts.undecided;
+  const double tolerated = options.tolerated_suspect * all;
+  if (all == 0 || result.counts.suspect <= tolerated) return {};
+  return Fail(
+      ErrorCode::kTooManyFailures,
+      std::to_string(result.counts.suspect) + " of " + Counted(all, "clip") +
+          (result.counts.suspect == 1 ? " is" : " are") + " suspect, tolerated_suspect is " +
+          Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
+      "run",
+      "they contradict the source declaration or fail a check, see curation_log.jsonl; correct the declaration, or "
+      "set tolerated_suspect: 1");
+}
+
+RunnerOptions RunnerOptionsOf(const CommonArguments& common, const RunArguments& arguments, const JobOptions& job,
+                              const std::filesystem::path& folder) {
+  RunnerOptions options;
+  options.run_folder = folder;
+  options.jobs = arguments.jobs;
+  options.dry_run = arguments.dry_run;
+  options.quiet = common.quiet;
+  options.time_factor = std::max(1.0, arguments.budget);
+  options.item_timeout_s = job.pipeline.item_timeout_s;
+  if (const auto bytes = job.pipeline.item_memory_bytes) options.item_memory_bytes = static_cast<std::uint64_t>(*bytes);
+  return options;
+}
+
+/// The job's duration is only known for the whole of it.
+void LogDuration(const JobOptions& options, JobStage last) {
+  if (options.takes.empty()) return;
+  if (last == JobStage::kReport) {
+    LogInfo(options.name + " takes " + options.takes);
+  } else {
+    LogInfo(options.name + " as a whole takes " + options.takes + "; this run ends after the stage " + Name(last));
+  }
+}
+
+/// Runs the job, prints its result and determines the exit status.
+Status Perform(CommonArguments& common, const JobOptions& options, JobStage last, Runner& runner) {
+  const auto started = std::chrono::steady_clock::now();
+  const auto result = RunMainJob(options, last, runner);
+  if (!result) return Forward(result);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s\n", ResultJson(*result, runner.options(), seconds)
+                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+                            .c_str());
+  } else if (runner.options().dry_run) {
+    PrintPlan(*result, last);
+  } else {
+    PrintResult(*result, seconds);
+  }
+  if (Status evaluation = CheckEvaluation(*result); !evaluation) return evaluation;
+  if (Status networks = CheckNetworks(*result); !networks) return networks;
+  if (Status failures = CheckFailures(options, *result); !failures) return failures;
+  return CheckSuspectShare(options, *result);
+}
+
+/// A run over several sets: prints each, then the table over all.
+Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const LoadedJob& job, JobStage last,
+                   SetsOfRun* sets_of_run) {
+  const auto folder = RunFolder(arguments.output, job.options.name);
+  if (!folder) return Forward(folder);
+  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  const RunnerOptions settings = RunnerOptionsOf(common, arguments, job.options, *folder);
+  RunFile file(job, arguments.budget, last, settings.run_folder);
+  if (!arguments.dry_run) {
+    if (Status made = MakeFolder(settings.run_folder); !made) return made;
+    if (Status begun = file.Begin(); !begun) return begun;
+  }
+  const auto started = std::chrono::steady_clock::now();
+  const auto run = RunOverSets(job.options, last, arguments.budget, settings);
+  Status outcome = run ? Status() : Forward(run);
+  if (run) {
+    if (sets_of_run != nullptr) {
+      for (const SetResult& set : run->sets) {
+        std::vector<std::string>& findings = sets_of_run->done[set.set.name];
+        for (const Finding& finding : set.result.set_findings) {
+          if (finding.severity != Severity::kInfo) findings.push_back(finding.message);
+        }
+      }
+      for (const auto& [name, error] : run->failed) sets_of_run->failed[name] = error.Message();
+    }
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    if (common.json) {
+      common.answered = true;
+      nlohmann::json sets = nlohmann::json::object();
+      for (const SetResult& set : run->sets) {
+        RunnerOptions own = settings;
+        own.run_folder = settings.run_folder / "data" / set.set.name;
+        sets[set.set.name] = ResultJson(set.result, own, seconds);
+      }
+      std::printf("%s\n",
+                  nlohmann::json({{"run", DisplayPath(settings.run_folder)}, {"sets", sets}, {"table", run->table}})
+                      .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+                      .c_str());
+    }
+    for (const SetResult& set : run->sets) {
+      if (!common.json && !common.quiet && !arguments.dry_run) {
+        std::printf("\n%s%s\n", set.set.name.c_str(), set.substitute ? " (substitute: synthetic motions)" : "");
+        PrintResult(set.result, seconds);
+      }
+      if (outcome) outcome = CheckEvaluation(set.result);
+      if (outcome) outcome = CheckNetworks(set.result);
+    }
+    if (outcome && !run->failed.empty()) {
+      const auto& [name, error] =
+          run->failed.front();  // a failed set does not stop the others; a single set's error is the run's
+      const ErrorCode code = run->sets.empty() ? error.code : ErrorCode::kTooManyFailures;
+      outcome = Fail(code, "set " + name + " (--data " + name + "=PATH): " + error.what, error.where, error.hint);
+    }
+  }
+  if (arguments.dry_run) return outcome;
+  const Status ended = file.End(outcome);
+  return outcome ? ended : outcome;
+}
+
+}  // namespace
+
+Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun* sets_of_run) {
+  ChooseBlasKernels();
+  auto job = LoadJob(arguments.config, arguments.assignments);
+  if (!job) return Forward(job);
+  const auto last = JobStageFromName(arguments.to.empty() ? "report" : arguments.to);
+  if (!last) return Forward(last);
+  if (Status given = TakeData(arguments.data, job->options); !given) return given;
+  if (Status sets = ResolveDataSets(job->options.data); !sets) return sets;
+  if (Status named = CheckNames(job->options, *last); !named) return named;
+
+  if (!job->options.data.empty()) return RunSetsVerb(common, arguments, *job, *last, sets_of_run);
+  if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
+  const auto folder = RunFolder(arguments.output, job->options.name);
+  if (!folder) return Forward(folder);
+  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  const RunnerOptions options = RunnerOptionsOf(common, arguments, job->options, *folder);
+  if (!arguments.dry_run) {
+    LogDuration(job->options, *last);
+    if (Status made = MakeFolder(options.run_folder); !made) return made;
+  }
+  auto runner = Runner::Make(options);
+  if (!runner) return Forward(runner);
+  if (arguments.dry_run) return Perform(common, job->options, *last, **runner);
+
+  RunFile file(*job, arguments.budget, *last, options.run_folder);
+  if (Status begun = file.Begin(); !begun) return begun;
+  Status outcome = Perform(common, job->options, *last, **runner);
+  const Status ended = file.End(outcome);
+  return outcome ? ended : outcome;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,230 @@
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "job/motion_files.h"
+#include "job/protocols.h"
+#include "job/run_outputs.h"
+#include "job/verbs/dataset_stages.h"
+#include "job/verbs/output_checks.h"
+#include "job/verbs/verbs.h"
+#include "report/options.h"
+#include "report/survey_tally.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPageFile = "survey.html";
+constexpr const char* kKeyFile = "key.json";
+
+std::string SurveyJsonText(const nlohmann::json& json) {
+  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+/// Motions of one source of a survey.
+struct SurveyFiles {
+  std::string name;
+  MotionFiles files;
+};
+
+/// From --motions NAME=FILE, with --labels once for all or once for each. Error kUsage, kNotFound.
+Expected<std::vector<SurveyFiles>> FilesOfSources(const SurveyMakeArguments& arguments) {
+  if (arguments.labels.size() > 1 && arguments.labels.size() != arguments.motions.size()) {
+    return Fail(ErrorCode::kUsage,
+                Counted(static_cast<long long>(arguments.labels.size()), "file") + " of labels for " +
+                    Counted(static_cast<long long>(arguments.motions.size()), "source"),
+                "--labels", "give one for all, or one for each --motions in the same order");
+  }
+  std::vector<SurveyFiles> sources;
+  for (const std::string& text : arguments.motions) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+      return Fail(ErrorCode::kUsage, "'" + text + "' is not NAME=FILE", "--motions",
+                  "write e.g. --motions Action2Motion=generated.h5");
+    }
+    SurveyFiles source{text.substr(0, equals), {}};
+    source.files.path = text.substr(equals + 1);
+    std::error_code unknown;
+    if (!fs::exists(source.files.path, unknown)) {
+      return Fail(ErrorCode::kNotFound, "no such file or folder", DisplayPath(source.files.path),
+                  "give --motions NAME=FILE with a dataset, or a file or folder of motions");
+    }
+    const bool ours = IsMotionStore(source.files.path);
+    if (!ours) source.files.source = arguments.source;
+    if (!arguments.labels.empty() && !(ours && arguments.labels.size() == 1)) {
+      source.files.labels = arguments.labels[arguments.labels.size() > 1 ? sources.size() : 0];
+    }
+    sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
+/// The motions of a source as one dataset or MotionSet. Warns of unreadable motions.
+Expected<StageInput> SourceInput(const SurveyFiles& source, const ExtractorOptions& extractor, DatasetStages& stages) {
+  const MotionFiles& files = source.files;
+  if (IsMotionStore(files.path) && files.labels.empty()) return StageInput{"motions", source.name, files.path, ""};
+  if (files.source.empty() && AreBareArrays(files.path) && extractor.name.empty()) {
+    return Fail(ErrorCode::kUsage, "bare arrays have neither joint names nor axes nor a unit", DisplayPath(files.path),
+                "declare them with --extractor NAME (the recogniser's joints, axes and unit) or --source DECLARATION");
+  }
+  auto motions = MakeMotionsItem(source.name, files, extractor);
+  if (!motions) return Forward(motions);
+  for (const RefusedClip& file : motions->unreadable) LogWarning(source.name + ": " + file.error.Message());
+  const auto read = stages.One(MotionsDeclaration(), std::move(motions->item));
+  if (!read) return Forward(read);
+  for (const Finding& finding : read->outcome.findings) {
+    LogWarning(source.name + ": " + finding.clip + ": " + finding.message);
+  }
+  return StageInput{"motions", source.name, read->artifact, read->sha256};
+}
+
+void PrintSurvey(const SurveyMakeArguments& arguments, const nlohmann::json& summary) {
+  const nlohmann::json& key = summary.at("key");
+  std::printf("%s: %s about %s of %s; send it to the participants\n", DisplayPath(arguments.output / kPageFile).c_str(),
+              Counted(static_cast<long long>(key.at("questions").size()), "question").c_str(),
+              Counted(static_cast<long long>(key.at("labels").size()), "label").c_str(),
+              Counted(static_cast<long long>(key.at("sources").size()), "source").c_str());
+  std::printf("%s: the key of the motions; do not send it, `mocurate survey tally` needs it\n",
+              DisplayPath(arguments.output / kKeyFile).c_str());
+}
+
+/// Valid answers, and reasons for excluded ones.
+struct CollectedAnswers {
+  std::vector<SurveyAnswers> answers;
+  std::vector<std::pair<fs::path, Error>> bad;
+};
+
+CollectedAnswers CollectAnswers(const std::vector<fs::path>& files, const SurveyKey& key) {
+  CollectedAnswers collected;
+  std::map<std::string, fs::path> file_of;  // by participant
+  for (const fs::path& file : files) {
+    const auto bytes = ReadFile(file);
+    auto answers = bytes ? ReadSurveyAnswers(*bytes, DisplayPath(file), key) : Forward(bytes);
+    if (answers) {
+      const auto [first, is_new] = file_of.emplace(answers->participant, file);
+      if (!is_new) {
+        answers = Fail(ErrorCode::kInconsistent,
+                       "participant \"" + answers->participant + "\" has already answered in " +
+                           DisplayPath(first->second) + "; each participant counts once",
+                       DisplayPath(file) + ": /participant", "remove one of the two files, or give --skip-bad");
+      }
+    }
+    if (answers) {
+      collected.answers.push_back(std::move(*answers));
+    } else {
+      collected.bad.emplace_back(file, answers.error());
+    }
+  }
+  return collected;
+}
+
+void PrintTally(const SurveyTallyArguments& arguments, const SurveyTally& tally) {
+  std::printf("%s", TallyToMarkdown(tally).c_str());
+  std::printf("\nalso in %s as tally.json, tally.csv, tally.md, figure.svg\n", DisplayPath(arguments.output).c_str());
+}
+
+}  // namespace
+
+Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& arguments) {
+  SurveyOptions options;
+  options.kind = arguments.kind == Name(SurveyKind::kPreference) ? SurveyKind::kPreference : SurveyKind::kRealOrFake;
+  if (!arguments.real.empty()) options.real = arguments.real;
+  if (!arguments.real.empty() && options.kind == SurveyKind::kPreference) {
+    return Fail(ErrorCode::kUsage, "--real does not apply to a survey of kind preference", "--real",
+                "remove --real, or make a survey of kind real_or_fake");
+  }
+  options.questions = arguments.questions;
+  options.seed = arguments.seed;
+  options.labels = arguments.ask;
+  options.seconds = arguments.seconds;
+  const auto sources = FilesOfSources(arguments);
+  if (!sources) return Forward(sources);
+  std::vector<fs::path> inputs;
+  for (const SurveyFiles& source : *sources) inputs.push_back(source.files.path);
+  inputs.insert(inputs.end(), arguments.labels.begin(), arguments.labels.end());
+  const fs::path page = arguments.output / kPageFile, key = arguments.output / kKeyFile;
+  if (Status free = CheckOutputs({page, key}, inputs, arguments.force); !free) return free;
+  ExtractorOptions extractor;
+  if (!arguments.extractor.empty()) {
+    auto loaded = LoadExtractor(arguments.extractor);
+    if (!loaded) return Forward(loaded);
+    extractor = std::move(*loaded);
+  }
+  auto stages = DatasetStages::Make(common);
+  if (!stages) return Forward(stages);
+  ItemSpec item{"survey", OptionsToJson(options), {}};
+  for (const SurveyFiles& source : *sources) {
+    auto input = SourceInput(source, extractor, **stages);
+    if (!input) return Forward(input);
+    item.inputs.push_back(std::move(*input));
+  }
+  const auto made = (*stages)->One(SurveyDeclaration(), std::move(item));
+  if (!made) return Forward(made);
+  if (Status folder = MakeFolder(arguments.output); !folder) return folder;
+  if (Status copied = CopyWhole(made->artifact, page); !copied) return copied;
+  const nlohmann::json& summary = made->outcome.summary;
+  if (Status written = WriteFile(key, SurveyJsonText(summary.at("key"))); !written) return written;
+  for (const nlohmann::json& note : summary.at("notes")) LogWarning(note.get<std::string>());
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s", SurveyJsonText({{"page", DisplayPath(page)},
+                                      {"key", DisplayPath(key)},
+                                      {"survey", summary.at("key").at("survey")},
+                                      {"questions", summary.at("key").at("questions").size()},
+                                      {"labels", summary.at("key").at("labels")},
+                                      {"motions", summary.at("motions")},
+                                      {"bytes", summary.at("bytes")},
+                                      {"notes", summary.at("notes")}})
+                          .c_str());
+  } else if (!common.quiet) {
+    PrintSurvey(arguments, summary);
+  }
+  return {};
+}
+
+Status SurveyTallyVerb(CommonArguments& common, const SurveyTallyArguments& arguments) {
+  std::vector<fs::path> inputs = arguments.answers;
+  inputs.push_back(arguments.key);
+  const auto output = [&](const char* name) { return arguments.output / name; };
+  if (Status free = CheckOutputs({output("tally.json"), output("tally.csv"), output("tally.md"), output("figure.svg")},
+                                 inputs, arguments.force);
+      !free) {
+    return free;
+  }
+  const auto bytes = ReadFile(arguments.key);
+  if (!bytes) return Forward(bytes);
+  const auto key = ReadSurveyKey(*bytes, DisplayPath(arguments.key));
+  if (!key) return Forward(key);
+  const CollectedAnswers collected = CollectAnswers(arguments.answers, *key);
+  if (!collected.bad.empty() && !arguments.skip_bad) {
+    for (std::size_t i = 1; i < collected.bad.size(); ++i) Log(LogLevel::kError, collected.bad[i].second.Message());
+    return tl::unexpected<Error>(collected.bad.front().second);
+  }
+  SurveyTally tally = TallySurvey(*key, collected.answers);
+  for (const auto& [file, error] : collected.bad) {
+    LogWarning("not counted: " + error.Message());
+    tally.skipped.push_back({DisplayPath(file), error.Message()});
+  }
+  if (Status folder = MakeFolder(arguments.output); !folder) return folder;
+  const std::string json = SurveyJsonText(TallyToJson(tally));
+  for (const auto& [name, text] :
+       {std::pair("tally.json", json), std::pair("tally.csv", TallyToCsv(tally)),
+        std::pair("tally.md", TallyToMarkdown(tally)), std::pair("figure.svg", TallyToSvg(tally))}) {
+    if (Status written = WriteFile(output(name), text); !written) return written;
+  }
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s", json.c_str());
+  } else if (!common.quiet) {
+    PrintTally(arguments, tally);
+  }
+  return {};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,150 @@
+#include "fitting/clouds/cloud_equations.h"
+
+#include <ceres/crs_matrix.h>
+#include <gtest/gtest.h>
+
+#include "core/base/random.h"
+#include "core/motion/skeleton.h"
+#include "fitting/clouds/cloud_problem.h"
+#include "fitting/costs/huber.h"
+
+namespace mocurate {
+namespace {
+
+/// A body in three frames; points near its surface in the second frame, some of them far off.
+class Cloud : public testing::Test {
+ protected:
+  Cloud()
+      : skeleton_(*LoadSkeleton("smpl24")),
+        body_(CapsuleBody::Make(skeleton_, 1.0, 1.0)),
+        state_(*skeleton_, 3, skeleton_->RestBoneLengths(), body_.MovingJoints()) {
+    Random random(8, "cloud");
+    for (int f = 0; f < 3; ++f) {
+      Eigen::Map<Vector3d>(state_.translation(f)) = Vector3d(0.1, 0.9, -0.2 + 0.02 * f);
+      for (int j = 0; j < state_.joints(); ++j) {
+        if (!state_.active(j)) continue;
+        Eigen::Map<Vector3d>(state_.rotation(f, j)) = 0.3 * Vector3d(random.Normal(), random.Normal(), random.Normal());
+      }
+    }
+    Eigen::Map<Vector3d>(state_.rotation(1, 4)) = Vector3d(-0.6, 1.0, 0.1);  // beyond the knee's limits
+    state_.Update(0, 3, true);
+    cloud_ = {Eigen::Matrix3Xd(3, 600), Eigen::Matrix3Xd(3, 600), 0};
+    for (int i = 0; i < 600; ++i) {
+      const BodyCapsule& capsule = body_.capsules[static_cast<std::size_t>(i) % body_.capsules.size()];
+      const CapsuleEnds ends = EndsOf(capsule, state_, 1);
+      const Vector3d out = Vector3d(random.Normal(), random.Normal(), random.Normal()).normalized();
+      cloud_.points.col(i) =
+          ends.begin + random.Uniform() * (ends.end - ends.begin) + (capsule.radius + 0.02 * random.Normal()) * out;
+      cloud_.normals.col(i) = out;
+    }
+    matches_ = MatchPoints(body_, state_, 1, cloud_, 0.1);
+  }
+
+  FrameTerms Terms(const std::vector<FixedNeighbourFrame>& neighbours,
+                   const std::vector<JointObservation>& joints = {}) {
+    const double share = PatchShare(options_.voxel_size);
+    return {1, cloud_, matches_, share / kSigma, share * options_.huber_sigmas, neighbours, joints};
+  }
+
+  /// Cost, gradient and J'J of the Ceres problem.
+  void ExpectSameAsCeres(const FrameTerms& terms) {
+    CloudProblem problem(body_, state_, terms, options_);
+    ceres::Problem::EvaluateOptions evaluate;
+    evaluate.parameter_blocks.push_back(state_.translation(1));
+    for (int j = 0; j < state_.joints(); ++j) {
+      if (state_.active(j)) evaluate.parameter_blocks.push_back(state_.rotation(1, j));
+    }
+    double cost = 0.0;
+    std::vector<double> gradient;
+    ceres::CRSMatrix jacobian;
+    ASSERT_TRUE(problem.problem().Evaluate(evaluate, &cost, nullptr, &gradient, &jacobian));
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(jacobian.num_rows, jacobian.num_cols);
+    for (int r = 0; r < jacobian.num_rows; ++r) {
+      for (int i = jacobian.rows[r]; i < jacobian.rows[r + 1]; ++i) rows(r, jacobian.cols[i]) = jacobian.values[i];
+    }
+    const Eigen::MatrixXd square = (rows.transpose() * rows).triangularView<Eigen::Upper>();
+    CloudEquations equations(body_, state_, terms, options_);
+    equations.SetParameters(equations.Parameters());
+    EXPECT_NEAR(equations.Cost(), cost, 1e-9 * cost);
+    equations.Linearise();
+    const Eigen::Map<const Eigen::VectorXd> expected(gradient.data(), static_cast<Eigen::Index>(gradient.size()));
+    EXPECT_LT((equations.gradient() - expected).norm(), 1e-9 * expected.norm());
+    const Eigen::MatrixXd own = equations.matrix().triangularView<Eigen::Upper>();
+    EXPECT_LT((own - square).norm(), 1e-9 * square.norm());
+  }
+
+  static constexpr double kSigma = 0.01;
+  SkeletonPtr skeleton_;
+  CapsuleBody body_;
+  PoseState state_;
+  FusedCloud cloud_;
+  std::vector<CloudMatch> matches_;
+  PointCloudOptions options_;
+};
+
+TEST_F(Cloud, EquationsOfAFrameMatchCeres) { ExpectSameAsCeres(Terms({})); }
+
+TEST_F(Cloud, EquationsBesideOneFixedFrameMatchCeres) { ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}})); }
+
+TEST_F(Cloud, EquationsBetweenTwoFixedFramesMatchCeres) { ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}, {1, 0.1}})); }
+
+TEST_F(Cloud, EquationsWithObservedJointsMatchCeres) {
+  std::vector<JointObservation> joints;
+  for (int j = 0; j < state_.joints(); ++j) {
+    Matrix3d whitening = (40.0 + j) * Matrix3d::Identity();
+    whitening.row(j % 3) *= j % 2 == 0 ? 0.1 : 0.0;  // little or no precision along rays
+    joints.push_back({j, state_.position(1, j) + Vector3d(0.01 * j, 0.02, -0.01), whitening});
+  }
+  ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}}, joints));
+}
+
+TEST_F(Cloud, SomePointsLieInTheLinearPartOfTheLoss) {
+  int linear = 0;
+  const FrameTerms terms = Terms({});
+  for (const CloudMatch& match : matches_) {
+    const double whitened = terms.weight * match.distance;
+    linear += HuberSlope(whitened * whitened, terms.huber) < 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(linear, 10);
+  EXPECT_LT(linear, 400);
+}
+
+TEST_F(Cloud, SolveLowersTheCostToAVanishingGradient) {
+  CloudEquations equations(body_, state_, Terms({{-1, 1.0}}), options_);
+  const auto solution = SolveCloudEquations(equations, 100, 1e-14);
+  ASSERT_TRUE(solution.has_value());
+  EXPECT_LT(solution->final_cost, 0.9 * solution->initial_cost);
+  EXPECT_NEAR(equations.Cost(), solution->final_cost, 1e-9 * solution->final_cost);
+  equations.Linearise();
+  const Eigen::VectorXd scale = equations.matrix().diagonal().cwiseSqrt();
+  EXPECT_LT(equations.gradient().cwiseQuotient(scale).cwiseAbs().maxCoeff(), 1e-2);
+}
+
+/// Brute force over every point and capsule, without bounding spheres.
+TEST_F(Cloud, EveryPointMatchesTheNearestCapsuleThatFacesItsWay) {
+  for (const double farthest : {0.02, 0.1, 0.5}) {
+    const std::vector<CloudMatch> matches = MatchPoints(body_, state_, 1, cloud_, farthest);
+    std::size_t next = 0;
+    for (int i = 0; i < cloud_.size(); ++i) {
+      int nearest = -1;
+      double least = farthest + 0.08;
+      for (std::size_t c = 0; c < body_.capsules.size(); ++c) {
+        const CapsuleEnds ends = EndsOf(body_.capsules[c], state_, 1);
+        const CapsulePoint on = ClosestOnCapsule(ends.begin, ends.end, body_.capsules[c].radius, cloud_.points.col(i));
+        const double score = std::abs(on.distance) + 0.04 * (1.0 - on.normal.dot(cloud_.normals.col(i)));
+        if (std::abs(on.distance) > farthest || score >= least) continue;
+        least = score;
+        nearest = static_cast<int>(c);
+      }
+      if (nearest < 0) continue;
+      ASSERT_LT(next, matches.size());
+      EXPECT_EQ(matches[next].point, i);
+      EXPECT_EQ(matches[next].capsule, nearest);
+      ++next;
+    }
+    EXPECT_EQ(next, matches.size());
+  }
+}
+
+}  // namespace
+}  // namespace mocurate

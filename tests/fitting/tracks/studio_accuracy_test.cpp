@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+
+#include "fitting/fit_outcome.h"
+#include "fitting/proportions.h"
+#include "tests/fitting/fit_score.h"
+#include "tests/fitting/studio_clips.h"
+
+namespace mocurate {
+namespace {
+
+struct Scores {
+  FitScore fit;
+  SwapScore swaps;
+};
+
+Scores FitStudio(std::uint64_t seed, const StudioClipErrors& errors) {
+  Scores scores;
+  JointTrackOptions options;
+  options.solver = TrackSolver::kBanded;
+  const std::vector<StudioClip> clips = StudioClips(seed, 1, false, errors);
+  std::vector<SkeletonTracks> tracks;
+  for (const StudioClip& clip : clips) tracks.push_back(clip.tracks);
+  const auto person = EstimateProportions(tracks, tracks.at(0).skeleton, ProportionsOptions{});
+  EXPECT_TRUE(person.has_value()) << person.error().Message();
+  for (const StudioClip& clip : clips) {
+    const auto fit = RepairAndFit(clip.tracks, clip.truth.rate, person->bone_length, RepairOptions{}, options);
+    EXPECT_TRUE(fit.has_value()) << fit.error().Message();
+    if (!fit) continue;
+    scores.fit.Add(*fit, clip);
+    scores.swaps.Add(*fit, clip);
+  }
+  return scores;
+}
+
+class StudioAccuracy : public testing::TestWithParam<std::uint64_t> {};
+
+INSTANTIATE_TEST_SUITE_P(Seeds, StudioAccuracy, testing::Values(7, 8));
+
+/// 30 mm RMS of noise, 5 % dropouts, 2 % outliers, 2 % swapped frames; one clip of each of the 12 classes.
+TEST_P(StudioAccuracy, JointsAreWithinTwelveMillimetresAndRotationsWithinSixDegrees) {
+  const Scores scores = FitStudio(GetParam(), StudioClipErrors::Stated());
+  EXPECT_LT(scores.fit.joint_mm(), 12.0);
+  EXPECT_LT(scores.fit.rotation_deg(), 6.0);
+  EXPECT_NEAR(scores.fit.within_one(), 0.683, 0.03);
+  EXPECT_NEAR(scores.fit.within_two(), 0.954, 0.03);
+  EXPECT_GT(scores.swaps.exchanged_samples, 100);
+  EXPECT_GT(scores.swaps.corrected, 0.85 * scores.swaps.exchanged_samples);
+  EXPECT_LT(scores.swaps.mistaken, 0.02 * scores.swaps.exchanged_samples);
+}
+
+}  // namespace
+}  // namespace mocurate

@@ -1,0 +1,190 @@
+// Motion sets of other programs: dumps of MDM and ACTOR, Lie parameters, and their labels.
+
+#include "ingest/read_motions.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/random.h"
+#include "core/formats/pickle_writer.h"
+#include "core/motion/kinematics.h"
+#include "ingest/inspect/source_declaration.h"
+#include "tests/ingest/sources.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+
+class OtherPrograms : public ::testing::Test {
+ protected:
+  void SetUp() override { folder = FreshFolder("other_programs"); }
+  void TearDown() override { fs::remove_all(folder); }
+
+  static MotionsOptions Arrays(const fs::path& path, const std::string& skeleton = "smpl24") {
+    MotionsOptions options;
+    options.ingest.path = path;
+    SourceOptions& source = options.ingest.source;
+    source.name = "dump";
+    source.format = "npy";
+    source.files = "{recording}.npy";
+    source.recording = "{file}";
+    source.person = kUnknownPerson;
+    source.units = "m";
+    source.axes = "+x +y +z";
+    source.rate_hz = 20;
+    source.skeleton = skeleton;
+    source.damaged_rows = DamagedRows::kRefuse;
+    source.checks.IgnoreAll();
+    options.classes = {"walk", "sit", "jump"};
+    return options;
+  }
+  static std::vector<std::string> Labels(const Expected<ReadMotions>& read) {
+    std::vector<std::string> labels;
+    for (const Clip& clip : read->set.clips) labels.push_back(clip.label);
+    return labels;
+  }
+  fs::path folder;
+};
+
+/// Value k of joint j in frame f of motion n: all values differ.
+double ValueAt(std::size_t n, std::size_t f, std::size_t j, std::size_t k) {
+  return 0.5 * static_cast<double>(n) + 0.01 * static_cast<double>(f) + 0.001 * static_cast<double>(j * 3 + k);
+}
+
+/// (motions..., joints, 3, frames)
+NpyArray FramesLast(std::vector<std::size_t> shape) {
+  NpyArray array;
+  array.dtype = "<f8";
+  const std::size_t frames = shape.back(), joints = shape[shape.size() - 3];
+  std::size_t motions = 1;
+  for (std::size_t i = 0; i + 3 < shape.size(); ++i) motions *= shape[i];
+  array.shape = std::move(shape);
+  for (std::size_t n = 0; n < motions; ++n) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t f = 0; f < frames; ++f) array.values.push_back(ValueAt(n, f, j, k));
+      }
+    }
+  }
+  return array;
+}
+
+void ExpectMotion(const Clip& clip, std::size_t n, std::size_t frames) {
+  ASSERT_EQ(clip.motion->frame_count(), static_cast<int>(frames));
+  EXPECT_DOUBLE_EQ(clip.rate.hz(), 20.0);
+  for (std::size_t f = 0; f < frames; ++f) {
+    for (std::size_t j = 0; j < 24; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        ASSERT_NEAR(clip.motion->joints.at(static_cast<int>(f), static_cast<int>(j))[static_cast<int>(k)],
+                    ValueAt(n, f, j, k), 1e-6);
+      }
+    }
+  }
+}
+
+TEST_F(OtherPrograms, ReadActorDumpsBySampleClassJointCoordinateAndFrame) {
+  Put(folder / "generation.npy", WriteNpy(FramesLast({2, 3, 24, 3, 7})));
+  Put(folder / "labels.txt", "walk\nsit\njump\nwalk\nsit\njump\n");
+  const auto labels = ReadMotionLabels(folder / "labels.txt");
+  ASSERT_TRUE(labels) << labels.error().Message();
+  const auto read = ReadAllMotions(Arrays(folder / "generation.npy"), *labels);
+  ASSERT_TRUE(read) << read.error().Message();
+  ASSERT_EQ(read->set.clips.size(), 6u);
+  EXPECT_TRUE(read->refused.empty());
+  EXPECT_THAT(Labels(read), ElementsAre("walk", "sit", "jump", "walk", "sit", "jump"));
+  EXPECT_THAT(read->set.labels, ElementsAre("walk", "sit", "jump")) << "in class order";
+  for (std::size_t n = 0; n < 6; ++n) ExpectMotion(read->set.clips[n], n, 7);
+}
+
+TEST_F(OtherPrograms, ReadMdmResultsWithLabelsAndLengths) {
+  PickleWriter writer;
+  writer.BeginDict();
+  writer.Text("motion");
+  writer.Array(FramesLast({3, 24, 3, 7}));
+  writer.Text("text");
+  writer.BeginList();
+  for (const char* text : {"sit", "jump", "walk"}) writer.Text(text);
+  writer.End();
+  writer.Text("lengths");
+  NpyArray lengths;
+  lengths.dtype = "<i8";
+  lengths.shape = {3};
+  lengths.values = {7, 4, 6};
+  writer.Array(lengths);
+  writer.End();
+  std::string header = "{'descr': '|O', 'fortran_order': False, 'shape': (), }";
+  header += std::string(117 - header.size(), ' ') + "\n";
+  Put(folder / "results.npy", std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + writer.Finish("results").value());
+  const auto read = ReadAllMotions(Arrays(folder / "results.npy"));
+  ASSERT_TRUE(read) << read.error().Message();
+  EXPECT_THAT(Labels(read), ElementsAre("sit", "jump", "walk"));
+  const std::size_t frames[] = {7, 4, 6};
+  for (std::size_t n = 0; n < 3; ++n) ExpectMotion(read->set.clips[n], n, frames[n]);
+}
+
+TEST_F(OtherPrograms, ReadLieParametersWithTheirBones) {
+  const SkeletonPtr skeleton = LoadSkeleton("humanact12").value();
+  Random random(3, "lie", "");
+  NpyArray array;
+  array.dtype = "<f8";
+  array.shape = {2, 5, 72};
+  for (int i = 0; i < 2 * 5 * 72; ++i) array.values.push_back(0.3 * random.Normal());
+  Put(folder / "lie.npy", WriteNpy(array));
+  MotionsOptions options = Arrays(folder / "lie.npy", "humanact12");
+  for (int j = 0; j < 24; ++j) options.ingest.source.lie_bone_lengths.push_back(j == 0 ? 0.0 : 0.1 + 0.01 * j);
+  const auto read = ReadAllMotions(options);
+  ASSERT_TRUE(read) << read.error().Message();
+  for (int n = 0; n < 2; ++n) {
+    for (int f = 0; f < 5; ++f) {
+      std::vector<Vector3d> expected(24);
+      LieForward(*skeleton, array.values.data() + (n * 5 + f) * 72, options.ingest.source.lie_bone_lengths,
+                 LieExp::kReleased, expected.data());
+      const Motion& motion = *read->set.clips[static_cast<std::size_t>(n)].motion;
+      for (int j = 0; j < 24; ++j) {
+        EXPECT_LT((motion.joints.at(f, j) - expected[static_cast<std::size_t>(j)]).norm(), 1e-6) << j;
+      }
+    }
+  }
+  options.ingest.source.lie_bone_lengths.pop_back();
+  const auto refused = ReadAllMotions(options);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kConfig) << refused.error().Message();
+}
+
+TEST_F(OtherPrograms, NameABadMotionAndReadTheOthers) {
+  NpyArray array = FramesLast({3, 24, 3, 7});
+  array.values[24 * 3 * 7 + 11] = std::nan("");
+  Put(folder / "bad.npy", WriteNpy(array));
+  const auto read = ReadAllMotions(Arrays(folder / "bad.npy"));
+  ASSERT_TRUE(read) << read.error().Message();
+  ASSERT_EQ(read->set.clips.size(), 2u);
+  ASSERT_EQ(read->refused.size(), 1u);
+  EXPECT_NE(read->refused[0].item.find("0001"), std::string::npos) << read->refused[0].item;
+}
+
+struct LabelFile {
+  std::string name, bytes;
+};
+
+TEST_F(OtherPrograms, RejectInvalidLabelFiles) {
+  const LabelFile files[] = {{"empty.txt", "\n \n"},
+                             {"twice.csv", "a,walk\na,run\n"},
+                             {"columns.csv", "a,walk,now\n"},
+                             {"mixed.csv", "a,walk\nrun\n"},
+                             {"none.npy", "not numpy"}};
+  for (const LabelFile& file : files) {
+    Put(folder / file.name, file.bytes);
+    EXPECT_FALSE(ReadMotionLabels(folder / file.name)) << file.name;
+  }
+  NpyArray numbers;
+  numbers.dtype = "<i8";
+  numbers.shape = {3};
+  numbers.values = {2, 0, 11};
+  Put(folder / "numbers.npy", WriteNpy(numbers));
+  EXPECT_THAT(ReadMotionLabels(folder / "numbers.npy")->ordered, ElementsAre("2", "0", "11"));
+}
+
+}  // namespace
+}  // namespace mocurate
