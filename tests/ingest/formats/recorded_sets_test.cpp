@@ -183,14 +183,13 @@ std::vector<Outcome> InspectAll() {
 std::string DocumentOf(const std::vector<Outcome>& outcomes) {
   std::string text =
       "# Inspection reports on recorded files\n\n"
-      "Each row: a recorded set, what `mocurate inspect` reports on its files without a declaration, and whether that "
-      "is correct.\n"
-      "The known facts are in `tests/ingest/formats/recorded_sets_test.cpp`. The test fails on a wrong answer, and on an unknown "
-      "one "
-      "without a reason.\n"
-      "`MOCURATE_DATA=DATA MOCURATE_REGENERATE=1 test_ingest --gtest_filter='RealSets*'` makes this page again; "
-      "numbers after values count clips.\n"
-      "`facing` differs from clip to clip and has no known truth; it is not checked.\n\n"
+      "Each row: a recorded set, what `mocurate inspect` reports on its files without a declaration, and whether it "
+      "is\n"
+      "correct. `tests/ingest/formats/recorded_sets_test.cpp` has the known facts. It fails on a wrong answer, and on "
+      "an\n"
+      "unknown one without a reason. Numbers after values count clips. `facing` has no known truth and is not "
+      "checked.\n"
+      "To make this page again: `MOCURATE_DATA=DATA MOCURATE_REGENERATE=1 test_ingest --gtest_filter='RealSets*'`.\n\n"
       "| set | files | clips | frames | units | up | handedness | rate, Hz | facing | true? |\n"
       "|---|---|---|---|---|---|---|---|---|---|\n";
   for (const Outcome& o : outcomes) {
