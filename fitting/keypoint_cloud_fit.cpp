@@ -321,7 +321,7 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
   const std::vector<const KeypointView*> seeing = ViewsWithPerson(clip.evidence.keypoint_views);
   if (seeing.empty() && depth) {
     return CloudsAlone(clip, WithoutDetectorPoints(body, skeleton), bone_length, options.point_clouds,
-                       "no keypoint camera sees anybody");
+                       "no keypoint camera observes a person");
   }
   if (seeing.size() == 1 && depth) {
     return FitCloudsAndRays(clip, *seeing[0], skeleton, body, bone_length, options);

@@ -18,7 +18,7 @@ Status GroupViews(const SourceOptions& source, std::vector<ItemSpec>& items) {
     return Fail(ErrorCode::kConfig,
                 "'" + at->second.inputs[0].name + "' and '" + item.inputs[0].name + "' are both '" + item.item +
                     "' seen by '" + named->identity.view + "'",
-                "ingest.source.recording", "take more fields of the name into `recording` or `view`");
+                "ingest.source.recording", "use more fields of the name in `recording` or `view`");
   }
   items.clear();
   for (auto& [name, views] : captures) {

@@ -73,7 +73,7 @@ Expected<std::map<std::string, std::string>> ReadTabbedLabels(std::string_view b
     }
     if (cells.size() < 2) continue;
     if (!table.emplace(cells[0], cells[1]).second) {
-      return Fail(ErrorCode::kMalformed, "the motion '" + std::string(cells[0]) + "' stands twice",
+      return Fail(ErrorCode::kMalformed, "the motion '" + std::string(cells[0]) + "' occurs twice",
                   name + ":" + std::to_string(i + 1), "a motion has one label");
     }
   }
@@ -102,7 +102,7 @@ Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions&
                   "each is 'motion,label'");
     }
     if (!table.emplace(Trim(cells[0]), Trim(cells[1])).second) {
-      return Fail(ErrorCode::kMalformed, "the motion '" + std::string(cells[0]) + "' stands twice", where,
+      return Fail(ErrorCode::kMalformed, "the motion '" + std::string(cells[0]) + "' occurs twice", where,
                   "a motion has one label");
     }
   }
@@ -173,7 +173,7 @@ Status SortItems(Discovery& discovery) {
     if (b.item != a.item) continue;
     const auto name = [](const ItemSpec& item) { return item.options.value("entry_name", item.inputs[0].name); };
     return Fail(ErrorCode::kConfig, "'" + name(a) + "' and '" + name(b) + "' are both '" + b.item + "'",
-                "ingest.source.recording", "take more fields of the name into `recording`");
+                "ingest.source.recording", "use more fields of the name in `recording`");
   }
   return {};
 }

@@ -14,7 +14,7 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
   const std::filesystem::path path = options.path / source.container;
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(path, unknown)) {
-    return Fail(ErrorCode::kNotFound, "the file that holds all clips is not there", DisplayPath(path),
+    return Fail(ErrorCode::kNotFound, "the file with all clips does not exist", DisplayPath(path),
                 "set ingest.path (--set ingest.path=DIR), or correct ingest.source.container");
   }
   const Expected<std::vector<ContainerEntry>> entries = driver.entries(source, options.path);

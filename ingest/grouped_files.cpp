@@ -38,7 +38,8 @@ Status CheckGrouped(const SourceOptions& s) {
   for (const std::string& field : driver.grouped_by) {
     if (has(fields, field.c_str())) continue;
     return Fail(
-        ErrorCode::kConfig, "'" + s.files + "' does not say which " + field + " a file is of", "ingest.source.files",
+        ErrorCode::kConfig, "'" + s.files + "' does not declare which " + field + " a file is of",
+        "ingest.source.files",
         views ? "e.g. '{recording}/{camera}_json/{camera}.{frame}.json'" : "e.g. '{recording}/body_{frame}.json'");
   }
   if (!views && has(fields, "camera")) {
@@ -59,14 +60,15 @@ Status CheckGrouped(const SourceOptions& s) {
     }
   }
   if (views && s.calibration.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say where the cameras stand",
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare the camera poses",
                 "ingest.source.calibration", "e.g. 'Calib.toml', or [intri.yml, extri.yml]");
   }
   const Expected<NamePattern> depth = NamePattern::Parse(s.depth_files, "ingest.source.depth_files");
   if (!depth) return Forward(depth);
   const std::vector<std::string> of_depth = depth->FieldNames();
   if (HasDepthBeside(s) && (!has(of_depth, "camera") || !has(of_depth, "frame"))) {
-    return Fail(ErrorCode::kConfig, "'" + s.depth_files + "' does not say which camera and which frame an image is of",
+    return Fail(ErrorCode::kConfig,
+                "'" + s.depth_files + "' does not declare which camera and which frame an image is of",
                 "ingest.source.depth_files", "e.g. '{recording}/depth/{camera}_{frame}.png'");
   }
   bool known = s.keypoints == "measured";

@@ -48,8 +48,8 @@ Expected<ConfigSource> ReadIssues(const std::string& name) {
 
 void KnownIssue::Declare(OptionVisitor& v) {
   v.Text("kind", kind, "what is wrong, in one word");
-  v.Text("source", source, "where it is said");
-  v.Text("note", note, "what is said");
+  v.Text("source", source, "origin of the statement");
+  v.Text("note", note, "the statement");
   v.Texts("clips", clips, "names of recordings; * stands for any characters");
 }
 
@@ -64,7 +64,7 @@ Expected<KnownIssues> KnownIssues::Load(const std::vector<std::string>& names) {
     if (!file) return Forward(file);
     for (KnownIssue& issue : file->issues) {
       if (issue.source.empty()) {
-        return Fail(ErrorCode::kConfig, "issue '" + issue.kind + "' does not say its source", source->name,
+        return Fail(ErrorCode::kConfig, "issue '" + issue.kind + "' does not declare its source", source->name,
                     "a known issue needs its origin: name it under `source`");
       }
       known.issues_.push_back(std::move(issue));

@@ -29,127 +29,115 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("files", files,
          "pattern of the file names with {fields}; {field:4} is four characters wide, {field?/} a folder that may be "
          "missing; openpose, depth_views, panoptic, clouds: "
-         "files that differ in {camera} and {frame} alone are one clip, {-} is passed over");
+         "files that differ only in {camera} and {frame} are one clip; {-} matches any text");
   v.Text("container", container,
-         "humanact12_pickle, uestc, motions: the one file that holds all clips (uestc without it: a file of VIBE's "
-         "tracks per "
-         "video); `files` is the pattern of their names");
+         "humanact12_pickle, uestc, motions: the file with all clips (uestc without it: one file of VIBE's tracks per "
+         "video); `files` is then the pattern of the clips' names");
   v.Text("label_table", label_table,
-         "table below the folder, a header and 'motion,label' lines, or 'motion', a tab and its text a line, others "
-         "passed "
-         "over: label of the file whose name without ending is the motion; `labels` and `label_rules` may rename");
+         "table of labels below the folder: a header and lines 'motion,label', or lines of motion, tab and text. "
+         "`motion` is the file's name without ending; `labels` and `label_rules` may rename");
   v.Choice("other_files", other_files,
            {{"ignore", OtherFiles::kIgnore}, {"finding", OtherFiles::kFinding}, {"error", OtherFiles::kError}},
-           "what becomes of files whose name does not match");
-  v.Text("licence", licence, "under which the captures may be used");
+           "action for files whose name does not match `files`");
+  v.Text("licence", licence, "licence of the captures");
   v.Text("units", units, "unit of length of the files: m, cm, mm, inch, or a length such as '0.0564 m'");
-  v.Text("axes", axes, "where +x +y +z of the source point in the canonical world (right-handed, y up, facing +z)");
+  v.Text("axes", axes, "directions of the source's x, y and z in the canonical world (right-handed, y up, facing +z)");
   v.OptionalNumber("rate", rate_hz, Unit::kHertz, {1e-3, 1e5},
-                   "frames per second; where the files say another rate, this one is used and that is a finding");
+                   "frames per second; used also where the files declare another rate, with a finding");
   v.Text("skeleton", skeleton, "skeleton that the joints belong to");
-  v.Texts("joints", joints, "joint names in the order of the file; '-' is passed over");
+  v.Texts("joints", joints, "joint names in the order of the file; '-' skips a joint");
   v.Integer("rows_per_frame", rows_per_frame, {0.0, 1e4},
-            "joint_table: rows of one frame; 0 is one per joint, with `layout` one in all");
+            "joint_table: rows per frame; 0: one per joint, or with `layout` one");
   v.Texts("columns", columns, "joint_table: numbers of one joint: x, y, z, confidence, skip");
   v.Text("layout", layout,
          "joint_table: all numbers of a frame instead of `columns`, e.g. 'frame 11*(rotation rotation_confidence x y z "
          "confidence) 4*(x y z confidence)'");
-  v.Text("end_word", end_word, "joint_table: word on the line that closes the table, where there is one");
+  v.Text("end_word", end_word, "joint_table: word on the line that ends the table, if any");
   v.Choice("damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
-           "joint_table, ntu_skeleton, asf_amc, phspd, expmap, amass, npy: a row of a wrong length or without numbers "
-           "refuses the file, or "
-           "what it "
-           "holds is missing, in its place; bvh, ntu_skeleton: a count of frames that is not that of the rows, or a "
-           "last frame that is cut off, refuses it, or the whole rows decide. Each is a finding, as in `inspect`");
-  v.TextMap(
-      "bodies", bodies,
-      "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; where nothing is said there is one");
-  v.Group("people", people, "ntu_skeleton, vibe_tracks, uestc: which of those that the tracker followed");
-  v.Group("views", views, "ntu_skeleton: files of several cameras that saw one performance");
+           "damaged rows (wrong length, no numbers, truncated last frame, frame count that contradicts the rows): "
+           "refuse the file, or report a finding and set the frame to missing. For joint_table, ntu_skeleton, asf_amc, "
+           "phspd, expmap, amass, npy, bvh");
+  v.TextMap("bodies", bodies,
+            "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; default: one");
+  v.Group("people", people, "ntu_skeleton, vibe_tracks, uestc: which tracks are the people of the clip");
+  v.Group("views", views, "ntu_skeleton: files of several cameras of one performance");
   v.Number("inferred_confidence", inferred_confidence, Unit::kNone, {0.0, 1.0},
-           "ntu_skeleton: confidence of a joint that the sensor inferred; one that it tracked has 1, any other 0");
+           "ntu_skeleton: confidence of inferred joints; tracked joints have 1, others 0");
   v.Text("skeleton_files", skeleton_files,
          "asf_amc: name of the .asf of a motion, from the fields of the motion's name, e.g. '{person}.asf'");
-  v.Text("track", track,
-         "vibe_tracks: which of a file's tracks is the person; empty: the one that `people.rule` chooses");
+  v.Text("track", track, "vibe_tracks: id of the person's track; empty: chosen by `people.rule`");
   v.Choice("root_translation", root_translation,
            {{"published", RootTranslation::kPublished},
             {"still", RootTranslation::kStill},
             {"camera", RootTranslation::kCamera}},
-           "vibe_tracks, uestc: how the root moves: camera (by the weak-perspective camera), still, or published (as "
-           "the papers' codes: uestc by the camera, vibe_tracks still)");
+           "vibe_tracks, uestc: root translation: from the weak-perspective camera, still, or as in the papers' codes "
+           "(uestc: camera, vibe_tracks: still)");
   v.Texts("annotations", annotations,
-          "amass: BABEL's .json files below the folder; where two speak of one motion, the first");
+          "amass: BABEL's .json files below the folder; the first that names a motion counts");
   v.TextMap("annotation_roles", annotation_roles,
-            "amass: file of annotations -> train, validation or test: the role of its motions");
+            "amass: annotation file -> role of its motions: train, validation or test");
   v.Choice("missing", missing,
            {{"none", MissingValue::kNone}, {"zero", MissingValue::kZero}, {"nan", MissingValue::kNan}},
-           "joint_table: what a joint that was not seen looks like");
-  v.Number(
-      "least_confidence", least_confidence, Unit::kNone, {0.0, 1.0},
-      "joint_table: a joint that has a position counts at least so much, where the file says 0 of followed joints");
+           "joint_table: values of an unobserved joint");
+  v.Number("least_confidence", least_confidence, Unit::kNone, {0.0, 1.0},
+           "joint_table: least confidence of a joint that has a position, for files that store 0 for tracked joints");
   v.Numbers("lie_bone_lengths", lie_bone_lengths, Unit::kNone, {0.0, 1e6},
             "npy: bone length of each joint, 0 for the root, in the file's unit: the array holds Action2Motion's Lie "
             "parameters (root translation, then a rotation vector per joint) instead of positions");
   v.Number("max_slide", max_slide, Unit::kMetre, {0.0, 1.0},
-           "bvh: most that a joint may slide along its bone; more is refused");
+           "bvh: largest change of a bone's length; files with more are refused");
   v.Text("depth_files", depth_files,
-         "pattern of the depth images: depth_sequence with {view} and, unless there is but one each, {frame}; "
-         "ntu_skeleton whose views are together "
-         "with {frame}, counted from 1, and fields of `files`; openpose with {camera} and {frame}, numbered as the "
+         "pattern of the depth images: depth_sequence with {view} and, unless there is one image per view, {frame}; "
+         "ntu_skeleton with views.multi_view: with {frame}, counted from 1, and fields of `files`; openpose with "
+         "{camera} and {frame}, numbered as the "
          "keypoints are, and fields of `files`: the clip has keypoints and depth views");
   v.Number("depth_unit", depth_unit, Unit::kMetre, {1e-6, 1.0}, "length of one step of a depth value");
   v.Text("mask_files", mask_files,
-         "depth_views: pattern of the images (PNG, JPEG) that are white where the person is, one per depth image");
-  v.Texts(
-      "calibration", calibration,
-      "openpose, depth_views: calibration file below the folder, from the fields of the clip's names, of all cameras; "
-      "OpenCV's intri and extri as two; with {camera} one file per camera");
+         "depth_views: pattern of the masks (PNG, JPEG, white on the person), one per depth image");
+  v.Texts("calibration", calibration,
+          "openpose, depth_views: calibration file below the folder, with fields of the clip's name; OpenCV's intri "
+          "and extri are two files; with {camera} one file per camera");
   v.Choice("camera_pose", camera_pose,
            {{"measured", CameraPose::kMeasured},
             {"world_to_camera", CameraPose::kWorldToCamera},
             {"centre", CameraPose::kCentre},
             {"camera_to_world", CameraPose::kCameraToWorld}},
-           "what rotation and translation of a calibration mean whose format does not say it");
-  v.TextMap(
-      "cameras", cameras,
-      "{camera} of the files' names -> its name in the calibration, where they are not alike in letters and digits");
+           "convention of rotation and translation in calibrations whose format does not declare it");
+  v.TextMap("cameras", cameras, "{camera} of the file names -> camera name in the calibration, where they differ");
   v.Text("keypoints", keypoints,
          "openpose: order of the detector's points: BODY_25, BODY_25B, COCO_17, COCO_18, or measured by bone lengths");
   v.Integer("subjects", subjects, {1.0, 26.0},
-            "openpose, panoptic: people of a recording who are a clip each, the most present first");
-  v.Text("person", person, "who performs, from the fields of the name; {body} tells several people of a file apart");
+            "openpose, panoptic: number of people per recording; one clip each, longest presence first");
+  v.Text("person", person, "person, from fields of the name; {body} numbers the people of a file");
   v.Text("recording", recording, "name of the recording; {file} is the path without its ending");
-  v.Text("label", label, "what is performed, from the fields of the name");
-  v.Text("fine_label", fine_label, "the same in finer classes, or nothing");
+  v.Text("label", label, "action label, from fields of the name");
+  v.Text("fine_label", fine_label, "label of a finer class, or empty");
   v.Text("session", session, "recording session, from the fields of the name");
   v.Text("view", view, "camera or view, from the fields of the name");
   v.Text("style", style, "style of the performance, from the fields of the name");
   v.TextMap("labels", labels, "names of the labels");
   v.List("label_rules", label_rules,
-         "labels by patterns, for texts that `labels` does not list, such as descriptions; the first that fits");
-  v.TextMap("fine_labels", fine_labels, "names of the fine labels; one that is not listed keeps its text");
+         "labels by patterns, for texts missing in `labels`, such as descriptions; the first match counts");
+  v.TextMap("fine_labels", fine_labels, "names of the fine labels; others keep their text");
   v.Choice("other_labels", other_labels,
            {{"error", OtherLabels::kError}, {"exclude", OtherLabels::kLeaveOut}, {"keep", OtherLabels::kKeep}},
-           "what becomes of a file whose label is not listed under `labels`; keep: its label is as the text says");
+           "action for a file whose label is not under `labels`; keep: its own label is used");
   v.TextMap("roles", roles, "person -> train, validation or test, where the source prescribes it");
   v.TextMap("exclude", exclude,
-            "recordings that are excluded, each with the reason; with views.multi_view files, without ending");
+            "recording -> reason for excluding it; with views.multi_view the file name without ending");
   v.Choice("on_contradiction", on_contradiction,
            {{"flag", OnContradiction::kFlag}, {"refuse", OnContradiction::kRefuse}},
-           "what becomes of clips whose motion contradicts the declared units, axes or order of joints; where enough "
-           "clips of a "
-           "source agree, of the whole source");
-  v.Texts(
-      "known_issue_lists", known_issue_lists,
-      "lists of clips that others found something wrong with: names in configs/known_issues, or files of that form");
+           "action for clips whose motion contradicts the declared units, axes or joint order; for the whole source "
+           "where enough clips agree");
+  v.Texts("known_issue_lists", known_issue_lists,
+          "lists of clips with published errors: names in configs/known_issues, or files of that form");
   v.Choice(
       "known_issues", known_issues,
       {{"drop", KnownIssueAction::kDrop}, {"report", KnownIssueAction::kReport}, {"ignore", KnownIssueAction::kIgnore}},
-      "what becomes of the clips that those lists name");
+      "action for clips on those lists");
   v.Text("frames_in_name", frames_in_name,
-         "first and last frame that the name speaks of, e.g. '{first}-{last}': a clip that is longer is a finding");
-  v.Group("checks", checks, "limits of what is found wrong in a clip, and what is done about it");
+         "first and last frame in the file name, e.g. '{first}-{last}'; a longer clip is a finding");
+  v.Group("checks", checks, "limits and actions of the checks of a clip");
 }
 
 void PeopleOptions::Declare(OptionVisitor& v) {
@@ -160,42 +148,41 @@ void PeopleOptions::Declare(OptionVisitor& v) {
             {"nearest", TrackRule::kNearest},
             {"uestc_released", TrackRule::kUestcReleased},
             {"uestc_corrected", TrackRule::kUestcCorrected}},
-           "who is taken: motion (who moves most of those there for half as long as the longest), official (NTU's: "
-           "largest summed variance, neither stitched nor freed of false tracks), presence (longest), nearest (to the "
-           "sensor), "
-           "uestc_released and uestc_corrected (VIBE's tracks by their boxes, as ACTOR's code does and with its faults "
-           "corrected)");
+           "selection: motion (largest motion among tracks at least half as long as the longest), official (NTU's: "
+           "largest summed variance, without stitching and false-track removal), presence (longest), nearest (to the "
+           "sensor), uestc_released and uestc_corrected (VIBE's tracks by their boxes, as in ACTOR's code, and with "
+           "its errors corrected)");
   v.Numbers("start", start_px, Unit::kPixel, {},
-            "uestc_released, uestc_corrected: where the performer is in the first frame of the video; ACTOR reads it "
-            "from the sensor's skeletons");
-  v.Bool("stitch", stitch, "join ids that are one person: lost and found again with the same bones, or interleaved");
+            "uestc_released, uestc_corrected: position of the performer in the first video frame; ACTOR takes it from "
+            "the sensor's skeletons");
+  v.Bool("stitch", stitch, "join the ids of one person: lost and found again with the same bones, or interleaved");
   v.Bool("false_tracks", false_tracks, "exclude false tracks: short, frozen, furniture, a second body in one place");
   v.Number("max_gap", max_gap_s, Unit::kSecond, {0.0, 600.0}, "longest time over which ids are joined");
   v.Number("max_speed", max_speed, Unit::kMetrePerSecond, {0.0, 100.0},
-           "of a person between two joined tracks, at most");
+           "largest speed of a person between two joined tracks");
   v.Number("max_signature", max_signature, Unit::kNone, {0.0, 10.0},
-           "mean difference of log bone lengths of what may be one person");
+           "largest mean difference of log bone lengths within one person");
 }
 
 void ViewOptions::Declare(OptionVisitor& v) {
   v.Bool("multi_view", multi_view,
-         "files that give the same person and recording and differ in `view` are one clip: their joints are brought "
-         "into the world of one of them and merged, their depth images are its views");
-  v.Texts("cameras", cameras, "`view` of every camera of a capture; one that is not there is a finding");
+         "files with the same person and recording that differ in `view` are one clip: their joints are aligned to one "
+         "camera and merged, their depth images become its views");
+  v.Texts("cameras", cameras, "`view` of every camera of a capture; a missing one is a finding");
   v.Numbers("intrinsics", intrinsics, Unit::kPixel, {},
-            "fx, fy, cx, cy of the depth images, where a file's joints do not tell them; fx is negative for images "
-            "that are mirrored, as Kinects write them");
+            "fx, fy, cx, cy of the depth images, where they cannot be estimated from the joints; fx is negative for "
+            "mirrored images, as Kinects write them");
   v.Numbers("image_size", image_size, Unit::kPixel, {1.0, 20000.0}, "width and height of the depth images");
-  v.Number("max_offset", max_offset_s, Unit::kSecond, {0.0, 60.0}, "most that the cameras' clocks may be off");
+  v.Number("max_offset", max_offset_s, Unit::kSecond, {0.0, 60.0}, "largest clock offset between cameras");
   v.Number("max_disagreement", max_disagreement, Unit::kMetre, {0.001, 10.0},
-           "median distance of the same joints in two views, aligned, beyond which they do not show the same");
+           "largest median distance of joints in two aligned views of the same performance");
 }
 
 void SyntheticOptions::Declare(OptionVisitor& v) {
   v.Bool("enabled", enabled, "make a synthetic capture instead of reading a folder");
-  v.Integer("seed", seed, {}, "of everything random in the capture");
-  v.Texts("actions", actions, "what the subjects perform");
-  v.Integer("subjects", subjects, {1.0, 1000.0}, "number of people, each with a body of its own");
+  v.Integer("seed", seed, {}, "random seed of the capture");
+  v.Texts("actions", actions, "actions of the subjects");
+  v.Integer("subjects", subjects, {1.0, 1000.0}, "number of people, each with an own body");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "takes of each action by each subject");
   v.Number("duration", duration_s, Unit::kSecond, {0.2, 600.0}, "mean length of a take");
   v.Number("rate", rate_hz, Unit::kHertz, {1.0, 1000.0}, "frames per second of the tracker");
@@ -204,20 +191,20 @@ void SyntheticOptions::Declare(OptionVisitor& v) {
 
 void IngestOptions::Declare(OptionVisitor& v) {
   v.Path("path", path, "folder with the captures");
-  v.Path(
-      "truth", truth,
-      "what really happened, as `mocurate synthesize` writes it beside a capture: its folder truth, or a file of it; "
-      "the error of the fits against it is reported");
-  v.Text("obtain", obtain, "where the captures come from and what has to be signed; shown by `doctor --source`");
+  v.Path("truth", truth,
+         "true motion, as written by `mocurate synthesize`: the folder `truth` or a file in it; errors of the fits "
+         "against it are reported");
+  v.Text("obtain", obtain, "origin of the captures and agreements to sign; shown by `doctor --source`");
   v.TextMap("expected", expected,
-            "path below the folder -> what lies there, beside the files of the pattern; shown by `doctor --source`");
-  v.Group("source", source, "what the captures are");
-  v.Group("synthetic", synthetic, "a capture made by the program itself");
+            "path below the folder -> its content, in addition to `files`; shown by `doctor --source`");
+  v.Group("source", source, "declaration of the captures");
+  v.Group("synthetic", synthetic, "a capture made by the synthetic studio");
 }
 
 void MotionsOptions::Declare(OptionVisitor& v) {
-  v.Group("ingest", ingest, "where the motions are and what they are");
-  v.Texts("classes", classes, "a motion without a label takes the one that its file's or folder's name begins with");
+  v.Group("ingest", ingest, "place and declaration of the motions");
+  v.Texts("classes", classes,
+          "classes; a motion without a label gets the class that its file or folder name begins with");
 }
 
 StageDeclaration IngestDeclaration() { return {"ingest", 41, "mocurate-annotate", ClipLimits()}; }

@@ -17,7 +17,7 @@ namespace mocurate {
 
 struct JointLayout;
 
-/// What the rotation and the translation of a calibration mean, where its format does not say it.
+/// What the rotation and the translation of a calibration mean, where its format does not declare it.
 enum class CameraPose { kMeasured, kWorldToCamera, kCentre, kCameraToWorld };
 /// What to do with files of the folder that the pattern does not match.
 enum class OtherFiles { kIgnore, kFinding, kError };

@@ -95,7 +95,7 @@ std::string OrderOfName(const std::string& name) {
   return order;
 }
 
-/// EvidenceKind clips their labels: those of a file beside the motions, the clip's own, else the class its name begins
+/// Gives clips their labels: those of a file beside the motions, the clip's own, else the class its name begins
 /// with.
 class LabelAssignment {
  public:
@@ -214,8 +214,8 @@ Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file) {
     }
     if (line_number == 1 && label == "label") continue;
     if (!labels.by_name.emplace(motion, label).second) {
-      return Fail(ErrorCode::kMalformed, "'" + motion + "' stands there twice",
-                  name + ":" + std::to_string(line_number), "a motion has one label");
+      return Fail(ErrorCode::kMalformed, "'" + motion + "' occurs twice", name + ":" + std::to_string(line_number),
+                  "a motion has one label");
     }
   }
   if (!labels.ordered.empty() && !labels.by_name.empty()) {

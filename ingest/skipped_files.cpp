@@ -130,7 +130,7 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery, con
         (count == 1 ? std::string("the one file that matches the pattern is excluded by rule: ")
                     : "all " + Counted(count, "file") + " that match the pattern are excluded by rule; the first: ") +
             ruled->outcome.error.Message(),
-        where, "take the rule out, or choose other files"};
+        where, "remove the rule, or choose other files"};
   }
   const std::filesystem::path meant = FolderMeant(options, found);
   if (!meant.empty()) {
@@ -150,7 +150,7 @@ ItemResult WithoutMotion(const BabelIndex& babel, const std::vector<std::string>
                               " annotated motions are not in the folder, e.g. '" + unused.front() + "'";
   return WithoutClip(files.front(), false,
                      {ErrorCode::kNotFound, message, files.front(),
-                      "AMASS comes in parts; names are looked for as ingest/sources/babel_segments.h says"},
+                      "AMASS comes in parts; names are matched as ingest/sources/babel_segments.h describes"},
                      MakeFinding("motion_missing", Severity::kWarning, static_cast<double>(unused.size()), message));
 }
 

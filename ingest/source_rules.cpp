@@ -35,7 +35,7 @@ Status CheckSourceUnits(const SourceOptions& s) {
   }
   if (s.units.empty() && unit == UnitOf::kDeclaration) {
     return Fail(ErrorCode::kConfig,
-                "source '" + s.name + "' does not say its unit of length, and " + s.format + " files do not either",
+                "source '" + s.name + "' does not declare its unit of length, and " + s.format + " files do not either",
                 OptionPlace("units"), "write `units: m` (or cm, mm, inch) under ingest.source");
   }
   if (s.units.empty()) return {};
@@ -59,7 +59,7 @@ Status CheckFilledIn(const SourceOptions& s) {
   for (const auto& [option, text] : texts) {
     if (!open(*text)) continue;
     problems.Add(OptionPlace(option), "'" + *text + "' is still to be filled in",
-                 "nothing in the files tells it: write what the set's documentation says");
+                 "the files do not declare it: take it from the set's documentation");
   }
   for (const std::string& file : s.calibration) {
     if (!open(file)) continue;
@@ -69,7 +69,7 @@ Status CheckFilledIn(const SourceOptions& s) {
   for (const std::string& joint : s.joints) {
     if (!open(joint)) continue;
     problems.Add(OptionPlace("joints"), "'" + joint + "' is still to be filled in",
-                 "name the joints in the order of the file, '-' for one that is none");
+                 "name the joints in the order of the file, '-' for a column that is no joint");
   }
   return problems.Result();
 }
@@ -86,7 +86,7 @@ Status CheckOwnOptions(const SourceOptions& s, const FormatDriver& driver) {
   for (const auto& [option, of] : formats) {
     if (driver.HasOption(option) || said.at(option) == unset_options.at(option)) continue;
     return Fail(ErrorCode::kConfig, "format " + std::string(driver.name) + " has no option '" + option + "'",
-                OptionPlace(option.c_str()), "it is of " + of + ": take it out, or correct ingest.source.format");
+                OptionPlace(option.c_str()), "it is of " + of + ": remove it, or correct ingest.source.format");
   }
   return {};
 }
@@ -147,7 +147,7 @@ Status CheckSource(const SourceOptions& s) {
     for (const FormatDriver* known : FormatDrivers()) {
       if (known->to_clip != nullptr) names += (names.empty() ? "" : ", ") + std::string(known->name);
     }
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its format", OptionPlace("format"),
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare its format", OptionPlace("format"),
                 "one of " + names);
   }
   if (s.files.empty()) {
@@ -155,13 +155,13 @@ Status CheckSource(const SourceOptions& s) {
                 "e.g. 'a{action}_s{person}_e{repetition}.txt'");
   }
   if (s.axes.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its axes", OptionPlace("axes"),
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare its axes", OptionPlace("axes"),
                 "write where its x, y and z point, e.g. axes: '+x +y +z' (right-handed, y up, a person faces +z)");
   }
   if (Status units = CheckSourceUnits(s); !units) return units;
   if (!driver.states_rate && !s.rate_hz) {
     return Fail(ErrorCode::kConfig,
-                "source '" + s.name + "' does not say its frame rate, and " + s.format + " files do not either",
+                "source '" + s.name + "' does not declare its frame rate, and " + s.format + " files do not either",
                 OptionPlace("rate"), "write e.g. `rate: 30 Hz`");
   }
   if (Status own = CheckOwnOptions(s, driver); !own) return own;
@@ -169,17 +169,17 @@ Status CheckSource(const SourceOptions& s) {
     if (Status rules = driver.check(s); !rules) return rules;
   }
   if (driver.needs_skeleton && s.skeleton.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say its skeleton", OptionPlace("skeleton"),
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare its skeleton", OptionPlace("skeleton"),
                 "an array needs one, e.g. humanact12");
   }
   for (const auto& [option, set] : {std::pair{"known_issue_lists", !s.known_issue_lists.empty()},
                                     std::pair{"label_table", !s.label_table.empty()}}) {
     if (s.container.empty() || !set) continue;
     return Fail(ErrorCode::kConfig, "it is not read of clips in one file", OptionPlace(option),
-                "take it out; `exclude` and `labels` leave clips out and name them");
+                "remove it; `exclude` and `labels` exclude clips by name");
   }
   if (driver.container == Container::kMust && s.container.empty()) {
-    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not say which file holds its clips",
+    return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare which file holds its clips",
                 OptionPlace("container"), "e.g. 'humanact12poses.pkl'");
   }
   return {};

@@ -9,7 +9,7 @@
 
 namespace mocurate {
 
-/// Where a value was said: "kard.yaml:12:7", "--set", "default".
+/// Where a value was set: "kard.yaml:12:7", "--set", "default".
 struct Origin {
   std::string file;  ///< a file, "--set", or "default"
   int line = 0;      ///< 1-based; 0 when the file has no lines
@@ -78,7 +78,7 @@ std::string OptionsReference(const std::string& title) {
   return internal::ReferenceOf(internal::DeclarationOf(options), title);
 }
 
-/// Resolved options as YAML text; with `origins`, each line ends with a comment that says where the value comes from.
+/// Resolved options as YAML text; with `origins`, each line ends with a comment that names the origin of its value.
 template <class Options>
 std::string ShowOptions(const Options& options, const ConfigNode& node, bool origins) {
   Options copy = options;

@@ -80,7 +80,7 @@ class Loader {
   }
 
  private:
-  /// What tells that two names mean one file.
+  /// Equal for two names of one file.
   static std::string Identity(const ConfigSource& source) {
     if (IsResource(source.name)) return source.name;
     std::error_code error;
@@ -153,7 +153,7 @@ class Loader {
     }
     if (std::optional<ConfigSource> source = ResourceSource(std::string(kResource) + plain)) return std::move(*source);
     if (IsResource(name)) {
-      return Fail(ErrorCode::kNotFound, "no such embedded file", name, HintFor(plain, ResourcePaths()));
+      return Fail(ErrorCode::kNotFound, "the embedded file does not exist", name, HintFor(plain, ResourcePaths()));
     }
     return FileSource(path);
   }
@@ -190,14 +190,14 @@ Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<st
   ProblemList problems;
   ConfigNode root = Loader(problems).Load(source);
   for (const std::string& assignment : assignments) internal::Assign(root, assignment, problems);
-  if (root.Find("profiles") != nullptr) {  // what was set on the command line stands above a profile
+  if (root.Find("profiles") != nullptr) {  // the command line overrides a profile
     ApplyProfile(root, problems);
     ProblemList repeated;  // the first pass reported them
     for (const std::string& assignment : assignments) internal::Assign(root, assignment, repeated);
   } else {
     for (const std::string& assignment : assignments) {
       if (assignment.rfind("profile=", 0) != 0) continue;
-      problems.Add(assignment, "the config has no `profiles`", "leave the profile out, or give a config that has it");
+      problems.Add(assignment, "the config has no `profiles`", "remove the profile, or choose a config that has it");
     }
   }
   if (Status read = problems.Result(); !read) return Forward(read);
@@ -212,7 +212,7 @@ Expected<ConfigNode> LoadConfig(const fs::path& file, const std::vector<std::str
     if (const std::optional<ConfigSource> source = ResourceSource(file.native())) {
       return LoadConfig(*source, assignments);
     }
-    return Fail(ErrorCode::kNotFound, "no such embedded file", DisplayPath(file),
+    return Fail(ErrorCode::kNotFound, "the embedded file does not exist", DisplayPath(file),
                 HintFor(file.native().substr(kResource.size()), ResourcePaths()));
   }
   const Expected<ConfigSource> source = FileSource(file);

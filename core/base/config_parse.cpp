@@ -19,7 +19,7 @@ class TreeBuilder final : public YAML::EventHandler {
 
   ConfigNode root;
   bool has_root = false;
-  /// A limit was reached and reported; the rest is skipped.
+  /// A limit was exceeded and reported; the rest is skipped.
   bool stopped() const { return stopped_; }
 
   void OnDocumentStart(const YAML::Mark&) override {}
@@ -41,7 +41,7 @@ class TreeBuilder final : public YAML::EventHandler {
     if (stopped_) return;
     const auto found = anchors_.find(anchor);
     if (found == anchors_.end()) {
-      problems_.Add(OriginOf(mark).Text(), "an alias stands inside the value that it names", "write the value out");
+      problems_.Add(OriginOf(mark).Text(), "an alias is inside the value that it names", "write the value out");
       Place(NodeAt(mark), 0);
       return;
     }
@@ -164,7 +164,7 @@ class TreeBuilder final : public YAML::EventHandler {
       problems_.Add(where, "the merge key '<<' is not read", "use include:, or write the values out");
     } else if (const auto [first, is_new] = level.lines.emplace(node.scalar, node.origin.line); !is_new) {
       problems_.Add(where,
-                    "key " + Quoted(node.scalar) + " stands twice, first in line " + std::to_string(first->second),
+                    "key " + Quoted(node.scalar) + " appears twice, first in line " + std::to_string(first->second),
                     "keep one of them");
     } else {
       level.drops_value = false;
@@ -240,7 +240,7 @@ void RunParser(const ConfigSource& source, TreeBuilder& builder, ProblemList& pr
     problems.Add(error.mark.is_null() ? source.name : origin.Text(), "not YAML: " + error.msg,
                  LineOf(source.text, error.mark.line).find("${") == std::string_view::npos
                      ? ""
-                     : "inside [ ] and { }, ${...} must stand in quotes");
+                     : "inside [ ] and { }, ${...} must be in quotes");
   } catch (const std::exception& error) {
     problems.Add(source.name, std::string("not YAML: ") + error.what());
   }

@@ -7,7 +7,7 @@
 #include "core/base/config.h"
 #include "core/base/problem_list.h"
 
-/// The steps of LoadConfig, each adding what is wrong to a list of problems.
+/// The steps of LoadConfig, each adding its errors to a list of problems.
 namespace mocurate::internal {
 
 /// Bounds that a configuration written by hand never meets; they stop hostile input early.

@@ -178,7 +178,7 @@ class ConfigReader final : public OptionVisitor {
     return node.kind == Kind::kScalar && node.quoted ? "a value in quotes is text, remove the quotes" : "";
   }
 
-  /// Begins a text that stands where a value has to be written.
+  /// Prefix of a placeholder for a value that must be filled in.
   static constexpr const char* kPlaceholder = "FILL_IN";
 
   static std::string ExampleOf(Unit unit) {

@@ -128,7 +128,7 @@ class Resolver {
     MarkDone(node);
   }
 
-  /// A copy of what `name` stands for; false after a problem.
+  /// A copy of the value of `name`; false after a problem.
   bool Value(const ConfigNode& node, const std::string& name, ConfigNode& value) {
     ConfigNode* target = nullptr;
     if (!FindTarget(node, name, target)) return false;

@@ -22,7 +22,7 @@ std::string RegexOf(Unit unit) {
   return "^\\s*" + number + "(\\s*/\\s*" + number + ")?\\s*(" + spellings + ")?\\s*$|" + kReference;
 }
 
-/// Collects the schema of every option; the open groups and lists stand on a stack.
+/// Collects the schema of every option; open groups and lists are on a stack.
 class SchemaWriter final : public OptionVisitor {
  public:
   SchemaWriter() { open_.push_back({"", NewObject("")}); }
@@ -74,7 +74,7 @@ class SchemaWriter final : public OptionVisitor {
   void BeginGroup(const char* name, const char* help) override { open_.push_back({name, NewObject(help)}); }
   void EndGroup() override { Close(); }
 
-  /// One element, fresh, stands for all.
+  /// One default element describes all elements.
   std::size_t BeginList(const char* name, std::size_t, const char* help) override {
     json list = {{"type", {"array", "null"}}};
     if (*help != '\0') list["description"] = help;

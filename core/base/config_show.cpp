@@ -100,7 +100,7 @@ class ConfigShower final : public OptionVisitor {
 
  private:
   struct Level {
-    const ConfigNode* node;  ///< what the configuration says here; null for nothing
+    const ConfigNode* node;  ///< the configuration's value; null if not set
     std::string bullet;      ///< "- " before the first line of a list element
     int lines;
   };

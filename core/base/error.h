@@ -18,7 +18,7 @@ enum class ErrorCode {
   kUnsupported,      ///< valid, but outside what the program handles
   kMissingOnHost,    ///< a program, library or setting of this machine is missing
   kCannotWrite,      ///< output cannot be written (full disk, read-only folder)
-  kInterrupted,      ///< stopped on request; run again to go on
+  kInterrupted,      ///< stopped on request; run again to continue
   kTooManyFailures,  ///< done, but more items failed than the configuration tolerates
   kInternal,         ///< a broken invariant: a defect of mocurate
 };
@@ -35,18 +35,18 @@ enum class ExitCode : int {
   kInterrupted = 75,
 };
 
-/// What a failure is about, where code has to know more than the ErrorCode.
+/// Cause of a failure, where code must distinguish more than the ErrorCode.
 enum class Reason {
   kNone,
-  kEmptyFile,       ///< no byte, or blanks alone
-  kCount,           ///< a header whose count what follows contradicts; `number` was announced
+  kEmptyFile,       ///< no bytes, or only blanks
+  kCount,           ///< a header count that differs from the data; `number` is the declared one
   kUnsafePickle,    ///< a pickle that names more than plain data
-  kNoValidSamples,  ///< no joint is seen in any frame
+  kNoValidSamples,  ///< no joint is observed in any frame
   kPersonMissing,   ///< a file holds fewer people than are declared
   kOtherTree,       ///< joints that are not those of the declared skeleton
 };
 
-/// One failure, in facts: `what` names the value and the broken rule, `where` the place (file:line:column or dataset
+/// One failure: `what` names the value and the broken rule, `where` the place (file:line:column or dataset
 /// path), `hint` the way out. What code has to know of it are `code`, `reason` and `number`: the texts are for people.
 struct Error {
   ErrorCode code = ErrorCode::kInternal;
@@ -56,7 +56,7 @@ struct Error {
   Reason reason = Reason::kNone;
   double number = 0.0;
 
-  /// "where: what (hint)" on one line, parts that are empty excluded.
+  /// "where: what (hint)" on one line, without empty parts.
   std::string Message() const;
 };
 
@@ -73,7 +73,7 @@ inline tl::unexpected<Error> Fail(ErrorCode code, std::string what, std::string 
   return tl::unexpected<Error>(Error{code, std::move(what), std::move(where), std::move(hint), reason, number});
 }
 
-/// Of a file without a byte, or of blanks alone.
+/// For a file without bytes, or with blanks only.
 inline tl::unexpected<Error> EmptyFile(std::string name) {
   return Fail(ErrorCode::kMalformed, "the file is empty", std::move(name), "was it copied whole?", Reason::kEmptyFile);
 }
@@ -84,7 +84,7 @@ tl::unexpected<Error> Forward(const Expected<T>& failed) {
   return tl::unexpected<Error>(failed.error());
 }
 
-/// Stable text of a code, as it stands in JSON ("malformed", "cannot_write", ...).
+/// Stable text of a code, as in JSON ("malformed", "cannot_write", ...).
 std::string_view Name(ErrorCode code);
 
 /// Inverse of Name; kInternal for an unknown text.

@@ -43,7 +43,7 @@ std::string ReasonOf(int error) {
 
 tl::unexpected<Error> CannotRead(const fs::path& path, int error) {
   if (error == ENOENT || error == ENOTDIR) return Fail(ErrorCode::kNotFound, "no such file", DisplayPath(path));
-  if (error == EISDIR) return Fail(ErrorCode::kUnreadable, "is a folder, a file is wanted", DisplayPath(path));
+  if (error == EISDIR) return Fail(ErrorCode::kUnreadable, "is a folder, a file is expected", DisplayPath(path));
   return Fail(ErrorCode::kUnreadable, "cannot be read: " + ReasonOf(error), DisplayPath(path));
 }
 
@@ -81,7 +81,7 @@ int WriteAll(int descriptor, std::string_view bytes) {
 int SyncPath(const fs::path& path, int flags) {
   Descriptor file(::open(path.c_str(), flags | O_RDONLY | O_CLOEXEC));
   if (!file.is_open()) return errno;
-  // Some file systems cannot sync a folder; they say so with EINVAL.
+  // Some file systems cannot sync a folder and return EINVAL.
   return ::fsync(file.number()) == 0 || errno == EINVAL ? 0 : errno;
 }
 
@@ -129,7 +129,7 @@ Status WriteSpecial(const fs::path& path, std::string_view bytes) {
   return {};
 }
 
-/// `fill` makes the temporary file, whole and synced; then it takes the name `path`.
+/// `fill` writes and syncs the temporary file, which is then renamed to `path`.
 Status Publish(const fs::path& path, const std::function<Status(const fs::path& temporary)>& fill) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return CannotWrite(path, EISDIR);
@@ -189,11 +189,11 @@ Status WriteFile(const fs::path& path, std::string_view bytes) {
 
 Status WriteFileWith(const fs::path& path, const std::function<Status(const fs::path& temporary)>& write) {
   if (IsSpecial(path)) {
-    return Fail(ErrorCode::kCannotWrite, "is a device or a pipe, a file is wanted", DisplayPath(path));
+    return Fail(ErrorCode::kCannotWrite, "is a device or a pipe, a file is expected", DisplayPath(path));
   }
   const fs::path target = TargetOf(path);
   return Publish(target, [&](const fs::path& temporary) -> Status {
-    // Our own message for a folder that cannot be written, not that of the library.
+    // A folder that cannot be written gets our error message, not that of the writer's library.
     if (Status possible = FillTemporary(temporary, target, {}); !possible) return possible;
     if (Status written = write(temporary); !written) return written;
     if (const int error = SyncPath(temporary, 0); error != 0) return CannotWrite(target, error);

@@ -14,10 +14,10 @@ namespace mocurate {
 /// The whole file as bytes. Error kNotFound, kUnreadable.
 Expected<std::string> ReadFile(const std::filesystem::path& path);
 
-/// The same in parts of at most 1 MiB, in order, for files that need not stand in memory.
+/// The same in parts of at most 1 MiB, in order, for files that need not fit in memory.
 Status ReadFileInParts(const std::filesystem::path& path, const std::function<void(std::string_view part)>& take);
 
-/// Writes a file that appears whole or not at all: temporary file in the same folder, fsync, rename, fsync of the
+/// Writes a file atomically: temporary file in the same folder, fsync, rename, fsync of the
 /// folder. A link is followed; a device or a pipe is written directly. Error kCannotWrite; the temporary file is
 /// removed.
 Status WriteFile(const std::filesystem::path& path, std::string_view bytes);

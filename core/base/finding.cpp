@@ -77,7 +77,7 @@ void to_json(nlohmann::json& json, const Finding& finding) {
           {"message", finding.message},
           {"action", std::string(Name(finding.action))}};
   if (finding.limit != 0.0) json["limit"] = finding.limit;
-  if (!std::isfinite(finding.value)) json["value"] = nullptr;  // JSON has no other way to say it
+  if (!std::isfinite(finding.value)) json["value"] = nullptr;  // JSON has no non-finite numbers
 }
 
 void from_json(const nlohmann::json& json, Finding& finding) {

@@ -13,17 +13,17 @@ enum class Severity { kInfo, kWarning, kError };
 
 std::string_view Name(Severity severity);
 
-/// What was done about a finding. Its text, Name(action), stands in JSON and in datasets.
+/// What was done about a finding. Its text, Name(action), is stored in JSON and in datasets.
 enum class FindingAction {
   kFlagged,       ///< nothing: it is reported
-  kKept,          ///< what it is about is used as it is
-  kDropped,       ///< frames are lost, or a clip is excluded, for it
-  kMissing,       ///< samples are taken as not seen
-  kInterpolated,  ///< samples come from the frames beside them
+  kKept,          ///< the data are used unchanged
+  kDropped,       ///< frames are lost, or a clip is refused, because of it
+  kMissing,       ///< samples are set to missing
+  kInterpolated,  ///< samples come from neighbouring frames
   kRepaired,      ///< samples or labels were changed
   kExcluded,      ///< a file, a camera, a person or a label is not used
   kRefused,       ///< the clip is refused
-  kAudited,       ///< reported by `mocurate audit`, which replaces what it reported before
+  kAudited,       ///< reported by `mocurate audit`, which replaces its earlier findings
 };
 
 std::string_view Name(FindingAction action);
@@ -31,8 +31,8 @@ std::string_view Name(FindingAction action);
 FindingAction FindingActionFromName(std::string_view name);
 
 /// Something wrong or suspect about a clip. `value` is the measured number that `message` explains. Frames are
-/// [frame_begin, frame_end) of the clip; an empty span (0, 0) means the whole clip. `joint` is empty when no single
-/// joint is meant.
+/// [frame_begin, frame_end) of the clip; an empty span (0, 0) means the whole clip. `joint` is empty when it is not
+/// about a single joint.
 struct Finding {
   std::string clip;
   std::string code;  ///< stable text, e.g. "handedness_contradiction"
@@ -48,7 +48,7 @@ struct Finding {
 
 /// One about a whole file or clip, flagged.
 Finding MakeFinding(std::string code, Severity severity, double value, std::string message);
-/// The same with what was done about it.
+/// The same with the action taken.
 Finding MakeFinding(std::string code, Severity severity, double value, std::string message, FindingAction action);
 
 bool operator==(const Finding& a, const Finding& b);

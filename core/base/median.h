@@ -13,7 +13,7 @@ inline double Median(std::vector<double> values) {
   return *middle;
 }
 
-/// The value in the middle, the mean of two: the same of values whose signs are turned. 0 of none. Any unit.
+/// The median, the mean of the two middle values, so that negating all values negates it. 0 for an empty list.
 inline double MeanMedian(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

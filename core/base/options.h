@@ -52,11 +52,11 @@ class OptionVisitor {
   virtual void OptionalNumber(const char* name, std::optional<double>& value, Unit unit, Range range,
                               const char* help) = 0;
   virtual void Text(const char* name, std::string& value, const char* help) = 0;
-  /// A file or folder; relative paths are relative to the config file that says them.
+  /// A file or folder; relative paths are relative to the config file that sets them.
   virtual void Path(const char* name, std::filesystem::path& value, const char* help) = 0;
   virtual void Numbers(const char* name, std::vector<double>& value, Unit unit, Range range, const char* help) = 0;
   virtual void Texts(const char* name, std::vector<std::string>& value, const char* help) = 0;
-  /// A mapping with keys of the user's own, e.g. activity code -> label.
+  /// A mapping with keys chosen by the user, e.g. activity code -> label.
   virtual void TextMap(const char* name, std::map<std::string, std::string>& value, const char* help) = 0;
   /// One of `names`; `index` is the position of the chosen one.
   virtual void ChoiceIndex(const char* name, std::size_t& index, const std::vector<std::string>& names,
@@ -86,7 +86,7 @@ class OptionVisitor {
     value = choices[index].second;
   }
 
-  /// The same of names that are kept as they are; a name that is none becomes the first.
+  /// The same for names stored as text; an unknown name becomes the first.
   void OneOf(const char* name, std::string& value, const std::vector<std::string>& names, const char* help) {
     std::size_t index = 0;
     for (std::size_t i = 0; i < names.size(); ++i) {

@@ -6,7 +6,7 @@
 namespace mocurate {
 namespace {
 
-/// Writes every option it visits; the open groups and lists stand on a stack.
+/// Writes every option it visits; open groups and lists are on a stack.
 class JsonWriter final : public OptionVisitor {
  public:
   JsonWriter() { open_.push_back({"", nlohmann::json::object()}); }

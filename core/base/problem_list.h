@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// Problems found in one reading, reported together: one is returned as it is, several as one error with a line each.
+/// Problems of one input, reported together: one is returned unchanged, several become one error with a line for each.
 class ProblemList {
  public:
   void Add(std::string where, std::string what, std::string hint = {});

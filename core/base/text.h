@@ -8,7 +8,7 @@
 namespace mocurate {
 
 /// Numbers independent of the locale. Empty when `text` is not wholly a number; "nan" and "inf" are numbers here, the
-/// caller says whether they are allowed.
+/// caller decides whether they are allowed.
 std::optional<double> ParseDouble(std::string_view text);
 std::optional<long long> ParseInteger(std::string_view text);
 

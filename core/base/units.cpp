@@ -138,7 +138,7 @@ Expected<double> ParseQuantity(std::string_view text, Unit unit) {
     if (candidate.spelling != spelling) continue;
     if (candidate.unit == unit) return *number * candidate.numerator / candidate.denominator;
     if (unit == Unit::kNone) {
-      return Fail(ErrorCode::kConfig, "'" + std::string(text) + "' has a unit, a plain number is wanted");
+      return Fail(ErrorCode::kConfig, "'" + std::string(text) + "' has a unit, a plain number is expected");
     }
     return Fail(
         ErrorCode::kConfig,

@@ -22,8 +22,8 @@ const std::vector<UnitSpelling>& UnitSpellings();
 /// "m", "s", "rad", "Hz", "m/s", "rad/s", "px", "B"; empty for kNone.
 std::string_view Name(Unit unit);
 
-/// "30 mm", "1/30 s", "2.5": the value in `unit`. A number without a unit is taken in `unit`. Error kConfig names what
-/// was written and what is wanted; its `where` is empty.
+/// "30 mm", "1/30 s", "2.5": the value in `unit`. A number without a unit is taken in `unit`. Error kConfig names the
+/// text and what is expected; its `where` is empty.
 Expected<double> ParseQuantity(std::string_view text, Unit unit);
 
 /// "0.25 m", "3".

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kGoldenAngle = 2.39996322972865332;
 
-/// Points of one capsule, evenly spread by area: on caps and mantle alike the area per metre along the axis is 2 pi r
+/// Points of one capsule, evenly spread by area: on caps and cylinder the area per metre along the axis is 2 pi r
 /// (Archimedes), so that equal steps along the axis with the golden angle around it are even.
 void SampleCapsule(const Vector3d& parent_end, const Vector3d& joint_end, double radius, double spacing, int capsule,
                    std::vector<SurfaceSample>& samples) {

@@ -54,7 +54,7 @@ struct SurfaceSample {
 };
 
 /// Evenly spread points on the outer surface, one per `spacing`^2 of area (metres). Deterministic; points inside other
-/// capsules are excluded.
+/// capsules are removed.
 std::vector<SurfaceSample> SampleSurface(const BoneCapsules& body, const Vector3d* joints, double spacing);
 
 /// A capsule wherever it is: two ends and a radius, metres.
@@ -75,8 +75,8 @@ std::vector<Vector2d> PixelRays(const Camera& camera);
 
 /// A rendered view; row-major, (height*width).
 struct DepthRendering {
-  std::vector<float> depth;  ///< metres along the camera's z axis, 0 where no capsule is seen
-  std::vector<int> capsule;  ///< the capsule seen, -1 for none
+  std::vector<float> depth;  ///< metres along the camera's z axis, 0 where no capsule is hit
+  std::vector<int> capsule;  ///< the visible capsule, -1 for none
 };
 
 /// Exact intersection of every pixel's ray with every capsule; capsules that contain the camera are not drawn.

@@ -26,8 +26,8 @@ struct TemplateCapsule {
 const std::array<const char*, 9> kReplacedBones = {"spine1",       "spine2",   "spine3",    "neck", "left_collar",
                                                    "right_collar", "left_hip", "right_hip", "head"};
 
-/// Where the surface of the CC0 template (mean of the male and the female body) lies in people who move: begun as its
-/// cross-sections at rest, then moved to the points of posed people (`bench_template_shape`).
+/// Capsules of the CC0 template (mean of the male and the female body): initialised with its cross-sections at rest,
+/// then fitted to the points of posed people (`bench_template_shape`).
 const std::vector<TemplateCapsule>& Template() {
   static const std::vector<TemplateCapsule> capsules = {
       {"pelvis", "pelvis", {-0.0662, -0.0112, 0.0039}, {0.0662, -0.0112, 0.0039}, 0.1017},

@@ -10,8 +10,8 @@
 namespace mocurate {
 
 /// A capsule that moves with the frame of one joint. It goes from that joint to `end_joint` (a child, or the joint
-/// itself), both ends moved by offsets in the joint's frame: the body is not centred on bones and reaches past the last
-/// joints. Metres.
+/// itself), both ends moved by offsets in the joint's frame: the body surface is not centred on bones and extends past
+/// the last joints. Metres.
 struct BodyCapsule {
   int frame = 0;
   int end_joint = 0;
@@ -21,7 +21,7 @@ struct BodyCapsule {
   int mirror = 0;  ///< the capsule on the other side; its own index on the midline
 };
 
-/// A body of capsules off the bones: what point clouds are fitted with, and how such a fit is drawn.
+/// A body of capsules with offsets from the bones: the model that is fitted to point clouds, and drawn.
 struct CapsuleBody {
   SkeletonPtr skeleton;
   std::vector<BodyCapsule> capsules;
@@ -31,7 +31,7 @@ struct CapsuleBody {
   /// Offsets and radii are scaled by `scale`, radii also by `radius_scale`.
   static CapsuleBody Make(SkeletonPtr skeleton, double scale, double radius_scale);
 
-  /// (J) joints that turn a capsule.
+  /// (J) joints that rotate a capsule.
   std::vector<bool> MovingJoints() const;
 };
 
@@ -49,16 +49,16 @@ CapsuleEnds EndsOf(const BodyCapsule& capsule, const Matrix3d& world_from_frame,
 std::vector<PosedCapsule> PosedCapsules(const CapsuleBody& body, const Vector3d* joints,
                                         const Quaterniond* world_from_joint);
 
-/// Whether the skeleton has SMPL's joints, whose shape the CC0 template defines and Skeleton::shape changes.
+/// Whether the skeleton has SMPL's joints, so that the CC0 template and Skeleton::shape define the body.
 bool HasTemplateShape(const Skeleton& skeleton);
 
-/// Radii of a body's capsules as text, metres to 0.1 mm, blank-separated, and where it is known the skeleton's shape to
-/// 0.001: what Clip::provenance keeps of a fitted body (key kCapsuleRadii).
+/// Radii of a body's capsules as text, metres to 0.1 mm, blank-separated, and the skeleton's body shape, if known, to
+/// 0.001: stored in Clip::provenance of a fitted body (key kCapsuleRadii).
 inline constexpr const char* kCapsuleRadii = "capsule_radii";
 std::string RadiiText(const CapsuleBody& body);
 
-/// The body that such a text was written of: Make at the scale of the bone lengths (J), with those radii and that
-/// shape. Empty for a text that does not give one positive radius per capsule.
+/// The body of that text: Make at the scale of the bone lengths (J), with those radii and that shape. Empty for a text
+/// that does not give one positive radius per capsule.
 std::optional<CapsuleBody> BodyFromRadii(SkeletonPtr skeleton, const std::vector<double>& bone_length,
                                          const std::string& radii);
 

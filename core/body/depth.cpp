@@ -54,7 +54,7 @@ struct PlacedCapsule {
   }
 };
 
-/// Bounds of x/z and y/z of what is seen of a capsule.
+/// Bounds of x/z and y/z of the visible part of a capsule.
 struct RayBox {
   Vector2d low = Vector2d::Constant(kNone);
   Vector2d high = Vector2d::Constant(-kNone);
@@ -63,7 +63,7 @@ struct RayBox {
     return ray.x() >= low.x() && ray.x() <= high.x() && ray.y() >= low.y() && ray.y() <= high.y();
   }
 
-  /// A ball wholly in front seen in the plane of z and one other axis: between its two tangents.
+  /// A ball entirely in front of the camera, in the plane of z and one other axis: between its two tangents.
   void AddBall(const Vector3d& centre, double radius) {
     for (int axis = 0; axis < 2; ++axis) {
       const double middle = std::atan2(centre[axis], centre.z());

@@ -15,7 +15,7 @@ struct SeenTriangle {
 
 double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// Whether an edge's own pixels belong to the triangle: each edge of a closed mesh is drawn by one of its two sides.
+/// Whether pixels on an edge are part of the triangle: each edge of a closed mesh is drawn by one of its two sides.
 bool OwnsEdge(const Vector2d& edge) { return edge.y() > 0.0 || (edge.y() == 0.0 && edge.x() < 0.0); }
 
 void Draw(const SeenTriangle& triangle, const Camera& camera, const std::vector<Vector2d>& rays,
@@ -47,7 +47,7 @@ void Draw(const SeenTriangle& triangle, const Camera& camera, const std::vector<
       if (!inside) continue;
       const std::size_t pixel = static_cast<std::size_t>(y) * camera.width + x;
       const double along = normal.dot(Vector3d(rays[pixel].x(), rays[pixel].y(), 1.0));
-      // A triangle seen edge on has no depth of its own; that of its nearest corner is as good as any within it.
+      // A triangle viewed edge-on has no unique depth on the ray; its nearest corner's is used.
       const double z = along == 0.0 ? nearest : std::clamp(offset / along, nearest, farthest);
       const auto value = static_cast<float>(z);
       if (depth[pixel] == 0.0F || value < depth[pixel]) depth[pixel] = value;

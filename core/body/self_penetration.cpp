@@ -11,7 +11,7 @@ namespace {
 
 enum class Part { kUpper, kLower, kEnd };  // upper arm or thigh; forearm or shin; hand or foot
 
-/// Where a joint's frame belongs; limb -1: trunk, neck or head. 0, 1: arms, 2, 3: legs.
+/// The limb of a joint's frame; limb -1: trunk, neck or head. 0, 1: arms, 2, 3: legs.
 struct Place {
   int limb = -1;
   Part part = Part::kUpper;

@@ -31,10 +31,10 @@ struct SelfPenetration {
 /// with the trunk, where skin folds.
 ///
 /// Capsules are those of CapsuleBody (for SMPL's joints the volume of the CC0 template); a motion of joints only has
-/// one per bone (BoneCapsules). The two differ by centimetres: compare figures of one kind only.
+/// one per bone (BoneCapsules). The two differ by centimetres: compare values of one type of body only.
 ///
-/// Nothing for a skeleton without elbows and knees that LimbsOf finds. The rest pose has to be one in which the limbs
-/// are apart, such as a T-pose.
+/// Empty for a skeleton in which LimbsOf finds no elbows and knees. The limbs must be apart in the rest pose, as in a
+/// T-pose.
 std::optional<SelfPenetration> MeasureSelfPenetration(const Motion& motion, const SelfPenetrationOptions& options = {});
 
 /// Least distance of two segments, metres; coinciding ends make a point.

@@ -7,9 +7,9 @@
 
 namespace mocurate {
 
-/// BodyShape says how a person differs from the CC0 template of the same size, in deviations of the ways in which
-/// people differ most: principal components of capsule bodies in shapes of that template (sexes, children, heavy, thin,
-/// muscular, tall and short people), after their sizes are taken out. 0: the template, the mean of man and woman.
+/// BodyShape is a person's difference from the CC0 template of the same size, in standard deviations of principal
+/// components. The components are of capsule bodies of that template's variants (sexes, children, heavy, thin,
+/// muscular, tall and short people), with size removed. 0: the template, the mean of man and woman.
 
 /// Change of the rest offset of one of SMPL's joints, metres at the template's size. Zero for other names.
 Vector3d OffsetChange(std::string_view joint, const BodyShape& shape);

@@ -41,7 +41,7 @@ Status BodyTemplate::Check() const {
     double sum = 0.0;
     for (std::size_t k = 0; k < 4; ++k) {
       if (weight_joints[v][k] < 0 || weight_joints[v][k] >= static_cast<int>(joints) || weights[v][k] < 0.0) {
-        return Bad("weights/" + std::to_string(v), "a weight is negative or belongs to no joint");
+        return Bad("weights/" + std::to_string(v), "a weight is negative or is not of any joint");
       }
       sum += weights[v][k];
     }

@@ -53,20 +53,20 @@ class AmassReader {
  private:
   std::string Where(const std::string& key) const { return name_ + ":" + key; }
   tl::unexpected<Error> Bad(const std::string& key, const std::string& what, ErrorCode code = ErrorCode::kMalformed,
-                            const std::string& hint = "correct the array, or leave the file out") const {
+                            const std::string& hint = "correct the array, or exclude the file") const {
     return Fail(code, what, Where(key), hint);
   }
 
-  /// Arrays of one row a frame that do not have the same count of rows. One that differs from at least two others is
-  /// the one that is named.
+  /// Arrays with one row per frame must have equal row counts. The error names an array that differs from at least two
+  /// others.
   Status CheckCounts() const {
-    std::string said, odd;
+    std::string counts, odd;
     std::map<std::size_t, std::vector<std::string>> keys;
     for (const char* key :
          {"poses", "root_orient", "pose_body", "pose_hand", "pose_jaw", "pose_eye", "trans", "dmpls", "marker_data"}) {
       const NpyArray* array = npz_.Find(key);
       if (array == nullptr || array->shape.size() < 2) continue;
-      said += (said.empty() ? "" : ", ") + ("'" + std::string(key) + "' has ") + std::to_string(array->shape[0]);
+      counts += (counts.empty() ? "" : ", ") + ("'" + std::string(key) + "' has ") + std::to_string(array->shape[0]);
       keys[array->shape[0]].emplace_back(key);
     }
     if (keys.size() < 2) return {};
@@ -74,7 +74,7 @@ class AmassReader {
     const std::vector<std::string>& more = keys.rbegin()->second;
     if (keys.size() == 2 && fewer.size() == 1 && more.size() > 1) odd = fewer.front();
     if (keys.size() == 2 && more.size() == 1 && fewer.size() > 1) odd = more.front();
-    return Fail(ErrorCode::kInconsistent, "the arrays disagree about the frames: " + said,
+    return Fail(ErrorCode::kInconsistent, "the arrays disagree about the number of frames: " + counts,
                 odd.empty() ? name_ : Where(odd),
                 (odd.empty() ? "one of them" : "'" + odd + "'") +
                     " is cut off, or of another motion: export the file " + "again, or cut all to the same frames");
@@ -84,7 +84,7 @@ class AmassReader {
     return columns == 66 || columns == 72 || columns == 156 || columns == 165;
   }
 
-  /// The way back where the numbers of 'poses' are all there in another shape.
+  /// Suggests the numpy operation that restores `poses` where it has a transposed or unflattened shape.
   Status CheckAxes() const {
     const NpyArray* poses = npz_.Find("poses");
     if (poses == nullptr || !poses->texts.empty()) return {};
@@ -126,13 +126,13 @@ class AmassReader {
       trimmed = trimmed.substr(2, trimmed.size() - 3);
     }
     for (const char c : trimmed) {
-      if (c < ' ' || c > '~') return Bad(key, "the text is none of letters");
+      if (c < ' ' || c > '~') return Bad(key, "the text holds a character that is not printable ASCII");
     }
     text = std::string(trimmed);
     std::transform(text.begin(), text.end(), text.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (std::string_view(key) == "gender" && text != "male" && text != "female" && text != "neutral") {
-      return Bad(key, "'" + text + "' is none of male, female, neutral", ErrorCode::kMalformed,
+      return Bad(key, "'" + text + "' is not one of male, female, neutral", ErrorCode::kMalformed,
                  "write 'neutral' where it is not known");
     }
     return {};
@@ -146,7 +146,7 @@ class AmassReader {
       if (array->values.size() != 1) return Bad(key, "one number is expected");
       const double hz = array->values[0];
       if (!(hz > 0.0 && hz <= 10000.0))
-        return Bad(key, FormatDouble(hz) + " is no rate in frames per second", ErrorCode::kMalformed,
+        return Bad(key, FormatDouble(hz) + " is not a frame rate in Hz", ErrorCode::kMalformed,
                    "write the frames per second, above 0 and up to 10000");
       if (rate != nullptr && rate->values != array->values) {
         return Bad(key, "the rate differs from that of 'mocap_framerate'", ErrorCode::kInconsistent);
@@ -186,7 +186,7 @@ class AmassReader {
     }
     if (whole == nullptr && root == nullptr) {
       return Fail(ErrorCode::kUnsupported, "the file holds no motion: neither 'poses' nor 'root_orient'", name_,
-                  "shape.npz and *_stagei.npz stand beside the motions and hold none");
+                  "shape.npz and *_stagei.npz lie beside the motions and hold no motion");
     }
     if (whole != nullptr) {
       if (Status s = CheckField(*whole, {kAnyExtent, kAnyExtent}, Where("poses")); !s) return s;
@@ -207,7 +207,7 @@ class AmassReader {
     return Split(whole != nullptr);
   }
 
-  /// Columns from the split keys; when `poses` is there as well, both must say the same.
+  /// Columns from the split keys; when `poses` is there as well, both must agree.
   Status Split(bool has_whole) {
     const std::size_t n = amass_.frames, wide = amass_.pose_columns;
     if (!has_whole) amass_.poses.assign(n * wide, 0.0);
@@ -280,8 +280,8 @@ Expected<Amass> ParseAmass(std::string_view bytes, const std::string& name, Dama
   ReportDamaged(numbers, name, *amass);
   if (amass->damaged.size() == amass->frames) {
     return Fail(ErrorCode::kMalformed,
-                "every frame holds a number that is none of a person; the first: " + numbers.first.begin()->second,
-                name, "leave the file out");
+                "every frame holds an implausible number; the first: " + numbers.first.begin()->second, name,
+                "exclude the file");
   }
   return amass;
 }

@@ -20,8 +20,8 @@ struct Amass {
 
   Layout layout = Layout::kLegacy;
   double rate_hz = 0.0;       ///< as in the file: 120, 100, 59.9999885559082, ...
-  std::string gender;         ///< "male", "female", "neutral"; empty when the file does not say
-  std::string surface_model;  ///< "smplx", ...; empty when the file does not say (legacy: SMPL+H)
+  std::string gender;         ///< "male", "female", "neutral"; empty when not declared
+  std::string surface_model;  ///< "smplx", ...; empty when not declared (legacy: SMPL+H)
   std::size_t frames = 0;
   /// Axis-angle, radians. 156: root 3, body 63, hands 90. 165: root 3, body 63, jaw 3, eyes 6, hands 90. 66 without
   /// hands, 72 of SMPL.
@@ -33,15 +33,15 @@ struct Amass {
   std::vector<double> dmpls;  ///< frames x dmpl_columns; empty when absent
   std::size_t markers = 0;
   std::vector<std::string> marker_labels;
-  std::vector<double> marker_data_m;          ///< frames x markers x 3, 0 where not seen; empty when absent
+  std::vector<double> marker_data_m;      ///< frames x markers x 3, 0 where not observed; empty when absent
   std::vector<std::uint8_t> marker_observed;  ///< frames x markers
-  std::vector<int> damaged;                   ///< frames whose pose or place is not all numbers of a person; 0 there
-  std::vector<Finding> findings;              ///< "not_a_number", one of those that follow each other, at most 200
+  std::vector<int> damaged;               ///< frames whose pose or place is not all numbers of a person; 0 there
+  std::vector<Finding> findings;          ///< "not_a_number", one of those that follow each other, at most 200
 };
 
 /// AMASS .npz of both layouts. Members that hold Python objects are ignored. Errors kMalformed and kInconsistent name
 /// the field; kUnsupported for a file without motion (shape.npz, *_stagei.npz). With DamagedRows::kReport a frame with
-/// a number that is not finite, or in no human range, is damaged; otherwise it is kMalformed.
+/// a number that is not finite or implausibly large is damaged; otherwise it is kMalformed.
 Expected<Amass> ParseAmass(std::string_view bytes, const std::string& name, DamagedRows damaged = DamagedRows::kRefuse);
 
 /// Errors kInconsistent: sizes that do not fit.

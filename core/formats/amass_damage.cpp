@@ -72,8 +72,7 @@ void ReportDamaged(const DamagedPoses& damaged, const std::string& name, Amass& 
   for (Finding& finding : amass.findings) {
     finding.message = name + ": " + Counted(static_cast<long long>(finding.value), "number") + " of " +
                       Counted(finding.frame_end - finding.frame_begin, "frame") +
-                      (finding.value > 1.0 ? " are none of a person, the first: " : " is none of a person: ") +
-                      finding.message;
+                      (finding.value > 1.0 ? " are implausible, the first: " : " is implausible: ") + finding.message;
   }
 }
 

@@ -8,13 +8,13 @@
 
 namespace mocurate {
 
-/// Numbers of a motion that are not finite, or in no human range, by their frames.
+/// Numbers of a motion that are not finite or implausibly large, by frame.
 struct DamagedPoses {
   std::map<int, long long> in_frame;  ///< how many
   std::map<int, std::string> first;   ///< the first of a frame: "poses[12, 3] is NaN"
 };
 
-/// Makes frames that hold such a number 0 throughout, in all arrays of the motion.
+/// Sets frames that hold one of these numbers to 0, in all arrays of the motion.
 DamagedPoses ClearDamaged(Npz& npz);
 
 /// Fills `damaged` and `findings`.

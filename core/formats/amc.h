@@ -50,18 +50,18 @@ struct AmcOptions {
 };
 
 /// Comments in any encoding, LF or CRLF or both in one file, keywords in any letter case. Without a skeleton the first
-/// frame says which bones there are; with one a name of the first frame that is nearly a bone's is damage, any other
-/// one an error. Error kMalformed "name:line" naming frame and bone: an unknown keyword or bone, a bone twice in a
-/// frame, a row of another length than the dof, no finite number, no whole frame number; a frame that lacks a bone
-/// which most frames have; a last frame that lacks the last bone of the one before it (cut off). With kReport a frame
-/// with such a row keeps its place, stands in `damaged` and is reported, and a last frame that was cut off is excluded,
-/// with one finding. A bone that most frames lack is missing there, and reported once.
+/// frame declares the bones. With one, a name in the first frame that nearly matches a bone is damage; any other
+/// unknown name is an error. Error kMalformed "name:line" names frame and bone. Faults: an unknown keyword or bone; a
+/// bone twice in a frame; a row whose length is not the dof; a number that is not finite; a frame number that is not
+/// whole; a frame without a bone that most frames have; a last frame without the last bone of the frame before it (cut
+/// off). With kReport a damaged frame keeps its place, is listed in `damaged` and reported. A last frame that is cut
+/// off is dropped, with one finding. A bone that is missing in most frames is reported once.
 Expected<Amc> ParseAmc(std::string_view bytes, const AmcOptions& options, const std::string& name);
 
 std::string WriteAmc(const Amc& amc);
 
-/// parent_from_bone: C L C^-1, C the bone's axis, L its dof; a missing bone or dof turns by nothing. Error
-/// kInconsistent is for ParseAmc: here `amc` was read with `asf`.
+/// parent_from_bone: C L C^-1, C the bone's axis, L its dof; a missing bone or dof has angle 0. `amc` must have been
+/// read with `asf`.
 Matrix3d AcclaimLocalRotation(const Asf& asf, const Amc& amc, int frame, int bone);
 
 /// World ends of the bones (bones), file units and axes; `root`, if not null, receives the root's place; `global`

@@ -21,7 +21,7 @@ void NoteMissing(const std::string& bone, std::size_t begin, std::size_t end, st
 
 }  // namespace
 
-Status JudgeMissingBones(const std::vector<int>& frame_lines, bool reports, const std::string& name, Amc& amc) {
+Status CheckMissingBones(const std::vector<int>& frame_lines, bool reports, const std::string& name, Amc& amc) {
   const auto frames = static_cast<std::size_t>(amc.frames), bones = amc.bones.size();
   std::vector<std::uint8_t> damaged(frames, 0);
   for (const int frame : amc.damaged) damaged[static_cast<std::size_t>(frame)] = 1;
@@ -30,27 +30,28 @@ Status JudgeMissingBones(const std::vector<int>& frame_lines, bool reports, cons
   for (std::size_t f = 0; f < frames; ++f) {
     for (std::size_t b = 0; b < bones && damaged[f] == 0; ++b) there[b] += amc.present[f * bones + b];
   }
-  const auto lacks = [&](std::size_t frame) {
-    std::vector<std::size_t> lacking;
+  const auto missing_in = [&](std::size_t frame) {
+    std::vector<std::size_t> missing;
     for (std::size_t b = 0; b < bones && damaged[frame] == 0; ++b) {
-      if (amc.present[frame * bones + b] == 0 && 2 * there[b] > whole) lacking.push_back(b);
+      if (amc.present[frame * bones + b] == 0 && 2 * there[b] > whole) missing.push_back(b);
     }
-    return lacking;
+    return missing;
   };
   for (std::size_t f = 0; f < frames; ++f) {
-    const std::vector<std::size_t> lacking = lacks(f);
-    if (lacking.empty()) continue;
+    const std::vector<std::size_t> missing = missing_in(f);
+    if (missing.empty()) continue;
     std::size_t end = f + 1;
-    while (end < frames && lacks(end) == lacking) ++end;
-    const std::string& first = amc.bones[lacking[0]].name;
-    const auto others = static_cast<long long>(lacking.size()) - 1;
-    const std::string which = end == f + 1 ? "frame " + std::to_string(amc.frame_numbers[f]) + " lacks"
+    while (end < frames && missing_in(end) == missing) ++end;
+    const std::string& first = amc.bones[missing[0]].name;
+    const auto others = static_cast<long long>(missing.size()) - 1;
+    const std::string which = end == f + 1 ? "frame " + std::to_string(amc.frame_numbers[f]) + " has no"
                                            : "frames " + std::to_string(amc.frame_numbers[f]) + " to " +
-                                                 std::to_string(amc.frame_numbers[end - 1]) + " lack";
+                                                 std::to_string(amc.frame_numbers[end - 1]) + " have no";
     const std::string what = which + " bone '" + Shown(first) + "'" +
                              (others > 0 ? " and " + Counted(others, "other") : "") + ", which most frames have";
     const std::string place = name + ":" + std::to_string(frame_lines[f]);
-    if (!reports) return Fail(ErrorCode::kMalformed, what, place, "correct or cut the frame, or copy the file again");
+    if (!reports)
+      return Fail(ErrorCode::kMalformed, what, place, "correct or remove the frame, or copy the file again");
     NoteMissing(first, f, end, end - f, place + ": " + what, amc);
     for (; f < end; ++f) damaged[f] = 1;
     --f;

@@ -9,9 +9,9 @@ namespace mocurate {
 
 inline constexpr std::size_t kMostAmcFindings = 200;  ///< of one file
 
-/// A bone that most frames have is damage where it is missing, and its frame joins `damaged`; one that most lack is not
-/// animated. "bone_missing" for both. `frame_lines` (frames): where each begins. Error kMalformed "name:line" for the
-/// first such frame where damage is not to be reported.
-Status JudgeMissingBones(const std::vector<int>& frame_lines, bool reports, const std::string& name, Amc& amc);
+/// Where a bone that most frames have is missing, the frame is added to `damaged`. A bone that is missing in most
+/// frames is not animated. Both are reported as "bone_missing". `frame_lines` (frames): where each begins. Error
+/// kMalformed "name:line" for the first damaged frame where damage is not to be reported.
+Status CheckMissingBones(const std::vector<int>& frame_lines, bool reports, const std::string& name, Amc& amc);
 
 }  // namespace mocurate

@@ -55,13 +55,13 @@ class AmcParser {
     if (Status whole = LastFrame(); !whole) return Forward(whole);
     if (misread_ && 2 * amc_.damaged.size() > static_cast<std::size_t>(amc_.frames))
       return tl::unexpected<Error>(*std::move(misread_));
-    if (Status missing = JudgeMissingBones(frame_lines_, Reports(), name_, amc_); !missing) return Forward(missing);
+    if (Status missing = CheckMissingBones(frame_lines_, Reports(), name_, amc_); !missing) return Forward(missing);
     return std::move(amc_);
   }
 
  private:
-  tl::unexpected<Error> Bad(const std::string& what,
-                            const std::string& hint = "correct the line, or leave the file out", int line = 0) const {
+  tl::unexpected<Error> Bad(const std::string& what, const std::string& hint = "correct the line, or exclude the file",
+                            int line = 0) const {
     const std::string frame =
         amc_.frames > 0 ? ", frame " + std::to_string(amc_.frame_numbers.back()) : std::string(", before any frame");
     return Fail(ErrorCode::kMalformed, what + frame, Place(line > 0 ? line : line_), hint);
@@ -69,7 +69,7 @@ class AmcParser {
 
   std::string Place(int line) const { return name_ + ":" + std::to_string(line); }
 
-  /// Null when the limit of reported findings is reached.
+  /// Null once the limit on findings is reached.
   Finding* Report(const char* code, const std::string& bone, double value, std::string message, int frame = -1) {
     const bool damage = std::string_view(code) != "frame_number" && frame < 0;
     if (damage && !Damaged()) amc_.damaged.push_back(amc_.frames - 1);
@@ -106,26 +106,26 @@ class AmcParser {
 
   Expected<bool> Keyword(const std::string& word) {
     const std::string_view key = std::string_view(word).substr(1);
-    if (amc_.frames > 0) return Bad("'" + Shown(word) + "' stands after the first frame");
+    if (amc_.frames > 0) return Bad("'" + Shown(word) + "' follows the first frame; keywords come before it");
     if (SameWord(key, "asf-file") || SameWord(key, "asf-path")) return SkipLine();
     if (SameWord(key, "samples-per-second")) {
       const bool number = scanner_.Next() == Token::kNumber;
       if (!number || !(scanner_.value() >= 1e-6 && scanner_.value() <= 1e6)) {
         return Bad(":SAMPLES-PER-SECOND needs a rate from 1e-6 to 1e6",
-                   "write frames per second behind it, or leave the line out and declare ingest.source.rate");
+                   "write the rate in Hz after it, or remove the line and declare ingest.source.rate");
       }
       amc_.hz = scanner_.value();
     } else if (SameWord(key, "degrees") || SameWord(key, "radians")) {
       const bool degrees = SameWord(key, "degrees");
       if (amc_.degrees && *amc_.degrees != degrees)
-        return Bad("the file says both :DEGREES and :RADIANS", "leave out the one that is wrong");
+        return Bad("the file has both :DEGREES and :RADIANS", "remove the wrong one");
       amc_.degrees = degrees;
     } else if (SameWord(key, "fully-specified")) {
       amc_.fully_specified = true;
     } else {
       const auto nearest = Nearest(key, {"FULLY-SPECIFIED", "DEGREES", "RADIANS", "SAMPLES-PER-SECOND"});
       return Bad("unknown keyword '" + Shown(word) + "'",
-                 nearest ? "did you mean ':" + *nearest + "'?" : "leave the line out");
+                 nearest ? "did you mean ':" + *nearest + "'?" : "remove the line");
     }
     return LineEnds("'" + Shown(word) + "'");
   }
@@ -133,16 +133,16 @@ class AmcParser {
   Expected<bool> LineEnds(const std::string& behind) {
     const Token token = scanner_.Next();
     if (token == Token::kLineEnd || token == Token::kEnd) return token == Token::kLineEnd;
-    return Bad("'" + Shown(scanner_.text()) + "' stands behind " + behind);
+    return Bad("'" + Shown(scanner_.text()) + "' follows " + behind);
   }
 
   Expected<bool> Frame() {
     const double number = scanner_.value();
     const std::string text(scanner_.text());
     if (number != std::floor(number) || std::abs(number) > 1e9) {
-      if (!FollowsWhole()) return Bad("'" + Shown(text) + "' is no frame number");
+      if (!FollowsWhole()) return Bad("'" + Shown(text) + "' is not a frame number");
       const bool more = SkipLine();
-      if (Status begun = BeginUnnumbered("'" + Shown(text) + "' stands"); !begun) return Forward(begun);
+      if (Status begun = BeginUnnumbered("'" + Shown(text) + "' is found"); !begun) return Forward(begun);
       return more;
     }
     Expected<bool> more = LineEnds("frame number " + Shown(text));
@@ -190,7 +190,7 @@ class AmcParser {
 
   /// A bone and its numbers.
   Expected<bool> Row(const std::string& bone) {
-    if (amc_.frames == 0) return Bad("'" + Shown(bone) + "' stands where a frame number is expected");
+    if (amc_.frames == 0) return Bad("'" + Shown(bone) + "' is found where a frame number is expected");
     const std::string called = "bone '" + Shown(bone) + "'";
     numbers_.clear();
     const Token token = scanner_.Numbers(numbers_);
@@ -198,7 +198,7 @@ class AmcParser {
     const bool learns = options_.skeleton == nullptr && amc_.frames == 1;
     auto found = index_.find(bone);
     if (found == index_.end() && whole && numbers_.empty() && FollowsWhole()) {
-      if (Status begun = BeginUnnumbered("'" + Shown(bone) + "' stands"); !begun) return Forward(begun);
+      if (Status begun = BeginUnnumbered("'" + Shown(bone) + "' is found"); !begun) return Forward(begun);
       return token == Token::kLineEnd;
     }
     if (found == index_.end() && !learns) {
@@ -214,11 +214,11 @@ class AmcParser {
     }
     const bool comma = scanner_.text().find(',') != std::string_view::npos;
     if (!whole && comma && amc_.frames == 1) {
-      return Bad("'" + Shown(scanner_.text()) + "' is no finite number: " + called,
+      return Bad("'" + Shown(scanner_.text()) + "' is not a finite number: " + called,
                  "numbers have a decimal point, not a comma: export the file again, or replace the commas");
     }
     if (!whole && (learns || !Reports())) {
-      return Bad("'" + Shown(scanner_.text()) + "' is no finite number: " + called + ", number " +
+      return Bad("'" + Shown(scanner_.text()) + "' is not a finite number: " + called + ", number " +
                  std::to_string(numbers_.size() + 1));
     }
     if (found == index_.end()) {
@@ -235,15 +235,15 @@ class AmcParser {
     if (amc_.frames == 1 && !HoldsBone()) first_ = found->second;
     last_ = found->second;
     if (here_[found->second] != 0) {
-      if (!Reports() || amc_.frames < 2) return Bad(called + " stands twice");
+      if (!Reports() || amc_.frames < 2) return Bad(called + " appears twice");
       Report("bone_twice", bone, 2.0,
-             Place(line_) + ": " + called + " stands twice in frame " + std::to_string(amc_.frame_numbers.back()));
+             Place(line_) + ": " + called + " appears twice in frame " + std::to_string(amc_.frame_numbers.back()));
       return whole ? token == Token::kLineEnd : SkipLine();
     }
     const auto large =
         std::find_if(numbers_.begin(), numbers_.end(), [](double number) { return std::abs(number) > kLargestNumber; });
     if (large != numbers_.end()) {
-      const std::string what = called + " has " + FormatDouble(*large) + ", which is no number of a person";
+      const std::string what = called + " has " + FormatDouble(*large) + ", which is not a plausible value";
       if (learns || !Reports()) return Bad(what, "the row is damaged");
       Report("number_too_large", bone, static_cast<double>(large - numbers_.begin()), Place(line_) + ": " + what);
       return whole ? token == Token::kLineEnd : SkipLine();
@@ -262,20 +262,20 @@ class AmcParser {
     return token == Token::kLineEnd;
   }
 
-  /// The bone whose name is nearest to this one, of those that the frame lacks as yet.
+  /// The bone whose name is nearest to this one, of those that the frame does not have yet.
   std::optional<std::size_t> Meant(const std::string& bone) const {
-    std::vector<std::string> lacking;
+    std::vector<std::string> missing;
     for (std::size_t b = 0; b < amc_.bones.size(); ++b) {
-      if (here_[b] == 0) lacking.push_back(amc_.bones[b].name);
+      if (here_[b] == 0) missing.push_back(amc_.bones[b].name);
     }
-    const std::optional<std::string> nearest = Nearest(bone, lacking);
+    const std::optional<std::string> nearest = Nearest(bone, missing);
     return nearest ? std::optional<std::size_t>(index_.at(*nearest)) : std::nullopt;
   }
 
   Error UnknownBone(const std::string& called, std::optional<std::size_t> meant) const {
     const std::string hint = meant ? "did you mean '" + amc_.bones[*meant].name + "'?"
                              : options_.skeleton != nullptr
-                                 ? "the skeleton has no such bone with dof; is it the right skeleton?"
+                                 ? "the skeleton has no bone of that name with dof; is it the right skeleton?"
                                  : "the first frame does not have it";
     return Bad("unknown " + called, hint).value();
   }
@@ -291,7 +291,7 @@ class AmcParser {
                Place(frame_lines_.back()) + ": frame " + std::to_string(amc_.frame_numbers.back()) + " holds no bone");
       }
     }
-    // Every number takes two bytes at least: a file with more places than bytes lacks most of what it announces.
+    // A number needs at least two bytes: a file with more values than bytes is missing most of what it declares.
     if (amc_.values.size() + row_.size() > bytes_ + kFewPlaces) {
       return Bad("most bones are missing in most frames", "is it the right skeleton?");
     }
@@ -300,34 +300,35 @@ class AmcParser {
     return {};
   }
 
-  /// A last frame that lacks the bone with which the one before it ends is the mark of a file that was cut off: it is
-  /// dropped: a truncated last row may look complete.
+  /// A last frame without the last bone of the frame before it marks a file that was cut off. It is dropped, because
+  /// the rest of its last row may look complete.
   Status LastFrame() {
     const int last = amc_.frames - 1;
     if (last < 1 || here_[last_before_] != 0 || misspelt_ == last_before_) return {};
-    int lacking = 0;
+    int missing = 0;
     std::string first;
     for (std::size_t bone = 0; bone < amc_.bones.size(); ++bone) {
       const int b = static_cast<int>(bone);
       if (amc_.has(last, b) || !amc_.has(last - 1, b)) continue;
-      if (++lacking == 1) first = "'" + Shown(amc_.bones[bone].name) + "'";
+      if (++missing == 1) first = "'" + Shown(amc_.bones[bone].name) + "'";
     }
-    if (lacking == 0) return {};
-    const std::string lacks = "lacks bone " + first + (lacking > 1 ? " and " + Counted(lacking - 1, "other") : "");
-    if (!Reports()) return Bad("the last frame " + lacks, "the file is cut off: copy it again");
+    if (missing == 0) return {};
+    const std::string what_missing =
+        "has no bone " + first + (missing > 1 ? " and " + Counted(missing - 1, "other") : "");
+    if (!Reports()) return Bad("the last frame " + what_missing, "the file is cut off: copy it again");
     const std::string what = Place(line_) + ": the file is cut off within frame " +
                              std::to_string(amc_.frame_numbers.back()) + ", which begins at line " +
-                             std::to_string(frame_lines_.back()) + " and " + lacks;
-    ExcludeLast();
-    if (Finding* finding = Report("cut_off", "", lacking, what, last)) {
+                             std::to_string(frame_lines_.back()) + " and " + what_missing;
+    DropLast();
+    if (Finding* finding = Report("cut_off", "", missing, what, last)) {
       finding->severity = Severity::kError;
       finding->action = FindingAction::kDropped;
     }
     return {};
   }
 
-  /// With what was said of it.
-  void ExcludeLast() {
+  /// Removes the last frame and its findings.
+  void DropLast() {
     const int last = amc_.frames - 1;
     if (Damaged()) amc_.damaged.pop_back();
     while (!amc_.findings.empty() &&
@@ -351,7 +352,7 @@ class AmcParser {
   std::vector<int> frame_lines_;            ///< (frames) of the frame numbers
   std::size_t first_ = 0;                   ///< bone with which frames begin
   std::size_t last_ = 0, last_before_ = 0;  ///< with which this frame and the one before it ended
-  std::optional<std::size_t> misspelt_;     ///< bone of a whole row of this frame whose name is none
+  std::optional<std::size_t> misspelt_;     ///< bone of a complete row of this frame with an unknown name
   std::optional<Error> misread_;            ///< of the first frame, if most are as it
   bool unnumbered_ = false;                 ///< this frame began without its number
   int line_ = 1;

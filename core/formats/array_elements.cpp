@@ -218,7 +218,7 @@ std::optional<std::vector<std::string>> DecodeTexts(const ElementType& type, std
 
 Status EncodeNumbers(const ElementType& type, const std::vector<double>& values, const std::string& name,
                      std::string& bytes) {
-  if (!type.is_number()) return Fail(ErrorCode::kMalformed, "the type is none of numbers", name);
+  if (!type.is_number()) return Fail(ErrorCode::kMalformed, "the type is not numeric", name);
   bytes.reserve(bytes.size() + values.size() * type.bytes);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!StoreNumber(type, values[i], bytes)) {
@@ -235,7 +235,7 @@ Status EncodeTexts(const ElementType& type, const std::vector<std::string>& text
     std::string raw;
     if (type.kind == ElementKind::kText) {
       const std::optional<std::vector<std::uint32_t>> characters = CodePoints(texts[i]);
-      if (!characters) return Fail(ErrorCode::kMalformed, "text " + std::to_string(i) + " is no UTF-8", name);
+      if (!characters) return Fail(ErrorCode::kMalformed, "text " + std::to_string(i) + " is not UTF-8", name);
       for (const std::uint32_t character : *characters) Store(character, type.big_endian, raw);
     } else {
       raw = texts[i];

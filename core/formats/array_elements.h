@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// What stands in one element of a numpy array.
+/// Type of one element of a numpy array.
 enum class ElementKind { kBool, kSigned, kUnsigned, kReal, kText, kBytes, kObject };
 
 /// A numpy type as text ("<f4", "|b1", ">i8", "<U6", "|S7", "|O").
@@ -26,8 +26,8 @@ struct ElementType {
 /// Empty for any other type (complex numbers, dates, long doubles, records).
 std::optional<ElementType> ParseElementType(std::string_view dtype);
 
-/// Number of elements of `shape` when they fit into `stored` bytes exactly; empty otherwise. Never overflows; more than
-/// 32 axes are none.
+/// Number of elements of `shape` when they fit into `stored` bytes exactly; empty otherwise, also for more than 32
+/// axes. Never overflows.
 std::optional<std::size_t> ElementCount(const std::vector<std::size_t>& shape, std::size_t bytes_each,
                                         std::size_t stored);
 
@@ -35,14 +35,14 @@ std::optional<std::size_t> ElementCount(const std::vector<std::size_t>& shape, s
 /// Integers beyond 2^53 lose their last digits.
 void DecodeNumbers(const ElementType& type, std::string_view data, std::vector<double>& values);
 
-/// Texts of a <U or |S type, padding zeros cut off; a <U text comes as UTF-8. Empty when a character is none.
+/// Texts of a <U or |S type, padding zeros cut off; a <U text comes as UTF-8. Empty when a character is invalid.
 std::optional<std::vector<std::string>> DecodeTexts(const ElementType& type, std::string_view data);
 
 /// Inverse of DecodeNumbers. Error kMalformed with the position of the first value that the type cannot hold.
 Status EncodeNumbers(const ElementType& type, const std::vector<double>& values, const std::string& name,
                      std::string& bytes);
 
-/// Inverse of DecodeTexts. Error kMalformed with the position of the first text that is too long or no UTF-8.
+/// Inverse of DecodeTexts. Error kMalformed with the position of the first text that is too long or not UTF-8.
 Status EncodeTexts(const ElementType& type, const std::vector<std::string>& texts, const std::string& name,
                    std::string& bytes);
 

@@ -37,22 +37,22 @@ Status CheckField(const NpyArray& array, const std::vector<std::size_t>& wanted,
     return Fail(ErrorCode::kMalformed,
                 (array.texts.empty() ? "numbers of shape " + ShapeText(array.shape) : std::string("texts")) +
                     " where numbers of shape (" + text + ") are expected",
-                where, "is it the file that its name says? Export it again in that shape");
+                where, "check that this is the intended file, or export it again in that shape");
   }
   for (std::size_t i = 0; i < array.values.size(); ++i) {
     if (!std::isfinite(array.values[i])) {
       return Fail(ErrorCode::kMalformed,
                   "the value at " + PlaceText(i, array.shape) + " is not finite (" +
                       (std::isnan(array.values[i]) ? "NaN" : "infinite") + ")",
-                  where,
-                  "cut the file to the frames before or after it, fill it from its neighbours, or leave the file out");
+                  where, "keep only the frames before or after it, interpolate it, or exclude the file");
     }
     if (std::abs(array.values[i]) > kLargestNumber) {
       return Fail(ErrorCode::kMalformed,
                   "the value at " + PlaceText(i, array.shape) + ", " + FormatDouble(array.values[i]) +
-                      ", is no number of a person",
+                      ", is not a plausible value",
                   where,
-                  "numbers reach to " + FormatDouble(kLargestNumber) + ": correct or cut it, or leave the file out");
+                  "the largest allowed number is " + FormatDouble(kLargestNumber) +
+                      ": correct or remove it, or exclude the file");
     }
   }
   return {};

@@ -17,11 +17,12 @@ inline constexpr std::size_t kAnyExtent = static_cast<std::size_t>(-1);
 /// Error kMalformed with the shape, or with the place of the first value that is not finite.
 Status CheckField(const NpyArray& array, const std::vector<std::size_t>& wanted, const std::string& where);
 
-/// Whole numbers of a checked field. Error kMalformed with the place of the first that is none or not in [low, high].
+/// Whole numbers of a checked field. Error kMalformed with the place of the first value that is not whole or not in
+/// [low, high].
 Expected<std::vector<std::int64_t>> WholeNumbers(const NpyArray& array, std::int64_t low, std::int64_t high,
                                                  const std::string& where);
 
-/// An array of doubles, "<f8" unless said otherwise.
+/// An array of doubles, "<f8" by default.
 NpyArray MakeArray(std::vector<std::size_t> shape, std::vector<double> values, const std::string& dtype = "<f8");
 /// A text without axes, "<U".
 NpyArray MakeTextArray(const std::string& text);

@@ -18,8 +18,8 @@ inline bool IsRotation(AcclaimChannel channel) {
   return channel >= AcclaimChannel::kRx && channel <= AcclaimChannel::kRz;
 }
 
-/// A turn as Acclaim writes it: angle i, in the file's unit, about the axis that letter i of the order names; the first
-/// letter is applied first, about fixed axes.
+/// A rotation as Acclaim writes it: angle i, in the file's unit, about the axis that letter i of the order names; the
+/// first letter is applied first, about fixed axes.
 struct AcclaimAxis {
   Vector3d angles = Vector3d::Zero();
   std::string order = "XYZ";
@@ -27,7 +27,7 @@ struct AcclaimAxis {
 
 bool operator==(const AcclaimAxis& a, const AcclaimAxis& b);
 
-/// In the angle unit of the file (kLength: in its length unit); infinite where it says inf.
+/// In the angle unit of the file (kLength: in its length unit); infinite for "inf".
 struct AsfLimit {
   double least = 0.0;
   double most = 0.0;
@@ -43,7 +43,7 @@ struct AsfBone {
   AcclaimAxis axis;                       ///< world_from_bone at rest
   std::vector<AcclaimChannel> dof;        ///< in the order of the numbers in an AMC; empty: never in it
   std::vector<AsfLimit> limits;           ///< one per dof, or none
-  std::vector<std::string> other;         ///< lines of keys that say nothing about motion ("bodymass 2")
+  std::vector<std::string> other;         ///< lines of keys without effect on motion ("bodymass 2")
 };
 
 /// Acclaim skeleton file. Lengths and angles in the file's own units.
@@ -56,13 +56,13 @@ struct Asf {
   std::vector<std::string> documentation;
   std::vector<AcclaimChannel> root_order;        ///< of the numbers of `root` in an AMC
   std::string root_axis = "XYZ";                 ///< order of root_orientation
-  Vector3d root_position = Vector3d::Zero();     ///< file units; replaced by what the AMC's root says
+  Vector3d root_position = Vector3d::Zero();     ///< file units; replaced by the AMC's root
   Vector3d root_orientation = Vector3d::Zero();  ///< angle unit of the file
   std::vector<AsfBone> bones;                    ///< in the order of :bonedata; parents may come later, see Order()
   std::vector<Finding> findings;                 ///< "bone_id_twice", "root_axis_missing"
 
   int Find(std::string_view bone) const;  ///< -1: none
-  /// Bones such that parents precede children.
+  /// Bones, parents before children.
   std::vector<int> Order() const;
   double RadiansPerUnit() const;
 };
@@ -78,7 +78,7 @@ std::string WriteAsf(const Asf& asf);
 
 /// From the start of a bone to its end in world axes at rest: the unit direction times the length, file units.
 Vector3d AsfOffset(const AsfBone& bone);
-/// The matrix of a turn; `radians_per_unit` of its angles.
+/// The matrix of a rotation; `radians_per_unit` of its angles.
 Matrix3d AcclaimMatrix(const AcclaimAxis& axis, double radians_per_unit);
 
 /// "rx"; upper-case in the root's order by custom.

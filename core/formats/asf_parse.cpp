@@ -83,10 +83,10 @@ class AsfParser {
       const auto nearest = Nearest(section, kSections);
       return Bad("unknown section ':" + Shown(section) + "'", nearest ? "did you mean ':" + *nearest + "'?" : "");
     }
-    if (!sections_.insert(section).second) return Bad("the section ':" + section + "' stands twice");
+    if (!sections_.insert(section).second) return Bad("the section ':" + section + "' appears twice");
     if (section == "version") return Text(asf_.version, rest, "version");
     if (section == "name") return Text(asf_.name, rest, "name");
-    if (!rest.empty()) return Bad("'" + Shown(rest) + "' stands behind ':" + section + "'");
+    if (!rest.empty()) return Bad("'" + Shown(rest) + "' follows ':" + section + "'");
     if (section == "documentation") {
       for (line = NextOfSection(); !line.empty(); line = NextOfSection()) asf_.documentation.emplace_back(line);
       return {};
@@ -102,10 +102,10 @@ class AsfParser {
   }
 
   Status Text(std::string& to, std::string_view text, const char* section) {
-    if (text.empty()) return Bad(std::string("':") + section + "' says nothing");
+    if (text.empty()) return Bad(std::string("':") + section + "' has no value");
     if (section == std::string_view("version")) {
       const std::optional<double> version = ParseDouble(text);
-      if (!version || !(*version > 0.0 && *version < 1000.0)) return Bad("'" + Shown(text) + "' is no version");
+      if (!version || !(*version > 0.0 && *version < 1000.0)) return Bad("'" + Shown(text) + "' is not a version");
     }
     to = std::string(text);
     return {};
@@ -113,10 +113,10 @@ class AsfParser {
 
   Expected<double> Number(std::string_view word, const std::string& field) const {
     const std::optional<double> value = ParseDouble(word);
-    if (!value || !std::isfinite(*value)) return Bad("'" + Shown(word) + "' is no finite number: " + field);
+    if (!value || !std::isfinite(*value)) return Bad("'" + Shown(word) + "' is not a finite number: " + field);
     if (std::abs(*value) > kLargestNumber) {
-      return Bad("'" + Shown(word) + "' is no number of a skeleton: " + field,
-                 "numbers reach to " + FormatDouble(kLargestNumber) + ": correct it");
+      return Bad("'" + Shown(word) + "' is not a plausible value: " + field,
+                 "the largest allowed number is " + FormatDouble(kLargestNumber) + ": correct it");
     }
     return *value;
   }
@@ -143,7 +143,7 @@ class AsfParser {
   }
 
   Status Channels(std::vector<AcclaimChannel>& to, const Words& words, const std::string& field) const {
-    if (!to.empty()) return Bad(field + " stands twice");
+    if (!to.empty()) return Bad(field + " appears twice");
     for (std::size_t i = 1; i < words.size(); ++i) {
       const std::optional<AcclaimChannel> channel = AcclaimChannelOf(words[i]);
       if (!channel) {
@@ -160,7 +160,7 @@ class AsfParser {
 
   Status Order(std::string& to, std::string_view word, const std::string& field) const {
     const std::optional<std::string> order = AxisOrder(word);
-    if (!order) return Bad("'" + Shown(word) + "' is no order of the axes X, Y and Z: " + field);
+    if (!order) return Bad("'" + Shown(word) + "' is not an order of the axes X, Y and Z: " + field);
     to = *order;
     return {};
   }
@@ -191,7 +191,7 @@ class AsfParser {
     return Bad("unknown key '" + Shown(words[0]) + "' of :root", "order, axis, position or orientation");
   }
 
-  /// A root that moves does so along three axes, and one that turns about three.
+  /// A root has no or three translation channels, and no or three rotation channels.
   Status WholeOrder() const {
     const auto has = [&](int i) {
       const auto& order = asf_.root_order;
@@ -202,7 +202,7 @@ class AsfParser {
       std::string missing;
       for (int i = first; i < first + 3; ++i) missing += has(i) ? "" : std::string(" ") + Name(AcclaimChannel(i));
       if (missing.empty() || missing.size() == 9) continue;
-      return Bad("order of :root names " + std::to_string(asf_.root_order.size()) + " channels and lacks" + missing,
+      return Bad("order of :root names " + std::to_string(asf_.root_order.size()) + " channels; missing are" + missing,
                  kOrderHint);
     }
     return {};
@@ -228,8 +228,9 @@ class AsfParser {
       std::string key(words[0]);
       for (char& c : key) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
       if (line.front() == '(') key = "limits";
-      const bool goes_on = line.front() == '(' && seen.count("limits") != 0;
-      if (!goes_on && !seen.insert(key).second) return Bad("'" + Shown(key) + "' of bone " + Called(bone) + " twice");
+      const bool continues = line.front() == '(' && seen.count("limits") != 0;
+      if (!continues && !seen.insert(key).second)
+        return Bad("'" + Shown(key) + "' of bone " + Called(bone) + " appears twice");
       if (Status read = Key(bone, key, words, line); !read) return read;
     }
     for (const char* key : {"id", "name", "direction", "length", "axis"}) {
@@ -243,7 +244,7 @@ class AsfParser {
       return Bad("bone " + Called(bone) + " has a length, and no direction");
     }
     if (!index_.emplace(bone.name, static_cast<int>(asf_.bones.size())).second || bone.name == "root") {
-      return Bad("bone " + Called(bone) + " stands twice");
+      return Bad("bone " + Called(bone) + " appears twice");
     }
     if (!ids_.insert(bone.id).second) ReportId(bone);
     asf_.bones.push_back(std::move(bone));
@@ -261,14 +262,14 @@ class AsfParser {
   void ReportId(const AsfBone& bone) {
     Report("bone_id_twice", Severity::kInfo, Shown(bone.name), bone.id,
            lines_.Place() + ": bone " + Called(bone) + " has the id of another bone, " + std::to_string(bone.id) +
-               "; names tell bones apart");
+               "; bones are identified by name");
   }
 
   Status Key(AsfBone& bone, const std::string& key, const Words& words, std::string_view line) const {
     const std::string field = key + " of bone " + Called(bone);
     if (key == "id") {
       const std::optional<long long> id = words.size() == 2 ? ParseInteger(words[1]) : std::nullopt;
-      if (!id || *id < -1000000 || *id > 1000000) return Bad("'" + Shown(line) + "' is no whole number: " + field);
+      if (!id || *id < -1000000 || *id > 1000000) return Bad("'" + Shown(line) + "' is not a whole number: " + field);
       bone.id = static_cast<int>(*id);
       return {};
     }
@@ -312,13 +313,13 @@ class AsfParser {
          ;) {
       const std::size_t close = rest.find(')');
       if (rest.empty() || rest.front() != '(' || close == std::string_view::npos) {
-        return Bad("'" + Shown(line) + "' is no pair of numbers in brackets: " + field);
+        return Bad("'" + Shown(line) + "' is not a pair of numbers in brackets: " + field);
       }
       Words pair = SplitBlanks(rest.substr(1, close - 1));
       const std::optional<double> least = pair.size() == 2 ? ParseDouble(pair[0]) : std::nullopt;
       const std::optional<double> most = pair.size() == 2 ? ParseDouble(pair[1]) : std::nullopt;
       if (!least || !most || !(*least <= *most)) {
-        return Bad("'" + Shown(rest.substr(0, close + 1)) + "' is no least and most number: " + field);
+        return Bad("'" + Shown(rest.substr(0, close + 1)) + "' is not a minimum and a maximum: " + field);
       }
       bone.limits.push_back({*least, *most});
       rest = Trim(rest.substr(close + 1));
@@ -330,13 +331,13 @@ class AsfParser {
     if (name == "root") return -1;
     const auto found = index_.find(std::string(name));
     if (found == index_.end()) {
-      return Bad("'" + Shown(name) + "' in :hierarchy is no bone of :bonedata", "names are case-sensitive");
+      return Bad("'" + Shown(name) + "' in :hierarchy is not a bone of :bonedata", "names are case-sensitive");
     }
     return found->second;
   }
 
   Status Hierarchy() {
-    if (sections_.count("bonedata") == 0) return Bad(":hierarchy stands before :bonedata");
+    if (sections_.count("bonedata") == 0) return Bad(":hierarchy precedes :bonedata");
     std::string_view line = NextOfSection();
     const bool brackets = SameWord(line, "begin");
     if (brackets) line = NextOfSection();
@@ -349,19 +350,19 @@ class AsfParser {
       for (std::size_t i = 1; i < words.size(); ++i) {
         const Expected<int> child = Known(words[i]);
         if (!child) return Forward(child);
-        if (*child < 0) return Bad("the root hangs on '" + Shown(words[0]) + "'");
-        if (hung_[static_cast<std::size_t>(*child)]) return Bad("bone '" + Shown(words[i]) + "' hangs on two parents");
+        if (*child < 0) return Bad("the root is a child of '" + Shown(words[0]) + "'");
+        if (hung_[static_cast<std::size_t>(*child)]) return Bad("bone '" + Shown(words[i]) + "' has two parents");
         hung_[static_cast<std::size_t>(*child)] = true;
         asf_.bones[static_cast<std::size_t>(*child)].parent = *parent;
       }
     }
     if (brackets && line.empty()) return lines_.CutOff("'end' of :hierarchy");
     line = NextOfSection();
-    if (!line.empty()) return Bad("'" + Shown(line) + "' stands behind the end of :hierarchy");
+    if (!line.empty()) return Bad("'" + Shown(line) + "' follows the end of :hierarchy");
     return {};
   }
 
-  /// The axis is the order of the angles of the orientation: it says nothing where these are 0.
+  /// The axis is the order of the angles of the orientation: it has no effect where these are 0.
   void CheckRootAxis() {
     if (root_axis_reported_) return;
     const bool turned = !asf_.root_orientation.isZero();
@@ -380,7 +381,7 @@ class AsfParser {
     for (std::size_t i = 0; i < asf_.bones.size(); ++i) {
       if (!hung_[i]) return Bad("bone " + Called(asf_.bones[i]) + " is not in :hierarchy");
     }
-    if (asf_.Order().size() != asf_.bones.size()) return Bad("bones in :hierarchy hang on each other in a ring");
+    if (asf_.Order().size() != asf_.bones.size()) return Bad("bones in :hierarchy form a cycle");
     return {};
   }
 

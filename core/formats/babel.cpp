@@ -23,9 +23,9 @@ struct BabelPlace {
 
   tl::unexpected<Error> Bad(const std::string& rule) const {
     return Fail(ErrorCode::kMalformed, rule, *file + ":" + DisplayPath(path),
-                "correct it, or leave the file out of ingest.source.annotations");
+                "correct it, or remove the file from ingest.source.annotations");
   }
-  /// Null stands for a key that is absent.
+  /// A JSON null for an absent key.
   BabelPlace Find(const char* key) const {
     static const ordered_json kNull;
     const auto found = value->find(key);
@@ -43,7 +43,7 @@ struct BabelPlace {
     text.emplace();
     return Text(*text);
   }
-  /// Empty where there is none.
+  /// Empty for null.
   Status TextIfAny(std::string& text) const { return value->is_null() ? Status{} : Text(text); }
   Status Number(double& number) const {
     if (!value->is_number()) return Bad("a number is expected");
@@ -127,12 +127,12 @@ Expected<BabelSequence> Sequence(const BabelPlace& place, const std::string& key
   if (!sid.value->is_number_integer()) return sid.Bad("an integer is expected");
   sequence.babel_sid = sid.value->get<std::int64_t>();
   if (std::to_string(sequence.babel_sid) != key) {
-    return sid.Bad(std::to_string(sequence.babel_sid) + " stands under the key '" + key + "'");
+    return sid.Bad(std::to_string(sequence.babel_sid) + " is stored under the key '" + key + "'");
   }
   if (Status s = place.Find("url").TextIfAny(sequence.url); !s) return Forward(s);
   if (Status s = place.Find("feat_p").Text(sequence.feat_p); !s) return Forward(s);
   if (Status s = place.Find("dur").Number(sequence.dur); !s) return Forward(s);
-  if (sequence.dur <= 0.0) return place.Find("dur").Bad(FormatDouble(sequence.dur) + " s is no duration");
+  if (sequence.dur <= 0.0) return place.Find("dur").Bad(FormatDouble(sequence.dur) + " s is not a duration");
   const bool dense = place.value->contains("seq_ann") || place.value->contains("frame_ann");
   sequence.extra = place.value->contains("seq_anns") || place.value->contains("frame_anns");
   if (dense == sequence.extra) {
@@ -191,7 +191,7 @@ Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const st
   try {
     root = ordered_json::parse(bytes);
   } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kMalformed, std::string("no JSON: ") + error.what(), name, "copy it again, or correct it");
+    return Fail(ErrorCode::kMalformed, std::string("not JSON: ") + error.what(), name, "copy it again, or correct it");
   }
   if (!root.is_object())
     return Fail(ErrorCode::kMalformed, "an object of sequences is expected", name, "is it a file of BABEL?");

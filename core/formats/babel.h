@@ -21,7 +21,7 @@ struct BabelLabel {
   std::optional<double> end_t;
 };
 
-/// What one annotator said of a sequence.
+/// One annotator's labels of a sequence.
 struct BabelAnnotation {
   std::string babel_lid;  ///< empty where the file has none, as is anntr_id
   std::string anntr_id;
@@ -49,7 +49,7 @@ struct BabelProblem {
 
 /// train.json, val.json, test.json and the extra files, in the file's order. Unknown keys are ignored; url, babel_lid,
 /// anntr_id and seg_id, which other programs than BABEL's cannot know, may be missing or null. Errors kMalformed name
-/// the path of the field. Times that cannot be are no error, see FindBabelProblems.
+/// the path of the field. Impossible times are not errors, see FindBabelProblems.
 Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const std::string& name);
 std::vector<BabelProblem> FindBabelProblems(const BabelSequence& sequence);
 
@@ -58,7 +58,7 @@ std::vector<BabelProblem> FindBabelProblems(const BabelSequence& sequence);
 bool IsFrequentBabelCategory(std::string_view category);
 std::vector<std::string> FrequentBabelCategories();
 
-/// Text in the layout of the dense or the extra files. Identifiers that are empty are excluded.
+/// Text in the layout of the dense or the extra files. Empty identifiers are omitted.
 std::string EncodeBabel(const std::vector<BabelSequence>& sequences);
 
 }  // namespace mocurate

@@ -34,17 +34,17 @@ Expected<int> Index(const json& label, const char* key, const std::string& name)
 
 Expected<BandaiLabel> ParseBandaiLabel(std::string_view bytes, const std::string& name) {
   constexpr std::size_t kLargest = 4096;  // a label is thirty bytes
-  if (bytes.size() > kLargest) return Fail(ErrorCode::kMalformed, "this is too long for a label", name);
+  if (bytes.size() > kLargest) return Fail(ErrorCode::kMalformed, "the label is too long", name);
   json label;
   try {
     label = json::parse(bytes.begin(), bytes.end());
   } catch (const json::parse_error& error) {
-    return Fail(ErrorCode::kMalformed, "the label is no JSON", name + ":" + LineAndColumn(bytes, error.byte),
+    return Fail(ErrorCode::kMalformed, "the label is not JSON", name + ":" + LineAndColumn(bytes, error.byte),
                 R"(as in {"content": 6, "style": 11})");
   } catch (const json::exception&) {
     return Fail(ErrorCode::kMalformed, "a number in the label is out of range", name);
   }
-  if (!label.is_object()) return Fail(ErrorCode::kMalformed, "the label is no JSON object", name + ":/");
+  if (!label.is_object()) return Fail(ErrorCode::kMalformed, "the label is not a JSON object", name + ":/");
   for (const auto& item : label.items()) {
     if (item.key() == "content" || item.key() == "style") continue;
     return Fail(ErrorCode::kMalformed, "unknown key '" + Shown(item.key()) + "'", name + ":/",
@@ -62,13 +62,13 @@ Expected<std::vector<std::string>> ParseBandaiLabelList(std::string_view bytes, 
   LineReader lines(bytes, name);
   for (std::string_view line = lines.Next(); !line.empty(); line = lines.Next()) {
     if (lines.number() != static_cast<int>(labels.size()) + 1) {
-      return lines.Bad("an empty line stands before label '" + Shown(line) + "'", "labels are counted by lines");
+      return lines.Bad("an empty line precedes label '" + Shown(line) + "'", "labels are counted by lines");
     }
     const std::size_t prefix = line.find('_');
     std::string label(prefix == std::string_view::npos ? line : line.substr(prefix + 1));
     if (label.empty()) return lines.Bad("'" + Shown(line) + "' names no label");
     if (std::find(labels.begin(), labels.end(), label) != labels.end()) {
-      return lines.Bad("label '" + Shown(label) + "' stands twice");
+      return lines.Bad("label '" + Shown(label) + "' appears twice");
     }
     constexpr std::size_t kMostLabels = 10000;
     if (labels.size() == kMostLabels) return lines.Bad("more than 10000 labels");

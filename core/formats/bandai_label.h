@@ -15,13 +15,13 @@ struct BandaiLabel {
   int style = 0;
 };
 
-/// Error kMalformed with "name:line:column" where it is no JSON, "name:/key" where a key is missing, unknown, or no
-/// whole number from 0 on.
+/// Error kMalformed with "name:line:column" where it is not JSON, "name:/key" where a key is missing, unknown, or not
+/// a whole number from 0 on.
 Expected<BandaiLabel> ParseBandaiLabel(std::string_view bytes, const std::string& name);
 
-/// One label a line ("dataset-1_walk-back"); the set's prefix up to the first '_' is excluded, also where nothing
-/// stands before it ("_raise-up-right-hand"). The last line needs no line end. Error kMalformed "name:line": no label,
-/// an empty line between labels (it would shift those behind it), a label twice.
+/// One label a line ("dataset-1_walk-back"); the set's prefix up to the first '_' is removed, also where it
+/// is empty ("_raise-up-right-hand"). The last line needs no line end. Error kMalformed "name:line": no label,
+/// an empty line between labels (it would shift those after it), a label twice.
 Expected<std::vector<std::string>> ParseBandaiLabelList(std::string_view bytes, const std::string& name);
 
 }  // namespace mocurate

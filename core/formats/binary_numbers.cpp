@@ -84,7 +84,7 @@ std::string FormatNumber(double value, NumberType type) {
 
 double RoundedTo(NumberType type, double value) {
   if (type != NumberType::kFloat32) return value;
-  // Beyond the range of float the conversion is undefined; the value stays and NumberFault tells.
+  // Beyond the range of float the conversion is undefined; the value stays, and NumberFault reports it.
   return std::abs(value) <= std::numeric_limits<float>::max() ? static_cast<double>(static_cast<float>(value)) : value;
 }
 
@@ -99,7 +99,7 @@ std::string NumberFault(double value, NumberType type) {
     return std::pair<double, double>(std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
   });
   if (value >= min && value <= max && value == std::floor(value)) return {};
-  return "is no whole number from " + FormatDouble(min) + " to " + FormatDouble(max);
+  return "is not a whole number from " + FormatDouble(min) + " to " + FormatDouble(max);
 }
 
 std::string ShownText(std::string_view text) {

@@ -22,7 +22,7 @@ void AppendNumber(std::string& bytes, double value, NumberType type, ByteOrder o
 std::string FormatNumber(double value, NumberType type);
 /// The value as the type holds it: floats are rounded.
 double RoundedTo(NumberType type, double value);
-/// Why a value cannot be of this type ("is no whole number from 0 to 255", "is not finite"); empty if it can.
+/// Why a value cannot be of this type ("is not a whole number from 0 to 255", "is not finite"); empty if it can.
 std::string NumberFault(double value, NumberType type);
 
 /// Text of a file for a message: printable, at most 40 characters.

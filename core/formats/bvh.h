@@ -35,7 +35,7 @@ struct Bvh {
   double frame_time_s = 0.0;
   int frame_time_line = 0;        ///< of the file, from 1; 0: was not read from one
   std::vector<double> values;     ///< (frames, channel_count)
-  std::vector<int> damaged;       ///< frames whose row is damaged, rising: their values are those of a row beside them
+  std::vector<int> damaged;       ///< frames whose row is damaged, rising: their values are those of a neighbouring row
   std::vector<Finding> findings;  ///< with DamagedRows::kReport: "count_contradiction", "cut_off", "row_length",
                                   ///< "not_a_number", "number_too_large", "joint_twice"
 
@@ -47,12 +47,12 @@ struct Bvh {
 
 /// Any order of channels per joint, positions on any joint, joints without End Site, LF or CRLF, one ROOT. Error
 /// kMalformed "name:line": empty or cut-off file, unknown channel, a channel twice, a frame with another count of
-/// numbers, NaN, frame time that is not from 1e-6 to 1e6 s; kInconsistent: `Frames:` is not the count of rows. Nothing
-/// is allocated on the word of a header. With DamagedRows::kReport a count of frames that is not the count of whole
-/// rows is reported and the rows decide; so is a last row that is cut off, which is excluded. Another damaged row keeps
-/// its place, as one line is one frame, and stands in `damaged`; it stays an error where damage may have split or
-/// joined rows (more rows than announced, or a row with too many numbers in a file with fewer), or where it is most of
-/// them.
+/// numbers, NaN, frame time that is not from 1e-6 to 1e6 s; kInconsistent: `Frames:` is not the count of rows. No
+/// memory is allocated by declared counts alone. With DamagedRows::kReport a frame count that differs from the count
+/// of complete rows is reported, and the rows are used. A last row that is cut off is reported and dropped. Another
+/// damaged row keeps its place, as one line is one frame, and is listed in `damaged`. Damage stays an error where it
+/// may have split or joined rows (more rows than declared, or a row with too many numbers in a file with fewer), or
+/// where most rows are damaged.
 Expected<Bvh> ParseBvh(std::string_view bytes, const std::string& name,
                        DamagedRows damaged_rows = DamagedRows::kRefuse);
 

@@ -16,8 +16,8 @@ namespace {
 
 using Token = NumberScanner::Token;
 
-constexpr int kMaxTreeDepth = 512;       // no body is deeper; bounds what a hostile file can make a reader of ours do
-constexpr std::size_t kMostTwins = 100;  // duplicate names, each reported; damaged rows are reported besides
+constexpr int kMaxTreeDepth = 512;  // no body is deeper; bounds what a hostile file can make a reader of ours do
+constexpr std::size_t kMostDuplicates = 100;  // findings of duplicate names; damaged rows are counted apart
 constexpr double kShortestFrame = 1e-6;
 constexpr double kLongestFrame = 1e6;  // seconds
 constexpr const char* kFrameTimeHint = "write the seconds from frame to frame, 0.0333333 for 30 frames a second";
@@ -47,7 +47,7 @@ class BvhParser {
     if (!SameWord(first, "HIERARCHY")) {
       const bool wide = first.substr(0, 2) == "\xFF\xFE" || first.substr(0, 2) == "\xFE\xFF";
       return Bad("a BVH file begins with HIERARCHY, not '" + Shown(first) + "'", 0,
-                 wide ? "the text is UTF-16: save it as UTF-8" : "is it a BVH file, and whole?");
+                 wide ? "the text is UTF-16: save it as UTF-8" : "is it a BVH file, and complete?");
     }
     if (Status read = Hierarchy(); !read) return Forward(read);
     if (Status read = Header(); !read) return Forward(read);
@@ -72,18 +72,19 @@ class BvhParser {
     for (int i = 0; i < 3; ++i) {
       const std::optional<double> value = ParseDouble(words[i + 1]);
       if (!value || !std::isfinite(*value)) {
-        return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no finite number", 0, CommaHint(words[i + 1]));
+        return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is not a finite number", 0, CommaHint(words[i + 1]));
       }
       if (std::abs(*value) > kLargestNumber)
-        return Bad("'" + Shown(words[i + 1]) + "' in OFFSET is no length of a body", 0,
-                   "numbers reach to " + FormatDouble(kLargestNumber) + ": correct it, or export the file again");
+        return Bad(
+            "'" + Shown(words[i + 1]) + "' in OFFSET is not a plausible length", 0,
+            "the largest allowed number is " + FormatDouble(kLargestNumber) + ": correct it, or export the file again");
       offset[i] = *value;
     }
     return offset;
   }
 
   tl::unexpected<Error> Twice(const BvhJoint& joint, const std::vector<std::string_view>& words, std::size_t at) const {
-    std::string what = "channel '" + Shown(words[at]) + "' of joint '" + joint.name + "' stands twice";
+    std::string what = "channel '" + Shown(words[at]) + "' of joint '" + joint.name + "' appears twice";
     for (std::string name : {"X", "Y", "Z"}) {
       name += IsPosition(*BvhChannelOf(words[at])) ? "position" : "rotation";
       const auto same = [&](std::string_view word) { return SameWord(word, name); };
@@ -95,10 +96,10 @@ class BvhParser {
   Status Channels(BvhJoint& joint, const std::vector<std::string_view>& words) {
     const std::optional<long long> count = words.size() > 1 ? ParseInteger(words[1]) : std::nullopt;
     if (!count || *count < 0 || static_cast<std::size_t>(*count) != words.size() - 2) {
-      return Bad("CHANNELS of '" + joint.name + "' must say how many names follow, found " +
+      return Bad("CHANNELS of '" + joint.name + "' must declare the number of names that follow, found " +
                  std::to_string(words.size() > 1 ? words.size() - 2 : 0));
     }
-    if (!joint.channels.empty()) return Bad("CHANNELS of '" + joint.name + "' stand twice");
+    if (!joint.channels.empty()) return Bad("CHANNELS of '" + joint.name + "' appear twice");
     joint.first_channel = bvh_.channel_count;
     for (std::size_t i = 2; i < words.size(); ++i) {
       const std::optional<BvhChannel> channel = BvhChannelOf(words[i]);
@@ -121,9 +122,9 @@ class BvhParser {
     joint.name = std::string(name);
     joint.parent = stack_.empty() ? -1 : stack_.back();
     bvh_.joints.push_back(joint);
-    if (reports_ && !names_.insert(joint.name).second && bvh_.findings.size() < kMostTwins) {
+    if (reports_ && !names_.insert(joint.name).second && bvh_.findings.size() < kMostDuplicates) {
       Report("joint_twice", static_cast<double>(bvh_.joints.size() - 1), lines_.number(), 0,
-             "joint '" + Shown(name) + "' occurs twice, so the name is ambiguous; rename one");
+             "joint '" + Shown(name) + "' appears twice, so that the name is ambiguous; rename one");
       bvh_.findings.back().severity = Severity::kWarning;
     }
     if (static_cast<int>(stack_.size()) >= kMaxTreeDepth) return Bad("joints are nested too deeply");
@@ -161,7 +162,7 @@ class BvhParser {
       const std::vector<std::string_view> words = SplitBlanks(line);
       const bool root = SameWord(words[0], "ROOT");
       if (root || SameWord(words[0], "JOINT")) {
-        if (root != stack_.empty()) return Bad("a file has one ROOT, and every JOINT stands inside it");
+        if (root != stack_.empty()) return Bad("a file has one ROOT, with every JOINT inside it");
         if (Status open = Open(line, root); !open) return open;
         stack_.push_back(static_cast<int>(bvh_.joints.size()) - 1);
       } else if (stack_.empty()) {
@@ -178,7 +179,7 @@ class BvhParser {
         stack_.pop_back();
       } else {
         const std::string open = Counted(static_cast<long long>(stack_.size()), "joint") + " still open";
-        return Bad("'" + Shown(line) + "' is no part of a hierarchy", 0,
+        return Bad("'" + Shown(line) + "' is not a part of a hierarchy", 0,
                    SameWord(line, "MOTION") ? "a '}' is missing before it, with " + open : std::string());
       }
     } while (!stack_.empty());
@@ -189,12 +190,12 @@ class BvhParser {
     std::string_view line = lines_.Next();
     if (line.empty()) return lines_.CutOff("MOTION");
     if (!SameWord(line, "MOTION")) {
-      return Bad(
-          "MOTION is expected, not '" + Shown(line) + "'", 0,
-          line == "}" ? "there is one '}' too many: leave it out"
-          : SameWord(SplitBlanks(line)[0], "ROOT")
-              ? "a file has one ROOT: write each person into a file of its own"
-              : "a line MOTION stands between the hierarchy and 'Frames:': write it there, or export the file again");
+      return Bad("MOTION is expected, not '" + Shown(line) + "'", 0,
+                 line == "}" ? "there is one '}' too many: remove it"
+                 : SameWord(SplitBlanks(line)[0], "ROOT")
+                     ? "a file has one ROOT: write each person into a file of its own"
+                     : "a line MOTION is required between the hierarchy and 'Frames:': write it there, or export the "
+                       "file again");
     }
     line = lines_.Next();
     if (line.empty()) return lines_.CutOff("'Frames:'");
@@ -216,18 +217,18 @@ class BvhParser {
       return Bad("'Frame Time: S' is expected, not '" + Shown(line) + "'", 0, comma.empty() ? kFrameTimeHint : comma);
     }
     if (!(*time >= kShortestFrame && *time <= kLongestFrame)) {
-      return Bad("frame time " + FormatDouble(*time) + " s gives no frame rate", 0,
+      return Bad("frame time " + FormatDouble(*time) + " s is out of range", 0,
                  std::string("it must be from 1e-6 to 1e6 seconds; ") + kFrameTimeHint);
     }
     if (bvh_.channel_count == 0) {
-      return Bad("no joint has a channel", 0, "a line CHANNELS of each joint says which numbers of a row are its");
+      return Bad("no joint has a channel", 0, "the CHANNELS line of each joint declares its numbers in a row");
     }
     bvh_.frame_time_s = *time;
     bvh_.frame_time_line = lines_.number();
     return {};
   }
 
-  /// The first number of the row that no person has.
+  /// The first implausibly large number of the row.
   std::optional<double> TooLarge(std::size_t begin) const {
     for (std::size_t at = begin; at < bvh_.values.size(); ++at) {
       if (std::abs(bvh_.values[at]) > kLargestNumber) return bvh_.values[at];
@@ -262,7 +263,7 @@ class BvhParser {
            (without == bvh_.joints.end() ? "" : "; joint '" + Shown(without->name) + "' has none");
   }
 
-  /// Rows before the first whole one hold its numbers. Damage that may have split or joined rows has no place.
+  /// Damaged rows before the first complete one get its numbers. Damage that may have split or joined rows is an error.
   Status PlaceDamage(long long rows) {
     if (bvh_.damaged.empty()) return {};
     const auto wide = static_cast<std::size_t>(bvh_.channel_count);
@@ -271,11 +272,12 @@ class BvhParser {
       if (const std::string hint = HintOfChannels(); 2 * damaged > rows && !hint.empty())
         return Fail(ErrorCode::kMalformed, first_damage_.what, first_damage_.where, hint);
       return Fail(ErrorCode::kMalformed, first_damage_.what, first_damage_.where,
-                  2 * damaged > rows ? "more rows are damaged than whole: repair the file, or leave it out"
-                                     : "the header announces " + std::to_string(announced_) + " frames, the file has " +
-                                           std::to_string(rows) +
-                                           " rows: damage may have split or joined some, so that none after it has "
-                                           "its place; repair the file, or leave it out");
+                  2 * damaged > rows
+                      ? "more rows are damaged than intact: repair the file, or leave it out"
+                      : "the header announces " + std::to_string(announced_) + " frames, the file has " +
+                            std::to_string(rows) +
+                            " rows: damage may have split or joined rows, so that later frame numbers are "
+                            "unreliable; repair the file, or leave it out");
     }
     std::size_t whole = 0;
     while (whole < bvh_.damaged.size() && bvh_.damaged[whole] == static_cast<int>(whole)) ++whole;
@@ -297,7 +299,7 @@ class BvhParser {
       const std::size_t begin = bvh_.values.size();
       Token token = scanner.Numbers(bvh_.values);
       const std::size_t in_row = bvh_.values.size() - begin;
-      const bool cut = reports_ && rows > 0;  // then what is whole speaks for itself
+      const bool cut = reports_ && rows > 0;  // then the complete rows are kept
       if (cut && token == Token::kWord && Trim(scanner.rest()).empty()) {
         CutOff(in_row, line, rows, " and '" + Shown(scanner.text()) + "'");
         bvh_.values.resize(begin);
@@ -308,7 +310,7 @@ class BvhParser {
                                  std::to_string(in_row) + " is no finite number";
         const std::string comma = CommaHint(scanner.text());
         if (!comma.empty() && rows == 0) return Bad(what, scanner.line(), comma);
-        if (!reports_) return Bad(what, scanner.line(), "correct or cut the frame, or leave the file out");
+        if (!reports_) return Bad(what, scanner.line(), "correct or remove the frame, or exclude the file");
         Damage("not_a_number", static_cast<double>(in_row), line, rows++, what, begin);
         while (token != Token::kLineEnd && token != Token::kEnd) token = scanner.Next();
         more = token != Token::kEnd;
@@ -330,8 +332,8 @@ class BvhParser {
         Damage("row_length", static_cast<double>(in_row), line, rows, what, begin);
       } else if (const std::optional<double> large = TooLarge(begin)) {
         const std::string what =
-            FormatDouble(*large) + " in frame " + std::to_string(rows) + " is no coordinate or angle of a person";
-        if (!reports_) return Bad(what, line, "numbers reach to " + FormatDouble(kLargestNumber));
+            FormatDouble(*large) + " in frame " + std::to_string(rows) + " is not a plausible coordinate or angle";
+        if (!reports_) return Bad(what, line, "the largest allowed number is " + FormatDouble(kLargestNumber));
         Damage("number_too_large", static_cast<double>(in_row), line, rows, what, begin);
       }
       if (in_row != 0) ++rows;
@@ -341,7 +343,7 @@ class BvhParser {
       return Bad("no frame follows", line,
                  announced_ > 0 ? "the file is cut off: copy it again"
                                 : "'Frames: " + std::to_string(announced_) +
-                                      "' says so as well: nothing was recorded; export it again, or leave it out");
+                                      "' declares none either: nothing was recorded; export it again, or exclude it");
     }
     if (rows > std::numeric_limits<int>::max()) return Bad("too many frames");
     if (Status placed = PlaceDamage(rows); !placed) return placed;
@@ -351,7 +353,7 @@ class BvhParser {
                              name_ + ":" + std::to_string(announced_line_));
       if (!reports_) return contradiction;
       Report("count_contradiction", static_cast<double>(announced_), announced_line_, 0,
-             contradiction.value().what + ": the rows that are there are taken");
+             contradiction.value().what + ": the existing rows are used");
     }
     bvh_.frames = static_cast<int>(rows);
     return {};
@@ -363,7 +365,7 @@ class BvhParser {
                rest + " of " + std::to_string(bvh_.channel_count));
   }
 
-  /// Of what is not there any more, or of what the header says wrongly: what is left may not be all of the motion.
+  /// A finding about lost data or a wrong header: the motion may be incomplete.
   void Report(const char* code, double value, int line, long long frame, const std::string& what) {
     Finding finding;
     finding.code = code;

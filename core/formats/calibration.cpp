@@ -34,10 +34,10 @@ std::string SetIntrinsics(const std::vector<double>& matrix, CalibratedView& vie
   view.fx = matrix[0], view.cx = matrix[2], view.fy = matrix[4], view.cy = matrix[5];
   if (!(view.fx > 0.0) || !(view.fy > 0.0)) {
     return "the focal lengths must be positive, not " + FormatDouble(view.fx) + " and " + FormatDouble(view.fy) +
-           " px: correct them, or leave the camera out";
+           " px: correct them, or remove the camera";
   }
   if (matrix[3] != 0.0 || matrix[6] != 0.0 || matrix[7] != 0.0 || matrix[8] != 1.0) {
-    return "the matrix is no camera matrix (fx s cx; 0 fy cy; 0 0 1)";
+    return "the matrix is not a camera matrix (fx s cx; 0 fy cy; 0 0 1)";
   }
   if (std::abs(matrix[1]) > 1e-6 * view.fx) return "a skew of " + FormatDouble(matrix[1]) + " px is not supported";
   return {};

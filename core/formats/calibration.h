@@ -9,7 +9,7 @@
 
 namespace mocurate {
 
-/// What the rotation R and the vector t of a calibration mean. Files rarely say it.
+/// What the rotation R and the vector t of a calibration mean. Files rarely declare it.
 enum class PoseConvention {
   kUnknown,
   kWorldToCamera,  ///< x_c = R X + t
@@ -24,8 +24,8 @@ std::string_view Name(PoseConvention reading);
 struct CalibratedView {
   std::string name;
   std::string world;  ///< views with the same text share a world (a subject of Human3.6M, a rig of PHSPD)
-  std::string kind;   ///< "hd", "vga", ...; empty: the file does not say
-  int width = 0;      ///< pixels; 0: the file does not say
+  std::string kind;   ///< "hd", "vga", ...; empty: not declared
+  int width = 0;      ///< pixels; 0: not declared
   int height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
   LensDistortion distortion;
@@ -36,8 +36,8 @@ struct CalibratedView {
 /// A calibration file of any dialect.
 struct Calibration {
   std::string dialect;                                ///< "qualisys", "pose2sim_toml", ...
-  PoseConvention reading = PoseConvention::kUnknown;  ///< where the format says it
-  double metres_per_unit = 0;                         ///< where the format says it; 0: unknown
+  PoseConvention reading = PoseConvention::kUnknown;  ///< where the format defines it
+  double metres_per_unit = 0;                         ///< where the format defines it; 0: unknown
   std::vector<CalibratedView> views;
   /// Points that the cameras of their world looked at (calibration boards).
   struct SubjectPoint {
@@ -51,7 +51,8 @@ struct Calibration {
 /// rotation.
 Camera CameraOf(const CalibratedView& view, PoseConvention reading, double metres_per_unit);
 
-/// Pinhole numbers of a row-major 3 x 3 matrix into the view. Returns why it is no camera matrix; empty if it is one.
+/// Pinhole numbers of a row-major 3 x 3 matrix into the view. Returns why it is not a camera matrix; empty if it is
+/// one.
 std::string SetIntrinsics(const std::vector<double>& matrix, CalibratedView& view);
 
 }  // namespace mocurate

@@ -55,7 +55,7 @@ Status SetDistortion(const JsonPlace& place, const std::string& key, CalibratedV
 
 Status CheckPlace(const JsonPlace& place, const std::string& key, const CalibratedView& view) {
   if (view.translation.cwiseAbs().maxCoeff() <= kFarthest) return {};
-  return place.Key(key)->Bad("a camera that far away is none (at most 1e9 units)");
+  return place.Key(key)->Bad("the camera is implausibly far away (at most 1e9 units)");
 }
 
 /// R as a matrix and a translation of 3 numbers, or 3 rows of one.
@@ -115,9 +115,9 @@ Status CampusCamera(const JsonPlace& place, CalibratedView& view) {
     *target = *number;
   }
   if (!(view.fx > 0.0))
-    return place.Key("fx")->Bad("the focal lengths must be positive", "write pixels, or leave the camera out");
+    return place.Key("fx")->Bad("the focal lengths must be positive", "write pixels, or remove the camera");
   if (!(view.fy > 0.0))
-    return place.Key("fy")->Bad("the focal lengths must be positive", "write pixels, or leave the camera out");
+    return place.Key("fy")->Bad("the focal lengths must be positive", "write pixels, or remove the camera");
   const Expected<std::vector<double>> k = TableAt(place, "k", 3, 1);
   if (!k) return Forward(k);
   const Expected<std::vector<double>> p = TableAt(place, "p", 2, 1);
@@ -194,7 +194,7 @@ Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
     return JsonOfToml(toml::parse(bytes), 0);
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
-    return Fail(ErrorCode::kMalformed, "the file is no TOML: " + std::string(error.description()),
+    return Fail(ErrorCode::kMalformed, "the file is not TOML: " + std::string(error.description()),
                 name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column));
   }
 }
@@ -333,7 +333,7 @@ Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string
     return camera.is_object() && (place.Has("fx") || place.Has("fy") || place.Has("cx") || place.Has("cy"));
   });
   if (campus) return ParseCampusShelf(bytes, name);
-  return Fail(ErrorCode::kUnsupported, "the file is no calibration of a known kind", name,
+  return Fail(ErrorCode::kUnsupported, "the file is not a calibration of a known format", name,
               "known are Qualisys, Pose2Sim, Human3.6M, Campus/Shelf, Panoptic, PHSPD and plain cameras");
 }
 

@@ -8,12 +8,12 @@
 
 namespace mocurate {
 
-/// Calibrations as JSON and TOML, each a dialect of its own. Where a file does not say what R and t mean or its unit,
-/// the Calibration leaves it unknown (ingest/inspect/calibration_estimate.h decides by evidence). Errors kMalformed and
+/// Calibrations as JSON and TOML, each with its own layout. Where a file does not declare the meaning of R and t or its
+/// unit, the Calibration leaves it unknown (ingest/inspect/calibration_estimate.h estimates it). Errors kMalformed and
 /// kInconsistent with the path of the field ("calib.json:/cameras/3/K").
 
 /// Pose2Sim and Anipose: [cam] name, size, matrix, distortions (4 or 5), rotation (rotation vector), translation. The
-/// format says world-to-camera and metres; fisheye = true is kUnsupported.
+/// format defines world-to-camera and metres; fisheye = true is kUnsupported.
 Expected<Calibration> ParsePose2SimToml(std::string_view bytes, const std::string& name);
 
 /// {"units": "metre", "convention": "x_cam = R X_world + t...", "cameras": [{name, size, K, dist_k1k2p1p2k3, R, t}]}.
@@ -30,8 +30,8 @@ Expected<Calibration> ParseCampusShelf(std::string_view bytes, const std::string
 Expected<Calibration> ParsePanopticCameras(std::string_view bytes, const std::string& name);
 
 /// PHSPD rigs: per rig the polarisation camera "p" (the world), Kinect v2 depth "d1".. and colour "c1".. cameras; poses
-/// as qw qx qy qz tx ty tz, normalised here. The lens numbers k1 k2 k3 are excluded as the source's own code does. The
-/// boards p1w.. are the subject points; the image sizes are those of the sensors (Kinect v2, 1224 x 1024).
+/// as qw qx qy qz tx ty tz, normalised here. The lens coefficients k1 k2 k3 are ignored, as in the source's own code.
+/// The boards p1w.. are the subject points; the image sizes are those of the sensors (Kinect v2, 1224 x 1024).
 Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& name);
 
 /// The set's own pickle of one rig (CamParams0906.pkl), of the same content; the rig is called as the file is.
@@ -40,7 +40,7 @@ Expected<Calibration> ParsePhspdRigPickle(std::string_view bytes, const std::str
 /// Whether a text, however damaged, was written as a calibration: by keys that nothing else has together.
 bool LooksLikeCalibration(std::string_view bytes);
 
-/// Any of them by what the file holds; Qualisys too. Error kUnsupported when it is none.
+/// Any of them, and Qualisys, by the file's content. Error kUnsupported when no format matches.
 Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string& name);
 
 }  // namespace mocurate

@@ -14,7 +14,7 @@ struct DigitWords {
   int commas = 0;  ///< that have one
 };
 
-/// "E-05" of "1,2E-05"; empty where there is none.
+/// "E-05" of "1,2E-05"; empty without an exponent.
 std::string_view ExponentOf(std::string_view word) {
   const std::size_t e = word.find_first_of("eE");
   if (e == std::string_view::npos) return {};
@@ -25,7 +25,7 @@ std::string_view ExponentOf(std::string_view word) {
   return is ? word.substr(e) : std::string_view();
 }
 
-/// Nothing where a word is no number, or has more than one comma.
+/// Empty where a word is not a number, or has more than one comma.
 std::optional<DigitWords> DigitWordsOf(std::string_view line) {
   std::string words(line);
   std::replace(words.begin(), words.end(), ';', ' ');

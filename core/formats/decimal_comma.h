@@ -11,8 +11,8 @@ namespace mocurate {
 bool HasDecimalCommas(std::string_view line);
 
 /// The table with points for commas and blanks for semicolons, where its first rows have several words each, of digits
-/// with at most one comma, and two such commas or more together; nothing otherwise. Rows of whole numbers alone say
-/// nothing. Line ends stay where they are.
+/// with at most one comma each, and have at least two such words in total; empty otherwise. Rows of whole numbers alone
+/// are not evidence. Line ends stay where they are.
 std::optional<std::string> WithDecimalPoints(std::string_view bytes);
 
 }  // namespace mocurate

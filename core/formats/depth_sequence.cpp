@@ -44,7 +44,7 @@ Expected<DepthSequenceView> ReadDepthView(const JsonPlace& place, const std::str
   if (!size) return Forward(size);
   for (const double side : *size) {
     if (side < 1 || side > kMaxDepthSide || side != std::floor(side))
-      return place.Bad("the image size is no pair of sizes");
+      return place.Bad("the image size is not a width and a height");
   }
   view.width = static_cast<int>((*size)[0]);
   view.height = static_cast<int>((*size)[1]);
@@ -159,7 +159,7 @@ Expected<DepthSequenceTruth> ParseDepthSequenceTruth(std::string_view bytes, con
   const bool moment = document->fps == 0.0;
   const char* key = moment ? "rotvec24" : "frames_data";
   if (!document->value.contains(key)) {
-    return Fail(ErrorCode::kNotFound, "the file carries no truth (" + std::string(key) + ")", name);
+    return Fail(ErrorCode::kNotFound, "the file has no truth (" + std::string(key) + ")", name);
   }
   DepthSequenceTruth truth;
   truth.fps = document->fps;

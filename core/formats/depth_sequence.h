@@ -14,7 +14,7 @@ struct DepthSequenceView {
   std::string name;
   RigidTransform camera_from_rig;
   double fx = 0, fy = 0, cx = 0, cy = 0;
-  int width = 0, height = 0;  ///< 0: the file of one moment does not say it
+  int width = 0, height = 0;  ///< 0: not declared, in the file of one moment
 };
 
 /// Labelled frames, both ends included.
@@ -36,7 +36,7 @@ struct DepthSequence {
   std::vector<DepthSequenceLabel> labels;
 };
 
-/// The truth that stands in the same file (frames_data; of one moment at the top), in the rig's frame.
+/// The truth in the same file (frames_data; of one moment at the top), in the rig's frame.
 struct DepthSequenceTruth {
   double fps = 0.0;
   int frames = 0;

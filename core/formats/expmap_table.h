@@ -13,7 +13,7 @@ namespace mocurate {
 /// Exponential-map tables of the CMU and Human3.6M prediction sets: per frame 3 numbers of the root's place (in CMU's
 /// set a place, in Human3.6M's often a step), then a rotation vector per joint, root first. 99 columns are 32 joints,
 /// 117 are
-/// 38. No header, no rate, no names; the unit of length is not said.
+/// 38. No header, no rate, no names; the unit of length is not declared.
 struct ExpmapTable {
   int frames = 0;
   int joints = 0;

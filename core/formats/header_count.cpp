@@ -3,14 +3,14 @@
 #include "core/base/text.h"
 
 namespace mocurate {
-tl::unexpected<Error> CountContradiction(const std::string& count, double announced, double held,
+tl::unexpected<Error> CountContradiction(const std::string& count, double announced, double found,
                                          const std::string& where, bool at_most) {
   return Fail(ErrorCode::kInconsistent,
               count + " announces " + FormatDouble(announced) + ", the file holds " + (at_most ? "at most " : "") +
-                  FormatDouble(held),
+                  FormatDouble(found),
               where,
-              announced > held ? "the file is cut off, or its header is wrong: copy it again"
-                               : "more follows than is announced: copy it again, or correct the header",
+              announced > found ? "the file is cut off, or its header is wrong: copy it again"
+                                : "more follows than is announced: copy it again, or correct the header",
               Reason::kCount, announced);
 }
 

@@ -16,7 +16,7 @@ struct HumanAct12Code {
   const char* fine_label;
 };
 
-/// Null for a code that the set lacks.
+/// Null for an unknown code.
 const HumanAct12Code* FindHumanAct12Code(std::string_view code);
 
 /// A clip's name: what it was cut from, first and last frame (both included), action.
@@ -28,7 +28,7 @@ struct HumanAct12Name {
 };
 
 /// "P01G01R01F0001T0064A0101", with or without ".npy", or its digits alone, "0111000100640101" (group and repetition
-/// without their leading 0). Nothing where the text is no such name.
+/// without their leading 0). Empty where the text is not such a name.
 std::optional<HumanAct12Name> ParseHumanAct12Name(std::string_view text);
 
 }  // namespace mocurate

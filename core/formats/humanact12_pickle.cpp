@@ -56,7 +56,7 @@ Expected<int> HumanAct12Archive::Label(std::size_t clip) const {
   const Expected<std::int64_t> label = item.Integer();
   if (!label) return Forward(label);
   if (*label < 0 || *label >= classes_) {
-    return item.Bad("class " + std::to_string(*label) + " is none of 0 to " + std::to_string(classes_ - 1));
+    return item.Bad("class " + std::to_string(*label) + " is outside 0 to " + std::to_string(classes_ - 1));
   }
   return static_cast<int>(*label);
 }

@@ -19,7 +19,7 @@ struct HumanAct12Clip {
 };
 
 /// `humanact12poses.pkl`: lists `poses`, `joints3D`, `y` with one entry per clip; `oldposes` is not data. A list
-/// `labels`, which the published file lacks, names the classes. Errors kMalformed name list and clip.
+/// `labels` names the classes; the published file does not have it. Errors kMalformed name list and clip.
 Expected<std::vector<HumanAct12Clip>> ParseHumanAct12Pickle(std::string_view bytes, const std::string& name);
 
 /// The same, a clip at a time.

@@ -53,7 +53,7 @@ Expected<JointColumn> ColumnOf(const std::string& word, const std::string& where
     if (word == kWords[i]) return static_cast<JointColumn>(i);
   }
   const auto nearest = Nearest(word, std::vector<std::string>(kWords.begin(), kWords.end()));
-  return Fail(ErrorCode::kConfig, "'" + Shown(word) + "' is no column of a joint", where,
+  return Fail(ErrorCode::kConfig, "'" + Shown(word) + "' is not a column of a joint", where,
               nearest ? "did you mean '" + *nearest + "'?"
                       : "columns are x y z confidence rotation rotation_confidence frame skip");
 }
@@ -74,11 +74,11 @@ Status CheckGroup(const JointGroup& group, const std::string& where) {
     const bool of_joint = column != JointColumn::kFrame && column != JointColumn::kSkip;
     if (of_joint && coordinates == 0) {
       return Fail(ErrorCode::kConfig,
-                  std::string("'") + kWords[static_cast<std::size_t>(column)] + "' stands in a group without x, y, z",
+                  std::string("'") + kWords[static_cast<std::size_t>(column)] + "' is in a group without x, y, z",
                   where);
     }
     if (column == JointColumn::kFrame && (coordinates != 0 || group.count != 1)) {
-      return Fail(ErrorCode::kConfig, "'frame' stands outside of the joints, once", where);
+      return Fail(ErrorCode::kConfig, "'frame' appears once, outside of the joints", where);
     }
   }
   return {};
@@ -154,8 +154,8 @@ void CheckFrameNumbers(JointRows& rows, const std::string& name) {
   }
 }
 
-/// The place of each row among all frames that the numbers count; empty where they leave none out, do not grow by whole
-/// steps, or leave out more than a recording would lose.
+/// The frame index of each row by its frame number. Empty where no number is skipped, where the numbers do not grow by
+/// whole steps, or where more are skipped than a recording would lose.
 std::vector<int> PlacesByNumber(const JointRows& rows) {
   constexpr double kLongestGap = 10000.0;  // frames; a recording of minutes has some thousands
   std::vector<int> places;
@@ -185,7 +185,7 @@ void Spread(const std::vector<int>& places, int frames, std::vector<double>& val
   values = std::move(spread);
 }
 
-/// Frames that the numbers leave out become frames without a number, so that those after keep their time.
+/// Inserts missing frames for skipped frame numbers, so that later frames keep their time.
 void KeepGaps(JointRows& rows) {
   const std::vector<int> places = PlacesByNumber(rows);
   if (places.empty()) return;

@@ -11,7 +11,7 @@ namespace mocurate {
 /// What one number (kRotation: nine, row by row) of a joint or of a frame is.
 enum class JointColumn { kX, kY, kZ, kConfidence, kRotation, kRotationConfidence, kFrame, kSkip };
 
-/// `count` joints in a row with the same columns; a group without x, y and z is no joint (a frame number).
+/// `count` joints in a row with the same columns; a group without x, y and z is not a joint (a frame number).
 struct JointGroup {
   int count = 1;
   std::vector<JointColumn> columns;
@@ -36,7 +36,7 @@ Expected<JointLayout> ParseJointLayout(std::string_view text, const std::string&
 struct JointRows {
   int frames = 0;
   int joints = 0;
-  int rows_left_over = 0;                   ///< after the last whole frame, where no break explains them
+  int rows_left_over = 0;                   ///< after the last complete frame, where no discontinuity explains them
   std::vector<double> position;             ///< (frames, joints, 3)
   std::vector<double> confidence;           ///< (frames, joints) as written; empty: none declared
   std::vector<double> rotation;             ///< (frames, joints, 9) row by row; 0 where a joint has none; empty: none
@@ -46,9 +46,9 @@ struct JointRows {
                                             ///< "time_gap": frames without a row, which are NaN in their place
 };
 
-/// `table` says how the text is cut into rows (separator, missing, END, damaged rows); its rows_per_frame must divide
-/// the numbers of a frame; its columns and names follow from the layout. Errors are those of ParseJointTable, and
-/// kUsage for a layout that does not fit rows_per_frame.
+/// `table` declares how the text is split into rows (separator, missing, END, damaged rows); its rows_per_frame must
+/// divide the numbers of a frame; its columns and names follow from the layout. Errors are those of ParseJointTable,
+/// and kUsage for a layout that does not fit rows_per_frame.
 Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& layout, JointTableLayout table,
                                    const std::string& name);
 

@@ -33,7 +33,7 @@ char OtherSeparator(std::string_view line) {
 }
 
 /// Whether a number that is not finite is "nan", "-NaN", "nan(ind)": not "inf", nor digits beyond a double.
-bool SaysNan(std::string_view text) {
+bool IsNanWord(std::string_view text) {
   const std::size_t first = text.find_first_not_of("+-");
   return first != std::string_view::npos && (text[first] == 'n' || text[first] == 'N');
 }
@@ -75,8 +75,8 @@ class JointTableParser {
   struct Row {
     int numbers = 0;
     bool more = true;
-    std::string damage;      ///< what is no number; empty: nothing
-    std::string not_finite;  ///< what is no finite number, and was not declared; empty: nothing
+    std::string damage;      ///< what is not a number; empty: nothing
+    std::string not_finite;  ///< what is not finite, and was not declared; empty: nothing
     int not_finite_numbers = 0;
   };
 
@@ -98,7 +98,7 @@ class JointTableParser {
     return std::nullopt;
   }
 
-  /// The rest of a line whose numbers so far stand from `begin` on, and end at `token`.
+  /// The rest of a line whose numbers so far are stored from `begin` on, and end at `token`.
   Expected<Row> ReadRow(Token token, std::size_t begin) {
     Row row;
     for (;; token = scanner_.Numbers(table_.values)) {
@@ -114,7 +114,7 @@ class JointTableParser {
         return row;
       }
       const bool nan = token == Token::kNotFinite;
-      const bool declared = nan && layout_.allow_nan && SaysNan(scanner_.text());
+      const bool declared = nan && layout_.allow_nan && IsNanWord(scanner_.text());
       if (nan && !declared) ++row.not_finite_numbers;
       std::string& place = nan ? row.not_finite : row.damage;
       if (place.empty() && !declared) {
@@ -129,14 +129,14 @@ class JointTableParser {
   Status NothingFollows() {
     for (Token token = scanner_.Next(); token != Token::kEnd; token = scanner_.Next()) {
       if (token == Token::kLineEnd) continue;
-      return Bad("'" + Shown(scanner_.text()) + "' stands after " + layout_.end_word, scanner_.line(),
+      return Bad("'" + Shown(scanner_.text()) + "' follows " + layout_.end_word, scanner_.line(),
                  layout_.end_word + " closes the table");
     }
     return {};
   }
 
-  /// Counts the row. A damaged one is refused, or stands in its place as NaN; numbers in it that are none of a
-  /// person are refused, or stand as NaN alone.
+  /// Counts the row. A damaged row is refused, or stored as NaN. Single numbers that are implausible are refused, or
+  /// stored as NaN.
   Status Keep(const Row& row, std::size_t begin, int line) {
     const auto none = std::count_if(table_.values.begin() + static_cast<std::ptrdiff_t>(begin), table_.values.end(),
                                     [](double value) { return std::isnan(value); });
@@ -147,9 +147,9 @@ class JointTableParser {
     if (rows_ == 0 && words && !numbers && !row.damage.empty() && layout_.damaged_rows == DamagedRows::kReport &&
         ++header_lines_ <= kFewRows) {
       table_.values.resize(begin);
-      Tell("not_a_number", 0, static_cast<double>(none),
-           name_ + ":" + std::to_string(line) + ": " + Counted(none, "word") +
-               " before the first row of numbers: a header, passed over");
+      AddFinding("not_a_number", 0, static_cast<double>(none),
+                 name_ + ":" + std::to_string(line) + ": " + Counted(none, "word") +
+                     " before the first row of numbers: taken as a header, skipped");
       table_.findings.back().frame_end = 0;
       table_.findings.back().severity = Severity::kInfo;
       table_.findings.back().action = FindingAction::kExcluded;
@@ -172,7 +172,7 @@ class JointTableParser {
       const char other = commas ? 0 : OtherSeparator(line_begin_.substr(0, line_begin_.find_first_of("\r\n")));
       if (commas) what += ": its numbers have a decimal comma";
       if (other != 0) {
-        what += std::string(": its numbers stand between '") + other + "'";
+        what += std::string(": its numbers are separated by '") + other + "'";
         hint = "write them with blanks or commas between them";
         return Bad(what, line, hint);
       }
@@ -181,7 +181,7 @@ class JointTableParser {
       if (first_damage_.empty()) first_damage_ = what, first_damaged_line_ = line;
       if (++damaged_rows_ > kFewRows && damaged_rows_ > rows_ / 2 + 1) {
         return Bad(first_damage_, first_damaged_line_,
-                   "more rows are damaged than whole: this is no table of such rows");
+                   "more rows are damaged than intact: this is not a table with the declared columns");
       }
       if (row.numbers < table_.columns) short_line_ = line;
       Report(code, frame, row.numbers, name_ + ":" + std::to_string(line) + ": " + what);
@@ -193,7 +193,7 @@ class JointTableParser {
     return {};
   }
 
-  /// Of a row that is whole: numbers that are not finite, or no coordinate of a person.
+  /// Of a complete row: numbers that are not finite or implausibly large.
   Status KeepNumbers(const Row& row, std::size_t begin, int line, long long frame) {
     if (!row.not_finite.empty()) {
       constexpr const char* kWay = "a missing joint is declared with `missing: nan`";
@@ -203,9 +203,9 @@ class JointTableParser {
     const std::optional<int> first = TooLarge(begin);
     if (!first) return {};
     const std::string what = FormatDouble(table_.values[begin + static_cast<std::size_t>(*first)]) +
-                             " is no coordinate of a person (" + Column(*first) + ")";
+                             " is not a plausible coordinate (" + Column(*first) + ")";
     if (layout_.damaged_rows == DamagedRows::kRefuse) {
-      return Bad(what, line, "numbers reach to " + FormatDouble(kLargestNumber));
+      return Bad(what, line, "the largest allowed number is " + FormatDouble(kLargestNumber));
     }
     int numbers = 0;
     for (auto value = table_.values.begin() + static_cast<std::ptrdiff_t>(begin); value != table_.values.end();
@@ -218,7 +218,7 @@ class JointTableParser {
     return {};
   }
 
-  /// Numbers that stand as NaN in rows that are whole: one finding for all.
+  /// Numbers stored as NaN in complete rows: one finding for all.
   struct Excluded {
     long long numbers = 0;
     long long first_frame = 0;
@@ -239,23 +239,23 @@ class JointTableParser {
 
   void Report(const char* code, const Excluded& excluded, const std::string& way) {
     if (excluded.numbers == 0) return;
-    Tell(code, excluded.first_frame, static_cast<double>(excluded.numbers),
-         name_ + ":" + std::to_string(excluded.first_line) + ": " + excluded.first +
-             (excluded.numbers > 1 ? ", and " + Counted(excluded.numbers - 1, "more such number") : "") +
-             "; a point is taken for missing where one of its numbers is" + way);
+    AddFinding(code, excluded.first_frame, static_cast<double>(excluded.numbers),
+               name_ + ":" + std::to_string(excluded.first_line) + ": " + excluded.first +
+                   (excluded.numbers > 1 ? ", and " + Counted(excluded.numbers - 1, "more of these numbers") : "") +
+                   "; a point with one of these numbers is set to missing" + way);
     table_.findings.back().frame_end =
         static_cast<int>(std::min<long long>(excluded.last_frame, std::numeric_limits<int>::max() - 1)) + 1;
     table_.findings.back().action = FindingAction::kMissing;
   }
 
-  /// The first thousand damaged rows are reported one by one.
+  /// The first thousand damaged rows get a finding each.
   void Report(const char* code, long long frame, double value, std::string message) {
     constexpr std::size_t kMostFindings = 1000;
     if (table_.findings.size() >= kMostFindings) return;
-    Tell(code, frame, value, std::move(message));
+    AddFinding(code, frame, value, std::move(message));
   }
 
-  void Tell(const char* code, long long frame, double value, std::string message) {
+  void AddFinding(const char* code, long long frame, double value, std::string message) {
     Finding finding;
     finding.code = code;
     finding.frame_begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
@@ -268,7 +268,7 @@ class JointTableParser {
 
   Expected<JointTable> Finish() {
     if (rows_ == 0 && !table_.findings.empty()) {
-      return Fail(ErrorCode::kMalformed, "the file holds no row of numbers", name_, "this is no table of numbers");
+      return Fail(ErrorCode::kMalformed, "the file holds no row of numbers", name_, "this is not a table of numbers");
     }
     if (rows_ == 0) return Fail(ErrorCode::kMalformed, "the file holds no numbers", name_, "is the file empty?");
     const long long frames = rows_ / layout_.rows_per_frame;
@@ -278,13 +278,15 @@ class JointTableParser {
                                " not a whole number of frames of " + std::to_string(layout_.rows_per_frame) +
                                " rows (" + std::to_string(left_over) + " left over)";
       if (frames == 0 && !first_damage_.empty()) {
-        return Bad(first_damage_, first_damaged_line_, "no frame of the file is whole: this is no table of such rows");
+        return Bad(first_damage_, first_damaged_line_,
+                   "no frame of the file is complete: this is not a table with the declared columns");
       }
       if (layout_.damaged_rows == DamagedRows::kRefuse || frames == 0) {
         return Bad(what, scanner_.line(),
                    "check rows_per_frame; or a row is missing or too many, or the file is cut off");
       }
-      Tell("cut_off", frames, static_cast<double>(left_over), name_ + ":" + std::to_string(last_line_) + ": " + what);
+      AddFinding("cut_off", frames, static_cast<double>(left_over),
+                 name_ + ":" + std::to_string(last_line_) + ": " + what);
       table_.findings.back().severity = Severity::kError;
     } else if (short_line_ == last_line_ && !table_.findings.empty()) {
       // A last row that is too short is where the file was cut.
@@ -331,7 +333,7 @@ Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLay
   }
   if (layout.rows_per_frame < 1) return Fail(ErrorCode::kUsage, "rows_per_frame must be at least 1", name);
   if (layout.damaged_rows == DamagedRows::kReport && layout.columns < 1) {
-    return Fail(ErrorCode::kUsage, "damaged rows can be detected only where the columns are declared", name);
+    return Fail(ErrorCode::kUsage, "damaged rows are detected only where the columns are declared", name);
   }
   return JointTableParser(bytes, layout, name).Run();
 }

@@ -17,7 +17,7 @@ struct JointTableLayout {
   int rows_per_frame = 1;
   int columns = 0;  ///< numbers per row; 0: as many as the first row has
   Separator separator = Separator::kAny;
-  bool allow_nan = false;  ///< "nan" is a value (a tracker's word for a missing joint), not an error; "inf" never is
+  bool allow_nan = false;  ///< "nan" marks a missing joint and is not an error; "inf" always is
   DamagedRows damaged_rows = DamagedRows::kRefuse;
   std::string end_word;                   ///< closes the table ("END"), on a line of its own; need not be there
   std::vector<std::string> column_names;  ///< for messages; may be fewer than columns
@@ -30,7 +30,7 @@ struct JointTable {
   int rows_per_frame = 0;
   int columns = 0;
   std::vector<double> values;  ///< NaN: not a finite number, or a damaged frame
-  int rows_left_over = 0;      ///< with DamagedRows::kReport: after the last whole frame
+  int rows_left_over = 0;      ///< with DamagedRows::kReport: after the last complete frame
   std::vector<Finding>
       findings;  ///< with DamagedRows::kReport: "row_length", "not_a_number", "number_too_large", "cut_off"
 
@@ -40,12 +40,11 @@ struct JointTable {
 };
 
 /// Blank lines and a trailing separator are ignored; LF, CRLF, byte order mark. Error kMalformed "name:line" for an
-/// empty file, a row with another count of numbers, something that is no number, a number that is not finite or beyond
-/// 1e30, and a count of rows that rows_per_frame does not divide. With DamagedRows::kReport a frame that holds a row of
-/// another length, or with something that is no number, is NaN throughout, keeps its place, and is reported; a number
-/// that is not finite or too large is NaN, with one finding for all; rows after the last whole frame are excluded and
-/// reported.
-/// The columns must then be declared: a damaged first row says nothing about the others.
+/// empty file, a row with another count of numbers, a word that is not a number, a number that is not finite or beyond
+/// 1e30, and a count of rows that rows_per_frame does not divide. With DamagedRows::kReport a frame with a row of
+/// another length, or with a word that is not a number, is NaN throughout, keeps its place, and is reported. A number
+/// that is not finite or too large is NaN, with one finding for all. Rows after the last complete frame are dropped and
+/// reported. The columns must then be declared: a damaged first row does not give the length of the others.
 Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLayout& layout, const std::string& name);
 
 /// The same as text: one row per line, numbers that read back as the same doubles.

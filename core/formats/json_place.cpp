@@ -13,7 +13,7 @@ using nlohmann::json;
 
 namespace {
 
-/// "'R', 'T'": what stands where a key is missing.
+/// "'R', 'T'": the keys that are there where one is missing.
 std::string KeysOf(const json& value) {
   constexpr std::size_t kMost = 8;
   std::string keys;
@@ -25,19 +25,19 @@ std::string KeysOf(const json& value) {
   return keys;
 }
 
-/// The words that Python and JavaScript write for numbers that are none; JSON has no such.
-constexpr std::string_view kNoNumbers[] = {"NaN", "Infinity", "-Infinity"};
+/// The words that Python and JavaScript write for non-finite numbers, which JSON does not have.
+constexpr std::string_view kNonFiniteWords[] = {"NaN", "Infinity", "-Infinity"};
 
-/// JSON with these words made texts, where they stand outside of texts.
-std::string WithNoNumbersAsTexts(std::string_view bytes) {
+/// JSON with these words in quotes, where they are outside of texts.
+std::string QuoteNonFiniteWords(std::string_view bytes) {
   std::string text;
   bool quoted = false;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     const std::string_view rest = bytes.substr(i);
-    const auto* word = quoted ? std::end(kNoNumbers)
-                              : std::find_if(std::begin(kNoNumbers), std::end(kNoNumbers),
+    const auto* word = quoted ? std::end(kNonFiniteWords)
+                              : std::find_if(std::begin(kNonFiniteWords), std::end(kNonFiniteWords),
                                              [&](std::string_view any) { return rest.substr(0, any.size()) == any; });
-    if (word != std::end(kNoNumbers)) {
+    if (word != std::end(kNonFiniteWords)) {
       text += '"' + std::string(*word) + '"';
       i += word->size() - 1;
       continue;
@@ -57,7 +57,7 @@ bool IsNonFinite(const json& value) {
   if (value.is_null()) return true;
   if (!value.is_string()) return false;
   const auto& text = value.get_ref<const std::string&>();
-  return std::find(std::begin(kNoNumbers), std::end(kNoNumbers), text) != std::end(kNoNumbers);
+  return std::find(std::begin(kNonFiniteWords), std::end(kNonFiniteWords), text) != std::end(kNonFiniteWords);
 }
 
 tl::unexpected<Error> JsonPlace::Bad(const std::string& rule, const std::string& hint) const {
@@ -83,7 +83,7 @@ Expected<std::vector<JsonPlace>> JsonPlace::Items() const {
 Expected<double> JsonPlace::Number() const {
   if (IsNonFinite(*value)) {
     return Bad("a finite number is expected, not " + (value->is_null() ? "null" : value->get<std::string>()),
-               "write the number that belongs there");
+               "write the correct number");
   }
   if (!value->is_number()) return Bad("a number is expected");
   const double number = value->get<double>();
@@ -156,9 +156,8 @@ Expected<Matrix3d> JsonPlace::Rotation(double tolerance) const {
   if (!matrix) return Forward(matrix);
   const std::string fault = RotationFault(*matrix, tolerance);
   if (!fault.empty()) {
-    return Fail(
-        ErrorCode::kInconsistent, fault, Where(),
-        "its rows are to be of length 1 and at right angles: correct the number that is not, or copy the file again");
+    return Fail(ErrorCode::kInconsistent, fault, Where(),
+                "its rows must be orthonormal: correct the number that is wrong, or copy the file again");
   }
   return *matrix;
 }
@@ -167,7 +166,7 @@ std::string RotationFault(const Matrix3d& matrix, double tolerance) {
   const double deviation = (matrix * matrix.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff();
   const double determinant = matrix.determinant();
   if (deviation < tolerance && determinant > 0.0) return {};
-  return "the matrix is no rotation (deviation " + FormatDouble(deviation) + ", determinant " +
+  return "the matrix is not a rotation (deviation " + FormatDouble(deviation) + ", determinant " +
          FormatDouble(determinant) + ")";
 }
 
@@ -176,7 +175,7 @@ Expected<json> ParseJson(std::string_view bytes, const std::string& name) {
   if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
   if (Trim(bytes).empty()) return EmptyFile(name);
   json value = json::parse(bytes.begin(), bytes.end(), nullptr, false);
-  if (value.is_discarded()) value = json::parse(WithNoNumbersAsTexts(bytes), nullptr, false);
+  if (value.is_discarded()) value = json::parse(QuoteNonFiniteWords(bytes), nullptr, false);
   if (value.is_discarded()) return Fail(ErrorCode::kMalformed, "the file is not valid JSON", name);
   return value;
 }

@@ -36,12 +36,12 @@ struct JsonPlace {
   Expected<Vector3d> Vector() const;
   /// 3 x 3, whatever its values.
   Expected<Matrix3d> Matrix() const;
-  /// 3 x 3 that is a rotation to `tolerance`, as it stands in the file. Error kInconsistent.
+  /// 3 x 3 that is a rotation to `tolerance`, as written in the file. Error kInconsistent.
   Expected<Matrix3d> Rotation(double tolerance = 1e-3) const;
 };
 
-/// Error kMalformed for an empty file and for what is no JSON. NaN, Infinity and -Infinity, which Python's json writes,
-/// are read as texts of that name.
+/// Error kMalformed for an empty file and for text that is not JSON. NaN, Infinity and -Infinity, which Python's json
+/// writes, are read as texts of that name.
 Expected<nlohmann::json> ParseJson(std::string_view bytes, const std::string& name);
 
 /// NaN or an infinity as ParseJson reads them, or null, which others write in their place.

@@ -7,13 +7,13 @@
 
 namespace mocurate {
 
-/// A piece of a file as it may stand in a message: printable ASCII, at most 40 characters.
+/// A piece of a file for a message: printable ASCII, at most 40 characters.
 std::string Shown(std::string_view text);
 
 /// Whether two words are the same, letter case of ASCII aside.
 bool SameWord(std::string_view a, std::string_view b);
 
-/// Lines of a text without their ends (LF, CRLF, CR), counted from 1; a byte order mark is excluded.
+/// Lines of a text without their ends (LF, CRLF, CR), counted from 1; a byte order mark is skipped.
 class LineReader {
  public:
   LineReader(std::string_view bytes, std::string name);

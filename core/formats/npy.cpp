@@ -62,7 +62,8 @@ class HeaderReader {
 
  private:
   tl::unexpected<Error> Bad(const std::string& wanted) const {
-    return Fail(ErrorCode::kMalformed, "the npy header lacks " + wanted, name_ + ":byte " + std::to_string(at_));
+    return Fail(ErrorCode::kMalformed, "the npy header does not have " + wanted,
+                name_ + ":byte " + std::to_string(at_));
   }
   void SkipBlanks() {
     while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\n' || text_[at_] == '\t')) ++at_;
@@ -127,8 +128,8 @@ Expected<Parts> Split(std::string_view bytes, const std::string& name) {
   if (bytes.empty()) return EmptyFile(name);
   const bool begins = bytes.substr(0, kNpyMagic.size()) == kNpyMagic.substr(0, bytes.size());
   if (!begins) {
-    return Fail(ErrorCode::kMalformed, "the file does not begin as a numpy array", name,
-                "it is no .npy file: write the array with numpy.save, or take the file out of the folder");
+    return Fail(ErrorCode::kMalformed, "the file does not begin with the magic bytes of a .npy file", name,
+                "write the array with numpy.save, or remove the file from the folder");
   }
   if (bytes.size() < 10) return CutHeader(bytes, name);
   const int version = static_cast<unsigned char>(bytes[6]);
@@ -178,9 +179,9 @@ Expected<NpyArray> ParseParts(const Parts& parts, const std::string& name) {
   if (!count) {
     double announced = 1.0;
     for (const std::size_t extent : header.shape) announced *= static_cast<double>(extent);
-    const double held = static_cast<double>(data.size()) / static_cast<double>(std::max<std::size_t>(1, type->bytes));
-    const double whole = std::floor(held) == announced ? held : std::floor(held);
-    return CountContradiction("shape " + ShapeText(header.shape), announced, whole, name);
+    const double stored = static_cast<double>(data.size()) / static_cast<double>(std::max<std::size_t>(1, type->bytes));
+    const double found = std::floor(stored) == announced ? stored : std::floor(stored);
+    return CountContradiction("shape " + ShapeText(header.shape), announced, found, name);
   }
   NpyArray array;
   array.shape = header.shape;
@@ -191,7 +192,7 @@ Expected<NpyArray> ParseParts(const Parts& parts, const std::string& name) {
     return array;
   }
   std::optional<std::vector<std::string>> texts = DecodeTexts(*type, data);
-  if (!texts) return Fail(ErrorCode::kMalformed, "a text holds a character that is none of Unicode", name);
+  if (!texts) return Fail(ErrorCode::kMalformed, "a text holds a character that is not valid Unicode", name);
   array.texts = std::move(*texts);
   if (type->bytes == 0) array.texts.resize(*count);
   if (header.fortran) Reorder(array.shape, array.texts);
@@ -245,7 +246,7 @@ Expected<NpyArray> ParseNpyEntry(std::string_view bytes, std::size_t entry, cons
     return whole;
   }
   const std::optional<ElementType> type = ParseElementType(parts->header.dtype);
-  // Contradictions are reported for the whole file.
+  // Contradictions are reported for the whole array.
   if (!type || type->kind == ElementKind::kObject || !ElementCount(shape, type->bytes, parts->data.size())) {
     return ParseParts(*parts, name);
   }

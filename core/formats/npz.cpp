@@ -70,7 +70,7 @@ Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const Np
 Finding UnsafeMember(const Error& unsafe) {
   Finding finding;
   finding.code = "unsafe_pickle";
-  finding.message = unsafe.Message() + "; the member is excluded";
+  finding.message = unsafe.Message() + "; the member is skipped";
   finding.action = FindingAction::kExcluded;
   return finding;
 }

@@ -20,9 +20,9 @@ struct NpzMember {
 
 struct Npz {
   std::vector<NpzMember> members;  ///< in the order of the archive
-  std::vector<Error> unsafe;       ///< of members whose pickle names a class beside plain data, such as `os system`
+  std::vector<Error> unsafe;       ///< of members whose pickle names a class, such as `os system`
 
-  /// Null when there is none of that name, or when it was skipped.
+  /// Null when it does not exist or was skipped.
   const NpyArray* Find(std::string_view name) const;
 };
 
@@ -31,16 +31,16 @@ struct NpzLimits {
   std::size_t numbers = std::size_t{1} << 27;  ///< over all members
 };
 
-/// numpy.savez, packed or not. Members of types that are no numbers and no texts are listed and skipped, never
-/// executed; members that are no .npy files are ignored, but
-/// for what pickles (.pkl, .pickle; PyTorch's archives hold one) name. Errors kMalformed (with the member),
+/// numpy.savez, packed or not. Members that are neither numbers nor texts are listed and skipped, never
+/// executed. Members that are not .npy files are ignored, except that pickles (.pkl, .pickle; PyTorch's archives hold
+/// one) are checked for the classes they name. Errors kMalformed (with the member),
 /// kUnsupported (limits), kInconsistent (two members of one name).
 Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const NpzLimits& limits = {});
 
-/// "unsafe_pickle" (warning, at no frame): that such a member was excluded while others are read.
+/// "unsafe_pickle" (warning, at no frame): an unsafe member was skipped while others are read.
 Finding UnsafeMember(const Error& unsafe);
 
-/// Not packed, fixed dates: same arrays, same bytes. Errors as of EncodeNpy; skipped members are none to write.
+/// Not packed, fixed dates: same arrays, same bytes. Errors as of EncodeNpy; skipped members are not written.
 Expected<std::string> EncodeNpz(const Npz& npz, const std::string& name);
 
 }  // namespace mocurate

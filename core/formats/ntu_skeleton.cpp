@@ -66,9 +66,9 @@ class NtuParser {
       break;
     }
     frame_ = body_ = joint_ = -1;
-    if (const int held = static_cast<int>(skeleton_.frames.size()); held != *frames) {
+    if (const int found = static_cast<int>(skeleton_.frames.size()); found != *frames) {
       const auto contradiction =
-          CountContradiction("the frame count", *frames, held, name_ + ":" + std::to_string(line));
+          CountContradiction("the frame count", *frames, found, name_ + ":" + std::to_string(line));
       if (!reports_) return contradiction;
       Report("count_contradiction", *frames, line, contradiction.value().what);
       skeleton_.findings.back().severity = Severity::kError;
@@ -105,7 +105,7 @@ class NtuParser {
     skeleton_.findings.push_back(std::move(finding));
   }
 
-  /// The frame in which the file ends; what was said of its lines is said by that.
+  /// Drops the frame in which the file ends; one finding replaces those of its lines.
   void DropLastFrame(const Error& why) {
     std::vector<Finding>& findings = skeleton_.findings;
     findings.erase(std::remove_if(findings.begin(), findings.end(),
@@ -128,8 +128,8 @@ class NtuParser {
     return where;
   }
 
-  /// Numbers of the next line that is not blank, into `row_`; `line_` is where it stands. Where a damaged line may be
-  /// excluded (`damaged` is not null), it says whether it was.
+  /// Numbers of the next line that is not blank, into `row_`; `line_` is its line number. Where a damaged line may
+  /// be skipped (`damaged` is not null), `damaged` returns whether it was.
   Status Row(const char* const* fields, int count, bool* damaged = nullptr) {
     row_.clear();
     Token token = Token::kLineEnd;
@@ -138,11 +138,11 @@ class NtuParser {
       token = scanner_.Numbers(row_);
     }
     const int read = static_cast<int>(row_.size());
-    const bool leaves_out = reports_ && damaged != nullptr;
+    const bool skips = reports_ && damaged != nullptr;
     if (token == Token::kWord || token == Token::kNotFinite) {
       const std::string what = "'" + Shown(scanner_.text()) +
-                               "' is no finite number: " + (read < count ? fields[read] : "behind the last field");
-      if (!leaves_out) return Bad(what);
+                               "' is not a finite number: " + (read < count ? fields[read] : "after the last field");
+      if (!skips) return Bad(what);
       Report("not_a_number", read, line_, what);
       while (token != Token::kLineEnd && token != Token::kEnd) token = scanner_.Next();
       *damaged = true;
@@ -151,9 +151,9 @@ class NtuParser {
     for (int i = 0; i < std::min(read, count); ++i) {
       if (std::abs(row_[static_cast<std::size_t>(i)]) <= kLargestNumber) continue;
       const std::string what =
-          FormatDouble(row_[static_cast<std::size_t>(i)]) + " is no number of a person: " + fields[i];
-      if (!leaves_out)
-        return Bad(what, ErrorCode::kMalformed, "numbers reach to " + FormatDouble(kLargestNumber), line_);
+          FormatDouble(row_[static_cast<std::size_t>(i)]) + " is not a plausible value: " + fields[i];
+      if (!skips)
+        return Bad(what, ErrorCode::kMalformed, "the largest allowed number is " + FormatDouble(kLargestNumber), line_);
       Report("number_too_large", i, line_, what);
       *damaged = true;
       return {};
@@ -163,11 +163,11 @@ class NtuParser {
                  "a count contradicts what follows, or the file is cut off: copy it again");
     }
     if (read == count) return {};
-    const std::string what = std::to_string(read) + " numbers stand where " + std::to_string(count) +
+    const std::string what = std::to_string(read) + " numbers are found where " + std::to_string(count) +
                              " are expected, from " + fields[0] +
                              (count > 1 ? std::string(" to ") + fields[count - 1] : "");
     // A line of one number or of ten may be a count or another body: then lines are missing, and nothing has its place.
-    if (leaves_out && read != 1 && read != static_cast<int>(kBodyFields.size())) {
+    if (skips && read != 1 && read != static_cast<int>(kBodyFields.size())) {
       Report("row_length", read, line_, what);
       *damaged = true;
       return {};
@@ -177,8 +177,8 @@ class NtuParser {
 
   Expected<int> Whole(double value, const char* field, int least, int most) const {
     if (!(value >= least && value <= most) || value != std::floor(value)) {
-      return Bad(std::string(field) + " " + FormatDouble(value) + " is no whole number from " + std::to_string(least) +
-                     " to " + std::to_string(most),
+      return Bad(std::string(field) + " " + FormatDouble(value) + " is not a whole number from " +
+                     std::to_string(least) + " to " + std::to_string(most),
                  ErrorCode::kMalformed, "copy the file again", line_);
     }
     return static_cast<int>(value);
@@ -199,10 +199,10 @@ class NtuParser {
     const std::string_view text = scanner_.text();
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
     if (error != std::errc() || end != text.data() + text.size()) {
-      return Bad("'" + Shown(text) + "' is no body id", ErrorCode::kMalformed, "a whole number of up to 64 bits");
+      return Bad("'" + Shown(text) + "' is not a body id", ErrorCode::kMalformed, "a whole number of up to 64 bits");
     }
     for (const NtuBody& other : skeleton_.frames.back()) {
-      if (other.id == id) return Bad("body id " + std::to_string(id) + " stands twice in a frame");
+      if (other.id == id) return Bad("body id " + std::to_string(id) + " appears twice in a frame");
     }
     return {};
   }
@@ -215,8 +215,8 @@ class NtuParser {
     bool damaged = false;
     if (Status row = Row(&kBodyFields[1], 9, &damaged); !row) return row;
     if (line_ != line) {
-      return Bad("1 number stands where 10 are expected, from body id to body tracking state", ErrorCode::kInconsistent,
-                 "a count contradicts what follows, or the line is damaged", line);
+      return Bad("1 number is found where 10 are expected, from body id to body tracking state",
+                 ErrorCode::kInconsistent, "a count contradicts what follows, or the line is damaged", line);
     }
     if (!damaged) {
       if (Status flags = Flags(body); !flags) return flags;

@@ -52,14 +52,13 @@ struct NtuSkeleton {
 inline bool operator==(const NtuSkeleton& a, const NtuSkeleton& b) { return a.frames == b.frames; }
 
 /// Text: count of frames; per frame the count of bodies; per body a line of 10 numbers, a line "25", 25 lines of 12.
-/// A file of 0 frames is read as such. Error kMalformed "name:line" that names frame, body, joint and field: a line
-/// with another count of numbers, no finite number, a whole number or a tracking state out of range, an id twice in a
-/// frame; kInconsistent: the counts of frames, bodies or joints contradict what follows. Nothing is allocated on the
-/// word of a count. With DamagedRows::kReport a line of a joint or of a body's flags that holds no number, NaN (which
-/// files of the set are known to have) or another count of numbers leaves that joint at tracking state 0 and zeros, or
-/// the flags at 0, and is reported; so is a count of frames that is not the count of whole frames, and a last frame
-/// that is cut off, which is excluded. A line too few or too many elsewhere stays an error. Layout: Shahroudy et al.
-/// 2016, the released reader of the data set.
+/// A file of 0 frames is valid. Error kMalformed "name:line" names frame, body, joint and field. Faults: a line with
+/// another count of numbers, a number that is not finite, a whole number or a tracking state out of range, an id twice
+/// in a frame. kInconsistent: the counts of frames, bodies or joints contradict the data. No memory is allocated by
+/// declared counts alone. With DamagedRows::kReport a damaged line of a joint or of a body's flags is reported: a word,
+/// NaN (known in files of the set) or another count of numbers. It sets that joint to tracking state 0 and zeros, or
+/// the flags to 0. A wrong frame count is reported too, and a last frame that is cut off is dropped. A missing or extra
+/// line elsewhere stays an error. Layout: Shahroudy et al. 2016, the released reader of the data set.
 Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name,
                                        DamagedRows damaged_rows = DamagedRows::kRefuse);
 

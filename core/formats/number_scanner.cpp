@@ -20,7 +20,7 @@ bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\f' || c == '\v'; }
 inline bool IsDigit(const char* at, const char* end) { return at < end && static_cast<unsigned char>(*at - '0') < 10; }
 
 /// Appends the digits at `at` to `whole`. Eight at a time where eight bytes can be loaded: how many of them are digits
-/// comes from bit masks, so that numbers of changing length cost no mispredicted branch.
+/// comes from bit masks, which avoids mispredicted branches for numbers of varying length.
 inline void Digits(const char*& at, const char* end, std::uint64_t& whole) {
 #if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
   constexpr std::uint64_t kTens[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
@@ -45,8 +45,8 @@ inline void Digits(const char*& at, const char* end, std::uint64_t& whole) {
 }
 
 /// A decimal whose digits and power of ten are both exact doubles: one division or product rounds it correctly
-/// (W. D. Clinger, "How to read floating point numbers accurately", 1990). Where it ends, or null: it is no such
-/// number, and the general way must read it.
+/// (W. D. Clinger, "How to read floating point numbers accurately", 1990). Returns its end, or null where the general
+/// parser must read it.
 inline const char* ShortDecimal(const char* at, const char* end, double& value) {
   const bool negative = at < end && *at == '-';
   if (negative) ++at;

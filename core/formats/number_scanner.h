@@ -22,10 +22,10 @@ class NumberScanner {
 
   /// Next token; blanks are skipped. After kLineEnd, line() is already the next line.
   Token Next();
-  /// Appends numbers up to the first token that is none, and returns that token: the fast way through a row.
+  /// Appends numbers up to the first other token, and returns that token: the fast path for a row.
   Token Numbers(std::vector<double>& values);
   double value() const { return value_; }
-  /// The number or word as it stands in the file; after Numbers() only of the token returned.
+  /// The number or word as written in the file; after Numbers() only of the token returned.
   std::string_view text() const { return text_; }
   int line() const { return line_; }
   /// What follows the last token.

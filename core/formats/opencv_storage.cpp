@@ -52,7 +52,7 @@ struct OpenCvStorage {
     for (const std::string& word : words) {
       const std::optional<double> value = ParseDouble(word);
       if (!value || !std::isfinite(*value)) {
-        return Fail(ErrorCode::kMalformed, "'" + Shown(word) + "' is no finite number", Where(key));
+        return Fail(ErrorCode::kMalformed, "'" + Shown(word) + "' is not a finite number", Where(key));
       }
       values.push_back(*value);
     }
@@ -61,7 +61,7 @@ struct OpenCvStorage {
     if (count == 0 || values.size() % count == 0) return {};
     return Fail(ErrorCode::kInconsistent,
                 std::string(rows) + " rows of " + std::string(columns) + ", " + std::to_string(count) +
-                    " numbers, are announced; " + std::to_string(values.size()) + " stand there",
+                    " numbers, are announced; " + std::to_string(values.size()) + " are there",
                 Where(key));
   }
 
@@ -84,8 +84,8 @@ std::vector<std::string> StorageWords(const char* text) {
   return words;
 }
 
-tl::unexpected<Error> StandsTwice(const std::string& where) {
-  return Fail(ErrorCode::kMalformed, "the key stands twice", where, "keep one of them");
+tl::unexpected<Error> DuplicateKey(const std::string& where) {
+  return Fail(ErrorCode::kMalformed, "the key appears twice", where, "keep one of them");
 }
 
 using XmlFields = std::map<std::string, pugi::xml_node>;
@@ -93,7 +93,7 @@ using XmlFields = std::map<std::string, pugi::xml_node>;
 Expected<XmlFields> XmlFieldsOf(const pugi::xml_node& element, const std::string& where) {
   XmlFields fields;
   for (const pugi::xml_node child : element) {
-    if (!fields.emplace(child.name(), child).second) return StandsTwice(where + ":" + Shown(child.name()));
+    if (!fields.emplace(child.name(), child).second) return DuplicateKey(where + ":" + Shown(child.name()));
   }
   return fields;
 }
@@ -128,7 +128,7 @@ Expected<YamlFields> YamlFieldsOf(const YAML::Node& mapping, const std::string& 
   YamlFields fields;
   for (const auto& item : mapping) {
     const std::string key = item.first.IsScalar() ? item.first.Scalar() : "";
-    if (!fields.emplace(key, item.second).second) return StandsTwice(where + ":" + Shown(key));
+    if (!fields.emplace(key, item.second).second) return DuplicateKey(where + ":" + Shown(key));
   }
   return fields;
 }
@@ -191,10 +191,10 @@ Expected<OpenCvStorage> ParseYamlStorage(const std::string& bytes, const std::st
   }
   OpenCvStorage storage{name, {}, {}};
   try {
-    // yaml-cpp skips the line %YAML:1.0, which is no directive of YAML.
+    // yaml-cpp skips the line %YAML:1.0, which is not a directive of YAML.
     if (Status added = AddYaml(YAML::Load(bytes), storage); !added) return Forward(added);
   } catch (const YAML::Exception& error) {
-    return Fail(ErrorCode::kMalformed, "the file is no YAML: " + error.msg,
+    return Fail(ErrorCode::kMalformed, "the file is not YAML: " + error.msg,
                 name + ":" + std::to_string(error.mark.line + 1) + ":" + std::to_string(error.mark.column + 1),
                 "is the file cut off?");
   }
@@ -244,7 +244,7 @@ Status SetStoredPose(const OpenCvStorage& storage, const std::string& matrix_key
   return {};
 }
 
-/// Error of a camera that lacks a field, naming it. `part`: a storage with some of it, or null.
+/// Error of a camera without a required field, naming it. `part`: a storage with some of it, or null.
 tl::unexpected<Error> MissingField(const OpenCvStorage& part, const std::string& key, const std::string& what) {
   return Fail(
       ErrorCode::kMalformed, "the field is missing: " + what, part.Where(key),
@@ -261,7 +261,7 @@ bool HoldsAny(const OpenCvStorage& storage, std::initializer_list<const char*> p
   return false;
 }
 
-/// Why storages are no calibration: a part of one, with the field that it lacks, or something else.
+/// Why storages are not a calibration: a part of one, with the missing field, or something else.
 tl::unexpected<Error> StorageFault(const std::vector<OpenCvStorage>& storages, const OpenCvStorage* intrinsic,
                                    const OpenCvStorage* extrinsic) {
   for (const OpenCvStorage& storage : storages) {
@@ -271,12 +271,12 @@ tl::unexpected<Error> StorageFault(const std::vector<OpenCvStorage>& storages, c
     if (of_view && !of_rig) return MissingField(storage, "intrinsic", "the view has a pose and no camera matrix");
   }
   if (intrinsic != nullptr && extrinsic == nullptr) {
-    return MissingField(*intrinsic, "R_" + intrinsic->names[0], "half a camera, intrinsics without a pose");
+    return MissingField(*intrinsic, "R_" + intrinsic->names[0], "the camera has intrinsics, but no pose");
   }
   if (extrinsic != nullptr && intrinsic == nullptr && HoldsAny(*extrinsic, {"R_", "Rot_", "T_"})) {
-    return MissingField(*extrinsic, "K_" + extrinsic->names[0], "half a camera, a pose without intrinsics");
+    return MissingField(*extrinsic, "K_" + extrinsic->names[0], "the camera has a pose, but no intrinsics");
   }
-  return Fail(ErrorCode::kUnsupported, "the storage is no calibration of a known kind",
+  return Fail(ErrorCode::kUnsupported, "the storage is not a calibration of a known format",
               storages.empty() ? "" : storages[0].file,
               "known are intri and extri with names, K_n, R_n, T_n in one folder, and views with intrinsic, R, t");
 }
@@ -292,7 +292,7 @@ Expected<Calibration> ParseOpenCvCalibration(const std::vector<std::pair<std::st
     const std::string_view text = Trim(bytes);
     const bool yaml = text.substr(0, 5) == "%YAML";
     if (!yaml && text.substr(0, 1) != "<") {
-      return Fail(ErrorCode::kMalformed, "the storage begins with neither %YAML:1.0 nor <?xml, as OpenCV asks",
+      return Fail(ErrorCode::kMalformed, "the storage begins with neither %YAML:1.0 nor <?xml, as OpenCV requires",
                   name + ":1");
     }
     auto storage = yaml ? ParseYamlStorage(bytes, name) : ParseXmlStorage(bytes, name);
@@ -328,7 +328,7 @@ Expected<Calibration> ParseOpenCvCalibration(const std::vector<std::pair<std::st
       if (!pixels) return Forward(pixels);
       const double size = pixels->front();
       if (size < 1 || size > kMaxStoredSide || size != std::floor(size)) {
-        return Fail(ErrorCode::kMalformed, FormatDouble(size) + " is no size in pixels", intrinsic->Where(key));
+        return Fail(ErrorCode::kMalformed, FormatDouble(size) + " is not a size in pixels", intrinsic->Where(key));
       }
       *side = static_cast<int>(size);
     }

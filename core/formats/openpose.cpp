@@ -20,7 +20,7 @@ constexpr PointList kLists[] = {{"pose_keypoints_2d", &OpenPosePerson::pose},
                                 {"hand_left_keypoints_2d", &OpenPosePerson::hand_left},
                                 {"hand_right_keypoints_2d", &OpenPosePerson::hand_right}};
 
-/// Whether the point at `first` is to be excluded: one of its numbers is none. Counted unless its confidence is 0.
+/// Whether the point at `first` is to be skipped: one of its numbers is not finite. Counted unless its confidence is 0.
 bool HasMissingNumbers(const nlohmann::json& list, std::size_t first, OpenPoseFrame& frame) {
   if (!IsNonFinite(list[first]) && !IsNonFinite(list[first + 1]) && !IsNonFinite(list[first + 2])) return false;
   const nlohmann::json& confidence = list[first + 2];
@@ -28,11 +28,11 @@ bool HasMissingNumbers(const nlohmann::json& list, std::size_t first, OpenPoseFr
   return true;
 }
 
-/// Counts the points that have coordinates, but no confidence, and those that lack a number.
+/// Counts the points that have coordinates, but no confidence, and those with a missing number.
 Expected<Points> ParsePoints(const JsonPlace& place, OpenPoseFrame& frame) {
   if (!place.value->is_array()) return place.Bad("a list of numbers is expected");
   const std::size_t count = place.value->size();
-  if (count % 3 != 0) return place.Bad(std::to_string(count) + " numbers are no triples u, v, confidence");
+  if (count % 3 != 0) return place.Bad(std::to_string(count) + " numbers are not triples u, v, confidence");
   Points points;
   for (std::size_t i = 0; i < count; i += 3) {
     DetectedKeypoint point;

@@ -26,7 +26,7 @@ struct OpenPosePerson {
   std::vector<DetectedKeypoint> hand_right;
 };
 
-/// One image of one camera. The file does not say which layout the points follow.
+/// One image of one camera. The file does not declare the layout of the points.
 struct OpenPoseFrame {
   double version = 1.3;
   std::vector<OpenPosePerson> people;
@@ -38,8 +38,8 @@ bool operator==(const DetectedKeypoint& a, const DetectedKeypoint& b);
 bool operator==(const OpenPosePerson& a, const OpenPosePerson& b);
 bool operator==(const OpenPoseFrame& a, const OpenPoseFrame& b);
 
-/// Older files without person_id and without face or hands are read; 3D keypoints are passed over. Error kMalformed
-/// with "name:/people/0/pose_keypoints_2d" for a count that is no multiple of 3, what is no number, a
+/// Older files without person_id and without face or hands are read; 3D keypoints are skipped. Error kMalformed
+/// with "name:/people/0/pose_keypoints_2d" for a count that is not a multiple of 3, a value that is not a number, a
 /// confidence below 0. A point with coordinates and the confidence 0 is not detected, and counted, as is one with NaN,
 /// Infinity or null.
 Expected<OpenPoseFrame> ParseOpenPose(std::string_view bytes, const std::string& name);
@@ -50,7 +50,7 @@ struct KeypointLayout {
   std::string name;                 ///< "BODY_25", "BODY_25B", "COCO_17", "COCO_18"
   std::vector<std::string> points;  ///< "nose", "left_shoulder", "mid_hip", ...
 
-  /// -1 when the layout has no such point.
+  /// -1 when the layout does not have the point.
   int Find(std::string_view point) const;
 };
 

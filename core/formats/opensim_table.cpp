@@ -47,10 +47,10 @@ class OpenSimParser {
 
   Status Key(std::string_view key, std::string_view value) {
     const std::string called(key);
-    if (!seen_.insert(called).second) return lines_.Bad("'" + Shown(key) + "' stands twice in the header");
+    if (!seen_.insert(called).second) return lines_.Bad("'" + Shown(key) + "' appears twice in the header");
     if (key == "nRows" || key == "nColumns") {
       const std::optional<long long> count = ParseInteger(value);
-      if (!count || *count < 0) return lines_.Bad(called + " '" + Shown(value) + "' is no count");
+      if (!count || *count < 0) return lines_.Bad(called + " '" + Shown(value) + "' is not a count");
       (key == "nRows" ? rows_ : columns_) = std::make_pair(*count, lines_.number());
     } else if (key == "inDegrees") {
       if (value != "yes" && value != "no") return lines_.Bad("inDegrees is 'yes' or 'no', not '" + Shown(value) + "'");
@@ -62,7 +62,7 @@ class OpenSimParser {
                     "double, Vec3 and Quaternion are");
       }
     } else {
-      if (key == "version" && !ParseInteger(value)) return lines_.Bad("version '" + Shown(value) + "' is no number");
+      if (key == "version" && !ParseInteger(value)) return lines_.Bad("version '" + Shown(value) + "' is not a number");
       table_.header[called] = std::string(value);
     }
     return {};
@@ -76,7 +76,7 @@ class OpenSimParser {
     for (const std::string_view field : tabs ? SplitText(line, '\t') : SplitBlanks(line)) {
       const std::string_view label = Trim(field);
       if (label.empty()) return lines_.Bad("a label is empty: label " + std::to_string(seen.size() + 1));
-      if (!seen.insert(label).second) return lines_.Bad("label '" + Shown(label) + "' stands twice");
+      if (!seen.insert(label).second) return lines_.Bad("label '" + Shown(label) + "' appears twice");
       if (seen.size() == 1) {
         if (!SameWord(label, "time")) return lines_.Bad("the first label is 'time', not '" + Shown(label) + "'");
         continue;
@@ -111,7 +111,7 @@ class OpenSimParser {
         return Fail(ErrorCode::kMalformed,
                     "time " + FormatDouble(*begin) + " in row " + std::to_string(row) + " does not come after " +
                         FormatDouble(table_.time_s.back()),
-                    lines_.name() + ":" + std::to_string(layout.first_line + row), "rows stand in the order of time");
+                    lines_.name() + ":" + std::to_string(layout.first_line + row), "rows must be in the order of time");
       }
       table_.time_s.push_back(*begin);
       table_.values.insert(table_.values.end(), begin + 1, begin + layout.columns);
@@ -122,7 +122,7 @@ class OpenSimParser {
   LineReader lines_;
   OpenSimTable table_;
   std::set<std::string> seen_;
-  std::pair<long long, int> rows_{0, 0}, columns_{0, 0};  ///< count and line; line 0: not said
+  std::pair<long long, int> rows_{0, 0}, columns_{0, 0};  ///< count and line; line 0: not declared
 };
 
 }  // namespace

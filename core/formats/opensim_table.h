@@ -14,7 +14,7 @@ namespace mocurate {
 struct OpenSimTable {
   std::string title;                          ///< first line: "Coordinates"; empty where the file has none
   std::map<std::string, std::string> header;  ///< key=value lines but those below ("version": "1")
-  std::optional<bool> in_degrees;             ///< rotational coordinates; translations are metres whatever it says
+  std::optional<bool> in_degrees;             ///< rotational coordinates; translations are always metres
   int components = 1;                         ///< numbers per cell: 1; 3 for DataType=Vec3; 4 for Quaternion
   std::vector<std::string> labels;            ///< without time
   std::vector<double> time_s;                 ///< (rows)

@@ -71,7 +71,7 @@ class PcdParser {
       ++line_;
       if (line.empty() || line[0] == '#') continue;
       const std::vector<std::string_view> words = SplitBlanks(line);
-      // COUNT and VIEWPOINT may be excluded.
+      // COUNT and VIEWPOINT are optional.
       if (words[0] != kOrder[next] && (kOrder[next] == "COUNT" || kOrder[next] == "VIEWPOINT")) ++next;
       if (words[0] != kOrder[next]) {
         return BadLine("'" + std::string(kOrder[next]) + "' is expected, not '" + ShownText(words[0]) + "'");
@@ -80,7 +80,7 @@ class PcdParser {
       if (++next == std::size(kOrder)) return {};
     }
     return Fail(ErrorCode::kMalformed, "the header has no line '" + std::string(kOrder[next]) + "'", name_,
-                "is this a PCD file, and is it whole?");
+                "is this a PCD file, and is it complete?");
   }
 
   Status HeaderLine(const std::vector<std::string_view>& words) {
@@ -94,7 +94,7 @@ class PcdParser {
         PcdField field;
         field.name = std::string(words[i]);
         if (field.name != "_" && pcd_.Find(field.name) != nullptr) {
-          return BadLine("the field '" + ShownText(field.name) + "' comes twice");
+          return BadLine("the field '" + ShownText(field.name) + "' appears twice");
         }
         pcd_.fields.push_back(std::move(field));
       }
@@ -121,7 +121,7 @@ class PcdParser {
     const std::optional<long long> value = ParseInteger(words[1]);
     const long long min = key == "HEIGHT" ? 1 : 0;
     if (!value || *value < min || *value > std::numeric_limits<int>::max()) {
-      return BadLine("'" + ShownText(words[1]) + "' is no count");
+      return BadLine("'" + ShownText(words[1]) + "' is not a count");
     }
     if (key == "WIDTH") pcd_.width = static_cast<int>(*value);
     if (key == "HEIGHT") pcd_.height = static_cast<int>(*value);
@@ -147,7 +147,7 @@ class PcdParser {
         }
         sizes_.push_back(*number);
       } else if (words[0] == "COUNT") {
-        if (!number || *number < 1 || *number > 100'000) return BadLine("'" + ShownText(words[i]) + "' is no count");
+        if (!number || *number < 1 || *number > 100'000) return BadLine("'" + ShownText(words[i]) + "' is not a count");
         field.count = static_cast<int>(*number);
       } else if (Status type = TypeOf(words[i], sizes_[i - 1], field); !type) {
         return type;
@@ -195,7 +195,7 @@ class PcdParser {
       return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " " + fault, where(), "correct the number");
     }
     if (IsAxis(field) && std::abs(*value) > kLargestCoordinate) {
-      return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " is no coordinate of a scan", where(),
+      return Fail(ErrorCode::kMalformed, FormatDouble(*value) + " is not a plausible coordinate of a scan", where(),
                   kCoordinateHint);
     }
     field.values.push_back(field.PackedColour() ? ColourFromFloat(static_cast<float>(*value))
@@ -221,7 +221,7 @@ class PcdParser {
           const bool nan = token == Token::kNotFinite && scanner.text().find_first_of("nN") < 2 &&
                            scanner.text().find_first_of("fF") == std::string_view::npos;
           if (token != Token::kNumber && !nan) {
-            return BadLine("'" + ShownText(scanner.text()) + "' is no value for '" + field.name + "'");
+            return BadLine("'" + ShownText(scanner.text()) + "' is not a value for '" + field.name + "'");
           }
           if (Status put = Put(i, field, nan ? std::nullopt : std::optional(scanner.value())); !put) return put;
         }
@@ -233,16 +233,16 @@ class PcdParser {
     while (token == Token::kLineEnd) token = scanner.Next();
     line_ = scanner.line();
     if (token == Token::kEnd) return {};
-    std::size_t held = points() + 1;
+    std::size_t found = points() + 1;
     for (bool line_ended = false; token != Token::kEnd; token = scanner.Next()) {
-      if (token != Token::kLineEnd && line_ended) ++held;
+      if (token != Token::kLineEnd && line_ended) ++found;
       line_ended = token == Token::kLineEnd;
     }
-    return Contradiction(held);
+    return Contradiction(found);
   }
 
-  tl::unexpected<Error> Contradiction(std::size_t held, bool at_most = false) const {
-    return CountContradiction("POINTS", static_cast<double>(points()), static_cast<double>(held),
+  tl::unexpected<Error> Contradiction(std::size_t found, bool at_most = false) const {
+    return CountContradiction("POINTS", static_cast<double>(points()), static_cast<double>(found),
                               name_ + ":" + std::to_string(points_line_), at_most);
   }
 

@@ -12,8 +12,8 @@
 
 namespace mocurate {
 
-/// One field of a point cloud, `count` numbers per point. Colours packed into a float ("rgb", "rgba") are held as the
-/// whole number 0xRRGGBB: as floats they are denormal or, with an alpha, no numbers at all; that alpha is dropped.
+/// One field of a point cloud, `count` numbers per point. Colours packed into a float ("rgb", "rgba") are stored as the
+/// whole number 0xRRGGBB: as floats they are denormal or, with an alpha, NaN; that alpha is dropped.
 struct PcdField {
   std::string name;
   NumberType type = NumberType::kFloat32;
@@ -41,7 +41,7 @@ bool operator==(const PcdField& a, const PcdField& b);
 bool operator==(const Pcd& a, const Pcd& b);
 
 /// ascii, binary (little-endian) and binary_compressed (LZF). Error kMalformed or kInconsistent with "name:line"
-/// (header, ascii) or "name:point 12/x"; kUnsupported for 8-byte whole numbers. So are coordinates
+/// (header, ascii) or "name:point 12/x"; kUnsupported for 8-byte whole numbers and for coordinates
 /// beyond kLargestCoordinate.
 Expected<Pcd> ParsePcd(std::string_view bytes, const std::string& name);
 

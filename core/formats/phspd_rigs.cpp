@@ -123,7 +123,7 @@ Expected<Calibration> ParsePhspdRigPickle(std::string_view bytes, const std::str
   if (!pickle) return Forward(pickle);
   const PickleRef top = pickle->top();
   if (!top.Find("param_p") || !top.Find("d1p")) {
-    return Fail(ErrorCode::kUnsupported, "the pickle is no rig of PHSPD: it has no 'param_p' and 'd1p'", name,
+    return Fail(ErrorCode::kUnsupported, "the pickle is not a rig of PHSPD: it has no 'param_p' and 'd1p'", name,
                 "cameras are read from CamParams*.pkl of PHSPD, or from one of the text calibrations");
   }
   nlohmann::json rig = nlohmann::json::object();

@@ -26,8 +26,8 @@ int LineOfFilledRow(std::string_view bytes, int row) {
   return lines.number();
 }
 
-/// Findings name rows of the table: the frames that these are. A damaged row does not tell its frame; it is the next
-/// one after the row before it. `rows` are those whose frame is known.
+/// Replaces table rows by frames in the findings. A damaged row has no frame number: it is the frame after the row
+/// before it. `rows` are those with a frame number.
 void NameFrames(const std::vector<int>& rows, const std::vector<int>& frames, std::vector<Finding>& findings) {
   if (rows.empty()) return;
   const auto frame_of = [&](int row) {
@@ -64,9 +64,9 @@ Expected<JointTable> Rows(std::string_view bytes, std::vector<std::string> names
       return Fail(ErrorCode::kMalformed,
                   "frame " + FormatDouble(frame) +
                       (whole ? " does not come after frame " + std::to_string(frames.back())
-                             : std::string(" is no index of a frame")),
+                             : std::string(" is not a frame index")),
                   name + ":" + std::to_string(LineOfFilledRow(bytes, row + static_cast<int>(headers))),
-                  "lines stand in the order of frames");
+                  "lines must be in the order of frames");
     }
     rows.push_back(row);
     frames.push_back(static_cast<int>(frame));

@@ -31,9 +31,9 @@ struct PhspdShape {
 };
 
 /// Lines "frame x0 y0 z0 ... x23 y23 z23", 73 numbers. Error kMalformed "name:line" that names the column: a line of
-/// another length, no finite number, a frame that is no whole number or does not come after the one before it. With
-/// DamagedRows::kReport a row of another length, or with a word, is dropped and reported, as a frame without annotation
-/// its frame; a number that is not finite or too large is NaN.
+/// another length, a number that is not finite, a frame that is not whole or not after the one before it. With
+/// DamagedRows::kReport a row of another length, or with a word, is dropped and reported, and its frame is missing; a
+/// number that is not finite or too large is NaN.
 Expected<PhspdPose> ParsePhspdPose(std::string_view bytes, const std::string& name,
                                    DamagedRows damaged = DamagedRows::kRefuse);
 /// Lines of frame and 85 numbers: translation 0-2, betas 3-12, pose 13-84. Errors as above.
@@ -52,7 +52,7 @@ struct PhspdRecording {
   std::string Name() const;
 };
 
-/// Nothing where the text is no such name.
+/// Empty where the text is not such a name.
 std::optional<PhspdRecording> ParsePhspdRecording(std::string_view folder);
 
 }  // namespace mocurate

@@ -23,11 +23,11 @@ std::string KeyText(const PickleValue& key) {
   return std::string("(") + KindName(key.kind) + ")";
 }
 
-/// How a file says of itself that it is packed; null when it does not.
+/// The name of the compression, by the file's magic bytes; null when it is not packed.
 const char* Packing(std::string_view bytes) {
   if (bytes.substr(0, 2) == "\x1f\x8b") return "gzip";
   if (bytes.substr(0, 3) == "BZh") return "bzip2";
-  if (bytes.substr(0, 2) == "ZF") return "the oldest packing of joblib";
+  if (bytes.substr(0, 2) == "ZF") return "the oldest compression of joblib";
   if (bytes.substr(0, 6) == std::string_view("\xFD"
                                              "7zXZ\0",
                                              6))
@@ -157,7 +157,7 @@ Expected<std::string> PickleRef::Text() const {
   } else {
     return Bad(std::string("a text is expected, not ") + KindName(kind()));
   }
-  if (FirstNotUtf8(text)) return Bad("a text that is no UTF-8");
+  if (FirstNotUtf8(text)) return Bad("a text that is not UTF-8");
   return text;
 }
 
@@ -213,7 +213,7 @@ Expected<NpyArray> PickleRef::Array() const {
     return array;
   }
   std::optional<std::vector<std::string>> texts = DecodeTexts(*type, data);
-  if (!texts) return Bad("a text holds a character that is none of Unicode");
+  if (!texts) return Bad("a text holds a character that is not valid Unicode");
   array.texts = std::move(*texts);
   if (type->bytes == 0) array.texts.resize(ElementCount(array.shape, 0, 0).value_or(0));
   return array;

@@ -32,7 +32,7 @@ enum class PickleKind {
   kObject,   ///< an object whose state did not come
 };
 
-/// One value. Values stand in one list and refer to each other by position, so shared and deep ones cost nothing.
+/// One value. Values are in one list and refer to each other by position, so shared and deep ones need no copies.
 struct PickleValue {
   PickleKind kind = PickleKind::kNone;
   int array = -1;             ///< of kArray, and for the shape of kSparse
@@ -42,7 +42,7 @@ struct PickleValue {
   std::vector<int> children;  ///< items; key, value, key, value, ... of kDict; the list of items of an object array
 };
 
-/// Elements of an array where they stand in the file.
+/// Elements of an array as a view of the file.
 struct PickleArray {
   std::string dtype;                 ///< "<f4", "|b1", "|O", ...; empty while its state has not come
   std::vector<std::size_t> shape;    ///< of kSparse: rows, columns
@@ -74,7 +74,7 @@ class Pickle {
   std::string name;
   std::deque<PickleValue> values;
   std::deque<PickleArray> arrays;
-  std::deque<std::string> owned;  ///< texts and bytes that stand in the file in another form
+  std::deque<std::string> owned;  ///< texts and bytes that the file stores in another form
   int root = -1;
 };
 
@@ -93,7 +93,7 @@ class PickleRef {
   PickleRef Item(std::size_t i) const;
   PickleRef KeyAt(std::size_t i) const;
   PickleRef ValueAt(std::size_t i) const;
-  /// The last value under a text key; empty when there is none or this is no dictionary.
+  /// The last value under a text key; empty when there is none or this is not a dictionary.
   std::optional<PickleRef> Find(std::string_view key) const;
   /// The same; error kMalformed that names the key.
   Expected<PickleRef> Key(std::string_view key) const;
@@ -110,7 +110,7 @@ class PickleRef {
   /// decoded. Error kMalformed.
   Expected<NpyArray> ArrayEntry(std::size_t entry) const;
   Expected<SparseMatrix> Sparse() const;
-  /// Type and shape without the elements; null when this is no array.
+  /// Type and shape without the elements; null when this is not an array.
   const PickleArray* Layout() const;
 
   tl::unexpected<Error> Bad(const std::string& rule) const;
@@ -124,8 +124,8 @@ class PickleRef {
 /// "a text", "a dictionary", ... for messages.
 const char* KindName(PickleKind kind);
 
-/// Bounds on what a file may ask for, whatever it says of itself. Beside them, what is made from a file of n bytes
-/// stays below 4 n + 1 MiB of texts, and shared values that are written out below 32 n + 64 MiB.
+/// Bounds on what a file may request, whatever it declares. In addition, a file of n bytes gives at most 4 n + 1 MiB of
+/// texts, and at most 32 n + 64 MiB of shared values written out.
 struct PickleLimits {
   std::int64_t objects = std::int64_t{1} << 22;
   int depth = 64;  ///< of nested containers
@@ -136,8 +136,8 @@ struct PickleLimits {
 /// arrays and joblib's wrappers; every other name or opcode is an error that names it. Errors kMalformed, kUnsupported.
 Expected<Pickle> ParsePickle(std::string_view bytes, const std::string& name, const PickleLimits& limits = {});
 
-/// That error for a pickle that stands within another file, of arrays of objects or of PyTorch; `name` is in the
-/// message. Nothing where all is plain data, or as far as it could be read.
+/// That error for a pickle inside another file, of arrays of objects or of PyTorch; it names `name`. Empty where all is
+/// plain data, as far as it could be read.
 std::optional<Error> ForeignClassIn(std::string_view bytes, const std::string& name);
 
 }  // namespace mocurate

@@ -31,7 +31,7 @@ Expected<std::vector<std::size_t>> PickleMachine::Shape(int tuple, const char* w
     return shape;
   }
   if ((value.kind != PickleKind::kTuple && value.kind != PickleKind::kList) || value.children.size() > 32) {
-    return Bad(std::string(what) + " is no tuple of sizes");
+    return Bad(std::string(what) + " is not a tuple of sizes");
   }
   for (const int child : value.children) {
     const PickleValue& extent = At(child);
@@ -75,7 +75,7 @@ Status PickleMachine::Dtype(const std::vector<int>& arguments) {
 Status PickleMachine::BuildDtype(PickleValue& dtype, const std::vector<int>& state) {
   if (state.size() < 5 || !IsBytes(At(state[1])) || At(state[1]).text.size() != 1 ||
       std::string_view("<>=|").find(At(state[1]).text[0]) == std::string_view::npos) {
-    return Bad("the byte order of a numpy type is none of < > = |");
+    return Bad("the byte order of a numpy type is not one of < > = |");
   }
   for (std::size_t i = 2; i < 5; ++i) {
     if (At(state[i]).kind != PickleKind::kNone) return Bad("an array of records", ErrorCode::kUnsupported);
@@ -90,7 +90,7 @@ Status PickleMachine::BuildDtype(PickleValue& dtype, const std::vector<int>& sta
 
 Status PickleMachine::BuildArray(PickleValue& array, const std::vector<int>& state) {
   // (version, shape, type, Fortran order, elements); the oldest files have no version.
-  if (state.size() != 5 && state.size() != 4) return Bad("the state of an array is no tuple of 5");
+  if (state.size() != 5 && state.size() != 4) return Bad("the state of an array is not a tuple of 5");
   const std::size_t first = state.size() - 4;
   const PickleValue& fortran = At(state[first + 2]);
   if (fortran.kind != PickleKind::kBool && fortran.kind != PickleKind::kInteger) {
@@ -140,7 +140,7 @@ Status PickleMachine::Scalar(const std::vector<int>& arguments) {
   }
   if (!type->is_number()) {
     std::optional<std::vector<std::string>> texts = DecodeTexts(*type, data);
-    if (!texts || texts->size() != 1) return Bad("a numpy text that is none");
+    if (!texts || texts->size() != 1) return Bad("a numpy text that is malformed");
     const Expected<std::string_view> owned = Own(std::move(texts->front()));
     if (!owned) return Forward(owned);
     return type->kind == ElementKind::kText ? PushText(PickleKind::kText, *owned) : PushBytes(*owned);
@@ -172,11 +172,11 @@ Status PickleMachine::FromBuffer(const std::vector<int>& arguments) {
 }
 
 Status PickleMachine::Tensor(const std::vector<int>& arguments) {
-  if (arguments.size() < 4) return Bad("a tensor with fewer than 4 facts");
+  if (arguments.size() < 4) return Bad("a tensor with fewer than 4 arguments");
   const PickleValue& storage = At(arguments[0]);
   const PickleValue& offset = At(arguments[1]);
   if (storage.kind != PickleKind::kStorage || offset.kind != PickleKind::kInteger || offset.integer < 0) {
-    return Bad("the facts of a tensor are not storage, offset, shape, stride");
+    return Bad("the arguments of a tensor are not storage, offset, shape, stride");
   }
   Expected<std::vector<std::size_t>> shape = Shape(arguments[2], "a tensor's shape");
   if (!shape) return Forward(shape);
@@ -250,7 +250,7 @@ Status PickleMachine::BuildSelect(PickleValue& object, const PickleValue& state)
   const std::optional<ElementType> index_type = ParseElementType(chosen.dtype);
   if (!type || !type->is_number() || !index_type || index_type->bytes == 0 || !index_type->is_number() ||
       whole.storage >= 0 || !whole.strides.empty() || !chosen.strides.empty()) {
-    return Bad("a chumpy selection of something else than plain arrays", ErrorCode::kUnsupported);
+    return Bad("a chumpy selection of other values than plain arrays", ErrorCode::kUnsupported);
   }
   if (Status charged = Charge(chosen.data.size() / 64); !charged) return charged;
   std::vector<double> indices;
@@ -290,7 +290,7 @@ Status PickleMachine::ReadJoblibArray(PickleValue& object, const PickleValue& st
   }
   if (At(parts[1]).text != "C" && At(parts[1]).text != "F")
     return Bad("'order' of an array of joblib is neither C nor F");
-  if (At(parts[2]).kind != PickleKind::kDtype) return Bad("'dtype' of an array of joblib is no numpy type");
+  if (At(parts[2]).kind != PickleKind::kDtype) return Bad("'dtype' of an array of joblib is not a numpy type");
   Expected<std::vector<std::size_t>> shape = Shape(parts[0], "'shape' of an array of joblib");
   if (!shape) return Forward(shape);
   const std::optional<ElementType> type = ParseElementType(At(parts[2]).text);
@@ -298,7 +298,7 @@ Status PickleMachine::ReadJoblibArray(PickleValue& object, const PickleValue& st
   if (type->kind == ElementKind::kObject) {
     const Expected<int> inner = ReadInner();
     if (!inner) return Forward(inner);
-    if (At(*inner).kind != PickleKind::kArray) return Bad("an array of objects in a joblib file is none");
+    if (At(*inner).kind != PickleKind::kArray) return Bad("an object array in a joblib file does not hold an array");
     object = At(*inner);
     return {};
   }
@@ -347,7 +347,7 @@ Expected<std::string> GatherElements(const PickleArray& array, const std::string
     }
     last += (extent - 1) * stride;
     if (extent > std::numeric_limits<std::size_t>::max() / 16 / count) {
-      return Fail(ErrorCode::kMalformed, "the array is larger than any memory", name);
+      return Fail(ErrorCode::kMalformed, "the array exceeds the address space", name);
     }
     count *= extent;
   }

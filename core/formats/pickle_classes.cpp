@@ -80,7 +80,7 @@ Status PickleMachine::PushClass(const std::string& name) {
   const PickleClassName* known = FindPickleClass(name);
   if (known == nullptr) {
     return Fail(
-        ErrorCode::kUnsupported, "the file names '" + DisplayPath(name) + "', which is no plain data",
+        ErrorCode::kUnsupported, "the file names '" + DisplayPath(name) + "', which is not plain data",
         pickle_.name + ": byte " + std::to_string(position_),
         "save arrays, lists and dictionaries alone; nothing else is read, and nothing of a file is ever executed",
         Reason::kUnsafePickle);
@@ -108,7 +108,7 @@ Status PickleMachine::StepClass(unsigned char opcode) {
       const PickleValue& module = At(Pop());
       if (name.kind != PickleKind::kText || module.kind != PickleKind::kText ||
           name.text.size() + module.text.size() > 1000) {
-        return Bad("a class whose name is no text");
+        return Bad("a class whose name is not a text");
       }
       return PushClass(std::string(module.text) + " " + std::string(name.text));
     }
@@ -128,7 +128,7 @@ Status PickleMachine::Reduce() {
   const PickleValue& arguments = At(Pop());
   const PickleValue& function = At(Pop());
   if (function.kind != PickleKind::kClass || arguments.kind != PickleKind::kTuple) {
-    return Bad("a call of something that is no class name");
+    return Bad("a call of something that is not a class name");
   }
   const std::vector<int>& items = arguments.children;
   switch (MeaningOf(function)) {
@@ -137,7 +137,7 @@ Status PickleMachine::Reduce() {
     case PickleClass::kReconstruct: {
       if (items.size() != 3 || At(items[0]).kind != PickleKind::kClass ||
           MeaningOf(At(items[0])) != PickleClass::kNdarray) {
-        return Bad("an array that is made of something else than numpy.ndarray", ErrorCode::kUnsupported);
+        return Bad("an array that is not made of numpy.ndarray", ErrorCode::kUnsupported);
       }
       PickleValue array;
       array.kind = PickleKind::kArray;
@@ -165,7 +165,7 @@ Status PickleMachine::Reduce() {
     case PickleClass::kReconstructor:
       if (items.size() != 3 || At(items[0]).kind != PickleKind::kClass || At(items[1]).kind != PickleKind::kClass ||
           MeaningOf(At(items[1])) != PickleClass::kObject) {
-        return Bad("an object that is made of something else than a class and 'object'", ErrorCode::kUnsupported);
+        return Bad("an object that is not made of a class and 'object'", ErrorCode::kUnsupported);
       }
       return MakeObject(items[0]);
     case PickleClass::kTensor:
@@ -183,14 +183,14 @@ Status PickleMachine::OrderedDict(const std::vector<int>& arguments) {
   PickleValue dict;
   dict.kind = PickleKind::kDict;
   if (arguments.size() > 1 || (arguments.size() == 1 && At(arguments[0]).kind != PickleKind::kList)) {
-    return Bad("an OrderedDict that is made of something else than pairs", ErrorCode::kUnsupported);
+    return Bad("an OrderedDict that is not made of pairs", ErrorCode::kUnsupported);
   }
   if (arguments.size() == 1) {
     for (const int pair : At(arguments[0]).children) {
       const std::vector<int>& items = At(pair).children;
       const PickleKind kind = At(pair).kind;
       if ((kind != PickleKind::kList && kind != PickleKind::kTuple) || items.size() != 2) {
-        return Bad("an OrderedDict that is made of something else than pairs");
+        return Bad("an OrderedDict that is not made of pairs");
       }
       if (Status charged = Charge(1); !charged) return charged;
       dict.children.insert(dict.children.end(), items.begin(), items.end());
@@ -202,7 +202,7 @@ Status PickleMachine::OrderedDict(const std::vector<int>& arguments) {
 Status PickleMachine::Encode(const std::vector<int>& arguments) {
   if (arguments.size() != 2 || At(arguments[0]).kind != PickleKind::kText ||
       At(arguments[1]).kind != PickleKind::kText) {
-    return Bad("bytes that are made of something else than a text and its encoding");
+    return Bad("bytes that are not made of a text and its encoding");
   }
   const std::string_view encoding = At(arguments[1]).text;
   if (encoding != "latin1" && encoding != "latin-1" && encoding != "iso-8859-1") {
@@ -219,7 +219,7 @@ Status PickleMachine::Encode(const std::vector<int>& arguments) {
     } else if (lead <= 0xC3 && i + 1 < text.size()) {  // valid UTF-8: C2 or C3 and one byte more
       bytes += static_cast<char>(((lead & 3u) << 6) | (static_cast<unsigned char>(text[++i]) & 0x3Fu));
     } else {
-      return Bad("a text with a character that is none of latin1");
+      return Bad("a text with a character outside latin1");
     }
   }
   const Expected<std::string_view> owned = Own(std::move(bytes));
@@ -230,11 +230,11 @@ Status PickleMachine::Encode(const std::vector<int>& arguments) {
 Status PickleMachine::SetOf(const std::vector<int>& arguments) {
   PickleValue set;
   set.kind = PickleKind::kSet;
-  if (arguments.size() > 1) return Bad("a set that is made of more than one list");
+  if (arguments.size() > 1) return Bad("a set that is made of several lists");
   if (arguments.size() == 1) {
     const PickleValue& items = At(arguments[0]);
     if (items.kind != PickleKind::kList && items.kind != PickleKind::kTuple)
-      return Bad("a set that is made of no list");
+      return Bad("a set that is not made of a list");
     if (Status charged = Charge(items.children.size()); !charged) return charged;
     set.children = items.children;
   }
@@ -263,7 +263,8 @@ Status PickleMachine::NewObject(bool with_keywords) {
   }
   const PickleValue& arguments = At(Pop());
   const int type = Pop();
-  if (At(type).kind != PickleKind::kClass || arguments.kind != PickleKind::kTuple) return Bad("an object of no class");
+  if (At(type).kind != PickleKind::kClass || arguments.kind != PickleKind::kTuple)
+    return Bad("an object without a class");
   if (MeaningOf(At(type)) == PickleClass::kOrderedDict) return OrderedDict(arguments.children);
   // numpy and chumpy make their objects without arguments; joblib's wrapper too.
   if (!arguments.children.empty()) return Bad("an object that is made with arguments", ErrorCode::kUnsupported);
@@ -279,7 +280,7 @@ Status PickleMachine::Build() {
       return {};
     case PickleKind::kDtype:
     case PickleKind::kArray:
-      if (At(state).kind != PickleKind::kTuple) return Bad("a state that is no tuple");
+      if (At(state).kind != PickleKind::kTuple) return Bad("a state that is not a tuple");
       return object.kind == PickleKind::kDtype ? BuildDtype(object, At(state).children)
                                                : BuildArray(object, At(state).children);
     case PickleKind::kObject:
@@ -293,7 +294,7 @@ Status PickleMachine::BuildObject(int position, int state_position) {
   PickleValue& object = At(position);
   const PickleValue& state = At(state_position);
   const PickleClassName& type = kClasses[object.integer];
-  if (state.kind != PickleKind::kDict) return Bad(std::string("the state of '") + type.name + "' is no dictionary");
+  if (state.kind != PickleKind::kDict) return Bad(std::string("the state of '") + type.name + "' is not a dictionary");
   switch (type.meaning) {
     case PickleClass::kCh: {
       const Expected<int> x = Attribute(state, "x");
@@ -313,19 +314,19 @@ Status PickleMachine::BuildObject(int position, int state_position) {
 
 Status PickleMachine::PersistentId() {
   if (!persistent_) return Bad("opcode 0x51 (BINPERSID) outside a PyTorch file", ErrorCode::kUnsupported);
-  if (!Has(1)) return Bad("a storage without facts");
+  if (!Has(1)) return Bad("a storage without arguments");
   const PickleValue& id = At(Pop());
   const std::vector<int>& items = id.children;
   if (id.kind != PickleKind::kTuple || items.size() < 5 || At(items[0]).text != "storage" ||
       At(items[1]).kind != PickleKind::kClass || At(items[2]).kind != PickleKind::kText ||
       At(items[2]).text.size() > 1000 || At(items[4]).kind != PickleKind::kInteger || At(items[4]).integer < 0) {
-    return Bad("the facts of a storage are not class, key, device, size");
+    return Bad("the arguments of a storage are not class, key, device, size");
   }
   if (items.size() > 5 && At(items[5]).kind != PickleKind::kNone) {
     return Bad("a storage that is a view of another one", ErrorCode::kUnsupported);
   }
   const PickleClassName& type = kClasses[At(items[1]).integer];
-  if (type.dtype == nullptr) return Bad(std::string("'") + type.name + "' is no storage");
+  if (type.dtype == nullptr) return Bad(std::string("'") + type.name + "' is not a storage");
   PickleStorage storage;
   storage.key = std::string(At(items[2]).text);
   storage.dtype = type.dtype;

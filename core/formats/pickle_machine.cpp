@@ -38,7 +38,7 @@ Status PickleMachine::PushConstant(PickleValue value) {
 
 Status PickleMachine::Charge(std::size_t steps) {
   charged_ += static_cast<std::int64_t>(steps);
-  if (charged_ > limits_.objects) return Bad("more work than a file of data needs", ErrorCode::kUnsupported);
+  if (charged_ > limits_.objects) return Bad("more operations than plain data needs", ErrorCode::kUnsupported);
   return {};
 }
 
@@ -76,7 +76,7 @@ Status PickleMachine::StepMemo(unsigned char opcode) {
     if (!line) return Forward(line);
     std::uint64_t slot = 0;
     const auto [stop, error] = std::from_chars(line->begin(), line->end(), slot);
-    if (error != std::errc() || stop != line->end()) return Bad("a memo number that is none");
+    if (error != std::errc() || stop != line->end()) return Bad("a memo number that is not a whole number");
     return put ? Remember(slot) : Recall(slot);
   }
   const Expected<std::uint64_t> slot = TakeUnsigned(opcode == 'q' || opcode == 'h' ? 1 : 4);
@@ -119,7 +119,7 @@ Status PickleMachine::StepContainer(unsigned char opcode) {
                             : opcode == 'a' || opcode == 'e' ? PickleKind::kList
                                                              : PickleKind::kSet;
   if (!Has(1) || At(stack_.back()).kind != wanted || (wanted == PickleKind::kDict && items.size() % 2 != 0)) {
-    return Bad("items for something that is no container of them");
+    return Bad("items for something that is not a container of them");
   }
   std::vector<int>& children = At(stack_.back()).children;
   children.insert(children.end(), items.begin(), items.end());
@@ -144,7 +144,7 @@ Status PickleMachine::StepStack(unsigned char opcode) {
       return dropped ? Status{} : Status(Forward(dropped));
     }
     case '2':
-      if (!Has(1)) return Bad("nothing to double");
+      if (!Has(1)) return Bad("nothing to duplicate");
       stack_.push_back(stack_.back());
       return {};
     case 0x80: {
@@ -260,11 +260,11 @@ Status PickleMachine::Unknown(unsigned char opcode) {
   for (const Named& named : kNames) {
     if (named.opcode != opcode) continue;
     --position_;
-    return Bad(what + " (" + named.name + ") is not among those of plain data", ErrorCode::kUnsupported,
+    return Bad(what + " (" + named.name + ") is not allowed in plain data", ErrorCode::kUnsupported,
                Reason::kUnsafePickle);
   }
   --position_;
-  return Bad(what + " is not among those of plain data", ErrorCode::kUnsupported);
+  return Bad(what + " is not allowed in plain data", ErrorCode::kUnsupported);
 }
 
 Expected<int> PickleMachine::Read() {

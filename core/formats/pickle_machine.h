@@ -14,7 +14,7 @@
 
 namespace mocurate {
 
-/// Class names that stand for something; see pickle_classes.cpp for their spellings.
+/// Known classes; see pickle_classes.cpp for their spellings.
 enum class PickleClass {
   kOrderedDict,
   kReconstruct,
@@ -45,9 +45,9 @@ struct PickleClassName {
   const char* dtype;  ///< of a storage
 };
 
-/// Said of an opcode whose name stands before it; a byte that is no opcode at all is damage.
+/// Message for a known opcode, after its name; a byte that is not an opcode is damage.
 
-/// Null when the name is none of the list.
+/// Null when the name is not in the list.
 const PickleClassName* FindPickleClass(const std::string& name);
 
 /// Elements of one tensor storage.
@@ -123,18 +123,18 @@ class PickleMachine {
   Status BuildSparse(PickleValue& object, PickleClass type, const PickleValue& state);
   Status BuildSelect(PickleValue& object, const PickleValue& state);
   Status ReadJoblibArray(PickleValue& object, const PickleValue& state);
-  /// joblib writes an array of objects as a pickle of its own, which stands inside the other one.
+  /// joblib writes an array of objects as a pickle of its own inside the other one.
   Expected<int> ReadInner();
   Expected<std::vector<std::size_t>> Shape(int tuple, const char* what);
   /// Position of the value under a text key of a dictionary; -1 when there is none.
   Expected<int> Attribute(const PickleValue& dict, std::string_view key);
 
   Status Push(PickleValue value);
-  /// None, a truth value or a small number: one value stands for all that are alike.
+  /// None, a truth value or a small number: equal ones share one value.
   Status PushConstant(PickleValue value);
   Status PushText(PickleKind kind, std::string_view text);
   Status PushBytes(std::string_view text);
-  /// Keeps a text that does not stand in the file as it is.
+  /// Keeps a text that is not in the file as written.
   Expected<std::string_view> Own(std::string text);
   Status Charge(std::size_t steps);
   Expected<std::string_view> TakeLine(const char* what);

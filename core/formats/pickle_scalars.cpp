@@ -28,7 +28,7 @@ std::optional<std::uint32_t> Hex(std::string_view text, std::size_t at, std::siz
   return value;
 }
 
-/// What a Python 2 string says between its quotes; empty when an escape is none.
+/// The content of a Python 2 string between its quotes; empty when an escape is invalid.
 std::optional<std::string> Unescaped(std::string_view text) {
   static constexpr std::string_view kLetters = "abfnrtv\\'\"";
   static constexpr std::string_view kMeanings = "\a\b\f\n\r\t\v\\'\"";
@@ -53,7 +53,7 @@ std::optional<std::string> Unescaped(std::string_view text) {
   return plain;
 }
 
-/// UTF-8 of Latin-1 with \uXXXX and \UXXXXXXXX escapes; empty when an escape is none.
+/// UTF-8 of Latin-1 with \uXXXX and \UXXXXXXXX escapes; empty when an escape is invalid.
 std::optional<std::string> RawUnicode(std::string_view text) {
   std::string utf8;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -138,7 +138,7 @@ Status PickleMachine::StepNumber(unsigned char opcode) {
     std::string_view digits = *line;
     if (opcode == 'F') {
       const std::optional<double> number = ParseDouble(digits);
-      if (!number) return Bad("'" + DisplayPath(std::string(digits.substr(0, 40))) + "' is no number");
+      if (!number) return Bad("'" + DisplayPath(std::string(digits.substr(0, 40))) + "' is not a number");
       value.kind = PickleKind::kFloat;
       value.number = *number;
       return Push(std::move(value));
@@ -150,7 +150,7 @@ Status PickleMachine::StepNumber(unsigned char opcode) {
     }
     if (opcode == 'L' && !digits.empty() && digits.back() == 'L') digits.remove_suffix(1);
     const std::optional<long long> integer = ParseInteger(digits);
-    if (!integer) return Bad("'" + DisplayPath(std::string(digits.substr(0, 40))) + "' is no integer of 64 bits");
+    if (!integer) return Bad("'" + DisplayPath(std::string(digits.substr(0, 40))) + "' is not an integer of 64 bits");
     value.integer = *integer;
     return PushConstant(std::move(value));
   }
@@ -189,7 +189,7 @@ Status PickleMachine::StepText(unsigned char opcode) {
     std::string_view inside = *line;
     if (opcode == 'V') {
       std::optional<std::string> utf8 = RawUnicode(inside);
-      if (!utf8) return Bad("a text with an escape that is none");
+      if (!utf8) return Bad("a text with an escape that is invalid");
       const Expected<std::string_view> owned = Own(std::move(*utf8));
       return owned ? PushText(PickleKind::kText, *owned) : Status(Forward(owned));
     }
@@ -197,7 +197,7 @@ Status PickleMachine::StepText(unsigned char opcode) {
       return Bad("a string without its quotes");
     }
     std::optional<std::string> plain = Unescaped(inside.substr(1, inside.size() - 2));
-    if (!plain) return Bad("a string with an escape that is none");
+    if (!plain) return Bad("a string with an escape that is invalid");
     const Expected<std::string_view> owned = Own(std::move(*plain));
     return owned ? PushBytes(*owned) : Status(Forward(owned));
   }
@@ -210,7 +210,7 @@ Status PickleMachine::StepText(unsigned char opcode) {
   if (!text) return Forward(text);
   if (bytes) return PushText(PickleKind::kBytes, *text);
   if (!unicode) return PushBytes(*text);
-  if (FirstNotUtf8(*text)) return Bad("a text that is no UTF-8");
+  if (FirstNotUtf8(*text)) return Bad("a text that is not UTF-8");
   return PushText(PickleKind::kText, *text);
 }
 

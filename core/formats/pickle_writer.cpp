@@ -87,7 +87,7 @@ void PickleWriter::Float(double value) {
 }
 
 void PickleWriter::Text(std::string_view text) {
-  if (FirstNotUtf8(text)) problem_ = "a text that is no UTF-8";
+  if (FirstNotUtf8(text)) problem_ = "a text that is not UTF-8";
   Counted('X', text);
 }
 
@@ -130,7 +130,7 @@ void PickleWriter::Array(const NpyArray& array) {
   Integer(3);
   Counted('X', has_order && array.dtype[0] != '=' ? array.dtype.substr(0, 1) : "<");
   bytes_ += "NNN";
-  // Size and alignment are said for texts alone.
+  // Only texts have a size and an alignment.
   Integer(type->is_number() ? -1 : static_cast<std::int64_t>(type->bytes));
   Integer(type->is_number() ? -1 : type->kind == ElementKind::kText ? 4 : 1);
   Integer(0);

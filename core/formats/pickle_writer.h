@@ -11,8 +11,8 @@
 namespace mocurate {
 
 /// Writes a pickle of protocol 2 (read by Python 2 and 3) value by value, in order: a dictionary takes a key and its
-/// value in turn. Same calls, same bytes. Errors (a type that numpy lacks, a shape that does not fit, a container that
-/// is not ended) are kept and given by Finish.
+/// value in turn. Same calls, same bytes. Errors (a type that numpy does not have, a shape that does not fit, a
+/// container that is not ended) are kept and returned by Finish.
 class PickleWriter {
  public:
   void BeginDict();

@@ -52,7 +52,7 @@ Expected<Ply> ParsePly(std::string_view bytes, const std::string& name);
 /// In the file's encoding; values must fit their types.
 std::string WritePly(const Ply& ply);
 
-/// Vertices x y z in file units. Error kMalformed when there is no vertex element with these.
+/// Vertices x y z in file units. Error kMalformed when there is no vertex element with them.
 Expected<std::vector<Vector3d>> PlyPoints(const Ply& ply, const std::string& name);
 /// Faces cut into triangles (fans), checked against the number of vertices; none when there is no face element.
 Expected<std::vector<std::array<int, 3>>> PlyTriangles(const Ply& ply, const std::string& name);

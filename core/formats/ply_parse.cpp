@@ -99,7 +99,7 @@ class PlyParser {
       } else if (words[0] == "property") {
         read = Property(words);
       } else if (words[0] != "obj_info") {
-        return BadLine("'" + ShownText(words[0]) + "' is no word of a PLY header");
+        return BadLine("'" + ShownText(words[0]) + "' is not a keyword of a PLY header");
       }
       if (!read) return read;
     }
@@ -125,9 +125,9 @@ class PlyParser {
     if (words.size() != 3) return BadLine("'element NAME COUNT' is expected");
     const std::optional<long long> count = ParseInteger(words[2]);
     if (!count || *count < 0 || static_cast<std::size_t>(*count) > kMaxItems) {
-      return BadLine("'" + ShownText(words[2]) + "' is no count of elements");
+      return BadLine("'" + ShownText(words[2]) + "' is not a count of elements");
     }
-    if (ply_.Find(words[1]) != nullptr) return BadLine("the element '" + ShownText(words[1]) + "' comes twice");
+    if (ply_.Find(words[1]) != nullptr) return BadLine("the element '" + ShownText(words[1]) + "' appears twice");
     PlyElement element;
     element.name = std::string(words[1]);
     element.count = static_cast<std::size_t>(*count);
@@ -144,11 +144,11 @@ class PlyParser {
     PlyProperty property;
     property.name = std::string(words.back());
     if (ply_.elements.back().Find(property.name) != nullptr) {
-      return BadLine("the property '" + ShownText(property.name) + "' comes twice");
+      return BadLine("the property '" + ShownText(property.name) + "' appears twice");
     }
     for (std::size_t i = list ? 2 : 1; i + 1 < words.size(); ++i) {
       const std::optional<NumberType> type = TypeFromName(words[i]);
-      if (!type) return BadLine("'" + ShownText(words[i]) + "' is no type of a property");
+      if (!type) return BadLine("'" + ShownText(words[i]) + "' is not a type of a property");
       if (list && i == 2) {
         if (!IsInteger(*type)) return BadLine("the count of a list must be a whole number");
         property.list_count = type;
@@ -194,9 +194,9 @@ class PlyParser {
     return {};
   }
 
-  tl::unexpected<Error> Contradiction(const PlyElement& element, std::size_t held, const std::string& where,
+  tl::unexpected<Error> Contradiction(const PlyElement& element, std::size_t found, const std::string& where,
                                       bool at_most = false) const {
-    return CountContradiction("element " + element.name, static_cast<double>(element.count), static_cast<double>(held),
+    return CountContradiction("element " + element.name, static_cast<double>(element.count), static_cast<double>(found),
                               where, at_most);
   }
 
@@ -209,7 +209,8 @@ class PlyParser {
       return BadItem(element, item, property, FormatDouble(value) + " " + fault);
     }
     if (std::abs(value) > kLargestCoordinate && IsCoordinate(element, property)) {
-      return BadItem(element, item, property, FormatDouble(value) + " is no coordinate of a scan", kCoordinateHint);
+      return BadItem(element, item, property, FormatDouble(value) + " is not a plausible coordinate of a scan",
+                     kCoordinateHint);
     }
     property.values.push_back(RoundedTo(property.type, value));
     return {};
@@ -300,7 +301,7 @@ class PlyParser {
     }
     skip_blank_lines();
     if (token == Token::kEnd) return {};
-    if (ply_.elements.empty()) return BadLine("the line belongs to no element of the header");
+    if (ply_.elements.empty()) return BadLine("the line is not part of any element of the header");
     const std::string where = name_ + ":" + std::to_string(line_);
     std::size_t more = 1;
     for (; token != Token::kEnd; token = scanner.Next()) {

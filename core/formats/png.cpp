@@ -15,7 +15,7 @@ namespace {
 constexpr png_uint_32 kMostDecoded = 16384, kMostChecked = 1'000'000;  // pixels along a side
 constexpr int kCompression = 3;                                        // of 9: depth images gain little beyond
 
-/// libpng reports an error by a jump to the last setjmp, past destructors. So every call of libpng stands in a member
+/// libpng reports an error by a jump to the last setjmp, past destructors. So every call of libpng is in a member
 /// function that sets the jump and has no objects of its own.
 class PngReader {
  public:
@@ -37,7 +37,7 @@ class PngReader {
     return true;
   }
 
-  /// What stands before the pixels. `most`: pixels along a side.
+  /// The chunks before the pixels. `most`: pixels along a side.
   bool Begin(png_uint_32 most) {
     if (info_ == nullptr || setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_read_fn(png_, this, OnRead);
@@ -95,7 +95,7 @@ class PngReader {
     reader->left_ -= count;
   }
 
-  /// ":IDAT"; empty where the file is no PNG.
+  /// ":IDAT"; empty where the file is not a PNG.
   std::string Chunk() const {
     const bool no_chunk = is_cut_ && (png_get_io_state(png_) & PNG_IO_MASK_LOC) == PNG_IO_CHUNK_HDR;
     if (no_chunk) return ":IEND";
@@ -215,7 +215,7 @@ Expected<std::string> EncodePng(const DepthImage& image) {
   const bool is_whole = image.width > 0 && image.height > 0 &&
                         image.values.size() == static_cast<std::size_t>(image.width) * image.height;
   if (!is_whole) {
-    return Fail(ErrorCode::kInconsistent, std::to_string(image.values.size()) + " values are no image of " +
+    return Fail(ErrorCode::kInconsistent, std::to_string(image.values.size()) + " values do not fill an image of " +
                                               std::to_string(image.width) + " x " + std::to_string(image.height));
   }
   std::string bytes;

@@ -36,11 +36,11 @@ Expected<PngImage> DecodePng(std::string_view bytes, const std::string& name);
 /// A depth image: one channel of 16 bits, else kMalformed.
 Expected<DepthImage> DecodeDepthPng(std::string_view bytes, const std::string& name);
 
-/// Whether an image of any kind and size is whole: every chunk agrees with its checksum, and there are as many pixels
-/// as the header declares. The image is not kept.
+/// Whether an image of any type and size is complete: every chunk agrees with its checksum, and there are as many
+/// pixels as the header declares. The image is not kept.
 Status CheckPng(std::string_view bytes, const std::string& name);
 
-/// Whether every sample of a whole PNG is 0. False for what is no whole PNG.
+/// Whether every sample of a complete PNG is 0. False for an incomplete PNG or another file.
 bool IsBlankPng(std::string_view bytes);
 
 /// A depth image as PNG of one 16-bit channel (rows filtered by the one above, deflate). Same image, same bytes with

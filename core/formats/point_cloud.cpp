@@ -11,8 +11,7 @@
 namespace mocurate {
 namespace {
 
-/// The vectors whose coordinates stand in three columns, of rows that are not `missing`; none where a column is not
-/// there or a vector is zero.
+/// The vectors of three columns, of rows that are not `missing`; empty where a column is absent or a vector is zero.
 template <class Column>
 std::vector<Vector3d> Directions(const std::array<const Column*, 3>& columns,
                                  const std::vector<std::uint8_t>& missing) {
@@ -63,7 +62,7 @@ Expected<PointCloud> ParsePointCloud(std::string_view bytes, const std::string& 
   const std::string_view begin = bytes.substr(std::min(bytes.size(), bytes.find_first_not_of(" \t\r\n")));
   if (begin.substr(0, 3) == "ply") return FromPly(bytes, name);
   if (begin.substr(0, 1) == "#" || begin.substr(0, 7) == "VERSION") return FromPcd(bytes, name);
-  return Fail(ErrorCode::kUnsupported, "the file is no PLY or PCD cloud", name, "export it as PLY or PCD");
+  return Fail(ErrorCode::kUnsupported, "the file is not a PLY or PCD cloud", name, "export it as PLY or PCD");
 }
 
 std::vector<double> DistancesFromMiddle(const std::vector<Vector3d>& points) {

@@ -45,7 +45,7 @@ struct QualisysElement {
   }
 };
 
-/// What is not read holds numbers as well: a file that is damaged there is not trusted elsewhere.
+/// Checks the numbers that are not read too: a file that is damaged there may be damaged elsewhere.
 Status CheckNumbers(const QualisysElement& camera) {
   for (const pugi::xml_node node : camera.node.children()) {
     const std::string_view name = node.name();
@@ -68,7 +68,7 @@ Expected<CalibratedView> ParseCamera(const QualisysElement& camera) {
   if (!fov) return Forward(fov);
   for (const double side : {(*fov)[2], (*fov)[3]}) {
     if (side < 0 || side > 100'000 || side != std::floor(side)) {
-      return Fail(ErrorCode::kMalformed, FormatDouble(side) + " is no last pixel of an image",
+      return Fail(ErrorCode::kMalformed, FormatDouble(side) + " is not the last pixel of an image",
                   video->Where("right, bottom"));
     }
   }
@@ -127,7 +127,7 @@ Expected<Calibration> ParseQualisys(std::string_view bytes, const std::string& n
   if (Status parsed = ParseXml(bytes, name, document); !parsed) return Forward(parsed);
   const pugi::xml_node cameras = document.child("calibration").child("cameras");
   if (!cameras.first_child()) {
-    return Fail(ErrorCode::kMalformed, "the file is no Qualisys calibration (calibration/cameras/camera)", name);
+    return Fail(ErrorCode::kMalformed, "the file is not a Qualisys calibration (calibration/cameras/camera)", name);
   }
   Calibration calibration;
   calibration.dialect = "qualisys";
@@ -137,7 +137,7 @@ Expected<Calibration> ParseQualisys(std::string_view bytes, const std::string& n
     if (node.type() != pugi::node_element) continue;
     const QualisysElement camera{node, bytes, name};
     if (std::string_view(node.name()) != "camera") {
-      return Fail(ErrorCode::kMalformed, "'" + ShownText(node.name()) + "' is no camera", camera.Line());
+      return Fail(ErrorCode::kMalformed, "'" + ShownText(node.name()) + "' is not a camera", camera.Line());
     }
     Expected<CalibratedView> view = ParseCamera(camera);
     if (!view) return Forward(view);

@@ -67,19 +67,19 @@ Expected<Safetensors> ParseSafetensors(std::string_view bytes, const std::string
   if (length > kMostHeaderBytes || length > bytes.size() - kLengthBytes) {
     return Fail(ErrorCode::kMalformed,
                 "the header has " + std::to_string(length) + " bytes, the file " + std::to_string(bytes.size()), name,
-                "the file is no safetensors file, or cut short");
+                "the file is not a safetensors file, or cut short");
   }
   const std::string_view text = bytes.substr(kLengthBytes, static_cast<std::size_t>(length));
   const nlohmann::json header = nlohmann::json::parse(text.begin(), text.end(), nullptr, false);
-  if (!header.is_object()) return Fail(ErrorCode::kMalformed, "the header is no JSON object", name);
+  if (!header.is_object()) return Fail(ErrorCode::kMalformed, "the header is not a JSON object", name);
   const std::string_view numbers = bytes.substr(kLengthBytes + static_cast<std::size_t>(length));
   Safetensors file;
   std::vector<Span> spans;
   for (const auto& [tensor, entry] : header.items()) {
     if (tensor == kMetadata) {
-      if (!entry.is_object()) return Fail(ErrorCode::kMalformed, "__metadata__ is no object of texts", name);
+      if (!entry.is_object()) return Fail(ErrorCode::kMalformed, "__metadata__ is not an object of texts", name);
       for (const auto& [key, value] : entry.items()) {
-        if (!value.is_string()) return Fail(ErrorCode::kMalformed, "__metadata__ is no object of texts", name);
+        if (!value.is_string()) return Fail(ErrorCode::kMalformed, "__metadata__ is not an object of texts", name);
         file.metadata[key] = value.get<std::string>();
       }
       continue;
@@ -107,7 +107,8 @@ Expected<Safetensors> ParseSafetensors(std::string_view bytes, const std::string
     file.tensors.push_back(std::move(span.tensor));
   }
   if (end != numbers.size()) {
-    return Fail(ErrorCode::kMalformed, std::to_string(numbers.size() - end) + " bytes belong to no tensor", name);
+    return Fail(ErrorCode::kMalformed, std::to_string(numbers.size() - end) + " bytes are not part of any tensor",
+                name);
   }
   return file;
 }

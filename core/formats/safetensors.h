@@ -22,8 +22,8 @@ struct Safetensors {
   std::vector<Tensor> tensors;  ///< in the order of their numbers
 };
 
-/// Error kMalformed naming the tensor: a header that is no JSON, offsets that overlap, leave gaps or lie outside of the
-/// file, a shape that does not fit its bytes; kUnsupported for another type than F32.
+/// Error kMalformed naming the tensor: a header that is not JSON, offsets that overlap, leave gaps or lie outside of
+/// the file, a shape that does not fit its bytes; kUnsupported for another type than F32.
 Expected<Safetensors> ParseSafetensors(std::string_view bytes, const std::string& name);
 
 /// The bytes of a file. Same content, same bytes.

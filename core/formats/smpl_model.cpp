@@ -18,13 +18,13 @@ constexpr std::size_t kMaxVertices = 1'000'000;
 constexpr std::size_t kMaxRegressor = std::size_t{1} << 26;
 constexpr double kRootOfUint32 = 4294967295.0;
 
-/// The array of a key; none when the file lacks it.
+/// The array of a key; empty when the file does not have it.
 using Fields = std::function<Expected<std::optional<NpyArray>>(const char* key)>;
 
 Expected<NpyArray> Dense(const SparseMatrix& matrix, const PickleRef& place) {
   if (matrix.rows > kMaxJoints || matrix.columns > kMaxVertices || matrix.rows * matrix.columns > kMaxRegressor) {
     return place.Bad("a matrix of " + std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns) +
-                     " is none of joints x vertices");
+                     " exceeds the limits of joints x vertices");
   }
   NpyArray array = MakeArray({matrix.rows, matrix.columns}, std::vector<double>(matrix.rows * matrix.columns, 0.0));
   for (std::size_t i = 0; i < matrix.value.size(); ++i) {

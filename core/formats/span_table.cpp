@@ -32,7 +32,7 @@ std::optional<std::vector<std::string>> CellsOfLine(std::string_view line) {
   return cells;
 }
 
-/// Where each wanted column stands; -1: it does not.
+/// The position of each column; -1: absent.
 struct SpanColumns {
   std::ptrdiff_t clip = -1, begin = -1, end = -1, label = -1, fine_label = -1;
   bool in_frames = false;
@@ -63,7 +63,7 @@ Expected<ListedSpan> SpanOfRow(const SpanColumns& columns, std::string_view line
   if (cells->size() != columns.count) {
     return reader.Bad(
         Counted(static_cast<long long>(cells->size()), "cell") + ", the header has " + std::to_string(columns.count),
-        "separate cells by commas; a cell that holds one stands in quotes");
+        "separate cells by commas; put a cell that holds a comma in quotes");
   }
   const auto cell = [&](std::ptrdiff_t column) { return (*cells)[static_cast<std::size_t>(column)]; };
   ListedSpan span;
@@ -75,16 +75,16 @@ Expected<ListedSpan> SpanOfRow(const SpanColumns& columns, std::string_view line
   span.place = reader.Place();
   const auto begin = ParseDouble(cell(columns.begin)), end = ParseDouble(cell(columns.end));
   if (span.clip.empty()) return reader.Bad("the row names no clip", "write source/person/recording, or its recording");
-  if (span.label.empty()) return reader.Bad("the row has no label", "say what the span shows, or take the row out");
+  if (span.label.empty()) return reader.Bad("the row has no label", "name the activity of the span, or remove the row");
   for (const auto& [number, column] : {std::pair(begin, columns.begin), std::pair(end, columns.end)}) {
     if (number && std::isfinite(*number)) continue;
-    return reader.Bad("'" + Shown(cell(column)) + "' is no number", columns.in_frames
-                                                                        ? "frames are whole numbers, counted from 0"
-                                                                        : "seconds are numbers such as 12.5");
+    return reader.Bad("'" + Shown(cell(column)) + "' is not a number", columns.in_frames
+                                                                           ? "frames are whole numbers, counted from 0"
+                                                                           : "seconds are numbers such as 12.5");
   }
   const bool whole = *begin == std::floor(*begin) && *end == std::floor(*end);
   if (columns.in_frames && (!whole || *end > 1e9)) {
-    return reader.Bad(FormatDouble(*begin) + " to " + FormatDouble(*end) + " are no frames",
+    return reader.Bad(FormatDouble(*begin) + " to " + FormatDouble(*end) + " are not frame numbers",
                       "frames are whole numbers");
   }
   if (*begin < 0.0 || *begin >= *end || *end > 1e9) {
@@ -99,7 +99,7 @@ Expected<ListedSpan> SpanOfRow(const SpanColumns& columns, std::string_view line
 
 Expected<ListedSpan> SpanOfName(std::string_view line, const LineReader& reader) {
   const auto name = ParseHumanAct12Name(line);
-  if (!name) return reader.Bad("'" + Shown(line) + "' is no clip name of HumanAct12", kHeaderHint);
+  if (!name) return reader.Bad("'" + Shown(line) + "' is not a clip name of HumanAct12", kHeaderHint);
   const HumanAct12Code* code = FindHumanAct12Code(name->code);
   if (code == nullptr) return reader.Bad("HumanAct12 has no action code " + name->code);
   if (name->last < name->first) {
@@ -129,7 +129,7 @@ Expected<std::vector<ListedSpan>> ParseSpanTable(std::string_view bytes, const s
     if (!columns && spans.empty() && line.find_first_of(",;\t") != std::string_view::npos) {
       const auto header = CellsOfLine(line);
       if (header) columns = ColumnsOfHeader(*header);
-      if (!columns) return reader.Bad("'" + Shown(line) + "' is no header of a table of spans", kHeaderHint);
+      if (!columns) return reader.Bad("'" + Shown(line) + "' is not a header of a table of spans", kHeaderHint);
       continue;
     }
     Expected<ListedSpan> span = columns ? SpanOfRow(*columns, line, reader) : SpanOfName(line, reader);

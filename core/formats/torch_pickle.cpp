@@ -50,11 +50,12 @@ class TorchReader {
 };
 
 Status TorchReader::ReadStorages(PickleMachine& machine, int keys) {
-  if (machine.At(keys).kind != PickleKind::kList) return machine.Bad("the list of storages is no list");
+  if (machine.At(keys).kind != PickleKind::kList) return machine.Bad("the value for storages is not a list");
   for (const int key : machine.At(keys).children) {
     const PickleValue& text = machine.At(key);
     const int position = text.kind == PickleKind::kText ? machine.FindStorage(text.text) : -1;
-    if (position < 0) return machine.Bad("storage '" + DisplayPath(std::string(text.text)) + "' belongs to no tensor");
+    if (position < 0)
+      return machine.Bad("storage '" + DisplayPath(std::string(text.text)) + "' is not part of any tensor");
     PickleStorage& storage = machine.storages()[static_cast<std::size_t>(position)];
     const Expected<std::uint64_t> count = machine.TakeUnsigned(8);
     if (!count) return Forward(count);
@@ -89,7 +90,7 @@ Status TorchReader::CollectArray(PickleMachine& machine, const PickleValue& valu
   }
   elements_ += count;
   if (elements_ > limits_.elements) return machine.Bad("more numbers than allowed", ErrorCode::kUnsupported);
-  // A tensor without axes has no strides, but may stand anywhere in its storage.
+  // A tensor without axes has no strides, but may be anywhere in its storage.
   if (array.storage >= 0 && array.strides.empty()) {
     const std::size_t stored = array.data.size() / type->bytes;
     if (array.offset >= stored) return machine.Bad("tensor '" + path + "' reaches outside its storage");
@@ -136,7 +137,7 @@ Status TorchReader::Collect(PickleMachine& machine, int position, const std::str
       for (std::size_t i = 0; i + 1 < value.children.size(); i += 2) {
         const PickleValue& key = machine.At(value.children[i]);
         if (key.kind != PickleKind::kText && key.kind != PickleKind::kInteger) {
-          return machine.Bad("a key that is no text and no integer");
+          return machine.Bad("a key that is neither a text nor an integer");
         }
         const std::string name = key.kind == PickleKind::kText ? std::string(key.text) : std::to_string(key.integer);
         if (Status s = Collect(machine, value.children[i + 1], prefix + name, depth + 1, table); !s) return s;
@@ -187,7 +188,7 @@ Expected<TorchTable> TorchReader::ReadZip() {
            (member.size() > kTop.size() && member.substr(member.size() - kTop.size() - 1) == "/" + std::string(kTop));
   });
   if (top == members.end()) {
-    return Fail(ErrorCode::kMalformed, "the archive holds no data.pkl", name_, "it is no file of torch.save");
+    return Fail(ErrorCode::kMalformed, "the archive holds no data.pkl", name_, "it is not a file of torch.save");
   }
   const std::string folder = top->substr(0, top->size() - kTop.size());
   if (const std::size_t order = find(folder + "byteorder"); order < members.size()) {
@@ -207,7 +208,7 @@ Expected<TorchTable> TorchReader::ReadZip() {
     const std::string member = folder + "data/" + storage.key;
     const std::size_t index = find(member);
     if (index == members.size()) {
-      return Fail(ErrorCode::kMalformed, "the archive lacks the numbers '" + member + "'", name_);
+      return Fail(ErrorCode::kMalformed, "the archive does not have the numbers '" + member + "'", name_);
     }
     Expected<std::string> content = archive->Read(index);
     if (!content) return Forward(content);

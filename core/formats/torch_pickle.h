@@ -25,11 +25,11 @@ struct TorchTable {
   std::map<std::string, double> numbers;  ///< integers, floats and truth values by name
   std::map<std::string, std::string> texts;
 
-  /// Null when there is none of that name.
+  /// Null when it does not exist.
   const TorchTensor* Find(std::string_view name) const;
 };
 
-/// Bounds on what a file may ask for, whatever it says of itself.
+/// Bounds on what a file may request, whatever it declares.
 struct TorchLimits {
   std::int64_t elements = std::int64_t{1} << 27;    ///< over all tensors together
   std::int64_t objects = std::int64_t{1} << 20;     ///< while reading and when the table is made

@@ -33,7 +33,7 @@ Status EachLine(LineReader& lines, const std::string& what, const std::function<
   int count = 0;
   for (std::string_view line = lines.Next(); !line.empty(); line = lines.Next()) {
     if (lines.number() != ++count) {
-      return lines.Bad("an empty line stands before '" + Shown(line) + "'", what + " are counted by lines");
+      return lines.Bad("an empty line precedes '" + Shown(line) + "'", what + " are counted by lines");
     }
     if (Status taken = take(line); !taken) return taken;
   }
@@ -63,7 +63,7 @@ Expected<UestcVideo> ParseUestcName(std::string_view text, const std::string& wh
         digits && part.front() == field.letter ? ParseInteger(part.substr(1)) : std::nullopt;
     if (!number || *number < field.least || *number > field.most) {
       return Fail(ErrorCode::kMalformed,
-                  "'" + Shown(part) + "' in '" + Shown(text) + "' is no " + field.name + ": " + field.letter +
+                  "'" + Shown(part) + "' in '" + Shown(text) + "' is not a valid " + field.name + ": " + field.letter +
                       " and a number from " + std::to_string(field.least) + " to " + std::to_string(field.most),
                   where, "as in a12_d4_p007_c2_color.avi");
     }
@@ -82,7 +82,7 @@ Expected<std::vector<UestcVideo>> ParseUestcNames(std::string_view bytes, const 
     if (line.size() < 10 || line.substr(line.size() - 10) != "_color.avi") {
       return lines.Bad("'" + Shown(line) + "' does not end in _color.avi");
     }
-    if (!seen.insert(TiedVideo(*video)).second) return lines.Bad("'" + Shown(line) + "' stands twice");
+    if (!seen.insert(TiedVideo(*video)).second) return lines.Bad("'" + Shown(line) + "' appears twice");
     videos.push_back(*video);
     return {};
   });
@@ -95,14 +95,15 @@ Expected<std::vector<int>> ParseUestcFrameCounts(std::string_view bytes, const s
   LineReader lines(bytes, name);
   const Status read = EachLine(lines, "frame counts", [&](std::string_view line) -> Status {
     const std::optional<long long> count = ParseInteger(line);
-    if (!count || *count < 0 || *count > kMostFrames) return lines.Bad("'" + Shown(line) + "' is no count of frames");
+    if (!count || *count < 0 || *count > kMostFrames)
+      return lines.Bad("'" + Shown(line) + "' is not a count of frames");
     frames.push_back(static_cast<int>(*count));
     return {};
   });
   if (!read) return Forward(read);
   if (videos != 0 && frames.size() != videos) {
     return Fail(ErrorCode::kInconsistent,
-                std::to_string(frames.size()) + " frame counts stand beside " + std::to_string(videos) + " names",
+                std::to_string(frames.size()) + " frame counts are given for " + std::to_string(videos) + " names",
                 lines.Place(), "the two files are not of one set, or one is cut off");
   }
   return frames;
@@ -113,7 +114,7 @@ Expected<std::vector<std::string>> ParseUestcActions(std::string_view bytes, con
   std::set<std::string> seen;
   LineReader lines(bytes, name);
   const Status read = EachLine(lines, "action classes", [&](std::string_view line) -> Status {
-    if (!seen.insert(std::string(line)).second) return lines.Bad("action '" + Shown(line) + "' stands twice");
+    if (!seen.insert(std::string(line)).second) return lines.Bad("action '" + Shown(line) + "' appears twice");
     actions.emplace_back(line);
     return {};
   });

@@ -55,7 +55,7 @@ Status TakeFrameIds(const PickleRef& item, const std::string& name, VibeTrack& t
   return {};
 }
 
-/// `find` gives the array of a key, or none; None stands for absent in VIBE's files.
+/// `find` returns the array of a key, or empty; None means absent in VIBE's files.
 template <class Find>
 Status TakeAll(const Find& find, const PickleRef& holder, const std::string& name, VibeTrack& track) {
   for (const TrackField& field : kTrackFields) {
@@ -92,11 +92,11 @@ Expected<std::vector<VibeTrack>> ParseVibeTracks(std::string_view bytes, const s
   for (std::size_t i = 0; i < top.size(); ++i) {
     const PickleRef value = top.ValueAt(i);
     const Expected<std::int64_t> id = top.KeyAt(i).Integer();
-    if (!id) return value.Bad("the key of a track is no integer");
+    if (!id) return value.Bad("the key of a track is not an integer");
     for (const VibeTrack& other : tracks) {
       if (other.id == *id) return value.Bad("two tracks have this id");
     }
-    if (value.kind() != PickleKind::kDict) return value.Bad("a track is no dictionary");
+    if (value.kind() != PickleKind::kDict) return value.Bad("a track is not a dictionary");
     VibeTrack track;
     track.id = *id;
     if (Status s = TakeAll([&](const char* key) { return value.Find(key); }, value, name, track); !s) return Forward(s);

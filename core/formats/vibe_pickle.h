@@ -11,7 +11,8 @@
 
 namespace mocurate {
 
-/// One person track of VIBE, SPIN and their kin. Root-relative joints, y down, facing -z. What a file lacks is empty.
+/// One person track of VIBE, SPIN and related methods. Root-relative joints, y down, facing -z. Absent fields are
+/// empty.
 struct VibeTrack {
   std::int64_t id = 0;  ///< key of the track; position of the video in a cache
   std::size_t frames = 0;

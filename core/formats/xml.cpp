@@ -16,7 +16,7 @@ std::string LinePlace(std::string_view bytes, const std::string& name, std::size
   return name + ":" + std::to_string(1 + std::count(before.begin(), before.end(), '\n'));
 }
 
-/// Stops at the first element with an attribute that stands twice, which pugixml does not check.
+/// Stops at the first element with a duplicate attribute, which pugixml does not check.
 struct RepeatedAttribute : pugi::xml_tree_walker {
   pugi::xml_node element;
   std::string name;
@@ -55,20 +55,20 @@ Status ParseXml(std::string_view bytes, const std::string& name, pugi::xml_docum
                            pugi::parse_default | pugi::parse_fragment | pugi::parse_trim_pcdata, pugi::encoding_utf8);
   if (!parsed) {
     const auto offset = static_cast<std::size_t>(parsed.offset);
-    return Fail(ErrorCode::kMalformed, std::string("the file is no XML: ") + parsed.description(),
+    return Fail(ErrorCode::kMalformed, std::string("the file is not XML: ") + parsed.description(),
                 LinePlace(bytes, name, offset), offset + 1 >= bytes.size() ? "is the file cut off?" : "");
   }
   const pugi::xml_node root = document.document_element();
   if (!root) return Fail(ErrorCode::kMalformed, "the file has no element", name);
   for (const pugi::xml_node node : document) {
     if (node == root) continue;
-    return Fail(ErrorCode::kMalformed, "text or an element stands beside the root element",
+    return Fail(ErrorCode::kMalformed, "text or an element is found beside the root element",
                 XmlPlace(bytes, name, node));
   }
   RepeatedAttribute repeated;
   document.traverse(repeated);
   if (!repeated.element) return {};
-  return Fail(ErrorCode::kMalformed, "the attribute '" + Shown(repeated.name) + "' stands twice",
+  return Fail(ErrorCode::kMalformed, "the attribute '" + Shown(repeated.name) + "' appears twice",
               XmlPlace(bytes, name, repeated.element));
 }
 

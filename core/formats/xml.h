@@ -15,8 +15,8 @@ namespace mocurate {
 /// Error kMalformed "name:line" for bytes that are not UTF-8 and for control characters.
 Status CheckMarkup(std::string_view bytes, const std::string& name);
 
-/// Parses a file of one root element into `document`. Document types are skipped, entities beside the five of XML stay
-/// as they are. Error kMalformed "name:line", also for text beside the root and an attribute that stands twice.
+/// Parses a file of one root element into `document`. Document types are skipped, entities other than the five of XML
+/// stay as they are. Error kMalformed "name:line", also for text beside the root and for a duplicate attribute.
 Status ParseXml(std::string_view bytes, const std::string& name, pugi::xml_document& document);
 
 /// "name:line" of an element of a document that was parsed from `bytes`.

@@ -11,14 +11,14 @@
 
 namespace mocurate {
 
-/// Bounds on what an archive may ask for, whatever it says of itself.
+/// Bounds on what an archive may request, whatever it declares.
 struct ZipLimits {
   std::size_t members = 1u << 20;
   std::size_t bytes = std::size_t{1} << 30;  ///< unpacked, over all members that are read
 };
 
-/// A zip archive in memory, read through libzip. Sizes that the archive declares are never trusted: a member grows only
-/// as its bytes come.
+/// A zip archive in memory, read through libzip. Declared sizes are not used for allocation: a member grows
+/// as its bytes are read.
 class ZipArchive {
  public:
   /// `bytes` must outlive the archive. Errors kMalformed, kUnsupported (too many members).

@@ -26,7 +26,8 @@ std::string AxisConvention::Text() const {
 Expected<AxisConvention> AxisConvention::Parse(std::string_view text) {
   const std::string quoted = "axis convention '" + std::string(text) + "'";
   const std::string hint =
-      "say where the source's x, y and z point, e.g. \"+x +y +z\" (y up, right-handed) or \"+x -y -z\" (y down)";
+      "write the directions of the source's x, y and z, e.g. \"+x +y +z\" (y up, right-handed) or \"+x -y -z\" (y "
+      "down)";
   const std::vector<std::string_view> words = SplitBlanks(Trim(text));
   if (words.size() != 3) {
     return Fail(ErrorCode::kConfig, quoted + " has " + std::to_string(words.size()) + " axes, not 3", {}, hint);

@@ -15,7 +15,7 @@ struct DepthImage {
   std::vector<std::uint16_t> values;
 };
 
-/// Which pixels belong to a person, row-major, (height*width): 0 or 1.
+/// Mask of a person's pixels, row-major, (height*width): 0 or 1.
 struct PixelMask {
   int width = 0;
   int height = 0;

@@ -33,11 +33,11 @@ Expected<EulerOrder> EulerOrder::Parse(std::string_view text) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = std::string_view("XYZxyz").find(text[i]);
     if (axis == std::string_view::npos) {
-      return Fail(ErrorCode::kConfig, quoted + ": '" + std::string(1, text[i]) + "' is no axis", {}, hint);
+      return Fail(ErrorCode::kConfig, quoted + ": '" + std::string(1, text[i]) + "' is not an axis", {}, hint);
     }
     order.axes[i] = static_cast<int>(axis % 3);
     if (i > 0 && order.axes[i] == order.axes[i - 1]) {
-      return Fail(ErrorCode::kConfig, quoted + " turns about the same axis twice in a row", {}, hint);
+      return Fail(ErrorCode::kConfig, quoted + " repeats the same axis twice in a row", {}, hint);
     }
   }
   return order;

@@ -4,7 +4,7 @@
 
 namespace mocurate {
 
-/// A rigid transform of paired points some of which do not belong together, and what it rests on. Metres.
+/// A rigid transform of paired points with outliers, and its inliers. Metres.
 struct RobustAlignment {
   RigidTransform target_from_source;
   double median = 0.0;  ///< of the distances that remain, over all pairs that weigh
@@ -13,7 +13,7 @@ struct RobustAlignment {
 };
 
 /// Iteratively reweighted Procrustes (Geman and McClure's weights about the median distance, never below `floor`
-/// metres), from the plain least squares: right with less than about 40 % of foreign pairs. Points are columns; weights
+/// metres), from plain least squares: reliable with less than about 40 % outliers. Points are columns; weights
 /// must not be negative, at least one must be positive.
 RobustAlignment AlignPointsRobustly(const Eigen::Matrix3Xd& source, const Eigen::Matrix3Xd& target,
                                     const Eigen::VectorXd& weights, double floor = 0.01);

@@ -104,7 +104,7 @@ Vector3d UnwrapNear(const Vector3d& rotation_vector, const Vector3d& previous) {
   if (angle > 1e-12) {
     axis = rotation_vector / angle;
   } else {
-    // The identity has no axis of its own: whole turns may lie along the previous one.
+    // The axis of the identity is undefined: multiples of 2 pi are applied along the previous axis.
     const double length = previous.stableNorm();
     if (length < kPi) return rotation_vector;
     axis = previous / length;
@@ -143,7 +143,7 @@ Quaterniond SwingBetween(const Vector3d& from, const Vector3d& to) {
     return Quaterniond(0.0, axis.x(), axis.y(), axis.z());
   }
   if (sine == 0.0) return Quaterniond::Identity();
-  // Near a half turn the cross product is noisy; what has to hold is that the axis is perpendicular to `from`.
+  // Near a rotation by pi the cross product is noisy; the axis must be perpendicular to `from`.
   Vector3d axis = cross / sine;
   axis = (axis - axis.dot(a) * a).normalized();
   return ExpQuaternion(std::atan2(sine, cosine) * axis);

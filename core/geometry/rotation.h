@@ -48,7 +48,7 @@ Quaterniond Slerp(const Quaterniond& a, const Quaterniond& b, double fraction);
 Matrix3d NearestRotation(const Matrix3d& matrix);
 
 /// Smallest rotation that takes direction `from` to direction `to` (lengths are ignored). For opposite directions a
-/// half turn about an axis perpendicular to `from`, the same one every time.
+/// rotation by pi about an axis perpendicular to `from`, always the same one.
 Quaterniond SwingBetween(const Vector3d& from, const Vector3d& to);
 
 /// Which two vectors of the matrix a 6D representation holds: the released codes differ (ACTOR: rows, MultiAct's

@@ -11,12 +11,12 @@ namespace mocurate {
 struct ImageObservation {
   const Camera* camera = nullptr;
   Vector2d pixel = Vector2d::Zero();
-  double weight = 1.0;  ///< a detector's confidence; 0: not seen, not read
+  double weight = 1.0;  ///< a detector's confidence; 0: not detected, not read
 };
 
 /// Linear triangulation (DLT; Hartley and Zisserman, section 12.2) of undistorted rays, each view's two equations times
 /// its weight. World, metres. Empty with fewer than two views that see the point, or when their rays are parallel.
-/// Plain: no outliers are sought, and the point may lie behind a camera.
+/// No outlier rejection, and the point may lie behind a camera.
 std::optional<Vector3d> TriangulateLinear(const std::vector<ImageObservation>& sightings);
 
 /// Distance in pixels between the sighting and the projection of a point; empty when the point is not in front.

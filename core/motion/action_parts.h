@@ -18,7 +18,7 @@ struct ActionParts {
 /// two of them.
 Expected<ActionParts> PartsOf(const Clip& clip);
 
-/// A part of a motion, in the world of the whole. Errors of PartsOf.
+/// A part of a motion, in the same world frame. Errors of PartsOf.
 Expected<Motion> TakePart(const Clip& clip, ClipPart part);
 
 }  // namespace mocurate

@@ -22,7 +22,7 @@ struct Segment {
   std::string origin;    ///< "annotated", "measured", "file_name"
 };
 
-/// Who and what a clip is. `id` is stable text: source/person/recording#begin-end (frames of the recording).
+/// Identity of a clip. `id` is stable text: source/person/recording#begin-end (frames of the recording).
 struct ClipIdentity {
   std::string source;
   std::string person;
@@ -56,16 +56,17 @@ struct DepthView {
   std::vector<std::string> sha256;           ///< (F)
   std::vector<double> time_s;                ///< (F)
   double metres_per_unit = 0.001;
-  /// (F) or none: images of the same size, 8-bit PNG or JPEG, 128 and more where the person is. The rest is not of her
-  /// and may stand elsewhere: a person who turns before a fixed sensor is seen from all sides, the room is not.
+  /// (F) or none: images of the same size, 8-bit PNG or JPEG, 128 and more where the person is. Other pixels are
+  /// background and need not be consistent: a person who turns before a fixed sensor is observed from all sides, the
+  /// room is not.
   std::vector<std::filesystem::path> masks;
   std::vector<std::string> mask_sha256;  ///< (F) or none
 };
 
-/// Point clouds by reference, one per frame, of all that was seen then. A point of a file times metres_per_unit is in
+/// Point clouds by reference, one per frame, of everything observed then. A point of a file times metres_per_unit is in
 /// metres (negative: the file's axes are left-handed), and world_from_file places it.
 struct CloudFiles {
-  std::vector<std::filesystem::path> files;  ///< (F) PLY or PCD; empty: nothing was seen
+  std::vector<std::filesystem::path> files;  ///< (F) PLY or PCD; empty: nothing was observed
   std::vector<std::string> sha256;           ///< (F)
   std::vector<double> time_s;                ///< (F) increasing
   double metres_per_unit = 1.0;
@@ -73,22 +74,22 @@ struct CloudFiles {
 };
 
 /// People whom a detector found in the images of one calibrated camera. F images, P people (the most that one image
-/// lists), K points each. Frame f of all views of a clip is the same moment when their times are the same: an image
-/// that is missing is one that shows no person. The order of an image's people is the detector's and means nothing.
+/// lists), K points each. Frame f of all views of a clip is the same moment when their times are the same: a missing
+/// image is one without detections. The order of an image's people is the detector's and has no meaning.
 struct KeypointView {
   Camera camera;               ///< named; two views of a clip have different names
   std::vector<double> time_s;  ///< (F) increasing
   int people = 0;              ///< P
-  std::vector<double> values;  ///< (F,P,K,3) u px, v px, confidence in [0, 1]; 0: not seen, u and v are never read
+  std::vector<double> values;  ///< (F,P,K,3) u px, v px, confidence in [0, 1]; 0: not detected, u and v are never read
 
   int frames() const { return static_cast<int>(time_s.size()); }
-  /// K; 0 when there is no image or no person is ever observed.
+  /// K; 0 when there is no image or no detection.
   int points() const;
   /// u px, v px (as detected: with the lens's distortion, and possibly outside the image), confidence.
   const double* at(int frame, int person, int point) const;
 };
 
-/// What sensors or other programs said. Never overwritten by what is fitted to it.
+/// Data of sensors or other programs. Never overwritten by a fit.
 struct Evidence {
   std::optional<JointTracks> tracks;
   std::vector<DepthView> depth_views;
@@ -109,8 +110,8 @@ Status CheckKeypoints(const Evidence& evidence);
 /// Times of the first view's depth images or of the clouds; empty without both.
 const std::vector<double>& SurfaceTimes(const Evidence& evidence);
 
-/// Depth images, masks and clouds are referred to by their names in the source's folder; `files` says where each lies
-/// now.
+/// Depth images, masks and clouds are referred to by their names in the source's folder; `files` gives their current
+/// paths.
 void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence);
 
 struct Clip {

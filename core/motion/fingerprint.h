@@ -6,8 +6,8 @@
 
 namespace mocurate {
 
-/// Sixteen hexadecimal digits that say which motion it is: of the SHA-256 over its rate and its joints as a dataset
-/// stores them (float32). The same in every file that holds the motion, whatever its id or label there.
+/// Sixteen hexadecimal digits that identify a motion: of the SHA-256 over its rate and its joints as a dataset stores
+/// them (float32). Equal in every file that holds the motion, with any id or label.
 std::string MotionFingerprint(const Motion& motion);
 
 }  // namespace mocurate

@@ -23,7 +23,7 @@ Expected<Matrix3d> AxesFromJoints(const Motion& motion, int frame) {
   if (!pair) {
     return Fail(ErrorCode::kInconsistent, "skeleton '" + skeleton.name + "' names neither hips nor shoulders",
                 "heading",
-                "name the mirrored hip joints left_hip and right_hip, or turn no clip by its heading "
+                "name the mirrored hip joints left_hip and right_hip, or do not rotate clips by their heading "
                 "(canon.facing.rule: origin)");
   }
   const Vector3d left_joint = motion.joints.at(frame, (*pair)[0]);

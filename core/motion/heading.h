@@ -34,7 +34,7 @@ const char* Name(YawSource source);
 struct Heading {
   double yaw = 0.0;  ///< radians about +y, from canonical facing (+z) to the person's
   YawSource source = YawSource::kHipAxis;
-  double horizontal = 1.0;  ///< of what yaw is read from, 1 for upright; at 0 yaw is not defined
+  double horizontal = 1.0;  ///< of the vector that gives yaw, 1 for upright; at 0 yaw is not defined
 };
 
 /// Yaw of body axes (columns left, up, forward), by `rule`:

@@ -7,7 +7,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestNames = 5;  // that begin alike by no accident
+constexpr std::size_t kFewestNames = 5;  // least names for a common prefix
 constexpr std::string_view kSeparators = "_ .-";
 
 bool IsCapital(char c) { return c >= 'A' && c <= 'Z'; }
@@ -22,7 +22,7 @@ std::string_view SharedBeginning(const std::vector<std::string>& names) {
   return shared;
 }
 
-/// How much of it is no part of a joint's own name.
+/// Length of the prefix that is not part of a joint's own name.
 std::size_t NamespaceLength(const std::vector<std::string>& names, std::string_view shared) {
   for (std::size_t length = shared.size(); length > 0; --length) {
     if (kSeparators.find(shared[length - 1]) != std::string_view::npos) return length;

@@ -7,13 +7,13 @@
 
 namespace mocurate {
 
-/// Names of one skeleton's joints without what an exporter put before all of them: "mixamorig:Hips", "mixamorigHips",
-/// "Character1_Hips", "Armature|Hips" and "Bip01 L Thigh" become "Hips" and "L Thigh". What stands before the last ':'
-/// or '|' goes; then what all but the root, and at least 5, begin with, up to a separator or to where every name goes
-/// on with a capital letter. No name becomes empty, and no two that differ become the same.
+/// Names of one skeleton's joints without the exporter's common prefix: "mixamorig:Hips", "mixamorigHips",
+/// "Character1_Hips", "Armature|Hips" and "Bip01 L Thigh" become "Hips" and "L Thigh". Everything before the last ':'
+/// or '|' is removed. Then the common prefix of all names but the root's, and of at least 5, is removed, up to a
+/// separator or to a capital letter in every name. No name becomes empty, and different names stay different.
 std::vector<std::string> WithoutNamespace(std::vector<std::string> names);
 
-/// The same names where the skeleton knows each of them as it stands, else without their namespace.
+/// The same names where the skeleton knows each of them, else without their namespace.
 std::vector<std::string> NamesIn(const Skeleton& skeleton, const std::vector<std::string>& names);
 
 }  // namespace mocurate

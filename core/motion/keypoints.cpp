@@ -21,7 +21,7 @@ Status CheckCamera(const Camera& camera) {
   if (camera.width < 0 || camera.height < 0) return Inconsistent("the image has a negative size", camera.name);
   const RigidTransform& pose = camera.camera_from_world;
   if (!(std::abs(pose.rotation.norm() - 1.0) <= 1e-6) || !pose.translation.allFinite()) {
-    return Inconsistent("the camera's pose is no rotation and translation", camera.name);
+    return Inconsistent("the camera's pose is not a rotation and a translation", camera.name);
   }
   return {};
 }
@@ -35,7 +35,7 @@ Status CheckValues(const KeypointView& view, const std::vector<std::string>& nam
         if (good) continue;
         return Inconsistent("frame " + std::to_string(f) + ", person " + std::to_string(p) + ", " + names[k] + " is (" +
                                 FormatDouble(v[0]) + ", " + FormatDouble(v[1]) + ") px with confidence " +
-                                FormatDouble(v[2]) + "; seen points are finite, confidences in [0, 1]",
+                                FormatDouble(v[2]) + "; observed points must be finite, confidences in [0, 1]",
                             view.camera.name);
       }
     }
@@ -78,20 +78,20 @@ const double* KeypointView::at(int frame, int person, int point) const {
 Status CheckKeypoints(const Evidence& evidence) {
   if (evidence.keypoint_views.empty()) {
     if (evidence.keypoint_names.empty() && evidence.subject == 0) return {};
-    return Inconsistent("names of keypoints or a subject without views that see them", "keypoints");
+    return Inconsistent("names of keypoints or a subject without views", "keypoints");
   }
   if (evidence.subject < 0) return Inconsistent("subject " + std::to_string(evidence.subject), "keypoints");
   std::set<std::string> names;
   for (const std::string& name : evidence.keypoint_names) {
     if (name.empty() || !names.insert(name).second) {
-      return Inconsistent("keypoint name '" + name + "' is empty or comes twice", "keypoints");
+      return Inconsistent("keypoint name '" + name + "' is empty or appears twice", "keypoints");
     }
   }
   if (names.empty()) return Inconsistent("the views have no names of keypoints", "keypoints");
   std::set<std::string> cameras;
   for (const KeypointView& view : evidence.keypoint_views) {
     if (view.camera.name.empty() || !cameras.insert(view.camera.name).second) {
-      return Inconsistent("camera name '" + view.camera.name + "' is empty or comes twice", "keypoints");
+      return Inconsistent("camera name '" + view.camera.name + "' is empty or appears twice", "keypoints");
     }
     if (Status checked = CheckView(view, evidence.keypoint_names); !checked) return checked;
   }

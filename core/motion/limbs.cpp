@@ -103,7 +103,7 @@ class LimbFinder {
     return above > 0 ? above : -1;
   }
 
-  /// Joints that hang from it, by way of such as share its twist.
+  /// Its descendants, by way of joints that share its twist.
   std::vector<int> Below(int joint) const {
     std::vector<int> below;
     for (const int child : children_[joint]) {
@@ -117,7 +117,7 @@ class LimbFinder {
     return below;
   }
 
-  /// The one of several that goes on: the only one, else the first whose name has a word of those; -1 for none.
+  /// The child that continues the limb: the only one, else the first whose name has one of the words; -1 for none.
   int ContinuesWith(const std::vector<int>& below, std::initializer_list<std::string_view> words) const {
     if (below.size() == 1) return below.front();
     const auto named =
@@ -125,7 +125,7 @@ class LimbFinder {
     return named == below.end() ? -1 : *named;
   }
 
-  /// By the skeleton's own name or synonym, else the first whose name says so and that hangs from a joint of its side.
+  /// By the skeleton's own name or synonym, else the first with a matching name below a joint of its side.
   template <typename IsMiddle>
   int Middle(int side, const char* standard, const IsMiddle& is_middle) const {
     const std::string name = std::string(side == 0 ? "left_" : "right_") + standard;

@@ -10,7 +10,7 @@ namespace mocurate {
 
 /// The joints of one limb, each above the next in the tree; -1 where there is none.
 struct Limb {
-  int collar = -1;  ///< of an arm: what the shoulder hangs from, where it lies on the same side
+  int collar = -1;  ///< of an arm: the shoulder's parent, if on the same side
   int root = -1;    ///< shoulder or hip
   int middle = -1;  ///< elbow or knee
   int end = -1;     ///< wrist or ankle
@@ -23,13 +23,13 @@ struct Limb {
 struct Limbs {
   std::array<Limb, 2> arm;
   std::array<Limb, 2> leg;
-  int chest = -1;   ///< from which both arms hang by their collars
-  int pelvis = -1;  ///< the lowest joint from which both legs hang
+  int chest = -1;   ///< common ancestor of both arms and their collars
+  int pelvis = -1;  ///< lowest common ancestor of both legs
 };
 
 /// Finds elbows and knees by their names ("left_elbow", "LeftForeArm", "LowerArm_L"; "LeftLeg" where a joint of its
 /// side lies above it) and all else by how it hangs from them: exporters call an ankle "LeftFoot", a wrist "LeftHand"
-/// and a collar "LeftShoulder", which are other joints elsewhere. Joints that only share out a twist are passed over.
+/// and a collar "LeftShoulder", which are other joints elsewhere. Twist joints are skipped.
 Limbs LimbsOf(const Skeleton& skeleton);
 
 }  // namespace mocurate

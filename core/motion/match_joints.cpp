@@ -9,8 +9,7 @@
 namespace mocurate {
 namespace {
 
-/// Joints of two trunks lie at the same place where they are as far along, within this share of the length from the
-/// pelvis to the chest.
+/// Joints of two trunks match within this share of the length from the pelvis to the chest.
 constexpr double kSamePlace = 0.2;
 
 class Matching {
@@ -51,11 +50,11 @@ class Matching {
       if (joint >= 0) decided_[joint] = true;
     }
     if (to.collar >= 0) decided_[to.collar] = true;
-    // A collar that the target lacks is no shoulder of it.
+    // A collar that the target does not have is not its shoulder.
     if (from.collar >= 0) used_[from.collar] = true;
   }
 
-  /// How far along the way from the pelvis to the chest each joint between lies, as a share of it.
+  /// Position of each joint between pelvis and chest, as a share of that path.
   static std::vector<std::pair<int, double>> TrunkOf(const Skeleton& skeleton, const Limbs& limbs) {
     std::vector<std::pair<int, double>> joints;
     double length = 0.0;
@@ -89,7 +88,7 @@ class Matching {
     for (const auto& [s, along] : from) used_[s] = true;
   }
 
-  /// By names, then by the synonyms of the source, then by those of the target, among the joints left over.
+  /// By names, then by the synonyms of the source, then by those of the target, among the remaining joints.
   void TakeNames() {
     Skeleton source_names = source_;
     std::vector<std::string> names;
@@ -113,7 +112,7 @@ class Matching {
   const Skeleton& target_;
   std::vector<int> match_;
   std::vector<bool> used_;
-  std::vector<bool> decided_;  ///< joints of the target that the tree decides, whatever names say
+  std::vector<bool> decided_;  ///< joints of the target that the tree decides, independent of names
 };
 
 }  // namespace

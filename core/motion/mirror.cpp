@@ -118,7 +118,7 @@ void MirrorCamera(Camera& camera) {
   camera.distortion.p2 = -camera.distortion.p2;
 }
 
-/// A mirror image in x is one at the origin, turned by half a turn about x.
+/// A mirror image in x is a point reflection and a rotation by pi about x.
 void MirrorClouds(CloudFiles& clouds) {
   clouds.metres_per_unit = -clouds.metres_per_unit;
   clouds.world_from_file.rotation = Quaterniond(0.0, 1.0, 0.0, 0.0) * clouds.world_from_file.rotation;

@@ -81,7 +81,7 @@ Status CheckKinematics(const Motion& m) {
       const double distance = (m.joints.at(f, j) - computed.joints.at(f, j)).norm();
       if (distance <= 1e-6) continue;
       return BrokenMotion("joint '" + m.skeleton->joints[j].name + "' of frame " + std::to_string(f) + " lies " +
-                          FormatDouble(distance) + " m from where its rotations put it");
+                          FormatDouble(distance) + " m from its forward kinematics");
     }
   }
   return {};

@@ -54,7 +54,7 @@ enum class JointState : std::uint8_t { kObserved = 0, kRepaired = 1, kInterpolat
 /// F frames, J joints of `skeleton`.
 struct Motion {
   SkeletonPtr skeleton;
-  SkeletonPtr rotation_reference;  ///< from whose rest pose rotations are counted; null: from that of `skeleton`
+  SkeletonPtr rotation_reference;  ///< skeleton whose rest pose has zero rotations; null: `skeleton`
   FrameRate rate;
   std::vector<Vector3d> root_translation;  ///< (F) of joint 0 in the world; empty if joints only
   std::vector<Quaterniond> rotation;  ///< (F*J) parent_from_joint; for the root world_from_root; empty if joints only
@@ -70,8 +70,8 @@ struct Motion {
   int frame_count() const { return joints.frames; }
   int joint_count() const { return joints.joints; }
   bool joints_only() const { return rotation.empty(); }
-  /// The skeleton that people share whose rotations can be compared: `skeleton` but for where this person's bones
-  /// point.
+  /// Skeleton of the common rest pose, so that rotations of several people are comparable: `skeleton` without this
+  /// person's bone directions.
   const SkeletonPtr& rest_pose() const { return rotation_reference ? rotation_reference : skeleton; }
   double duration() const { return rate.FrameTime(frame_count()); }
 

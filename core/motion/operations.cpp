@@ -48,7 +48,7 @@ struct Rows {
 };
 
 /// Rows of a part of the evidence: the same frames if it has as many as the clip, else those whose time lies in the
-/// span (half a microsecond of tolerance: frame times computed by another path fall on the same side).
+/// span (half a microsecond of tolerance: frame times computed in another way fall on the same side).
 Rows RowsOf(const Span& span, const std::vector<double>& times) {
   if (static_cast<int>(times.size()) == span.frames) return {span.begin_frame, span.end_frame};
   const double slack = 5e-7;
@@ -57,7 +57,7 @@ Rows RowsOf(const Span& span, const std::vector<double>& times) {
   return {static_cast<int>(first - times.begin()), static_cast<int>(last - times.begin())};
 }
 
-/// Times from the start of the span, the same for every part: what was at one moment stays so.
+/// Times from the start of the span, the same for every part: simultaneous samples stay simultaneous.
 void CutTimes(std::vector<double>& times, Rows rows, const Span& span) {
   const double zero = span.zero_s + span.begin_s;
   KeepRows(times, static_cast<int>(times.size()), rows.begin, rows.end);
@@ -109,8 +109,8 @@ std::vector<Segment> CutSegments(const std::vector<Segment>& segments, double be
   return kept;
 }
 
-/// The identity counts frames of the recording, which may have another rate than the clip. Where that is not known, as
-/// many frames of it as its length says.
+/// The identity counts frames of the recording, which may have another rate than the clip. Where that is not known, its
+/// frames are those of the clip's length.
 void CutIdentity(const Span& span, Clip& clip) {
   ClipIdentity& identity = clip.identity;
   const int recorded = identity.end_frame - identity.begin_frame;
@@ -122,7 +122,7 @@ void CutIdentity(const Span& span, Clip& clip) {
   identity.end_frame = recorded > 0 ? std::min(end, identity.end_frame) : end;
 }
 
-/// Times of what a clip without motion counts its frames in.
+/// Times of the evidence that defines the frames of a clip without motion.
 const std::vector<double>& EvidenceTimes(const Evidence& evidence) {
   if (evidence.tracks) return evidence.tracks->time_s;
   const std::vector<double>& surface = SurfaceTimes(evidence);
@@ -134,7 +134,7 @@ int FrameCount(const Clip& clip) {
   return static_cast<int>(EvidenceTimes(clip.evidence).size());
 }
 
-/// Time of frame `frame` (may be one past the last) from the first frame of what the clip's frames are counted in.
+/// Time of frame `frame` (may be one past the last) from the first frame, of the motion or of that evidence.
 double TimeOf(const Clip& clip, int frame) {
   if (clip.motion) return clip.motion->rate.FrameTime(frame);
   const std::vector<double>& times = EvidenceTimes(clip.evidence);

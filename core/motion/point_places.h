@@ -8,8 +8,8 @@
 
 namespace mocurate {
 
-/// Where a point that a tracker lists under the name of a joint lies on a body: fixed to a joint of the body, and how
-/// far off that may be. A tracker's "neck" between the shoulders is no neck.
+/// Position on a body of a point that a tracker lists as a joint: fixed to a joint of the body, with a standard
+/// deviation. A tracker's "neck" may lie between the shoulders.
 struct PointPlace {
   std::string point;                   ///< joint of the tracker's skeleton
   std::string joint;                   ///< joint of the body (names of smpl24) that the point moves with

@@ -40,7 +40,7 @@ struct ActorSampling {
   int max_len = -1;  ///< -1: no bound
 };
 
-/// EvidenceKind a whole number in [low, high], both included.
+/// Returns a whole number in [low, high], both included.
 using DrawInteger = std::function<std::int64_t(std::int64_t low, std::int64_t high)>;
 
 /// Indices of the chosen frames; a clip shorter than the sample repeats its last frame. Draws in this order: number of

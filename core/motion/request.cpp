@@ -35,7 +35,7 @@ Expected<ScriptStep> ParseStep(const nlohmann::json& json, const std::string& wh
 
 Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::string& where) {
   MotionRequest request;
-  if (!json.is_object()) return Fail(ErrorCode::kMalformed, "a request is no object", where);
+  if (!json.is_object()) return Fail(ErrorCode::kMalformed, "a request is not an object", where);
   for (const auto& [key, value] : json.items()) {
     if (key == "label" && IsCount(value, 0)) {
       request.label = value.get<int>();
@@ -60,19 +60,19 @@ Expected<MotionRequest> ParseRequest(const nlohmann::json& json, const std::stri
     } else if (key == "bone_length" && value.is_array()) {
       for (const nlohmann::json& length : value) {
         if (!length.is_number() || length.get<double>() < 0.0) {
-          return Fail(ErrorCode::kMalformed, "bone_length holds " + length.dump() + ", no length in metres", where);
+          return Fail(ErrorCode::kMalformed, "bone_length holds " + length.dump() + ", not a length in metres", where);
         }
         request.bone_length.push_back(length.get<double>());
       }
     } else if (key == "first_pose" && value.is_array()) {
       for (const nlohmann::json& number : value) {
         if (!number.is_number()) {
-          return Fail(ErrorCode::kMalformed, "first_pose holds " + number.dump() + ", no number in metres", where);
+          return Fail(ErrorCode::kMalformed, "first_pose holds " + number.dump() + ", not a number in metres", where);
         }
         request.first_pose.push_back(number.get<double>());
       }
     } else {
-      return Fail(ErrorCode::kMalformed, "'" + key + "' is unknown or has a value that it cannot have", where,
+      return Fail(ErrorCode::kMalformed, "'" + key + "' is unknown or has an invalid value", where,
                   "label, frames > 0, seed >= 0, to_seed >= 0, fraction 0 to 1, bone_length [metres], first_pose "
                   "[metres], source_clip, script [{label, transition_frames, frames}], previous_clip");
     }
@@ -116,7 +116,7 @@ Expected<std::vector<MotionRequest>> ReadRequests(const std::filesystem::path& p
   const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("schema", nlohmann::json()) != kSchema || !json.contains("requests") ||
       !json["requests"].is_array()) {
-    return Fail(ErrorCode::kMalformed, std::string("the file is no request of schema ") + kSchema, where);
+    return Fail(ErrorCode::kMalformed, std::string("the file is not a request of schema ") + kSchema, where);
   }
   std::vector<MotionRequest> requests;
   for (const nlohmann::json& item : json["requests"]) {

@@ -23,7 +23,7 @@ struct MotionRequest {
   int label = 0;  ///< class index
   int frames = 60;
   std::uint64_t seed = 0;     ///< of this motion alone: its neighbours in the list change no more than the rounding
-  std::uint64_t to_seed = 0;  ///< of another latent, towards which `fraction` of the way is gone
+  std::uint64_t to_seed = 0;  ///< of another latent; interpolated towards it by `fraction`
   double fraction = 0.0;      ///< 0: none of it; networks with a latent of a whole motion only
   std::vector<double> bone_length;  ///< (J) metres, bone that ends at the joint, 0 for the root; empty: rest lengths
   std::vector<double> first_pose;   ///< (3J) metres, root at the origin, for networks that start from one; or empty

@@ -96,7 +96,7 @@ std::vector<double> TimesBetween(double first, double last, FrameRate rate) {
   return times;
 }
 
-/// Between two recorded rotations the shortest turn.
+/// Between two recorded rotations the shortest rotation.
 void ResampleRotations(JointTracks& tracks, const std::vector<Place>& places) {
   if (tracks.rotation.empty()) return;
   std::vector<Quaterniond> rotation;
@@ -168,7 +168,7 @@ void ResampleClouds(CloudFiles& clouds, FrameRate rate) {
   clouds.time_s = times;
 }
 
-/// People are not tracked between images: the nearer image is used whole.
+/// People are not tracked from image to image: the nearest image is taken unchanged.
 void ResampleKeypoints(KeypointView& view, FrameRate rate) {
   if (view.time_s.size() < 2) return;
   const std::vector<double> times = TimesBetween(view.time_s.front(), view.time_s.back(), rate);

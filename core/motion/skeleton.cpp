@@ -9,7 +9,7 @@
 namespace mocurate {
 namespace {
 
-bool SaysNothing(char c) { return c == ' ' || c == '_' || c == '-'; }
+bool IsSeparator(char c) { return c == ' ' || c == '_' || c == '-'; }
 
 char LowerCase(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -17,7 +17,7 @@ char LowerCase(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A'
 std::string Normalised(std::string_view name) {
   std::string text;
   for (const char c : name) {
-    if (!SaysNothing(c)) text.push_back(LowerCase(c));
+    if (!IsSeparator(c)) text.push_back(LowerCase(c));
   }
   return text;
 }
@@ -26,7 +26,7 @@ std::string Normalised(std::string_view name) {
 bool IsNamed(std::string_view name, std::string_view key) {
   std::size_t at = 0;
   for (const char c : name) {
-    if (SaysNothing(c)) continue;
+    if (IsSeparator(c)) continue;
     if (at == key.size() || LowerCase(c) != key[at]) return false;
     ++at;
   }
@@ -80,7 +80,7 @@ Status CheckTree(const Skeleton& s) {
       return BrokenSkeleton(s, Label(s, j) + " is the first joint and must have no parent");
     if (j > 0 && (joint.parent < 0 || joint.parent >= j)) {
       return BrokenSkeleton(s, Label(s, j) + " has parent " + std::to_string(joint.parent),
-                            "exactly the first joint is the root; parents stand before their children");
+                            "exactly the first joint is the root; parents come before their children");
     }
     if (!joint.rest_offset.allFinite() || joint.rest_offset.norm() > 10.0) {
       return BrokenSkeleton(s, Label(s, j) + " has a rest offset that is not finite or longer than 10 m",
@@ -114,7 +114,7 @@ Status CheckMirror(const Skeleton& s) {
     }
     const int p = s.joints[j].parent;
     if ((p < 0) != (s.joints[m].parent < 0) || (p >= 0 && s.joints[p].mirror != s.joints[m].parent)) {
-      return BrokenSkeleton(s, Label(s, j) + " and its mirror partner hang from joints that are no mirror partners");
+      return BrokenSkeleton(s, Label(s, j) + " and its mirror partner have parents that are not mirror partners");
     }
     if (!s.joints[j].reflection) continue;
     const Matrix3d& r = *s.joints[j].reflection;

@@ -19,7 +19,7 @@ struct JointLimits {
 };
 
 /// The axis about which a joint bends farther than a right angle one way and half a radian at most the other, as knees
-/// and elbows do; none: it is no hinge.
+/// and elbows do; empty: it is not a hinge.
 std::optional<int> HingeAxis(const JointLimits& limits);
 
 struct Joint {
@@ -37,7 +37,7 @@ struct Joint {
   std::optional<Matrix3d> reflection;
 };
 
-/// A point that is no joint of the tree (nose, heel, head top of NTU-18): fixed in the frame of a joint.
+/// A point that is not a joint of the tree (nose, heel, head top of NTU-18): fixed in the frame of a joint.
 struct Landmark {
   std::string name;
   int joint = 0;
@@ -50,7 +50,7 @@ struct LieChains {
   std::vector<Vector3d> raw_offsets;  ///< unit vector per joint; zero for the root
 };
 
-/// How a person's shape differs from a usual person's of the same size, in deviations among people
+/// Difference of a person's body shape from the mean of the same size, in standard deviations among people
 /// (`core/body/shape_offsets.h`).
 inline constexpr int kShapeComponents = 5;
 using BodyShape = std::array<double, kShapeComponents>;
@@ -69,7 +69,7 @@ struct Skeleton {
   std::vector<std::vector<int>> Children() const;
   /// Length of the bone that ends at each joint in the rest pose; 0 for the root. (J), metres.
   std::vector<double> RestBoneLengths() const;
-  /// Joints whose direction tells left from right: (left, right) hip, else (left, right) shoulder.
+  /// Joints whose direction defines left and right: (left, right) hip, else (left, right) shoulder.
   std::optional<std::array<int, 2>> Hips() const;
   std::optional<std::array<int, 2>> Shoulders() const;
   /// Joint::reflection where it is given, else the signed diagonal that best takes the directions to the children to
@@ -89,11 +89,12 @@ using SkeletonPtr = std::shared_ptr<const Skeleton>;
 bool SameTree(const Skeleton& a, const Skeleton& b);
 /// Whether two skeletons of one tree have the same rest offsets.
 bool SameRestOffsets(const Skeleton& a, const Skeleton& b);
-/// How far the rest poses of two skeletons of the same tree are turned against each other at a joint, radians, at most:
-/// what rotations are counted from. A bone alone at its joint is turned by the angle between its directions; of
-/// several, whose directions among themselves are the person's, counts what a common turn would bring nearer.
+/// Largest angle between the rest poses of two skeletons of the same tree at a joint, radians: rotations are relative
+/// to the rest pose. Of a single bone: the angle between its
+/// directions. Of several bones at a joint: the part of their root mean square deviation that
+/// the best common rotation removes.
 double RestPosesApart(const Skeleton& a, const Skeleton& b);
-/// Below this rotations are counted from the same rest pose, radians.
+/// Below this angle two rest poses count as equal, radians.
 inline constexpr double kSameRestPose = 5e-3;
 /// `skeleton` with the rest offsets of another of the same tree.
 SkeletonPtr WithRestOffsetsOf(const Skeleton& skeleton, const Skeleton& other);

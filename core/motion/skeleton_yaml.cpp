@@ -28,7 +28,7 @@ struct JointEntry {
 
   void Declare(OptionVisitor& v) {
     v.Text("name", name, "the skeleton's own name of the joint");
-    v.Text("parent", parent, "name of the parent, which stands before it; empty for the root");
+    v.Text("parent", parent, "name of the parent, which comes before it; empty for the root");
     v.Numbers("rest_offset", rest_offset, Unit::kMetre, {-10.0, 10.0}, "from the parent in the rest pose");
     v.Text("mirror", mirror, "partner on the other side; empty on the midline");
     v.Text("lie_offset", lie_offset, "raw offset of Action2Motion's kinematics: +x, -x, +y, -y, +z or -z");
@@ -63,7 +63,7 @@ struct PlaceEntry {
     v.Text("point", point, "joint of this skeleton");
     v.Text("joint", joint, "joint of smpl24 that it moves with");
     v.Numbers("offset", offset, Unit::kMetre, {-10.0, 10.0}, "in that joint's frame");
-    v.Number("spread", spread, Unit::kMetre, {0.0, 1.0}, "how far off that may be, standard deviation per axis");
+    v.Number("spread", spread, Unit::kMetre, {0.0, 1.0}, "standard deviation of that position per axis");
   }
 };
 
@@ -78,7 +78,7 @@ struct SkeletonFile {
     v.Text("name", name, "name of the skeleton");
     v.List("joints", joints, "joints, parents before children; the first is the root");
     v.List("landmarks", landmarks, "points outside the tree");
-    v.List("on_body", on_body, "of a tracker's skeleton: where points lie that are no joints of a body");
+    v.List("on_body", on_body, "of a tracker's skeleton: positions of the points that are not joints of a body");
     v.Texts("lie_chains", lie_chains, "chains of Action2Motion's kinematics: names of joints with blanks between");
   }
 };
@@ -104,7 +104,7 @@ Expected<int> Lookup(const Index& index, const std::string& joint, const std::st
   std::vector<std::string> known;
   for (const auto& entry : index) known.push_back(entry.first);
   const auto nearest = Nearest(joint, known);
-  return Fail(ErrorCode::kConfig, what + " '" + joint + "' is no joint of this skeleton", where,
+  return Fail(ErrorCode::kConfig, what + " '" + joint + "' is not a joint of this skeleton", where,
               nearest ? "did you mean '" + *nearest + "'?" : "");
 }
 

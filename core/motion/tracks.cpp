@@ -5,7 +5,7 @@
 namespace mocurate {
 namespace {
 
-/// Copies track k to joint j; between observed frames positions are linear in time, beyond the ends they are held.
+/// Copies track k to joint j; between observed frames positions are linear in time, beyond the ends they are constant.
 /// False if the point is never observed.
 bool CopyTrack(const JointTracks& tracks, int k, int j, Motion& motion) {
   const int frames = motion.frame_count();

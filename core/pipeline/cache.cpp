@@ -44,8 +44,8 @@ Status MoveTo(const fs::path& temporary, const fs::path& target) {
               DisplayPath(target));
 }
 
-/// Whole or not at all, but without waiting for the disk: a record that a power cut damages or loses is not served, and
-/// its item runs again. Waiting here would stop all workers.
+/// Atomic, without fsync: a record that a power cut damages or loses is not served, and its item runs again. Waiting
+/// for the disk here would stop all workers.
 Status WriteRecord(const fs::path& file, const std::string& text) {
   std::string temporary = file.native() + "-XXXXXX";
   const int descriptor = mkostemp(temporary.data(), O_CLOEXEC);

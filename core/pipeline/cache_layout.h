@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// What the cache keeps beside an artifact: `objects/ab/<rest of the key>.json`.
+/// Record of an artifact in the cache: `objects/ab/<rest of the key>.json`.
 struct CacheRecord {
   std::string key;
   StageOutcome outcome;
@@ -27,7 +27,7 @@ std::optional<CacheRecord> ReadRecord(const std::filesystem::path& file);
 std::string RecordText(const CacheRecord& record);
 
 /// `<rest of the key>-<8 digits of the content's hash><extension>`: two processes with different bytes never overwrite
-/// each other, whoever writes its record last decides, and each record names whole bytes.
+/// each other. The last written record wins, and each record names complete bytes.
 std::string ArtifactName(const std::string& key, const std::string& sha256, const std::filesystem::path& artifact);
 
 /// The record beside an artifact of the cache.

@@ -25,7 +25,7 @@ bool UnusedFor(const fs::path& path, double days) {
   return age_s >= days * kSecondsPerDay;
 }
 
-/// Key of a record file, from its name: it may be too broken to say so itself.
+/// Key of a record file, from its name: its content may be damaged.
 std::string KeyOf(const fs::path& record) { return record.parent_path().filename().string() + record.stem().string(); }
 
 /// A record is `<62 digits>.json`; artifacts have a dash after the digits.
@@ -85,7 +85,7 @@ Cache::Statistics Cache::Prune(double days, bool dry_run) {
       kept.insert(entry.parent_path() / record->artifact);
     }
   });
-  // Records first: what is visible stays whole. An artifact without a record may be on its way in; its age decides.
+  // Records first: visible entries stay complete. An artifact without a record may just be written; its age decides.
   for (const fs::path& artifact : artifacts) {
     if (kept.count(artifact) > 0 || !UnusedFor(artifact, days)) continue;
     removed.bytes += BytesOf(artifact);

@@ -19,7 +19,7 @@ struct Content {
 /// Error kNotFound, kUnreadable.
 Expected<Content> ContentOf(const std::filesystem::path& path);
 
-/// Size only: of a file, or of all files of a folder; 0 when there is none.
+/// Size in bytes of a file, or of all files of a folder; 0 when it does not exist.
 std::uint64_t BytesOf(const std::filesystem::path& path);
 
 /// Forces a file, or all files of a folder, to the disk. Error kCannotWrite.

@@ -18,7 +18,7 @@ namespace {
 
 tl::unexpected<Error> CannotWrite(const std::filesystem::path& path, int problem) {
   return Fail(ErrorCode::kCannotWrite, std::string("journal cannot be written: ") + std::strerror(problem),
-              DisplayPath(path), "free some space or make the folder writable, then run again to go on");
+              DisplayPath(path), "free some space or make the folder writable, then run again to continue");
 }
 
 Status WriteWhole(int file, const std::filesystem::path& path, const std::string& text) {
@@ -67,7 +67,7 @@ Expected<Journal> Journal::Open(const std::filesystem::path& path) {
   char last = '\n';
   const off_t end = lseek(journal.file_, 0, SEEK_END);
   if (end > 0 && pread(journal.file_, &last, 1, end - 1) == 1 && last != '\n') {
-    if (Status corrected = WriteWhole(journal.file_, path, "\n"); !corrected) return Forward(corrected);
+    if (Status completed = WriteWhole(journal.file_, path, "\n"); !completed) return Forward(completed);
   }
   return journal;
 }

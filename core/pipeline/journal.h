@@ -11,7 +11,7 @@ namespace mocurate {
 /// Now in UTC: "2024-05-01T12:34:56.789Z".
 std::string TimeNow();
 
-/// Append-only file of JSON lines; each line is one write, so that a kill leaves whole lines.
+/// Append-only file of JSON lines; each line is one write, so that a kill leaves complete lines.
 class Journal {
  public:
   Journal() = default;

@@ -68,7 +68,7 @@ FileLock::~FileLock() {
   if (file_ >= 0) close(file_);
 }
 
-Status FileLock::Say(const std::string& text) const {
+Status FileLock::WriteHolder(const std::string& text) const {
   if (ftruncate(file_, 0) != 0 || pwrite(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size())) {
     return Fail(ErrorCode::kCannotWrite, std::string("lock file cannot be written: ") + std::strerror(errno));
   }

@@ -19,8 +19,8 @@ class FileLock {
   FileLock& operator=(FileLock&& other) noexcept;
   ~FileLock();
 
-  /// Replaces the text of the locked file (whoever finds it locked can read who holds it).
-  Status Say(const std::string& text) const;
+  /// Replaces the text of the locked file, from which other processes can read the holder.
+  Status WriteHolder(const std::string& text) const;
 
  private:
   explicit FileLock(int file) : file_(file) {}

@@ -11,8 +11,8 @@
 
 namespace mocurate {
 
-/// How the artifacts of one runner were made, so that one that turns out to be damaged can be made again. Options,
-/// which most items of a stage share, are held once.
+/// How the artifacts of one runner were made, so that a damaged one can be made again. Options that items of a stage
+/// share are stored once.
 class Origins {
  public:
   struct Origin {
@@ -20,7 +20,7 @@ class Origins {
     ItemSpec spec;
   };
   void Add(const StageDeclaration& stage, const ItemSpec& spec, const std::filesystem::path& artifact);
-  /// Empty for an artifact that this runner has not seen.
+  /// Empty for an artifact that this runner does not know.
   std::optional<Origin> Of(const std::filesystem::path& artifact) const;
 
  private:

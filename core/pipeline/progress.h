@@ -5,7 +5,7 @@
 
 namespace mocurate {
 
-/// The line that tells how far a stage is; shown on a terminal only, rewritten in place on stderr.
+/// The progress line of a stage; shown on a terminal only, rewritten in place on stderr.
 class Progress {
  public:
   Progress(std::string stage, std::size_t items, bool wanted);

@@ -44,7 +44,7 @@ Expected<FileLock> LockRunFolder(const fs::path& folder) {
     return Fail(ErrorCode::kUsage, "another run is at work here: process " + (holder.empty() ? "unknown" : holder),
                 DisplayPath(folder), "wait for it to end, or name another folder with -o DIR");
   }
-  if (Status said = (*lock)->Say(std::to_string(getpid()) + "\n"); !said) return Forward(said);
+  if (Status written = (*lock)->WriteHolder(std::to_string(getpid()) + "\n"); !written) return Forward(written);
   return *std::move(*lock);
 }
 
@@ -78,20 +78,19 @@ struct Runner::Impl : RunnerState {
   Status TryAgain(const StageDeclaration& stage, const StageRun& first, StageReport& report);
 };
 
-/// One stage; what fails on an input of the cache that was damaged is tried again with the input made again.
+/// One stage; an item that fails on a damaged input from the cache is repeated after that input is made again.
 Expected<StageReport> Runner::Impl::Execute(const StageDeclaration& stage, std::vector<ItemSpec> items) {
   StageRun run(*this, stage, std::move(items), true);
   Expected<StageReport> report = run.Execute();
   if (!report) return report;
-  if (Status corrected = TryAgain(stage, run, *report); !corrected) return Forward(corrected);
+  if (Status repeated = TryAgain(stage, run, *report); !repeated) return Forward(repeated);
   for (std::size_t i = 0; i < run.items().size(); ++i) {
     if (!report->items[i].artifact.empty()) origins.Add(stage, run.items()[i], report->items[i].artifact);
   }
   return report;
 }
 
-/// Drops an artifact and runs the item that it came from. Nothing where this runner has not seen it: then it is
-/// missing.
+/// Deletes an artifact and runs its item again. An artifact that this runner does not know stays missing.
 Status Runner::Impl::MakeAgain(const fs::path& artifact) {
   LogWarning("cache: " + DisplayPath(artifact) + " does not hold the bytes that were recorded: made again");
   DropObject(artifact);

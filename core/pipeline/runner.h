@@ -19,8 +19,8 @@ struct RunnerOptions {
   std::filesystem::path worker_folder;  ///< where worker programs lie; empty: relative to this program
   int jobs = 0;                         ///< worker processes; 0: one per core
   bool dry_run = false;
-  bool quiet = false;                              ///< no progress, and nothing of what workers print
-  bool log_failures = true;                        ///< as warnings, when they happen; false: who asked tells
+  bool quiet = false;                              ///< no progress and no output of workers
+  bool log_failures = true;                        ///< as warnings, when they happen; false: the caller reports
   std::optional<double> item_timeout_s;            ///< instead of the stages' own limits
   std::optional<std::uint64_t> item_memory_bytes;  ///< instead of the stages' own limits
   double time_factor = 1.0;                        ///< the stages' own time limits are this many times as long
@@ -52,7 +52,7 @@ struct StageReport {
   std::string title() const { return branch.empty() ? stage : stage + " (" + branch + ")"; }
 };
 
-/// Content-addressed cache: key -> artifact bytes + outcome. Visible means whole.
+/// Content-addressed cache: key -> artifact bytes + outcome. Visible entries are complete.
 class Cache {
  public:
   explicit Cache(std::filesystem::path folder);
@@ -90,9 +90,9 @@ class Runner {
   ~Runner();
 
   /// Errors: kInterrupted after SIGINT/SIGTERM (items in flight are finished first), kCannotWrite, kMissingOnHost,
-  /// kInternal. Failing items are in the report, not errors. With dry_run nothing is executed: `from_cache` tells which
-  /// items would be served; later stages whose inputs are unknown report zero items. `branch` tells several runs of one
-  /// stage apart in what people read.
+  /// kInternal. Failing items are in the report, not errors. With dry_run nothing is executed: `from_cache` lists the
+  /// items that would be served; later stages whose inputs are unknown report zero items. `branch` names one of several
+  /// runs of a stage in messages.
   Expected<StageReport> Run(const StageDeclaration& stage, std::vector<ItemSpec> items, const std::string& branch = {});
 
   const RunnerOptions& options() const;

@@ -14,7 +14,7 @@
 
 namespace mocurate {
 
-/// One file a stage reads. `role` says what it is to the stage ("evidence", "proportions", "dataset", "source").
+/// One file a stage reads. `role` is its purpose ("evidence", "proportions", "dataset", "source").
 struct StageInput {
   std::string role;
   std::string name;            ///< stable text (clip id, relative file name); part of the cache key
@@ -33,9 +33,9 @@ struct StageRequest {
   int threads = 1;                ///< the item may use; never changes its bytes
 };
 
-/// kDone, kSuspect: there is an artifact. kExcluded: none, because a rule of the configuration says so; the input is as
-/// good as any, so this is no failure. kRefused: none, because the input cannot be used. kCrashed: none, because the
-/// worker was killed, or ran out of time or memory.
+/// kDone, kSuspect: there is an artifact. kExcluded: none, by a rule of the configuration; this is not a failure.
+/// kRefused: none, because the input cannot be used. kCrashed: none, because the worker was killed, or ran out of time
+/// or memory.
 enum class OutcomeKind { kDone, kSuspect, kExcluded, kRefused, kCrashed };
 std::string_view Name(OutcomeKind kind);
 
@@ -67,7 +67,7 @@ struct ItemLimits {
 inline ItemLimits ClipLimits() { return {3600.0, std::uint64_t{8} << 30}; }
 /// Of stages that solve for one clip, or for a person's few.
 inline ItemLimits SolverLimits() { return {86400.0, std::uint64_t{16} << 30}; }
-/// Of stages that hold a whole set in memory, or work as long as the configuration tells them to.
+/// Of stages that hold a whole set in memory, or work as long as the configuration requests.
 inline ItemLimits WholeSetLimits() { return {86400.0, std::nullopt}; }
 
 /// What the runner must know of a stage. Raise `version` whenever the same inputs give other bytes.

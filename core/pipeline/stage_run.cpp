@@ -15,7 +15,7 @@ using nlohmann::json;
 /// Items are looked up in slices of this length while workers are waiting for answers to be read.
 constexpr std::chrono::milliseconds kSlice{20};
 
-/// Refusals that speak of the machine's files, not of the content behind the key, are not kept.
+/// Refusals that depend on the machine's files, not on the content behind the key, are not cached.
 bool MayBeCached(const StageOutcome& outcome) {
   if (outcome.kind == OutcomeKind::kCrashed) return false;
   return outcome.kind != OutcomeKind::kRefused ||
@@ -36,7 +36,7 @@ ItemResult Served(const std::string& item, Cache::Entry entry) {
   return {item, std::move(entry.outcome), std::move(entry.artifact), std::move(entry.sha256), true};
 }
 
-/// Whether an object of the cache holds the bytes that its record tells of.
+/// Whether an object of the cache holds the bytes that its record declares.
 bool Holds(const fs::path& artifact, const std::string& sha256) {
   const Expected<Content> content = ContentOf(artifact);
   return content && content->sha256 == sha256;
@@ -129,8 +129,8 @@ void StageRun::PrepareItems() {
   }
 }
 
-/// What stages of the whole set give is large, seldom and copied out of the cache: its bytes are looked at before it is
-/// served. What the many clips give is looked at when a stage fails on it.
+/// Artifacts of stages over the whole set are few, large and copied out of the cache: their bytes are verified before
+/// they are served. Artifacts of clips are verified when a stage fails on them.
 std::optional<Cache::Entry> StageRun::FindWhole(const std::string& key) const {
   std::optional<Cache::Entry> entry = state_.cache.Find(key);
   const bool whole_set = !stage_.limits.memory_bytes;
@@ -205,7 +205,7 @@ void StageRun::Finish(Seat& seat, StageOutcome outcome) {
   }
   result.outcome = std::move(outcome);
   fs::remove_all(task.folder, ignored);
-  // What a refused item wrote there is what its message names, e.g. the batch at which a training diverged.
+  // Files of a refused item are kept: its message names them, e.g. the batch at which a training diverged.
   const bool shows = result.outcome.kind == OutcomeKind::kRefused && task.scratch.HoldsFiles();
   if (!crashed && !shows) state_.workspace->Discard(task.scratch);
   Record(task.index, task.key, std::move(result), seconds, peak_memory);
@@ -240,7 +240,7 @@ void StageRun::Record(std::size_t index, const std::string& key, ItemResult resu
   report_.items[index] = std::move(result);
 }
 
-/// Ends the run: items in work are finished, nothing new is begun. The first reason stands.
+/// Ends the run: items in work are finished, nothing new is begun. The first error is kept.
 void StageRun::GiveUp(const Error& error) {
   if (!fatal_) fatal_ = error;
 }
@@ -251,7 +251,7 @@ Error StageRun::Interrupted() const {
               std::to_string(report_.done + report_.suspect + report_.excluded + report_.refused + report_.crashed) +
               " of " + Counted(static_cast<long long>(items_.size()), "item"),
           {},
-          "run the same command again to go on"};
+          "run the same command again to continue"};
 }
 
 }  // namespace mocurate

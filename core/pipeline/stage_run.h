@@ -68,7 +68,7 @@ class StageRun {
   };
   struct Seat {
     std::unique_ptr<WorkerProcess> worker;
-    bool said_hello = false;  ///< its libraries are loaded, it has said hello
+    bool said_hello = false;  ///< its libraries are loaded and its hello has arrived
     std::optional<Task> task;
     Clock::time_point start;
     std::string verdict;  ///< why we killed it; empty when we did not

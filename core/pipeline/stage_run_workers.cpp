@@ -39,7 +39,7 @@ Expected<fs::path> FindWorkerProgram(const RunnerOptions& options, const std::st
     places += (places.empty() ? "" : ", ") + DisplayPath(folder);
   }
   return Fail(ErrorCode::kMissingOnHost, "worker program '" + name + "' is missing", places,
-              "build and install the part of mocurate that holds it; `mocurate doctor` tells what is there");
+              "build and install the part of mocurate that holds it; `mocurate doctor` lists what is installed");
 }
 
 /// A seat with a worker for every item that is ready, up to the number of jobs; then hands the items out.
@@ -105,7 +105,7 @@ void StageRun::Serve(Seat& seat) {
   while (true) {
     Expected<std::optional<json>> message = seat.worker->Receive();
     if (!message) {
-      seat.verdict = "answered with bytes that are no message";
+      seat.verdict = "answered with bytes that are not a message";
       seat.worker->Signal(SIGKILL);
       return Lost(seat);
     }
@@ -165,7 +165,7 @@ void StageRun::OnHello(Seat& seat, const json& stages) {
           DisplayPath(program_), "it is older than this program: build and install both together"});
 }
 
-/// The worker is dead: costs its item, if it had one.
+/// The worker is dead: its item, if any, has crashed.
 void StageRun::Lost(Seat& seat) {
   const std::string death = seat.worker->Reap();
   Forward(*seat.worker);
@@ -179,12 +179,12 @@ void StageRun::Lost(Seat& seat) {
     Finish(seat, std::move(crashed));
   } else if (!seat.said_hello && !fatal_ && (status == kCannotExecute || ++failed_starts_ >= kStartsTried)) {
     GiveUp({ErrorCode::kMissingOnHost, "worker program '" + stage_.worker + "' does not start: " + why,
-            DisplayPath(program_), "`mocurate doctor` tells what is missing"});
+            DisplayPath(program_), "`mocurate doctor` lists what is missing"});
   }
   seat.worker.reset();
 }
 
-/// Those of the run, else the stage's own.
+/// The limits of the run's options, else the stage's own.
 ItemLimits StageRun::Limits() const {
   const RunnerOptions& options = state_.options;
   ItemLimits limits = stage_.limits;
@@ -209,7 +209,7 @@ void StageRun::CheckLimits(Seat& seat) {
   if (!seat.verdict.empty()) seat.worker->Signal(SIGKILL);
 }
 
-/// Once: finish what is in work (workers are notified, so that long items may save and stop). Twice: now.
+/// First signal: finish running items (workers are notified, so that long items may save and stop). Second: stop now.
 void StageRun::HandleSignals() {
   const int count = Interruption::Count();
   if (count > 0) GiveUp(Interrupted());

@@ -29,8 +29,8 @@ Expected<StageRequest> RequestFromJson(const nlohmann::json& json);
 /// One message as it travels: length (4 bytes, little endian), then its canonical text.
 std::string Frame(const nlohmann::json& message);
 
-/// Takes the first whole message off `buffer`; empty while it is not there yet. Error kMalformed when the bytes are no
-/// message.
+/// Removes the first complete message from `buffer`; empty while it is incomplete. Error kMalformed when the bytes are
+/// not a message.
 Expected<std::optional<nlohmann::json>> TakeMessage(std::string& buffer);
 
 }  // namespace mocurate

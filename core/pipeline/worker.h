@@ -15,7 +15,7 @@ int RunWorker(const std::map<std::string, StageFunction>& stages);
 /// to `scratch` and return kInterrupted.
 bool StopRequested();
 
-/// IsConclusive the runner how far an item is (0 to 1), with a short text; shown on a terminal only.
+/// Reports to the runner how far an item is (0 to 1), with a short text; shown on a terminal only.
 void ReportProgress(double fraction, const std::string& text);
 
 }  // namespace mocurate

@@ -37,7 +37,7 @@ struct Pipe {
 };
 
 /// Our environment with one thread per library (parallelism is over items and processes) and a neutral locale: these
-/// must stand before the libraries load.
+/// must be set before the libraries load.
 std::vector<std::string> WorkerEnvironment() {
   std::map<std::string, std::string> values;
   for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -59,7 +59,7 @@ std::vector<std::string> WorkerEnvironment() {
                          const Pipe& out, const Pipe& words, pid_t runner) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != runner) _exit(static_cast<int>(ExitCode::kInterrupted));
-  // Ctrl-C reaches the whole process group; the worker takes over the signals once it stands.
+  // Ctrl-C reaches the whole process group; the worker installs its own handlers once it runs.
   signal(SIGINT, SIG_IGN);
   signal(SIGTERM, SIG_IGN);
   signal(SIGPIPE, SIG_DFL);
@@ -145,7 +145,7 @@ void WorkerProcess::WriteStdin() {
   while (to_ >= 0 && !outgoing_.empty()) {
     const ssize_t count = write(to_, outgoing_.data(), outgoing_.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0 && errno != EAGAIN) Close(to_);  // it is gone; its stdout will tell
+    if (count < 0 && errno != EAGAIN) Close(to_);  // the worker has ended; its stdout will close
     if (count <= 0) return;
     outgoing_.erase(0, static_cast<std::size_t>(count));
   }
@@ -219,7 +219,7 @@ std::string WorkerProcess::Reap() {
   }
   for (int* file : {&to_, &from_, &words_}) Close(*file);
   ended_ = true;
-  return last_line_.empty() ? how : how + "; last words: " + last_line_;
+  return last_line_.empty() ? how : how + "; last output line: " + last_line_;
 }
 
 void WorkerProcess::Signal(int signal) const {

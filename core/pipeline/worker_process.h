@@ -33,16 +33,16 @@ class WorkerProcess {
   void CloseStdin() { Close(to_); }
   /// What to wait for.
   void AddPolls(std::vector<pollfd>& polls) const;
-  /// Reads and writes what is possible now.
+  /// Reads and writes without blocking.
   void Pump();
   /// Next message read. Error kMalformed: the worker talks nonsense.
   Expected<std::optional<nlohmann::json>> Receive();
-  /// Whole lines of its stderr since the last call.
+  /// Complete lines of its stderr since the last call.
   std::vector<std::string> TakeLines();
 
   /// Its answers have ended: it is dead or dying.
   bool ended() const { return ended_; }
-  /// Kills it if need be and tells how it ended: "killed by SIGSEGV; last words: ...".
+  /// Kills it if necessary and returns how it ended: "killed by SIGSEGV; last output line: ...".
   std::string Reap();
   /// Exit status after Reap; -1 when a signal killed it.
   int exit_status() const { return exit_status_; }

@@ -85,7 +85,7 @@ Expected<Workspace::Scratch> Workspace::ScratchOf(const std::string& key) {
 }
 
 void Workspace::Discard(const Scratch& scratch) {
-  // Moved away whole before its files go: removed one by one, its lock could be taken anew while it vanishes.
+  // Renamed before its files are removed: otherwise its lock could be taken again during the removal.
   const fs::path away = own_ / std::to_string(next_++);
   std::error_code ignored;
   std::error_code problem;

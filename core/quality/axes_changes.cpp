@@ -11,17 +11,17 @@ namespace mocurate {
 namespace {
 
 constexpr int kFewestTurnedPoints = 5;
-constexpr double kFarTurned = 0.25;  // least step about the middle, of the body's size
-// Most of that step which is left once the axes are changed back; of 220 such steps in the recorded clips (frames that
-// are missing, trackers that turn a body round) 0.21 at least.
+constexpr double kFarTurned = 0.25;  // least step about the centre, in body sizes
+// Largest share of that step that remains once the axes are changed back. The 220 other large steps in the recorded
+// clips (missing frames, trackers that reverse a body) leave at least 0.21.
 constexpr double kNearTurned = 0.15;
-constexpr double kUsualTimes = 4.0;   // what is left, beside the clip's usual step
-constexpr double kAlikeSwap = 1.5;    // an exchange of sides leaves no more than so many times as much
-constexpr double kAlikeAxes = 1.3;    // other axes likewise
-constexpr double kClearlyMore = 2.0;  // frames with the usual axes beside those with others
-constexpr int kLongestLost = 5;       // frames over which a body is still held against what it was
+constexpr double kUsualTimes = 4.0;   // residual, in the clip's usual steps
+constexpr double kAlikeSwap = 1.5;    // an exchange of sides leaves at most this many times the residual
+constexpr double kAlikeAxes = 1.3;    // other changes of axes likewise
+constexpr double kClearlyMore = 2.0;  // ratio of frames with the usual axes to those with others
+constexpr int kLongestLost = 5;       // frames over which a body is still compared with its last known state
 
-/// The 47 changes of axes that are none: each axis becomes another, or itself, with either sign.
+/// The 47 signed permutations of the axes other than the identity.
 const std::vector<Matrix3d>& ChangesOfAxes() {
   static const std::vector<Matrix3d> changes = [] {
     std::vector<Matrix3d> all;
@@ -76,10 +76,10 @@ class BodySteps {
     }
   }
 
-  /// Of all that both frames see; empty where that is little.
+  /// Of all points observed in both frames; empty where there are too few.
   StepOfBody Whole(int from, int to) const { return Step(from, to, false); }
-  /// Of that what could be exchanged and what has no side: a limb whose other side is not seen says nothing of an
-  /// exchange, and a tracker may exchange limbs with the face or without.
+  /// The same of points without a side and of limbs whose other side is observed too. Limbs of one side alone are no
+  /// evidence of an exchange, and a tracker may exchange limbs with or without the face.
   StepOfBody Sides(int from, int to) const { return Step(from, to, true); }
 
  private:
@@ -107,7 +107,7 @@ class BodySteps {
   }
 
   const TrackedPoints& points_;
-  std::vector<int> other_;  ///< (K) the point of the other side, itself where there is none, -1 of a face
+  std::vector<int> other_;  ///< (K) the point of the other side; itself on the midline, -1 for a point of the face
 };
 
 /// A step as bodies make them between frames: most points go little, though some may stray.
@@ -118,12 +118,12 @@ bool Stays(const StepOfBody& step) {
   return Median(ways) < kFarTurned * step.size;
 }
 
-/// One of a body whose sides are exchanged.
+/// Whether the step is an exchange of sides.
 bool StaysExchanged(const StepOfBody& sides) {
   return !sides.empty() && sides.Left(Matrix3d::Identity(), sides.exchanged) < kFarTurned * sides.size;
 }
 
-/// The change of axes in a step; nothing where the step is one of a body, or of something else.
+/// The change of axes in a step; empty for a body motion or any other step.
 std::optional<Matrix3d> ChangeIn(const BodySteps& steps, int from, int to, double usual) {
   const StepOfBody step = steps.Whole(from, to), sides = steps.Sides(from, to);
   if (step.empty() || sides.empty() || step.size <= 0.0) return std::nullopt;
@@ -133,13 +133,13 @@ std::optional<Matrix3d> ChangeIn(const BodySteps& steps, int from, int to, doubl
   const double least = *std::min_element(left.begin(), left.end());
   if (least > kNearTurned * step.Length()) return std::nullopt;
   if (least > kUsualTimes * usual * (to - from) + 1e-3 * step.size) return std::nullopt;
-  // Bodies that are alike from several sides: the world's middle tells which change it is.
+  // For bodies that look similar under several changes, the direction from the world's origin decides.
   std::optional<std::size_t> best;
   const auto jump = [&](std::size_t i) { return (sides.middle_after - changes[i] * sides.middle_before).norm(); };
   for (std::size_t i = 0; i < changes.size(); ++i) {
     if (left[i] <= kAlikeAxes * least && (!best || jump(i) < jump(*best))) best = i;
   }
-  // Sides that change leave a body where it is.
+  // An exchange of sides does not move the body.
   const double stays = (sides.middle_after - sides.middle_before).norm();
   const double swapped = std::hypot(sides.Left(Matrix3d::Identity(), sides.exchanged), stays);
   const double turned = std::hypot(sides.Left(changes[*best], sides.before), std::min(stays, jump(*best)));
@@ -147,14 +147,14 @@ std::optional<Matrix3d> ChangeIn(const BodySteps& steps, int from, int to, doubl
   return changes[*best];
 }
 
-/// Frames in a row in which the body can be followed, and the axes of each against the first.
+/// Consecutive frames in which the body can be followed, and the axes of each relative to the first.
 struct Piece {
   int begin = 0;
   std::vector<Matrix3d> axes;
 };
 
-/// A frame that is no step from the last one that was, and no change of axes either (not seen, points that stray), says
-/// nothing, so that the next is held against what is known. Where that lasts, a change may be lost: another piece.
+/// A frame that fits neither a step nor a change of axes (not observed, outliers) is skipped, and the next one is
+/// compared with the last known frame. After too many skipped frames a new piece begins, as a change may be lost.
 std::vector<Piece> Follow(const BodySteps& steps, int frames, double usual) {
   std::vector<Matrix3d> axes(static_cast<std::size_t>(frames), Matrix3d::Identity());
   std::vector<int> begins = {0};
@@ -206,7 +206,7 @@ std::string ChangeWords(const Matrix3d& change) {
   return words;
 }
 
-/// The frames whose axes are not those of most.
+/// The frames whose axes differ from those of most frames.
 void ReportUnitChanges(const Piece& piece, std::vector<Finding>& findings) {
   const std::vector<Matrix3d>& axes = piece.axes;
   const auto count = [&](const Matrix3d& one) { return std::count(axes.begin(), axes.end(), one); };
@@ -227,9 +227,9 @@ void ReportUnitChanges(const Piece& piece, std::vector<Finding>& findings) {
     findings.push_back(FrameFinding("axes_change", f, f + 1, "", value, ""));
     findings.back().message =
         std::string("the body is ") + (value < 0.0 ? "mirrored" : "turned") +
-        " in these frames: against the other frames " + ChangeWords(change) +
+        " in these frames: relative to the other frames " + ChangeWords(change) +
         (rare ? "; change the axes of these frames back"
-              : "; they are about as many, so that the clip does not tell which are right: change the axes of those "
+              : "; both groups are about equally large, so that the right one is ambiguous: change the axes of those "
                 "that are wrong");
     findings.back().severity = Severity::kError;
   }

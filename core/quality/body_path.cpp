@@ -14,7 +14,7 @@ constexpr double kSoleShare = 0.05;  // of frames that a sole spends at its lowe
 
 using CentrePath = std::vector<Vector3d>;
 
-/// One point in all frames, gaps bridged; empty where it is seen too rarely.
+/// One point in all frames, gaps interpolated; empty where it is observed too rarely.
 CentrePath PathOf(const TrackedPoints& points, int point) {
   if (point < 0) return {};
   CentrePath path(static_cast<std::size_t>(points.frames()));

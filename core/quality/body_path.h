@@ -14,15 +14,15 @@ struct BodyPath {
   std::vector<Vector3d> trunk;                  ///< middle of hips and shoulders
   std::array<std::vector<Vector3d>, 2> foot;    ///< left, right: between ankle and toe
   std::vector<std::vector<double>> sole;        ///< heights of each ankle and toe over its own lowest twentieth
-  std::vector<std::vector<Vector3d>> limb_end;  ///< wrists and ankles that are seen, from the middle of the hips
+  std::vector<std::vector<Vector3d>> limb_end;  ///< observed wrists and ankles, relative to the middle of the hips
   double leg = 0.0;                             ///< hip to ankle along the bones
 
   int frames() const { return static_cast<int>(centre.size()); }
 };
 
-/// Hips, knees, ankles and shoulders have to be seen in nearly all frames (98 %), which must follow each other at one
-/// pace; short gaps are bridged by lines. Shares of mass after de Leva (1996), without hands and feet of their own.
-/// Nothing where that fails or for fewer than 12 frames.
+/// Hips, knees, ankles and shoulders must be observed in nearly all frames (98 %), at a constant frame rate; short gaps
+/// are interpolated linearly. Segment masses after de Leva (1996), hands and feet included in their limbs. Empty where
+/// that fails or for fewer than 12 frames.
 std::optional<BodyPath> PathOfBody(const TrackedPoints& points);
 
 /// Second differences over `lag` frames on either side, per frame^2: the mean acceleration of that time, weighted like

@@ -15,7 +15,7 @@ void Append(std::vector<Finding> more, std::vector<Finding>& findings) {
   findings.insert(findings.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-/// The longest of each code, and one that counts the others.
+/// The longest findings of each code, and one with the number of the others.
 std::vector<Finding> Fewer(std::vector<Finding> findings, std::size_t most) {
   std::map<std::string, std::vector<Finding>> by_code;
   for (Finding& finding : findings) by_code[finding.code].push_back(std::move(finding));
@@ -33,7 +33,7 @@ std::vector<Finding> Fewer(std::vector<Finding> findings, std::size_t most) {
       }
       const std::size_t rest = count - most;
       Finding more = FrameFinding(code.c_str(), begin, end, "", static_cast<double>(rest),
-                                  std::to_string(rest) + " more of the same kind, none longer than " +
+                                  std::to_string(rest) + " more with the same code, none longer than " +
                                       std::to_string(length(list[most])) + " frames");
       more.severity = list[0].severity;
       list.resize(most);
@@ -47,7 +47,7 @@ std::vector<Finding> Fewer(std::vector<Finding> findings, std::size_t most) {
   return kept;
 }
 
-/// Confidences in which what FindBlanks found is missing: one defect is reported once.
+/// Confidences with the samples found by FindBlanks set to missing: each defect is reported once.
 std::vector<double> WithoutBlanks(const TrackedPoints& points, const std::vector<Finding>& blanks) {
   std::vector<double> confidence = points.confidence;
   if (confidence.empty()) confidence.assign(static_cast<std::size_t>(points.frames()) * points.count(), 1.0);

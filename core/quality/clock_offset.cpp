@@ -32,7 +32,7 @@ bool VelocityAt(const TrackedPoints& points, int frame, int point, double step_s
   return true;
 }
 
-/// (frames*points) metres per second, -1 where not known.
+/// (frames*points) metres per second, -1 where unknown.
 std::vector<double> SpeedsOf(const TrackedPoints& points, double step_s) {
   std::vector<double> speeds(static_cast<std::size_t>(points.frames()) * points.count(), -1.0);
   Vector3d velocity;
@@ -49,7 +49,7 @@ struct Sums {
   double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 };
 
-/// Of frame f of a with frame f - lag of b; below -1 where too little is in common.
+/// Correlation of frame f of a with frame f - lag of b; below -1 where the overlap is too small.
 double CorrelationAt(const std::vector<double>& a, const std::vector<double>& b, int frames_a, int frames_b, int points,
                      int lag) {
   const int begin = std::max(0, lag), end = std::min(frames_a, frames_b + lag);

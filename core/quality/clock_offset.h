@@ -13,11 +13,10 @@ struct ClockOffset {
   double correlation = 0.0;  ///< of the speeds there, -1 to 1
 };
 
-/// Offsets at which the speeds of the same points, each about its own mean, go together best: the cross-correlation of
-/// both over all points, its highest maximum and those at least 0.7 as high (people who wave repeat themselves), best
-/// first; between frames by a parabola. Speeds know no rotation: the cameras need not be aligned. Both have the same
-/// points and evenly spaced frames of one rate. At most `most_s` either way; empty where nothing moves or fewer than 12
-/// frames would be in common.
+/// Offsets that maximise the cross-correlation of the speeds of the same points, each about its own mean. Returns the
+/// highest maximum and those at least 0.7 as high (periodic motion), best first, with parabolic interpolation between
+/// frames. Speeds do not depend on rotation: the cameras need not be aligned. Both have the same points and evenly
+/// spaced frames of one rate. At most `most_s` either way; empty where nothing moves or fewer than 12 frames overlap.
 std::vector<ClockOffset> CorrelateSpeeds(const TrackedPoints& a, const TrackedPoints& b, double most_s);
 
 /// A step towards the offset that lays the moving points on each other, and how sure it is.
@@ -27,8 +26,8 @@ struct ClockStep {
   bool known = false;    ///< something moves, and as both see it: velocities correlate by 0.3 at least
 };
 
-/// Least squares of the positions over time, linear in the offset (each point's own bias between the trackers taken
-/// out), for points seen by both.
+/// Least squares of the positions over time, linear in the offset (each point's own bias between the trackers
+/// removed), for points observed by both.
 ClockStep RefineClock(const TrackedPoints& a, const TrackedPoints& b, const RigidTransform& a_from_b, double offset_s);
 
 /// The points of b at the times of a, frame by frame: linear between two frames that see a point. `frame` is that of a.

@@ -10,8 +10,8 @@ namespace mocurate {
 /// When a joint of a foot counts as standing.
 struct ContactLimits {
   double height = 0.05;     ///< m above the lowest 5 % of the joint's own places
-  double speed = 0.6;       ///< m/s; a faster joint does not stand
-  double min_time_s = 0.1;  ///< shorter contacts are none, shorter gaps are closed
+  double speed = 0.6;       ///< m/s; a faster joint is not in contact
+  double min_time_s = 0.1;  ///< shorter contacts are dropped, shorter gaps are closed
 };
 
 /// Half-open runs [begin, end) of frames.
@@ -27,13 +27,13 @@ std::vector<FrameRun> RunsWhere(const std::vector<bool>& flags, bool value);
 /// legs.
 std::vector<int> FootJoints(const Skeleton& skeleton);
 
-/// Frames in which a joint stands on the floor: no higher than `height` above the lowest 5 % of its own places, and
-/// slower than `speed` between its neighbours in time. (F)
+/// Frames in which a joint is in contact with the floor: no higher than `height` above the lowest 5 % of its own
+/// places, and slower than `speed` between its neighbours in time. (F)
 std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactLimits& limits);
 
 /// Mean over the frames of how deep the lowest joint of the feet lies below the floor, metres. The floor is the median
-/// height of the lower foot joint of each leg while it stands (y up; nothing says where the floor is otherwise).
-/// Nothing for a skeleton without legs, or where no foot ever stands.
+/// height of the lower foot joint of each leg in contact (y up). Empty for a skeleton without legs, or without any
+/// contact.
 std::optional<double> FloorPenetration(const Motion& motion, const ContactLimits& limits = {});
 
 /// Share of the rotations of joints with limits (Skeleton::joints[].limits, rotation vector from the rest pose) that

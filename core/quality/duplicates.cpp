@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPoseStep = 2e-4;  // metres
 
-/// Points with gaps filled linearly in time; false where a point is never seen.
+/// Points with gaps filled linearly in time; false where a point is never observed.
 bool Fill(const TrackedPoints& points, JointPositions& filled, std::vector<double>& time) {
   std::vector<int> frames;
   const std::vector<BodyCentre> centres = BodyCentres(points);
@@ -44,7 +44,7 @@ bool Fill(const TrackedPoints& points, JointPositions& filled, std::vector<doubl
   return true;
 }
 
-/// kSignatureFrames frames of K + 1 points; `pairs` (left, right) tell the heading, -1 where it is not known.
+/// kSignatureFrames frames of K + 1 points; `pairs` (left, right) give the heading, -1 where unknown.
 std::vector<float> PoseSignature(const JointPositions& filled, const std::vector<double>& time,
                                  std::array<int, 2> hips) {
   const int count = filled.joints;
@@ -82,8 +82,8 @@ std::vector<float> PoseSignature(const JointPositions& filled, const std::vector
   return shape;
 }
 
-/// The power of ten that brings a body of another unit near a person's size: 1 for sides of 0.6 to 6 m. Recordings in a
-/// unit that is wrong are as alike and as different as those in the right one.
+/// The power of ten that brings a body of another unit near a person's size: 1 for sides of 0.6 to 6 m. Similarity
+/// does not depend on the unit of the recordings.
 double ToNaturalSize(const TrackedPoints& points) {
   constexpr double kPerson = 1.9;  // metres
   std::vector<double> sizes;
@@ -175,30 +175,31 @@ struct Shared {
 };
 
 void ComparePoses(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, DuplicatePairs& pairs) {
-  constexpr std::size_t kCommon = 50;  // a pose of so many clips is a rest pose and tells nothing
-  struct Held {
+  constexpr std::size_t kCommon = 50;  // a pose in more clips than this is a rest pose, which distinguishes none
+  struct PoseSample {
     std::uint64_t pose;
     std::uint32_t clip, frame;
   };
-  std::vector<Held> held;
+  std::vector<PoseSample> samples;
   for (std::size_t i = 0; i < clips.size(); ++i) {
     for (std::size_t f = 0; f < clips[i].poses.size(); ++f) {
       if (clips[i].poses[f] == 0) continue;
-      held.push_back({clips[i].poses[f], static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(f)});
+      samples.push_back({clips[i].poses[f], static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(f)});
     }
   }
-  const auto place = [](const Held& h) { return std::make_tuple(h.pose, h.clip, h.frame); };
-  std::sort(held.begin(), held.end(), [&](const Held& a, const Held& b) { return place(a) < place(b); });
-  const auto same = [](const Held& a, const Held& b) { return a.pose == b.pose && a.clip == b.clip; };
-  held.erase(std::unique(held.begin(), held.end(), same), held.end());  // each pose once a clip
+  const auto place = [](const PoseSample& sample) { return std::make_tuple(sample.pose, sample.clip, sample.frame); };
+  std::sort(samples.begin(), samples.end(),
+            [&](const PoseSample& a, const PoseSample& b) { return place(a) < place(b); });
+  const auto same = [](const PoseSample& a, const PoseSample& b) { return a.pose == b.pose && a.clip == b.clip; };
+  samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());  // each pose once a clip
   std::map<std::pair<std::size_t, std::size_t>, Shared> shared;
-  for (std::size_t begin = 0, end = 0; begin < held.size(); begin = end) {
-    while (end < held.size() && held[end].pose == held[begin].pose) ++end;
+  for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+    while (end < samples.size() && samples[end].pose == samples[begin].pose) ++end;
     if (end - begin > kCommon) continue;
     for (std::size_t a = begin; a < end; ++a) {
       for (std::size_t b = a + 1; b < end; ++b) {
-        Shared& pair = shared[{held[a].clip, held[b].clip}];
-        const int f = static_cast<int>(held[a].frame), g = static_cast<int>(held[b].frame);
+        Shared& pair = shared[{samples[a].clip, samples[b].clip}];
+        const int f = static_cast<int>(samples[a].frame), g = static_cast<int>(samples[b].frame);
         pair.begin = pair.count == 0 ? f : std::min(pair.begin, f);
         pair.end = std::max(pair.end, f + 1);
         pair.second_begin = pair.count == 0 ? g : std::min(pair.second_begin, g);

@@ -15,13 +15,13 @@ struct MotionSignature {
   /// so that the hips lie along x on average; resampled over the clip's time. Missing points are filled in time.
   std::vector<float> shape;
   std::vector<float> mirrored;       ///< of the mirror image, sides exchanged; empty where sides are not known
-  std::vector<std::uint64_t> poses;  ///< (F) of the distances between joints, to 0.2 mm; 0: not all are seen
+  std::vector<std::uint64_t> poses;  ///< (F) of the distances between joints, to 0.2 mm; 0: not all are observed
   double spread = 0.0;               ///< metres, root mean square of `shape` about its mean over time
   int points = 0;
 };
 constexpr int kSignatureFrames = 32;
 
-/// Empty `shape` when fewer than two frames show anybody. Metres; y up as far as the heading is concerned.
+/// Empty `shape` when fewer than two frames show any person. Metres; y up as far as the heading is concerned.
 MotionSignature SignatureOf(const TrackedPoints& points);
 
 struct DuplicateLimits {
@@ -41,9 +41,9 @@ struct Duplicate {
 };
 
 /// Near-duplicates: every pair whose signatures (or one's mirror image) are nearer than `distance`, and every pair that
-/// shares at least `shared_frames` poses. Exact: pairs are passed over only where the triangle inequality says so.
-/// Clips with other counts of points are compared by nothing; clips that hardly move (spread below four times
-/// `distance`) by their poses alone. Sorted by (first, second).
+/// shares at least `shared_frames` poses. Exact: pairs are skipped only by the triangle inequality.
+/// Clips with different numbers of points are not compared; clips that hardly move (spread below four times
+/// `distance`) are compared by their poses alone. Sorted by (first, second).
 std::vector<Duplicate> FindDuplicates(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits = {});
 
 }  // namespace mocurate

@@ -10,7 +10,7 @@ namespace mocurate {
 namespace {
 
 constexpr int kFewestFlatPoints = 5;
-constexpr double kFlat = 1e-4;  // thickness over width; the flattest body that stands still has 0.05
+constexpr double kFlat = 1e-4;  // thickness over width; the flattest motionless body has 0.05
 
 }  // namespace
 
@@ -37,14 +37,15 @@ std::vector<Finding> FindFlat(const TrackedPoints& points) {
   }
   const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(spread);
   const Vector3d& squared = axes.eigenvalues();      // rising
-  if (!(squared[1] > 1e-6 * squared[2])) return {};  // a line or a point is no body at all: others tell
+  if (!(squared[1] > 1e-6 * squared[2])) return {};  // a line or a point: reported by other checks
   const double thickness = std::sqrt(std::max(0.0, squared[0]) / squared[2]);
   if (thickness >= kFlat) return {};
   const double value = thickness < 1e-7 ? 0.0 : thickness;  // what is left of rounding
-  Finding finding = FrameFinding("flat_body", 0, 0, "", value,
-                                 "all joints of all frames lie in one plane (its thickness is " + Digits(value) +
-                                     " of its width): points of an image, or an axis that was not written; no places "
-                                     "in space");
+  Finding finding =
+      FrameFinding("flat_body", 0, 0, "", value,
+                   "all joints of all frames lie in one plane (its thickness is " + Digits(value) +
+                       " of its width): points of an image, or an axis that was not written; not positions "
+                       "in space");
   finding.severity = Severity::kError;
   return {finding};
 }

@@ -7,8 +7,8 @@
 
 namespace mocurate {
 
-/// "flat_body" (error): all points of all frames lie in one plane, as those of images do; value: their thickness over
-/// their width, below 1e-4. Nothing of fewer than 5 points or 2 frames, and of a clip without observations.
+/// "flat_body" (error): all points of all frames lie in one plane, as image points do; value: their thickness over
+/// their width, below 1e-4. Not checked for fewer than 5 points or 2 frames, or without valid samples.
 std::vector<Finding> FindFlat(const TrackedPoints& points);
 
 }  // namespace mocurate

@@ -17,7 +17,7 @@ constexpr double kHorizontal = 0.2;
 constexpr double kTrunk = 0.2;  // between the trunk's fall and that of the centre of mass
 constexpr double kPush = 0.3;   // of the fall: least acceleration upwards at take-off and landing
 
-/// Least squares of a polynomial of time in [-1, 1]; `residual` gets the root mean square of what is left.
+/// Least squares of a polynomial of time in [-1, 1]; `residual` returns the root mean square residual.
 Eigen::VectorXd Fit(const std::vector<Vector3d>& path, int begin, int end, int axis, int degree, double& residual) {
   const int count = end - begin;
   const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(count, -1.0, 1.0);

@@ -9,19 +9,19 @@ namespace {
 constexpr double kHinge = 0.6;         // cosine between a knee's hinge and the axis of the hips
 constexpr double kPointingFoot = 0.2;  // sine between the foot's direction and the plane of shank and hips
 constexpr double kReachingHand = 0.3;  // sine between the hand's direction and the plane of the trunk
-constexpr double kOpinion = 0.15;      // least share of agreement, times weight, of a part that is listened to
+constexpr double kOpinion = 0.15;      // least share of agreement, times weight, of a part that counts
 constexpr double kDecided = 0.5;       // least weighted sum of parts that agree
 constexpr double kNearlyAlways = 0.95;
 constexpr double kTiny = 1e-9;
 
-/// How far joints are to be believed.
+/// Reliability of joints by type of source.
 struct VoteLimits {
   double bent_knee;  ///< rad, least that counts
-  int fewest_votes;  ///< of a part that is listened to
-  int many_votes;    ///< of one that is believed alone
-  double alone;      ///< part of Part::alone_share that is wanted
+  int fewest_votes;  ///< of a part that counts
+  int many_votes;    ///< of a part that decides alone
+  double alone;      ///< required share of Part::alone_share
 };
-/// Depth trackers bend straight legs backwards by up to 0.9 rad, in many frames on end.
+/// Depth trackers bend straight legs backwards by up to 0.9 rad, in many consecutive frames.
 constexpr VoteLimits kTracked{1.0, 4, 30, 1.0};
 /// Motion of fixed bones: markers, sensors, fits.
 constexpr VoteLimits kFixedBones{0.5, 2, 2, 0.5};
@@ -32,13 +32,13 @@ struct Part {
   const char* name;
   double weight;
   double full_share;   ///< of frames and sides, for the full weight
-  double alone_share;  ///< to be believed without another part
+  double alone_share;  ///< to decide without another part
 };
 constexpr Part kFeet{"feet", 1.0, 0.5, 0.7};
 constexpr Part kKnees{"knees", 1.0, 0.2, 0.3};
 constexpr Part kHands{"hands", 0.7, 0.3, 0.4};
 
-/// Frames of a clip as seen by one part of the body.
+/// Votes of one part of the body over the frames of a clip.
 struct Tally {
   double sum = 0.0;
   int votes = 0;
@@ -141,7 +141,7 @@ void AddHands(const Frame& frame, const BodyLandmarks& p, const Vector3d& up, Ta
   }
 }
 
-/// `possible` is the number of votes if every frame and side had an opinion.
+/// `possible` is the number of votes if every frame and side voted.
 HandednessCue Cue(const Part& part, const Tally& tally, int possible) {
   HandednessCue cue;
   cue.name = part.name;
@@ -153,24 +153,24 @@ HandednessCue Cue(const Part& part, const Tally& tally, int possible) {
   return cue;
 }
 
-bool HasOpinion(const HandednessCue& cue, const VoteLimits& trust) {
-  return cue.frames >= trust.fewest_votes && std::abs(cue.score) * cue.weight >= kOpinion;
+bool HasOpinion(const HandednessCue& cue, const VoteLimits& limits) {
+  return cue.frames >= limits.fewest_votes && std::abs(cue.score) * cue.weight >= kOpinion;
 }
 
-bool IsFirm(const HandednessCue& cue, const VoteLimits& trust) {
-  return std::abs(cue.score) >= kNearlyAlways && cue.frames >= trust.many_votes;
+bool IsFirm(const HandednessCue& cue, const VoteLimits& limits) {
+  return std::abs(cue.score) >= kNearlyAlways && cue.frames >= limits.many_votes;
 }
 
-bool IsOverwhelming(const HandednessCue& cue, const VoteLimits& trust) {
+bool IsOverwhelming(const HandednessCue& cue, const VoteLimits& limits) {
   const Part& part = cue.name == kFeet.name ? kFeet : cue.name == kKnees.name ? kKnees : kHands;
-  return IsFirm(cue, trust) && cue.share >= trust.alone * part.alone_share;
+  return IsFirm(cue, limits) && cue.share >= limits.alone * part.alone_share;
 }
 
-/// Hands may reach anywhere, behind a person who lies too: firm feet and knees that agree overrule them.
-bool OverruleHands(const std::vector<HandednessCue>& cues, const VoteLimits& trust) {
+/// Hands may reach anywhere, also behind a lying person: confident feet and knees that agree overrule them.
+bool OverruleHands(const std::vector<HandednessCue>& cues, const VoteLimits& limits) {
   const HandednessCue& feet = cues[0];
   const HandednessCue& knees = cues[1];
-  return IsFirm(feet, trust) && IsFirm(knees, trust) && feet.score * knees.score > 0.0;
+  return IsFirm(feet, limits) && IsFirm(knees, limits) && feet.score * knees.score > 0.0;
 }
 
 std::string Words(const HandednessCue& cue) {
@@ -182,18 +182,18 @@ std::string Words(const HandednessCue& cue) {
   return words + " (" + std::to_string(share) + " % of " + std::to_string(cue.frames) + ")";
 }
 
-/// From the cues: the decision, its confidence, and why.
-void Decide(const VoteLimits& trust, HandednessMeasure& measure) {
+/// Combines the cues into handedness, confidence and evidence.
+void Decide(const VoteLimits& limits, HandednessMeasure& measure) {
   double sum[2] = {0.0, 0.0};  // for right, for left
   int parts[2] = {0, 0};
   bool overwhelming = false;
   for (const HandednessCue& cue : measure.cues) {
-    if (!HasOpinion(cue, trust)) continue;
+    if (!HasOpinion(cue, limits)) continue;
     const int side = cue.score > 0.0 ? 1 : 0;
-    if (cue.name == kHands.name && parts[1 - side] > 0 && OverruleHands(measure.cues, trust)) continue;
+    if (cue.name == kHands.name && parts[1 - side] > 0 && OverruleHands(measure.cues, limits)) continue;
     sum[side] += std::abs(cue.score) * cue.weight;
     ++parts[side];
-    overwhelming = overwhelming || IsOverwhelming(cue, trust);
+    overwhelming = overwhelming || IsOverwhelming(cue, limits);
     measure.evidence += (measure.evidence.empty() ? "" : ", ") + Words(cue);
   }
   if (parts[0] > 0 && parts[1] > 0) {
@@ -202,7 +202,7 @@ void Decide(const VoteLimits& trust, HandednessMeasure& measure) {
   }
   const int side = parts[1] > 0 ? 1 : 0;
   if (sum[side] < kDecided || (parts[side] < 2 && !overwhelming)) {
-    if (parts[side] > 0) measure.evidence += ": too little to tell";
+    if (parts[side] > 0) measure.evidence += ": not enough evidence";
     return;
   }
   measure.confidence = std::min(1.0, sum[side]);
@@ -233,13 +233,13 @@ BodyLandmarks FindHandednessPoints(const std::function<std::optional<int>(std::s
 
 HandednessMeasure MeasureHandedness(const JointPositions& positions, const BodyLandmarks& points,
                                     const std::vector<double>* confidence) {
-  const VoteLimits& trust = HasFixedBones(positions, points, confidence) ? kFixedBones : kTracked;
+  const VoteLimits& limits = HasFixedBones(positions, points, confidence) ? kFixedBones : kTracked;
   Tally knees, feet, hands;
   for (int f = 0; f < positions.frames; ++f) {
     const Frame frame(positions, confidence, f);
     if (frame.Has(points.hip)) {
       if (const auto right = frame.Direction(points.hip[0], points.hip[1])) {
-        AddKnees(frame, points, *right, trust.bent_knee, knees);
+        AddKnees(frame, points, *right, limits.bent_knee, knees);
         AddFeet(frame, points, *right, feet);
       }
     }
@@ -248,7 +248,7 @@ HandednessMeasure MeasureHandedness(const JointPositions& positions, const BodyL
   const int possible = 2 * std::max(1, positions.frames);
   HandednessMeasure measure;
   measure.cues = {Cue(kFeet, feet, possible), Cue(kKnees, knees, possible), Cue(kHands, hands, possible)};
-  Decide(trust, measure);
+  Decide(limits, measure);
   return measure;
 }
 

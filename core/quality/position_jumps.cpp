@@ -9,15 +9,15 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMostStays = 1000;  // looked back over, in numbers that are no motion
+constexpr std::size_t kMostStays = 1000;  // predecessors searched, for data that is not a motion
 constexpr int kPaceFrames = 8;            // on either side of a frame
 constexpr double kApart = 1.2;            // metres between the middles of two parts of a body
 
-/// Frames [begin, end] on end (but for frames without anybody) whose steps are possible.
+/// Consecutive frames [begin, end] (except frames without valid samples) with possible steps.
 struct Stay {
   int begin = 0;
   int end = 0;     ///< last frame
-  int frames = 0;  ///< in which the person is seen
+  int frames = 0;  ///< in which the person is observed
   int best = 0;    ///< frames of the longest chain that ends here
   int before = -1;
 };
@@ -27,7 +27,7 @@ class JumpPath {
   JumpPath(const TrackedPoints& points, const PositionJumpLimits& limits)
       : points_(points), limits_(limits), centres_(BodyCentres(points)) {
     FindSeenSets();
-    FindHeld();
+    FindMotionlessRuns();
     FindPace();
     Split();
     Chain();
@@ -66,19 +66,19 @@ class JumpPath {
       if (Seen(f)) farthest = std::max(farthest, FromHome(f, before, after));
     }
     const int frames = stay.end - stay.begin + 1;
-    return FrameFinding(
-        "position_jump", stay.begin, stay.end + 1, "", farthest,
-        "for " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") + " the person is " + Digits(farthest) +
-            " m from where the rest of the clip has it; people do not move faster than " + Digits(limits_.speed) +
-            " m/s, or changes pace by more than " + Digits(limits_.start) + " m/s2");
+    return FrameFinding("position_jump", stay.begin, stay.end + 1, "", farthest,
+                        "for " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") + " the person is " +
+                            Digits(farthest) + " m from its place in the rest of the clip; a person moves at most at " +
+                            Digits(limits_.speed) + " m/s, and accelerates by at most " + Digits(limits_.start) +
+                            " m/s2");
   }
 
   Finding Jump(int from, int to) const {
     const double way = Way(from, to).stableNorm();
     return FrameFinding("unrecovered_jump", from, to + 1, "", way,
-                        "the person goes " + Digits(way) + " m within " + Digits(1e3 * (Time(to) - Time(from))) +
-                            " ms and not back: people do not accelerate by more than " + Digits(limits_.start) +
-                            " m/s2, so that one side of this step is not where the person is");
+                        "the person moves " + Digits(way) + " m within " + Digits(1e3 * (Time(to) - Time(from))) +
+                            " ms and not back: a person accelerates by at most " + Digits(limits_.start) +
+                            " m/s2, so that the position on one side of this step is wrong");
   }
 
   double Time(int f) const { return points_.time_s[static_cast<std::size_t>(f)]; }
@@ -94,15 +94,15 @@ class JumpPath {
 
   bool Possible(int from, int to) const {
     if (!InTime(from, to)) return false;
-    const int since = held_since_[static_cast<std::size_t>(from)];
+    const int since = repeated_since_[static_cast<std::size_t>(from)];
     const double passed = Time(to) - Time(since);
     const double started =
         limits_.sudden + limits_.start * passed * passed + (to - since + limits_.lost_frames) * Pace(from, to);
     return Way(from, to).stableNorm() <= started || MostGo(from, to) <= started;
   }
 
-  /// Metres that three quarters of the points go which both frames see, each for itself: exchanged sides move limbs,
-  /// not the trunk.
+  /// Lower quartile in metres of the steps of points observed in both frames: exchanged sides move limbs, not the
+  /// trunk.
   double MostGo(int from, int to) const {
     std::vector<double> ways;
     for (int k = 0; k < points_.count(); ++k) {
@@ -115,8 +115,8 @@ class JumpPath {
     return *quarter;
   }
 
-  /// Between frames that see the same points the centres tell it, else the points that both see. The middles of legs
-  /// and of a head are a body apart wherever it is.
+  /// Between frames with the same observed points the difference of the centres, else the step of the common points.
+  /// Centres of different points (legs, head) are not comparable.
   Vector3d Way(int from, int to) const {
     const Vector3d way = Place(to) - Place(from);
     if (seen_set_[static_cast<std::size_t>(from)] == seen_set_[static_cast<std::size_t>(to)]) return way;
@@ -133,15 +133,15 @@ class JumpPath {
     }
   }
 
-  void FindHeld() {
+  void FindMotionlessRuns() {
     for (int f = 0; f < points_.frames(); ++f) {
-      const bool held = f > 0 && Seen(f - 1) && Seen(f) && Place(f - 1) == Place(f);
-      held_since_.push_back(held ? held_since_.back() : f);
+      const bool repeated = f > 0 && Seen(f - 1) && Seen(f) && Place(f - 1) == Place(f);
+      repeated_since_.push_back(repeated ? repeated_since_.back() : f);
     }
   }
 
-  /// Metres per frame around each frame: the middle step where anything moves, or half of that over two frames where
-  /// this is less, as of two people in turn.
+  /// Metres per frame around each frame: the median step of moving points, or half of that over two frames if this is
+  /// less, as for two alternating people.
   void FindPace() {
     const std::vector<std::optional<double>> ones = Steps(1), twos = Steps(2);
     for (int f = 0; f < points_.frames(); ++f) {
@@ -150,7 +150,7 @@ class JumpPath {
     }
   }
 
-  /// From each frame to that `frames` later, metres; nothing where either shows no person.
+  /// From each frame to that `frames` later, metres; empty where either has no valid samples.
   std::vector<std::optional<double>> Steps(int frames) const {
     std::vector<std::optional<double>> steps;
     for (int f = 0; f + frames < points_.frames(); ++f) {
@@ -206,9 +206,9 @@ class JumpPath {
   const TrackedPoints& points_;
   const PositionJumpLimits& limits_;
   std::vector<BodyCentre> centres_;
-  std::vector<int> seen_set_;  ///< (frames) the same where the same points are seen
-  /// (frames) the first of the frames up to this one in which nothing moves: a stream that hangs catches up after.
-  std::vector<int> held_since_;
+  std::vector<int> seen_set_;  ///< (frames) equal where the same points are observed
+  /// (frames) first frame of the motionless run that ends here: a stream that hung catches up afterwards.
+  std::vector<int> repeated_since_;
   std::vector<double> pace_;  ///< (frames) metres per frame
   std::vector<Stay> stays_;
   std::vector<char> home_;

@@ -5,26 +5,23 @@
 namespace mocurate {
 
 struct PositionJumpLimits {
-  double speed = 12.0;   ///< m/s: no trunk moves faster (the fastest sprint is 12.4 m/s at its peak)
+  double speed = 12.0;   ///< m/s: largest speed of a person's trunk (the fastest sprint peaks at 12.4 m/s)
   double slack = 0.3;    ///< metres that a tracker may be off on top of it
-  double start = 50.0;   ///< m/s2: no whole body accelerates faster
+  double start = 50.0;   ///< m/s2: largest acceleration of a whole body
   double sudden = 0.15;  ///< metres that a tracker may be off on top of that
-  int lost_frames = 0;   ///< between two frames, which nothing says: the person goes on at their pace in these
+  int lost_frames = 0;   ///< undeclared, between two frames: the person continues at their speed in these
   double reach = 2.5;    ///< metres from the middle of the body: farther no joint of a person can be
 };
 
-/// A person who is suddenly elsewhere.
-///   "position jump": the body, in frames that no possible path joins to the rest of the clip: at most at `speed`, and,
-///   where
-///               three quarters of the points go along, at the pace of the 8 frames on either side changed by `start`
-///               at most. The rest is the longest chain of frames that such a path joins; value: metres from that path.
-///               With `lost_frames` a step may besides be so many times that pace (the middle step): who runs goes on
-///               through a gap, who stands does not. Between frames that see different joints those count that both
-///               see.
-///   "unrecovered_jump": the step from or to such frames at an end of the clip, where `speed` alone is kept: the body
-///   does not
-///                go back, and which side of the step is right nothing tells; value: metres.
-///   "joint_far": one joint (the root alone, say), farther than `reach` from the middle of the body; value: metres.
+/// Implausible changes of position.
+///   "position_jump": frames of the body that no possible path joins to the rest of the clip. A path moves at most at
+///   `speed`. Where three quarters of the points move along, its velocity differs from that of the 8 frames on either
+///   side by at most `start`. The rest is the longest chain of frames on one path; value: metres from that path. With
+///   `lost_frames` a step may also be that many times the median step: a runner continues through a gap. Between frames
+///   with different observed joints the common ones count.
+///   "unrecovered_jump": the step from or to these frames at an end of the clip, where only `speed` is required. The
+///   body does not return, and the right side of the step is ambiguous; value: metres.
+///   "joint_far": one joint (for example the root), farther than `reach` from the middle of the body; value: metres.
 std::vector<Finding> FindPositionJumps(const TrackedPoints& points, const PositionJumpLimits& limits = {});
 
 }  // namespace mocurate

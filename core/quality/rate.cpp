@@ -12,15 +12,15 @@ namespace {
 
 constexpr double kGravity = 9.81;
 
-// Flights: what is left of g where bodies are estimated from joints.
+// Flights: range of g / 9.81 m/s2 where the centre of mass is estimated from joints.
 constexpr double kFlightLeast = 0.65, kFlightMost = 1.5;
 constexpr double kFlightsAgree = 1.5;  // quartiles
-constexpr double kHighFlight = 0.08;   // metres of sag; tells alone
+constexpr double kHighFlight = 0.08;   // metres of sag; enough alone
 constexpr double kFlightsSure = 0.9, kFlightSure = 0.7;
 
-// Steps: feet are not points, and people lean on the air a little.
+// Steps: feet are not points, and the pendulum is an approximation.
 constexpr double kStepLeast = 0.3, kStepMost = 2.8;
-constexpr double kCoarseLeast = 0.15;  // where frames are so few that accelerations are means over much of a step
+constexpr double kCoarseLeast = 0.15;  // where accelerations are averaged over much of a step, at few frames
 constexpr int kFineStance = 8;         // frames
 constexpr double kStepUsual = 1.1;
 constexpr double kStepCorrelation = 0.7;
@@ -30,7 +30,7 @@ constexpr double kStepsSure = 0.5;
 // Falls and limbs.
 constexpr double kFastestFall = 1.7;  // g
 constexpr int kLags[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
-constexpr double kNoiseOfSecond = 5.0;     // of noise in a second difference, that is taken off
+constexpr double kNoiseOfSecond = 5.0;     // sigmas of noise in a second difference, subtracted
 constexpr double kLimbAcceleration = 150;  // m/s2
 constexpr double kLimbShare = 0.75;        // quantile of the frames
 constexpr std::size_t kLimbLag = 2;
@@ -39,7 +39,7 @@ constexpr double kLimitSure = 0.3;
 /// Hz at which metres per frame^2 are `metres_per_s2`.
 double RateFor(double per_frame2, double metres_per_s2) { return std::sqrt(metres_per_s2 / per_frame2); }
 
-std::optional<RateClue> AskFlights(const BodyPath& body) {
+std::optional<RateClue> EstimateFromFlights(const BodyPath& body) {
   const std::vector<Flight> flights = FindFlights(body);
   if (flights.empty()) return std::nullopt;
   std::vector<double> fall;
@@ -58,7 +58,7 @@ std::optional<RateClue> AskFlights(const BodyPath& body) {
   return clue;
 }
 
-std::optional<RateClue> AskSteps(const BodyPath& body) {
+std::optional<RateClue> EstimateFromSteps(const BodyPath& body) {
   const std::optional<StepPendulum> steps = MeasureStepPendulum(body);
   if (!steps || steps->correlation < kStepCorrelation || steps->lean < kStepLean) return std::nullopt;
   RateClue clue;
@@ -67,12 +67,12 @@ std::optional<RateClue> AskSteps(const BodyPath& body) {
   clue.highest = RateFor(steps->gravity, kStepMost * kGravity);
   clue.confidence = kStepsSure * steps->correlation;
   clue.words = Counted(static_cast<std::size_t>(steps->steps), "step") +
-               " tip over the standing foot as gravity does at " + Digits(clue.lowest) + " to " + Digits(clue.highest) +
+               " match an inverted pendulum under gravity at " + Digits(clue.lowest) + " to " + Digits(clue.highest) +
                " Hz";
   return clue;
 }
 
-/// What `count` stretches of `length` values reach throughout, none near another.
+/// The level that `count` separate stretches of `length` values reach throughout.
 double ReachedBy(const std::vector<double>& values, int length, int count) {
   std::vector<double> least;
   for (std::size_t i = 0; i + static_cast<std::size_t>(length) <= values.size(); ++i) {
@@ -92,7 +92,7 @@ double ReachedBy(const std::vector<double>& values, int length, int count) {
 }
 
 /// The fastest fall of the centre of mass beyond noise, twice or for long.
-std::optional<RateClue> AskFall(const BodyPath& body) {
+std::optional<RateClue> EstimateFromFall(const BodyPath& body) {
   const double noise = MostNoise(body.centre, Vector3d::UnitY());
   double fall = 0.0;
   for (const int lag : kLags) {
@@ -106,11 +106,11 @@ std::optional<RateClue> AskFall(const BodyPath& body) {
   RateClue clue;
   clue.highest = RateFor(fall, kFastestFall * kGravity);
   clue.confidence = kLimitSure;
-  clue.words = "above " + Digits(clue.highest) + " Hz the body would fall faster than gravity lets it";
+  clue.words = "above " + Digits(clue.highest) + " Hz the body would fall faster than under gravity";
   return clue;
 }
 
-std::optional<RateClue> AskLimbs(const BodyPath& body) {
+std::optional<RateClue> EstimateFromLimbs(const BodyPath& body) {
   double fastest = 0.0;
   for (const std::vector<Vector3d>& path : body.limb_end) {
     double noise2 = 0.0;
@@ -150,7 +150,7 @@ std::string RateMeasure::Range() const {
 std::string RateMeasure::Words() const {
   std::string words;
   for (const RateClue& clue : clues) words += (words.empty() ? "" : "; ") + clue.words;
-  if (lowest > highest) words += "; these contradict each other";
+  if (lowest > highest) words += "; these limits contradict each other";
   return words;
 }
 
@@ -158,8 +158,8 @@ RateMeasure MeasureRate(const TrackedPoints& points) {
   RateMeasure measure;
   const std::optional<BodyPath> body = PathOfBody(points);
   if (!body) return measure;
-  for (const auto ask : {AskFlights, AskSteps, AskFall, AskLimbs}) {
-    std::optional<RateClue> clue = ask(*body);
+  for (const auto estimate : {EstimateFromFlights, EstimateFromSteps, EstimateFromFall, EstimateFromLimbs}) {
+    std::optional<RateClue> clue = estimate(*body);
     if (!clue) continue;
     measure.lowest = std::max(measure.lowest, clue->lowest);
     measure.highest = std::min(measure.highest, clue->highest);

@@ -9,16 +9,16 @@
 
 namespace mocurate {
 
-/// One thing that mechanics and the human body say about the rate.
+/// One bound or estimate of the rate from mechanics and the human body.
 struct RateClue {
   double lowest = 0.0;                                       ///< Hz
   double highest = std::numeric_limits<double>::infinity();  ///< Hz
-  double rate_hz = 0.0;                                      ///< best guess; 0: limits only
+  double rate_hz = 0.0;                                      ///< best estimate; 0: limits only
   double confidence = 0.0;
   std::string words;
 };
 
-/// What a motion says about its own rate, by what does not depend on how fast a person chooses to move.
+/// Estimate of a motion's rate, independent of the speed at which a person chooses to move.
 struct RateMeasure {
   std::vector<RateClue> clues;  ///< best first
   double lowest = 0.0;          ///< Hz that all clues allow
@@ -26,23 +26,23 @@ struct RateMeasure {
 
   bool IsConclusive() const { return !clues.empty() && lowest <= highest; }
   bool Allows(double rate_hz) const { return !IsConclusive() || (rate_hz >= lowest && rate_hz <= highest); }
-  /// Best guess within what all clues allow; nothing where there are limits only.
+  /// Best estimate within the limits of all clues; empty where there are limits only.
   std::optional<double> rate_hz() const;
   double confidence() const { return IsConclusive() ? clues[0].confidence : 0.0; }
   std::string Range() const;  ///< "85 to 160 Hz", "at most 160 Hz"
   std::string Words() const;  ///< of all clues
 };
 
-/// Four clues, all of limits that sound takes keep by a margin (docs/real_sets.md has how often they tell):
+/// Four clues, with limits that correct takes keep by a margin (docs/real_sets.md has how often they apply):
 /// flights (FindFlights: 9.81 m/s2 to -35 and +50 %, by two that agree or a high one), steps (MeasureStepPendulum: 9.81
 /// m/s2 by a factor of 0.3 to 2.8, of 0.15 where a stance is of fewer than 8 frames), the fall of the centre of mass,
-/// which nothing can pull down faster than 1.7 g in what the noise leaves, and limbs, whose ends do not accelerate by
-/// 150 m/s2 for a quarter of the time. The first two tell too fast and too slow, the others too fast alone: people may
-/// do everything slowly. Metres, y up; `body` of the points must name hips, knees, ankles and shoulders.
+/// which falls at most at 1.7 g above the noise, and limbs, whose ends stay below 150 m/s2 for three quarters of the
+/// time. The first two bound the rate on both sides, the others from above alone: people may move slowly. Metres, y up;
+/// `body` of the points must name hips, knees, ankles and shoulders.
 RateMeasure MeasureRate(const TrackedPoints& points);
 
-/// "rate_suspect" where `rate_hz` lies outside of what the motion allows: value, the best guess or the nearest rate
-/// that would do. `points.time_s` must be of that rate.
+/// "rate_suspect" where `rate_hz` lies outside of the limits of the motion; value: the best estimate or the nearest
+/// rate within the limits. `points.time_s` must be of that rate.
 std::vector<Finding> FindWrongRate(const TrackedPoints& points, double rate_hz);
 
 }  // namespace mocurate

@@ -11,13 +11,13 @@ namespace mocurate {
 namespace {
 
 constexpr int kFewestPoses = 8;  // different ones
-constexpr int kFewestSeen = 3;   // points of a frame that says something
+constexpr int kFewestSeen = 3;   // least observed points of a frame
 constexpr double kSmoothTurn =
     0.7;                            // change of the step over the step: 0.2 of a walk at 30 Hz, 1.7 of a sensor's noise
-constexpr double kUsualStep = 1.1;  // times the mean step: one that is no jump
+constexpr double kUsualStep = 1.1;  // times the mean step: largest step that is not a jump
 constexpr int kNoFrame = -1;
 
-/// Frames [begin, end) that show the same.
+/// Frames [begin, end) with equal content.
 struct Pose {
   int content = kNoFrame;  ///< the first frame of the clip that shows it
   int begin = 0;
@@ -28,7 +28,7 @@ struct Pose {
   }
 };
 
-/// All that is seen in a frame, bit for bit; empty where hardly anything is.
+/// All observed values of a frame, bit for bit; empty where too few points are observed.
 std::string ContentOf(const TrackedPoints& points, int f) {
   std::string bits;
   int seen = 0;
@@ -62,7 +62,7 @@ std::vector<Pose> PosesOf(const TrackedPoints& points) {
   return poses;
 }
 
-/// Frames [begin, end) that stand `back` frames earlier too.
+/// Frames [begin, end) that repeat those `back` frames earlier.
 struct Stretch {
   int begin = 0;
   int end = 0;
@@ -114,7 +114,7 @@ struct Steps {
   }
 };
 
-/// Whether a smooth motion goes on through the ends of both stretches as it does within them, or turns on the spot.
+/// Whether a smooth motion continues through the ends of both stretches as within them, or reverses there.
 bool IsLoop(const Steps& steps, const Stretch& stretch) {
   double moved = 0.0, turned = 0.0, most = 0.0;
   for (int f = stretch.begin + 1; f + 1 < stretch.end; ++f) {
@@ -142,8 +142,8 @@ std::vector<Finding> FindRepeatedStretches(const TrackedPoints& points) {
         "repeated_stretch", stretch.begin, stretch.end, "", count,
         Counted(count, "frame") + " repeat frames " + std::to_string(first) + " to " +
             std::to_string(first + count - 1) +
-            " to the last digit, which motion never does: a section that was written twice; leave one of the "
-            "two out, or export the file again"));
+            " to the last digit, which no person does: a section that was written twice; remove one of the "
+            "two, or export the file again"));
   }
   return findings;
 }

@@ -4,12 +4,12 @@
 
 namespace mocurate {
 
-/// Stretches of one clip that stand in it twice, as a writer that stitches or flushes a buffer twice leaves them.
+/// Stretches of one clip that appear in it twice, as when a writer stitches or flushes a buffer twice.
 ///   "repeated_stretch": the frames of the later one, equal to earlier frames in the same order to the last digit of
-///                       all that is seen; value their number, the message says where the earlier one begins.
-/// At least 8 different poses: a person who stands on a coarse grid of values, in a row of equal frames or between a
-/// few poses, repeats nothing. A smooth motion that goes on through both ends of the stretch as within it is a loop
-/// that was made so, and no finding; a sensor's noise is no smooth motion. Time n log n.
+///                       all observed values; value: their number. The message gives the start of the earlier one.
+/// At least 8 different poses: a motionless person on a coarse grid of values, in equal frames or between a few poses,
+/// is not reported. A smooth motion that continues through both ends of the stretch is an authored loop and not
+/// reported; motion with sensor noise is not smooth. Time n log n.
 std::vector<Finding> FindRepeatedStretches(const TrackedPoints& points);
 
 }  // namespace mocurate

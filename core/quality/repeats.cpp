@@ -9,13 +9,13 @@
 namespace mocurate {
 namespace {
 
-constexpr double kAbrupt = 1e-3;    // metres: who stands still by intent sets out more softly, and no sensor is so sure
-constexpr double kByChance = 0.01;  // stillnesses of a clip on a grid, above which one is no defect
-constexpr int kBeyondOthers = 3;  // times the longest stillness of any joint that moves: by chance none stands so long
-constexpr int kMostTimes = 4;     // that a frame is written: 15 Hz in a file of 60
+constexpr double kAbrupt = 1e-3;     // metres: intended holds end more softly, and sensor noise is larger
+constexpr double kByChance = 0.01;   // expected holds by chance in a clip on a grid, above which a hold is not a defect
+constexpr int kBeyondOthers = 3;     // times the longest hold of any moving joint: longer holds are not by chance
+constexpr int kMostTimes = 4;        // copies of a frame: 15 Hz in a file of 60
 constexpr double kNearlyAll = 0.9;   // of the frames
 constexpr int kFewestRepeated = 5;   // different frames
-constexpr double kCollapsed = 0.02;  // metres: no body is so small
+constexpr double kCollapsed = 0.02;  // metres: smaller than any body
 
 /// Calls with [begin, end) of each run of frames in which `holds`.
 void ForRuns(int frames, const std::function<bool(int)>& holds, const std::function<void(int, int)>& call) {
@@ -46,8 +46,8 @@ class Repeats {
 
   bool Moves(int k) const { return moves_[static_cast<std::size_t>(k)] != 0; }
 
-  /// Whether a joint that never moves was held among joints that do: most of the others move, and it hangs on one that
-  /// does. A root that stays, and what is bound to it, stands so by intent.
+  /// Whether a joint without motion is a repeated value: most other joints move, and so does its parent. A fixed root,
+  /// and joints fixed to it, are intended.
   bool HeldThroughout(int k) const {
     int seen = 0, moving = 0;
     for (int other = 0; other < points_.count(); ++other) {
@@ -61,7 +61,7 @@ class Repeats {
   }
   bool Joint(int f, int k) const { return f > 0 && BothSeen(f, k) && Same(f, k); }
 
-  /// Every joint that ever moves, and the same joints are seen. In a clip where none ever does, any joint.
+  /// Every joint that ever moves repeats, and the same joints are observed. In a clip without motion, every joint.
   bool Body(int f) const {
     bool any = false;
     for (int k = 0; f > 0 && k < points_.count(); ++k) {
@@ -73,15 +73,15 @@ class Repeats {
     return any;
   }
 
-  /// Whether a stillness of [begin, end) begins or ends with a step that is no soft start: more than kAbrupt, and more
-  /// than half of the step beyond. One without either end in sight does.
+  /// Whether a hold of [begin, end) begins or ends abruptly: with a step of more than kAbrupt, and more than half of
+  /// the step beyond. True for a hold without an observed end.
   bool Abrupt(int begin, int end, int k) const {
     const std::optional<bool> into = Stops(begin, begin - 1, k), out_of = Stops(end, end + 1, k);
     return (!into && !out_of) || into.value_or(false) || out_of.value_or(false);
   }
 
-  /// Whether samples that are rounded to a grid show such a stillness by chance, or as the end of a slow movement: by
-  /// steps of a coarse grid every stillness is entered and left.
+  /// Whether samples rounded to a grid explain such a hold by chance or as the end of a slow movement. On a coarse grid
+  /// every hold begins and ends with a step.
   bool ByGrid(int begin, int end, int k) const {
     if (!grid_) return false;
     if (!Moves(k)) return end - begin <= kBeyondOthers * LongestStillness();
@@ -104,8 +104,8 @@ class Repeats {
 
  private:
   bool BothSeen(int f, int k) const { return points_.sees(f, k) && points_.sees(f - 1, k); }
-  /// Whether the step into f is more than kAbrupt and more than half of the one into `beyond`; nothing where it is not
-  /// seen.
+  /// Whether the step into f is more than kAbrupt and more than half of the one into `beyond`; empty where it is not
+  /// observed.
   std::optional<bool> Stops(int f, int beyond, int k) const {
     if (f < 1 || f >= points_.frames() || !BothSeen(f, k)) return std::nullopt;
     const bool seen = beyond >= 1 && beyond < points_.frames() && BothSeen(beyond, k);
@@ -137,7 +137,7 @@ class Repeats {
   bool still_clip_ = false;
 };
 
-/// A joint that stands exactly still in [begin, end) while others move.
+/// A joint that repeats its value exactly in [begin, end) while others move.
 struct Hold {
   int joint = 0;
   int begin = 0;
@@ -149,8 +149,8 @@ std::vector<Hold> FindHolds(const TrackedPoints& points, const Repeats& repeats,
   std::vector<Hold> holds;
   for (int k = 0; k < points.count(); ++k) {
     if (!repeats.Moves(k) && !repeats.HeldThroughout(k)) continue;
-    const auto held = [&](int f) { return repeats.Joint(f, k); };
-    ForRuns(points.frames(), held, [&](int begin, int end) {
+    const auto repeated = [&](int f) { return repeats.Joint(f, k); };
+    ForRuns(points.frames(), repeated, [&](int begin, int end) {
       int others = 0;  // steps in which something else moves
       for (int f = begin; f < end; ++f) others += repeats.Body(f) ? 0 : 1;
       if (end - begin + 1 < fewest || others == 0 || repeats.ByGrid(begin - 1, end, k)) return;
@@ -160,7 +160,7 @@ std::vector<Hold> FindHolds(const TrackedPoints& points, const Repeats& repeats,
   return holds;
 }
 
-/// Whether nearly all frames stand two to four times: how many frames there are for each different one; 0: they do not.
+/// Mean number of copies where nearly all frames are repeated two to four times; else 0.
 double TimesRepeated(const TrackedPoints& points, const std::function<bool(int)>& body) {
   int runs = 0, covered = 0;
   ForRuns(points.frames(), body, [&](int begin, int end) {
@@ -176,9 +176,9 @@ double TimesRepeated(const TrackedPoints& points, const std::function<bool(int)>
 Finding RepeatedFrames(const TrackedPoints& points, double times) {
   const double hz = (points.frames() - 1) / (points.time_s.back() - points.time_s.front());
   return FrameFinding("repeated_frames", 0, points.frames(), "", times,
-                      "nearly all frames stand " + Digits(times) + " times (mean): a recording of " +
+                      "nearly all frames are repeated " + Digits(times) + " times (mean): a recording of " +
                           Digits(hz / times) + " Hz written at " + Digits(hz) + " Hz, or one of " + Digits(hz) +
-                          " Hz whose rate is said wrongly; write each once");
+                          " Hz with a wrong declared rate; keep one frame of each repetition");
 }
 
 }  // namespace
@@ -202,7 +202,7 @@ std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits
   for (const Hold& hold : sensed ? holds : std::vector<Hold>()) {
     const int count = hold.end - hold.begin;
     findings.push_back(FrameFinding("repeated_value", hold.begin, hold.end, points.name(hold.joint), count,
-                                    "'" + points.name(hold.joint) + "' stands still to the last digit for " +
+                                    "'" + points.name(hold.joint) + "' repeats its value to the last digit for " +
                                         Frames(count) + " while other joints move: a gap filled with the last value"));
   }
   return findings;
@@ -221,7 +221,7 @@ std::vector<Finding> FindBlanks(const TrackedPoints& points) {
   };
   ForRuns(points.frames(), all_zero, [&](int begin, int end) {
     findings.push_back(FrameFinding("zero_frames", begin, end, "", end - begin,
-                                    "every joint is at 0 0 0 in " + Frames(end - begin) + ": no person was observed"));
+                                    "every joint is at 0 0 0 in " + Frames(end - begin) + ": no valid samples"));
   });
   const auto collapsed = [&](int f) {
     if (all_zero(f)) return false;
@@ -230,7 +230,7 @@ std::vector<Finding> FindBlanks(const TrackedPoints& points) {
   };
   ForRuns(points.frames(), collapsed, [&](int begin, int end) {
     findings.push_back(FrameFinding("collapsed_frames", begin, end, "", end - begin,
-                                    "all joints lie in one point in " + Frames(end - begin) + ": no body"));
+                                    "all joints lie in one point in " + Frames(end - begin) + ": not a body"));
   });
   for (int k = 0; k < points.count(); ++k) {
     const auto alone = [&](int f) { return zero(f, k) && !all_zero(f); };
@@ -245,7 +245,7 @@ std::vector<Finding> FindBlanks(const TrackedPoints& points) {
       if (root && begin == 0 && end == 1) return;  // a clip that starts there
       findings.push_back(FrameFinding("zero_joint", begin, end, points.name(k), end - begin,
                                       "'" + points.name(k) + "' is at 0 0 0 in " + Frames(end - begin) +
-                                          ": a tracker's word for a joint it does not see"));
+                                          ": a tracker's mark for a joint it does not observe"));
     });
   }
   return findings;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFewestBoneFrames = 8;
 constexpr std::size_t kFewestBones = 3;
-constexpr double kShortestBone = 1e-3;  // metres; a joint that lies on its parent says nothing
+constexpr double kShortestBone = 1e-3;  // metres; a joint on its parent is ignored
 constexpr double kShortestRest = 0.03;  // of the rest pose: of shorter ones trackers disagree
 
 /// One bone over the frames that show it; medians, as single frames may be far off.
@@ -71,7 +71,7 @@ std::vector<Finding> FindNonRigidBody(const TrackedPoints& points, const Rigidit
   const double spread = spreads.size() >= kFewestBones ? Median(spreads) : 0.0;
   if (proportion <= limits.proportion && spread <= limits.spread) return {};
   const std::string why = proportion > limits.proportion
-                              ? "bone lengths depart from the skeleton's proportions by a factor of " +
+                              ? "bone lengths differ from the skeleton's proportions by a factor of " +
                                     Digits(std::exp(proportion)) + " (mean), a person's by at most " +
                                     Digits(std::exp(limits.proportion))
                               : "bones change their length by " + Digits(spread) +
@@ -80,7 +80,7 @@ std::vector<Finding> FindNonRigidBody(const TrackedPoints& points, const Rigidit
       FrameFinding("not_joint_positions", 0, 0, "", proportion > limits.proportion ? std::exp(proportion) : spread,
                    why + (LooksLikeRotations(points)
                               ? ": joints in another order, or rotations such as Lie parameters in their place"
-                              : ": joints in another order, or no joint positions"));
+                              : ": joints in another order, or not joint positions"));
   finding.severity = Severity::kError;
   finding.limit = proportion > limits.proportion ? std::exp(limits.proportion) : limits.spread;
   return {finding};

@@ -14,27 +14,27 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMostJoints = 24;     ///< those with the longest bones: fingers tell little
+constexpr int kMostJoints = 24;     ///< those with the longest bones: fingers contribute little
 constexpr int kComponents = 24;     ///< of the distances of a frame
 constexpr int kKeyComponents = 10;  ///< of a window, in the tree
 constexpr double kStep_s = 0.05;    ///< of a track
 constexpr double kSmooth_s = 0.08;  ///< standard deviation of the smoothing
 constexpr int kEndSteps = 2;        ///< steps at the ends of a motion that are not compared
 constexpr int kSamples = 5;         ///< of a window
-constexpr int kIndexed = 2;         ///< every so many steps a window stands in the tree
-constexpr int kLeastAsked = 4;      ///< windows of a motion that are looked up, where it has as many
+constexpr int kIndexed = 2;         ///< steps between indexed windows
+constexpr int kLeastAsked = 4;      ///< least windows of a motion that are looked up, if it has them
 constexpr int kMostApart = 12;      ///< steps between them, at most
 constexpr double kShifts[] = {0.0, 1.0 / 3.0, 2.0 / 3.0};  ///< of indexed windows, at which it is looked up
-constexpr int kLearnt = 4096;                              ///< frames and windows that components are learnt from
+constexpr int kLearnt = 4096;                              ///< frames and windows for the principal components
 constexpr double kSearchReach = 1.5;    ///< of the tree's search, in limits: windows of tree and track do not coincide
-constexpr double kOverlap = 0.8;        ///< share of the overlap in time that must be shared: takes agree in parts
+constexpr double kOverlap = 0.8;        ///< share of the overlap in time that must match: takes agree in parts
 constexpr double kIndexedSpread = 0.3;  ///< of all joints together, where one joint alone moves
 constexpr double kMisplaced = 5.0;      ///< limits that two windows may be apart before their shift is found
 constexpr double kFar = 3.0;            ///< limits beyond which a single moment ends a stretch
 
 using MatrixRow = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Which distances are taken, and where each goes when the sides are exchanged.
+/// The distances used, and their permutation when the sides are exchanged.
 struct JointPairs {
   std::vector<std::array<int, 2>> pairs;
   std::vector<int> mirrored;
@@ -100,7 +100,7 @@ Components Learn(const MatrixRow& rows, int count) {
 /// A motion every kStep_s: components of its distances, smoothed. Metres times the root of the number of distances.
 using Track = MatrixRow;
 
-/// Steps excluded at both ends, where smoothing has one side only; none of a motion that is too short for it.
+/// Steps skipped at both ends, where smoothing has one side only; 0 for a motion that is too short.
 int MarginOf(int steps, int window) { return steps - 2 * kEndSteps > window ? kEndSteps : 0; }
 
 /// What one set of motions is compared by.
@@ -211,7 +211,7 @@ class StretchSearch {
     Track track(steps - 2 * margin, frame_.basis.cols());
     const double hz = motion->rate.hz();
     for (int s = 0; s < track.rows(); ++s) {
-      // Weighted straight line through the frames nearby, at this moment: no bias where the clip begins and ends.
+      // Locally weighted linear regression: no bias at the ends of the clip.
       const double t = (s + margin) * kStep_s;
       const int reach = std::max(1, static_cast<int>(std::ceil(3.0 * kSmooth_s * hz)));
       const int middle = static_cast<int>(std::lround(t * hz));
@@ -422,7 +422,7 @@ class StretchSearch {
                           0,
                           0,
                           0};
-    // Steps that are missing at an end of either are assumed to continue the neighbouring ones.
+    // Steps skipped at an end of either are assumed to continue the neighbouring ones.
     const int before = first == from ? std::min(margins_[i], margins_[other]) : 0;
     const int after = last == to ? std::min(margins_[i], margins_[other]) : 0;
     stretch.begin_s = (first - before + margins_[i]) * kStep_s;

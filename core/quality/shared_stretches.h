@@ -14,7 +14,7 @@ struct StretchLimits {
   double distance = 0.004;  ///< at most
   double full_s = 1.0;      ///< shorter stretches may differ by less, as the square root of their length
   double least_s = 0.6;     ///< length of a stretch
-  double spread = 0.007;    ///< at least, about the mean: whoever stands still looks like herself
+  double spread = 0.007;    ///< at least, about the mean: motionless stretches always match
 };
 
 /// Two motions that show the same for a while, perhaps as mirror images.
@@ -33,7 +33,8 @@ using MotionAt = std::function<const Motion*(std::size_t)>;
 /// other rates and small noise. Windows of `least_s` are looked up in a k-d tree of their principal components, then
 /// compared over the whole overlap at the best shift in time; at least 0.8 of the overlap must be shared, as takes of
 /// one person agree in parts. Joints are smoothed by a Gaussian of 0.08 s, so that interpolation and noise of
-/// millimetres do not hide a copy. Motions of one skeleton; each is asked for twice and kept as about 2 kB a second.
+/// millimetres do not hide a copy. Motions of one skeleton; each is requested twice and stored as about 2 kB per
+/// second.
 std::vector<SharedStretch> FindSharedStretches(std::size_t count, const MotionAt& motion,
                                                const StretchLimits& limits = {});
 

@@ -6,8 +6,8 @@
 
 namespace mocurate {
 
-/// Steps as a pendulum on its head: while one foot bears the body, the centre of mass at height h and horizontal
-/// distance d from it is accelerated by g d / h (Winter 1995, Hof 2005). Who walks thus shows g, in time as marked.
+/// Steps as an inverted pendulum: while one foot bears the body, the centre of mass at height h and horizontal distance
+/// d from it is accelerated by g d / h (Winter 1995, Hof 2005). Walking thus gives g in the declared time scale.
 struct StepPendulum {
   int steps = 0;
   int stance = 0;            ///< frames, median
@@ -16,9 +16,9 @@ struct StepPendulum {
   double gravity = 0.0;      ///< metres per frame^2
 };
 
-/// Stances: one foot stands (at a third of the other's speed, and of the centre's by 0.7), is the lower one, and the
-/// body is upright over it. Nothing without four of them. Times that are wrong by n show n^2 times g with the same
-/// correlation; where there is little, the motion is none of mechanics (slow, leaning, made by hand) and tells nothing.
+/// Stances: one foot is in contact (at a third of the other's speed, and 0.7 of the centre's), is the lower one, and
+/// the body is upright over it. Empty with fewer than four of them. Times wrong by a factor n give n^2 times g with the
+/// same correlation. Low correlation means that the model does not hold (slow, leaning, hand-made motion).
 std::optional<StepPendulum> MeasureStepPendulum(const BodyPath& body);
 
 }  // namespace mocurate

@@ -12,11 +12,11 @@ namespace mocurate {
 namespace {
 
 constexpr double kWeakRatio = 0.6;  // where the other limbs change sides in the same frame
-constexpr double kHasty = 2.5;      // m/s of the middle of the body, with which most people do not walk
-constexpr double kTimes = 3.0;      // the speed that is usual in the clip
+constexpr double kHasty = 2.5;      // m/s of the body's centre, faster than most people walk
+constexpr double kTimes = 3.0;      // times the clip's usual speed
 constexpr double kJitter = 0.05;    // metres that a tracker's noise moves it
 
-/// Fastest that the middle of the body goes in one step of the clip, unless time is missing there, m/s.
+/// Largest speed of the body's centre in one step of the clip, except across missing frames, m/s.
 double FastestStep(const TrackedPoints& points, const std::vector<BodyCentre>& centres) {
   std::vector<double> speeds;
   for (int f = 1; f < points.frames(); ++f) {
@@ -73,18 +73,18 @@ struct Exchange {
   double ratio = 1.0;
 };
 
-/// One kind of limb, and what its steps cost with the sides as they are named and exchanged.
+/// One pair of limbs, and the squared steps with the sides as named and exchanged.
 class LimbPair {
  public:
   LimbPair(const TrackedPoints& points, const std::vector<BodyCentre>& centres,
            const std::vector<std::array<int, 2>>& pairs, const SwapLimits& limits)
       : points_(points), centres_(centres), pairs_(pairs), limits_(limits), fastest_(FastestStep(points, centres)) {}
 
-  /// `also`: frames in which a weaker sign is enough.
+  /// `also`: frames in which weaker evidence is enough.
   std::vector<Exchange> Exchanges(const std::set<int>& also) const {
     std::vector<Exchange> exchanges;
-    if (pairs_.size() < 2) return exchanges;   // one pair alone crosses in any clap
-    std::vector<int> last(pairs_.size(), -1);  // where each pair was last seen; a repeated frame is as old as its first
+    if (pairs_.size() < 2) return exchanges;   // one pair alone crosses in a clap
+    std::vector<int> last(pairs_.size(), -1);  // last frame of each pair; a repeated frame counts as its first
     for (int f = 0; f < points_.frames(); ++f) {
       Costs costs;
       bool jumps = false;
@@ -98,7 +98,7 @@ class LimbPair {
       }
       if (jumps) continue;
       const double ratio = also.count(f) != 0 ? std::max(limits_.ratio, kWeakRatio) : limits_.ratio;
-      if (!costs.Say(costs.straight, limits_.step) || costs.crossed >= ratio * costs.straight) continue;
+      if (!costs.IsDecisive(costs.straight, limits_.step) || costs.crossed >= ratio * costs.straight) continue;
       exchanges.push_back({f, costs.crossed / costs.straight});
       for (std::size_t i = 0; i < pairs_.size(); ++i) {
         if (!Seen(f, pairs_[i])) last[i] = -1;  // of the old state
@@ -111,7 +111,7 @@ class LimbPair {
   struct Costs {
     double straight = 0.0, crossed = 0.0;  ///< squared metres
     std::size_t compared = 0;              ///< pairs
-    bool Say(double larger, double step) const {
+    bool IsDecisive(double larger, double step) const {
       return compared >= 2 && std::sqrt(larger / (2.0 * static_cast<double>(compared))) > step;
     }
   };
@@ -138,18 +138,18 @@ class LimbPair {
     return step.norm() > fastest_ * (points_.time_s[f] - points_.time_s[before]) + kJitter;
   }
 
-  /// Whether frames a and b, near in time, clearly name the sides alike.
+  /// Whether frames a and b, near in time, clearly have the same sides.
   bool Alike(int a, int b) const {
     if (std::abs(points_.time_s[a] - points_.time_s[b]) > limits_.gap_s) return false;
     Costs costs;
     for (const auto& pair : pairs_) {
       if (Seen(a, pair) && Seen(b, pair)) Add(a, b, pair, costs);
     }
-    return costs.Say(costs.crossed, limits_.step) && costs.straight < limits_.ratio * costs.crossed;
+    return costs.IsDecisive(costs.crossed, limits_.step) && costs.straight < limits_.ratio * costs.crossed;
   }
 
-  /// With the changes that no single step shows, because limbs are not seen or stray in it: soon after an exchange the
-  /// limbs lie again as in the frame before it, or lay before it as they do after it.
+  /// Adds exchanges without a single clear step, because limbs are missing or outliers there: shortly after an exchange
+  /// the limbs are again as in the frame before it, or were before it as after it.
   std::vector<Exchange> WithLost(const std::vector<Exchange>& exchanges) const {
     std::vector<Exchange> all;
     for (std::size_t i = 0; i < exchanges.size(); ++i) {
@@ -250,7 +250,7 @@ std::vector<Finding> FindSwaps(const TrackedPoints& points, const SwapLimits& li
     findings.push_back(FrameFinding("swapped_sides", span.first, span.second, "", found.first,
                                     "left and right " + found.second + " are exchanged for " + std::to_string(frames) +
                                         (frames == 1 ? " frame" : " frames") +
-                                        ": within a frame each goes to where the other was (squared steps are " +
+                                        ": within a frame each moves to the other's position (squared steps are " +
                                         Digits(found.first) + " of those without the exchange)"));
   }
   return findings;

@@ -10,8 +10,8 @@
 
 namespace mocurate {
 
-/// One person's points as the detectors of this room read them: what is there must outlive the view. Metres and
-/// seconds; any axes, but where y up is asked for.
+/// One person's points as a view for the detectors of this module: the data must outlive the view. Metres and seconds;
+/// any axes, except where y up is required.
 struct TrackedPoints {
   const JointPositions& positions;        ///< (F,K,3)
   const std::vector<double>& confidence;  ///< (F*K), 0 is missing; empty: all are there
@@ -27,7 +27,7 @@ struct TrackedPoints {
     return confidence.empty() || confidence[static_cast<std::size_t>(frame) * positions.joints + point] > 0.0;
   }
   Vector3d at(int frame, int point) const { return positions.at(frame, point); }
-  /// Diagonal of the box around what is seen in a frame, if that is `fewest` points or more.
+  /// Diagonal of the bounding box of the observed points of a frame, if there are at least `fewest`.
   std::optional<double> Extent(int frame, int fewest) const {
     int seen = 0;
     Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
@@ -53,16 +53,16 @@ struct PointBones {
 };
 PointBones BonesBetween(const std::vector<std::string>& names, const Skeleton& skeleton);
 
-/// Where a person is in a frame: the middle point (median of each coordinate) of all that is seen, at least three
-/// points. Nothing where fewer are.
+/// Position of a person in a frame: the median of each coordinate of the observed points, at least three. Not observed
+/// where there are fewer.
 struct BodyCentre {
   bool seen = false;
   Vector3d place = Vector3d::Zero();
 };
 std::vector<BodyCentre> BodyCentres(const TrackedPoints& points);
 
-/// How far a person goes between two frames: the middle way (median of each coordinate) of the points that both see, at
-/// least three. Points that enter or leave the view are no motion. Nothing where fewer are.
+/// Displacement of a person between two frames: the median of each coordinate over the points observed in both, at
+/// least three. Empty where there are fewer.
 std::optional<Vector3d> BodyStep(const TrackedPoints& points, int from, int to);
 
 /// A finding of [begin, end) about `joint` (empty: all); severity warning, action "flagged".

@@ -13,15 +13,15 @@ namespace {
 constexpr std::size_t kFewestScaledPoints = 5;
 constexpr double kNearTen = 0.2;  // of the logarithm of a factor: poses change a size by 1.6 about the median
 constexpr int kLargestPower = 3;  // of ten: millimetres and metres
-// Mean deviation of logarithms: people tracked to 20 mm keep to 0.05, places at random within a centimetre depart by
-// 0.26 at least.
+// Mean deviation of logarithms: people tracked to 20 mm stay below 0.05, random positions within a centimetre are
+// above 0.26.
 constexpr double kOneShape = 0.2;
 constexpr int kFramesLookedAt = 64;
-constexpr std::size_t kPairsOfAPoint = 3;  // of one alone, some places at random keep to 0.2
+constexpr std::size_t kPairsOfAPoint = 3;  // with one alone, some random positions stay below 0.2
 constexpr std::size_t kFewestSteadyPairs = 8;
 
-/// Logarithms of the median distance of points from their middle, a frame each; nothing where too few are seen, or all
-/// lie in one place.
+/// Logarithms of the median distance of points from their middle, per frame; empty where too few are observed, or all
+/// coincide.
 std::vector<std::optional<double>> SizesOf(const TrackedPoints& points) {
   const std::vector<BodyCentre> centres = BodyCentres(points);
   std::vector<std::optional<double>> sizes(centres.size());
@@ -55,14 +55,15 @@ std::vector<std::optional<int>> PowersOf(const std::vector<std::optional<double>
   return powers;
 }
 
-/// Logarithm of the distance of two points; nothing where one is not seen, or both are in one place.
+/// Logarithm of the distance of two points; empty where one is not observed, or both coincide.
 std::optional<double> LogDistance(const TrackedPoints& points, int f, int a, int b) {
   if (!points.sees(f, a) || !points.sees(f, b)) return std::nullopt;
   const double distance = (points.at(f, a) - points.at(f, b)).norm();
   return distance > 0.0 ? std::optional<double>(std::log(distance)) : std::nullopt;
 }
 
-/// What poses leave as it is: each point with those at the steadiest distances, over frames of the most common size.
+/// Pairs whose distance does not depend on the pose: each point with those at the most constant distances, over frames
+/// of the most common size.
 class ShapeRatio {
  public:
   ShapeRatio(const TrackedPoints& points, const std::vector<std::optional<int>>& powers) : points_(points) {
@@ -76,7 +77,7 @@ class ShapeRatio {
     for (int k = 0; k < points.count(); ++k) AddPairsOf(k, usual);
   }
 
-  /// Whether the distances of a frame are those of the others, times one factor.
+  /// Whether the distances of a frame equal those of the others up to one factor.
   bool Keeps(int frame) const {
     std::vector<double> ratios;
     for (const Pair& pair : pairs_) {
@@ -132,7 +133,7 @@ std::vector<Finding> FindUnitChanges(const TrackedPoints& points) {
     if (differs(power) && !shape.Keeps(f)) power = 0;
   }
   std::vector<Finding> findings;
-  int before = 0;  // of the last frame that tells
+  int before = 0;  // power of the last frame that has one
   for (int f = 0; f < points.frames(); ++f) {
     const std::optional<int>& power = powers[static_cast<std::size_t>(f)];
     if (!power) continue;
@@ -142,7 +143,7 @@ std::vector<Finding> FindUnitChanges(const TrackedPoints& points) {
       const double factor = std::pow(10.0, *power);
       findings.push_back(FrameFinding("units_change", f, f + 1, "", factor,
                                       "the numbers of these frames are " + Digits(factor) +
-                                          " times those of the others: they are of another unit; divide them by " +
+                                          " times those of the others: another unit; divide them by " +
                                           Digits(factor)));
       findings.back().severity = Severity::kError;
     }

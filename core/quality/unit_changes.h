@@ -7,11 +7,11 @@
 
 namespace mocurate {
 
-/// "units_change" (error) of frames whose body is 10, 100 or 1000 times as large, or small, as that of most frames, in
-/// whatever unit, and of the same shape: distances that poses leave alone keep their proportions; points that fell into
-/// one place are no body of another unit. Value: how many times. A pose alone changes how far points are from their
-/// middle by a factor of 2 at most. Points with confidence 0 are not read, nor frames of fewer than five; spans that
-/// follow each other but for such frames are one.
+/// "units_change" (error): frames whose body is 10, 100 or 1000 times as large, or small, as that of most frames, in
+/// any unit, with the same shape: distances that do not depend on the pose keep their proportions. Coinciding points
+/// are not reported. Value: the factor. A pose alone changes the distance of points from their centre by a factor of 2
+/// at most. Points with confidence 0 are not read, nor frames of fewer than five; spans separated by these frames only
+/// are one.
 std::vector<Finding> FindUnitChanges(const TrackedPoints& points);
 
 }  // namespace mocurate

@@ -13,11 +13,11 @@ namespace {
 constexpr int kTurns = 8;
 constexpr int kFewestAlignedFrames = 12;
 constexpr int kFewestAlignedPairs = 60;
-constexpr int kMostFrames = 120;   // that are compared, evenly over the clip
+constexpr int kMostFrames = 120;   // compared, evenly over the clip
 constexpr double kWell = 0.5;      // product of both confidences
 constexpr double kLine = 0.02;     // metres
 constexpr double kSettled = 1e-5;  // seconds
-constexpr double kAsGood = 1.1;    // of the least distance: the offset nearer to 0 is taken then
+constexpr double kAsGood = 1.1;    // times the least distance: below it the offset nearer to 0 is used
 constexpr double kMirrored = 0.7;
 
 struct SeenPairs {
@@ -56,7 +56,7 @@ SeenPairs PairsAt(const TrackedPoints& a, const TrackedPoints& b, double offset_
   return pairs;
 }
 
-/// What both see well; where that is too little, what both see at all.
+/// Points that both observe well; where these are too few, all that both observe.
 SeenPairs PairsOf(const TrackedPoints& a, const TrackedPoints& b, double offset_s) {
   SeenPairs pairs = PairsAt(a, b, offset_s, kWell);
   if (pairs.weights.size() >= kFewestAlignedPairs && pairs.frames >= kFewestAlignedFrames) return pairs;

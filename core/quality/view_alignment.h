@@ -17,15 +17,14 @@ struct ViewAlignment {
   double median = 0.0;           ///< metres between the same points after the alignment
   double mirrored_median = 0.0;  ///< the same with b mirrored
   double share = 0.0;            ///< of the pairs within three times the median
-  int pairs = 0;                 ///< points seen well by both
+  int pairs = 0;                 ///< points observed well by both
   bool Mirrored() const;         ///< b fits as its mirror image and not as it is
 };
 
-/// From the points that both trackers follow, without any calibration: the clock's offset by cross-correlation of
-/// speeds (CorrelateSpeeds), then robust Procrustes over all frames and points that both see well in turns with
-/// RefineClock, from each offset at which speeds agree; taken is what leaves the points nearest to each other. Nothing
-/// where fewer than 12 frames or 60 points are seen by both, or where those lie on a line: then no alignment is known.
-/// `most_offset_s`: how far clocks may be off.
+/// From the points that both trackers follow, without any calibration. Initial clock offsets come from the
+/// cross-correlation of speeds (CorrelateSpeeds). From each of them, robust Procrustes over all frames and points that
+/// both observe well alternates with RefineClock. The result with the smallest distances is returned. Empty where both
+/// observe fewer than 12 frames or 60 points, or where these lie on a line. `most_offset_s`: largest clock offset.
 std::optional<ViewAlignment> AlignViews(const TrackedPoints& a, const TrackedPoints& b, double most_offset_s);
 
 }  // namespace mocurate

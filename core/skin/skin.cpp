@@ -28,8 +28,8 @@ struct Body {
 
 constexpr std::size_t kMostShapes = 10;  // as SMPL is used; its files hold up to 300
 
-/// In what range people's coefficients of a named direction of the CC0 body lie. Its unit is a whole variant: -1 is the
-/// man and +1 the woman of the first, "child" would make a child.
+/// Range of people's coefficients of a named direction of the CC0 body. 1 is a full variant: -1 is the man and +1 the
+/// woman of the first direction, and 1 of "child" a child.
 std::pair<double, double> RangeOf(const std::string& name, bool first) {
   if (first) return {-1.0, 1.0};
   if (name.find("child") != std::string::npos) return {0.0, 0.0};
@@ -127,18 +127,18 @@ Expected<std::vector<int>> JointsOf(const Body& body, const Skeleton& skeleton, 
     const auto found = body.joint_names[b].empty() ? std::nullopt : skeleton.FindJoint(body.joint_names[b]);
     own[b] = found.has_value();
     if (!found && !body.joint_names[b].empty() && b < std::size(kSmplJoints)) {
-      return Fail(
-          ErrorCode::kInconsistent,
-          "skeleton '" + skeleton.name + "' has no joint '" + body.joint_names[b] + "', which the body moves by", where,
-          "motions of skeleton 'smpl24' move this body; a training without it has vertex_weight: 0");
+      return Fail(ErrorCode::kInconsistent,
+                  "skeleton '" + skeleton.name + "' has no joint '" + body.joint_names[b] +
+                      "', which the skin of the body needs",
+                  where, "motions of skeleton 'smpl24' move this body; a training without it has vertex_weight: 0");
     }
     const int parent = body.parents[b];
     joint_of[b] = found ? *found : parent < 0 ? 0 : joint_of[static_cast<std::size_t>(parent)];
     if (!own[b] || parent < 0) continue;
     if (skeleton.joints[static_cast<std::size_t>(joint_of[b])].parent != joint_of[static_cast<std::size_t>(parent)]) {
       return Fail(ErrorCode::kInconsistent,
-                  "joint '" + body.joint_names[b] + "' hangs on another joint in skeleton '" + skeleton.name + "'",
-                  where, "motions of skeleton 'smpl24' move this body; a training without it has vertex_weight: 0");
+                  "joint '" + body.joint_names[b] + "' has another parent in skeleton '" + skeleton.name + "'", where,
+                  "motions of skeleton 'smpl24' move this body; a training without it has vertex_weight: 0");
     }
   }
   return joint_of;
@@ -162,13 +162,13 @@ Status CheckRestPose(const Skin& skin, const Skeleton& skeleton, const std::stri
   return {};
 }
 
-/// Places, or what moves them, of the skeleton's joints from those of the body; a joint that the body lacks stands at
-/// its rest offset from its parent, or moves with it.
+/// Positions, or displacements, of the skeleton's joints from those of the body. A joint that the body does not have is
+/// at its rest offset from its parent, or moves with it.
 std::vector<Vector3d> OverSkeleton(const std::vector<Vector3d>& of_body, const std::vector<int>& joint_of,
                                    const Skeleton& skeleton, bool places) {
   std::vector<Vector3d> joints(skeleton.joints.size(), Vector3d::Zero());
   std::vector<bool> known(joints.size(), false);
-  for (std::size_t b = 0; b < of_body.size(); ++b) {  // parents stand first: an ancestor's place is not overwritten
+  for (std::size_t b = 0; b < of_body.size(); ++b) {  // parents come first: an ancestor's position is not overwritten
     const auto j = static_cast<std::size_t>(joint_of[b]);
     if (!known[j]) joints[j] = of_body[b];
     known[j] = true;

@@ -28,8 +28,8 @@ struct Skin {
   std::vector<ShapeDirection> shapes;     ///< the first ten at most
 };
 
-/// Of body_cc0.h5 or an SMPL file (.pkl, .npz). Joints of the body that the skeleton lacks (hands) move with their
-/// parents. Error kInconsistent: a skeleton whose tree or rest pose is another, a body that lacks a joint.
+/// Of body_cc0.h5 or an SMPL file (.pkl, .npz). Joints of the body that the skeleton does not have (hands) move with
+/// their parents. Error kInconsistent: a skeleton with another tree or rest pose, a body without a required joint.
 Expected<Skin> ReadSkin(const std::filesystem::path& file, const Skeleton& skeleton);
 
 /// Drawn shape coefficients (S): uniform between `low` and `high` of each direction, keyed by (`seed`, `index`).

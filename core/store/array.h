@@ -58,7 +58,7 @@ Array EmptyArray(FieldType type, std::vector<std::uint64_t> shape);
 /// All fields of a file by path ("/frames/joints"; attributes of the root as "/@schema"), in byte order of the paths.
 struct Content {
   std::map<std::string, Array> fields;
-  std::set<std::string> splits;  ///< names that stand for * in the paths of the table
+  std::set<std::string> splits;  ///< names that replace * in the paths of the table
   std::set<std::string> later;   ///< fields whose type and shape alone are here: their rows come later
 
   const Array* Find(const std::string& path) const;
@@ -76,8 +76,8 @@ struct Content {
   void PutText(const std::string& path, std::string text) { fields[path] = MakeText(std::move(text)); }
 };
 
-/// What identifies the whole content: SHA-256 over one line "path type shape sha256\n" per field in byte order of the
-/// paths, "/@content_sha256" excluded.
+/// Identifies the whole content: SHA-256 over one line "path type shape sha256\n" per field in byte order of the
+/// paths, without "/@content_sha256".
 std::string ContentSha256(const std::map<std::string, std::string>& lines);
 /// The line of one field, without its path: " f4 120,24,3 <64 digits>".
 std::string FieldLine(const Array& array, const std::string& sha256);

@@ -11,7 +11,7 @@ using store::Array;
 using store::FieldType;
 using store::Hdf5Reader;
 
-/// Reads fields of known shapes; a 0 in a shape stands for any length.
+/// Reads fields of known shapes; a 0 in a shape means any length.
 class Fields {
  public:
   explicit Fields(const Hdf5Reader& reader) : reader_(reader) {}

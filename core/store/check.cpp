@@ -16,7 +16,7 @@ bool GroupIsThere(const Content& content, const std::string& group) {
 std::optional<std::string> PresenceProblem(const Field& field, const Content& content) {
   const bool there = content.Has(field.path);
   const std::string kinematics = content.Text("/@kinematics");
-  const std::string says = " while /@kinematics is '" + kinematics + "'";
+  const std::string condition = " while /@kinematics is '" + kinematics + "'";
   switch (field.presence) {
     case Presence::kAlways:
       return there ? std::nullopt : std::optional<std::string>("is missing");
@@ -31,7 +31,7 @@ std::optional<std::string> PresenceProblem(const Field& field, const Content& co
     case Presence::kTree: {
       const bool wanted = field.presence == Presence::kTree ? kinematics == "tree" : kinematics != "none";
       if (there == wanted) return std::nullopt;
-      return (wanted ? "is missing" : "must be absent") + says;
+      return (wanted ? "is missing" : "must be absent") + condition;
     }
   }
   return std::nullopt;

@@ -15,7 +15,7 @@ Status CheckSplitNames(const Content& content, const std::filesystem::path& path
     if (!name.empty() && name != "." && name.find('/') == std::string::npos && name.find('\0') == std::string::npos) {
       continue;
     }
-    return Fail(ErrorCode::kInconsistent, "'" + name + "' is no name for a split", Where(path, "/splits"),
+    return Fail(ErrorCode::kInconsistent, "'" + name + "' is not a name for a split", Where(path, "/splits"),
                 "use a name without '/'");
   }
   return {};
@@ -68,7 +68,7 @@ Status CheckSchemaName(const Schema& schema, const Hdf5Reader& reader) {
   if (name->as<std::string>()[0] == schema.name) return {};
   return Fail(ErrorCode::kMalformed,
               "the file is '" + name->as<std::string>()[0] + "'; '" + schema.name + "' was expected",
-              Where(reader.file(), "/@schema"), "give the file of the right kind");
+              Where(reader.file(), "/@schema"), "give a file with the right schema");
 }
 
 Expected<ContentWriter> ContentWriter::Create(const Schema& schema, Content content,
@@ -119,7 +119,7 @@ Status ContentWriter::WriteFields(const Schema& schema, Content content) {
 Status ContentWriter::Append(const std::string& field, const Array& rows) {
   Growing& growing = growing_.at(field);
   if (rows.type() != growing.shape.type() || rows.rows() > growing.shape.rows() - growing.rows) {
-    return Fail(ErrorCode::kInternal, "gets more rows than were announced, or of another type", Where(path_, field));
+    return Fail(ErrorCode::kInternal, "gets more rows than declared, or rows of another type", Where(path_, field));
   }
   rows.AddTo(growing.hasher);
   if (Status written = writer_.WriteRows(field, growing.rows, rows); !written) return written;

@@ -12,8 +12,8 @@
 
 namespace mocurate::store {
 
-/// Writes a file of fields whose rows may come later; it appears whole or not at all. A large file is written on disk
-/// bit by bit, a small one in memory: its bytes are the same.
+/// Writes a file of fields whose rows may be appended later; the file appears atomically. A large file is written to
+/// disk incrementally, a small one in memory; the bytes are the same.
 class ContentWriter {
  public:
   /// Sets /@schema, /@units and /@content_sha256, checks `content` against the table (error kInconsistent) and writes
@@ -51,7 +51,7 @@ Status WriteContent(const Schema& schema, Content content, const std::filesystem
 Expected<Content> ReadContent(const Schema& schema, const std::filesystem::path& path);
 Expected<Content> ReadContent(const Schema& schema, const Hdf5Reader& reader);
 
-/// Parts of ReadContent, for who reads a file piece by piece: the schema's name; the hash of a field, with the one
+/// Parts of ReadContent, for incremental readers: the schema's name; the hash of a field, with the one
 /// beside it, if there is one; the lines (by path) of all fields, with /@content_sha256. Error kMalformed.
 Status CheckSchemaName(const Schema& schema, const Hdf5Reader& reader);
 Status CheckHash(const Hdf5Reader& reader, const std::string& path, const std::string& sha256);

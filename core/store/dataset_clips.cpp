@@ -62,7 +62,7 @@ struct DatasetClips::File {
   Expected<Array> FramesOf(std::size_t row, const Field& field) const;
   /// Whether `path` is a field of /frames that the clip has.
   bool HasField(std::size_t row, const std::string& path) const;
-  /// Every id once; every split whole, its rows clips of the file.
+  /// Ids are unique; splits are complete, and their rows are clips of the file.
   Status CheckIdsAndSplits() const;
 };
 
@@ -107,7 +107,7 @@ Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Che
       continue;
     }
     return Fail(ErrorCode::kMalformed, array == nullptr ? "is missing" : "has not a row per clip", file->Where(field),
-                "docs/store_format.md says what is needed");
+                "docs/store_format.md lists the required fields");
   }
   if (check == Check::kHashes) {
     if (Status whole = store::CheckContentHash(file->reader, file->content, lines); !whole) return Forward(whole);
@@ -116,7 +116,7 @@ Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Che
   const auto axes = AxisConvention::Parse(file->content.Text("/@axes"));
   if (!axes) return Fail(ErrorCode::kMalformed, axes.error().what, file->Where("/@axes"));
   file->axes = *axes;
-  // The skeleton is that of every clip: the content of the first one that is sound has it checked.
+  // All clips share the skeleton: it is checked with the content of the first valid clip.
   const std::size_t rows = file->content.fields.at("/clips/id").rows();
   if (rows > 0) {
     Expected<Content> first = file->OneClip(0);
@@ -236,7 +236,7 @@ Status DatasetClips::File::CheckIdsAndSplits() const {
     for (const char* field : {"rule", "leak_check", "train", "validation", "test"}) {
       if (content.Has(group + field)) continue;
       return Fail(ErrorCode::kMalformed, "is missing", Where(group + field),
-                  "docs/store_format.md says what is needed");
+                  "docs/store_format.md lists the required fields");
     }
     for (const char* part : {"train", "validation", "test"}) {
       for (const std::int32_t row : content.Values<std::int32_t>(group + part)) {
@@ -265,7 +265,7 @@ Expected<Array> DatasetClips::File::FramesOf(std::size_t row, const Field& field
   return reader.ReadRows(field.path, field.type, static_cast<std::uint64_t>(offset), static_cast<std::uint64_t>(count));
 }
 
-/// The file as if it held this clip alone, checked.
+/// Content with this clip alone, checked.
 Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
   const std::uint64_t clips = content.fields.at("/clips/id").rows();
   const Array* of_clips = content.Find("/segments/clip");
@@ -303,8 +303,7 @@ Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
   Status sound = store::CheckContent(store::DatasetSchema(), one, ErrorCode::kMalformed, where);
   if (!sound) {
     Error error = sound.error();
-    error.hint +=
-        (error.hint.empty() ? "" : "; ") + std::string("correct the clip or leave it out: the others are read");
+    error.hint += (error.hint.empty() ? "" : "; ") + std::string("correct the clip or exclude it: the others are read");
     return tl::unexpected<Error>(error);
   }
   return one;

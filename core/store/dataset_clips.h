@@ -11,8 +11,8 @@
 
 namespace mocurate {
 
-/// The clips of a dataset or MotionSet one at a time: kept in memory is what /clips, /segments, /labels and /skeleton
-/// say of all, frames are read of one clip.
+/// The clips of a dataset or MotionSet one at a time: /clips, /segments, /labels and /skeleton are kept in memory,
+/// frames are read of one clip.
 class DatasetClips {
  public:
   enum class Check {

@@ -24,7 +24,7 @@ Expected<std::vector<store::MotionRow>> RowsOfClips(const std::vector<const Clip
   return rows;
 }
 
-/// All that a dataset's file holds beside frames and spans.
+/// All fields of a dataset's file except frames and spans.
 Expected<store::Content> PackOutline(const Dataset& dataset, const std::vector<const Clip*>& clips,
                                      const std::filesystem::path& path) {
   store::Content content;

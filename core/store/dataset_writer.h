@@ -9,8 +9,8 @@
 
 namespace mocurate {
 
-/// Writes a dataset clip by clip. In memory are what the file holds beside /frames, and the frames of one clip. The
-/// file has the bytes that WriteDataset gives it, and appears whole or not at all.
+/// Writes a dataset clip by clip. In memory are all fields except /frames, and the frames of one clip. The file has the
+/// same bytes as with WriteDataset, and appears atomically.
 ///
 ///     auto writer = DatasetWriter::Create(outline, optional_fields, path);
 ///     for (...) writer->Append(clip);                          // in the order of outline.clips
@@ -27,8 +27,8 @@ class DatasetWriter {
   DatasetWriter& operator=(DatasetWriter&&) noexcept;
   ~DatasetWriter();
 
-  /// The frames of the next clip; all else stands in the outline. Error kInconsistent naming the clip: it is another
-  /// than the next, its motion is not what was announced, or breaks a rule; kCannotWrite.
+  /// The frames of the next clip; all else is in the outline. Error kInconsistent naming the clip: it is not the next
+  /// one, its motion differs from the outline, or breaks a rule; kCannotWrite.
   Status Append(const Clip& clip);
   /// Error kInconsistent: clips are missing; kCannotWrite.
   Status Finish();

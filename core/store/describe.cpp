@@ -17,7 +17,7 @@ using store::Schema;
 Expected<const Schema*> SchemaOf(const store::Hdf5Reader& reader) {
   const std::string where = store::Where(reader.file(), "/@schema");
   if (!reader.Has("/@schema")) {
-    return Fail(ErrorCode::kMalformed, "is missing; this HDF5 file is none of mocurate's", where);
+    return Fail(ErrorCode::kMalformed, "is missing; this HDF5 file was not written by mocurate", where);
   }
   auto name = reader.Read("/@schema", store::FieldType::kText);
   if (!name) return Forward(name);
@@ -29,7 +29,7 @@ Expected<const Schema*> SchemaOf(const store::Hdf5Reader& reader) {
   return Fail(ErrorCode::kMalformed, "is '" + name->as<std::string>()[0] + "'; known are " + known, where);
 }
 
-/// Extents of the symbols by what they count: {"clips": 12, "frames": 960, ...}.
+/// Extents of the symbols by name: {"clips": 12, "frames": 960, ...}.
 nlohmann::json CountsOf(const Schema& schema, const Content& content) {
   const std::map<std::string, std::string> names = {
       {"C", "clips"},        {"F", "frames"},    {"J", "joints"},         {"S", "segments"},        {"L", "labels"},

@@ -5,10 +5,10 @@
 
 namespace mocurate {
 
-/// What DescribeStore says, in a few lines for a person.
+/// The result of DescribeStore as a few lines of text.
 std::string StoreText(const nlohmann::json& description);
 
-/// Lines of such texts: "  name        text" (none for an empty text), and "9: a (12), b (3) and 7 more" of names with
+/// Lines of these texts: "  name        text" (none for an empty text), and "9: a (12), b (3) and 7 more" of names with
 /// their counts.
 std::string DescriptionLine(const std::string& name, const std::string& text);
 std::string TallyText(const nlohmann::json& tally);

@@ -182,7 +182,7 @@ void PackKeypoints(const Evidence& evidence, Content& content) {
     times.insert(times.end(), view.time_s.begin(), view.time_s.end());
     values.insert(values.end(), view.values.begin(), view.values.end());
   }
-  for (std::size_t i = 0; i + 2 < values.size(); i += 3) {  // never read where nothing was seen
+  for (std::size_t i = 0; i + 2 < values.size(); i += 3) {  // never read where nothing was observed
     if (values[i + 2] != 0.0) continue;
     for (std::size_t k = i; k < i + 2; ++k) values[k] = std::isfinite(values[k]) ? values[k] : 0.0;
   }

@@ -12,7 +12,7 @@ namespace mocurate {
 
 inline constexpr double kNotMeasured = -1.0;
 
-/// What a recogniser says of a set of motions: N motions, D features, C classes, row-major. A set may hold several
+/// Outputs of a recogniser for a set of motions: N motions, D features, C classes, row-major. A set may hold several
 /// passes, each over draws of its own; rows of pass p are [pass_begin[p], pass_begin[p + 1]).
 struct FeatureSet {
   int feature_size = 0;              ///< D
@@ -23,7 +23,7 @@ struct FeatureSet {
   std::vector<std::string> classes;  ///< (C)
   std::vector<std::int64_t> pass_begin;
   /// (N) each, by name: measures of the motions themselves, without the network ("foot_skate", "jerk", ...), 0 or more;
-  /// kNotMeasured where a motion has none (limits without rotations, a floor that no foot stands on).
+  /// kNotMeasured where it is undefined (limits without rotations, a floor without foot contact).
   std::map<std::string, std::vector<double>> quality;
   std::string about;  ///< JSON: extractor, weights, draws
 

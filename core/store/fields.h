@@ -13,7 +13,7 @@
 /// Unpack* need checked content. `prefix` is "" or "/truth".
 namespace mocurate::store {
 
-/// Bit i of /clips/field_mask stands for entry i (OptionalFieldsOf).
+/// Bit i of /clips/field_mask is for entry i (OptionalFieldsOf).
 inline constexpr std::array<const char*, 5> kOptionalFrameFields = {"state", "position_cov", "rotation_sigma",
                                                                     "rotation_observed", "contact"};
 
@@ -27,7 +27,7 @@ bool SameButRestOffsets(const Skeleton& a, const Skeleton& b);
 SkeletonPtr WithRestOffsets(const Content& content, const std::string& prefix, std::size_t row,
                             const SkeletonPtr& skeleton);
 
-/// What is known of a motion before its frames come.
+/// Properties of a motion without its frames.
 struct MotionRow {
   std::string id;
   const Motion* motion;          ///< skeleton, rate, counts of frames and joints, bone lengths
@@ -51,7 +51,7 @@ Status PackSplits(const std::vector<Split>& splits, Content& content);
 std::vector<Split> UnpackSplits(const Content& content);
 void PackFindings(const std::vector<Finding>& findings, Content& content);
 std::vector<Finding> UnpackFindings(const Content& content);
-/// What a dataset has beside skeleton and clips.
+/// Fields of a dataset other than skeleton and clips.
 void UnpackDatasetParts(const Content& content, Dataset& dataset);
 /// Whether clip and motion agree on the rate. Error kInconsistent naming the clip.
 Status CheckRates(const Clip& clip, const std::filesystem::path& path);

@@ -11,30 +11,25 @@ using store::Schema;
 const char kIntroduction[] = R"(# Store format
 
 Files of mocurate are HDF5 and can be read with h5py or h5dump. This page is made from the table of fields that writes
-and checks them (`core/store/table.cpp`); `MOCURATE_REGENERATE=1 test_store --gtest_filter='StoreFormat.*'` makes it
-again.
+and checks them (`core/store/table.cpp`); `MOCURATE_REGENERATE=1 test_store --gtest_filter='StoreFormat*'` regenerates it.
 
-- Packed: the frames of all clips stand one after the other; clip `i` is the rows `offset[i]` to `offset[i] +
-  count[i]`.
-- `@name` is an attribute of the root. Types: f4, f8 little-endian IEEE; i4, i8 signed; u1 unsigned; text is UTF-8
-  (bytes that are not UTF-8 are kept as they are), written with fixed length and zero padding, read with variable
-  length as well.
+- Packed: the frames of all clips are concatenated; clip `i` is the rows `offset[i]` to `offset[i] + count[i]`.
+- `@name` is an attribute of the root. Types: f4, f8 little-endian IEEE; i4, i8 signed; u1 unsigned; text is UTF-8 (bytes
+  that are not UTF-8 are kept as they are), written with fixed length and zero padding, read with variable length as well.
 - Quaternions are Hamilton, (w, x, y, z), unit. World: right-handed, y up, canonical facing +z.
-- Same content, same bytes: no times, no compression, HDF5 library bounds 1.8 to 1.10 (metadata with checksums). A
-  foreign file may be chunked and compressed with deflate, shuffle, fletcher32. Soft and external links are not
-  followed.
-- A file is checked whole when it is opened: presence, type, shape, rule, hashes. An error names file and field.
-- Fields that the table does not name are ignored, and are not kept when the file is written again from memory.
+- Same content, same bytes: no times, no compression, HDF5 library bounds 1.8 to 1.10 (metadata with checksums). A foreign
+  file may be chunked and compressed with deflate, shuffle, fletcher32. Soft and external links are not followed.
+- The whole file is checked when it is opened: presence, type, shape, rule, hashes. An error names file and field.
+- Unknown fields are ignored, and not kept when the file is written again from memory.
 
 Presence: *always*; *optional*; *group*: all fields of the group or none; *motion*: when `@kinematics` is not `none`;
 *tree*: when `@kinematics` is `tree`, and only then.
 
 ## content_sha256
 
-One line per field of the table that is there, but `@content_sha256`, in byte order of the paths: path, type, extents
-joined by commas, SHA-256 of the values (little-endian bytes; of texts: each followed by a zero byte).
-`content_sha256` is the SHA-256 of these lines. Each dataset that mocurate writes carries its own as attribute
-`sha256`; a foreign writer may leave that out.
+One line per present field of the table except `@content_sha256`, in byte order of the paths: path, type, extents
+joined by commas, SHA-256 of the values (little-endian bytes; of texts: each followed by a zero byte). `content_sha256` is the SHA-256
+of these lines. Each dataset that mocurate writes carries its own as attribute `sha256`; a foreign writer may omit that.
 
 ```python
 def content_sha256(fields):  # {"/clips/label": (type, array or list of bytes)}; "/@schema": ("text", b"mocurate/1")

@@ -79,7 +79,7 @@ herr_t WriteBytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size,
   return 0;
 }
 
-/// EvidenceKind the file the size that HDF5 has given out.
+/// Gives the file the size that HDF5 has allocated.
 herr_t TruncateFile(H5FD_t* file, hid_t, hbool_t) {
   DriverFile& own = Own(file);
   own.end = own.allocated;

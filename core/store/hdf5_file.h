@@ -41,8 +41,8 @@ void SilenceHdf5();
 /// "file.h5:/frames/joints".
 std::string Where(const std::filesystem::path& file, const std::string& field);
 
-/// Reads fields of an HDF5 file. Trusts nothing in it: sizes are compared with the bytes that are stored before
-/// anything is allocated; links that are not hard, external and virtual storage and filters other than deflate, shuffle
+/// Reads fields of an HDF5 file that may be damaged or hostile. Sizes are compared with the stored bytes before memory
+/// is allocated; links that are not hard, external and virtual storage and filters other than deflate, shuffle
 /// and fletcher32 are refused.
 class Hdf5Reader {
  public:
@@ -60,7 +60,7 @@ class Hdf5Reader {
   Expected<std::string> HashOfRows(const std::string& path, FieldType type, std::uint64_t block) const;
   /// The text attribute `name` of a dataset; empty when there is none.
   std::optional<std::string> AttributeOf(const std::string& path, const std::string& name) const;
-  /// Names of the groups directly below `group`, sorted; empty when there is no such group.
+  /// Names of the groups directly below `group`, sorted; empty when the group does not exist.
   std::vector<std::string> GroupsBelow(const std::string& group) const;
   /// Paths of all datasets and "/@name" of all attributes of the root, sorted.
   std::vector<std::string> AllPaths() const;

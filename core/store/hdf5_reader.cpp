@@ -69,7 +69,7 @@ std::optional<std::vector<hsize_t>> ShapeOf(hid_t space) {
   return shape;
 }
 
-/// Text up to the padding; empty when a zero byte stands inside.
+/// Text up to the padding; empty when it contains a zero byte.
 std::optional<std::string> Unpad(const char* text, std::size_t size, H5T_str_t padding) {
   std::size_t length = strnlen(text, size);
   if (padding != H5T_STR_NULLTERM) {

@@ -61,7 +61,7 @@ Expected<Array> Hdf5Reader::ReadRows(const std::string& path, FieldType type, st
   if (first > shape->front() || count > shape->front() - first) {
     return Fail(
         ErrorCode::kMalformed,
-        "has " + std::to_string(shape->front()) + " rows; those from " + std::to_string(first) + " on were asked for",
+        "has " + std::to_string(shape->front()) + " rows; those from " + std::to_string(first) + " on were requested",
         where);
   }
   const Hdf5Id dataset(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);

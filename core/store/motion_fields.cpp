@@ -156,8 +156,8 @@ Motion UnpackMotion(const Content& content, const std::string& prefix, const Ske
 }
 
 Quaterniond ReadQuaternion(const float* stored) {
-  // The largest number is made again from the other three, which stay exact: unit, and stored again as it was.
-  // (Dividing by the norm instead would let small numbers creep by a last bit each time.)
+  // The largest number is recomputed from the other three, which stay exact: the norm is 1 and storing is idempotent.
+  // (Dividing by the norm instead would change small numbers by a last bit each time.)
   std::array<double, 4> q = {stored[0], stored[1], stored[2], stored[3]};
   std::size_t largest = 0;
   double square = 0.0;
@@ -175,7 +175,8 @@ std::array<float, 4> StoredQuaternion(const Quaterniond& rotation) {
     return Stored{static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
                   static_cast<float>(q.z())};
   };
-  if (!(std::abs(rotation.norm() - 1.0) <= 1e-5)) return round(rotation);  // not unit: the rule of the field says so
+  if (!(std::abs(rotation.norm() - 1.0) <= 1e-5))
+    return round(rotation);  // not unit: reported by the rule of the field
   // Two numbers that differ by a last bit may take turns as the largest: follow them until they repeat, and take the
   // least of the values that go round, the same whichever of them one starts from.
   constexpr std::size_t kSteps = 16;

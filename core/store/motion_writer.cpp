@@ -54,7 +54,7 @@ Status MotionWriter::Append(const Motion& motion) {
   if (motion.frame_count() != row.frames || OptionalFieldsOf(motion) != row.optional_fields) {
     return Fail(ErrorCode::kInconsistent,
                 "the motion has " + std::to_string(motion.frame_count()) + " frames and optional fields " +
-                    std::to_string(OptionalFieldsOf(motion)) + "; announced were " + std::to_string(row.frames) +
+                    std::to_string(OptionalFieldsOf(motion)) + "; declared were " + std::to_string(row.frames) +
                     " and " + std::to_string(row.optional_fields),
                 place);
   }

@@ -44,7 +44,7 @@ Expected<PendingFile> PendingFile::Create(const fs::path& path) {
   const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
   if (descriptor >= 0) return PendingFile(place, name, descriptor);
   const int error = errno;
-  // The words of a file that is written at once, where that is not possible either.
+  // The message of WriteFile, where that fails too.
   Status possible = WriteFileWith(place, [&](const fs::path&) -> Status { return CannotWriteFile(path, error); });
   return tl::unexpected<Error>(possible.error());
 }

@@ -6,7 +6,7 @@
 
 namespace mocurate::store {
 
-/// A file that is written bit by bit under another name in its folder, and appears whole or not at all.
+/// A file that is written incrementally under a temporary name in its folder, and appears atomically.
 class PendingFile {
  public:
   /// Whether `path` can be written so: a device or a pipe cannot.

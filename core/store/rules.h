@@ -47,7 +47,7 @@ Rule ForwardKinematicsJoints();
 /// Counts of views that sum to the rows of `field`.
 Rule ViewCounts(const std::string& field);
 Rule RisingPerView();
-/// A row of values per person of every image, by the counts and people beside it: u px, v px, confidence.
+/// A row of values per person of every image, by the counts and people of the same group: u px, v px, confidence.
 Rule KeypointValues();
 
 }  // namespace mocurate::store

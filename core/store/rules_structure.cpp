@@ -33,11 +33,11 @@ Problem JointsProblem(const RuleContext& c, const SkeletonPtr& of_file) {
     const std::vector<double> bone_length(lengths.begin() + row, lengths.begin() + row + static_cast<int>(J));
     const auto begin = static_cast<std::uint64_t>(offsets[clip]);
     const auto end = begin + static_cast<std::uint64_t>(counts[clip]);
-    if (begin > F || end > F || end < begin) return std::nullopt;  // the rule of /clips/offset speaks of that
+    if (begin > F || end > F || end < begin) return std::nullopt;  // the rule of /clips/offset reports it
     const SkeletonPtr skeleton = WithRestOffsets(c.content, c.prefix, clip, of_file);
     if (skeleton != of_file) {
       if (const Status sound = skeleton->Check(); !sound)
-        return "of a skeleton whose /clips/rest_offset is none: " + sound.error().what;
+        return "of a skeleton whose /clips/rest_offset is invalid: " + sound.error().what;
     }
     for (std::size_t f = begin; f < end; ++f) {
       for (std::size_t j = 0; j < J; ++j) {
@@ -142,7 +142,7 @@ Rule RateOfClips() {
             const std::string& rate = c.array.as<std::string>()[0];
             const std::string common = CommonRate(c.content.Values<std::string>("/clips/rate"));
             if (rate == common) return std::nullopt;
-            return "is '" + rate + "'; the clips say '" + common + "'";
+            return "is '" + rate + "'; the clips declare '" + common + "'";
           }};
 }
 

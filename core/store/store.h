@@ -38,13 +38,13 @@ struct Dataset {
   std::vector<Finding> findings;
   std::string recipe;
   std::string created_by;  ///< program and version
-  AxisConvention axes;     ///< canonical unless a foreign file says otherwise
+  AxisConvention axes;     ///< canonical unless a foreign file declares others
 
   /// Position of a label; -1 when it is not there.
   int LabelIndex(const std::string& label) const;
   /// Position of a fine label; -1 when it is not there.
   int FineLabelIndex(const std::string& label) const;
-  /// Null when there is none of that name.
+  /// Null when it does not exist.
   const Split* FindSplit(const std::string& name) const;
 };
 
@@ -53,7 +53,7 @@ struct Truth {
   std::map<std::string, Motion> motion;
 };
 
-/// The dataset file of design section 5, schema "mocurate/1". Same content, same bytes; appears whole or not at all.
+/// The dataset file of design section 5, schema "mocurate/1". Same content, same bytes; the file appears atomically.
 Status WriteDataset(const Dataset& dataset, const std::filesystem::path& path);
 /// Checks the whole file against the table of fields and content_sha256. Error kMalformed names file and dataset path.
 Expected<Dataset> ReadDataset(const std::filesystem::path& path);
@@ -70,7 +70,7 @@ Expected<Truth> ReadTruth(const std::filesystem::path& path);
 
 /// Whether a file is one of these by its schema; what it holds may be damaged.
 bool IsStoreFile(const std::filesystem::path& path);
-/// Whether such a file has rotations, not joints only.
+/// Whether a dataset file has rotations, not joints only.
 bool HasStoredRotations(const std::filesystem::path& path);
 
 /// What a file is and holds, as JSON: schema, skeleton, counts, fields with shape, type and unit.

@@ -72,7 +72,7 @@ void AddSkeleton(std::vector<Field>& fields, const std::string& prefix, Presence
       .Add("min", kF8, {"J", "3"}, "rad", Finite(), "least rotation vector, in the frame of the rest pose")
       .Add("max", kF8, {"J", "3"}, "rad", NotBelow("min"), "greatest rotation vector");
   Group(fields, path + "/landmarks", Presence::kGroup)
-      .Add("name", kText, {"M"}, "", UniqueNames(), "points that are no joint of the tree")
+      .Add("name", kText, {"M"}, "", UniqueNames(), "points that are not joints of the tree")
       .Add("joint", kI4, {"M"}, "", RowOf("/skeleton/names"), "joint they are fixed to")
       .Add("offset", kF8, {"M", "3"}, "m", Finite(), "in the joint's frame, rest pose");
   Group(fields, path + "/lie", Presence::kGroup)
@@ -170,8 +170,8 @@ void AddFindings(std::vector<Field>& fields) {
       .Add("frame_end", kI4, {"N"}, "frames", NotBelow("frame_begin"), "[begin, end) of the clip")
       .Add("joint", kText, {"N"}, "", Anything(), "joint name, or empty")
       .Add("code", kText, {"N"}, "", NotEmpty(), "stable text")
-      .Add("severity", kText, {"N"}, "", OneOf({"info", "warning", "error"}), "how grave it is")
-      .Add("value", kF8, {"N"}, "as the message says", Finite(), "measured number")
+      .Add("severity", kText, {"N"}, "", OneOf({"info", "warning", "error"}), "severity")
+      .Add("value", kF8, {"N"}, "given in the message", Finite(), "measured number")
       .Add("message", kText, {"N"}, "", Anything(), "explains the value")
       .Add("action", kText, {"N"}, "", Anything(), "what was done about it");
 }
@@ -196,7 +196,8 @@ void AddEvidence(std::vector<Field>& fields) {
       .Add("metres_per_unit", kF8, {"V"}, "m", AtLeast(0), "depth of one unit of the images")
       .Add("count", kI8, {"V"}, "", ViewCounts("/depth/path"), "images of each view")
       .Add("path", kText, {"D"}, "", Anything(),
-           "16-bit PNG files of view 0, then view 1, ...; bytes as the system has them; empty: no image was taken then")
+           "16-bit PNG files of view 0, then view 1, ...; paths as raw bytes of the system; empty: no image at that "
+           "time")
       .Add("sha256", kText, {"D"}, "", Sha256Digits(true), "of the file, or empty")
       .Add("time_s", kF8, {"D"}, "s", RisingPerView(), "time of each image");
   Group(fields, "/depth_masks", Presence::kGroup)
@@ -205,7 +206,7 @@ void AddEvidence(std::vector<Field>& fields) {
       .Add("sha256", kText, {"D"}, "", Sha256Digits(true), "of the file, or empty");
   Group(fields, "/clouds", Presence::kGroup)
       .Add("path", kText, {"G"}, "", Anything(),
-           "PLY or PCD file of each frame; bytes as the system has them; empty: nothing was seen then")
+           "PLY or PCD file of each frame; paths as raw bytes of the system; empty: no cloud at that frame")
       .Add("sha256", kText, {"G"}, "", Sha256Digits(true), "of the file, or empty")
       .Add("time_s", kF8, {"G"}, "s", Rising(true), "time of each frame")
       .Add("metres_per_unit", kF8, {"1"}, "m", NotZero(),
@@ -214,7 +215,7 @@ void AddEvidence(std::vector<Field>& fields) {
            "w x y z, then translation, of a file's point times metres_per_unit");
   Group(fields, "/keypoints", Presence::kGroup)
       .Add("names", kText, {"E"}, "", UniqueNames(), "points of the detector's layout")
-      .Add("subject", kI4, {"1"}, "", AtLeast(0), "which of the people seen the clip is of, 0 the most present")
+      .Add("subject", kI4, {"1"}, "", AtLeast(0), "which of the observed people the clip is of, 0 the most present")
       .Add("camera", kText, {"W"}, "", UniqueNames(), "name of each view")
       .Add("width", kI4, {"W"}, "px", AtLeast(0), "of the image; 0: not known")
       .Add("height", kI4, {"W"}, "px", AtLeast(0), "of the image; 0: not known")
@@ -225,8 +226,9 @@ void AddEvidence(std::vector<Field>& fields) {
       .Add("count", kI8, {"W"}, "", ViewCounts("/keypoints/time_s"), "images of each view")
       .Add("time_s", kF8, {"I"}, "s", RisingPerView(), "time of each image of view 0, then view 1, ...")
       .Add("values", kF8, {"U", "E", "3"}, "px", KeypointValues(),
-           "u, v with the lens's distortion, and a confidence without unit, 0: not seen; a row per person of an image, "
-           "whose order means nothing");
+           "u, v with the lens's distortion, and a confidence without unit, 0: not detected; a row per person of an "
+           "image, "
+           "in no particular order");
 }
 
 Schema MakeDatasetSchema() {
@@ -267,7 +269,7 @@ Schema MakeTruthSchema() {
 
 Schema MakeFeatureSchema() {
   Schema schema{
-      "mocurate-features/1", "What a recogniser says of a set of motions: what metrics are computed from.", "", {}};
+      "mocurate-features/1", "Outputs of a recogniser for a set of motions, from which metrics are computed.", "", {}};
   Group(schema.fields, "", kAlways)
       .Add("@schema", kText, {}, "", EqualTo(schema.name), "what this file is")
       .Add("@units", kText, {}, "", EqualTo("m s rad"), "units of all fields that name no other")

@@ -15,12 +15,12 @@ struct RuleContext {
   const Array& array;
   const Content& content;
   std::string path;
-  std::string prefix;  ///< "" or "/truth": what stands before /frames, /clips, ...
-  /// A field that stands beside this one in the same group.
+  std::string prefix;  ///< "" or "/truth": prefix of /frames, /clips, ...
+  /// Another field of the same group.
   const Array* Sibling(const std::string& name) const;
 };
 
-/// A rule in words, and its check: says what breaks it, or nothing.
+/// A rule as text, and its check, which returns the violation or nothing.
 struct Rule {
   std::string words;
   std::function<std::optional<std::string>(const RuleContext&)> check;
@@ -37,7 +37,7 @@ enum class Presence {
 
 /// One line of the table: everything there is to know about a field.
 struct Field {
-  std::string path;  ///< * stands for the name of a split
+  std::string path;  ///< * is the name of a split
   FieldType type;
   std::vector<std::string> shape;  ///< symbols ("F") and fixed extents ("3"); empty for a scalar
   std::string unit;

@@ -11,18 +11,18 @@
 namespace mocurate {
 namespace {
 
-constexpr int kLeastKeypointsOfEntry = 4;      ///< of an entry, to tell whose it is
-constexpr double kGate = 0.2;                  ///< of the extent: entries further off are not the person
-constexpr double kWidestGate = 0.5;            ///< of the extent, after a while unseen
-constexpr double kUnobservedSpeed = 1.0;       ///< extents per second that a person may have moved while not seen
-constexpr double kSamePlace = 0.25;            ///< of the extent: a detection this near is the same person
-constexpr double kSearch_s = 0.1;              ///< new people are looked for this often
-constexpr double kForgotten_s = 0.5;           ///< unobserved for longer: searched for as a new person
+constexpr int kLeastKeypointsOfEntry = 4;      ///< fewest keypoints of an entry that is assigned to a person
+constexpr double kGate = 0.2;                  ///< of the extent: largest distance of an entry from its person
+constexpr double kWidestGate = 0.5;            ///< of the extent: largest gate after frames without the person
+constexpr double kUnobservedSpeed = 1.0;       ///< extents per second that an unobserved person may move
+constexpr double kSamePlace = 0.25;            ///< of the extent: a body nearer than this to another is the same person
+constexpr double kSearch_s = 0.1;              ///< seconds between searches for new people
+constexpr double kForgotten_s = 0.5;           ///< a person unobserved for longer is found by the search for new people
 constexpr double kSameShape = 0.2;             ///< of log lengths: the same person after a gap
-constexpr std::size_t kSamplesOfLength = 500;  ///< the latest, of which a length is the median
-constexpr double kLeastShareOfFrames = 0.1;    ///< of the frames of the longest track: a shorter one is no person
+constexpr std::size_t kSamplesOfLength = 500;  ///< latest samples that enter the median of a length
+constexpr double kLeastShareOfFrames = 0.1;    ///< of the frames of the longest track: shorter tracks are false tracks
 
-/// A person followed in time.
+/// A person over time.
 struct Track {
   BodyPoints body;
   BodyPoints first;
@@ -77,8 +77,8 @@ class PeopleFollower {
     for (int f = 0; f < frames; ++f) {
       std::vector<std::size_t> all(tracks_.size());
       for (std::size_t t = 0; t < all.size(); ++t) all[t] = t;
-      const bool assigned = Assign(f, all);
-      if (assigned && Time(f) - searched_s < kSearch_s) continue;
+      const bool any_observed = Assign(f, all);
+      if (any_observed && Time(f) - searched_s < kSearch_s) continue;
       searched_s = Time(f);
       FindNew(f);
     }
@@ -95,7 +95,7 @@ class PeopleFollower {
 
   double Time(int frame) const { return take_.time_s[static_cast<std::size_t>(frame)]; }
 
-  /// Which frame of each view is nearest to a frame of the take; -1: none within half a frame.
+  /// Nearest frame of each view for each frame of the take; -1: none within half a frame.
   void MapFrames() {
     const std::vector<double>& time = take_.time_s;
     std::vector<double> steps;
@@ -113,7 +113,7 @@ class PeopleFollower {
     }
   }
 
-  /// Entries of a frame without an owner that show enough joints.
+  /// Entries of a frame that are free and have enough keypoints.
   std::vector<Sight> FreeEntries(int frame) const {
     std::vector<Sight> entries;
     for (std::size_t v = 0; v < rig_.size(); ++v) {
@@ -127,7 +127,7 @@ class PeopleFollower {
     return entries;
   }
 
-  /// Metres; 0 for a person who was unobserved for too long.
+  /// Largest distance of an entry, metres; 0 for a person unobserved for too long.
   static double Gate(const Track& track, double now) {
     const double away = std::abs(now - track.last_s);
     return away > kForgotten_s ? 0.0 : track.body.extent * std::min(kGate + kUnobservedSpeed * away, kWidestGate);
@@ -143,8 +143,8 @@ class PeopleFollower {
     return true;
   }
 
-  /// EvidenceKind free entries of a frame to those of `tracks`, nearest first, one per view and track. Whether two
-  /// views see any of them.
+  /// Assigns free entries of a frame to `tracks`, nearest first, one per view and track. Returns whether two views
+  /// observe any of them.
   bool Assign(int frame, const std::vector<std::size_t>& tracks) {
     const std::vector<Sight> entries = FreeEntries(frame);
     std::vector<Match> matches;
@@ -163,14 +163,14 @@ class PeopleFollower {
     for (const Match& match : matches) {
       if (Own(tracks_[match.track], match.sight)) sights[match.track].push_back(match.sight);
     }
-    bool anybody = false;
+    bool any_renewed = false;
     for (const std::size_t t : tracks) {
-      if (sights[t].size() >= 2 && Renew(tracks_[t], frame, sights[t])) anybody = true;
+      if (sights[t].size() >= 2 && Renew(tracks_[t], frame, sights[t])) any_renewed = true;
     }
-    return anybody;
+    return any_renewed;
   }
 
-  /// The body as the entries show it now; keypoints not seen now stay where they were, moved along with the others.
+  /// Updates the body from the entries. Unobserved keypoints move with the others.
   bool Renew(Track& track, int frame, const std::vector<Sight>& sights) const {
     BodyPoints now = NearestBody(rig_, sights);
     if (now.KnownCount() < kLeastKeypointsOfEntry) return false;
@@ -227,7 +227,7 @@ class PeopleFollower {
     }
   }
 
-  /// Whether a body overlaps a person observed in the same frame: two poorly calibrated views of one person.
+  /// Whether a body coincides with a person of the same frame: two poorly calibrated views of one person.
   bool OnPerson(const Track& started, int frame) const {
     return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
       return !track.seen_in.empty() && track.seen_in.back() == frame &&
@@ -235,7 +235,7 @@ class PeopleFollower {
     });
   }
 
-  /// The interrupted track whose place and bone lengths these are; tracks_.size() where there is none.
+  /// The track of a person unobserved for a while, with the same position and bone lengths; tracks_.size() without one.
   std::size_t SamePerson(const Track& started) const {
     std::size_t best = tracks_.size();
     double nearest = kNoMatch;
@@ -252,7 +252,7 @@ class PeopleFollower {
     return best;
   }
 
-  /// Before they were found, as long as they are seen.
+  /// Extends a track backwards from its first frame, as long as entries match.
   void FollowBack(Track& track) {
     const auto t = static_cast<std::size_t>(&track - tracks_.data());
     const int first = track.seen_in.front();

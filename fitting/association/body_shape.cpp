@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kShortestBone = 0.1;  ///< metres; shorter bones are hardly measured
+constexpr double kShortestBone = 0.1;  ///< metres; shorter bones cannot be measured reliably
 
 }  // namespace
 

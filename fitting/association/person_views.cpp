@@ -11,7 +11,7 @@ namespace {
 constexpr double kSameTime = 1e-3;          ///< of a view's step
 constexpr double kLongestUsualSteps = 2.5;  ///< of a view's usual steps, between two frames that are interpolated
 
-/// Two frames of a view around a moment; the same twice where the view has a frame then.
+/// Two frames of a view around a moment; the same frame twice where the view has one at that time.
 struct Bracket {
   int before = -1;
   int after = -1;

@@ -11,9 +11,9 @@ namespace mocurate {
 /// Median of the steps of a view's clock, seconds; 0 with fewer than two frames.
 double UsualStep(const std::vector<double>& time_s);
 
-/// Keypoints of the entries (F of the view; -1: none) that a view sees at a moment (K each): those of its frame then
-/// (to a thousandth of `step`), else on the line between the two frames around it, where both see the keypoint and lie
-/// at most 2.5 steps apart. Nothing is written for those not seen.
+/// Reads the keypoints (K each) of the entries (F of the view; -1: none) at a moment. Uses the view's frame at that
+/// time (within a thousandth of `step`). Otherwise interpolates between the two frames around it, where both observe
+/// the keypoint and are at most 2.5 steps apart. Writes nothing for unobserved keypoints.
 void ReadBetweenFrames(const RigView& view, const std::vector<int>& entry, double step, double moment,
                        Vector2d* normalised, double* confidence);
 

@@ -9,12 +9,12 @@
 namespace mocurate {
 namespace {
 
-constexpr int kLeastKeypointsOfPair = 4;     ///< that both entries of a pair must see
+constexpr int kLeastKeypointsOfPair = 4;     ///< fewest keypoints that both entries of a pair observe
 constexpr double kPairGate = 0.06;           ///< of the extent: median distance of the body from the rays of its pair
 constexpr double kSupportGate = 0.12;        ///< of the extent: of further entries
 constexpr double kViewsAllPaired = 6;        ///< views up to which all pairs are tried
-constexpr int kLengthsToPropose = 3;         ///< that must be measured to speak of proportions
-constexpr double kPlausibleMismatch = 0.35;  ///< mismatch of proportions up to which two views alone are believed
+constexpr int kLengthsToPropose = 3;         ///< fewest lengths for a test of proportions
+constexpr double kPlausibleMismatch = 0.35;  ///< largest mismatch of proportions at which two views alone count
 constexpr double kScaleRange = 2.2;
 
 struct Proposal {
@@ -79,7 +79,7 @@ std::optional<Proposal> ProposePair(const std::vector<RigView>& rig, const Sight
 
 using Entries = std::vector<std::vector<Sight>>;  ///< of each view that has any
 
-/// Adds the nearest entry of every other view; false when an entry of the pair is taken.
+/// Adds the nearest entry of every other view. Returns false when an entry of the pair is taken.
 bool Support(const std::vector<RigView>& rig, const Entries& entries, const std::set<std::pair<int, int>>& taken,
              Proposal& proposal) {
   proposal.sights.resize(2);

@@ -13,15 +13,15 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMomentsDiagnosed = 40;  ///< looked at, spread over the take
+constexpr int kMomentsDiagnosed = 40;  ///< moments to diagnose, evenly spread over the take
 
-constexpr double kParallelAngle = 2.0;      ///< degrees; below, depth is hardly determined
+constexpr double kParallelAngle = 2.0;      ///< degrees; below, depth is nearly undetermined
 constexpr double kSmallestRigPerson = 0.4;  ///< of the rest pose; a toddler has 0.45
 constexpr double kLargestRigPerson = 1.6;
 constexpr double kImplausible = 0.3;  ///< mean of |log ratio|; people have up to 0.15
 constexpr int kLengthsToDiagnose = 4;
 
-/// What the rays of two entries do, keypoint by keypoint.
+/// Rays of two entries, compared keypoint by keypoint.
 struct PairRays {
   std::vector<double> angle;  ///< degrees
   std::vector<double> px;     ///< distance of the nearest point from the rays, in the first view
@@ -85,8 +85,8 @@ Error WhyNoPerson(const std::vector<RigView>& rig) {
         static_cast<std::size_t>(std::count_if(view.seen.begin(), view.seen.end(), [](int seen) { return seen > 0; }));
   }
   if (entries == 0) {
-    return Because("no view shows anybody",
-                   "a clip without evidence cannot be fitted; drop it, or lower "
+    return Because("no view shows a person",
+                   "exclude the clip, or lower "
                    "fitting.keypoints.triangulation.min_confidence");
   }
   for (std::size_t v = 0; v < rig.size(); ++v) {
@@ -103,7 +103,7 @@ Error WhyNoPerson(const std::vector<RigView>& rig) {
     }
   }
   if (all.count == 0) {
-    return Because("no two views show the same keypoint at the same time, in " +
+    return Because("no two views show the same keypoint at the same time, among " +
                        Counted(static_cast<long long>(entries), "detection"),
                    "compare the time stamps of the views");
   }
@@ -111,18 +111,18 @@ Error WhyNoPerson(const std::vector<RigView>& rig) {
   const double px = MeanMedian(all.px);
   const double behind = static_cast<double>(all.behind) / all.count;
   if (angle < kParallelAngle) {
-    return Because("the cameras look at the person along nearly the same line: rays of neighbouring views differ by " +
-                       RoundedText(angle) + " degrees (median), which leaves the depth open",
-                   "views that are 20 degrees apart or more are needed");
+    return Because("the cameras view the person along nearly the same line: rays of neighbouring views differ by " +
+                       RoundedText(angle) + " degrees (median), so that depth is undetermined",
+                   "give views at least 20 degrees apart");
   }
   if (behind > 0.5) {
     return Because(
-        std::to_string(std::lround(100.0 * behind)) + " % of the keypoints would lie behind the cameras that see them",
-        "the calibration's R and t probably mean the opposite: world to camera or camera to world");
+        std::to_string(std::lround(100.0 * behind)) + " % of the keypoints lie behind the cameras that observe them",
+        "check whether the calibration's R and t map world to camera or camera to world; they are probably inverted");
   }
-  return Because("no two views agree on anybody: rays to the same keypoint miss each other by " + RoundedText(px, 3) +
+  return Because("no two views agree on a person: rays to the same keypoint miss each other by " + RoundedText(px, 3) +
                      " px (median)",
-                 "is the calibration of this recording, and is each camera's file its own?");
+                 "check that the calibration is of this recording, and that each camera has its own file");
 }
 
 std::optional<UnitMisreading> FindUnit(double scale) {
@@ -155,10 +155,10 @@ Status CheckPersonShape(const std::vector<double>& measured, const std::vector<K
   }
   if (shape.mismatch > kImplausible) {
     return tl::unexpected<Error>(Because(
-        "limbs have no person's proportions: " + lengths[worst].name + " is " + RoundedText(measured[worst], 3) +
-            " m where the others let expect " + RoundedText(shape.scale * lengths[worst].rest, 3) +
-            " m; mean departure by a factor of " + RoundedText(std::exp(shape.mismatch), 3),
-        "are the keypoints named in the detector's order (BODY_25, BODY_25B, COCO_17 ...)?"));
+        "the limbs have implausible proportions: " + lengths[worst].name + " is " + RoundedText(measured[worst], 3) +
+            " m, the other lengths predict " + RoundedText(shape.scale * lengths[worst].rest, 3) +
+            " m; mean deviation by a factor of " + RoundedText(std::exp(shape.mismatch), 3),
+        "check that the keypoint names have the detector's order (BODY_25, BODY_25B, COCO_17 ...)"));
   }
   if (shape.scale >= kSmallestRigPerson && shape.scale <= kLargestRigPerson) return {};
   const auto unit = FindUnit(shape.scale);
@@ -167,7 +167,7 @@ Status CheckPersonShape(const std::vector<double>& measured, const std::vector<K
                                            RoundedText(measured[worst], 3) + " m)",
                                        unit ? "the calibration looks like " + unit->text +
                                                   ": declare its unit, or set fitting.keypoints.audit.unit to correct"
-                                            : "is the calibration's unit right?"));
+                                            : "check the calibration's unit"));
 }
 
 }  // namespace mocurate

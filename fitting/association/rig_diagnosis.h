@@ -10,22 +10,23 @@
 
 namespace mocurate {
 
-/// Why views agree on no person: what the rays of entries seen at the same time by pairs of neighbouring views do. An
-/// error kInconsistent with the numbers: too few entries or none at the same time; rays that are nearly parallel;
+/// Explains why views agree on no person, from rays of entries that pairs of neighbouring views observe at one time.
+/// Returns an error kInconsistent with numbers. Causes: too few entries, or none at one time; nearly parallel rays;
 /// rays that meet behind the cameras; rays that miss each other.
 Error WhyNoPerson(const std::vector<RigView>& rig);
 
-/// A factor by which a calibration's lengths are too long when its unit is misread, and how that reads.
+/// A factor by which the calibration's lengths are too long because of a wrong unit, and its text.
 struct UnitMisreading {
   double factor = 1.0;
   std::string text;  ///< "millimetres read as metres"
 };
 
-/// The misreading that explains a person of `scale` times a person's size to within a factor of 1.6; none for people.
+/// The wrong unit that explains a person `scale` times a person's size, within a factor of 1.6. Empty for a plausible
+/// size.
 std::optional<UnitMisreading> FindUnit(double scale);
 
-/// Checks measured lengths (metres, 0: not measured) against a person's. Error kInconsistent for a size that no person
-/// has, with the unit that would explain it, and for proportions that no person has, with the worst length.
+/// Compares measured lengths (metres, 0: not measured) with a person's. Error kInconsistent for an implausible size,
+/// with the unit that explains it, and for implausible proportions, with the worst length.
 Status CheckPersonShape(const std::vector<double>& measured, const std::vector<KnownLength>& lengths);
 
 }  // namespace mocurate

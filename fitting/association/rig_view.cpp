@@ -9,9 +9,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kParallelSights = 0.0175;     ///< sine of the smallest angle between rays, 1 degree
-constexpr double kSurfaceWeightShare = 0.04;   ///< of the distance from the camera: rays further off hardly count
-constexpr double kSurfaceWeightSpread = 0.02;  ///< the same as a scale
+constexpr double kParallelSights = 0.0175;  ///< sine of the smallest angle between rays, 1 degree
+constexpr double kInlierShare = 0.04;       ///< of the distance from the camera: rays farther off are outliers
+constexpr double kRobustScaleShare = 0.02;  ///< of the distance from the camera: scale of the robust weight
 
 struct Ray {
   const RigView* view = nullptr;
@@ -37,7 +37,7 @@ bool AllSightsParallel(const std::vector<Ray>& rays) {
   return true;
 }
 
-/// The point nearest to the rays; false where there is none in front of them.
+/// The point nearest to the rays. Returns false when it lies in front of fewer than two cameras.
 bool Meet(const std::vector<Ray>& rays, std::vector<double>& weight, Vector3d& point) {
   if (rays.size() < 2 || AllSightsParallel(rays)) return false;
   weight.clear();
@@ -46,15 +46,16 @@ bool Meet(const std::vector<Ray>& rays, std::vector<double>& weight, Vector3d& p
   for (std::size_t i = 0; rays.size() > 2 && i < rays.size(); ++i) {
     const double off = OffTheRay(*rays[i].view, rays[i].normalised, point);
     const double distance = (point - rays[i].view->camera.centre).norm();
-    const double trust = off == kNoMatch ? 1e-3 : 1.0 / (1.0 + std::pow(off / (kSurfaceWeightSpread * distance), 2));
-    weight[i] = rays[i].weight * trust * trust;
+    const double robust_weight =
+        off == kNoMatch ? 1e-3 : 1.0 / (1.0 + std::pow(off / (kRobustScaleShare * distance), 2));
+    weight[i] = rays[i].weight * robust_weight * robust_weight;
   }
   if (rays.size() > 2) point = NearestToSights(rays, weight);
   if (!point.allFinite()) return false;
   int near = 0;
   for (const Ray& ray : rays) {
     const double distance = (point - ray.view->camera.centre).norm();
-    near += OffTheRay(*ray.view, ray.normalised, point) < kSurfaceWeightShare * distance ? 1 : 0;
+    near += OffTheRay(*ray.view, ray.normalised, point) < kInlierShare * distance ? 1 : 0;
   }
   return near >= 2;
 }

@@ -8,10 +8,10 @@
 
 namespace mocurate {
 
-/// One camera's detections of everybody, without lens distortion. F frames of the camera, P entries per frame, K
+/// One camera's detections of all people, without lens distortion. F frames of the camera, P entries per frame, K
 /// keypoints.
 struct RigView {
-  /// Detections of less confidence than `min_confidence` count as not seen.
+  /// Detections with a confidence below `min_confidence` are unobserved.
   RigView(const KeypointView& view, int keypoint_count, double min_confidence);
 
   TriangulationView camera;
@@ -19,17 +19,17 @@ struct RigView {
   int people = 0;                    ///< P
   int keypoints = 0;                 ///< K
   std::vector<Vector2d> normalised;  ///< (F,P,K) at depth 1
-  std::vector<double> confidence;    ///< (F,P,K) in [0, 1]; 0: not seen
-  std::vector<int> seen;             ///< (F,P) keypoints seen of an entry; 0: no entry
+  std::vector<double> confidence;    ///< (F,P,K) in [0, 1]; 0: unobserved
+  std::vector<int> seen;             ///< (F,P) observed keypoints of an entry; 0: no entry
 
   int frames() const { return static_cast<int>(time_s.size()); }
-  /// Frames [begin, end) alone.
+  /// A copy of frames [begin, end).
   RigView Frames(int begin, int end) const;
   std::size_t Entry(int frame, int person) const { return static_cast<std::size_t>(frame) * people + person; }
   std::size_t Point(int frame, int person, int keypoint) const { return Entry(frame, person) * keypoints + keypoint; }
 };
 
-/// Keypoints of a person in the world, those that are known.
+/// Known keypoints of a person in the world.
 struct BodyPoints {
   std::vector<Vector3d> position;  ///< (K) metres
   std::vector<char> known;         ///< (K)
@@ -41,23 +41,22 @@ struct BodyPoints {
 
 inline constexpr double kNoMatch = std::numeric_limits<double>::infinity();
 
-/// How far off a point is from a ray, across the line of sight at the depth of the point: metres; kNoMatch behind the
+/// Distance of a point from a ray, across the line of sight at the depth of the point: metres; kNoMatch behind the
 /// camera.
 double OffTheRay(const RigView& view, const Vector2d& normalised, const Vector3d& point);
 
-/// Median of OffTheRay over the keypoints that the entry and the body share; kNoMatch when they share fewer than
-/// `least`.
+/// Median of OffTheRay over the keypoints that entry and body share; kNoMatch for fewer than `least`.
 double EntryDistance(const RigView& view, int frame, int person, const BodyPoints& body, int least);
 
-/// An entry of a frame of a view (indices into the rig).
+/// An entry of one frame of a view, as indices into the rig.
 struct Sight {
   int view = 0;
   int frame = 0;   ///< of the view
   int person = 0;  ///< entry
 };
 
-/// Points nearest to the rays of some entries, each ray by confidence, and once more by how well it agrees. Known where
-/// at least two see the keypoint with rays not parallel to within 1 degree, and the point is in front of them.
+/// Points nearest to the rays of some entries, weighted by confidence, then reweighted by agreement. A keypoint is
+/// known when at least two entries observe it from directions more than 1 degree apart, in front of the cameras.
 BodyPoints NearestBody(const std::vector<RigView>& rig, const std::vector<Sight>& sights);
 
 }  // namespace mocurate

@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::size_t kLeastViewsOfMove = 4;
 constexpr std::size_t kMostViewsMoved = 12;
-constexpr double kImproved = 0.75;           ///< of the median error before
-constexpr int kLeastMomentsOfPart = 5;       ///< of a part
-constexpr int kLeastDetectionsOfMoment = 6;  ///< of a moment
+constexpr double kImproved = 0.75;           ///< of the median error before the refit
+constexpr int kLeastMomentsOfPart = 5;       ///< moments of a part, at least
+constexpr int kLeastDetectionsOfMoment = 6;  ///< detections of a moment, at least
 constexpr double kPartPenalty = 1.1;
-constexpr double kJumpPenalty = 1.02;  ///< a jump must say something that one pose does not
-constexpr double kUnchanged = 1e-9;    ///< cost of a moment
+constexpr double kJumpPenalty = 1.02;  ///< factor on the cost of two parts: a jump must explain more than one pose does
+constexpr double kUnchanged = 1e-9;    ///< difference of a moment's cost that counts as none
 
-/// Median pixel error of each moment, axis by axis; NaN where too little is seen.
+/// Median pixel error of each moment, axis by axis; NaN with too few detections.
 std::vector<Vector2d> MedianErrors(const ViewKeypoints& view, const TriangulatedTracks& points) {
   const auto keypoints = static_cast<std::size_t>(points.positions.joints);
   std::vector<Vector2d> medians;
@@ -40,7 +40,7 @@ std::vector<Vector2d> MedianErrors(const ViewKeypoints& view, const Triangulated
 }
 
 /// Sum of the distances of moments [begin, end) from their median, px.
-double Spread(const std::vector<Vector2d>& errors, std::size_t begin, std::size_t end) {
+double SumOfDeviations(const std::vector<Vector2d>& errors, std::size_t begin, std::size_t end) {
   double sum = 0.0;
   for (int axis = 0; axis < 2; ++axis) {
     std::vector<double> values;
@@ -53,13 +53,13 @@ double Spread(const std::vector<Vector2d>& errors, std::size_t begin, std::size_
   return sum;
 }
 
-/// Where the errors jump: first moment of the second part; 0: nowhere.
+/// First moment of the second part, where the errors jump; 0 without a jump.
 std::size_t Jump(const std::vector<Vector2d>& errors, double noise_px) {
-  const double whole = Spread(errors, 0, errors.size());
+  const double whole = SumOfDeviations(errors, 0, errors.size());
   double least = whole / kPartPenalty - noise_px;
   std::size_t best = 0;
   for (std::size_t i = kLeastMomentsOfPart; i + kLeastMomentsOfPart <= errors.size(); ++i) {
-    const double parts = Spread(errors, 0, i) + Spread(errors, i, errors.size());
+    const double parts = SumOfDeviations(errors, 0, i) + SumOfDeviations(errors, i, errors.size());
     if (parts >= least) continue;
     least = parts;
     best = i;
@@ -84,7 +84,7 @@ double MedianErrorOfView(const ViewKeypoints& view, const TriangulatedTracks& po
   return MeanMedian(errors);
 }
 
-/// The camera refitted in one or two parts to the points of the others.
+/// The camera refitted in one or two parts to the points of the other views.
 std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& model, std::size_t view,
                                    const ViewKeypoints& seen, const TriangulatedTracks& points, std::size_t jump) {
   const auto keypoints = static_cast<std::size_t>(samples.keypoints());
@@ -109,7 +109,7 @@ std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& mo
   return move;
 }
 
-/// Points that the other views give.
+/// Points triangulated from the other views.
 TriangulatedTracks PointsWithout(const RigSamples& frames, const RigModel& model, std::size_t view,
                                  const TriangulationOptions& options) {
   std::vector<ViewKeypoints> rest;
@@ -194,7 +194,7 @@ std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& mo
   for (const CameraMove& other : moves) {
     if (other.view == best->view) continue;
     const double sure = ConfidenceOfMove(samples, best->camera, other.cost, best->cost);
-    best->sure_of_camera = std::min(best->sure_of_camera, sure);
+    best->confidence = std::min(best->confidence, sure);
     if (sure < kRivalBeaten) best->rivals.push_back(other.view);
   }
   return std::move(*best);

@@ -9,12 +9,12 @@ namespace mocurate {
 namespace {
 
 constexpr const char* kOnePlace = "cameras_in_one_place";
-/// Rad, and m per metre and metre from the origin: what rounding leaves of a copied pose. Lenses of two cameras are
-/// centimetres apart, thousandths of that where millimetres were read as kilometres.
+/// Rad, and metres per metre (and metre of distance from the origin): rounding error of a copied pose. Lenses of two
+/// cameras are centimetres apart; thousandths of that when millimetres were read as kilometres.
 constexpr double kSamePose = 1e-6;
-/// Share from which on two views show the same: files of one sensor differ by a filter or a frame's delay. Depths of
-/// the studio's people from other sides share up to 0.05, those of one camera a frame apart 0.66 to 0.94 (one jump
-/// 0.1).
+/// Share of equal samples from which two views count as one: files of one sensor differ by a filter or a delay of a
+/// frame. Synthetic depth views from different sides share up to 0.05, views of one camera a frame apart 0.66 to 0.94
+/// (one jump 0.1).
 constexpr double kSameView = 0.6;
 
 bool StandInOnePlace(const Camera& a, const Camera& b) {
@@ -29,14 +29,14 @@ RigFault InOnePlace(const std::vector<Camera>& cameras, const std::vector<std::s
   fault.value = share;
   fault.confidence = 1.0;
   for (const std::size_t v : group) fault.camera += (fault.camera.empty() ? "" : ", ") + cameras[v].name;
-  fault.message = "cameras " + fault.camera + " stand in one place and look the same way by their calibrations, ";
-  const std::string alike = RoundedText(100.0 * share, 2) + " % of what they see is alike";
+  fault.message = "cameras " + fault.camera + " stand in one place with one orientation by their calibrations, ";
+  const std::string equal = RoundedText(100.0 * share, 2) + " % of their content is equal";
   if (share < 0.0) {
-    fault.message += "and see nothing: was one calibration copied?";
+    fault.message += "and their views are empty: check whether one calibration was copied";
   } else if (share < kSameView) {
-    fault.message += "but what they see differs (" + alike + "): the calibration of one was given for all of them";
+    fault.message += "but only " + equal + ": one camera's calibration was given for all of them";
   } else {
-    fault.message += "and " + alike + ": one camera's files were given twice, and count twice; leave the copy out";
+    fault.message += "and " + equal + ": one camera's files were given twice; exclude the copy";
   }
   return fault;
 }
@@ -73,8 +73,8 @@ Expected<std::vector<RigFault>> FaultsOfSharedPlaces(const std::vector<Camera>& 
     RigFault fault = InOnePlace(cameras, group, least);
     if (action == AuditAction::kCorrect && least >= 0.0 && least < kSameView) {
       return Fail(ErrorCode::kInconsistent, fault.message, kind.views,
-                  "give each camera its own calibration: is one file copied, or read for all cameras? with " +
-                      kind.option + ": report they are taken as given");
+                  "give each camera its own calibration (is one file copied, or read for all cameras?), or set " +
+                      kind.option + ": report to use them as given");
     }
     faults.push_back(std::move(fault));
   }

@@ -14,12 +14,15 @@ namespace {
 
 constexpr std::array<double, 8> kScales = {6.0, 4.0, 3.0, 2.0,
                                            1.0, 1.0, 1.0, 1.0};  ///< of a third of the outlier limit
-constexpr double kWeakPrior_s = 1.0;                             ///< holds what nothing determines
-constexpr double kNoIdea_s = 0.2;                                ///< a standard deviation that says nothing
-constexpr double kJump_px = 60.0;  ///< off the line from before to after: one of the three is somewhere else
+constexpr double kWeakPrior_s = 1.0;                             ///< standard deviation of the prior that regularises
+                                                                 ///< undetermined offsets
+constexpr double kUndetermined_s = 0.2;                          ///< standard deviation from which an offset counts as
+                                                                 ///< undetermined
+constexpr double kJump_px = 60.0;  ///< distance of the middle detection from the line through its neighbours: beyond,
+                                   ///< one of the three is an outlier
 constexpr double kSettled_s = 2e-4;
 constexpr double kSameClock_s = 0.004;
-constexpr std::size_t kMostlyEnough = 4;  ///< views, of which three tell each other's clocks
+constexpr std::size_t kFewestViewsToDrop = 4;  ///< fewest views for ChangeOfClocks: three must remain
 
 /// d pixel error / d point, px per metre.
 Eigen::Matrix<double, 2, 3> SlopeOf(const Camera& camera, const Matrix3d& rotation, const Vector3d& point) {
@@ -30,15 +33,15 @@ Eigen::Matrix<double, 2, 3> SlopeOf(const Camera& camera, const Matrix3d& rotati
   return slope;
 }
 
-/// What a set of moments says of the clocks: information and gradient, moment by moment.
+/// Normal equations of the clock offsets over some moments.
 struct ClockEquations {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
   std::vector<Eigen::VectorXd> of_moment;  ///< gradients
-  Eigen::VectorXd by_noise;                ///< what the noise of the velocities adds to the information's diagonal
+  Eigen::VectorXd by_noise;                ///< variance that noise of the velocities adds to the information's diagonal
 };
 
-/// Pixels per second of each detection, from what the view sees two of its frames earlier and later. (M*K)
+/// Pixels per second of each detection, by central differences over two of the view's frames. (M*K)
 std::vector<Vector2d> Velocities(const RigSamples& samples, const RigModel& model, std::size_t view, std::size_t part,
                                  const ViewKeypoints& now) {
   const double reach = 2.0 * samples.Step(view);
@@ -85,8 +88,8 @@ ClockEquations Linearise(const RigSamples& samples, const RigModel& model, const
       for (std::size_t v = 0; v < views.size(); ++v) {
         if (views[v].confidence[at] <= 0.0) continue;
         const Vector2d error = PixelError(views[v], at, point);
-        const double trust = 1.0 / (1.0 + error.squaredNorm() / (scale * scale));
-        const double weight = views[v].confidence[at] * trust * trust / (options.noise * options.noise);
+        const double robust = 1.0 / (1.0 + error.squaredNorm() / (scale * scale));
+        const double weight = views[v].confidence[at] * robust * robust / (options.noise * options.noise);
         const auto slope = SlopeOf(views[v].camera, rotation[v], point);
         const Vector2d& speed = velocity[v][at];  // a later clock reads an earlier stamp: d error / d clock
         const auto view = static_cast<Eigen::Index>(view_of[v]);
@@ -101,8 +104,8 @@ ClockEquations Linearise(const RigSamples& samples, const RigModel& model, const
       const Eigen::Matrix3Xd through = factor.solve(cross);
       for (std::size_t v = 0; v < views.size(); ++v) {
         if (views[v].confidence[at] <= 0.0) continue;
-        const double trust = 1.0 / (1.0 + PixelError(views[v], at, point).squaredNorm() / (scale * scale));
-        const double weight = views[v].confidence[at] * trust * trust / (options.noise * options.noise);
+        const double robust = 1.0 / (1.0 + PixelError(views[v], at, point).squaredNorm() / (scale * scale));
+        const double weight = views[v].confidence[at] * robust * robust / (options.noise * options.noise);
         const auto slope = SlopeOf(views[v].camera, rotation[v], point);
         const double leverage = weight * (slope * factor.solve(slope.transpose())).trace();
         const double reach = 4.0 * samples.Step(view_of[v]);
@@ -119,8 +122,8 @@ ClockEquations Linearise(const RigSamples& samples, const RigModel& model, const
   return equations;
 }
 
-/// Variances of `solve` * the sum of the gradients, by the spread of their sums over spans of the take: single moments
-/// and ever longer ones, whose errors depend on each other less; the largest counts.
+/// Variances of `solve` * the sum of the gradients, from sums over spans of the take. Spans grow from single moments
+/// on, so that their errors are less dependent; the largest variance counts.
 Eigen::VectorXd VarianceBySpans(const std::vector<Eigen::VectorXd>& gradients, const Eigen::MatrixXd& solve) {
   Eigen::VectorXd variance = Eigen::VectorXd::Zero(solve.rows());
   std::size_t spans = gradients.size();
@@ -138,7 +141,7 @@ Eigen::VectorXd VarianceBySpans(const std::vector<Eigen::VectorXd>& gradients, c
   return variance;
 }
 
-/// The camera that most others go along with; ties: the first.
+/// The camera to whose clock the most others agree; ties: the first.
 std::size_t CommonClock(const ClockOffsets& offsets) {
   std::size_t best = 0;
   int most = -1;
@@ -173,7 +176,7 @@ ClockOffsets RefineClocks(const RigSamples& samples, const RigModel& model, cons
     if (scale <= 1.0 && longest < kSettled_s) break;
   }
   ClockOffsets offsets{at.clock_s, std::vector<double>(at.clock_s.size(), std::numeric_limits<double>::infinity())};
-  // Of the differences from the mean clock: what all share is not seen by anybody.
+  // Differences from the mean clock: a common offset has no effect.
   const Eigen::MatrixXd share = Eigen::MatrixXd::Identity(n, n) - Eigen::MatrixXd::Constant(n, n, 1.0 / n);
   const Eigen::MatrixXd ridge = Eigen::MatrixXd::Identity(n, n) * 1e-3 * std::max(1.0, equations.information.trace());
   const Eigen::MatrixXd common = Eigen::MatrixXd::Constant(n, n, equations.information.trace() / (n * n));
@@ -183,7 +186,7 @@ ClockOffsets RefineClocks(const RigSamples& samples, const RigModel& model, cons
     const double apparent = equations.information(v, v);
     const double real = std::max(apparent - equations.by_noise[v], 0.02 * apparent);
     const double sigma = std::sqrt(variance[v]) * apparent / real;
-    if (apparent > 0.0 && sigma < kNoIdea_s) offsets.sigma_s[static_cast<std::size_t>(v)] = sigma;
+    if (apparent > 0.0 && sigma < kUndetermined_s) offsets.sigma_s[static_cast<std::size_t>(v)] = sigma;
   }
   const std::size_t common_clock = CommonClock(offsets);
   const double common_s = offsets.clock_s[common_clock];
@@ -200,15 +203,15 @@ std::vector<double> ChangeOfClocks(const RigSamples& samples, const RigModel& mo
   const std::size_t views = samples.views();
   std::vector<RigModel> others(1, model);
   others[0].camera = calibrated.camera;
-  for (std::size_t k = 0; k < views && views >= kMostlyEnough; ++k) {
+  for (std::size_t k = 0; k < views && views >= kFewestViewsToDrop; ++k) {
     others.push_back(model);
     others.back().camera[k].resize(1, model.camera[k][0]);
-    others.back().camera[k][0].from_s = std::numeric_limits<double>::infinity();  // it sees nothing
+    others.back().camera[k][0].from_s = std::numeric_limits<double>::infinity();  // exclude its second part
   }
   std::vector<double> change(views, 0.0);
   for (const RigModel& other : others) {
     const ClockOffsets clocks = RefineClocks(samples, other, options);
-    std::vector<double> differences;  // another camera may have the common clock
+    std::vector<double> differences;  // another camera may define the common clock
     for (std::size_t v = 0; v < views; ++v) {
       if (std::isfinite(clocks.sigma_s[v])) differences.push_back(clocks.clock_s[v] - model.clock_s[v]);
     }

@@ -6,15 +6,15 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSame = 1e-9;  ///< numbers that differ by less are one number, rounded in two ways
+constexpr double kSame = 1e-9;  ///< differences below this are rounding
 
-/// Share of Student's t distribution below t (Wallace's approximation, to 0.002).
+/// Cumulative distribution of Student's t (Wallace's approximation, to 0.002).
 double StudentShare(double t, double freedom) {
   const double z = std::sqrt(freedom * std::log1p(t * t / freedom)) * (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
   return NormalShare(std::copysign(z, t));
 }
 
-/// That the mean is above 0 by the spread of the means of `spans` parts of equal length.
+/// Confidence that the mean is above 0, from the variation of the means of `spans` parts of equal length.
 double ConfidenceBySpans(const std::vector<double>& gain, std::size_t spans) {
   std::vector<double> means;
   for (std::size_t s = 0; s < spans; ++s) {

@@ -12,10 +12,10 @@ RigFault ClockOff(const std::string& camera, double later_s, std::optional<doubl
   fault.code = "camera_clock_off";
   fault.camera = camera;
   fault.value = 1e3 * later_s;
-  fault.message = "what camera " + camera + " stamps happens " + RoundedText(std::abs(fault.value), 3) + " ms " +
-                  (fault.value > 0.0 ? "later" : "earlier") + " by the clock of the others";
+  fault.message = "camera " + camera + ": clock offset " + (fault.value > 0.0 ? "+" : "-") +
+                  RoundedText(std::abs(fault.value), 3) + " ms relative to the other cameras";
   if (sigma_s) fault.message += " (standard deviation " + RoundedText(1e3 * *sigma_s, 2) + " ms)";
-  fault.message += ", without which it fits " + RoundedText(100.0 * worse, 2) + " % worse";
+  fault.message += "; without it, the cost is " + RoundedText(100.0 * worse, 2) + " % higher";
   return fault;
 }
 
@@ -25,7 +25,7 @@ RigFault SidesExchanged(const std::string& camera, int frames, double margin) {
   fault.camera = camera;
   fault.frame_end = frames;
   fault.value = margin;
-  fault.message = "camera " + camera + " lists left as right in all " + Counted(frames, "frame");
+  fault.message = "camera " + camera + " exchanges left and right in all " + Counted(frames, "frame");
   return fault;
 }
 
@@ -34,9 +34,9 @@ RigFault CameraMoved(const Camera& was, const Camera& is, int begin, int end, in
   fault.code = "camera_moved";
   fault.camera = was.name;
   fault.value = 1e3 * (is.Centre() - was.Centre()).norm();
-  const double turned = is.camera_from_world.rotation.angularDistance(was.camera_from_world.rotation);
+  const double angle = is.camera_from_world.rotation.angularDistance(was.camera_from_world.rotation);
   fault.message = "camera " + was.name + " stands " + RoundedText(fault.value, 3) + " mm and " +
-                  RoundedText(kDegrees * turned, 2) + " degrees from where its calibration has it";
+                  RoundedText(kDegrees * angle, 2) + " degrees from its calibrated pose";
   if (begin == 0 && end == frames) return fault;
   fault.frame_begin = begin;
   fault.frame_end = end;

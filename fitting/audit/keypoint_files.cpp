@@ -13,32 +13,32 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMaxHypotheses = 3;         ///< one after the other
+constexpr int kMaxHypotheses = 3;         ///< corrections in sequence, at most
 constexpr double kLikelyExchanged = 0.9;  ///< confidence from which exchanged files are reported
 
 std::string PercentText(double share) { return std::to_string(std::lround(100.0 * share)); }
 
-std::string CodeOf(const RigHypothesis& reading) {
-  if (reading.ExchangesFiles()) return "cameras_exchanged";
-  if (reading.mirrored) return "view_mirrored";
-  return reading.sides ? "view_swaps_sides" : "keypoint_scale";
+std::string CodeOf(const RigHypothesis& hypothesis) {
+  if (hypothesis.ExchangesFiles()) return "cameras_exchanged";
+  if (hypothesis.mirrored) return "view_mirrored";
+  return hypothesis.sides ? "view_swaps_sides" : "keypoint_scale";
 }
 
 bool IsOfFiles(const RigFault& fault) { return fault.code == "cameras_exchanged" || fault.code == "view_mirrored"; }
 
-/// In one view alone it is asked again with all its frames (AuditRig).
-bool AreOfOneView(const std::vector<RigHypothesis>& readings) {
-  return std::all_of(readings.begin(), readings.end(), [&](const RigHypothesis& reading) {
-    return reading.views.size() == 1 && reading.views == readings[0].views;
+/// AuditRig tests a single view again, with all its frames.
+bool AreOfOneView(const std::vector<RigHypothesis>& hypotheses) {
+  return std::all_of(hypotheses.begin(), hypotheses.end(), [&](const RigHypothesis& hypothesis) {
+    return hypothesis.views.size() == 1 && hypothesis.views == hypotheses[0].views;
   });
 }
 
-/// By what a reading is better; shares that read the same decide nothing.
+/// Evidence for a hypothesis: the shares when they differ as text, else the costs.
 std::string Better(const RigHypotheses& found) {
   const std::string read = PercentText(found.read), given = PercentText(found.agreement);
   if (read != given) return read + " % of the entries agree with others, as given " + given + " %";
-  return "entries miss the bodies that others see by " + RoundedText(found.read_cost, 2) + ", as given by " +
-         RoundedText(found.given_cost, 2) + " (0: met, 1: of no body)";
+  return "the mean cost of an entry is " + RoundedText(found.read_cost, 2) + ", as given " +
+         RoundedText(found.given_cost, 2) + " (0: on a body, 1: on no body)";
 }
 
 RigFault FaultOf(const RigHypotheses& found, const std::vector<KeypointView>& views) {
@@ -47,25 +47,25 @@ RigFault FaultOf(const RigHypotheses& found, const std::vector<KeypointView>& vi
   fault.code = CodeOf(first);
   fault.value = first.factor != 1.0 ? first.factor : found.read;
   fault.confidence = found.confidence / static_cast<double>(found.alike.size());
-  for (const RigHypothesis& reading : found.alike) {
-    if (&reading == &first) fault.camera = CamerasOf(reading, views);
-    fault.message += (fault.message.empty() ? "" : "; or ") + WordsOf(reading, views);
+  for (const RigHypothesis& hypothesis : found.alike) {
+    if (&hypothesis == &first) fault.camera = CamerasOf(hypothesis, views);
+    fault.message += (fault.message.empty() ? "" : "; or ") + WordsOf(hypothesis, views);
   }
-  if (found.alike.size() > 1) fault.message += "; ambiguous: the rig looks the same from several sides";
+  if (found.alike.size() > 1) fault.message += "; ambiguous, because the rig is symmetric";
   fault.message += "; so " + Better(found);
   return fault;
 }
 
-/// True where views were read otherwise, and may be asked again.
+/// Corrects the views by the best hypothesis. Returns true when another round may find more.
 Expected<bool> CorrectOnce(Evidence& evidence, const std::vector<KnownLength>& lengths,
                            const KeypointFitOptions& options, std::vector<RigFault>& faults) {
   const KeypointAuditOptions& audit = options.audit;
   const RigHypotheses found = FindRigHypotheses(evidence.keypoint_views, evidence.keypoint_names, lengths,
                                                 options.triangulation.min_confidence, audit.sure);
   if (found.alike.empty() || (found.alike.size() > 1 && AreOfOneView(found.alike))) return false;
-  const RigHypothesis& reading = found.alike[0];
+  const RigHypothesis& hypothesis = found.alike[0];
   const bool sure = found.confidence >= audit.sure;
-  if (!sure && (!reading.ExchangesFiles() || found.confidence < kLikelyExchanged)) return false;
+  if (!sure && (!hypothesis.ExchangesFiles() || found.confidence < kLikelyExchanged)) return false;
   RigFault fault = FaultOf(found, evidence.keypoint_views);
   const bool of_sides = fault.code == "view_swaps_sides";
   const AuditAction action = of_sides ? audit.sides : audit.exchanged;
@@ -73,15 +73,15 @@ Expected<bool> CorrectOnce(Evidence& evidence, const std::vector<KnownLength>& l
   if (found.alike.size() > 1 && sure && action == AuditAction::kCorrect) {
     return Fail(
         ErrorCode::kInconsistent,
-        fault.message + "; that it is one of them is sure to " + RoundedText(100.0 * found.confidence, 4) + " %",
+        fault.message + "; confidence that it is one of them " + RoundedText(100.0 * found.confidence, 4) + " %",
         "keypoints",
-        "look at an image of each camera and put the files right, or set fitting.keypoints.audit." +
-            std::string(of_sides ? "sides" : "exchanged") + " to tell: the person may then be mirrored");
+        "look at an image of each camera and correct the files, or set fitting.keypoints.audit." +
+            std::string(of_sides ? "sides" : "exchanged") + " to report: the person may then be mirrored");
   }
   fault.guessed = !sure;
   fault.corrected = sure && found.alike.size() == 1 && action == AuditAction::kCorrect;
   if (fault.corrected)
-    evidence.keypoint_views = WithHypothesis(evidence.keypoint_views, evidence.keypoint_names, reading);
+    evidence.keypoint_views = WithHypothesis(evidence.keypoint_views, evidence.keypoint_names, hypothesis);
   faults.push_back(std::move(fault));
   return faults.back().corrected;
 }

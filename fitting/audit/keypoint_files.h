@@ -10,19 +10,19 @@
 
 namespace mocurate {
 
-/// Keypoint views as they should have been given, by what FindRigHypotheses finds: ones that lie in each other's files,
-/// mirrored ones, ones of images of another size, one that calls left right. Put right where `options.audit.exchanged`
-/// (of sides: `options.audit.sides`) says so and it is sure; each is a fault. kInconsistent where it is sure that files
-/// are not as given, they are to be corrected, and more than one reading explains as much,
-/// and where cameras in one place see different things (FaultsOfSharedPlaces).
+/// Corrects the keypoint views by FindRigHypotheses: exchanged files, mirrored images, images of another size, left and
+/// right exchanged in one view. Corrects where `options.audit.exchanged` (for sides: `options.audit.sides`) allows it
+/// and the confidence suffices; each is a fault. Error kInconsistent when files are certainly wrong and to be
+/// corrected, but several hypotheses explain them equally well. Also where cameras in one place have different views
+/// (FaultsOfSharedPlaces).
 Status CorrectFileAssignment(Evidence& evidence, const std::vector<KnownLength>& lengths,
                              const KeypointFitOptions& options, std::vector<RigFault>& faults);
 
-/// Whether files are known (to `audit.sure`) to be other than given, and were left so: clocks, places and sides cannot
-/// be judged by them.
+/// Whether files are known (with confidence `audit.sure`) to be wrong and were not corrected. Clocks, poses and sides
+/// cannot be estimated from them.
 bool FilesAreExchanged(const std::vector<RigFault>& faults);
 
-/// Whether files were exchanged or turned over: which side is which may follow from that.
+/// Whether exchanged or mirrored files were corrected, which may change left and right.
 bool FilesAreCorrected(const std::vector<RigFault>& faults);
 
 }  // namespace mocurate

@@ -11,13 +11,14 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFramesOfOrder = 40;           ///< looked at
-constexpr int kLengthsToJudge = 6;           ///< that an order must have to be judged
-constexpr int kMinFramePoints = 8;           ///< a frame with fewer shows no person
-constexpr double kPlausibleLogRatio = 0.25;  ///< mean |log ratio| of a person's lengths, each frame noisy
+constexpr int kFramesOfOrder = 40;           ///< frames to compare
+constexpr int kLengthsToJudge = 6;           ///< known lengths that an order must have
+constexpr int kMinFramePoints = 8;           ///< fewest observed points of a frame
+constexpr double kPlausibleLogRatio = 0.25;  ///< largest mean |log ratio| of a person's lengths, from noisy single
+                                             ///< frames
 
-constexpr double kOfAPerson = 0.2;     ///< and of the medians of a take
-constexpr double kUnevenSides = 0.35;  ///< |log ratio| of a left limb to the right one
+constexpr double kOfAPerson = 0.2;     ///< and from the medians of a take
+constexpr double kUnevenSides = 0.35;  ///< largest |log ratio| of a left limb to the right one
 
 using Names = std::vector<std::string>;
 
@@ -27,7 +28,7 @@ Names Joined(const std::vector<Names>& parts) {
   return all;
 }
 
-/// Evenly spread frames in which enough of a person is there to be judged.
+/// Evenly spaced frames with enough observed points.
 std::vector<int> FramesWithPerson(const JointPositions& points, const std::vector<double>& confidence) {
   std::vector<int> all;
   for (int f = 0; f < points.frames; ++f) {
@@ -41,7 +42,7 @@ std::vector<int> FramesWithPerson(const JointPositions& points, const std::vecto
   return frames;
 }
 
-/// Mean departure from the skeleton's proportions in each of `frames`; 1 where too few lengths are known.
+/// Mean |log ratio| to the skeleton's proportions in each of `frames`; 1 for too few known lengths.
 std::vector<double> Departures(const JointPositions& points, const std::vector<double>& confidence,
                                const std::vector<KnownLength>& lengths, const std::vector<int>& frames) {
   std::vector<double> departures;
@@ -58,13 +59,13 @@ std::vector<double> Departures(const JointPositions& points, const std::vector<d
   return departures;
 }
 
-/// "left_hip to left_knee" and "right_hip to right_knee".
+/// Whether the names are of one length on both sides: "left_hip to left_knee" and "right_hip to right_knee".
 bool AreSides(std::string a, const std::string& b) {
   for (std::size_t at = a.find("left_"); at != std::string::npos; at = a.find("left_", at)) a.replace(at, 5, "right_");
   return a == b;
 }
 
-/// Whether the medians of the lengths are a person's: near the skeleton's proportions, and left like right.
+/// Whether the median lengths are plausible: near the skeleton's proportions, and equal on both sides.
 bool HasLengthsOfPerson(const JointPositions& points, const std::vector<double>& confidence,
                         const std::vector<KnownLength>& lengths, const std::vector<int>& frames) {
   std::vector<double> medians;
@@ -118,7 +119,7 @@ const std::vector<KeypointOrder>& KnownOrders() {
 std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const std::vector<double>& confidence,
                                             const std::vector<std::string>& names, const Skeleton& skeleton) {
   const auto keypoints = static_cast<std::size_t>(points.joints);
-  std::size_t used = 0;  // keypoints that are ever found
+  std::size_t used = 0;  // keypoints observed in any frame
   for (std::size_t i = 0; i < confidence.size(); ++i) {
     if (confidence[i] > 0.0) used = std::max(used, i % keypoints + 1);
   }
@@ -139,7 +140,7 @@ std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const 
     }
     all.push_back(Departures(points, confidence, KnownLengths(DetectorNames(candidate.names), skeleton), frames));
     candidate.found = Mean(all.back());
-    if (candidate.found >= best.found) continue;  // equal orders: the first that has them
+    if (candidate.found >= best.found) continue;  // of equal orders the first counts
     best = candidate;
     chosen = all.size() - 1;
   }
@@ -147,7 +148,7 @@ std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const 
   if (!HasLengthsOfPerson(points, confidence, KnownLengths(DetectorNames(best.names), skeleton), frames)) return {};
   best.confidence = Confidence(given, all[chosen]);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    // Orders of the same joints at the same places are no rivals.
+    // An order with the same joints at the same indices is no alternative.
     if (i != chosen && all[i] != all[chosen]) {
       best.confidence = std::min(best.confidence, Confidence(all[i], all[chosen]));
     }

@@ -9,27 +9,26 @@
 
 namespace mocurate {
 
-/// Names of a detector's keypoints in its order.
+/// Names of a detector's keypoints, in the detector's order.
 struct KeypointOrder {
   std::string name;
   std::vector<std::string> points;
 };
 
-/// Orders that keypoints are looked for in where the given one makes no person: BODY_25, BODY_25B, COCO_17, COCO_18.
+/// Orders to try when the declared one gives implausible proportions: BODY_25, BODY_25B, COCO_17, COCO_18.
 const std::vector<KeypointOrder>& KnownOrders();
 
 /// An order under which the points have a person's proportions.
 struct OrderFound {
   std::string name;
-  std::vector<std::string> names;  ///< (K) points beyond the order's are named "unknown_0" ...
-  double given = 0.0;              ///< mean departure of the lengths by |log ratio|, as named
+  std::vector<std::string> names;  ///< (K); points beyond the order's are named "unknown_0" ...
+  double given = 0.0;              ///< mean |log ratio| of the lengths in the declared order
   double found = 0.0;              ///< and in the order found
-  double confidence = 0.0;         ///< that it is better than the given and any other known order
+  double confidence = 0.0;         ///< that it is better than the declared and any other known order
 };
 
-/// The order of `confidence` > 0 points (F,K) that gives `skeleton`'s proportions best, frame by frame, of frames that
-/// show enough of a person; empty when none gives a person's, with limbs that are even on both sides: the order is then
-/// one that is not known.
+/// The order of the points (F,K; observed where `confidence` > 0) that best fits `skeleton`'s proportions, over frames
+/// with enough observed points. Empty when no known order gives plausible proportions with equal limbs on both sides.
 std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const std::vector<double>& confidence,
                                             const std::vector<std::string>& names, const Skeleton& skeleton);
 

@@ -13,7 +13,7 @@ Vector2d DirectionOf(const Camera& camera, const double* seen) {
   return {(seen[0] - camera.cx) / camera.fx, (seen[1] - camera.cy) / camera.fy};
 }
 
-/// Diagonal of what an entry shows, in the units of DirectionOf.
+/// Diagonal of an entry's bounding box, in the units of DirectionOf.
 double ExtentOfEntry(const KeypointView& view, int frame, int person) {
   Eigen::AlignedBox2d box;
   for (int k = 0; k < view.points(); ++k) {
@@ -23,17 +23,17 @@ double ExtentOfEntry(const KeypointView& view, int frame, int person) {
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
-struct SeenByBoth {
+struct SharedKeypoints {
   double seen = 0.0;
   double alike = 0.0;
 };
 
-/// What an entry has in common with the one of another view that is most like it.
-SeenByBoth MostAlike(const KeypointView& a, int frame, int person, const KeypointView& b, int other_frame) {
+/// Compares an entry with the most similar entry of another view.
+SharedKeypoints MostSimilar(const KeypointView& a, int frame, int person, const KeypointView& b, int other_frame) {
   const double near = kOneDirection * ExtentOfEntry(a, frame, person);
-  SeenByBoth best;
+  SharedKeypoints best;
   for (int other = 0; other < b.people; ++other) {
-    SeenByBoth shared;
+    SharedKeypoints shared;
     for (int k = 0; k < std::min(a.points(), b.points()); ++k) {
       const double* one = a.at(frame, person, k);
       const double* two = b.at(other_frame, other, k);
@@ -51,12 +51,12 @@ SeenByBoth MostAlike(const KeypointView& a, int frame, int person, const Keypoin
 }  // namespace
 
 double KeypointSimilarity(const KeypointView& a, const KeypointView& b) {
-  SeenByBoth all;
+  SharedKeypoints all;
   for (int f = 0; f < a.frames() && b.frames() > 0; ++f) {
     const auto later = std::lower_bound(b.time_s.begin(), b.time_s.end(), a.time_s[static_cast<std::size_t>(f)]);
     const int other = std::min(static_cast<int>(later - b.time_s.begin()), b.frames() - 1);
     for (int p = 0; p < a.people; ++p) {
-      const SeenByBoth shared = MostAlike(a, f, p, b, other);
+      const SharedKeypoints shared = MostSimilar(a, f, p, b, other);
       all.seen += shared.seen;
       all.alike += shared.alike;
     }

@@ -4,8 +4,8 @@
 
 namespace mocurate {
 
-/// Share [0, 1] of the keypoints that two views of one place list at the same moments, of entries that are nearest to
-/// each other, that both have in one direction, to within 3 % of the entry's extent; negative where they list none.
+/// Share [0, 1] of keypoints with equal directions in two views of one place, to within 3 % of the entry's extent.
+/// Compares the nearest entries at the same moments, by keypoints that both list. Negative without such keypoints.
 double KeypointSimilarity(const KeypointView& a, const KeypointView& b);
 
 }  // namespace mocurate

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kLeastShareOfNoise = 2.0;  ///< of the noise of a detection
 constexpr double kMinSuspectMove = 0.008;   ///< m, at the person
-constexpr double kGrossShift = 3.0;         ///< times the median shift: what belongs to another pair of views
+constexpr double kGrossShift = 3.0;         ///< times the median shift: larger shifts come from wrong pairs of views
 
 /// Longest distance between two cameras.
 double ExtentOf(const RigModel& rig) {
@@ -25,7 +25,7 @@ double ExtentOf(const RigModel& rig) {
 
 }  // namespace
 
-bool StandAlike(const Camera& a, const Camera& b) {
+bool HaveSamePose(const Camera& a, const Camera& b) {
   return a.camera_from_world.translation == b.camera_from_world.translation &&
          a.camera_from_world.rotation.coeffs() == b.camera_from_world.rotation.coeffs();
 }
@@ -34,7 +34,7 @@ std::vector<std::size_t> MovedViews(const RigModel& given, const RigModel& model
   std::vector<std::size_t> moved;
   for (std::size_t v = 0; v < given.camera.size(); ++v) {
     const std::vector<CameraPart>& parts = model.camera[v];
-    const auto stands = [&](const CameraPart& part) { return StandAlike(part.camera, given.camera[v][0].camera); };
+    const auto stands = [&](const CameraPart& part) { return HaveSamePose(part.camera, given.camera[v][0].camera); };
     if (!std::all_of(parts.begin(), parts.end(), stands)) moved.push_back(v);
   }
   return moved;

@@ -9,25 +9,25 @@
 
 namespace mocurate {
 
-/// Whether two cameras have one pose, to the last digit.
-bool StandAlike(const Camera& a, const Camera& b);
+/// Whether two cameras have exactly the same pose.
+bool HaveSamePose(const Camera& a, const Camera& b);
 
-/// Views whose cameras stand elsewhere in `model` than in `given`.
+/// Views whose cameras have another pose in `model` than in `given`.
 std::vector<std::size_t> MovedViews(const RigModel& given, const RigModel& model);
 
-/// Whether a move goes farther than the cameras of the rig stand from each other.
+/// Whether a move is longer than the largest distance between cameras of the rig.
 bool GoesTooFar(const RigModel& given, const CameraMove& move);
 
-/// Whether a camera's place in some part shifts what it sees by more than detections err, and than a camera matters.
+/// Whether a camera's pose in some part shifts its points by more than detection noise and by a relevant distance.
 bool IsNotableMove(const Camera& was, const std::vector<CameraPart>& parts, const TriangulatedTracks& points,
                    double noise_px);
 
-/// How far people are from where another model of the rig has them: mean outer product of the differences of the points
-/// of all moments (m^2), gross ones excluded.
+/// Difference of people's positions between two models of the rig: mean outer product of the differences over the
+/// points of all moments (m^2), without outliers.
 Matrix3d ShiftBetween(const RigSamples& samples, const RigModel& one, const RigModel& other,
                       const TriangulationOptions& options);
 
-/// "views_disagree" of these views, with their names as a message to be continued.
+/// "views_disagree" of these views, with the start of a message that names them.
 RigFault DisagreementOf(const std::vector<RigView>& rig, std::vector<std::size_t> views);
 
 }  // namespace mocurate

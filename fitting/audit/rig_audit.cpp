@@ -19,18 +19,18 @@ namespace mocurate {
 namespace {
 
 constexpr int kMomentsAudited = 32;
-constexpr int kFewestMoments = 8;  ///< to judge clocks and places by
+constexpr int kFewestMoments = 8;  ///< fewest moments for clocks and poses
 constexpr std::size_t kSettlingMoments = 2000;
-constexpr std::size_t kMostViewsAudited = 12;  ///< that moves and exchanged files are looked for in
+constexpr std::size_t kMostViewsAudited = 12;  ///< most views for moves and exchanged files
 constexpr std::size_t kLeastViewsAudited = 3;
 constexpr double kSmallestClock_s = 0.004;
-constexpr double kSmallestStep = 0.25;  ///< of a view's step
+constexpr double kSmallestStep = 0.25;  ///< of a view's frame interval
 constexpr double kClockSigmas = 5.0;
 constexpr double kLeastCostGain = 0.02;      ///< of the cost
-constexpr std::size_t kMinOtherViews = 3;    ///< that stay where they are: fewer are ambiguous
-constexpr std::size_t kMinSampledViews = 2;  ///< that tell where others stand at all
+constexpr std::size_t kMinOtherViews = 3;    ///< views that keep their pose: with fewer, the moved one is ambiguous
+constexpr std::size_t kMinSampledViews = 2;  ///< fewest views that keep their pose
 constexpr double kExplainedElsewhere =
-    0.25;  ///< of the cost, that another move explains when too few fixed views are left
+    0.25;  ///< of the cost: gain of a move that counts even with fewer than kMinOtherViews
 
 class KeypointAuditor {
  public:
@@ -85,25 +85,25 @@ class KeypointAuditor {
     return CostOfMoments(views, points, options_.triangulation.noise);
   }
 
-  /// What of the audit that is wanted cannot be done, and why; empty where all can be, and for rigs of two.
+  /// The parts of the requested audit that are impossible, and why. Empty when all are possible, and for rigs of two.
   std::string WhyNotAudited() const {
     const RigAuditOptions& audit = options_.audit;
     const bool moved = audit.moved != AuditAction::kOff;
     const bool clocks = audit.clocks != AuditAction::kOff;
     if (rig_.size() < kLeastViewsAudited) return {};
     if (samples_.count() < kFewestMoments && (moved || clocks)) {
-      return "clocks and places of cameras cannot be judged: the view with the most frames sees people that another "
-             "one sees too at " +
+      return "clocks and camera poses were not audited: the view with the most frames shares people with another view "
+             "at " +
              Counted(samples_.count(), "moment") + ", " + std::to_string(kFewestMoments) + " are needed";
     }
     if (rig_.size() > kMostViewsAudited && (moved || audit.exchanged != AuditAction::kOff)) {
-      return "moved cameras and exchanged files are looked for among up to " + std::to_string(kMostViewsAudited) +
-             " cameras, these are " + std::to_string(rig_.size());
+      return "moved cameras and exchanged files were not audited: the rig has " + std::to_string(rig_.size()) +
+             " cameras, at most " + std::to_string(kMostViewsAudited) + " are supported";
     }
     return {};
   }
 
-  /// Takes over what explains most of what is left; false when nothing does.
+  /// Applies the change that explains most of the remaining cost; false without one.
   bool Improve() {
     std::optional<RigModel> with_clocks;
     std::vector<double> clock_cost;
@@ -120,8 +120,8 @@ class KeypointAuditor {
       if (move && !(Explains(*move) && IsNotable(move->view, move->model))) move.reset();
     }
     if (move && with_clocks && Sum(clock_cost) <= Sum(move->cost)) move.reset();
-    if (TakeOverSides(move ? Sum(move->cost) : with_clocks ? Sum(clock_cost) : Sum(cost_))) return true;
-    if (move && TakeOver(std::move(*move))) return true;
+    if (ApplySides(move ? Sum(move->cost) : with_clocks ? Sum(clock_cost) : Sum(cost_))) return true;
+    if (move && ApplyMove(std::move(*move))) return true;
     if (with_clocks) {
       model_ = std::move(*with_clocks);
       cost_ = std::move(clock_cost);
@@ -131,8 +131,8 @@ class KeypointAuditor {
     return false;
   }
 
-  /// Exchanges the sides of a view where that explains more than what else was found, of cost `otherwise`.
-  bool TakeOverSides(double otherwise) {
+  /// Exchanges the sides of a view where that explains more than the best other change, of cost `otherwise`.
+  bool ApplySides(double otherwise) {
     if (options_.audit.sides == AuditAction::kOff) return false;
     auto sides = FindSidesThroughout(samples_, model_, cost_, options_.audit.sure, options_.triangulation);
     if (!sides || Sum(sides->cost) > otherwise) return false;
@@ -152,15 +152,15 @@ class KeypointAuditor {
            ConfidenceOfMove(samples_, move.camera, cost_, move.cost) >= options_.audit.sure;
   }
 
-  /// Takes a move over where it may be believed. Which cameras moved is in doubt where another one's move explains it
-  /// about as well, and where too few views stay fixed; a jump identifies the camera.
-  bool TakeOver(CameraMove move) {
+  /// Applies a move where it is reliable. The moved camera is ambiguous when another one's move explains about as much,
+  /// or when too few cameras keep their pose; a jump identifies the camera.
+  bool ApplyMove(CameraMove move) {
     if (GoesTooFar(given_, move)) {
       inconsistent_ = DisagreementOf(rig_, {move.view});
       inconsistent_->confidence = ConfidenceOfMove(samples_, move.camera, cost_, move.cost);
       inconsistent_->message +=
-          " what the camera sees fits the others best from a place farther away than cameras of this rig "
-          "stand from each other; does it see something else, or in another way?";
+          " the pose that fits best is farther away than the cameras of this rig are from each other; "
+          "check whether the camera records the same scene and has this calibration";
       return false;
     }
     const std::vector<std::size_t> moved = MovedViews(given_, model_);
@@ -173,25 +173,25 @@ class KeypointAuditor {
     }
     if (!rivals.empty()) suspect_.push_back(move.view);
     suspect_.insert(suspect_.end(), rivals.begin(), rivals.end());
-    sure_of_camera_[move.view] = move.sure_of_camera;
+    move_confidence_[move.view] = move.confidence;
     model_ = std::move(move.model);
     cost_ = std::move(move.cost);
     return true;
   }
 
-  /// That a clock is off at all, by its standard deviation.
-  double SureOfClock(std::size_t v) const {
+  /// Confidence that a clock offset is not 0, by its standard deviation.
+  double ClockConfidence(std::size_t v) const {
     return v < clock_sigma_s_.size() ? SpanConfidence(std::abs(model_.clock_s[v]) / clock_sigma_s_[v]) : 0.0;
   }
 
-  /// Whether another place of the camera explains about as much as its clock.
+  /// Whether another pose of the camera explains about as much as its clock offset.
   bool MayBeMoved(std::size_t v, const RigModel& without_clock) const {
     if (rig_.size() > kMostViewsAudited) return false;
     const auto move = FindMoveOf(samples_, without_clock, v, options_.triangulation);
     return move && Confidence(move->cost, cost_) < kRivalBeaten;
   }
 
-  /// Clocks that were found are no surer than the other cameras agree on them.
+  /// Adds the disagreement of the other cameras to the standard deviations of the clock offsets.
   void WidenClocks() {
     if (model_.clock_s == given_.clock_s || clock_sigma_s_.empty()) return;
     const std::vector<double> change = ChangeOfClocks(samples_, model_, given_, options_.triangulation);
@@ -200,8 +200,8 @@ class KeypointAuditor {
 
   bool IsSuspect(std::size_t v) const { return std::find(suspect_.begin(), suspect_.end(), v) != suspect_.end(); }
 
-  /// Takes back clocks that hardly explain anything, or not surely, or of cameras that disagree in another way: a
-  /// calibration that is a little off looks like a clock to who walks in one direction.
+  /// Drops clock offsets that explain little, have a low confidence, or are of suspect cameras. For a person who walks
+  /// in one direction, a small calibration error looks like a clock offset.
   void DropIdleClocks() {
     while (true) {
       double least = 0.0;
@@ -211,7 +211,7 @@ class KeypointAuditor {
         RigModel without = model_;
         without.clock_s[v] = 0.0;
         const double cost = Sum(CostsOf(without));
-        const bool sure = SureOfClock(v) >= options_.audit.sure && !IsSuspect(v) && !MayBeMoved(v, without);
+        const bool sure = ClockConfidence(v) >= options_.audit.sure && !IsSuspect(v) && !MayBeMoved(v, without);
         if (sure && cost >= (1.0 + kLeastCostGain) * Sum(cost_)) continue;
         if (idle < rig_.size() && cost >= least) continue;
         least = cost;
@@ -223,7 +223,7 @@ class KeypointAuditor {
     }
   }
 
-  /// Takes back moves that, once all is settled, are not sure any more, or hardly to be seen.
+  /// Drops moves that, with the final model, have a low confidence or a negligible effect.
   void DropIdleMoves() {
     for (const std::size_t v : MovedViews(given_, model_)) {
       RigModel without = model_;
@@ -237,7 +237,7 @@ class KeypointAuditor {
     }
   }
 
-  /// The model with the clocks that are off for sure; empty when that changes nothing.
+  /// The model with the significant clock offsets; empty when that changes nothing.
   std::optional<RigModel> WithClocks(const ClockOffsets& clocks) const {
     RigModel model = model_;
     bool changed = false;
@@ -274,7 +274,7 @@ class KeypointAuditor {
     const auto sigma = v < clock_sigma_s_.size() ? std::optional<double>(clock_sigma_s_[v]) : std::nullopt;
     RigFault fault =
         ClockOff(rig_[v].camera.camera.name, model_.clock_s[v], sigma, Sum(CostsOf(without)) / Sum(cost_) - 1.0);
-    fault.confidence = SureOfClock(v);
+    fault.confidence = ClockConfidence(v);
     fault.corrected = options_.audit.clocks == AuditAction::kCorrect;
     audited.corrected = audited.corrected || fault.corrected;
     audited.faults.push_back(std::move(fault));
@@ -293,12 +293,12 @@ class KeypointAuditor {
     fault.value = 100.0 * (1.0 - Sum(cost_) / Sum(costs));
     fault.confidence = confidence;
     fault.corrected = options_.audit.moved == AuditAction::kCorrect;
-    fault.message += " one or more of several cameras moved since calibration; which ones is ambiguous";
+    fault.message += " one or more of these cameras have another pose than calibrated; which ones is ambiguous";
     if (fault.corrected) {
       audited.place_covariance = ShiftBetween(samples_, model_, without, options_.triangulation);
-      fault.message += "; placed so that they agree, which moves people by " +
+      fault.message += "; poses were corrected so that the views agree, which moves people by " +
                        RoundedText(1e3 * std::sqrt(audited.place_covariance.trace()), 2) +
-                       " mm: by so much they may be off, and the stated uncertainty has it";
+                       " mm; the stated uncertainty includes this shift";
     }
     audited.corrected = audited.corrected || fault.corrected;
     audited.faults.push_back(std::move(fault));
@@ -313,20 +313,21 @@ class KeypointAuditor {
     const int changed = parts.size() == 2 ? FrameAt(parts[1].from_s) : frames;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const Camera& was = given_.camera[v][0].camera;
-      if (StandAlike(was, parts[p].camera)) continue;
+      if (HaveSamePose(was, parts[p].camera)) continue;
       RigFault fault = CameraMoved(was, parts[p].camera, p == 0 ? 0 : changed, p == 0 ? changed : frames, frames);
-      fault.confidence = std::min(sure_of_camera_.at(v), ConfidenceOfPart(samples_, parts, p, CostsOf(without), cost_));
+      fault.confidence =
+          std::min(move_confidence_.at(v), ConfidenceOfPart(samples_, parts, p, CostsOf(without), cost_));
       fault.corrected = options_.audit.moved == AuditAction::kCorrect;
       audited.corrected = audited.corrected || fault.corrected;
       audited.faults.push_back(std::move(fault));
     }
   }
 
-  /// Where a moved camera stands, by all frames or, of a long take, evenly spread ones; a part that stands as
-  /// calibrated stays so.
+  /// Refits a moved camera to all frames or, of a long take, evenly spaced ones. A part at its calibrated pose keeps
+  /// it.
   void Settle(std::size_t v) {
     const CameraPart given = given_.camera[v][0];
-    const auto stands = [&](const CameraPart& part) { return StandAlike(part.camera, given.camera); };
+    const auto stands = [&](const CameraPart& part) { return HaveSamePose(part.camera, given.camera); };
     std::vector<CameraPart>& parts = model_.camera[v];
     if (std::all_of(parts.begin(), parts.end(), stands)) return;
     const std::vector<CameraPart> found = parts;
@@ -338,7 +339,7 @@ class KeypointAuditor {
     }
   }
 
-  /// Everybody in every `step`-th frame of those from one moment to another.
+  /// All people in every `step`-th frame between two moments.
   std::vector<RigMoment> EveryFrame(double from_s, double to_s, std::size_t step = 1) const {
     std::vector<RigMoment> moments;
     for (std::size_t f = 0; f < take_.time_s.size(); f += step) {
@@ -349,7 +350,7 @@ class KeypointAuditor {
     return moments;
   }
 
-  /// When the camera was moved, to the frame.
+  /// Finds the exact frame from which the camera was moved.
   void Locate(std::size_t v) {
     double& from_s = model_.camera[v][1].from_s;
     const auto later = std::find_if(samples_.moments().begin(), samples_.moments().end(),
@@ -364,7 +365,7 @@ class KeypointAuditor {
     from_s = WhenMoved(RigSamples(rig_, take_, other_side_, std::move(between)), model_, v, options_.triangulation);
   }
 
-  /// The model without corrections that are only reported.
+  /// The model without changes that are only reported.
   RigModel ToCorrect() const {
     RigModel model = model_;
     const KeypointAuditOptions& audit = options_.audit;
@@ -383,9 +384,9 @@ class KeypointAuditor {
   RigModel given_;
   std::vector<double> cost_;
   std::vector<double> clock_sigma_s_;
-  std::optional<RigFault> inconsistent_;          ///< an implausible camera position
-  std::vector<std::size_t> suspect_;              ///< views of which some stand elsewhere
-  std::map<std::size_t, double> sure_of_camera_;  ///< of views that were moved
+  std::optional<RigFault> inconsistent_;           ///< a move too far to be plausible
+  std::vector<std::size_t> suspect_;               ///< views of which some have another pose than calibrated
+  std::map<std::size_t, double> move_confidence_;  ///< confidence per moved view (CameraMove)
 };
 
 }  // namespace

@@ -14,7 +14,7 @@ Finding FindingOf(const RigFault& fault) {
   finding.frame_begin = fault.frame_begin;
   finding.frame_end = fault.frame_end;
   finding.value = fault.value;
-  finding.message = fault.message + "; sure to " + RoundedText(100.0 * fault.confidence, 4) + " %";
+  finding.message = fault.message + "; confidence " + RoundedText(100.0 * fault.confidence, 4) + " %";
   finding.action = !fault.corrected                   ? FindingAction::kFlagged
                    : fault.code == kContradictingView ? FindingAction::kExcluded
                                                       : FindingAction::kRepaired;

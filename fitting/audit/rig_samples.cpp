@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kWorst_px = 120.0;  ///< errors beyond cost no more
+constexpr double kWorst_px = 120.0;  ///< cap on the error
 constexpr double kBehind_px = 1e6;
 constexpr int kSpans = 12;
 

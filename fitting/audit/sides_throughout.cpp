@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kLeastViewsOfSides = 3;
 constexpr int kLeastMomentsOfSides = 8;
-/// Of the cost, at least. At it 40 of 40 views that call left right are named and none of 240 sound ones
+/// Least share of the cost. Finds 40 of 40 views with exchanged sides and none of 240 correct ones
 /// (`bench_keypoint_rigs 40 5 sides=1 frames=45`, `60 5 frames=45` on four rigs).
 constexpr double kExplained = 0.1;
 

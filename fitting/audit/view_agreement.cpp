@@ -8,10 +8,10 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kMomentsCompared = 24;
-constexpr double kFarOff = 0.1;  ///< of a person's extent: an entry this far from its rays belongs to no person
+constexpr double kFarOff = 0.1;  ///< of a person's extent: distance from the rays at which an entry has the full cost
 constexpr int kLeastKeypointsAgreeing = 4;
 
-/// A view's frame nearest to a moment, as another camera would see it.
+/// A view's frames nearest to the moments.
 KeypointView FramesAt(const KeypointView& view, const std::vector<double>& moments, int keypoints) {
   KeypointView some;
   some.camera = view.camera;
@@ -55,7 +55,7 @@ double CostOfAgreement(const std::vector<RigView>& rig, int frame, const std::ve
   if (entries.empty()) return 0.0;
   double cost = static_cast<double>(entries.size());
   for (const std::vector<Sight>& sights : ProposePeople(rig, entries, lengths, 0.0)) {
-    if (sights.size() < 3 && rig.size() > 3) continue;  // two views agree by chance
+    if (sights.size() < 3 && rig.size() > 3) continue;  // two views agree on a person by chance
     const BodyPoints body = NearestBody(rig, sights);
     for (const Sight& sight : sights) {
       const double off = EntryDistance(rig[static_cast<std::size_t>(sight.view)], sight.frame, sight.person, body,

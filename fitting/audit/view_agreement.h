@@ -7,11 +7,12 @@
 
 namespace mocurate {
 
-/// Each view's frames nearest to at most 24 moments, spread over the first view's. Empty where a view has no frames.
+/// Each view's frames nearest to at most 24 moments, evenly spaced over the first view's. Empty when a view has no
+/// frames.
 std::vector<KeypointView> AtSomeMoments(const std::vector<KeypointView>& views, int keypoints);
 
-/// Mean cost of all entries of a frame, each 0 (on the rays of a body that other views propose) to 1 (on no body).
-/// Adds to `share` the share of them that belong to a body.
+/// Mean cost of all entries of a frame, each 0 (on the rays of a body that other views propose) to 1 (of no body). Adds
+/// to `share` the share of entries that match a body.
 double CostOfAgreement(const std::vector<RigView>& rig, int frame, const std::vector<KnownLength>& lengths,
                        double& share);
 

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kViewChangeCost = 4.0;
 constexpr double kExchangedViewCost = 0.05;  ///< of a frame
-constexpr double kMostDetectionCost = 6.0;   ///< of a detection: beyond, it is somewhere else
-constexpr double kMostOfFrame = 12.0;        ///< detections of a frame err together
+constexpr double kMostDetectionCost = 6.0;   ///< cap on the cost of a detection: beyond it is an outlier
+constexpr double kMostOfFrame = 12.0;        ///< cap on a frame: its detections have common errors
 constexpr std::size_t kLeastViewsOfPoint = 3;
 
 using Pair = std::pair<std::size_t, std::size_t>;
@@ -48,7 +48,7 @@ double CostOfDetection(const ViewKeypoints& view, std::size_t at, std::size_t of
   return std::min(3.0 * std::log1p(square / (4.0 * noise_px * noise_px)), kMostDetectionCost);
 }
 
-/// By how much an exchange is likelier in a frame.
+/// Log-likelihood ratio of an exchange in a frame.
 double GainAt(const ViewKeypoints& view, const TriangulatedTracks& points, const std::vector<Pair>& pairs, int frame,
               double noise_px) {
   const std::size_t first = static_cast<std::size_t>(frame) * static_cast<std::size_t>(points.positions.joints);
@@ -66,7 +66,7 @@ double GainAt(const ViewKeypoints& view, const TriangulatedTracks& points, const
   return std::clamp(gain, -kMostOfFrame, kMostOfFrame);
 }
 
-/// Frames in which the exchanged state is on the cheapest path.
+/// Frames in which the cheapest path is in the exchanged state.
 std::vector<bool> CheapestPath(const std::vector<double>& gains) {
   std::vector<std::array<std::uint8_t, 2>> from(gains.size());
   std::array<double, 2> cost{0.0, kViewChangeCost};
@@ -113,7 +113,7 @@ std::vector<SideExchange> FindSideExchanges(const std::vector<ViewKeypoints>& vi
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (const auto& [limb, parts] : PartsOfLimbs()) {
       const std::vector<Pair> pairs = PairsOfParts(names, parts);
-      if (pairs.size() < 2) continue;  // one pair crosses by a wrong detection
+      if (pairs.size() < 2) continue;  // a single pair may cross by a wrong detection
       std::vector<double> gains;
       for (int f = 0; f < frames; ++f) gains.push_back(GainAt(views[v], points, pairs, f, noise_px));
       const std::vector<bool> exchanged = CheapestPath(gains);

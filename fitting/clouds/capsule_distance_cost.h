@@ -21,8 +21,8 @@ class CapsuleDistanceCost final : public ceres::CostFunction {
                       double weight)
       : state_(state), frame_(frame), capsule_(capsule), point_(point), weight_(weight) {
     set_num_residuals(1);
-    const std::size_t turned = state.path(capsule.frame).size() + (state.active(capsule.frame) ? 1 : 0);
-    mutable_parameter_block_sizes()->assign(1 + turned, 3);
+    const std::size_t rotations = state.path(capsule.frame).size() + (state.active(capsule.frame) ? 1 : 0);
+    mutable_parameter_block_sizes()->assign(1 + rotations, 3);
   }
 
   std::vector<double*> Blocks(PoseState& state) const {
@@ -53,11 +53,11 @@ class CapsuleDistanceCost final : public ceres::CostFunction {
     std::size_t block = 0;
     if (jacobians[block] != nullptr) Eigen::Map<Vector3d>{jacobians[block]} = pull;
     ++block;
-    for (const int a : state_.path(capsule_.frame)) Turn(a, nearest, pull, jacobians[block++]);
-    if (state_.active(capsule_.frame)) Turn(capsule_.frame, nearest, pull, jacobians[block++]);
+    for (const int a : state_.path(capsule_.frame)) SetRotationBlock(a, nearest, pull, jacobians[block++]);
+    if (state_.active(capsule_.frame)) SetRotationBlock(capsule_.frame, nearest, pull, jacobians[block++]);
   }
 
-  void Turn(int joint, const Vector3d& nearest, const Vector3d& pull, double* jacobian) const {
+  void SetRotationBlock(int joint, const Vector3d& nearest, const Vector3d& pull, double* jacobian) const {
     if (jacobian == nullptr) return;
     Eigen::Map<Vector3d>(jacobian).noalias() =
         state_.lever(frame_, joint).transpose() * pull.cross(state_.position(frame_, joint) - nearest);

@@ -18,15 +18,15 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSettled = 1e-3;  ///< m; joints move less on average: well below the error of the body
-constexpr int kWideMatchings = 4;  ///< look farther than the later ones
+constexpr double kSettled = 1e-3;  ///< m; mean joint movement at convergence, well below the error of the body
+constexpr int kWideMatchings = 4;  ///< matchings with a widened distance limit
 constexpr int kSolverSteps = 4;    ///< between two matchings
 constexpr double kRelativeTolerance = 1e-4;
-constexpr double kComparedSigma = 0.01;  ///< m; error of a capsule body
-constexpr double kYields = 0.05;         ///< m that a thigh may overlap chest or arm
-constexpr int kPlacesOfLeg = 5;          ///< of each capsule of a leg, that are looked at
+constexpr double kComparedSigma = 0.01;   ///< m; standard deviation for comparisons: error of a capsule body
+constexpr double kAllowedOverlap = 0.05;  ///< m by which a thigh and the chest or an arm may overlap
+constexpr int kPlacesOfLeg = 5;           ///< sampled points on each capsule of a leg
 
-/// Chest, neck, head and arms: all that hangs from the chest. (J)
+/// The chest and all its descendants: neck, head and arms. (J)
 std::vector<bool> UpperBody(const Skeleton& skeleton, const Limbs& limbs) {
   std::vector<bool> of_it(skeleton.joints.size(), false);
   if (limbs.chest < 1) return of_it;
@@ -35,8 +35,8 @@ std::vector<bool> UpperBody(const Skeleton& skeleton, const Limbs& limbs) {
   return of_it;
 }
 
-/// Cost of knees, shins and feet that overlap chest, head or arms: impossible, and where the points do
-/// not show them they would be folded there to explain the upper body a little better.
+/// Cost of knees, shins and feet inside chest, head or arms. Where points do not show the legs, a fit would fold them
+/// into the upper body to explain it a little better.
 double LegsInUpperBody(const CapsuleBody& body, const PoseState& state, int frame) {
   const Limbs limbs = LimbsOf(*body.skeleton);
   const std::vector<bool> upper = UpperBody(*body.skeleton, limbs);
@@ -46,7 +46,7 @@ double LegsInUpperBody(const CapsuleBody& body, const PoseState& state, int fram
   }
   double cost = 0.0;
   for (const BodyCapsule& leg : body.capsules) {
-    std::optional<double> beyond;  // m from the joint it moves with: the upper half of a thigh may be anywhere
+    std::optional<double> beyond;  // m from the parent joint: the upper half of a thigh is free
     for (const Limb& limb : limbs.leg) {
       if (limb.known() && leg.frame == limb.root)
         beyond = 0.5 * (state.position(frame, limb.middle) - state.position(frame, limb.root)).norm();
@@ -60,7 +60,8 @@ double LegsInUpperBody(const CapsuleBody& body, const PoseState& state, int fram
       const Vector3d place = (1.0 - at) * ends.begin + at * ends.end;
       if ((place - state.position(frame, leg.frame)).norm() < *beyond) continue;
       for (const auto& [segment, radius] : above)
-        deepest = std::max(deepest, leg.radius - SignedDistance(segment.begin, segment.end, radius, place) - kYields);
+        deepest =
+            std::max(deepest, leg.radius - SignedDistance(segment.begin, segment.end, radius, place) - kAllowedOverlap);
     }
     cost += 0.5 * Square(deepest / kComparedSigma);
   }
@@ -89,7 +90,7 @@ double MeanMove(const std::vector<Vector3d>& before, const std::vector<Vector3d>
   return sum / static_cast<double>(before.size());
 }
 
-/// From the first matching's down to 1 over a few matchings.
+/// Factor on the distance limit: from the first matching's down to 1 over a few matchings.
 double Widening(double first, int iteration) {
   return 1.0 + (first - 1.0) * std::max(0.0, 1.0 - static_cast<double>(iteration) / kWideMatchings);
 }
@@ -119,8 +120,9 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
                                           PoseState& state, const PointCloudOptions& options) {
   CapsuleFitOutcome outcome;
   const int frame = fit.frame;
-  for (const FixedNeighbourFrame& held : fit.held) state.Update(frame + held.step, frame + held.step + 1, true);
-  const double share = fit.trust * PatchShare(options.voxel_size);
+  for (const FixedNeighbourFrame& neighbour : fit.held)
+    state.Update(frame + neighbour.step, frame + neighbour.step + 1, true);
+  const double share = fit.point_weight * PatchShare(options.voxel_size);
   for (int i = 0; i < fit.iterations && !outcome.converged; ++i) {
     state.Update(frame, frame + 1, false);
     const double widening = Widening(fit.widening, i);

@@ -11,14 +11,14 @@ namespace mocurate {
 namespace {
 
 constexpr int kShapeRounds = 3;
-constexpr double kPointError = 0.015;       ///< m, of a patch of points to a capsule of the right size
-constexpr double kShapePatchPoints = 10.0;  ///< that share it
-constexpr double kUnknownFactor = 3.0;      ///< where the person's shape is not known
-constexpr double kUsualOffset = 0.006;      ///< m, of an end from the template's
-constexpr double kUsualRadius = 0.003;      ///< m
-constexpr double kThinnest = 0.5;           ///< of a radius before
+constexpr double kPointError = 0.015;       ///< m, of a patch of points to a capsule of the right shape
+constexpr double kShapePatchPoints = 10.0;  ///< points that share this error
+constexpr double kUnknownFactor = 3.0;      ///< factor on the prior when the person's shape is unknown
+constexpr double kUsualOffset = 0.006;      ///< m, standard deviation of an end from the template's
+constexpr double kUsualRadius = 0.003;      ///< m, standard deviation of a radius
+constexpr double kThinnest = 0.5;           ///< of the radius before, at least
 
-/// Changes of a capsule: begin (3) and end (3) in the joint's frame, radius.
+/// Change of a capsule: begin (3) and end (3) in the joint's frame, radius.
 using Change = Eigen::Matrix<double, 7, 1>;
 
 struct Sums {
@@ -26,7 +26,7 @@ struct Sums {
   Change right = Change::Zero();
 };
 
-/// The same change on the other side.
+/// The mirrored change, for the other side.
 Change Mirrored(Change change) {
   change[0] = -change[0];
   change[3] = -change[3];
@@ -39,7 +39,7 @@ double PlaceOn(const CapsuleEnds& ends, const Vector3d& point) {
   return square > 0.0 ? std::clamp((point - ends.begin).dot(axis) / square, 0.0, 1.0) : 0.0;
 }
 
-/// `now`: what has been changed already, which the prior counts from the template.
+/// `now`: the change so far; the prior is relative to the template.
 void AddPriors(const Change& now, double factor, Sums& sums) {
   for (int i = 0; i < 7; ++i) {
     const double usual = factor * (i < 6 ? kUsualOffset : kUsualRadius);
@@ -48,8 +48,8 @@ void AddPriors(const Change& now, double factor, Sums& sums) {
   }
 }
 
-/// All points of a capsule share the error of its pose: however many there are, they determine the shape no better than
-/// that. Returns the share of the shape's usual variance that is left.
+/// Adds the pose error that all points of a capsule share, so that many points do not make the shape more certain.
+/// Returns the share of the prior shape variance that remains.
 double SharePosesInError(double pose_variance, double usual, Sums& sums) {
   const double information =
       (sums.matrix.topLeftCorner<6, 6>().trace() + 2.0 * sums.matrix.block<3, 3>(0, 3).trace()) / 3.0;

@@ -8,11 +8,10 @@
 
 namespace mocurate {
 
-/// Moves the ends of a body's capsules in their joints' frames and changes their radii so that the points of some
-/// frames lie on them, in poses that are known from elsewhere: linear least squares per capsule, left and right
-/// together, with every change held to a person's usual difference from the template. `pose_variance` (J, m^2 per
-/// axis): how uncertain the poses are, alike in all frames: an offset of that size is an error of the pose, not of
-/// the person's shape. Returns the share of the shape's usual variance that is left, mean over capsules. Needs Update
+/// Fits capsule ends (in their joints' frames) and radii to the points of some frames with known poses. Linear least
+/// squares per capsule, left and right together, with a prior from the usual variation between people and template.
+/// `pose_variance` (J, m^2 per axis) is the uncertainty of the poses, common to all frames: an offset of that size is
+/// attributed to the pose. Returns the share of the prior shape variance that remains, mean over capsules. Needs Update
 /// of these frames.
 double FitCapsuleOffsets(const std::vector<FusedCloud>& clouds, const PoseState& state, const std::vector<int>& frames,
                          double max_distance, const std::vector<double>& pose_variance, CapsuleBody& body);

@@ -9,11 +9,11 @@
 namespace mocurate {
 namespace {
 
-/// Where the shape is unknown (a declared height, a tracker's own points, other skeletons) all are so many times
-/// as large: bodies are the template's then.
+/// Factor on the errors when the body shape is unknown (a given height, a tracker's own points, other skeletons), so
+/// that the template's is used.
 constexpr double kUnknownShape = 3.0;
 
-/// Of joints that are not named.
+/// For joints without an entry.
 constexpr double kBodyError = 0.0044;
 constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0024},
                                                                          {"spine1", 0.0023},
@@ -48,10 +48,10 @@ std::vector<Vector3d> BodyRotations(const Skeleton& skeleton, const std::vector<
   std::vector<double> variance(body_error.size(), 0.0);
   for (std::size_t j = 1; j < variance.size(); ++j)
     variance[j] = Square(body_error[j]) + Square(body_error[skeleton.joints[j].parent]);
-  std::vector<Vector3d> turns;
-  for (const Matrix3d& turn : FrameOrientationByBones(skeleton, bone_length, variance))
-    turns.emplace_back(turn.diagonal());
-  return turns;
+  std::vector<Vector3d> variances;
+  for (const Matrix3d& covariance : FrameOrientationByBones(skeleton, bone_length, variance))
+    variances.emplace_back(covariance.diagonal());
+  return variances;
 }
 
 }  // namespace mocurate

@@ -13,14 +13,13 @@ inline CapsuleEnds EndsOf(const BodyCapsule& capsule, const PoseState& state, in
                 state.position(frame, capsule.end_joint));
 }
 
-/// (J) how far joints of this body usually are from those of the person whose surface it lies on, metres, standard
-/// deviation per axis: of size and shape measured in clouds (FitShape), or, where the skeleton's shape is unknown,
-/// of the template's scaled by one height. Measured on synthetic people whose bodies have other shapes
-/// (`bench_fit_clouds`).
+/// (J) usual error of this body's joints for the person whose surface was fitted, standard deviation per axis, metres.
+/// For size and shape from clouds (FitShape), or, when the skeleton's shape is unknown, for the template scaled to one
+/// height. Measured on synthetic people with other body shapes (`bench_fit_clouds`).
 std::vector<double> BodyErrors(const Skeleton& skeleton, double scale);
 
-/// How far such errors turn the frames of joints, all along: variances about the axes of the joint's frame (rad^2;
-/// (J)). `body_error` (J) as above.
+/// Rotations of joint frames that these errors cause in all frames: variances about the axes of the joint's frame ((J),
+/// rad^2). `body_error` (J) as above.
 std::vector<Vector3d> BodyRotations(const Skeleton& skeleton, const std::vector<double>& bone_length,
                                     const std::vector<double>& body_error);
 

@@ -13,7 +13,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kBodyPatch = 0.05;  ///< m; points closer than this share the error of the capsule body
+constexpr double kBodyPatch = 0.05;  ///< m; closer points share the error of the capsule body
 
 /// The point of a capsule's axis nearest to another point.
 Vector3d NearestOnAxis(const CapsuleEnds& ends, const Vector3d& point) {
@@ -57,9 +57,9 @@ double CloudEquations::Cost() const {
   }
   for (int j = 0; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;
-    for (const FixedNeighbourFrame& held : terms_.held) {
-      const Matrix3d turn = state_.local(frame_ + held.step, j).transpose() * state_.local(frame_, j);
-      twice += LogMatrix(turn).squaredNorm() / (Square(options_.rotation_process_noise) * held.seconds);
+    for (const FixedNeighbourFrame& neighbour : terms_.held) {
+      const Matrix3d rotation = state_.local(frame_ + neighbour.step, j).transpose() * state_.local(frame_, j);
+      twice += LogMatrix(rotation).squaredNorm() / (Square(options_.rotation_process_noise) * neighbour.seconds);
     }
     if (j == 0) continue;
     const Eigen::Map<const Vector3d> w(std::as_const(state_).rotation(frame_, j));
@@ -69,14 +69,14 @@ double CloudEquations::Cost() const {
       twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / kCloudLimitSigma);
     }
   }
-  for (const FixedNeighbourFrame& held : terms_.held) {
-    const Vector3d move = state_.position(frame_, 0) - state_.position(frame_ + held.step, 0);
-    twice += move.squaredNorm() / (Square(options_.velocity_process_noise) * held.seconds);
+  for (const FixedNeighbourFrame& neighbour : terms_.held) {
+    const Vector3d move = state_.position(frame_, 0) - state_.position(frame_ + neighbour.step, 0);
+    twice += move.squaredNorm() / (Square(options_.velocity_process_noise) * neighbour.seconds);
   }
   return 0.5 * twice;
 }
 
-/// What the points say about the twist of each joint's subtree, about the root's place.
+/// Adds the points' terms for the twist of each joint's subtree, about the root's position.
 void CloudEquations::SumPoints() {
   std::vector<CapsuleEnds> ends;
   for (const BodyCapsule& capsule : body_.capsules) ends.push_back(EndsOf(capsule, state_, frame_));
@@ -100,7 +100,7 @@ void CloudEquations::SumPoints() {
   }
 }
 
-/// Seen joints move with the joint above them.
+/// Observed joints move with their parent joint.
 void CloudEquations::SumJoints() {
   const Vector3d& origin = state_.position(frame_, 0);
   for (const JointObservation& seen : terms_.joints) {
@@ -150,19 +150,19 @@ void CloudEquations::AddPriors() {
   }
 }
 
-void CloudEquations::AddStep(const FixedNeighbourFrame& held) {
-  const int other = frame_ + held.step;
-  const double move_weight = 1.0 / (Square(options_.velocity_process_noise) * held.seconds);
-  const double rotation_term_weight = 1.0 / (Square(options_.rotation_process_noise) * held.seconds);
+void CloudEquations::AddStep(const FixedNeighbourFrame& neighbour) {
+  const int other = frame_ + neighbour.step;
+  const double move_weight = 1.0 / (Square(options_.velocity_process_noise) * neighbour.seconds);
+  const double rotation_term_weight = 1.0 / (Square(options_.rotation_process_noise) * neighbour.seconds);
   matrix_.topLeftCorner<3, 3>().diagonal().array() += move_weight;
   gradient_.head<3>() += move_weight * (state_.position(frame_, 0) - state_.position(other, 0));
   for (int j = 0; j < state_.joints(); ++j) {
     const int c = column_[j];
     if (c < 0) continue;
-    const Vector3d turn = LogMatrix(state_.local(other, j).transpose() * state_.local(frame_, j));
-    const Matrix3d after = RightJacobianInverse(turn) * state_.right_jacobian(frame_, j);
+    const Vector3d rotation = LogMatrix(state_.local(other, j).transpose() * state_.local(frame_, j));
+    const Matrix3d after = RightJacobianInverse(rotation) * state_.right_jacobian(frame_, j);
     matrix_.block<3, 3>(c, c).noalias() += rotation_term_weight * after.transpose() * after;
-    gradient_.segment<3>(c).noalias() += rotation_term_weight * after.transpose() * turn;
+    gradient_.segment<3>(c).noalias() += rotation_term_weight * after.transpose() * rotation;
   }
 }
 
@@ -173,7 +173,7 @@ void CloudEquations::Linearise() {
   SumJoints();
   AddPoints();
   AddPriors();
-  for (const FixedNeighbourFrame& held : terms_.held) AddStep(held);
+  for (const FixedNeighbourFrame& neighbour : terms_.held) AddStep(neighbour);
 }
 
 Eigen::VectorXd CloudEquations::Parameters() const {
@@ -200,7 +200,7 @@ Expected<CloudSolution> SolveCloudEquations(CloudEquations& equations, int steps
   equations.SetParameters(parameters);
   CloudSolution solution;
   double cost = solution.initial_cost = equations.Cost();
-  if (!std::isfinite(cost)) return Fail(ErrorCode::kInconsistent, "the cost of the start is no number", "clouds");
+  if (!std::isfinite(cost)) return Fail(ErrorCode::kInconsistent, "the initial cost is not finite", "clouds");
   bool moved = true;
   for (int i = 0; i < steps && !region.exhausted(); ++i) {
     if (moved) equations.Linearise();

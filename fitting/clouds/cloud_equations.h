@@ -9,22 +9,22 @@
 
 namespace mocurate {
 
-/// Points share the error of the body with their neighbours, so that a patch of them counts as one observation: the
-/// square root of a point's share in its patch, for a cloud of one point per voxel.
+/// Neighbouring points share the error of the body, so that a patch of them counts as one observation. Square root of a
+/// point's share in its patch, for one point per voxel.
 double PatchShare(double voxel_size);
-/// Radians beyond a joint limit, in clouds.
+/// Radians beyond a joint limit, standard deviation.
 inline constexpr double kCloudLimitSigma = 0.1;
 
-/// Limits of a joint in clouds; null of one whose `rest_sigma` (RestPoseSigmas) is less than that of limbs: the rest
-/// pose holds it, and a search that cannot pass through a twisted trunk loses facings (of 24 stills two more were off
-/// by 0.25 m).
+/// Limits of a joint; null where `rest_sigma` (RestPoseSigmas) is less than that of limbs. There the rest-pose prior
+/// suffices. A search that cannot pass through a twisted trunk misses orientations (of 24 stills two more were off by
+/// 0.25 m).
 inline const JointLimits* LimitsInClouds(const Joint& joint, double rest_sigma, const PointCloudOptions& options) {
   return joint.limits && rest_sigma >= options.rest_sigma ? &*joint.limits : nullptr;
 }
 
-/// Cost and normal equations of one frame of matched points at the present parameters of a state: the costs of
-/// CloudProblem, summed without forming their Jacobians (BodyInformation). Unknowns: translation (3), then the rotation
-/// vector of each active joint (3), root first.
+/// Cost and normal equations of one frame of matched points at the parameters in a state. Sums the costs of
+/// CloudProblem without their Jacobians (BodyInformation). Unknowns: translation (3), then the rotation vector of each
+/// active joint (3), root first.
 class CloudEquations {
  public:
   CloudEquations(const CapsuleBody& body, PoseState& state, FrameTerms terms, const PointCloudOptions& options);
@@ -38,7 +38,7 @@ class CloudEquations {
   int column(int joint) const { return column_[joint]; }  ///< first unknown of a joint's rotation; -1: not active
 
   Eigen::VectorXd Parameters() const;
-  /// Writes them and updates the kinematics with derivatives.
+  /// Sets the parameters and updates the kinematics with derivatives.
   void SetParameters(const Eigen::VectorXd& parameters);
 
  private:
@@ -48,7 +48,7 @@ class CloudEquations {
   void SumJoints();
   void AddPoints();
   void AddPriors();
-  void AddStep(const FixedNeighbourFrame& held);
+  void AddStep(const FixedNeighbourFrame& neighbour);
 
   const CapsuleBody& body_;
   PoseState& state_;
@@ -63,14 +63,14 @@ class CloudEquations {
   Eigen::VectorXd gradient_;
 };
 
-/// How a solve ended.
+/// Result of a solve.
 struct CloudSolution {
   double initial_cost = 0.0;
   double final_cost = 0.0;
 };
 
-/// At most `steps` steps of Levenberg-Marquardt; the solution is in the state. Error kInconsistent when the cost of the
-/// start is no number.
+/// At most `steps` steps of Levenberg-Marquardt; writes the solution to the state. Error kInconsistent when the initial
+/// cost is not finite.
 Expected<CloudSolution> SolveCloudEquations(CloudEquations& equations, int steps, double relative_tolerance);
 
 }  // namespace mocurate

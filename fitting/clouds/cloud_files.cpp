@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kVoxelsBetween = 2.5;  ///< of thinned points that touch
+constexpr double kVoxelsBetween = 2.5;  ///< voxel sizes between neighbours of a thinned cloud
 
 }  // namespace
 

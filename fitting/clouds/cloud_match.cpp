@@ -10,11 +10,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kTurnPenalty = 0.04;  ///< m that a surface facing another way counts as farther, per (1 - cosine)
+constexpr double kNormalPenalty = 0.04;  ///< m added to the distance of a surface with another normal, per (1 - cosine)
 constexpr double kLeastSurfaceSigma = 0.003;  ///< m
-constexpr double kPriorPoints = 200.0;        ///< points that the radius known before counts as
+constexpr double kPriorPoints = 200.0;        ///< points that the previous radius counts as
 
-/// Holds a capsule.
+/// Bounding ball of a capsule.
 struct Ball {
   Vector3d centre;
   double radius = 0.0;
@@ -35,21 +35,21 @@ std::vector<CloudMatch> MatchPoints(const CapsuleBody& body, const PoseState& st
   matches.reserve(cloud.size());
   for (int i = 0; i < cloud.size(); ++i) {
     CloudMatch best;
-    double least = max_distance + 2.0 * kTurnPenalty;
+    double least = max_distance + 2.0 * kNormalPenalty;
     for (std::size_t c = 0; c < body.capsules.size(); ++c) {
       const double reach = balls[c].radius + std::min(least, max_distance);
       if ((cloud.points.col(i) - balls[c].centre).squaredNorm() > reach * reach) continue;
       const double radius = body.capsules[c].radius;
       const Vector3d point = cloud.points.col(i);
       const double distance = std::abs(SignedDistance(ends[c].begin, ends[c].end, radius, point));
-      if (distance > max_distance || distance >= least) continue;  // most: their normals are not asked for
+      if (distance > max_distance || distance >= least) continue;  // most points stop here, before normals are compared
       const CapsulePoint on = ClosestOnCapsule(ends[c].begin, ends[c].end, radius, point);
-      const double score = distance + kTurnPenalty * (1.0 - on.normal.dot(cloud.normals.col(i)));
+      const double score = distance + kNormalPenalty * (1.0 - on.normal.dot(cloud.normals.col(i)));
       if (score >= least) continue;
       least = score;
       best = {i, static_cast<int>(c), on.distance};
     }
-    if (least < max_distance + 2.0 * kTurnPenalty) matches.push_back(best);
+    if (least < max_distance + 2.0 * kNormalPenalty) matches.push_back(best);
   }
   return matches;
 }

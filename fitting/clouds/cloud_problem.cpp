@@ -17,13 +17,13 @@ namespace {
 
 int FirstOf(const FrameTerms& terms) {
   int first = terms.frame;
-  for (const FixedNeighbourFrame& held : terms.held) first = std::min(first, terms.frame + held.step);
+  for (const FixedNeighbourFrame& neighbour : terms.held) first = std::min(first, terms.frame + neighbour.step);
   return first;
 }
 
 int LastOf(const FrameTerms& terms) {
   int last = terms.frame;
-  for (const FixedNeighbourFrame& held : terms.held) last = std::max(last, terms.frame + held.step);
+  for (const FixedNeighbourFrame& neighbour : terms.held) last = std::max(last, terms.frame + neighbour.step);
   return last;
 }
 
@@ -48,7 +48,7 @@ CloudProblem::CloudProblem(const CapsuleBody& body, PoseState& state, const Fram
     problem_.AddResidualBlock(cost, &joint_loss_, cost->Blocks(state_));
   }
   AddPriors(options);
-  for (const FixedNeighbourFrame& held : terms.held) AddStep(held, options);
+  for (const FixedNeighbourFrame& neighbour : terms.held) AddStep(neighbour, options);
 }
 
 void CloudProblem::AddPriors(const PointCloudOptions& options) {
@@ -62,10 +62,10 @@ void CloudProblem::AddPriors(const PointCloudOptions& options) {
   }
 }
 
-void CloudProblem::AddStep(const FixedNeighbourFrame& held, const PointCloudOptions& options) {
-  const int other = frame_ + held.step;
+void CloudProblem::AddStep(const FixedNeighbourFrame& neighbour, const PointCloudOptions& options) {
+  const int other = frame_ + neighbour.step;
   const int first = std::min(frame_, other);
-  const double root_of_time = std::sqrt(held.seconds);
+  const double root_of_time = std::sqrt(neighbour.seconds);
   const double rotation_term_weight = 1.0 / (options.rotation_process_noise * root_of_time);
   for (int j = 0; j < state_.joints(); ++j) {
     if (!state_.active(j)) continue;

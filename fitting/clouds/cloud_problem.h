@@ -10,7 +10,7 @@
 
 namespace mocurate {
 
-/// The costs of one frame of matched points over the memory of a PoseState: those of CloudEquations.
+/// The costs of CloudEquations as a Ceres problem: one frame of matched points over the memory of a PoseState.
 class CloudProblem {
  public:
   CloudProblem(const CapsuleBody& body, PoseState& state, const FrameTerms& terms, const PointCloudOptions& options);
@@ -19,7 +19,7 @@ class CloudProblem {
 
  private:
   void AddPriors(const PointCloudOptions& options);
-  void AddStep(const FixedNeighbourFrame& held, const PointCloudOptions& options);
+  void AddStep(const FixedNeighbourFrame& neighbour, const PointCloudOptions& options);
 
   const CapsuleBody& body_;
   PoseState& state_;

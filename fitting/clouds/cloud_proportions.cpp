@@ -15,11 +15,11 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFramesOfClip = 9;          ///< of each clip, evenly spread
-constexpr std::size_t kPosedClouds = 16;  ///< that a body is measured in where poses are known, at most
+constexpr int kFramesOfClip = 9;          ///< per clip, evenly spaced
+constexpr std::size_t kPosedClouds = 16;  ///< clouds for a body with known poses, at most
 constexpr int kFewestPosedPoints = 100;
-constexpr double kScaleOfTracks = 0.04;  ///< deviation of the logarithm of a size that tracks tell
-constexpr double kNearPosesShare = 0.5;  ///< of the points within reach of the body, or they belong to another person
+constexpr double kScaleOfTracks = 0.04;  ///< standard deviation of the logarithm of a size from tracks
+constexpr double kNearPosesShare = 0.5;  ///< of the points within reach of the body; fewer show another person
 
 Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointCloudOptions& options) {
   DepthRigReport report;
@@ -28,11 +28,11 @@ Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointClou
   return FuseClip(*audited, options, kFramesOfClip);
 }
 
-/// Clouds of clips one after another; of clips that say nothing why.
+/// Clouds of clips one after another, and the errors of unusable clips.
 struct CloudsOfClips {
   std::vector<FusedCloud> clouds;
   std::vector<std::size_t> clip;  ///< (clouds)
-  std::vector<int> frame;         ///< (clouds) of the clip
+  std::vector<int> frame;         ///< (clouds) index in the clip
   std::vector<std::pair<std::size_t, Error>> nothing_from;
 };
 
@@ -90,7 +90,8 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
   const CapsuleBody capsules = CapsuleBody::Make(skeleton, scale, 1.0);
   std::vector<PoseState> states;
   for (const Motion& motion : motions) states.push_back(StateOf(motion, capsules));
-  std::vector<std::pair<std::size_t, std::size_t>> usable;  // which of its clip, cloud: few are taken of all clips
+  std::vector<std::pair<std::size_t, std::size_t>> usable;  // (index of the clip, cloud): a few clouds are chosen over
+                                                            // all clips
   for (std::size_t i = 0, of_clip = 0; i < some->clouds.size(); ++i) {
     of_clip = i > 0 && some->clip[i] == some->clip[i - 1] ? of_clip + 1 : 0;
     const bool is_posed = some->frame[i] < motions[some->clip[i]].frame_count();
@@ -99,7 +100,7 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
   std::sort(usable.begin(), usable.end());
   ShapedPerson person;
   person.scale = scale;
-  person.scale_spread = kScaleOfTracks;
+  person.scale_sigma = kScaleOfTracks;
   std::vector<FusedCloud> clouds;
   const std::size_t count = std::min(usable.size(), kPosedClouds);
   double near = 0.0, all = 0.0;
@@ -118,10 +119,10 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
                                      " points of the person at the times of the other evidence"
                                : "only " + std::to_string(std::lround(100.0 * near / all)) +
                                      " % of the depth points lie near the body of the other evidence",
-                clips.front().id(), "are both of one person, one clock and one world?");
+                clips.front().id(), "check that both are of one person, one clock and one world frame");
   }
   PointCloudOptions quick = options;
-  quick.solver = TrackSolver::kBanded;  // the same costs
+  quick.solver = TrackSolver::kBanded;  // same costs, faster
   const Expected<ShapedPerson> shaped = FitShape(clouds, skeleton, std::move(person), quick);
   if (!shaped) return Forward(shaped);
   BodyFromClouds body = MeasuredBody(*shaped, skeleton);

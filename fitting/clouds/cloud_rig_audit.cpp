@@ -24,49 +24,51 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestSamples = 6;       ///< comparisons that a judgement takes
-constexpr std::size_t kMostViewsTimed = 12;     ///< that clocks are looked for in
-constexpr double kLeastMoveGain = 0.08;         ///< of the loss, by a move of kLeastMove; farther ones gain more
-constexpr double kSureGain = 0.3;               ///< what any move that is real gains
-constexpr double kFewerMoves = 0.15;            ///< of the gain, for which one camera less is said to have been moved
-constexpr double kInconsistentViewsLoss = 0.2;  ///< views that then still agree no better may be of something else
+constexpr std::size_t kFewestSamples = 6;       ///< fewest comparisons for an audit
+constexpr std::size_t kMostViewsTimed = 12;     ///< most views for clock estimation
+constexpr double kLeastMoveGain = 0.08;         ///< of the loss, by a move of kLeastMove; proportional for longer moves
+constexpr double kSureGain = 0.3;               ///< of the loss: gain that suffices for any move
+constexpr double kFewerMoves = 0.15;            ///< of the gain: a solution with one moved camera may be worse by this
+                                                ///< share
+constexpr double kInconsistentViewsLoss = 0.2;  ///< loss from which corrected views may still show something else
 constexpr double kLeastMove = 0.008;            ///< m at the person
-constexpr double kPersonRadius = 0.45;          ///< m; what a turn moves
+constexpr double kPersonRadius = 0.45;          ///< m; converts a rotation to a displacement
 
 class DepthAuditor {
  public:
   DepthAuditor(const std::vector<DepthView>& views, const RigAuditOptions& options)
-      : options_(options), sampler_(views), late_(views.size(), 0), cameras_(CamerasOf(views)) {
+      : options_(options), sampler_(views), delay_(views.size(), 0), cameras_(CamerasOf(views)) {
     for (const DepthView& view : views) report_.cameras.push_back(view.camera.name);
   }
 
   Expected<AuditedDepthRig> Audit() {
     if (Status apart = ReportSharedPlaces(); !apart) return Forward(apart);
-    if (Status seen = See(); !seen) return Forward(seen);
+    if (Status seen = Resample(); !seen) return Forward(seen);
     if (Status person = CheckPersonIsSeen(rig_, sampler_.flat()); !person) return Forward(person);
     if (Status corrected = CorrectLengths(); !corrected) return Forward(corrected);
-    if (Status seen = See(); !seen) return Forward(seen);
+    if (Status seen = Resample(); !seen) return Forward(seen);
     report_.without_person = WithoutPerson(rig_);
     report_.frames = sampler_.frames();
     report_.loss = LossOfViews(rig_, losses_);
     report_.residual_mm = ResidualsOfViews(rig_, cameras_);
-    const bool judged = CanJudge();
-    if (Status corrected = judged && !files_wrong_ ? CorrectCommonOffset() : Status(); !corrected)
+    const bool enough = HasEnoughSamples();
+    if (Status corrected = enough && !files_wrong_ ? CorrectCommonOffset() : Status(); !corrected) {
       return Forward(corrected);
-    if (judged && CorrectFileAssignment()) {
-      if (Status seen = See(); !seen) return Forward(seen);
+    }
+    if (enough && CorrectFileAssignment()) {
+      if (Status seen = Resample(); !seen) return Forward(seen);
     }
     if (Status corrected = CorrectDepths(); !corrected) return Forward(corrected);
     if (report_.not_audited.empty() && !files_wrong_) {
-      // What explains most first, then the rest again.
-      for (std::size_t round = 0; round < 2 * late_.size(); ++round) {
+      // Apply the change that explains most, then test again.
+      for (std::size_t round = 0; round < 2 * delay_.size(); ++round) {
         const Expected<bool> improved = Improve();
         if (!improved) return Forward(improved);
         if (!*improved) break;
       }
     }
     report_.loss_after = LossOfViews(rig_, losses_);
-    for (std::size_t v = 0; v < late_.size(); ++v) ReportClock(v), ReportMove(v);
+    for (std::size_t v = 0; v < delay_.size(); ++v) ReportClock(v), ReportMove(v);
     ReportInconsistentViews(InconsistentViews(), report_.faults);
     return AuditedDepthRig{WithoutInconsistentViews(Corrected(), report_.faults), std::move(report_)};
   }
@@ -89,16 +91,16 @@ class DepthAuditor {
     return files_wrong_ ? std::vector<RigFault>() : FindInconsistentViews(rig_, losses_, options_);
   }
 
-  Status See() {
-    Expected<ObservedRig> rig = sampler_.Seen(late_);
+  Status Resample() {
+    Expected<ObservedRig> rig = sampler_.Seen(delay_);
     if (!rig) return Forward(rig);
     rig_ = std::move(*rig);
     losses_ = LossOfSamples(rig_, cameras_);
     return {};
   }
 
-  /// Of two views, which one is at its calibrated place is ambiguous.
-  bool CorrectsMoves() const { return options_.moved == AuditAction::kCorrect && late_.size() > 2; }
+  /// With two views, the moved camera is ambiguous.
+  bool CorrectsMoves() const { return options_.moved == AuditAction::kCorrect && delay_.size() > 2; }
 
   Status CorrectLengths() {
     if (options_.unit == AuditAction::kOff) return {};
@@ -116,12 +118,12 @@ class DepthAuditor {
     return {};
   }
 
-  /// Depths of a view that are too long or too short for what the others see, if that explains it much better than
-  /// another place of its camera does.
+  /// Corrects depths of a view that are too long or too short, if that explains much more than another pose of its
+  /// camera.
   Status CorrectDepths() {
-    if (options_.moved == AuditAction::kOff || late_.size() < 3 || late_.size() > kFewViews) return {};
+    if (options_.moved == AuditAction::kOff || delay_.size() < 3 || delay_.size() > kFewViews) return {};
     if (!report_.not_audited.empty() || files_wrong_) return {};
-    const auto wrong = FindWrongDepths(sampler_, late_, rig_, cameras_);
+    const auto wrong = FindWrongDepths(sampler_, delay_, rig_, cameras_);
     if (!wrong) return Forward(wrong);
     const double loss = MeanLoss(losses_);
     if (!*wrong || (*wrong)->loss > kInconsistentViewsLoss || (*wrong)->loss > (1.0 - kSureGain) * loss) return {};
@@ -133,34 +135,34 @@ class DepthAuditor {
     fault.corrected = CorrectsMoves();
     wrong_depths_ = **wrong;
     sampler_ = DepthRigSampler(WithDepths(sampler_.views(), (*wrong)->view, (*wrong)->factor));
-    if (Status seen = See(); !seen) return seen;
+    if (Status seen = Resample(); !seen) return seen;
     fault.confidence = ConfidenceOfSeparate(before, Of((*wrong)->view, losses_, losses_).first);
     report_.faults.push_back(std::move(fault));
     return {};
   }
 
-  /// What is wrong with all views alike, if that explains more than one camera's depths, its place, or exchanged files.
-  /// Flipped images can only be reported.
+  /// Corrects a fault common to all views, if that explains more than one camera's depths or pose, or exchanged files.
+  /// Mirrored images are only reported.
   Status CorrectCommonOffset() {
     const auto common = FindCommonFault(rig_, losses_);
     if (!common || common->confidence < options_.sure) return {};
     const AuditAction action = common->mirrored ? options_.exchanged : options_.moved;
     if (action == AuditAction::kOff) return {};
-    const auto single = FindWrongDepths(sampler_, late_, rig_, cameras_);
+    const auto single = FindWrongDepths(sampler_, delay_, rig_, cameras_);
     if (!single) return Forward(single);
     const auto exchange = FindFileExchange(rig_, losses_);
     const auto moved = FindFarMove();
     if (!moved) return Forward(moved);
     const double others = std::min({*single ? (*single)->loss : 1.0, exchange ? exchange->exchanged : 1.0,
                                     *moved ? MeanLoss(LossOfSamples(rig_, **moved)) : 1.0});
-    if (common->corrected_loss > (1.0 - kFewerMoves) * others) return {};
+    if (common->loss_after > (1.0 - kFewerMoves) * others) return {};
     RigFault fault = FaultOfAll(report_.cameras, *common, rig_);
     fault.confidence = common->confidence;
     if (common->mirrored && action == AuditAction::kCorrect) {
       return Fail(ErrorCode::kInconsistent,
-                  fault.message + "; sure to " + RoundedText(100.0 * fault.confidence, 4) + " %", "depth views",
-                  "turn the images over, or give the calibration of the images as they are; with "
-                  "fitting.point_clouds.audit.exchanged: report they are taken as given");
+                  fault.message + "; confidence " + RoundedText(100.0 * fault.confidence, 4) + " %", "depth views",
+                  "mirror the images, or give the calibration of the images as they are, or set "
+                  "fitting.point_clouds.audit.exchanged: report to use them as given");
     }
     files_wrong_ = common->mirrored;
     fault.corrected = !common->mirrored && CorrectsMoves();
@@ -168,17 +170,17 @@ class DepthAuditor {
     if (common->mirrored) return {};
     all_depths_ = common->factor;
     sampler_ = DepthRigSampler(WithAllDepths(sampler_.views(), all_depths_));
-    return See();
+    return Resample();
   }
 
-  bool CanJudge() {
-    if (late_.size() < 2) return false;
+  bool HasEnoughSamples() {
+    if (delay_.size() < 2) return false;
     const auto samples = static_cast<std::size_t>(
         std::count_if(losses_.begin(), losses_.end(), [](double loss) { return loss >= 0.0; }));
     if (samples >= kFewestSamples) return true;
-    report_.not_audited = "places, clocks and files of depth cameras cannot be judged by " +
+    report_.not_audited = "poses, clocks and files of depth cameras were not audited: " +
                           Counted(static_cast<long long>(samples), "comparison") +
-                          " of two views that see the person at one moment, " + std::to_string(kFewestSamples) +
+                          " of two views with the person at one moment, " + std::to_string(kFewestSamples) +
                           " are needed";
     return false;
   }
@@ -202,15 +204,15 @@ class DepthAuditor {
     return OfView(rig_, view, losses, others);
   }
 
-  /// Takes over what explains most of what is left, clocks or places; false when nothing does.
+  /// Applies the clock or the poses that explain most of the remaining loss; false without an improvement.
   Expected<bool> Improve() {
     std::optional<ClockOffsetOfView> clock;
-    if (options_.clocks != AuditAction::kOff && late_.size() <= kMostViewsTimed && sampler_.step_s() > 0.0) {
+    if (options_.clocks != AuditAction::kOff && delay_.size() <= kMostViewsTimed && sampler_.step_s() > 0.0) {
       const auto longest = static_cast<int>(std::min(options_.longest_s / sampler_.step_s(), 1e4));
-      auto found = FindClockOffset(sampler_, late_, cameras_, longest, options_.sure);
+      auto found = FindClockOffset(sampler_, delay_, cameras_, longest, options_.sure);
       if (!found) return Forward(found);
       clock = *found;
-      if (clock && std::abs(late_[clock->view] + clock->frames) > longest) clock.reset();
+      if (clock && std::abs(delay_[clock->view] + clock->frames) > longest) clock.reset();
     }
     std::optional<std::vector<Camera>> moved;
     if (options_.moved != AuditAction::kOff) {
@@ -220,27 +222,27 @@ class DepthAuditor {
     }
     if (!clock && !moved) return false;
     const double loss = MeanLoss(losses_);
-    std::vector<int> late = late_;
+    std::vector<int> delays = delay_;
     double with_clock = loss, with_moves = loss;
     if (clock) {
-      late[clock->view] += clock->frames;
-      const Expected<ObservedRig> rig = sampler_.Seen(late);
+      delays[clock->view] += clock->frames;
+      const Expected<ObservedRig> rig = sampler_.Seen(delays);
       if (!rig) return Forward(rig);
       with_clock = MeanLoss(LossOfSamples(*rig, cameras_));
     }
     if (moved) with_moves = MeanLoss(LossOfSamples(rig_, *moved));
     if (std::min(with_clock, with_moves) >= loss) return false;
     if (with_clock <= with_moves) {
-      late_ = std::move(late);
+      delay_ = std::move(delays);
       clocks_[clock->view] = *clock;
     } else {
       cameras_ = std::move(*moved);
     }
-    if (Status seen = See(); !seen) return Forward(seen);
+    if (Status seen = Resample(); !seen) return Forward(seen);
     return true;
   }
 
-  /// Cameras of views that surely stand elsewhere than `cameras_` has them, registered; others put back one by one.
+  /// New poses of cameras that certainly moved, registered. Implausible ones are reset one by one.
   Expected<std::optional<std::vector<Camera>>> FindMoves() {
     std::vector<bool> free = MayHaveMoved(LossOfViews(rig_, losses_));
     std::vector<double> by_clock(free.size(), -1.0);
@@ -272,9 +274,9 @@ class DepthAuditor {
     return FindFarMove();
   }
 
-  /// Takes camera v alone, registered from `start`, if its new place is real and the rig then agrees better.
+  /// Registers camera v alone from `start`. Accepts the pose if it is significant and lowers the rig's loss.
   Status TryOneMove(std::size_t v, std::vector<Camera> start, double& least, std::optional<std::vector<Camera>>& best) {
-    std::vector<bool> free(late_.size(), false);
+    std::vector<bool> free(delay_.size(), false);
     free[v] = true;
     Expected<std::vector<Camera>> found = Register(rig_, free, std::move(start));
     if (!found) return Forward(found);
@@ -289,13 +291,13 @@ class DepthAuditor {
     return {};
   }
 
-  /// The one camera that was moved farther than its surfaces meet those of the others: brought to them first, by where
-  /// the person is, then registered.
+  /// The one camera that moved too far for surfaces to overlap: first shifted to the person's position, then
+  /// registered.
   Expected<std::optional<std::vector<Camera>>> FindFarMove() {
     std::optional<std::vector<Camera>> best;
     const std::vector<Vector3d> aside = AsideOf(rig_, cameras_);
     double least = MeanLoss(losses_);
-    for (std::size_t v = 0; v < late_.size() && late_.size() > 2 && late_.size() <= kFewViews; ++v) {
+    for (std::size_t v = 0; v < delay_.size() && delay_.size() > 2 && delay_.size() <= kFewViews; ++v) {
       if (aside[v].norm() < kAside) continue;
       std::vector<Camera> start = cameras_;
       start[v].camera_from_world = start[v].camera_from_world * RigidTransform{Quaterniond::Identity(), aside[v]};
@@ -304,17 +306,17 @@ class DepthAuditor {
     return best;
   }
 
-  /// The one camera that explains nearly as much as several do: these moved together, it alone the other way.
+  /// One camera's move that explains nearly as much as several together: the others' common move is its opposite.
   Expected<std::optional<std::vector<Camera>>> FindOneMove(double loss_of_several) {
     std::optional<std::vector<Camera>> best;
     double least = loss_of_several + kFewerMoves * (MeanLoss(losses_) - loss_of_several);
-    for (std::size_t v = 0; v < late_.size() && late_.size() <= kFewViews; ++v) {
+    for (std::size_t v = 0; v < delay_.size() && delay_.size() <= kFewViews; ++v) {
       if (Status tried = TryOneMove(v, cameras_, least, best); !tried) return Forward(tried);
     }
     return best;
   }
 
-  /// Whether a camera's new place explains more than noise does, and more than its clock may between two frames.
+  /// Whether a camera's new pose explains more than noise, and more than its clock between two frames.
   Expected<bool> IsReal(std::size_t v, double move, const std::vector<Camera>& found, const std::vector<double>& better,
                         double& by_clock) {
     if (move < kLeastMove) return false;
@@ -325,9 +327,9 @@ class DepthAuditor {
     const double loss = MeanLoss(both.second);
     const double left = 1.0 - std::min(kLeastMoveGain * move / kLeastMove, kSureGain);
     if (loss > kInconsistentViewsLoss || loss > left * MeanLoss(both.first)) return false;
-    if (late_.size() > kMostViewsTimed || sampler_.together() < 2) return true;
+    if (delay_.size() > kMostViewsTimed || sampler_.together() < 2) return true;
     if (by_clock < 0.0) {
-      const Expected<double> least = LeastLossBetweenFrames(sampler_, late_, without, v);
+      const Expected<double> least = LeastLossBetweenFrames(sampler_, delay_, without, v);
       if (!least) return Forward(least);
       by_clock = *least;
     }
@@ -340,10 +342,10 @@ class DepthAuditor {
   }
 
   void ReportClock(std::size_t v) {
-    if (late_[v] == 0) return;
+    if (delay_[v] == 0) return;
     const ClockOffsetOfView& found = clocks_.at(v);
-    const double off_ms = -1e3 * sampler_.step_s() * (late_[v] - found.frames + found.offset);
-    RigFault fault = DepthClockOff(report_.cameras[v], off_ms, late_[v]);
+    const double off_ms = -1e3 * sampler_.step_s() * (delay_[v] - found.frames + found.offset);
+    RigFault fault = DepthClockOff(report_.cameras[v], off_ms, delay_[v]);
     fault.confidence = found.confidence;
     fault.corrected = options_.clocks == AuditAction::kCorrect;
     report_.faults.push_back(std::move(fault));
@@ -369,7 +371,7 @@ class DepthAuditor {
       views = WithDepths(std::move(views), wrong_depths_->view, 1.0 / wrong_depths_->factor);
     }
     for (std::size_t v = 0; v < views.size(); ++v) {
-      if (late_[v] != 0 && options_.clocks == AuditAction::kCorrect) views[v] = DelayBy(views[v], late_[v]);
+      if (delay_[v] != 0 && options_.clocks == AuditAction::kCorrect) views[v] = DelayBy(views[v], delay_[v]);
       if (CorrectsMoves()) views[v].camera = cameras_[v];
     }
     return views;
@@ -377,14 +379,14 @@ class DepthAuditor {
 
   const RigAuditOptions& options_;
   DepthRigSampler sampler_;
-  std::vector<int> late_;  ///< (V) frames
+  std::vector<int> delay_;  ///< (V) clock offset in frames
   std::vector<Camera> cameras_;
   std::map<std::size_t, ClockOffsetOfView> clocks_;
   ObservedRig rig_;
   std::vector<double> losses_;
   bool files_wrong_ = false;
   std::optional<WrongDepths> wrong_depths_;
-  double all_depths_ = 1.0;  ///< factor on them
+  double all_depths_ = 1.0;  ///< common factor applied to all depths
   DepthRigReport report_;
 };
 

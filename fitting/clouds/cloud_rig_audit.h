@@ -10,41 +10,42 @@
 
 namespace mocurate {
 
-/// What an audit of depth views says of them.
+/// Report of a depth view audit.
 struct DepthRigReport {
   std::vector<std::string> cameras;
-  std::vector<int> frames;  ///< that were looked at, each with the next
-  /// (cameras, frames) root mean square distance of a view's points to the surfaces that others see there, before
-  /// anything is corrected; mm, 0 where no other view sees the same surface.
+  std::vector<int> frames;  ///< first frame of each sampled group
+  /// (cameras, frames) root mean square distance of a view's points to surfaces of other views, before corrections; mm,
+  /// 0 without a common surface.
   std::vector<std::vector<double>> residual_mm;
-  std::vector<double> loss;            ///< (cameras) mean loss of the comparisons with others, as given, in [0, 1]
-  std::vector<double> loss_after;      ///< and as corrected
-  std::vector<double> without_person;  ///< (cameras) share of the moments in which another camera observes the person
+  std::vector<double> loss;            ///< (cameras) mean loss of the comparisons with other views, as given, in [0, 1]
+  std::vector<double> loss_after;      ///< after the corrections
+  std::vector<double> without_person;  ///< (cameras) share of the moments with a person in another view, but none in
+                                       ///< this one
   std::vector<RigFault> faults;
-  std::string not_audited;  ///< what was not looked for, and why; empty: all was, or was not to be
+  std::string not_audited;  ///< which tests were impossible, and why; empty: none
 
-  /// Something is wrong and was left as it is, or a view contradicts every other one and was not excluded.
+  /// A problem was not corrected, or a view contradicts all others and was not excluded.
   bool IsAmbiguous() const;
 };
 
-/// Depth views, and how they had to be taken to agree with each other.
+/// Depth views, with the corrections that make them agree.
 struct AuditedDepthRig {
-  std::vector<DepthView> views;  ///< with poses and files corrected where options say so, without those that contradict
-                                 ///< the others; a frame for which a corrected clock has no image has an empty file
-                                 ///< name
+  std::vector<DepthView> views;  ///< with poses and files corrected where options allow it, without views that
+                                 ///< contradict the others; a frame for which a corrected clock has no image has an
+                                 ///< empty file name
   DepthRigReport report;
 };
 
-/// Places, clocks, files and units of depth cameras, from what views of the person say of each other at up to six
-/// moments of a clip. Same input, same result. Errors of ReadFrame; kInconsistent for units that are reported and not
-/// to be corrected, and for cameras in one place that see different things. Views of unequal length, without files, or
-/// with stamps that do not increase are taken as they are.
+/// Estimates poses, clocks, files and units of depth cameras, by comparing the person's surfaces between views at up to
+/// six moments of a clip. Deterministic. Errors of ReadFrame; kInconsistent for wrong units that are only reported, and
+/// for different views with one camera pose. Views of unequal length, without files, or with stamps that do not
+/// increase stay unchanged.
 Expected<AuditedDepthRig> AuditDepthRig(const std::vector<DepthView>& views, const RigAuditOptions& options);
 
-/// The clip with its depth views as AuditDepthRig leaves them; the report goes to `report`.
+/// The clip with its depth views after AuditDepthRig; writes `report`.
 Expected<Clip> WithAuditedRig(const Clip& clip, const RigAuditOptions& options, DepthRigReport& report);
 
-/// What an audit found, for people.
+/// The findings of an audit.
 std::vector<Finding> FindingsOf(const DepthRigReport& report);
 
 }  // namespace mocurate

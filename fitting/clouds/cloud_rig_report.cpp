@@ -7,7 +7,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kRarelySeen = 0.5;  ///< of the moments without anybody
+constexpr double kRarelySeen = 0.5;  ///< share of the moments without a person, from which a finding is written
 
 }  // namespace
 
@@ -36,8 +36,9 @@ std::vector<Finding> FindingsOf(const DepthRigReport& report) {
     finding.severity = Severity::kWarning;
     finding.value = report.without_person[v];
     finding.message = "depth camera " + report.cameras[v] + " shows no person in " +
-                      RoundedText(100.0 * report.without_person[v], 3) + " % of the frames in which others do";
-    finding.message += "; fitted without it there";
+                      RoundedText(100.0 * report.without_person[v], 3) +
+                      " % of the frames in which other cameras show one";
+    finding.message += "; these frames are fitted without it";
     finding.action = FindingAction::kKept;
     findings.push_back(std::move(finding));
   }
@@ -47,7 +48,7 @@ std::vector<Finding> FindingsOf(const DepthRigReport& report) {
   finding.severity = Severity::kWarning;
   finding.value = static_cast<double>(report.cameras.size());
   finding.message = report.not_audited;
-  finding.message += "; taken as given";
+  finding.message += "; the rig is used as given";
   finding.action = FindingAction::kKept;
   findings.push_back(std::move(finding));
   return findings;

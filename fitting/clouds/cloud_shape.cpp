@@ -20,17 +20,17 @@ namespace {
 
 constexpr int kUnknowns = 1 + kShapeComponents;  ///< logarithm of the scale, then the shape
 constexpr int kShapeRounds = 10;
-constexpr double kSettledStep = 0.02;     ///< deviations
-constexpr double kLongestStep = 1.0;      ///< deviations, of a round
-constexpr double kLargestScaling = 0.05;  ///< of the logarithm of the scale, of a round
-constexpr double kShapeSigma = 0.01;      ///< m; error of capsules of the right shape
-constexpr double kErrorsShared = 0.25;    ///< weight: real bodies differ in ways that capsules share along a whole limb
+constexpr double kSettledStep = 0.02;     ///< standard deviations; shorter steps end the search
+constexpr double kLongestStep = 1.0;      ///< standard deviations per round
+constexpr double kLargestScaling = 0.05;  ///< of the logarithm of the scale, per round
+constexpr double kShapeSigma = 0.01;      ///< m; error of capsules with the right shape
+constexpr double kErrorsShared = 0.25;    ///< weight: capsules of a limb share shape errors
 constexpr double kTinyStep = 1e-3;        ///< of finite differences
 
 using ShapeUnknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
-/// A body of one size and shape, in one pose after another.
+/// A body of one size and shape, posed in one cloud after another.
 struct Figure {
   SkeletonPtr skeleton;
   CapsuleBody body;
@@ -61,7 +61,7 @@ std::vector<double> Distances(const Figure& figure, int frame, const FusedCloud&
   return distances;
 }
 
-/// Derivatives of the weighted distance of a matched point in the unknowns of a frame's equations.
+/// Derivatives of the weighted distance of a matched point with respect to a frame's pose.
 void FillPoseRow(int frame, const Figure& figure, const FusedCloud& cloud, const CloudMatch& match,
                  const CloudEquations& equations, double weight, Eigen::MatrixXd::RowXpr row) {
   const PoseState& state = figure.state;
@@ -71,14 +71,14 @@ void FillPoseRow(int frame, const Figure& figure, const FusedCloud& cloud, const
   const Vector3d on_axis = on.point - capsule.radius * on.normal;
   const Vector3d normal = weight * on.normal;
   row.head<3>() = -normal.transpose();
-  const auto turn = [&](int joint) {
+  const auto add_rotation = [&](int joint) {
     const int column = equations.column(joint);
     if (column < 0) return;
     const Vector3d lever = on_axis - state.position(frame, joint);
     row.segment<3>(column) = normal.transpose() * Hat(lever) * state.lever(frame, joint);
   };
-  for (const int joint : state.path(capsule.frame)) turn(joint);
-  turn(capsule.frame);
+  for (const int joint : state.path(capsule.frame)) add_rotation(joint);
+  add_rotation(capsule.frame);
 }
 
 class ShapeFit {
@@ -87,7 +87,7 @@ class ShapeFit {
            const PointCloudOptions& options)
       : clouds_(clouds), skeleton_(std::move(skeleton)), options_(options), person_(std::move(person)) {}
 
-  /// Another round; how far it went, in deviations.
+  /// One round; returns the length of its step, in standard deviations.
   Expected<double> Step() {
     Figure figure = At(ShapeUnknowns::Zero(), static_cast<int>(clouds_.size()));
     Information information = Information::Zero();
@@ -103,8 +103,8 @@ class ShapeFit {
     }
     information *= kErrorsShared / static_cast<double>(clouds_.size());
     right *= kErrorsShared / static_cast<double>(clouds_.size());
-    information(0, 0) += 1.0 / Square(person_.scale_spread);
-    right[0] -= moved_ / Square(person_.scale_spread);
+    information(0, 0) += 1.0 / Square(person_.scale_sigma);
+    right[0] -= moved_ / Square(person_.scale_sigma);
     for (int k = 0; k < kShapeComponents; ++k) {
       information(1 + k, 1 + k) += 1.0;
       right[1 + k] -= person_.shape[k];
@@ -116,7 +116,7 @@ class ShapeFit {
     person_.scale *= std::exp(step[0]);
     moved_ += step[0];
     for (int k = 0; k < kShapeComponents; ++k) person_.shape[k] += step[1 + k];
-    return std::max(step.tail<kShapeComponents>().cwiseAbs().maxCoeff(), std::abs(step[0]) / person_.scale_spread);
+    return std::max(step.tail<kShapeComponents>().cwiseAbs().maxCoeff(), std::abs(step[0]) / person_.scale_sigma);
   }
 
   const ShapedPerson& person() const { return person_; }
@@ -128,7 +128,7 @@ class ShapeFit {
     return {skeleton_, person_.scale * std::exp(change[0]), shape, options_.capsule_radius_scale, frames};
   }
 
-  /// Gauss-Newton, the frame's pose eliminated.
+  /// Adds a frame to the Gauss-Newton system, with its pose eliminated.
   void AddFrame(int f, double sigma, Figure& figure, Information& information, ShapeUnknowns& right) const {
     const FusedCloud& cloud = clouds_[f];
     figure.state.Update(f, f + 1, true);
@@ -164,7 +164,7 @@ class ShapeFit {
     }
     const Eigen::MatrixXd cross = by_pose.transpose() * by_shape;
     const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(equations.matrix());
-    if (factor.info() != Eigen::Success) return;  // the pose is unconstrained: no result
+    if (factor.info() != Eigen::Success) return;  // the pose is undetermined: the frame adds nothing
     information += by_shape.transpose() * by_shape - cross.transpose() * factor.solve(cross);
     right -= by_shape.transpose() * residual - cross.transpose() * factor.solve(equations.gradient());
   }
@@ -173,7 +173,7 @@ class ShapeFit {
   SkeletonPtr skeleton_;
   const PointCloudOptions& options_;
   ShapedPerson person_;
-  double moved_ = 0.0;  ///< logarithm of the scale against where it was found
+  double moved_ = 0.0;  ///< logarithm of the scale, relative to the initial one
 };
 
 }  // namespace

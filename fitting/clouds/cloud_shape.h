@@ -11,21 +11,20 @@ namespace mocurate {
 
 /// A person's size and shape, and their poses in some clouds.
 struct ShapedPerson {
-  double scale = 1.0;                      ///< against the rest skeleton
-  double scale_spread = 0.15;              ///< deviation of the logarithm of the scale: how well it was known before
-  BodyShape shape{};                       ///< against the template of that size
-  std::vector<std::vector<double>> poses;  ///< PoseState::FrameParameters in each cloud, about
+  double scale = 1.0;                      ///< relative to the rest skeleton
+  double scale_sigma = 0.15;               ///< prior standard deviation of the logarithm of the scale
+  BodyShape shape{};                       ///< relative to the template of that size
+  std::vector<std::vector<double>> poses;  ///< approximate PoseState::FrameParameters in each cloud
 };
 
-/// The skeleton with bone directions and capsules of that shape; lengths of rest offsets are those of a person
-/// of the skeleton's size. `skeleton`: a named one, without a shape of its own. Another skeleton than one with SMPL's
-/// joints stays as it is.
+/// The skeleton with the bone directions and body shape of `shape`. Rest offsets keep the lengths of a person of the
+/// skeleton's size. `skeleton`: a named one without a shape of its own. A skeleton without SMPL's joints is returned
+/// unchanged.
 SkeletonPtr WithShape(const SkeletonPtr& skeleton, const BodyShape& shape);
 
-/// From a size and poses that explain the clouds about: size and shape are fitted together with the poses, which are
-/// eliminated (a profile: what another pose explains as well tells nothing of the body). The shape is held to people's
-/// usual ones. However many clouds, they count as one: what capsules are off is the same in all of them. Errors of
-/// FitCloudFrame; kInterrupted.
+/// Fits size and shape together with the poses, from approximate size and poses. Poses are eliminated (a profile), so
+/// that the body only explains what poses cannot. The shape has a prior from the usual variation between people. All
+/// clouds together count as one, because capsule errors are the same in all. Errors of FitCloudFrame; kInterrupted.
 Expected<ShapedPerson> FitShape(const std::vector<FusedCloud>& clouds, const SkeletonPtr& skeleton, ShapedPerson person,
                                 const PointCloudOptions& options);
 

@@ -16,40 +16,41 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSmallestAgainstRest = 0.4;  ///< of a person against the rest skeleton
+constexpr double kSmallestAgainstRest = 0.4;  ///< smallest size of a person relative to the rest skeleton
 constexpr double kLargestAgainstRest = 1.5;
-constexpr int kFewestPoints = 100;     ///< of a cloud that tells a size
-constexpr std::size_t kClouds = 5;     ///< that bodies are posed in, of all heights
-constexpr std::size_t kFewClouds = 3;  ///< people may squat, or be seen in part, in all of so many
-/// On the scale from the height, of several clouds: arms are raised, people stand, people sit.
+constexpr int kFewestPoints = 100;     ///< fewest points of a cloud that enters the size estimate
+constexpr std::size_t kClouds = 5;     ///< clouds in which bodies are posed, spread over all heights
+constexpr std::size_t kFewClouds = 3;  ///< up to this number of clouds, the person may squat or be partly visible in
+                                       ///< all
+/// Factors on the scale from the height, with several clouds: raised arms, standing, sitting.
 constexpr std::array<double, 3> kStartFactors = {0.85, 1.0, 1.3};
 constexpr std::array<double, 7> kFactorsOfFew = {0.85, 0.92, 1.0, 1.08, 1.16, 1.28, 1.45};
-constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};  ///< scales of grown people
-constexpr std::size_t kLimbsOfScales = 4;                                 ///< the cheapest, whose limbs are looked for
-/// On the best scale of stances: arms before the chest had made it 3 to 9 % too large (`synthesize --layout
-/// rendered_seq --seed 6001 --set subjects=24`, p13 and p16).
+constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};  ///< scales of adults
+constexpr std::size_t kLimbsOfScales = 4;                                 ///< cheapest scales, refined by a limb search
+/// Factors on the best scale of stances: with arms in front of the chest it was 3 to 9 % too large (`synthesize
+/// --layout rendered_seq --seed 6001 --set subjects=24`, p13 and p16).
 constexpr std::array<double, 3> kFactorsOfLimbs = {0.93, 1.0, 1.07};
-constexpr double kMuchWorse = 1.3;  ///< cost per point against that of the cloud that is explained best
+constexpr double kMuchWorse = 1.3;  ///< cost per point relative to the cloud with the lowest cost
 constexpr const char* kWork = "size of a person in depth views";
-constexpr int kRadiusFits = 3;      ///< of poses, radii measured between them
+constexpr int kRadiusFits = 3;      ///< fits of poses, with radii estimated in between
 constexpr double kWideStep = 0.03;  ///< of the logarithm of the scale
 constexpr double kNarrowStep = 0.015;
-constexpr int kSteps = 12;              ///< downhill, at most
+constexpr int kSteps = 12;              ///< steps of the descent, at most
 constexpr double kStraightLegs = 0.97;  ///< height of a hip above its ankle as a share of thigh and shin
 
-/// A body in the poses that explain some clouds best.
+/// A body size and the best poses in some clouds.
 struct PosedSize {
   double scale = 1.0;
   double cost = 0.0;
   std::vector<std::vector<double>> poses;  ///< PoseState::FrameParameters in each cloud
 };
 
-/// Thinning to one point per voxel takes about half a voxel at either end, which is given back.
+/// Height of a cloud. Adds back the voxel size that thinning removes, half at each end.
 double HeightOfPerson(const FusedCloud& cloud, double voxel_size) {
   return HeightOf(cloud.points).height() + voxel_size;
 }
 
-/// From crown to soles, metres.
+/// From crown to soles in the rest pose, metres.
 double HeightOfRestBody(const SkeletonPtr& skeleton) {
   const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0, 1.0);
   PoseState rest(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
@@ -57,7 +58,7 @@ double HeightOfRestBody(const SkeletonPtr& skeleton) {
   return HeightOf(body, rest, 0).height();
 }
 
-/// By the median height of clouds against that of the rest body, as if people stood in most of them.
+/// Scale from the median height of clouds relative to the rest body, assuming that people stand in most of them.
 double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size) {
   std::vector<double> heights;
   for (const FusedCloud& cloud : clouds) heights.push_back(HeightOfPerson(cloud, voxel_size));
@@ -69,7 +70,7 @@ class SizeSearch {
   SizeSearch(SkeletonPtr skeleton, const std::vector<FusedCloud>& clouds, const PointCloudOptions& options)
       : skeleton_(std::move(skeleton)), clouds_(clouds), options_(options) {}
 
-  /// Poses of a body of this scale, from nothing.
+  /// Poses of a body of this scale, without initial poses.
   Expected<PosedSize> StartAt(double scale, StartSearch search) const {
     PosedSize size{scale, 0.0, {}};
     const CapsuleBody body = BodyOf(scale);
@@ -84,8 +85,8 @@ class SizeSearch {
     return size;
   }
 
-  /// A body of this scale in poses near those of another size, its limbs looked for.
-  Expected<PosedSize> LookForLimbs(double scale, const PosedSize& near) const {
+  /// A body of this scale with poses near those of another size, after a limb search.
+  Expected<PosedSize> SearchLimbsAt(double scale, const PosedSize& near) const {
     PosedSize size{scale, 0.0, {}};
     const CapsuleBody body = BodyOf(scale);
     PoseState state = PosesOf(body, 1, scale);
@@ -101,13 +102,12 @@ class SizeSearch {
     return size;
   }
 
-  /// Where a pose explains its cloud much worse than others do theirs, one is looked for from nothing; the cheaper
-  /// stays.
+  /// Searches anew for the pose of clouds with a much higher cost than the others; keeps the cheaper pose.
   Expected<PosedSize> StartWorstAgain(PosedSize size) const {
     const CapsuleBody body = BodyOf(size.scale);
     PoseState state = PosesOf(body, 1, size.scale);
     std::vector<double> costs;
-    double least = std::numeric_limits<double>::max();  // per point
+    double least = std::numeric_limits<double>::max();  // cost per point
     for (std::size_t c = 0; c < clouds_.size(); ++c) {
       const auto cost = CostNear(size.poses[c], body, clouds_[c], state);
       if (!cost) return Forward(cost);
@@ -130,9 +130,9 @@ class SizeSearch {
     return size;
   }
 
-  /// The scale downhill of `from`, at the lowest point of a parabola through three steps of its logarithm.
+  /// The scale at a local minimum near `from`: lowest point of a parabola through three steps of its logarithm.
   Expected<PosedSize> Downhill(const PosedSize& from, double step) const {
-    std::array<PosedSize, 3> sizes;  // smaller, middle, larger
+    std::array<PosedSize, 3> sizes;  // smaller, middle, larger scale
     const auto fit = [&](std::size_t which, double scale, const PosedSize& near) -> Status {
       Expected<PosedSize> fitted = Fitted(scale, near.poses);
       if (!fitted) return Forward(fitted);
@@ -145,20 +145,20 @@ class SizeSearch {
     if (Status ok = fit(2, sizes[1].scale * factor, sizes[1]); !ok) return Forward(ok);
     for (int i = 0; i < kSteps && std::min(sizes[0].cost, sizes[2].cost) < sizes[1].cost; ++i) {
       const bool down = sizes[0].cost < sizes[2].cost;
-      // Rotated so that the cheapest is in the middle; the one left over is fitted anew.
+      // Rotate so that the cheapest is in the middle, and fit the outer one anew.
       std::rotate(sizes.begin(), sizes.begin() + (down ? 2 : 1), sizes.end());
       const double next = down ? sizes[1].scale / factor : sizes[1].scale * factor;
       if (Status ok = fit(down ? 0 : 2, next, sizes[1]); !ok) return Forward(ok);
     }
     const double curvature = sizes[0].cost + sizes[2].cost - 2.0 * sizes[1].cost;
     if (!(curvature > 0.0)) return sizes[1];
-    // Steps that ended before the lowest point was between them do not lead far beyond it.
+    // Without a bracketed minimum, limit the extrapolation.
     const double lowest = std::clamp(0.5 * (sizes[0].cost - sizes[2].cost) / curvature, -1.0, 1.0);
     Expected<PosedSize> refined = Fitted(sizes[1].scale * std::exp(step * lowest), sizes[1].poses);
     return !refined || refined->cost < sizes[1].cost ? refined : sizes[1];
   }
 
-  /// Of the clouds in whose pose a leg is straight and upright: by what the cloud is higher than the posed body.
+  /// Ratios of cloud height and body height, for clouds whose pose has a straight and upright leg.
   std::vector<double> HeightRatios(const PosedSize& size) const;
 
  private:
@@ -170,7 +170,7 @@ class SizeSearch {
     return PoseState(*skeleton_, frames, lengths, body.MovingJoints());
   }
 
-  /// Poses one cloud near a given pose, in the state's only frame; what that costs.
+  /// Fits one cloud near a given pose, in the state's only frame; returns its cost.
   Expected<double> CostNear(const std::vector<double>& pose, const CapsuleBody& body, const FusedCloud& cloud,
                             PoseState& state) const {
     state.SetFrameParameters(0, pose);
@@ -180,7 +180,7 @@ class SizeSearch {
     return PoseCost(body, cloud, state, 0, options_);
   }
 
-  /// In poses near those given; radii are measured in them.
+  /// Fits near the given poses, with radii estimated in between.
   Expected<PosedSize> Fitted(double scale, const std::vector<std::vector<double>>& poses) const {
     CapsuleBody body = BodyOf(scale);
     const auto frames = static_cast<int>(clouds_.size());
@@ -208,7 +208,7 @@ class SizeSearch {
   const PointCloudOptions& options_;
 };
 
-/// Height of a hip above its ankle as a share of thigh and shin: of the straighter leg. 0 for a skeleton without.
+/// Height of a hip above its ankle as a share of thigh and shin, of the straighter leg. 0 for a skeleton without legs.
 double StraightnessOfLegs(const Skeleton& skeleton, const PoseState& state, int frame) {
   const auto hips = LegsOfBody(skeleton);
   if (!hips) return 0.0;
@@ -237,9 +237,9 @@ std::vector<double> SizeSearch::HeightRatios(const PosedSize& size) const {
   return ratios;
 }
 
-/// At most `count`, of all heights.
+/// At most `count` clouds, spread over all heights.
 std::vector<FusedCloud> OfAllHeights(std::vector<FusedCloud> clouds, std::size_t count) {
-  std::vector<std::pair<double, std::size_t>> order;  // height, cloud
+  std::vector<std::pair<double, std::size_t>> order;  // height, cloud index
   for (std::size_t i = 0; i < clouds.size(); ++i) order.emplace_back(HeightOf(clouds[i].points).height(), i);
   std::sort(order.begin(), order.end());
   std::vector<FusedCloud> chosen;
@@ -250,7 +250,7 @@ std::vector<FusedCloud> OfAllHeights(std::vector<FusedCloud> clouds, std::size_t
   return chosen;
 }
 
-/// Puts what `improve` makes of each size in its place, the cheapest first, and keeps `count` of them at most.
+/// Replaces each size by `improve` of it, sorts by cost and keeps at most `count`.
 template <typename Improve>
 Status ImproveEach(std::vector<PosedSize>& sizes, std::size_t count, const Improve& improve) {
   for (PosedSize& size : sizes) {
@@ -270,8 +270,8 @@ std::vector<PosedSize> Scales(const Factors& factors, double from_height) {
   return sizes;
 }
 
-/// Of clouds of which some show a pose that tells a size. Stances alone take arms before the chest for a thicker one,
-/// and a larger body with it: limbs are looked for at sizes around the best.
+/// For many clouds, of which some show a pose that determines the size. With stances alone, arms in front of the chest
+/// look like a larger body, so limbs are searched at sizes around the best.
 Expected<PosedSize> BestOfMany(const SizeSearch& search, double from_height) {
   std::vector<PosedSize> sizes = Scales(kStartFactors, from_height);
   const auto stances = [&](const PosedSize& size) -> Expected<PosedSize> {
@@ -281,7 +281,7 @@ Expected<PosedSize> BestOfMany(const SizeSearch& search, double from_height) {
   if (Status ok = ImproveEach(sizes, 1, stances); !ok) return Forward(ok);
   std::vector<PosedSize> with_limbs = Scales(kFactorsOfLimbs, sizes[0].scale);
   const auto limbs = [&](const PosedSize& size) -> Expected<PosedSize> {
-    Expected<PosedSize> found = search.LookForLimbs(size.scale, sizes[0]);
+    Expected<PosedSize> found = search.SearchLimbsAt(size.scale, sizes[0]);
     return found ? search.Downhill(*found, kWideStep) : found;
   };
   if (Status ok = ImproveEach(with_limbs, 1, limbs); !ok) return Forward(ok);
@@ -293,9 +293,9 @@ Expected<PosedSize> BestOfMany(const SizeSearch& search, double from_height) {
   return !again || again->cost < found->cost ? again : found;
 }
 
-/// For clouds that may all show a person who squats or is partly visible: more sizes, and limbs are looked for. The
-/// search of the first pose (TrackClouds) does the same at the size that this gives, so a size counts by what the
-/// search finds at it: a refined one at which it takes a back for a front is none.
+/// For few clouds, in which the person may squat or be partly visible. Tries more sizes and searches limbs. The first
+/// pose (TrackClouds) is later searched at this size with the same method, so the result of that search scores each
+/// size. A refined size with the orientation reversed is rejected.
 Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
   std::vector<PosedSize> sizes = Scales(kFactorsOfFew, from_height);
   for (const double usual : kUsualScales) {
@@ -321,7 +321,7 @@ Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const Sk
     return person;
   }
   PointCloudOptions quick = options;
-  quick.solver = TrackSolver::kBanded;  // the same costs
+  quick.solver = TrackSolver::kBanded;  // same costs, faster
   clouds.erase(std::remove_if(clouds.begin(), clouds.end(),
                               [](const FusedCloud& cloud) { return cloud.size() < kFewestPoints; }),
                clouds.end());

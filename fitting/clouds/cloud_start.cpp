@@ -14,16 +14,16 @@
 namespace mocurate {
 namespace {
 
-constexpr int kHeadings = 8;                                               ///< tried, evenly around
-constexpr std::array<double, 4> kAboutTheFacing = {-0.6, -0.2, 0.2, 0.6};  ///< rad, where the facing is known
-constexpr double kFacingError = 1.4;  ///< rad; a pose that faces another way is none
-constexpr double kTaller = 1.35;      ///< a stance against the points
+constexpr int kHeadings = 8;                                               ///< initial headings, evenly spaced
+constexpr std::array<double, 4> kAboutTheFacing = {-0.6, -0.2, 0.2, 0.6};  ///< rad, relative to a given facing
+constexpr double kFacingError = 1.4;  ///< rad; larger deviations from the given facing contradict it
+constexpr double kTaller = 1.35;      ///< ratio of the heights of stance and points, above which a part is hidden
 constexpr double kWidening = 2.0;
 constexpr std::size_t kFinalists = 6;
-constexpr double kSameHeading = 0.6;   ///< rad; finalists face further apart, or have other legs
-constexpr double kOtherHeading = 1.6;  ///< rad; facing another way
+constexpr double kSameHeading = 0.6;   ///< rad; finalists differ by more, or started with other legs
+constexpr double kOtherHeading = 1.6;  ///< rad; from here the opposite direction
 
-/// Rounds of the search: points and matchings per start, and the share of starts that goes on.
+/// Rounds of the search: points and matchings per start, and the share of starts that continues.
 struct Round {
   int points;
   int matchings;
@@ -70,17 +70,17 @@ void SwingArms(const Skeleton& skeleton, Arms arms, int frame, PoseState& state)
   const auto shoulders = skeleton.Shoulders();
   if (!shoulders) return;
   for (const int side : {0, 1}) {
-    double* turn = state.rotation(frame, (*shoulders)[side]);
+    double* angles = state.rotation(frame, (*shoulders)[side]);
     const double sign = side == 0 ? -1.0 : 1.0;
     if (arms == Arms::kForward) {
-      turn[1] = 1.2 * sign;
+      angles[1] = 1.2 * sign;
     } else {
-      turn[2] = sign * (arms == Arms::kDown ? 1.3 : arms == Arms::kOut ? 0.2 : -1.0);
+      angles[2] = sign * (arms == Arms::kDown ? 1.3 : arms == Arms::kOut ? 0.2 : -1.0);
     }
   }
 }
 
-/// Mean place of a posed body's surface, about.
+/// Approximate mean position of a posed body's surface.
 Vector3d MiddleOf(const CapsuleBody& body, const PoseState& state, int frame) {
   Vector3d sum = Vector3d::Zero();
   double area = 0.0;
@@ -93,9 +93,9 @@ Vector3d MiddleOf(const CapsuleBody& body, const PoseState& state, int frame) {
   return sum / area;
 }
 
-/// A stance that faces `heading` about y, amid the points.
-void StandStill(const CapsuleBody& body, const FusedCloud& cloud, int frame, double heading, const Stance& stance,
-                PoseState& state) {
+/// A stance with heading `heading` about y, centred in the points.
+void SetStance(const CapsuleBody& body, const FusedCloud& cloud, int frame, double heading, const Stance& stance,
+               PoseState& state) {
   std::fill(state.translation(frame), state.rotation(frame, 0), 0.0);
   for (int j = 0; j < state.joints(); ++j) Eigen::Map<Vector3d>(state.rotation(frame, j)).setZero();
   state.rotation(frame, 0)[1] = heading;
@@ -105,7 +105,7 @@ void StandStill(const CapsuleBody& body, const FusedCloud& cloud, int frame, dou
   const HeightSpan of_body = HeightOf(body, state, frame);
   const HeightSpan of_cloud = HeightOf(cloud.points);
   const Vector3d across = cloud.points.rowwise().mean() - MiddleOf(body, state, frame);
-  // Of a body that cannot be all there, the upper part is seen.
+  // When a part is hidden, assume that the upper part is visible.
   const double up = of_body.height() > kTaller * of_cloud.height()
                         ? of_cloud.high - of_body.high
                         : 0.5 * (of_cloud.low + of_cloud.high - of_body.low - of_body.high);
@@ -113,7 +113,7 @@ void StandStill(const CapsuleBody& body, const FusedCloud& cloud, int frame, dou
 }
 
 struct Candidate {
-  bool contradicts = false;  ///< the declared facing
+  bool contradicts = false;  ///< the given facing
   double cost = 0.0;
   double heading = 0.0;
   Legs legs = Legs::kStanding;
@@ -138,9 +138,9 @@ void SortByCost(std::vector<Candidate>& candidates) {
   });
 }
 
-/// The best of sorted candidates from `begin` on that faces another way than the first one of all; none
-/// where that contradicts the declared facing.
-const Candidate* FacingAnotherWay(const std::vector<Candidate>& candidates, std::size_t begin) {
+/// The best of the sorted candidates from `begin` on that faces away from the first of all; null where that contradicts
+/// the given facing.
+const Candidate* BestFacingAway(const std::vector<Candidate>& candidates, std::size_t begin) {
   for (std::size_t i = begin; i < candidates.size(); ++i) {
     if (HeadingsApart(candidates[i].heading, candidates[0].heading) < kOtherHeading) continue;
     return candidates[i].contradicts ? nullptr : &candidates[i];
@@ -148,13 +148,13 @@ const Candidate* FacingAnotherWay(const std::vector<Candidate>& candidates, std:
   return nullptr;
 }
 
-/// Appends the best that faces another way where none of `chosen` does: both distinguish front from back.
-void KeepAnotherWay(const std::vector<Candidate>& candidates, std::vector<Candidate>& chosen) {
-  if (FacingAnotherWay(chosen, 1) != nullptr) return;
-  if (const Candidate* other = FacingAnotherWay(candidates, 1)) chosen.push_back(*other);
+/// Appends the best candidate that faces away, unless `chosen` has one: front and back are compared after a full fit.
+void AddFacingAway(const std::vector<Candidate>& candidates, std::vector<Candidate>& chosen) {
+  if (BestFacingAway(chosen, 1) != nullptr) return;
+  if (const Candidate* other = BestFacingAway(candidates, 1)) chosen.push_back(*other);
 }
 
-/// The cheapest ones that face in different directions or began with other legs, one of them another way if any does.
+/// The cheapest candidates that face in different directions or started with other legs; one faces away if any does.
 std::vector<Candidate> Finalists(const std::vector<Candidate>& candidates) {
   std::vector<Candidate> finalists;
   for (const Candidate& candidate : candidates) {
@@ -163,7 +163,7 @@ std::vector<Candidate> Finalists(const std::vector<Candidate>& candidates) {
     });
     if (is_new && finalists.size() < kFinalists) finalists.push_back(candidate);
   }
-  KeepAnotherWay(candidates, finalists);
+  AddFacingAway(candidates, finalists);
   return finalists;
 }
 
@@ -184,7 +184,7 @@ std::vector<Candidate> Starts(const CapsuleBody& body, const FusedCloud& cloud, 
   for (const double heading : headings) {
     for (const Stance& stance : kStances) {
       if (!IsWanted(stance, options.posture)) continue;
-      StandStill(body, cloud, frame, heading, stance, state);
+      SetStance(body, cloud, frame, heading, stance, state);
       starts.push_back({false, 0.0, heading, stance.legs, state.FrameParameters(frame)});
     }
   }
@@ -236,7 +236,7 @@ Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud,
     if (Status refined = refine(CoarseCloud(cloud, round.points), fit); !refined) return Forward(refined);
     const auto kept = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(round.kept * candidates.size())));
     std::vector<Candidate> best(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(kept));
-    KeepAnotherWay(candidates, best);
+    AddFacingAway(candidates, best);
     candidates = std::move(best);
   }
   candidates = Finalists(candidates);
@@ -257,7 +257,7 @@ Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud,
   }
   CloudStart start{candidates.size(), candidates[0].cost, std::nullopt, std::nullopt};
   if (candidates[0].contradicts) start.off_facing = HeadingsApart(candidates[0].heading, *options.start.facing);
-  if (const Candidate* other = FacingAnotherWay(candidates, 1)) {
+  if (const Candidate* other = BestFacingAway(candidates, 1)) {
     start.margin = (other->cost - candidates[0].cost) / candidates[0].cost;
   }
   state.SetFrameParameters(frame, candidates[0].parameters);

@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// Lowest and highest point along y in metres, but for a few stray ones. Of a posed body: needs Update.
+/// Lowest and highest point along y in metres, without a few outliers. For a posed body: needs Update.
 struct HeightSpan {
   double low = 0.0;
   double high = 0.0;
@@ -17,30 +17,30 @@ struct HeightSpan {
 HeightSpan HeightOf(const Eigen::Matrix3Xd& points);
 HeightSpan HeightOf(const CapsuleBody& body, const PoseState& state, int frame);
 
-/// What the search for a first pose came to.
+/// Result of the search for a first pose.
 struct CloudStart {
   std::size_t finalists = 0;
   double cost = 0.0;
-  /// By how much the cheapest pose that faces another way costs more, as a share of the cost; none: every start
-  /// that is fitted to all points came to face about the same way, or against the declared facing.
+  /// Relative cost increase of the cheapest pose that faces away. Empty when all starts that were fitted to all points
+  /// face about the same way, or contradict the given facing.
   std::optional<double> margin;
-  /// Radians between the pose and the declared facing, where every start contradicts it.
+  /// Radians between the pose and the given facing, where every start contradicts it.
   std::optional<double> off_facing;
 };
 
-/// Where the pose in the state faces, rad about y, 0 faces +z. Needs Update.
+/// Heading of the pose in the state, rad about y; 0 faces +z. Needs Update.
 double HeadingOf(const PoseState& state, int frame);
 
-/// How far a search for a first pose goes.
+/// Extent of a search for a first pose.
 enum class StartSearch {
-  kStances,         ///< as the best stance leads to it
-  kStancesAndLimbs  ///< then arms and legs are looked for one by one (SearchLimbs)
+  kStances,         ///< fits from stances only
+  kStancesAndLimbs  ///< then searches arms and legs one by one (SearchLimbs)
 };
 
-/// Leaves in the state the pose of a frame of which only `options.start` is known: fitted from a dozen stances
-/// (standing, stepping, squatting, seated; arms in several places) that face all around, or about the
-/// declared facing. Starts are fitted to few points first; the best continue, the best few are fitted to all points,
-/// and the cheapest stays. Limbs are looked for in all of those, with a declared facing in the cheapest. Errors of
+/// Searches the pose of a frame for which only `options.start` is known; writes it to the state. Fits start from a
+/// dozen stances (standing, stepping, squatting, seated; several arm positions) in all directions, or near the given
+/// facing. They are fitted to few points first; the best continue, the best few are fitted to all points, and the
+/// cheapest wins. Limbs are searched in all of those, or with a given facing only in the cheapest. Errors of
 /// FitCloudFrame.
 Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud, int frame,
                                const PointCloudOptions& options, PoseState& state, StartSearch search);

@@ -18,16 +18,18 @@ namespace {
 
 constexpr int kRadiusRounds = 4;
 constexpr int kFewestTrackedPoints = 100;
-constexpr double kPoor = 1.15;        ///< cost per point against the median of the clip: worth a second look
-constexpr double kBetterPose = 0.98;  ///< of the cost before; else the pose stays
-constexpr double kLost = 3.0;         ///< cost per point against the median of the clip: somewhere else
-constexpr double kLostCost = 0.3;     ///< per point; bodies that are no capsules cost 0.1 to 0.2 where they are found
-constexpr double kFound = 0.7;        ///< of the cost before
-constexpr double kNear_s = 0.5;       ///< of a frame that was searched
-constexpr int kSearches = 6;          ///< in a clip, at most: one takes about as long as 20 frames
-constexpr double kAnyPose_s = 0.4;    ///< without points, in which an arm comes from anywhere to anywhere
+constexpr double kPoor = 1.15;        ///< cost per point relative to the clip's median, from which a frame is fitted
+                                      ///< again
+constexpr double kBetterPose = 0.98;  ///< of the cost before; otherwise the pose stays
+constexpr double kLost = 3.0;         ///< cost per point relative to the clip's median, from which the person is lost
+constexpr double kLostCost = 0.3;     ///< cost per point, at least; it is 0.1 to 0.2 for a correct pose of a body that
+                                      ///< differs from capsules
+constexpr double kFound = 0.7;        ///< of the cost before, for a pose that is found again
+constexpr double kNear_s = 0.5;       ///< distance from a frame that was searched
+constexpr int kSearches = 6;          ///< per clip, at most: one takes about as long as 20 frames
+constexpr double kAnyPose_s = 0.4;    ///< time without points after which a limb may have any pose
 
-/// Radii and pose of a frame in turn.
+/// Alternates radii and pose of a frame.
 Status MeasureRadii(int frame, const PointCloudOptions& options, CloudTrack& track) {
   for (int round = 0; round < kRadiusRounds; ++round) {
     track.state.Update(frame, frame + 1, false);
@@ -40,15 +42,15 @@ Status MeasureRadii(int frame, const PointCloudOptions& options, CloudTrack& tra
   return {};
 }
 
-/// The pose that a joint would have if it went on turning as it did from `before` to `last`.
-Vector3d GoneOn(const Eigen::Map<const Vector3d>& before, const Eigen::Map<const Vector3d>& last, double share) {
+/// Extrapolates a joint's rotation from `before` and `last`.
+Vector3d Extrapolated(const Eigen::Map<const Vector3d>& before, const Eigen::Map<const Vector3d>& last, double share) {
   const Quaterniond from = ExpQuaternion(before);
   const Quaterniond to = ExpQuaternion(last);
   return LogQuaternion(to * ExpQuaternion(share * LogQuaternion(from.conjugate() * to)));
 }
 
-/// Starts frame f where frame `last` stands, or where the motion from `before` to `last` leads: whichever lies nearer
-/// to the points. Frames need Update.
+/// Initial pose of frame f: that of frame `last`, or the extrapolated motion from `before` to `last`, whichever is
+/// nearer to the points. Frames need Update.
 void Predict(int before, int last, int f, const std::vector<double>& time_s, double max_distance, CloudTrack& track) {
   PoseState& state = track.state;
   const std::vector<double> still = state.FrameParameters(last);
@@ -58,20 +60,21 @@ void Predict(int before, int last, int f, const std::vector<double>& time_s, dou
   const double distance = MeanDistance(track.body, track.clouds[f], state, f, max_distance);
   const double share = (time_s[f] - time_s[last]) / (time_s[last] - time_s[before]);
   const auto at = [&](int frame) { return Eigen::Map<const Vector3d>(std::as_const(state).translation(frame)); };
-  const auto turn = [&](int frame, int j) {
+  const auto rotation_of = [&](int frame, int j) {
     return Eigen::Map<const Vector3d>(std::as_const(state).rotation(frame, j));
   };
   Eigen::Map<Vector3d>(state.translation(f)) = at(last) + share * (at(last) - at(before));
   for (int j = 0; j < state.joints(); ++j) {
-    if (state.active(j)) Eigen::Map<Vector3d>(state.rotation(f, j)) = GoneOn(turn(before, j), turn(last, j), share);
+    if (state.active(j))
+      Eigen::Map<Vector3d>(state.rotation(f, j)) = Extrapolated(rotation_of(before, j), rotation_of(last, j), share);
   }
   state.Update(f, f + 1, false);
   if (MeanDistance(track.body, track.clouds[f], state, f, max_distance) < distance) return;
   state.SetFrameParameters(f, still);
 }
 
-/// Looks for the pose of a frame anew and keeps what is found if it is taken (`is_found` of the search and the cost
-/// after it), else the pose that was there. Whether it was.
+/// Searches the pose of a frame anew. Accepts it if `is_found` (given the search and its cost), else restores the
+/// previous pose. Returns whether it was accepted.
 template <typename IsFound>
 Expected<bool> SearchAnew(int f, const PointCloudOptions& search, const PointCloudOptions& options,
                           const IsFound& is_found, CloudTrack& track) {
@@ -91,9 +94,9 @@ Expected<bool> SearchAnew(int f, const PointCloudOptions& search, const PointClo
   return false;
 }
 
-/// After a gap in which a person may have come to any pose: starts as in a clip's first frame, facing about as in frame
+/// After a gap in which a person may reach any pose: searches as in a clip's first frame, near the facing of frame
 /// `last`, and keeps the cheaper pose.
-Status StartAgain(int last, int f, const PointCloudOptions& options, CloudTrack& track) {
+Status RestartAfterGap(int last, int f, const PointCloudOptions& options, CloudTrack& track) {
   PoseState& state = track.state;
   state.Update(last, last + 1, false);
   state.Update(f, f + 1, false);
@@ -105,7 +108,7 @@ Status StartAgain(int last, int f, const PointCloudOptions& options, CloudTrack&
   return found ? Status() : Status(Forward(found));
 }
 
-/// Follows the frames after `first`; those before it have no points.
+/// Tracks the frames after `first`; earlier frames have no points.
 Status Follow(int first, const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
   int before = -1;
   int last = first;
@@ -114,13 +117,13 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
     if (track.clouds[f].size() < kFewestTrackedPoints) continue;
     if (Status on = StopIfInterrupted("fit of depth views"); !on) return on;
     Predict(before, last, f, time_s, options.max_distance, track);
-    // The frame held is the one before, which repeats `last` across a gap: only the time since then is another.
+    // Across a gap the fixed frame repeats `last`; the process noise uses the time since then.
     const FrameFit fit{f, {{-1, time_s[f] - time_s[last]}}, 1.0, static_cast<int>(options.iterations)};
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);
     track.outcomes[f] = *fitted;
     if (time_s[f] - time_s[last] > kAnyPose_s) {
-      if (Status again = StartAgain(last, f, options, track); !again) return again;
+      if (Status again = RestartAfterGap(last, f, options, track); !again) return again;
       last = -1;
     }
     before = last;
@@ -129,7 +132,7 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
   return {};
 }
 
-/// Frames that are not fitted take the pose of the fitted one before them, or after them.
+/// Frames without a fit get the pose of the previous fitted one, or of the next.
 void FillFrames(int first, CloudTrack& track) {
   for (int f = first - 1; f >= 0; --f) track.state.SetFrameParameters(f, track.state.FrameParameters(f + 1));
   for (int f = first + 1; f < track.state.frames(); ++f) {
@@ -137,10 +140,10 @@ void FillFrames(int first, CloudTrack& track) {
   }
 }
 
-/// What frames cost per point, and what they usually do.
+/// Cost per point of each frame, and its median.
 struct FrameCosts {
-  std::vector<double> of_frame;  ///< (F), 0 where a frame is not fitted
-  double median = 0.0;           ///< of those that are; 0 of fewer than three
+  std::vector<double> of_frame;  ///< (F), 0 for frames without a fit
+  double median = 0.0;           ///< over fitted frames; 0 for fewer than three
 };
 
 bool IsFitted(const CloudTrack& track, int frame) {
@@ -165,9 +168,10 @@ FrameCosts CostsOf(const PointCloudOptions& options, CloudTrack& track) {
   return costs;
 }
 
-/// Fits the frames that are explained worse than most once more, from where the frame after (step 1) or before (-1)
-/// stands, in the order that carries good poses on; the cheaper pose stays.
-Status LookAgain(int step, const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
+/// Fits frames with a high cost again, from the pose of the next (step 1) or previous (-1) frame. The order propagates
+/// good poses. The cheaper pose wins.
+Status RefitPoorFrames(int step, const std::vector<double>& time_s, const PointCloudOptions& options,
+                       CloudTrack& track) {
   const int frames = track.state.frames();
   FrameCosts costs = CostsOf(options, track);
   if (costs.median == 0.0) return {};
@@ -192,14 +196,14 @@ Status LookAgain(int step, const std::vector<double>& time_s, const PointCloudOp
   return {};
 }
 
-Status LookAgain(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
+Status RefitPoorFrames(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
   for (const int step : {1, -1}) {
-    if (Status looked = LookAgain(step, time_s, options, track); !looked) return looked;
+    if (Status looked = RefitPoorFrames(step, time_s, options, track); !looked) return looked;
   }
   return {};
 }
 
-/// Of the frames in which the person was lost, but for those `tried`: the one with the most points; -1 without any.
+/// Among frames in which the person was lost, without those `tried`: the one with the most points; -1 without any.
 int LostFrame(const FrameCosts& costs, const CloudTrack& track, const std::vector<bool>& tried) {
   int most = -1;
   for (int f = 0; f < track.state.frames(); ++f) {
@@ -210,9 +214,9 @@ int LostFrame(const FrameCosts& costs, const CloudTrack& track, const std::vecto
   return most;
 }
 
-/// A person who leaves the views and comes back may be fitted in any pose. Where frames are explained much worse
-/// than most, their pose is looked for anew in one of them, whichever way it faces, and carried on from there.
-Status FindAgain(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
+/// A person who leaves the views and returns may get a wrong pose. Where the cost is much higher than in most frames,
+/// searches the pose of one frame anew, in all directions, and tracks from there.
+Status RecoverLostFrames(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
   std::vector<bool> tried(static_cast<std::size_t>(track.state.frames()), false);
   PointCloudOptions any_way = options;
   any_way.start = {};
@@ -226,7 +230,7 @@ Status FindAgain(const std::vector<double>& time_s, const PointCloudOptions& opt
     const Expected<bool> found = SearchAnew(f, any_way, options, is_found, track);
     if (!found) return Forward(found);
     if (!*found) continue;
-    if (Status looked = LookAgain(time_s, options, track); !looked) return looked;
+    if (Status looked = RefitPoorFrames(time_s, options, track); !looked) return looked;
   }
   return {};
 }
@@ -237,7 +241,7 @@ Status CheckOrder(const std::vector<double>& time_s, const std::string& whose, c
     if (time_s[f] > time_s[f - 1]) continue;
     return Fail(ErrorCode::kInconsistent,
                 "frame " + std::to_string(f) + " of " + whose + " is not stamped later than the frame before it", clip,
-                "order the files by time, and leave out what is there twice");
+                "order the files by time, and remove duplicates");
   }
   return {};
 }
@@ -245,8 +249,9 @@ Status CheckOrder(const std::vector<double>& time_s, const std::string& whose, c
 Status CheckFrames(const Clip& clip) {
   const std::vector<DepthView>& views = clip.evidence.depth_views;
   if (SurfaceTimes(clip.evidence).empty()) {
-    return Fail(ErrorCode::kInconsistent, "the clip has no depth images or point clouds", clip.id(),
-                "fitting.method point_clouds needs either; joint_tracks fits tracked joints");
+    return Fail(
+        ErrorCode::kInconsistent, "the clip has no depth images or point clouds", clip.id(),
+        "fitting.method point_clouds requires one of them; for tracked joints set fitting.method to joint_tracks");
   }
   if (views.empty()) return CheckOrder(clip.evidence.clouds->time_s, "the clouds", clip.id());
   for (const DepthView& view : views) {
@@ -254,7 +259,7 @@ Status CheckFrames(const Clip& clip) {
       return Fail(ErrorCode::kInconsistent,
                   "view '" + view.camera.name + "' has " + std::to_string(view.files.size()) + " depth images, view '" +
                       views[0].camera.name + "' has " + std::to_string(views[0].files.size()),
-                  clip.id(), "views must be synchronous");
+                  clip.id(), "give synchronous views");
     }
     if (Status order = CheckOrder(view.time_s, "view '" + view.camera.name + "'", clip.id()); !order) return order;
   }
@@ -305,8 +310,8 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
   track.start = *start;
   if (Status measured = MeasureRadii(first, options, track); !measured) return Forward(measured);
   if (Status followed = Follow(first, time_s, options, track); !followed) return Forward(followed);
-  if (Status looked = LookAgain(time_s, options, track); !looked) return Forward(looked);
-  if (Status found = FindAgain(time_s, options, track); !found) return Forward(found);
+  if (Status looked = RefitPoorFrames(time_s, options, track); !looked) return Forward(looked);
+  if (Status found = RecoverLostFrames(time_s, options, track); !found) return Forward(found);
   FillFrames(first, track);
   return track;
 }

@@ -36,7 +36,7 @@ Matrix3d PositionCovariance(const CloudEquations& equations, const PoseState& st
 Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                               double sigma, PoseState& state, const PointCloudOptions& options) {
   const std::vector<CloudMatch> matches = MatchPoints(body, state, fit.frame, cloud, options.max_distance);
-  const double share = fit.trust * PatchShare(options.voxel_size);
+  const double share = fit.point_weight * PatchShare(options.voxel_size);
   CloudEquations equations(
       body, state, {fit.frame, cloud, matches, share / sigma, share * options.huber_sigmas, fit.held, fit.joints},
       options);
@@ -44,9 +44,9 @@ Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const Fus
   equations.Linearise();
   const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(equations.matrix());
   if (factor.info() != Eigen::Success) {
-    return Fail(ErrorCode::kInconsistent,
-                "what the depth views show is no body's surface, and determines no pose of one",
-                "frame " + std::to_string(fit.frame), "do they show a person, and is their calibration right?");
+    return Fail(ErrorCode::kInconsistent, "the points of the depth views do not determine a pose of the body",
+                "frame " + std::to_string(fit.frame),
+                "check that the views show a person, and check their calibration");
   }
   const auto size = equations.matrix().rows();
   const Eigen::MatrixXd covariance = factor.solve(Eigen::MatrixXd::Identity(size, size));

@@ -6,17 +6,16 @@
 
 namespace mocurate {
 
-/// How uncertain a frame's pose is.
+/// Uncertainty of a frame's pose.
 struct CloudUncertainty {
   std::vector<Matrix3d> position;  ///< (J) covariance of joints in the world, m^2
   std::vector<Vector3d> rotation;  ///< (J) variance about the joint's own axes, rad^2
   std::vector<Vector3d> observed;  ///< (J) 1 - posterior / prior variance of the rotation
-  std::vector<double> prior;       ///< (J) variance of the rotation before anything was seen, rad^2
+  std::vector<double> prior;       ///< (J) prior variance of the rotation, rad^2
 };
 
-/// From the inverse of the Gauss-Newton matrix of the frame's terms at the pose in the state, which is a minimum;
-/// points weighted with `sigma` (CapsuleFitOutcome). That the body is not the person's is not in it (BodyErrors). Needs
-/// Update.
+/// From the inverse of the Gauss-Newton matrix of the frame's terms, at the minimum in the state; points weighted with
+/// `sigma` (CapsuleFitOutcome). Does not include the difference between body and person (BodyErrors). Needs Update.
 Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                               double sigma, PoseState& state, const PointCloudOptions& options);
 

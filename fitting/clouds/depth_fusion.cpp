@@ -19,12 +19,13 @@
 namespace mocurate {
 namespace {
 
-constexpr int kHalfWindow = 2;           ///< pixels around one that its normal is read from
-constexpr double kFewestOfWindow = 0.6;  ///< share of the window; a pixel with fewer is a stray one
-constexpr double kSurface = 0.04;        ///< m in depth; a neighbour farther off is of another surface
-constexpr double kPixelsPerVoxel = 2.0;  ///< along each axis, looked at
+constexpr int kHalfWindow = 2;           ///< pixels on each side, for normals
+constexpr double kFewestOfWindow = 0.6;  ///< share of the window that must lie on the surface; else the pixel is an
+                                         ///< outlier
+constexpr double kSurface = 0.04;        ///< m in depth; farther neighbours are of another surface
+constexpr double kPixelsPerVoxel = 2.0;  ///< sampled pixels per voxel, along each axis
 
-/// What is not of the person is taken as not measured.
+/// Sets pixels outside the mask to not measured.
 Status ApplyMask(const DepthView& view, int frame, DepthImage& image) {
   if (view.masks.empty()) return {};
   const std::filesystem::path& file = view.masks[frame];
@@ -34,7 +35,7 @@ Status ApplyMask(const DepthView& view, int frame, DepthImage& image) {
     return Fail(ErrorCode::kInconsistent,
                 std::to_string(mask->width) + " x " + std::to_string(mask->height) + " pixels, the depth image has " +
                     std::to_string(image.width) + " x " + std::to_string(image.height),
-                file.string(), "does the mask belong to this image?");
+                file.string(), "check that the mask is for this image");
   }
   if (Status same = CheckUnchanged(file, view.mask_sha256[frame]); !same) return same;
   for (std::size_t i = 0; i < image.values.size(); ++i) {
@@ -50,12 +51,12 @@ Status CheckImage(const DepthView& view, int frame, const DepthImage& image) {
                 std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels, camera '" +
                     view.camera.name + "' has " + std::to_string(view.camera.width) + " x " +
                     std::to_string(view.camera.height),
-                file, "does the image belong to this camera?");
+                file, "check that the image is from this camera");
   }
   return CheckUnchanged(view.files[frame], static_cast<int>(view.sha256.size()) > frame ? view.sha256[frame] : "");
 }
 
-/// Sorted copy of a cloud: Open3D's order of voxels comes from a hash map.
+/// Sorted copy of a cloud: Open3D's voxel order depends on a hash map.
 FusedCloud Sorted(const open3d::geometry::PointCloud& cloud) {
   std::vector<std::size_t> order(cloud.points_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -99,20 +100,20 @@ Expected<FusedCloud> Fuse(const open3d::geometry::PointCloud& cloud, const Fusio
   }
 }
 
-/// The surface about a pixel: on a plane, inverse depth is linear in the pixel, 1/z = at + across du + down dv.
+/// The surface at a pixel. On a plane, inverse depth is linear in the pixel: 1/z = at + across du + down dv.
 struct LocalPlane {
   double at = 0.0;
   double across = 0.0;
   double down = 0.0;
 };
 
-/// Empty where too few neighbours are of the pixel's surface. Least squares over the window.
+/// Least-squares plane over the window. Empty when too few neighbours are on the pixel's surface.
 std::optional<LocalPlane> PlaneAt(const DepthImage& image, double metres_per_unit, int x, int y) {
   const std::uint16_t* const middle = image.values.data() + static_cast<std::size_t>(y) * image.width + x;
   const int near = static_cast<int>(std::min(kSurface / metres_per_unit + 1e-6, 65535.0));
   const int left = std::max(-kHalfWindow, -x), right = std::min(kHalfWindow, image.width - 1 - x);
   const int up = std::max(-kHalfWindow, -y), down = std::min(kHalfWindow, image.height - 1 - y);
-  // Moments of the offsets are whole numbers; sums of inverse depths, in 1 / unit.
+  // Offsets are integers; inverse depths are in 1 / unit.
   int n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
   double r = 0.0, rx = 0.0, ry = 0.0;
   for (int dy = up; dy <= down; ++dy) {
@@ -127,7 +128,7 @@ std::optional<LocalPlane> PlaneAt(const DepthImage& image, double metres_per_uni
   }
   constexpr int kWindow = (2 * kHalfWindow + 1) * (2 * kHalfWindow + 1);
   if (n < kFewestOfWindow * kWindow) return std::nullopt;
-  // About the mean of the offsets.
+  // Relative to the mean offset.
   const double xx = n * sxx - sx * sx, xy = n * sxy - sx * sy, yy = n * syy - sy * sy;
   const double bx = n * rx - sx * r, by = n * ry - sy * r;
   const double scale = 1.0 / (metres_per_unit * (xx * yy - xy * xy));
@@ -135,7 +136,7 @@ std::optional<LocalPlane> PlaneAt(const DepthImage& image, double metres_per_uni
   return LocalPlane{(r / metres_per_unit - across * sx - down_slope * sy) / n, across, down_slope};
 }
 
-/// Every so-many-th pixel is enough for a cloud of one point per voxel.
+/// Pixel step that suffices for one point per voxel.
 int Stride(const DepthView& view, const DepthImage& image, double voxel_size) {
   std::vector<std::uint16_t> measured;
   for (std::size_t i = 0; i < image.values.size(); i += 7) {
@@ -148,19 +149,19 @@ int Stride(const DepthView& view, const DepthImage& image, double voxel_size) {
   return std::clamp(static_cast<int>(voxel_size / (kPixelsPerVoxel * pixel)), 1, 16);
 }
 
-/// Of a plane before the camera: n . p = 1; n looks away from the camera.
+/// Normal of a plane in front of the camera, n . p = 1; n looks away from the camera.
 Vector3d NormalOf(const LocalPlane& plane, const Camera& camera, const Vector3d& point) {
   const double ray_x = point.x() / point.z(), ray_y = point.y() / point.z();
   return {plane.across * camera.fx, plane.down * camera.fy,
           plane.at - plane.across * camera.fx * ray_x - plane.down * camera.fy * ray_y};
 }
 
-/// The surface that one view sees.
+/// Adds the surface of one view.
 void AddSurface(const DepthView& view, const DepthImage& image, double voxel_size,
                 open3d::geometry::PointCloud& cloud) {
   const Camera& camera = view.camera;
   const RigidTransform world_from_camera = Inverse(camera.camera_from_world);
-  const Matrix3d turn = world_from_camera.rotation.toRotationMatrix();
+  const Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
   const int stride = Stride(view, image, voxel_size);
   for (int y = 0; y < image.height; y += stride) {
     for (int x = 0; x < image.width; x += stride) {
@@ -169,8 +170,8 @@ void AddSurface(const DepthView& view, const DepthImage& image, double voxel_siz
       const std::optional<LocalPlane> plane = PlaneAt(image, view.metres_per_unit, x, y);
       if (!plane) continue;
       const Vector3d point = camera.Unproject(Vector2d(x, y), value * view.metres_per_unit);
-      cloud.points_.emplace_back(turn * point + world_from_camera.translation);
-      cloud.normals_.emplace_back(turn * -NormalOf(*plane, camera, point).normalized());
+      cloud.points_.emplace_back(rotation * point + world_from_camera.translation);
+      cloud.normals_.emplace_back(rotation * -NormalOf(*plane, camera, point).normalized());
     }
   }
 }

@@ -11,19 +11,19 @@
 
 namespace mocurate {
 
-/// What several cameras see at one time. World, metres; columns are points, sorted by x, then y, then z.
+/// Points from several cameras at one time. World, metres; columns are points, sorted by x, then y, then z.
 struct FusedCloud {
   Eigen::Matrix3Xd points;
-  Eigen::Matrix3Xd normals;  ///< unit, towards the cameras that saw the point
-  int excluded = 0;          ///< points that were seen but are not of the person
+  Eigen::Matrix3Xd normals;  ///< unit, towards the observing cameras
+  int excluded = 0;          ///< points that are not of the person
 
   int size() const { return static_cast<int>(points.cols()); }
 };
 
-/// `hash`: of the file when it was ingested, or empty. Error kInconsistent if it has another one now.
+/// `hash`: of the file at ingestion, or empty. Error kInconsistent if it differs.
 Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash);
 
-/// Every n-th point, so that about `count` are left.
+/// Every n-th point, about `count` in total.
 FusedCloud CoarseCloud(const FusedCloud& cloud, int count);
 
 /// Thinning and cleaning of a fused cloud.
@@ -32,38 +32,36 @@ struct FusionOptions {
   CloudOutlierOptions outliers;
 };
 
-/// The images of a frame, one per view: decoded, and without what lies outside the masks; a view whose file has no name
-/// measured nothing. Errors of ReadDepthImage;
-/// kInconsistent for an image of another size than its camera, or another content than when it was ingested (where a
-/// hash is given).
+/// The images of a frame, one per view: decoded, without pixels outside the masks; empty for a view whose file has no
+/// name. Errors of ReadDepthImage; kInconsistent for an image with another size than its camera, or changed since
+/// ingestion (where a hash is given).
 Expected<std::vector<DepthImage>> ReadFrame(const std::vector<DepthView>& views, int frame);
 
 /// Every measured pixel of one view in the world, in the order of the pixels. Errors of ReadFrame.
 Expected<Eigen::Matrix3Xd> BackProject(const DepthView& view, int frame);
 
-/// The surface about a measured pixel, in the camera's frame.
+/// The surface at a measured pixel, in the camera's frame.
 struct PixelPlane {
   Vector3d point;   ///< metres, on the pixel's ray
   Vector3d normal;  ///< unit, towards the camera
 };
 
-/// The plane through a pixel of an image and its neighbours; empty where few of those lie near it. The pixel must be in
-/// the image and measured.
+/// The plane through a pixel and its neighbours; empty when few of those lie near it. The pixel must be in the image
+/// and measured.
 std::optional<PixelPlane> PlaneAtPixel(const DepthView& view, const DepthImage& image, int x, int y);
 
-/// Back-projects images of all views (as ReadFrame gives them), keeps one point per voxel and drops statistical
-/// outliers. A pixel that few of its neighbours lie near (flying pixels, stray ones) is none; normals are those of the
-/// planes through the neighbours. Same input, same points in the same order. May be empty. Error kInconsistent for
-/// voxels too small to be counted.
+/// Back-projects images of all views (from ReadFrame), keeps one point per voxel and drops statistical outliers. A
+/// pixel with few near neighbours (flying pixels) is dropped. Normals are of the planes through the neighbours.
+/// Deterministic, in a fixed order. May be empty. Error kInconsistent for voxels too small to be indexed.
 Expected<FusedCloud> FuseImages(const std::vector<DepthView>& views, const std::vector<DepthImage>& images,
                                 const FusionOptions& options);
 
-/// Points in the world, metres, thinned and cleaned as FuseImages does. Without `normals` they are those of planes
-/// through neighbouring points, up rather than down (FaceOutwards turns them). Error as FuseImages.
+/// Points in the world, metres, thinned and cleaned like FuseImages. Without `normals` they are estimated from planes
+/// through neighbouring points, up rather than down (FaceOutwards orients them). Error of FuseImages.
 Expected<FusedCloud> FusePoints(std::vector<Vector3d> points, std::vector<Vector3d> normals,
                                 const FusionOptions& options);
 
-/// FuseImages of a frame that is read first.
+/// Reads a frame and fuses it with FuseImages.
 Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, const FusionOptions& options);
 
 }  // namespace mocurate

@@ -22,7 +22,7 @@ Expected<PngImage> ReadJpeg(const std::filesystem::path& path) {
   } catch (const std::exception&) {
     // Reported below.
   }
-  return Fail(ErrorCode::kMalformed, "no PNG or JPEG image, or a damaged one", path.string(), "copy it again");
+  return Fail(ErrorCode::kMalformed, "not a PNG or JPEG image, or damaged", path.string(), "copy it again");
 }
 
 }  // namespace

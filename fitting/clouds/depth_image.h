@@ -10,8 +10,8 @@ namespace mocurate {
 /// Reads a PNG of one 16-bit channel. Errors: kNotFound, kUnreadable, kMalformed for a damaged image or other pixels.
 Expected<DepthImage> ReadDepthImage(const std::filesystem::path& path);
 
-/// Reads a mask, an 8-bit PNG or JPEG: inside from 128 up in its first channel (JPEG smears the edge, half way is it).
-/// Errors as ReadDepthImage.
+/// Reads a mask, an 8-bit PNG or JPEG: inside where the first channel is at least 128 (JPEG blurs edges). Errors of
+/// ReadDepthImage.
 Expected<PixelMask> ReadPixelMask(const std::filesystem::path& path);
 
 }  // namespace mocurate

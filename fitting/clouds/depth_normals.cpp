@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kFewestNeighbours = 6;
 constexpr double kStrayShare = 0.3;  ///< of the usual number of neighbours
 
-/// Of the plane through some points, up rather than down.
+/// Normal of the plane through some points, up rather than down.
 Vector3d PlaneNormal(const Eigen::Matrix3Xd& cloud, const std::vector<int>& points) {
   Vector3d mean = Vector3d::Zero();
   for (const int i : points) mean += cloud.col(i);
@@ -26,14 +26,14 @@ Vector3d PlaneNormal(const Eigen::Matrix3Xd& cloud, const std::vector<int>& poin
   return normal.y() < 0.0 ? Vector3d(-normal) : normal;
 }
 
-/// A point to which the sign of a neighbour's normal may be handed on; the most alike first.
+/// A step that propagates a normal's sign to a neighbour; the most similar normals first.
 struct Step {
   double alike;
   int from, to;
   bool operator<(const Step& other) const { return alike < other.alike; }
 };
 
-/// EvidenceKind the normals of all points connected to `seed` one sign. The points.
+/// Gives the normals of all points connected to `seed` one sign. Returns the points.
 std::vector<int> Connect(int seed, double reach, const open3d::geometry::KDTreeFlann& tree, FusedCloud& cloud,
                          std::vector<bool>& done) {
   std::vector<int> part, neighbours;
@@ -61,7 +61,7 @@ std::vector<int> Connect(int seed, double reach, const open3d::geometry::KDTreeF
 
 void EstimateNormals(const Eigen::Matrix3Xd& cloud, double radius, FusedCloud& thin) {
   if (thin.size() == 0) return;        // all points were outliers
-  const Eigen::MatrixXd kept = cloud;  // the tree refers to it
+  const Eigen::MatrixXd kept = cloud;  // referenced by the tree
   const open3d::geometry::KDTreeFlann tree(kept);
   std::vector<std::size_t> counts;
   std::vector<int> neighbours;

@@ -20,17 +20,18 @@
 namespace mocurate {
 namespace {
 
-constexpr double kObservingArea = 0.0023;  ///< m^2 of points of the capsules at a joint make it observed
-constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone, at the joint
-constexpr double kNotableRoom = 0.02;      ///< share of the points, worth a finding
+constexpr double kObservingArea = 0.0023;  ///< m^2 of points on a joint's capsules from which it is observed
+constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone: the part that counts to the joint
+constexpr double kNotableRoom = 0.02;      ///< share of the points, from which a finding is written
 constexpr double kNotableFar = 0.05;
-constexpr double kContradictingShare = 0.15;  ///< of the points; above it a declared height is wrong
-constexpr double kHardlyEver = 0.1;           ///< share of the frames
-constexpr double kSureMargin = 0.1;  ///< of the cost; a start whose opposite costs at most so much more is in doubt
+constexpr double kContradictingShare = 0.15;  ///< of the points, from which a given height is wrong
+constexpr double kHardlyEver = 0.1;           ///< share of the frames, up to which a limb counts as unobserved
+constexpr double kClearMargin =
+    0.1;  ///< relative cost difference up to which the facing of the first pose is ambiguous
 
-/// Points near each joint: on the surface of a joint with a single child those within a third of the bone from either,
-/// along the bone; of another joint (hands, head, trunk) all that move with it. The knee's third of a shin shows no
-/// ankle.
+/// Number of points that observe each joint. For a joint with a single child: points within a third of the bone on
+/// either side of the joint. For others (hands, head, trunk): all points of capsules that move with it. Points on the
+/// knee's third of a shin do not observe the ankle.
 std::vector<int> PointsOfJoints(const CapsuleBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
                                 const std::vector<CloudMatch>& matches) {
   const auto children = body.skeleton->Children();
@@ -51,14 +52,14 @@ std::vector<int> PointsOfJoints(const CapsuleBody& body, const PoseState& state,
   return points;
 }
 
-/// What the views show of a track's frames.
+/// What the views observe in a track's frames.
 struct Shown {
-  std::vector<bool> joint;       ///< (F*J) enough points lie on it
-  std::vector<double> error;     ///< (F) LowCoverageSigma, m; 0 where nothing was fitted
-  std::vector<double> residual;  ///< (F) root mean square, m; 0 where nothing was fitted
+  std::vector<bool> joint;       ///< (F*J) enough points for the joint
+  std::vector<double> error;     ///< (F) LowCoverageSigma, m; 0 without a fit
+  std::vector<double> residual;  ///< (F) root mean square, m; 0 without a fit
 };
 
-/// Residuals and joint states in one pass over all frames.
+/// Residuals and joint states of all frames.
 Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
   Shown shown;
   std::vector<double> residuals;
@@ -106,17 +107,17 @@ Status AddUncertainty(CloudTrack& track, const Shown& shown, const PointCloudOpt
 void ReportUntrackedFrames(const CloudTrack& track, FitResult& result) {
   std::vector<bool> without;
   for (const auto& outcome : track.outcomes) without.push_back(outcome.iterations == 0);
-  ReportFramesWithout(without, "too few depth points, the pose of the frame before, or after, kept",
+  ReportFramesWithout(without, "too few depth points, pose of the previous or next frame used",
                       FindingAction::kInterpolated, result.findings);
 }
 
-/// IsConclusive of arms and legs that the views hardly ever show: what a fit says of them is a guess, and of what they
-/// hang from little is known.
+/// Reports arms and legs that the views almost never observe. Their pose is an assumption, and their parent joint is
+/// uncertain.
 void ReportUnobservedLimbs(const Shown& shown, FitResult& result) {
   const Motion& motion = result.motion;
   const Limbs limbs = LimbsOf(*motion.skeleton);
   std::string names;
-  int unseen = 0;
+  int unobserved = 0;
   for (const auto* pair : {&limbs.arm, &limbs.leg}) {
     for (const Limb& limb : *pair) {
       if (!limb.known()) continue;
@@ -126,22 +127,22 @@ void ReportUnobservedLimbs(const Shown& shown, FitResult& result) {
         frames += shown.joint[at] ? 1 : 0;
       }
       if (frames > kHardlyEver * motion.frame_count()) continue;
-      names += (unseen++ > 0 ? ", " : "") + motion.skeleton->joints[limb.middle].name;
+      names += (unobserved++ > 0 ? ", " : "") + motion.skeleton->joints[limb.middle].name;
     }
   }
-  if (unseen == 0) return;
+  if (unobserved == 0) return;
   Finding finding;
   finding.code = "limb_never_seen";
-  finding.value = unseen;
-  finding.message = "the views hardly ever show " + names +
-                    " and what hangs from there: that is a guess, what it hangs from is unsure, and the person may be "
-                    "taller than this body";
-  finding.message += "; inferred; tell fitting.point_clouds.height and start.posture where they are known";
+  finding.value = unobserved;
+  finding.message = "the views almost never show " + names +
+                    " and the joints below: their pose is an assumption, their parent joints are uncertain, and the "
+                    "person may be taller than this body";
+  finding.message += "; inferred; set fitting.point_clouds.height and start.posture if known";
   finding.action = FindingAction::kKept;
   result.findings.push_back(finding);
 }
 
-/// IsConclusive of points that were taken for the room, and of points of the person that the body does not reach.
+/// Reports points that were classified as room, and points of the person far from the body.
 void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
   double room = 0.0;
   double far = 0.0;
@@ -163,7 +164,7 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
     finding.action = action;
     result.findings.push_back(finding);
   };
-  report(room, kNotableRoom, "points_of_the_room", " % of the depth points are floor or stand apart from the person",
+  report(room, kNotableRoom, "points_of_the_room", " % of the depth points are floor or separate from the person",
          FindingAction::kExcluded);
   report(far, kNotableFar, "points_off_the_body", " % of the person's points lie far from the fitted body",
          FindingAction::kFlagged);
@@ -172,22 +173,22 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
   finding.code = "height_contradicted";
   finding.severity = Severity::kError;
   finding.value = *options.height;
-  finding.message = "a body of the declared height, " + RoundedText(*options.height, 3) + " m, leaves " +
+  finding.message = "a body of the given height, " + RoundedText(*options.height, 3) + " m, leaves " +
                     std::to_string(std::lround(100.0 * far / all)) + " % of the person's points unexplained";
-  finding.message += "; flagged; check fitting.point_clouds.height, or leave it out";
+  finding.message += "; flagged; check fitting.point_clouds.height, or remove it";
   finding.action = FindingAction::kKept;
   result.findings.push_back(finding);
 }
 
 /// A body of capsules looks much the same from the front and from the back.
 void ReportAmbiguous(const CloudTrack& track, FitResult& result) {
-  if (!track.start.margin || *track.start.margin > kSureMargin) return;
+  if (!track.start.margin || *track.start.margin > kClearMargin) return;
   Finding finding;
   finding.code = "facing_ambiguous";
   finding.value = *track.start.margin;
   finding.message = "a first pose that faces another way explains the points almost as well: its cost is " +
                     std::to_string(std::lround(100.0 * *track.start.margin)) + " % higher";
-  finding.message += "; the cheaper one kept; tell fitting.point_clouds.start.facing where it is known";
+  finding.message += "; the cheaper one is kept; set fitting.point_clouds.start.facing if known";
   finding.action = FindingAction::kKept;
   result.findings.push_back(finding);
 }
@@ -197,9 +198,9 @@ void ReportContradiction(const CloudTrack& track, FitResult& result) {
   Finding finding;
   finding.code = "facing_contradicted";
   finding.value = *track.start.off_facing;
-  finding.message = "every first pose that explains the points contradicts the declared facing: the cheapest by " +
+  finding.message = "every first pose that explains the points contradicts the given facing: the cheapest by " +
                     std::to_string(std::lround(kDegrees * *track.start.off_facing)) + " degrees";
-  finding.message += "; the cheapest one kept; check fitting.point_clouds.start.facing";
+  finding.message += "; the cheapest one is kept; check fitting.point_clouds.start.facing";
   finding.action = FindingAction::kKept;
   result.findings.push_back(finding);
 }

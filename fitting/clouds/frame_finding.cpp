@@ -13,20 +13,20 @@ namespace mocurate {
 namespace {
 
 /// Errors of `bench_fit_clouds 24 15 1311 DIR views=1` and 2, and of people who walked away from one camera to four
-/// metres, where 0.87 to 0.91 came with 5 to 29 cm.
-constexpr double kMeanNormalOfTwoSides = 0.6;  ///< length of the mean normal; longer: one side only, no decision
+/// metres: 0.87 to 0.91 came with 5 to 29 cm.
+constexpr double kMeanNormalOfTwoSides = 0.6;  ///< length of the mean normal, up to which no error is added
 constexpr double kMeanNormalOfOneSide = 0.76;  ///< of one view from 2.5 m
 constexpr double kOneSideError = 0.005;        ///< m, there
 constexpr double kOneSideExponent = 5.0;
-/// Points of three views of people who stand cover 0.9 m^2, of one 0.55. Of 0.12 m^2, of a person who ran half out of
-/// the views, a leg was fitted to the arm: pelvis and knee 12 and 35 cm off.
+/// Points of three views of standing people cover 0.9 m^2, of one view 0.55. At 0.12 m^2 (a person half out of the
+/// views) a leg was fitted to the arm: pelvis and knee were 12 and 35 cm off.
 constexpr double kEnoughArea = 0.25;  ///< m^2, of a body of the rest skeleton's size
 constexpr double kPartArea = 0.12;    ///< m^2
 constexpr double kPartError = 0.1;    ///< m, there
-/// Fits within 10 mm of the truth have residuals of 5.5 to 8.8 mm, wrong ones of 9.4 to 17.
+/// Fits within 10 mm of the ground truth have residuals of 5.5 to 8.8 mm, wrong ones of 9.4 to 17.
 constexpr double kUsualResidual = 0.0075;  ///< m
 constexpr double kPoorResidual = 0.009;    ///< m, at least
-constexpr double kPoorAgainstBest = 1.5;   ///< times the first quartile of the clip
+constexpr double kPoorAgainstBest = 1.5;   ///< factor on the first quartile of the clip
 
 }  // namespace
 
@@ -41,18 +41,18 @@ double LowCoverageSigma(const FusedCloud& cloud, double voxel_size, double scale
 }
 
 void ReportLowCoverage(const std::vector<double>& error, std::vector<Finding>& findings) {
-  std::vector<double> guesses;
-  std::copy_if(error.begin(), error.end(), std::back_inserter(guesses),
+  std::vector<double> large_errors;
+  std::copy_if(error.begin(), error.end(), std::back_inserter(large_errors),
                [](double of_frame) { return of_frame > kUnobservedError; });
-  if (guesses.empty()) return;
+  if (large_errors.empty()) return;
   Finding finding;
   finding.code = kLowCoverage;
-  finding.value = static_cast<double>(guesses.size());
+  finding.value = static_cast<double>(large_errors.size());
   finding.message =
-      "in " + Counted(static_cast<long long>(guesses.size()), "frame") +
-      " the views show a part of the person, or one side as flat as from afar: joints there may be off by " +
-      std::to_string(std::lround(1e2 * MeanMedian(guesses))) + " cm an axis";
-  finding.message += "; inferred; stated deviations, where they are computed, widened";
+      "in " + Counted(static_cast<long long>(large_errors.size()), "frame") +
+      " the views show only a part of the person, or a side that looks flat: the joint error there may be " +
+      std::to_string(std::lround(1e2 * MeanMedian(large_errors))) + " cm per axis";
+  finding.message += "; inferred; stated standard deviations, where computed, are widened";
   finding.action = FindingAction::kKept;
   findings.push_back(std::move(finding));
 }
@@ -79,10 +79,11 @@ void ReportPoorlyExplained(const std::vector<double>& residual, std::vector<Find
   finding.code = kPoorlyExplained;
   finding.value = static_cast<double>(poor.size());
   finding.message = "in " + Counted(static_cast<long long>(poor.size()), "frame") + " points lie " +
-                    std::to_string(std::lround(1e3 * MeanMedian(poor))) + " mm off the body, in the best quarter " +
+                    std::to_string(std::lround(1e3 * MeanMedian(poor))) +
+                    " mm from the body, in the best quarter of the frames " +
                     std::to_string(std::lround(1e3 * known[known.size() / 4])) +
-                    ": is it the same person, do all views show them, and does nothing else touch them?";
-  finding.message += "; kept; stated deviations, where they are computed, widened";
+                    " mm: check that all views show the same person, and that no object touches them";
+  finding.message += "; kept; stated standard deviations, where computed, are widened";
   finding.action = FindingAction::kKept;
   findings.push_back(std::move(finding));
 }

@@ -11,17 +11,17 @@
 namespace mocurate {
 namespace {
 
-constexpr double kInconsistentViewLoss = 0.25;  ///< loss of every comparison
+constexpr double kInconsistentViewLoss = 0.25;  ///< loss that every comparison of the view must reach
 constexpr double kInconsistentViewConfidence = 0.9;
-constexpr std::size_t kMostMoved = 4;  ///< of more views than kFewViews
+constexpr std::size_t kMostMoved = 4;  ///< with more views than kFewViews
 constexpr std::size_t kLeastViews = 3;
-/// Loss of the worst view of a few moments. Of the sound stills of rendered_body at most 0.054; with the depths of one
-/// camera a tenth too long or too short 0.18 to 0.49, by 2 % 0.20 to 0.40, by 5 % (surfaces too far apart to be
-/// compared) 0.09 to 0.25.
+/// Loss of the worst view of a few moments. Correct stills of rendered_body reach 0.054. With the depths of one camera
+/// a tenth wrong it is 0.18 to 0.49, with 2 % 0.20 to 0.40. With 5 % (surfaces often too far apart to be compared) it
+/// is 0.09 to 0.25.
 constexpr double kMissing = 0.12;
-constexpr double kOddLoss = 1.3;  ///< of the median, from which on one of many views may have been moved
+constexpr double kOddLoss = 1.3;  ///< of the median loss, from which one of many views may have been moved
 
-/// Loss of the view's best agreement with another one; none where it is compared with none.
+/// Loss of the view's best agreement with another one; empty without comparisons.
 std::optional<double> BestLoss(const ObservedRig& rig, const std::vector<double>& losses, std::size_t view) {
   double least = 1.0;
   bool compared = false;
@@ -38,8 +38,8 @@ std::optional<double> BestLoss(const ObservedRig& rig, const std::vector<double>
   return compared ? std::optional(least) : std::nullopt;
 }
 
-/// Whether what contradicts the other views may be excluded: what may be behind it is to be corrected, and the views
-/// that agree with another one are more than those that do not.
+/// Whether contradicting views may be excluded: all their possible causes are to be corrected, and most views agree
+/// with another one.
 bool MayBeExcluded(const std::vector<std::optional<double>>& best, const RigAuditOptions& options) {
   if (options.clocks != AuditAction::kCorrect || options.moved != AuditAction::kCorrect ||
       options.exchanged != AuditAction::kCorrect)
@@ -68,10 +68,10 @@ std::vector<RigFault> FindInconsistentViews(const ObservedRig& rig, const std::v
     fault.value = 100.0 * *best[v];
     fault.confidence = ConfidenceOfSeparate(seen, std::vector<double>(seen.size(), kInconsistentViewLoss));
     fault.corrected = exclude;
-    fault.message = "what depth camera " + fault.camera + " sees contradicts every other view, the nearest in " +
-                    RoundedText(100.0 * *best[v], 2) + " % of it" +
-                    (exclude ? ", and the others agree with each other" : "") + ": its clock may be off by more than " +
-                    RoundedText(1e3 * options.longest_s, 3) + " ms, or it sees something else";
+    fault.message = "depth camera " + fault.camera + " contradicts every other view, the nearest one in " +
+                    RoundedText(100.0 * *best[v], 2) + " % of its points" +
+                    (exclude ? ", and the others agree with each other" : "") + ": its clock offset may exceed " +
+                    RoundedText(1e3 * options.longest_s, 3) + " ms, or it shows another scene";
     if (fault.confidence >= kInconsistentViewConfidence) inconsistent_views.push_back(std::move(fault));
   }
   return inconsistent_views;
@@ -125,9 +125,10 @@ std::vector<RigFault> ContradictionOf(const std::vector<std::string>& cameras, c
     fault.camera = cameras[v];
     fault.value = 100.0 * losses[v];
     fault.confidence = 1.0;
-    fault.message = "what depth camera " + cameras[v] + " sees misses the surfaces that others see (loss " +
-                    RoundedText(losses[v], 2) + ", of views that agree 0.05): the depths of one, or its place, are " +
-                    "wrong, and so few moments do not tell whose; look at the calibration and the unit of each camera";
+    fault.message =
+        "the surfaces of depth camera " + cameras[v] + " miss those of the other cameras (loss " +
+        RoundedText(losses[v], 2) + ", for views that agree 0.05): the depths or the pose of one camera are " +
+        "wrong; with so few moments, which one is ambiguous; check the calibration and the unit of each camera";
     faults.push_back(std::move(fault));
   }
   return faults;

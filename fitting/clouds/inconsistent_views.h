@@ -9,26 +9,26 @@
 
 namespace mocurate {
 
-/// "views_disagree" of views that contradict every other one by `losses` (LossOfSamples): after all that could be
-/// reported their clocks may be off by more than the longest, or they see something else. Corrected, which is excluded,
-/// where clocks, places and files are to be corrected and most views agree with another one.
+/// "views_disagree" for views that contradict all others by `losses` (LossOfSamples), after all other corrections.
+/// Their clock offset exceeds the limit, or they show another scene. Corrected (excluded) where clocks, poses and files
+/// are to be corrected and most views agree with another one.
 std::vector<RigFault> FindInconsistentViews(const ObservedRig& rig, const std::vector<double>& losses,
                                             const RigAuditOptions& options);
 
-/// Adds `inconsistent_views` to the findings. An excluded view gets no other finding: a clock or place at which it
-/// contradicts the others a little less is not what is wrong with it.
+/// Adds `inconsistent_views` to the faults. Removes other faults of an excluded view: a clock or pose with a slightly
+/// lower loss is not its problem.
 void ReportInconsistentViews(std::vector<RigFault> inconsistent_views, std::vector<RigFault>& faults);
 
-/// The views but those whose `faults` of FindInconsistentViews are corrected.
+/// The views without those of corrected `faults` of FindInconsistentViews.
 std::vector<DepthView> WithoutInconsistentViews(std::vector<DepthView> views, const std::vector<RigFault>& faults);
 
-/// (V) views whose cameras may have been moved, by the mean loss of each: all but the one that agrees best, of more
-/// than kFewViews those that stick out.
+/// (V) views whose cameras may have been moved, by the mean loss of each: all but the best one; with more than
+/// kFewViews, only the outliers.
 inline constexpr std::size_t kFewViews = 8;
 std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views);
 
-/// "views_disagree" of each camera of a rig of three and more that a moment or two cannot judge further, where what one
-/// sees misses the surfaces of the others by more than noise does. `losses` (views), means of LossOfSamples.
+/// For rigs of three and more with too few moments for an audit. "views_disagree" for each camera whose surfaces miss
+/// those of the others by more than noise. `losses` (views): means of LossOfSamples.
 std::vector<RigFault> ContradictionOf(const std::vector<std::string>& cameras, const std::vector<double>& losses);
 
 }  // namespace mocurate

@@ -22,23 +22,25 @@ namespace mocurate {
 namespace {
 
 constexpr int kFewestCloudPoints = 100;
-constexpr int kShownFrames = 24;            ///< for shape and surface weight, evenly spaced
-constexpr double kMinSurfaceWeight = 0.02;  ///< of clouds that contradict the tracks
-constexpr double kFarShare = 0.5;  ///< of the points within reach of the body, or they belong to another person
-/// Variance of joints over what the information of a frame says: bones and shape come from the same noisy tracks, and
-/// their errors stay from frame to frame. Calibrated on synthetic clips (`bench_fit_clouds`, mix=1).
+constexpr int kShownFrames = 24;            ///< evenly spaced frames for the estimates of body shape and surface weight
+constexpr double kMinSurfaceWeight = 0.02;  ///< for clouds that contradict the tracks
+constexpr double kFarShare = 0.5;           ///< of the points within reach of the body; fewer show another person
+/// Factor on the variance of joints from a frame's information: bones and body shape come from the same noisy tracks,
+/// and their errors are common to all frames. Calibrated on synthetic clips (`bench_fit_clouds`, mix=1).
 constexpr double kSharedErrors = 3.4;
-constexpr double kSmallestSpread = 1e-3;       ///< m
-constexpr double kContradictingSquare = 6.25;  ///< squared distance, three whitened components: nine of ten lie within
-constexpr double kMaxExcessShare = 2.0;  ///< times the template's usual variance: more is not explained by the shape
-constexpr double kClear = 4.0;           ///< factor on a joint's variance from which on both kinds disagree
+constexpr double kSmallestSigma = 1e-3;        ///< m
+constexpr double kContradictingSquare = 6.25;  ///< squared distance of three whitened components: nine of ten lie
+                                               ///< within
+constexpr double kMaxExcessShare = 2.0;        ///< factor on the template's usual variance: more is not due to body
+                                               ///< shape
+constexpr double kClear = 4.0;                 ///< factor on a joint's variance from which the modalities disagree
 
 Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   return FromSixNumbers(values.data() + 6 * at);
 }
 
-/// Joints at or below which something was ever seen: where the others lie the tracks' fit does not know, whatever it
-/// states. (J)
+/// Joints with an observation at or below them in any frame. The fit of the tracks has no information about the others.
+/// (J)
 std::vector<bool> KnownJoints(const Motion& motion) {
   const auto joints = static_cast<std::size_t>(motion.joint_count());
   std::vector<bool> known(joints, motion.state.empty());
@@ -51,8 +53,7 @@ std::vector<bool> KnownJoints(const Motion& motion) {
   return known;
 }
 
-/// The joints of the tracks' fit, each as sure along every direction as that fit is, but for a factor on the variance
-/// of each joint (J); 0: nothing is known of it.
+/// Joints of the tracks' fit with its covariance, scaled by a factor per joint (J); 0: no information.
 std::vector<JointObservation> JointObservationsOf(const Motion& motion, int frame, const std::vector<double>& factor) {
   std::vector<JointObservation> joints;
   for (int j = 0; j < motion.joint_count(); ++j) {
@@ -60,14 +61,14 @@ std::vector<JointObservation> JointObservationsOf(const Motion& motion, int fram
     const std::size_t at = static_cast<std::size_t>(frame) * motion.joint_count() + static_cast<std::size_t>(j);
     const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(factor[static_cast<std::size_t>(j)] *
                                                        CovarianceAt(motion.position_cov, at));
-    const Vector3d spread = axes.eigenvalues().cwiseMax(kSmallestSpread * kSmallestSpread).cwiseSqrt();
+    const Vector3d sigmas = axes.eigenvalues().cwiseMax(kSmallestSigma * kSmallestSigma).cwiseSqrt();
     joints.push_back(
-        {j, motion.joints.at(frame, j), spread.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose()});
+        {j, motion.joints.at(frame, j), sigmas.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose()});
   }
   return joints;
 }
 
-/// Variance of each joint of the motion per axis, mean over frames; 1 m^2 of one that is not known. (J)
+/// Variance of each joint of the motion per axis, mean over frames; 1 m^2 for an unknown joint. (J)
 std::vector<double> MeanVariance(const Motion& motion, const std::vector<int>& frames, const std::vector<bool>& known) {
   std::vector<double> variance(known.size(), 0.0);
   for (std::size_t j = 0; j < variance.size(); ++j) variance[j] = known[j] ? 0.0 : 1.0;
@@ -81,17 +82,16 @@ std::vector<double> MeanVariance(const Motion& motion, const std::vector<int>& f
   return variance;
 }
 
-/// Factor on the weight of points that makes poses of the clouds alone as uncertain as they are wrong: the squared
-/// distance of their joints from the tracks', less the variance of the tracks, and no less than what is not known of
-/// the shape (the share `unknown` of its `usual` variance, m^2), against the variance that they claim. With poses of
-/// the clouds `alone` the tracks may be wrong too: no more than the usual, and what one side leaves open, is blamed on
-/// them.
+/// Factor on the weight of points such that poses from the clouds alone are as uncertain as they are wrong. Compares
+/// two variances: the stated one, and the squared distance of their joints from the tracks' less the tracks' variance.
+/// The latter is at least the unexplained body shape (the share `unknown` of its `usual` variance, m^2). With poses of
+/// the clouds `alone`, the tracks may be wrong too, and an excess beyond the usual variance is attributed to them.
 Expected<double> EstimateSurfaceWeight(const Motion& motion, const std::vector<FusedCloud>& clouds,
                                        const std::vector<int>& frames, const CapsuleBody& body, PoseState state,
                                        const PoseState* alone, const std::vector<bool>& known, double unknown,
                                        double usual, const PointCloudOptions& options) {
   const double scale = BodyScale(*motion.skeleton, motion.bone_length);
-  std::vector<double> apart, claimed, of_tracks, unseen;
+  std::vector<double> apart, claimed, of_tracks, of_coverage;
   for (const int f : frames) {
     if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
     if (alone != nullptr) state.SetFrameParameters(f, alone->FrameParameters(f));
@@ -108,18 +108,18 @@ Expected<double> EstimateSurfaceWeight(const Motion& motion, const std::vector<F
       apart.push_back((state.position(f, j) - motion.joints.at(f, j)).squaredNorm());
       claimed.push_back(uncertainty->position[j].trace());
       of_tracks.push_back(CovarianceAt(motion.position_cov, at).trace());
-      unseen.push_back(3.0 * std::pow(LowCoverageSigma(clouds[f], options.voxel_size, scale), 2));
+      of_coverage.push_back(3.0 * std::pow(LowCoverageSigma(clouds[f], options.voxel_size, scale), 2));
     }
   }
   if (apart.empty()) return 1.0;
   const double least = unknown * usual;
   double real = std::max({MeanMedian(apart) - MeanMedian(of_tracks), 0.1 * MeanMedian(apart), least});
-  if (alone != nullptr) real = std::min(real, kMaxExcessShare * usual + MeanMedian(unseen));
+  if (alone != nullptr) real = std::min(real, kMaxExcessShare * usual + MeanMedian(of_coverage));
   return std::clamp(std::sqrt(MeanMedian(claimed) / real), kMinSurfaceWeight, 1.0);
 }
 
-/// Factor on the variance of each joint of tracks that poses of the clouds alone contradict: where a joint lies farther
-/// off in most frames than both explain, the tracks claim too much. (J) at least 1.
+/// Factor on the variance of each joint of tracks that poses of the clouds alone contradict: where the distance exceeds
+/// both uncertainties in most frames. (J) at least 1.
 std::vector<double> VarianceInflation(const Motion& motion, const std::vector<FusedCloud>& clouds,
                                       const std::vector<int>& frames, const CapsuleBody& body, double voxel_size,
                                       PoseState alone) {
@@ -133,9 +133,9 @@ std::vector<double> VarianceInflation(const Motion& motion, const std::vector<Fu
     for (const int f : frames) {
       const std::size_t at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j);
       const double of_body = error[static_cast<std::size_t>(j)];
-      const double unseen = LowCoverageSigma(clouds[static_cast<std::size_t>(f)], voxel_size, scale);
-      const Matrix3d both =
-          CovarianceAt(motion.position_cov, at) + (of_body * of_body + unseen * unseen) * Matrix3d::Identity();
+      const double of_coverage_sigma = LowCoverageSigma(clouds[static_cast<std::size_t>(f)], voxel_size, scale);
+      const Matrix3d both = CovarianceAt(motion.position_cov, at) +
+                            (of_body * of_body + of_coverage_sigma * of_coverage_sigma) * Matrix3d::Identity();
       const Vector3d apart = alone.position(f, j) - motion.joints.at(f, j);
       squares.push_back(apart.dot(both.ldlt().solve(apart)));
     }
@@ -144,14 +144,14 @@ std::vector<double> VarianceInflation(const Motion& motion, const std::vector<Fu
   return factor;
 }
 
-/// Squared distance of joints of a body of template shape from the person's, median.
+/// Median squared distance between joints of the template body and of the person's.
 double ShapeVariance(const Skeleton& skeleton, double scale) {
   std::vector<double> squares;
   for (const double error : BodyErrors(skeleton, scale)) squares.push_back(3.0 * error * error);
   return MeanMedian(squares);
 }
 
-/// What a pose costs with points and joints, weighted alike for all poses.
+/// Cost of a pose with points and joints, with the same weights for all poses.
 double MixedCost(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit, PoseState& state,
                  const PointCloudOptions& options) {
   double twice = 0.0;
@@ -159,10 +159,10 @@ double MixedCost(const CapsuleBody& body, const FusedCloud& cloud, const FrameFi
     const Vector3d error = seen.whitening * (state.position(fit.frame, seen.joint) - seen.position);
     twice += HuberValue(error.squaredNorm(), options.huber_sigmas);
   }
-  return fit.trust * fit.trust * PoseCost(body, cloud, state, fit.frame, options) + 0.5 * twice;
+  return fit.point_weight * fit.point_weight * PoseCost(body, cloud, state, fit.frame, options) + 0.5 * twice;
 }
 
-/// From the pose in the state, and from `alone` where it is given; the cheaper stays.
+/// Fits from the pose in the state, and from `alone` if given; keeps the cheaper result.
 Expected<CapsuleFitOutcome> FitFromBoth(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                         PoseState& state, const PoseState* alone, const PointCloudOptions& options) {
   auto first = FitCloudFrame(body, cloud, fit, state, options);
@@ -190,19 +190,21 @@ Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clo
   return Fail(ErrorCode::kInconsistent,
               "only " + std::to_string(std::lround(100.0 * near / all)) +
                   " % of the depth points lie near the body of the joint tracks",
-              motion.skeleton->name, "are tracks and depth views of one person, one clock and one world?");
+              motion.skeleton->name,
+              "check that tracks and depth views are of one person, one clock and one world frame");
 }
 
-/// Joints of which both kinds say different things, each sure of it.
+/// Reports joints for which the modalities disagree although both are certain.
 void ReportDisagreement(const std::vector<double>& factor, FitResult& result) {
   const auto clear = std::count_if(factor.begin(), factor.end(), [](double f) { return f > kClear; });
   if (3 * clear < static_cast<std::ptrdiff_t>(factor.size())) return;
   Finding finding;
   finding.code = "modalities_disagree";
   finding.value = static_cast<double>(clear);
-  finding.message = std::to_string(clear) + " of " + std::to_string(factor.size()) +
-                    " joints lie elsewhere in the depth views than the other evidence says, by more than both explain";
-  finding.message += "; depth views followed there";
+  finding.message =
+      std::to_string(clear) + " of " + std::to_string(factor.size()) +
+      " joints lie elsewhere in the depth views than in the other evidence, by more than both uncertainties explain";
+  finding.message += "; the fit follows the depth views there";
   finding.action = FindingAction::kKept;
   result.findings.push_back(std::move(finding));
 }
@@ -217,20 +219,20 @@ void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result)
   finding.value = static_cast<double>(without);
   finding.message = "too few depth points in " + std::to_string(without) + " of " +
                     Counted(static_cast<long long>(clouds.size()), "frame");
-  finding.message += "; fitted to the other evidence alone there";
+  finding.message += "; these frames are fitted to the other evidence alone";
   finding.action = FindingAction::kKept;
   result.findings.push_back(std::move(finding));
 }
 
-/// How far joints' frames are turned between bodies whose bones tracks have measured, about their axes. (J), rad^2
+/// Rotation errors of joint frames, about their axes, when bone lengths come from tracks. (J), rad^2
 std::vector<Vector3d> RotationsOfMeasuredBody(const Motion& motion) {
   const Skeleton& skeleton = *motion.skeleton;
   std::vector<double> variance(skeleton.joints.size(), 0.0);
   for (int j = 1; j < skeleton.joint_count(); ++j) variance[j] = Square(SpreadOfBone(skeleton, j));
-  std::vector<Vector3d> turns;
-  for (const Matrix3d& turn : FrameOrientationByBones(skeleton, motion.bone_length, variance))
-    turns.emplace_back(turn.diagonal());
-  return turns;
+  std::vector<Vector3d> variances;
+  for (const Matrix3d& covariance : FrameOrientationByBones(skeleton, motion.bone_length, variance))
+    variances.emplace_back(covariance.diagonal());
+  return variances;
 }
 
 }  // namespace
@@ -275,7 +277,7 @@ Status CheckOneClock(const std::vector<double>& track_s, const std::vector<doubl
   return Fail(ErrorCode::kInconsistent,
               "depth images and joint tracks are up to " + RoundedText(1e3 * furthest, 3) + " ms apart (frame " +
                   std::to_string(frame) + "), half a step is " + RoundedText(500.0 * step_s, 3) + " ms",
-              clip, "give both by one clock, or fit one of them alone: fitting.method joint_tracks or point_clouds");
+              clip, "give both with one clock, or fit one of them alone: fitting.method joint_tracks or point_clouds");
 }
 
 Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,
@@ -305,10 +307,11 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   const double unknown =
       FitCapsuleOffsets(clouds, state, shown, options.max_distance, MeanVariance(motion, shown, known), body);
   const double usual = ShapeVariance(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
-  const auto trust = EstimateSurfaceWeight(motion, clouds, shown, body, state, alone, known, unknown, usual, options);
-  if (!trust) return Forward(trust);
+  const auto surface_weight =
+      EstimateSurfaceWeight(motion, clouds, shown, body, state, alone, known, unknown, usual, options);
+  if (!surface_weight) return Forward(surface_weight);
 
-  const std::vector<bool> turned = body.MovingJoints();
+  const std::vector<bool> moving = body.MovingJoints();
   std::vector<double> factor(known.size(), 1.0);
   if (alone != nullptr) factor = VarianceInflation(motion, clouds, shown, body, options.voxel_size, *alone);
   for (std::size_t j = 0; j < known.size(); ++j) factor[j] = known[j] ? factor[j] : 0.0;
@@ -321,14 +324,14 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (clouds[f].size() < kFewestCloudPoints) continue;
     if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
-    const FrameFit fit{f,     {}, 1.0, static_cast<int>(options.iterations), JointObservationsOf(motion, f, factor),
-                       *trust};
+    const FrameFit fit{
+        f, {}, 1.0, static_cast<int>(options.iterations), JointObservationsOf(motion, f, factor), *surface_weight};
     const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
     if (!uncertainty) return Forward(uncertainty);
     for (Matrix3d& covariance : uncertainty->position) covariance *= kSharedErrors;
-    uncertain.Replace(f, *uncertainty, turned, body_rotation);
+    uncertain.Replace(f, *uncertainty, moving, body_rotation);
     for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], options.max_distance)) {
       residuals.push_back(std::abs(match.distance));
     }
@@ -346,7 +349,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   uncertain.Write(result.motion);
   SetResiduals(std::move(residuals), result);
   result.capsule_radii = RadiiText(body);
-  result.surface_weight = *trust;
+  result.surface_weight = *surface_weight;
   return result;
 }
 

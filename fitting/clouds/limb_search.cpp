@@ -9,24 +9,24 @@ namespace mocurate {
 namespace {
 
 constexpr int kRounds = 3;               ///< over all limbs, at most
-constexpr int kRankedPoints = 600;       ///< that poses are ranked with
-constexpr std::size_t kRefined = 3;      ///< poses of a limb that are fitted
-constexpr int kFewMatchings = 12;        ///< before their costs are compared
-constexpr double kApart = 0.12;          ///< m; poses that are fitted have the end of the limb farther apart
-constexpr double kLessToExplain = 0.99;  ///< of the cost before; else the limb stays
+constexpr int kRankedPoints = 600;       ///< points used to rank poses
+constexpr std::size_t kRefined = 3;      ///< best poses of a limb, fitted with the whole body
+constexpr int kFewMatchings = 12;        ///< matchings before costs are compared
+constexpr double kApart = 0.12;          ///< m; least distance between the limb ends of two fitted poses
+constexpr double kLessToExplain = 0.99;  ///< of the cost before; otherwise the limb stays
 
 /// An arm or a leg: shoulder and elbow, or hip and knee.
 struct LimbJoints {
-  int above = -1;  ///< the collar that this limb alone hangs from; none: -1
+  int above = -1;  ///< the collar, when this limb is its only child; else -1
   int upper = 0;
   int lower = 0;
   int end = 0;
-  Vector3d hinge;  ///< about which the lower joint bends, in its frame
+  Vector3d hinge;  ///< axis about which the lower joint bends, in its frame
   bool arm = false;
   double side = 1.0;  ///< towards +x (left) 1, -x -1
 };
 
-/// Turns of a limb's two joints.
+/// Rotations of a limb's two joints.
 struct LimbPose {
   Vector3d upper;
   Vector3d lower;
@@ -46,7 +46,7 @@ std::vector<LimbJoints> LimbsOf(const Skeleton& skeleton, const PoseState& state
       limb.end = OnlyChild(children, limb.lower);
       limb.arm = arm;
       limb.side = side == 0 ? 1.0 : -1.0;
-      // Arms that are out to the side bend forwards about the vertical, legs backwards.
+      // Arms raised sideways bend forwards about the vertical, legs backwards.
       limb.hinge = arm ? Vector3d(0.0, -limb.side, 0.0) : Vector3d(1.0, 0.0, 0.0);
       if (limb.end < 0 || !state.active(limb.upper) || !state.active(limb.lower)) continue;
       limbs.push_back(limb);
@@ -57,7 +57,7 @@ std::vector<LimbJoints> LimbsOf(const Skeleton& skeleton, const PoseState& state
   return limbs;
 }
 
-/// Where the upper bone points, x to the limb's own side, y up, z forward, in the frame of the joint above.
+/// Directions of the upper bone, x to the limb's own side, y up, z forward, in the frame of the joint above.
 std::vector<Vector3d> Directions(bool arm) {
   if (arm) {
     return {{1, 0, 0},     {0.2, -1, 0},      {0.2, 1, 0},       {0.1, 0, 1},    {0.7, 0, 0.7}, {0.2, -0.7, 0.7},
@@ -78,7 +78,7 @@ std::vector<LimbPose> PosesOfLimb(const Skeleton& skeleton, const LimbJoints& li
     for (const double bend : bends) {
       for (const double twist : twists) {
         poses.push_back({LogQuaternion(swing * ExpQuaternion(twist * rest)), bend * limb.hinge});
-        if (bend == bends.front()) break;  // of a straight limb its twist is nothing to see
+        if (bend == bends.front()) break;  // the twist of a straight limb has no effect
       }
     }
   }
@@ -134,7 +134,7 @@ class LimbSearcher {
     state_.Update(frame_, frame_ + 1, false);
   }
 
-  /// Cheapest first; limbs that end at about the same place once.
+  /// Sorted by cost; of limbs that end at about the same position only the first.
   std::vector<RankedPose> Ranked(const LimbJoints& limb) {
     std::vector<RankedPose> ranked;
     for (const LimbPose& pose : PosesOfLimb(*body_.skeleton, limb)) {
@@ -188,7 +188,7 @@ int OnlyChild(const std::vector<std::vector<int>>& children, int joint) {
 }
 
 std::optional<std::array<int, 2>> LegsOfBody(const Skeleton& skeleton) {
-  const auto hips = skeleton.Hips();  // shoulders, of one without
+  const auto hips = skeleton.Hips();  // shoulders, for a skeleton without hips
   return hips == skeleton.Shoulders() ? std::nullopt : hips;
 }
 

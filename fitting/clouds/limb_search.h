@@ -8,17 +8,15 @@
 
 namespace mocurate {
 
-/// The joint below one that has a single child; -1 for others, and for no joint (-1). `children` (J) as
-/// Skeleton::Children.
+/// The only child of a joint; -1 with several children or none, and for joint -1. `children` (J) as Skeleton::Children.
 int OnlyChild(const std::vector<std::vector<int>>& children, int joint);
 
-/// Where legs begin, left then right; empty for a skeleton without any.
+/// First joints of the legs, left then right; empty for a skeleton without legs.
 std::optional<std::array<int, 2>> LegsOfBody(const Skeleton& skeleton);
 
-/// Looks for arms and legs anew where a fit from a stance may have left them: one limb at a time is put to some dozens
-/// of poses, of which those that leave the least to explain are fitted with the whole body; what costs less stays,
-/// until no limb finds a better place. The cheapest pose is left in the state. Returns what it costs (PoseCost). Errors
-/// of FitCloudFrame.
+/// Searches arms and legs anew, because a fit from a stance may miss them. Each limb is tried in some dozens of poses.
+/// The poses with the lowest cost are fitted with the whole body, and a cheaper result is kept, until no limb improves.
+/// Writes the cheapest pose to the state and returns its cost (PoseCost). Errors of FitCloudFrame.
 Expected<double> SearchLimbs(const CapsuleBody& body, const FusedCloud& cloud, int frame,
                              const PointCloudOptions& options, PoseState& state);
 

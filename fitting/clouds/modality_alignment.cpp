@@ -12,32 +12,32 @@
 namespace mocurate {
 namespace {
 
-constexpr double kAlignmentScale = 0.03;   ///< m, of the robust loss: beyond, a point hardly counts
-constexpr double kFarApart = 0.15;         ///< m; people farther apart than this are first brought together
-constexpr double kBodyPatchPoints = 10.0;  ///< that share an error of the body
+constexpr double kAlignmentScale = 0.03;   ///< m, of the robust loss: beyond, a point is an outlier
+constexpr double kFarApart = 0.15;         ///< m; people farther apart are first moved to the same position
+constexpr double kBodyPatchPoints = 10.0;  ///< points that share an error of the body
 constexpr int kAlignmentRounds = 8;
-constexpr int kWideRounds = 4;  ///< look farther than the later ones
+constexpr int kWideRounds = 4;  ///< rounds with a wider reach
 constexpr double kWide = 3.0;
-constexpr double kUsualMove = 0.5;      ///< m; what is not seen stays
-constexpr double kUsualRotation = 0.3;  ///< rad
-constexpr double kUsualDelay = 0.25;    ///< s
+constexpr double kUsualMove = 0.5;      ///< m; standard deviation of the prior on the translation
+constexpr double kUsualRotation = 0.3;  ///< rad, likewise
+constexpr double kUsualDelay = 0.25;    ///< s, likewise
 
-/// Move and turn about the middle of the person, and delay.
+/// Translation and rotation about the centre of the person, and delay.
 using Unknowns = Eigen::Matrix<double, 7, 1>;
 
 struct Placement {
-  Quaterniond turn = Quaterniond::Identity();
+  Quaterniond rotation = Quaterniond::Identity();
   Vector3d move = Vector3d::Zero();
   double late_s = 0.0;
 };
 
-/// Of the unknowns those that are looked for.
+/// The unknowns to estimate.
 struct Free {
   bool move = false;
   bool delay = false;
 };
 
-double MeanSpread(const Eigen::Matrix3Xd& points) {
+double MeanExtent(const Eigen::Matrix3Xd& points) {
   return std::sqrt((points.colwise() - points.rowwise().mean()).colwise().squaredNorm().mean());
 }
 
@@ -56,7 +56,7 @@ class Aligner {
   }
 
   RigidTransform Transform(const Placement& placement) const {
-    return {placement.turn, centre_ + placement.move - placement.turn * centre_};
+    return {placement.rotation, centre_ + placement.move - placement.rotation * centre_};
   }
 
   /// Mean loss in [0, 1] and share of the points within reach.
@@ -83,7 +83,7 @@ class Aligner {
     return all > 0.0 ? Explained{loss / all, near / all} : Explained{};
   }
 
-  /// One Gauss-Newton step from the placement, over what is free; the information of the unknowns.
+  /// One Gauss-Newton step of the free unknowns; returns their information.
   Eigen::Matrix<double, 7, 7> Improve(double reach, Free free, Placement& placement) const {
     Eigen::Matrix<double, 7, 7> matrix = Eigen::Matrix<double, 7, 7>::Zero();
     Unknowns right = Unknowns::Zero();
@@ -106,7 +106,7 @@ class Aligner {
         right.noalias() -= weight * r * row;
       }
     }
-    const Vector3d turned = LogQuaternion(placement.turn);
+    const Vector3d turned = LogQuaternion(placement.rotation);
     for (int i = 0; i < 7; ++i) {
       const double usual = i < 3 ? kUsualMove : i < 6 ? kUsualRotation : kUsualDelay;
       const double now = i < 3 ? placement.move[i] : i < 6 ? turned[i - 3] : placement.late_s;
@@ -115,19 +115,19 @@ class Aligner {
     }
     const Unknowns step = matrix.ldlt().solve(right);
     placement.move += step.head<3>();
-    placement.turn = (ExpQuaternion(step.segment<3>(3)) * placement.turn).normalized();
+    placement.rotation = (ExpQuaternion(step.segment<3>(3)) * placement.rotation).normalized();
     placement.late_s += step[6];
     return matrix;
   }
 
  private:
-  /// The surface that a point is held to: outward, and how fast it goes inward.
+  /// The surface matched to a point: outward normal, and its inward speed.
   struct Surface {
     Vector3d out = Vector3d::Zero();
     double speed = 0.0;  ///< m/s by which the point's distance grows per second of delay
   };
 
-  /// The frame of the poses that is nearest to what a cloud shows.
+  /// The frame of the poses nearest to the time that a cloud shows.
   std::optional<int> Shown(int frame, double late_s) const {
     const int shown = frame - static_cast<int>(std::lround(late_s / step_s_));
     if (shown < 0 || shown >= state_.frames()) return std::nullopt;
@@ -161,8 +161,7 @@ class Aligner {
   Vector3d centre_ = Vector3d::Zero();
 };
 
-/// The delay in whole frames from which a step finds the rest: the one that leaves least, 0 where none is clearly
-/// better.
+/// Initial delay in whole frames: the one with the lowest loss, or 0 without a clear minimum.
 double FirstDelay(const Aligner& aligner, const Placement& placement, double step_s, double longest_s, double reach) {
   constexpr double kClearly = 0.95;
   const int most = static_cast<int>(longest_s / step_s);
@@ -182,10 +181,10 @@ double FirstDelay(const Aligner& aligner, const Placement& placement, double ste
 }  // namespace
 
 FusedCloud Moved(const FusedCloud& cloud, const RigidTransform& transform) {
-  const Matrix3d turn = transform.rotation.toRotationMatrix();
+  const Matrix3d rotation = transform.rotation.toRotationMatrix();
   FusedCloud moved = cloud;
-  moved.points = (turn * cloud.points).colwise() + transform.translation;
-  moved.normals = turn * cloud.normals;
+  moved.points = (rotation * cloud.points).colwise() + transform.translation;
+  moved.normals = rotation * cloud.normals;
   return moved;
 }
 
@@ -202,7 +201,7 @@ ModalityAlignment AlignModalities(const CapsuleBody& body, const PoseState& stat
     const Vector3d way = joints.rowwise().mean() - points.rowwise().mean();
     for (int i = 0; i < 3; ++i) apart[i].push_back(way[i]);
     far.push_back(way.norm());
-    sizes.push_back(MeanSpread(points) / std::max(1e-9, MeanSpread(joints)));
+    sizes.push_back(MeanExtent(points) / std::max(1e-9, MeanExtent(joints)));
   }
   found.apart = MeanMedian(far);
   found.size_ratio = MeanMedian(sizes);
@@ -222,7 +221,7 @@ ModalityAlignment AlignModalities(const CapsuleBody& body, const PoseState& stat
     ModalityAlignment::Taken taken;
     taken.world_from_clouds = aligner.Transform(placement);
     taken.moved = placement.move.norm();
-    taken.turned = LogQuaternion(placement.turn).norm();
+    taken.turned = LogQuaternion(placement.rotation).norm();
     taken.late_s = placement.late_s;
     taken.moved_sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
     taken.clock_offset_sigma = std::sqrt(covariance(6, 6));
@@ -237,7 +236,7 @@ ModalityAlignment AlignModalities(const CapsuleBody& body, const PoseState& stat
   found.late = settle({false, true}, 1.0, late);
   both.late_s = FirstDelay(aligner, still, step_s, longest_s, reach);
   found.both = settle({true, true}, 1.0, both);
-  // From where the delay alone leads: a move that stands for a delay hides it.
+  // Start from the result with delay alone: a translation can imitate a delay and hide it.
   Placement after_late = late;
   const ModalityAlignment::Taken other = settle({true, true}, 1.0, after_late);
   if (other.loss < found.both.loss) found.both = other;

@@ -9,36 +9,36 @@
 
 namespace mocurate {
 
-/// How the clouds of a clip lie to poses that other evidence gave: what a calibration or a clock of its own per kind of
-/// cameras leaves between them.
+/// Alignment of a clip's clouds with poses from another modality: the offset that separate calibrations or clocks
+/// leave.
 struct ModalityAlignment {
-  double apart = 0.0;       ///< m, from the middle of the posed joints to that of the points, median over frames
+  double apart = 0.0;       ///< m, from the centre of the posed joints to that of the points, median over frames
   double size_ratio = 1.0;  ///< extent of the points over that of the posed body, median
   double near = 0.0;        ///< share of the points within reach of the body, as given
-  double near_after = 0.0;  ///< and when moved and read later, or either
-  double loss = 1.0;        ///< mean of the points, in [0, 1], as given
+  double near_after = 0.0;  ///< share after translation, delay, or both
+  double loss = 1.0;        ///< mean over the points, in [0, 1], as given
 
-  /// One way to take the clouds: moved as a whole, read later, or both.
+  /// A correction of the clouds: rigid motion, delay, or both.
   struct Taken {
     RigidTransform world_from_clouds;
-    double moved = 0.0;               ///< m, that the person's middle moves by it
+    double moved = 0.0;               ///< m, translation of the person's centre
     double turned = 0.0;              ///< rad
-    double late_s = 0.0;              ///< a cloud shows the pose of so long before its stamp
-    double moved_sigma = 0.0;         ///< m, standard deviation; of the body's shape nothing is in it
-    double clock_offset_sigma = 0.0;  ///< s; large for a motionless person
+    double late_s = 0.0;              ///< a cloud shows the pose this long before its stamp
+    double moved_sigma = 0.0;         ///< m, standard deviation; without body shape errors
+    double clock_offset_sigma = 0.0;  ///< s, standard deviation; large for a motionless person
     double loss = 1.0;
   };
   Taken moved, late, both;
 };
 
-/// Registers the clouds (one per frame, empty where there is none) to the body in the state's poses: point to capsule,
-/// robust, all `frames` together, over a rigid motion of the clouds, over one delay, and over both. `step_s` between
-/// frames; `longest_s`: later or earlier clouds are not believed; `reach`: m. Needs Update of all frames.
+/// Registers the clouds (one per frame, empty without points) to the body in the state's poses: point to capsule,
+/// robust, over all `frames`. Estimates a rigid motion of the clouds, a delay, and both. `step_s`: between frames;
+/// `longest_s`: limit of the delay; `reach`: m. Needs Update of all frames.
 ModalityAlignment AlignModalities(const CapsuleBody& body, const PoseState& state,
                                   const std::vector<FusedCloud>& clouds, const std::vector<int>& frames, double step_s,
                                   double longest_s, double reach);
 
-/// The cloud as a rigid motion moves it.
+/// The cloud after a rigid motion.
 FusedCloud Moved(const FusedCloud& cloud, const RigidTransform& transform);
 
 }  // namespace mocurate

@@ -11,10 +11,10 @@ namespace mocurate {
 namespace {
 
 constexpr int kFramesPerGroup = 10;
-constexpr int kFewestGroups = 4;  ///< of two views as many as there may be: each is one comparison
+constexpr int kFewestGroups = 4;  ///< with two views as many as possible: each is one comparison
 constexpr int kMostGroups = 6;
-constexpr std::size_t kMostSurfaces = 120;    ///< views and moments together
-constexpr std::size_t kViewsAllCompared = 6;  ///< of more views only those that look from nearby sides are compared
+constexpr std::size_t kMostSurfaces = 120;    ///< views times moments
+constexpr std::size_t kViewsAllCompared = 6;  ///< with more views, only neighbouring ones are compared
 constexpr std::size_t kPartners = 4;
 constexpr double kVoxel = 0.025;
 
@@ -67,8 +67,7 @@ Expected<const ViewSurface*> DepthRigSampler::At(std::size_t view, int frame) {
   return kept->empty() ? nullptr : kept.get();
 }
 
-/// The person's middle, and which views are compared: all with all, or of many each with those that look from nearby
-/// sides.
+/// Sets the person's centre and the compared pairs: all pairs, or for many views each with the views from nearby sides.
 Status DepthRigSampler::SetPlace() {
   placed_ = true;
   Vector3d sum = Vector3d::Zero();
@@ -99,7 +98,7 @@ Status DepthRigSampler::SetPlace() {
   return {};
 }
 
-Expected<ObservedRig> DepthRigSampler::Seen(const std::vector<int>& late) {
+Expected<ObservedRig> DepthRigSampler::Seen(const std::vector<int>& delays) {
   if (!placed_) {
     if (Status set = SetPlace(); !set) return Forward(set);
   }
@@ -108,7 +107,7 @@ Expected<ObservedRig> DepthRigSampler::Seen(const std::vector<int>& late) {
     for (int frame = first; frame < first + together_; ++frame) {
       rig.moments.emplace_back();
       for (std::size_t v = 0; v < views_.size(); ++v) {
-        const Expected<const ViewSurface*> surface = At(v, frame + late[v]);
+        const Expected<const ViewSurface*> surface = At(v, frame + delays[v]);
         if (!surface) return Forward(surface);
         rig.moments.back().push_back(*surface);
       }
@@ -117,17 +116,17 @@ Expected<ObservedRig> DepthRigSampler::Seen(const std::vector<int>& late) {
   return rig;
 }
 
-Expected<ObservedRig> DepthRigSampler::SeenLater(const std::vector<int>& late, std::size_t view, int more) {
-  Expected<ObservedRig> seen = Seen(late);
+Expected<ObservedRig> DepthRigSampler::SeenLater(const std::vector<int>& delays, std::size_t view, int more) {
+  Expected<ObservedRig> seen = Seen(delays);
   if (!seen || more == 0) return seen;
   ObservedRig rig = *seen;
   rig.moments.clear();
   rig.together = 1;
   for (std::size_t g = 0; g < frames_.size(); ++g) {
-    // One frame earlier than the first of the group is the first against the second, whose images are known.
+    // One frame earlier for the first image is the first against the second, whose images are loaded.
     const int against = more < 0 && together_ > 1 ? 1 : 0;
     rig.moments.push_back(seen->moments[g * static_cast<std::size_t>(together_) + static_cast<std::size_t>(against)]);
-    const Expected<const ViewSurface*> surface = At(view, frames_[g] + against + late[view] + more);
+    const Expected<const ViewSurface*> surface = At(view, frames_[g] + against + delays[view] + more);
     if (!surface) return Forward(surface);
     rig.moments.back()[view] = *surface;
   }
@@ -182,9 +181,9 @@ Status CheckPersonIsSeen(const ObservedRig& rig, int flat) {
   };
   if (flat == 0 || std::any_of(rig.moments.begin(), rig.moments.end(), sees)) return {};
   return Fail(ErrorCode::kInconsistent,
-              "no person is observed: what " + Counted(static_cast<long long>(rig.views.size()), "depth camera") +
-                  " see is flat, a wall or a door",
-              "depth views", "give masks of the person, or leave this clip out");
+              "no view shows a person: " + Counted(static_cast<long long>(rig.views.size()), "depth camera") +
+                  " show a flat surface, a wall or a door",
+              "depth views", "give masks of the person, or exclude this clip");
 }
 
 std::vector<double> WithoutPerson(const ObservedRig& rig) {

@@ -15,23 +15,23 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLayer = 0.02;        ///< m, heights that are counted together
-constexpr double kLevelCosine = 0.85;  ///< cosine to the vertical of a level surface
-constexpr double kFloorArea = 0.4;     ///< m^2 within two layers: more than a person lying down has at one height
+constexpr double kLayer = 0.02;        ///< m, height bins
+constexpr double kLevelCosine = 0.85;  ///< cosine to the vertical from which a surface is level
+constexpr double kFloorArea = 0.4;     ///< m^2 within two bins: more than a person lying down
 constexpr double kFloorMargin = 0.02;
-constexpr double kUprightNormal = 0.5;  ///< cosine to the vertical, at most, of a surface that may be a wall's
+constexpr double kUprightNormal = 0.5;  ///< cosine to the vertical, at most, of a wall point's normal
 constexpr double kUprightPlane = 0.15;
-constexpr double kWallReach = 0.05;   ///< m from a wall's plane: depth is noisy far away
-constexpr double kWallMargin = 0.12;  ///< m from a wall's plane, what goes with it
-constexpr double kWallArea = 1.0;     ///< m^2: more than people have in one upright plane
-constexpr double kWallSide = 1.2;     ///< m, of what is seen of a wall, each way
-constexpr double kPersonReach = 2.4;  ///< m, from the lowest to the highest point, or across spread arms
+constexpr double kWallReach = 0.05;   ///< m from a wall's plane: distant depth is noisy
+constexpr double kWallMargin = 0.12;  ///< m from a wall's plane: points removed with it
+constexpr double kWallArea = 1.0;     ///< m^2: more than a person's in one upright plane
+constexpr double kWallSide = 1.2;     ///< m, least visible extent of a wall in both directions
+constexpr double kPersonReach = 2.4;  ///< m, from the lowest to the highest point, or across extended arms
 constexpr int kMostWalls = 6;
 constexpr double kCell = 0.06;        ///< m; points in touching cells are connected
 constexpr double kNearPerson = 0.15;  ///< m from the person to another part of the person
 constexpr int kFewestOfPart = 10;     ///< points; smaller parts are stray
 
-/// Height of the floor, or empty.
+/// Height of the floor; empty without one.
 std::optional<double> FloorOfCloud(const FusedCloud& cloud, double voxel_size) {
   std::map<long, int> layers;
   for (int i = 0; i < cloud.size(); ++i) {
@@ -55,7 +55,7 @@ struct Plane {
   double Away(const FusedCloud& cloud, int i) const { return std::abs(cloud.points.col(i).dot(normal) - offset); }
 };
 
-/// Of some points the least-squares plane.
+/// Least-squares plane of some points.
 Plane PlaneThrough(const FusedCloud& cloud, const std::vector<int>& points) {
   Vector3d mean = Vector3d::Zero();
   for (const int i : points) mean += cloud.points.col(i);
@@ -76,8 +76,8 @@ std::vector<int> On(const Plane& plane, const FusedCloud& cloud, const std::vect
   return on;
 }
 
-/// The upright plane that most of some points lie on, if it is larger than a person: of planes through three points
-/// drawn by chance (always the same ones). Normals of noisy walls lean towards the camera: points decide, not normals.
+/// The largest upright plane of some points, if larger than a person: RANSAC over three points with a fixed seed.
+/// Normals of noisy walls lean towards the camera, so only positions decide.
 std::optional<Plane> WallOf(const FusedCloud& cloud, const std::vector<int>& points, double voxel_size) {
   constexpr int kDraws = 150;
   constexpr std::size_t kCounted = 3000;
@@ -99,7 +99,7 @@ std::optional<Plane> WallOf(const FusedCloud& cloud, const std::vector<int>& poi
     const int a = any(), b = any(), c = any();
     const Vector3d across =
         Vector3d(cloud.points.col(b) - cloud.points.col(a)).cross(Vector3d(cloud.points.col(c) - cloud.points.col(a)));
-    if (across.norm() < 0.05) continue;  // in one line, or close together
+    if (across.norm() < 0.05) continue;  // collinear or too close
     const Plane plane{across.normalized(), across.normalized().dot(cloud.points.col(a))};
     if (std::abs(plane.normal.y()) > kUprightPlane) continue;
     const auto on = static_cast<std::size_t>(
@@ -109,7 +109,7 @@ std::optional<Plane> WallOf(const FusedCloud& cloud, const std::vector<int>& poi
     best = plane;
   }
   if (most == 0) return std::nullopt;
-  for (int turn = 0; turn < 2; ++turn) best = PlaneThrough(cloud, On(best, cloud, upright, kWallReach));
+  for (int pass = 0; pass < 2; ++pass) best = PlaneThrough(cloud, On(best, cloud, upright, kWallReach));
   const std::vector<int> wall = On(best, cloud, upright, kWallReach);
   if (wall.size() < fewest || std::abs(best.normal.y()) > kUprightPlane) return std::nullopt;
   const Vector3d along = best.normal.cross(Vector3d::UnitY()).normalized();
@@ -123,7 +123,7 @@ std::optional<Plane> WallOf(const FusedCloud& cloud, const std::vector<int>& poi
   return best;
 }
 
-/// Whether some points reach farther than a person does.
+/// Whether some points extend farther than a person.
 bool AreWiderThanAPerson(const FusedCloud& cloud, const std::vector<int>& points) {
   Vector3d low = Vector3d::Constant(1e9), high = -low;
   for (const int i : points) {
@@ -133,7 +133,7 @@ bool AreWiderThanAPerson(const FusedCloud& cloud, const std::vector<int>& points
   return !points.empty() && (high - low).maxCoeff() > kPersonReach;
 }
 
-/// Leaves out walls: they would be the largest part.
+/// Removes walls, which would be the largest part.
 std::vector<int> WithoutWalls(const FusedCloud& cloud, std::vector<int> points, double voxel_size) {
   for (int n = 0; n < kMostWalls && AreWiderThanAPerson(cloud, points); ++n) {
     const std::optional<Plane> wall = WallOf(cloud, points, voxel_size);

@@ -12,19 +12,19 @@ namespace mocurate {
 namespace {
 
 constexpr double kLeastClockGain = 0.04;  ///< of the loss
-constexpr double kBadLoss = 0.12;         ///< from which on clocks are looked for farther away at once
+constexpr double kBadLoss = 0.12;         ///< loss from which clocks are also searched farther away
 constexpr std::array<int, 9> kClockSteps = {1, 2, 3, 4, 6, 8, 12, 16, 24};
 constexpr std::array<int, 8> kFarSteps = {2, 3, 4, 6, 8, 12, 16, 24};
 
-/// What one view's comparisons come to at other frames.
+/// Losses of one view's comparisons at other frame offsets.
 class Shifts {
  public:
-  Shifts(DepthRigSampler& sampler, const std::vector<int>& late, const std::vector<Camera>& cameras, std::size_t view)
-      : sampler_(sampler), late_(late), cameras_(cameras), view_(view) {}
+  Shifts(DepthRigSampler& sampler, const std::vector<int>& delays, const std::vector<Camera>& cameras, std::size_t view)
+      : sampler_(sampler), delays_(delays), cameras_(cameras), view_(view) {}
 
   Status Load(int more) {
     if (losses_.count(more) != 0) return {};
-    Expected<ObservedRig> rig = sampler_.SeenLater(late_, view_, more);
+    Expected<ObservedRig> rig = sampler_.SeenLater(delays_, view_, more);
     if (!rig) return Forward(rig);
     const auto is_others = [&](const auto& pair) { return pair.first != view_ && pair.second != view_; };
     rig->pairs.erase(std::remove_if(rig->pairs.begin(), rig->pairs.end(), is_others), rig->pairs.end());
@@ -33,12 +33,12 @@ class Shifts {
     return {};
   }
 
-  /// Mean losses at `from` and at `to`, where both were seen. Both must be loaded, and 0.
+  /// Mean losses at `from` and at `to`, over comparisons that both have. Both must be loaded, and 0.
   std::pair<std::vector<double>, std::vector<double>> Both(int from, int to) const {
     return OfView(rig_, view_, losses_.at(from), losses_.at(to));
   }
 
-  /// Share of the loss that is gone at `to`.
+  /// Relative reduction of the loss at `to`.
   double Gain(int from, int to) const {
     const auto both = Both(from, to);
     const double was = MeanLoss(both.first);
@@ -52,14 +52,14 @@ class Shifts {
 
  private:
   DepthRigSampler& sampler_;
-  const std::vector<int>& late_;
+  const std::vector<int>& delays_;
   const std::vector<Camera>& cameras_;
   std::size_t view_;
   ObservedRig rig_;
   std::map<int, std::vector<double>> losses_;
 };
 
-/// Where a parabola through three equidistant losses is least, within half a step; and its value.
+/// Minimum of a parabola through three equidistant losses, within half a step, and its value.
 std::pair<double, double> Least(double before, double at, double after) {
   const double bend = before - 2.0 * at + after;
   if (bend <= 0.0) return {0.0, at};
@@ -67,7 +67,7 @@ std::pair<double, double> Least(double before, double at, double after) {
   return {where, at - 0.5 * (before - after) * where + 0.5 * bend * where * where};
 }
 
-/// The best of the frames beyond and around `from`.
+/// The best offset beyond and around `from`.
 Expected<int> BestShift(Shifts& shifts, int from, int longest) {
   int best = from;
   const int way = from > 0 ? 1 : -1;
@@ -96,10 +96,10 @@ Expected<int> BestShift(Shifts& shifts, int from, int longest) {
   return best;
 }
 
-Expected<std::optional<ClockOffsetOfView>> FindShift(DepthRigSampler& sampler, const std::vector<int>& late,
+Expected<std::optional<ClockOffsetOfView>> FindShift(DepthRigSampler& sampler, const std::vector<int>& delays,
                                                      const std::vector<Camera>& cameras, std::size_t view, int longest,
                                                      double sure) {
-  Shifts shifts(sampler, late, cameras, view);
+  Shifts shifts(sampler, delays, cameras, view);
   for (const int beside : {0, -1, 1}) {
     if (Status loaded = shifts.Load(beside); !loaded) return Forward(loaded);
   }
@@ -134,22 +134,22 @@ Expected<std::optional<ClockOffsetOfView>> FindShift(DepthRigSampler& sampler, c
 
 }  // namespace
 
-Expected<std::optional<ClockOffsetOfView>> FindClockOffset(DepthRigSampler& sampler, const std::vector<int>& late,
+Expected<std::optional<ClockOffsetOfView>> FindClockOffset(DepthRigSampler& sampler, const std::vector<int>& delays,
                                                            const std::vector<Camera>& cameras, int longest,
                                                            double sure) {
   std::optional<ClockOffsetOfView> best;
   if (longest < 1 || sampler.together() < 2) return best;
-  for (std::size_t v = 0; v < late.size(); ++v) {
-    const auto found = FindShift(sampler, late, cameras, v, longest, sure);
+  for (std::size_t v = 0; v < delays.size(); ++v) {
+    const auto found = FindShift(sampler, delays, cameras, v, longest, sure);
     if (!found) return Forward(found);
     if (*found && (!best || (*found)->gain >= best->gain)) best = **found;
   }
   return best;
 }
 
-Expected<double> LeastLossBetweenFrames(DepthRigSampler& sampler, const std::vector<int>& late,
+Expected<double> LeastLossBetweenFrames(DepthRigSampler& sampler, const std::vector<int>& delays,
                                         const std::vector<Camera>& cameras, std::size_t view) {
-  Shifts shifts(sampler, late, cameras, view);
+  Shifts shifts(sampler, delays, cameras, view);
   for (const int beside : {0, -1, 1}) {
     if (Status loaded = shifts.Load(beside); !loaded) return Forward(loaded);
   }

@@ -12,16 +12,16 @@ namespace {
 
 constexpr std::size_t kLeastViewsInCommon = 3;
 constexpr std::size_t kMostViewsInCommon = 12;
-/// Loss as given from which on it is asked. Of 30 sound takes of the studio it is 0.07 to 0.09, with depths that are
-/// all 1.1 times too long 0.44 to 0.54, 0.92 times 0.61 to 0.82, with images that are all mirrored 0.59 to 0.68; with
-/// after correction 0.06 to 0.10 (bench_depth_rigs 30 15 907).
+/// Loss as given from which common faults are tested. For 30 correct synthetic takes it is 0.07 to 0.09. With all
+/// depths 1.1 times too long it is 0.44 to 0.54, with 0.92 times 0.61 to 0.82, with all images mirrored 0.59 to 0.68.
+/// After correction it is 0.06 to 0.10 (bench_depth_rigs 30 15 907).
 constexpr double kContradictingLoss = 0.12;
-constexpr double kMuchBetterInCommon = 0.6;                    ///< of it; a correction leaves 0.1 to 0.2
-constexpr double kLongestFactor = 1.4, kShortestFactor = 0.7;  ///< beyond, the unit differs (rig_units.h)
+constexpr double kMuchBetterInCommon = 0.6;                    ///< of that loss; after correction 0.1 to 0.2 remain
+constexpr double kLongestFactor = 1.4, kShortestFactor = 0.7;  ///< beyond, a unit is wrong (rig_units.h)
 constexpr double kCoarseStep = 0.05, kFinestStep = 0.003;
-constexpr double kLeastOff = 0.02;  ///< of a factor that is reported
+constexpr double kLeastOff = 0.02;  ///< smallest deviation of a reported factor from 1
 
-/// A rig whose surfaces are its own.
+/// A rig with modified surfaces.
 struct ChangedRig {
   ObservedRig rig;
   std::deque<ViewSurface> surfaces;
@@ -47,8 +47,8 @@ ChangedRig Scaled(const ObservedRig& given, double factor) {
   return scaled;
 }
 
-/// The points of a person in the flipped image.
-void TurnOver(const DepthView& view, ViewSurface& surface) {
+/// Mirrors a view's surface as if its image were mirrored.
+void MirrorSurface(const DepthView& view, ViewSurface& surface) {
   DepthImage image = *surface.image;
   for (int y = 0; y < image.height; ++y) {
     const auto row = image.values.begin() + static_cast<std::ptrdiff_t>(y) * image.width;
@@ -57,8 +57,8 @@ void TurnOver(const DepthView& view, ViewSurface& surface) {
   for (Eigen::Index i = 0; i < surface.points.cols(); ++i) {
     const auto pixel = view.camera.Project(surface.points.col(i));
     if (!pixel) continue;
-    const Vector2d turned(image.width - 1 - pixel->x(), pixel->y());
-    surface.points.col(i) = view.camera.Unproject(turned, surface.points(2, i));
+    const Vector2d reflected(image.width - 1 - pixel->x(), pixel->y());
+    surface.points.col(i) = view.camera.Unproject(reflected, surface.points(2, i));
   }
   surface.normals.row(0) *= -1.0;
   surface.left = image.width - (surface.left + kOutlineCell * surface.columns);
@@ -83,30 +83,30 @@ std::vector<DepthView> WithAllDepths(std::vector<DepthView> views, double factor
 std::optional<CommonFault> FindCommonFault(const ObservedRig& rig, const std::vector<double>& losses) {
   if (rig.views.size() < kLeastViewsInCommon || rig.views.size() > kMostViewsInCommon) return {};
   CommonFault found;
-  found.loss = found.corrected_loss = MeanLoss(losses);
+  found.loss = found.loss_after = MeanLoss(losses);
   if (found.loss < kContradictingLoss) return {};
   const std::vector<Camera> cameras = CamerasOf(rig.views);
   std::vector<double> better;
-  const auto ask = [&](const ChangedRig& changed) {
+  const auto improves = [&](const ChangedRig& changed) {
     std::vector<double> of_changed = LossOfSamples(changed.rig, cameras);
     const double loss = MeanLoss(of_changed);
-    if (loss >= found.corrected_loss) return false;
-    found.corrected_loss = loss;
+    if (loss >= found.loss_after) return false;
+    found.loss_after = loss;
     better = std::move(of_changed);
     return true;
   };
   for (double factor = kShortestFactor; factor <= kLongestFactor; factor += kCoarseStep) {
-    if (ask(Scaled(rig, factor))) found.factor = factor;
+    if (improves(Scaled(rig, factor))) found.factor = factor;
   }
   for (double step = 0.5 * kCoarseStep; step >= kFinestStep; step *= 0.5) {
     const double middle = found.factor;
     for (const double factor : {middle - step, middle + step}) {
-      if (ask(Scaled(rig, factor))) found.factor = factor;
+      if (improves(Scaled(rig, factor))) found.factor = factor;
     }
   }
-  if (ask(Changed(rig, TurnOver))) found.mirrored = true, found.factor = 1.0;
+  if (improves(Changed(rig, MirrorSurface))) found.mirrored = true, found.factor = 1.0;
   const bool off = found.mirrored || std::abs(found.factor - 1.0) >= kLeastOff;
-  if (!off || found.corrected_loss > kMuchBetterInCommon * found.loss) return {};
+  if (!off || found.loss_after > kMuchBetterInCommon * found.loss) return {};
   found.confidence = ConfidenceOfLosses(losses, better);
   return found;
 }

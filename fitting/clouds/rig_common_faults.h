@@ -6,23 +6,23 @@
 
 namespace mocurate {
 
-/// What is wrong with all depth views alike.
+/// A fault common to all depth views.
 struct CommonFault {
-  bool mirrored = false;        ///< images are turned over, x counts from the right
-  double factor = 1.0;          ///< that corrects all depths
-  double loss = 0.0;            ///< of the rig (MeanLoss) as given
-  double corrected_loss = 0.0;  ///< after that correction
+  bool mirrored = false;    ///< images are mirrored, x counts from the right
+  double factor = 1.0;      ///< that corrects all depths
+  double loss = 0.0;        ///< of the rig (MeanLoss) as given
+  double loss_after = 0.0;  ///< and after the correction
   double confidence = 0.0;
 };
 
-/// Depths that are all too long or too short by one factor (0.7 to 1.4), or images that are all mirrored, where views
-/// that contradict each other as given (`losses`, LossOfSamples) then agree. Surfaces that each view has too far away,
-/// or turned over, do not meet those of views from other sides; one person's size alone is no proof. Empty for fewer
-/// than three views, of which two may be made to agree in many ways, and where neither explains most of the
-/// contradiction.
+/// Finds depths that are all too long or too short by one factor (0.7 to 1.4), or images that are all mirrored.
+/// Reported when the correction makes contradicting views (`losses`, LossOfSamples) agree. Surfaces that are too
+/// distant or mirrored in each view do not meet those of views from other sides; the person's size alone is not used.
+/// Empty for fewer than three views, because two can be made to agree in many ways. Empty when neither fault explains
+/// most of the loss.
 std::optional<CommonFault> FindCommonFault(const ObservedRig& rig, const std::vector<double>& losses);
 
-/// The same views, all depths times `factor`.
+/// The views with all depths times `factor`.
 std::vector<DepthView> WithAllDepths(std::vector<DepthView> views, double factor);
 
 }  // namespace mocurate

@@ -9,9 +9,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kWrongLoss = 0.2;            ///< views that agree better have their own files
-constexpr double kMuchBetterExchanged = 0.6;  ///< of the loss
-constexpr double kAlikeLosses = 1.15;         ///< losses within this ratio are the same
+constexpr double kWrongLoss = 0.2;            ///< views with a lower loss have their own files
+constexpr double kMuchBetterExchanged = 0.6;  ///< of the loss as given
+constexpr double kEqualLossRatio = 1.15;      ///< losses within this ratio are equal
 constexpr std::size_t kAllExchanges = 5;
 constexpr std::size_t kMostViewsExchanged = 12;
 
@@ -43,8 +43,8 @@ bool MayBe(const Source& source, const ObservedRig& rig) {
   return true;
 }
 
-/// What a camera would have seen whose images are those of another one's file.
-ViewSurface SeenBy(const Camera& camera, const Camera& other, const ViewSurface& surface) {
+/// The surface of a camera whose images are those of another one's file.
+ViewSurface SurfaceFor(const Camera& camera, const Camera& other, const ViewSurface& surface) {
   ViewSurface seen = surface;
   for (Eigen::Index i = 0; i < seen.points.cols(); ++i) {
     if (const auto pixel = other.Project(seen.points.col(i))) {
@@ -54,7 +54,7 @@ ViewSurface SeenBy(const Camera& camera, const Camera& other, const ViewSurface&
   return seen;
 }
 
-/// The rig with each camera's images taken from another one's. Surfaces are made once and kept.
+/// The rig with each camera's images from another one's files. Caches surfaces.
 class ExchangedRigs {
  public:
   explicit ExchangedRigs(const ObservedRig& rig) : rig_(rig) {}
@@ -73,7 +73,7 @@ class ExchangedRigs {
     if (given == nullptr || view == source) return given;
     std::unique_ptr<ViewSurface>& made = made_[{moment, view, source}];
     if (made == nullptr) {
-      made = std::make_unique<ViewSurface>(SeenBy(rig_.views[view].camera, rig_.views[source].camera, *given));
+      made = std::make_unique<ViewSurface>(SurfaceFor(rig_.views[view].camera, rig_.views[source].camera, *given));
     }
     return made.get();
   }
@@ -102,7 +102,7 @@ std::optional<FileExchange> FindFileExchange(const ObservedRig& rig, const std::
   }
   if (!best) return {};
   for (std::size_t i = 0; i < all.size(); ++i) {
-    best->unique = best->unique && (i == chosen || MeanLoss(all[i]) > kAlikeLosses * best->exchanged);
+    best->unique = best->unique && (i == chosen || MeanLoss(all[i]) > kEqualLossRatio * best->exchanged);
     if (i != chosen) best->confidence = std::min(best->confidence, ConfidenceOfLosses(all[i], all[chosen]));
   }
   return best;

@@ -6,11 +6,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kHalfDepth = 0.1;       ///< m; how much nearer to a camera what it sees of a person is than the middle
-constexpr double kAwayAlongSight = 0.9;  ///< of the way aside
+constexpr double kHalfDepth = 0.1;       ///< m; visible surface of a person in front of the centre
+constexpr double kAwayAlongSight = 0.9;  ///< of the offset: least share along the line of sight
 constexpr double kFactorReach =
-    0.03;  ///< how far the factor may be from what the way aside says: where one view has the
-           ///< person within what another sees, it is hidden from that one, and tells nothing
+    0.03;  ///< largest deviation of the factor from the one of the offset; where one view has the person inside the
+           ///< other view's person, that one cannot observe it, and the loss is uninformative
 constexpr double kFinestWayAside = 0.0025;
 
 }  // namespace
@@ -47,7 +47,7 @@ std::vector<DepthView> WithDepths(std::vector<DepthView> views, std::size_t view
   return views;
 }
 
-Expected<std::optional<WrongDepths>> FindWrongDepths(const DepthRigSampler& sampler, const std::vector<int>& late,
+Expected<std::optional<WrongDepths>> FindWrongDepths(const DepthRigSampler& sampler, const std::vector<int>& delays,
                                                      const ObservedRig& rig, const std::vector<Camera>& cameras) {
   const std::vector<Vector3d> aside = AsideOf(rig, cameras);
   const auto farthest = std::max_element(aside.begin(), aside.end(), [](const Vector3d& a, const Vector3d& b) {
@@ -69,7 +69,7 @@ Expected<std::optional<WrongDepths>> FindWrongDepths(const DepthRigSampler& samp
       const double factor = middle + step * i;
       if (factor <= 0.05) continue;
       DepthRigSampler corrected(WithDepths(sampler.views(), found.view, factor));
-      const Expected<ObservedRig> seen = corrected.Seen(late);
+      const Expected<ObservedRig> seen = corrected.Seen(delays);
       if (!seen) return Forward(seen);
       const double loss = MeanLoss(LossOfSamples(*seen, cameras));
       if (loss >= found.loss) continue;

@@ -8,14 +8,14 @@
 
 namespace mocurate {
 
-/// Metres that a view's person may lie beside the others'; farther apart their surfaces do not meet.
+/// Metres between a view's person and the others'; at larger distances their surfaces do not meet.
 inline constexpr double kAside = 0.12;
 
-/// How far each view has the person beside where the others have her, in the world: of the middles of what they see,
-/// put a little deeper than the surface. Zero where no moment shows both.
+/// Offset of each view's person from that of the others, in the world: between the centres of the points, moved a
+/// little behind the surface. Zero when no moment shows both.
 std::vector<Vector3d> AsideOf(const ObservedRig& rig, const std::vector<Camera>& cameras);
 
-/// A view whose depths are wrong by an offset, or a scale, which at one person's distance is the same.
+/// A view with wrong depths, by an offset or by a scale; both are equivalent at one distance.
 struct WrongDepths {
   std::size_t view = 0;
   double factor = 1.0;    ///< that corrects them
@@ -23,13 +23,13 @@ struct WrongDepths {
   double loss = 0.0;      ///< of the rig (MeanLoss) with corrected depths
 };
 
-/// The view that has the person farthest beside the others, if that is along its own line of sight: with the factor on
-/// its depths with which it contradicts them least. Unlike a camera that was moved, wrong depths make the person larger
-/// or smaller too. Errors of ReadFrame.
-Expected<std::optional<WrongDepths>> FindWrongDepths(const DepthRigSampler& sampler, const std::vector<int>& late,
+/// The view whose person has the largest offset from the others, if along its line of sight. Includes the factor on its
+/// depths with the lowest loss. Unlike a moved camera, wrong depths also change the size of the person. Errors of
+/// ReadFrame.
+Expected<std::optional<WrongDepths>> FindWrongDepths(const DepthRigSampler& sampler, const std::vector<int>& delays,
                                                      const ObservedRig& rig, const std::vector<Camera>& cameras);
 
-/// The same views, depths of one times `factor`.
+/// The views with the depths of one times `factor`.
 std::vector<DepthView> WithDepths(std::vector<DepthView> views, std::size_t view, double factor);
 
 }  // namespace mocurate

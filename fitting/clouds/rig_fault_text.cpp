@@ -9,8 +9,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kMovedAlongSight = 0.95;  ///< of a move, from which on wrong depths explain it as well
-constexpr double kStraight = 0.05;         ///< rad; turns beyond are no offset of depths
+constexpr double kMovedAlongSight = 0.95;  ///< share of a move along the line of sight, from which wrong depths explain
+                                           ///< it as well
+constexpr double kStraight = 0.05;         ///< rad; a depth offset does not explain larger rotations
 
 }  // namespace
 
@@ -25,13 +26,13 @@ RigFault ExchangedFiles(const std::vector<std::string>& cameras, const FileExcha
     fault.camera += (fault.camera.empty() ? "" : ", ") + cameras[v];
     pairs += (pairs.empty() ? "" : ", ") + cameras[v] + " in those of " + cameras[exchange.source[v]];
   }
-  fault.message = exchange.unique
-                      ? "what depth cameras see lies in each other's files: " + pairs + "; so " +
-                            RoundedText(100.0 * exchange.exchanged, 2) +
-                            " % of what they see contradicts the others, as the files are " +
-                            RoundedText(100.0 * exchange.loss, 2) + " %"
-                      : "what depth cameras see lies in each other's files, and their assignment is ambiguous: the "
-                        "rig looks the same from several sides, and more than one exchange explains what they see";
+  fault.message =
+      exchange.unique
+          ? "the files of depth cameras are exchanged: images of " + pairs + "; so " +
+                RoundedText(100.0 * exchange.exchanged, 2) + " % of their points contradict the others, as given " +
+                RoundedText(100.0 * exchange.loss, 2) + " %"
+          : "the files of depth cameras are exchanged, but which ones is ambiguous: the rig is symmetric, and "
+            "more than one exchange explains the views";
   return fault;
 }
 
@@ -40,8 +41,8 @@ RigFault DepthClockOff(const std::string& camera, double off_ms, int frames) {
   fault.code = "camera_clock_off";
   fault.camera = camera;
   fault.value = off_ms;
-  fault.message = "what depth camera " + camera + " stamps happens " + RoundedText(std::abs(off_ms), 3) + " ms " +
-                  (off_ms > 0.0 ? "later" : "earlier") + " by the clock of the others; its nearest image is " +
+  fault.message = "depth camera " + camera + ": clock offset " + (off_ms > 0.0 ? "+" : "-") +
+                  RoundedText(std::abs(off_ms), 3) + " ms relative to the other cameras; its nearest image is " +
                   Counted(std::abs(frames), "frame") + (frames > 0 ? " later" : " earlier");
   return fault;
 }
@@ -72,8 +73,8 @@ RigFault FaultOfAll(const std::vector<std::string>& cameras, const CommonFault& 
   for (const std::string& camera : cameras) fault.camera += (fault.camera.empty() ? "" : ", ") + camera;
   if (common.mirrored) {
     fault.code = "view_mirrored";
-    fault.value = common.corrected_loss;
-    fault.message = "images of all depth cameras are mirrored, x counts from the right";
+    fault.value = common.loss_after;
+    fault.message = "images of all depth cameras are mirrored (x counts from the right)";
   } else {
     double distance = 0.0;
     for (const DepthView& view : rig.views)
@@ -84,8 +85,8 @@ RigFault FaultOfAll(const std::vector<std::string>& cameras, const CommonFault& 
                     " by a factor of " + RoundedText(1.0 / common.factor, 3) + ", " +
                     RoundedText(std::abs(fault.value), 2) + " mm at the person";
   }
-  fault.message += ": after correction, " + RoundedText(100.0 * common.corrected_loss, 2) +
-                   " % of what they see contradicts the others, as given " + RoundedText(100.0 * common.loss, 2) + " %";
+  fault.message += "; after a correction, " + RoundedText(100.0 * common.loss_after, 2) +
+                   " % of their points contradict the others, as given " + RoundedText(100.0 * common.loss, 2) + " %";
   return fault;
 }
 
@@ -98,12 +99,12 @@ RigFault CameraMoved(const Camera& was, const Camera& is, const Vector3d& centre
   fault.value = 1e3 * way.norm();
   fault.message = "depth camera " + was.name + " stands " + RoundedText(fault.value, 3) + " mm and " +
                   RoundedText(kDegrees * move.turn, 2) +
-                  " degrees from where its calibration has it, which puts the person " +
-                  RoundedText(1e3 * move.shift, 3) + " mm off";
+                  " degrees from its calibrated pose, which moves the person by " + RoundedText(1e3 * move.shift, 3) +
+                  " mm";
   const double along = way.dot((centre - was.Centre()).normalized());
   if (std::abs(along) >= kMovedAlongSight * way.norm() && move.turn < kStraight) {
-    fault.message +=
-        std::string("; that is along its sight: its depths may be as much too ") + (along > 0.0 ? "short" : "long");
+    fault.message += std::string("; the move is along its line of sight: instead, its depths may be too ") +
+                     (along > 0.0 ? "short" : "long");
   }
   return fault;
 }

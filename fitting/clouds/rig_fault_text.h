@@ -12,17 +12,17 @@
 
 namespace mocurate {
 
-/// Faults of depth cameras with code, camera, value and words. How sure they are (but of exchanged files), and whether
-/// they are corrected, the audit says.
+/// Faults of depth cameras with code, camera, value and message. The audit sets correction and confidence (except for
+/// exchanged files).
 RigFault ExchangedFiles(const std::vector<std::string>& cameras, const FileExchange& exchange);
-/// `off_ms` later by the clock of the others; `frames` is how many images later the nearest one is.
+/// `off_ms`: clock offset relative to the others; `frames`: offset of the nearest image.
 RigFault DepthClockOff(const std::string& camera, double off_ms, int frames);
 RigFault DepthsOff(const std::string& camera, const WrongDepths& wrong);
-/// Which is corrected, and sure: nothing else makes a person of them.
+/// Always corrected and certain: no other unit gives a person.
 RigFault LengthsMisread(const MisreadLengths& misread);
-/// Of all cameras of a rig.
+/// A fault of all cameras of a rig.
 RigFault FaultOfAll(const std::vector<std::string>& cameras, const CommonFault& common, const ObservedRig& rig);
-/// `centre`: where the person is.
+/// `centre`: of the person.
 RigFault CameraMoved(const Camera& was, const Camera& is, const Vector3d& centre);
 
 }  // namespace mocurate

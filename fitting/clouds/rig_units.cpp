@@ -13,14 +13,15 @@ namespace mocurate {
 namespace {
 
 constexpr std::array<double, 6> kDepthUnitFactors = {1000.0, 100.0, 10.0, 0.1, 0.01, 0.001};
-constexpr double kUsualHeight = 1.6;  ///< m
-constexpr double kLowestSeen = 0.3;   ///< m, from the lowest to the highest point of what is seen of a person
-constexpr double kTallestSeen = 2.8;
-constexpr double kSeenShare = 0.2;  ///< of a view's points in the images of the others; fewer: they look elsewhere
+constexpr double kUsualHeight = 1.6;     ///< m
+constexpr double kLowestObserved = 0.3;  ///< m, smallest height of the visible part of a person
+constexpr double kTallestObserved = 2.8;
+constexpr double kOverlapShare = 0.2;  ///< of a view's points in the images of the others; with fewer, views do not
+                                       ///< overlap
 constexpr double kCorrectedShare = 0.5;
 constexpr double kCorrectedLoss = 0.35;
 
-/// Median height of what views see of the person; 0 where none sees anybody.
+/// Median height of the person's points over views; 0 without a person.
 double HeightIn(const ObservedRig& rig) {
   std::vector<double> heights;
   for (const ObservedMoment& moment : rig.moments) {
@@ -34,10 +35,10 @@ double HeightIn(const ObservedRig& rig) {
   return heights.empty() ? 0.0 : MeanMedian(heights);
 }
 
-bool HasHeightOfPerson(double height) { return height > kLowestSeen && height < kTallestSeen; }
+bool HasHeightOfPerson(double height) { return height > kLowestObserved && height < kTallestObserved; }
 
-/// Share of the points that lie in the images of the others, and the loss there.
-std::pair<double, double> SeenByOthers(const ObservedRig& rig, double places) {
+/// Share of the points in the images of other views, and the loss there.
+std::pair<double, double> OverlapWithOthers(const ObservedRig& rig, double places) {
   double points = 0.0, looked_at = 0.0, loss = 0.0;
   std::vector<Camera> cameras = CamerasOf(rig.views);
   for (Camera& camera : cameras) camera.camera_from_world.translation /= places;
@@ -89,10 +90,10 @@ Expected<std::optional<MisreadLengths>> FindMisreadLengths(DepthRigSampler& samp
     if (misread.depth == 1.0) return std::optional<MisreadLengths>();
     rig = other->Seen(as_given);
   }
-  if (SeenByOthers(*rig, 1.0).first < kSeenShare) {
+  if (OverlapWithOthers(*rig, 1.0).first < kOverlapShare) {
     double least = kCorrectedLoss;
     for (const double factor : kDepthUnitFactors) {
-      const auto [share, loss] = SeenByOthers(*rig, factor);
+      const auto [share, loss] = OverlapWithOthers(*rig, factor);
       if (share < kCorrectedShare || loss >= least) continue;
       least = loss;
       misread.places = factor;

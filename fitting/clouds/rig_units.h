@@ -9,14 +9,15 @@
 
 namespace mocurate {
 
-/// Lengths of depth views that are misread.
+/// Wrong units of depth views.
 struct MisreadLengths {
-  double depth = 1.0;   ///< depths are so many times too long
-  double places = 1.0;  ///< and so are the places of cameras
+  double depth = 1.0;   ///< factor by which depths are too long
+  double places = 1.0;  ///< factor by which camera positions are too far
 };
 
-/// Whether depth makes a person of no person's size, or cameras stand so that none sees what others see, and the power
-/// of ten that corrects it. Empty where all units are right, and where no factor corrects them. Errors of ReadFrame.
+/// Tests whether depths give a person of implausible size, or whether camera positions leave views without overlap.
+/// Returns the power of ten that corrects it. Empty where units are correct, or no power of ten helps. Errors of
+/// ReadFrame.
 Expected<std::optional<MisreadLengths>> FindMisreadLengths(DepthRigSampler& sampler);
 
 std::vector<DepthView> WithLengths(std::vector<DepthView> views, const MisreadLengths& misread);

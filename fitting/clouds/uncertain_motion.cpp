@@ -10,10 +10,10 @@
 namespace mocurate {
 namespace {
 
-constexpr float kUnknownPlaceVariance = 1.0F;  ///< m^2, of a joint of which nothing is known
+constexpr float kUnknownPlaceVariance = 1.0F;                               ///< m^2, of a joint without information
 const float kUnknownAngleSigma = static_cast<float>(kPi / std::sqrt(3.0));  ///< rad
-/// Without it ankles of 4 studio clips were 18 mm off per axis and 14.6 stated, feet 61 and 48 (bench_fit_clouds 4 30
-/// 907 DIR hidden=7, 10).
+/// Without this factor, ankles of 4 synthetic clips were 18 mm off per axis with 14.6 stated. Feet were 61 mm off with
+/// 48 stated (bench_fit_clouds 4 30 907 DIR hidden=7, 10).
 constexpr double kUnobservedFactor = 1.3;
 
 }  // namespace
@@ -53,12 +53,12 @@ void UncertainMotion::Set(int frame, const CloudUncertainty& uncertainty, const 
   }
 }
 
-void UncertainMotion::Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned,
+void UncertainMotion::Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& moving,
                               const std::vector<Vector3d>& body_rotation) {
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
     SetPosition(at, uncertainty.position[j]);
-    if (turned[j]) SetRotation(at, uncertainty.rotation[j] + body_rotation[j], uncertainty.observed[j]);
+    if (moving[j]) SetRotation(at, uncertainty.rotation[j] + body_rotation[j], uncertainty.observed[j]);
   }
 }
 

@@ -8,21 +8,21 @@
 
 namespace mocurate {
 
-/// The uncertainty of all frames of a motion, as Motion stores it.
+/// The uncertainty of all frames of a motion, in the layout of Motion.
 class UncertainMotion {
  public:
-  /// Of frames that are not set nothing is known.
+  /// All frames begin without information.
   UncertainMotion(int frames, int joints);
-  /// Begins with the uncertainty of another motion.
+  /// Begins with the uncertainty of `motion`.
   explicit UncertainMotion(const Motion& motion);
 
-  /// `body_error` (J, m): how far each joint of the body is from the person's, which every frame has beside its own,
-  /// and `body_rotation` (J, rad^2) how far that turns its frame (BodyRotations). No rotation is less known than
-  /// beforehand.
+  /// `body_error` (J, m): error of the body's joints in every frame, and `body_rotation` (J, rad^2) the rotation of
+  /// joint frames that it causes (BodyRotations); both are added to the frame's own. Rotation variances are at most the
+  /// prior's.
   void Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error,
            const std::vector<Vector3d>& body_rotation);
-  /// Takes a frame's uncertainty over; of joints that are not `turned` (J) rotations stay as known as they were.
-  void Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& turned,
+  /// Replaces a frame's uncertainty; joints that are not `moving` (J) keep that of their rotation.
+  void Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& moving,
                const std::vector<Vector3d>& body_rotation);
   void Write(Motion& motion) const;
 
@@ -36,11 +36,11 @@ class UncertainMotion {
   std::vector<float> rotation_observed_;
 };
 
-/// Joints of which no view shows anything are farther off than pose and body tell: widens their covariances and what
-/// their body is off (J, m) where they are not `seen` (J).
+/// Widens covariances and body errors (J, m) of joints without observations (not `seen`, J): their errors exceed those
+/// of pose and body.
 void WidenGaps(const std::vector<bool>& seen, CloudUncertainty& uncertainty, std::vector<double>& body_error);
 
-/// Root mean square, 95th percentile and robust spread of distances (m, absolute).
+/// Root mean square, 95th percentile and robust standard deviation of distances (m, absolute).
 void SetResiduals(std::vector<double> distances, FitResult& result);
 
 }  // namespace mocurate

@@ -8,9 +8,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kReachOfScales = 2.5;  ///< scales
-constexpr double kSameSide = 0.5;       ///< cosine between normals of one surface
-constexpr double kThickness = 2.0;      ///< reaches in depth within which a plane is asked for
+constexpr double kReachOfScales = 2.5;  ///< in scales of the loss
+constexpr double kSameSide = 0.5;       ///< least cosine between normals of one surface
+constexpr double kThickness = 2.0;      ///< in reaches: largest depth difference for which the plane is computed
 constexpr double kOutlineSlack_px = 1.5;
 constexpr double kNearSurface = 0.05;  ///< m
 
@@ -37,7 +37,7 @@ class Comparer {
   }
 
  private:
-  /// Everything in the frame of the camera whose image it is.
+  /// In the frame of the camera of the other image.
   void Add(const Vector3d& point, const Vector3d& normal) {
     if (point.z() < kNearSurface) return;
     const auto pixel = in_.camera.Project(point);
@@ -64,7 +64,7 @@ class Comparer {
       if (distance > 0.0) sum_.loss += 1.0;
       return;
     }
-    // A back or a side: nothing is known where it is hidden, and it cannot lie before what is seen.
+    // A back or a side: it is hidden, or lies in front of the visible surface.
     if (point.z() < depth) sum_.loss += Loss(depth - point.z());
   }
 
@@ -82,7 +82,7 @@ class Comparer {
       sum_.loss += 1.0;
       return;
     }
-    // From the middle of the nearest cell.
+    // From the centre of the nearest cell.
     const int inside_column = nearest % seen.columns, inside_row = nearest / seen.columns;
     const Vector2d inside(seen.left + (inside_column + 0.5) * kOutlineCell - 0.5,
                           seen.top + (inside_row + 0.5) * kOutlineCell - 0.5);

@@ -8,9 +8,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kAsDeep_m = 0.03;  ///< beyond noise and filters of a sensor at a person's distance
+constexpr double kAsDeep_m = 0.03;  ///< larger than noise and filters of a sensor at a person's distance
 
-/// Negative where both images are empty.
+/// Negative when both images are empty.
 double ImageSimilarity(const DepthImage& a, double a_m, const DepthImage& b, double b_m) {
   if (a.width != b.width || a.height != b.height) return 0.0;
   double seen = 0.0;

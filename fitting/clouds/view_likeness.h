@@ -7,9 +7,9 @@
 
 namespace mocurate {
 
-/// Share [0, 1] of the pixels with a depth in one of two views of a sensor that are as deep in the other one, in the
-/// first, the middle and the last frame; the least of the three, 0 where images are not of one size, negative where
-/// none shows anything. Errors of ReadDepthImage.
+/// Share [0, 1] of pixels with equal depth in two views of a sensor, among those with a depth in one of them. The
+/// lowest over the first, middle and last frame; 0 for images of different size, negative when both are empty. Errors
+/// of ReadDepthImage.
 Expected<double> DepthSimilarity(const DepthView& a, const DepthView& b);
 
 }  // namespace mocurate

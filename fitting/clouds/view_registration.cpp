@@ -12,36 +12,37 @@
 namespace mocurate {
 namespace {
 
-constexpr double kRegistrationScale = 0.02;  ///< m, of the loss that is compared
-/// Scales from wide to narrow, each for so many steps at most.
+constexpr double kRegistrationScale = 0.02;  ///< m, scale of the loss
+/// Scales of the loss, decreasing, each with its largest number of steps.
 constexpr std::array<std::pair<double, int>, 4> kSchedule = {{{0.08, 4}, {0.05, 4}, {0.03, 4}, {0.02, 8}}};
-constexpr double kNearLoss = 0.15;                 ///< views that agree so well need no search from afar
+constexpr double kNearLoss = 0.15;                 ///< views with a lower loss need no wide scales
 constexpr double kNearScale = 0.03;                ///< m
-constexpr double kRest = 5e-4;                     ///< m and rad: a step this small ends a scale
+constexpr double kRest = 5e-4;                     ///< m and rad; a shorter step ends a scale
 constexpr double kLongestRegistrationStep = 0.15;  ///< m and rad
-constexpr double kPlaceSpread = 0.5;        ///< m and rad, within which cameras are believed to stand; hardly counts
-constexpr double kLevelInformation = 1e-6;  ///< of the mean of an edge's information: what no pixel tells
+constexpr double kPlaceSpread = 0.5;               ///< m and rad; weak prior on the camera poses
+constexpr double kLevelInformation = 1e-6;         ///< of the mean of an edge's information: regularises undetermined
+                                                   ///< directions
 
-/// A move about a centre as the vector of rotation and translation there.
+/// Vector of rotation and translation of a move about a centre.
 Vector6d VectorOf(const RigidTransform& move, const Vector3d& centre) {
   Vector6d vector;
   vector << LogQuaternion(move.rotation), move * centre - centre;
   return vector;
 }
 
-/// In coordinates with the centre as origin.
+/// Inverse of VectorOf, with the centre as origin.
 RigidTransform MoveOf(const Vector6d& vector) { return {ExpQuaternion(vector.head<3>()), vector.tail<3>()}; }
 
 RigidTransform AboutCentre(const RigidTransform& move, const Vector3d& centre) {
   return {move.rotation, move.translation + centre - move.rotation * centre};
 }
 
-/// World of `other` from world of `given` for what the camera sees.
+/// Move of the camera's points from their world position in `given` to that in `other`.
 RigidTransform TotalMove(const Camera& given, const Camera& other) {
   return Inverse(other.camera_from_world) * given.camera_from_world;
 }
 
-/// Normal equations for moves of the first against the second node.
+/// Normal equations of the relative move of two nodes.
 struct Tie {
   Matrix6d information = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
@@ -69,7 +70,7 @@ class Registration {
   }
 
  private:
-  /// Largest move of a camera.
+  /// One step; returns the largest move of a camera.
   Expected<double> Step(double scale) {
     const std::vector<PoseEdge> edges = Edges(scale);
     const Expected<std::vector<RigidTransform>> moves = SolvePoseGraph(nodes_, edges);
@@ -87,7 +88,7 @@ class Registration {
   }
 
   std::vector<PoseEdge> Edges(double scale) const {
-    std::vector<Tie> ties(nodes_ * nodes_);  // of free nodes a > b
+    std::vector<Tie> ties(nodes_ * nodes_);  // for free nodes a > b
     for (const auto& [a, b] : rig_.pairs) {
       if (node_[a] == node_[b]) continue;
       const bool exchanged = node_[a] < node_[b];

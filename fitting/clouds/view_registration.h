@@ -10,39 +10,40 @@
 
 namespace mocurate {
 
-/// What each view saw of a moment; null where it observed no person.
+/// Surfaces of all views at a moment; null for a view without a person.
 using ObservedMoment = std::vector<const ViewSurface*>;
 
-/// Views of a rig at some moments, and where its cameras may stand.
+/// Views of a rig at some moments.
 struct ObservedRig {
   std::vector<DepthView> views;                            ///< as given
-  std::vector<ObservedMoment> moments;                     ///< those of one group on end
-  int together = 1;                                        ///< moments of a group, consecutive frames: one judgement
-  Vector3d centre = Vector3d::Zero();                      ///< of the person over all moments, as given
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< views that are compared, first < second
+  std::vector<ObservedMoment> moments;                     ///< ordered by group
+  int together = 1;                                        ///< moments per group, in consecutive frames: a group is one
+                                                           ///< sample
+  Vector3d centre = Vector3d::Zero();                      ///< of the person, mean over all moments, as given
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< compared views, first < second
 };
 
 /// Cameras of the views, as given.
 std::vector<Camera> CamerasOf(const std::vector<DepthView>& views);
 
-/// Loss per point of each pair at each group of moments, in [0, 1]; kNotObserved where one of both observed no person.
+/// Loss per point of each pair at each group of moments, in [0, 1]; kNotObserved when one of both has no person.
 /// (groups * pairs)
 inline constexpr double kNotObserved = -1.0;
 std::vector<double> LossOfSamples(const ObservedRig& rig, const std::vector<Camera>& cameras);
 
-/// Mean of the losses that were seen; 0 without any.
+/// Mean of the losses without kNotObserved; 0 without any.
 double MeanLoss(const std::vector<double>& losses);
 
-/// How sure it is that losses are lower than others, of those samples that both have seen (ConfidenceOfSeparate).
+/// Confidence that losses are lower than others, over samples that both have (ConfidenceOfSeparate).
 double ConfidenceOfLosses(const std::vector<double>& worse, const std::vector<double>& better);
 
-/// What places of cameras come to for views of one rig that may be moved, as it is tied to the others by what both see:
-/// point-to-plane distances of all moments together, matched again after every step, each step a pose graph over the
-/// free cameras (node 0: all others) whose edges are the normal equations of the pairs. Where nothing ties a camera it
-/// stays. `from`: where the search begins. Errors of SolvePoseGraph.
+/// Registers the free cameras of a rig to the others by their common surfaces. Minimises point-to-plane distances over
+/// all moments, with new matches after every step. Each step is a pose graph over the free cameras (node 0: all others)
+/// whose edges are the normal equations of the pairs. A camera without matches keeps its pose. `from`: initial cameras.
+/// Errors of SolvePoseGraph.
 Expected<std::vector<Camera>> Register(const ObservedRig& rig, const std::vector<bool>& free, std::vector<Camera> from);
 
-/// How far a camera's pose takes the person from where another one does: a turn about the centre and a shift there.
+/// Displacement of the person by a change of a camera's pose: rotation about the centre and shift there.
 struct CameraMoveAt {
   double shift = 0.0;  ///< m
   double turn = 0.0;   ///< rad

@@ -14,13 +14,15 @@ namespace {
 
 constexpr int kFewestSurfacePoints = 60;
 constexpr int kMostPoints = 400;
-constexpr double kNearInDepth = 0.05;   ///< m between a pixel and the person's points about it
-constexpr double kMargin = 0.25;        ///< m around the person that the outline knows
-constexpr double kMaskedShare = 0.5;    ///< of the pixels without a value: a whole room never has so few
+constexpr double kNearInDepth = 0.05;   ///< m of depth between a pixel and the person's points near it
+constexpr double kMargin = 0.25;        ///< m around the person that the outline covers
+constexpr double kMaskedShare = 0.5;    ///< of the pixels without depth, from which the image is masked: a room has
+                                        ///< fewer
 constexpr double kNearestDepth = 0.05;  ///< m
-constexpr double kFlatPatch = 0.06;     ///< spread across a plane, of the lesser one in it; a person has 0.2 and more
+constexpr double kFlatPatch = 0.06;     ///< extent across a plane relative to the smaller extent in it; at least 0.2
+                                        ///< for a person
 
-/// Depths of the person's points in coarse cells, each spread to the cells beside it.
+/// Depth range of the person's points in coarse cells, each extended to its neighbours.
 struct DepthRange {
   int cell = 4;  ///< pixels
   int columns = 0, rows = 0;
@@ -58,8 +60,8 @@ DepthRange RangeOf(const Eigen::Matrix3Xd& points, const Camera& camera, double 
   return range;
 }
 
-/// Spreads the nearest set cell (two sweeps over eight neighbours).
-void SpreadNearest(int columns, int rows, std::vector<std::int32_t>& nearest) {
+/// Distance transform: propagates the nearest set cell (two sweeps over eight neighbours).
+void PropagateNearest(int columns, int rows, std::vector<std::int32_t>& nearest) {
   const auto square = [&](std::int32_t of, int x, int y) {
     const int dx = of % columns - x, dy = of / columns - y;
     return dx * dx + dy * dy;
@@ -107,10 +109,10 @@ void SetOutline(const DepthView& view, const DepthRange& range, ViewSurface& sur
       surface.nearest[static_cast<std::size_t>(cell)] = cell;
     }
   }
-  SpreadNearest(surface.columns, surface.rows, surface.nearest);
+  PropagateNearest(surface.columns, surface.rows, surface.nearest);
 }
 
-/// Whether points lie in a plane, or nearly so against their spread in it. People do not, whatever the unit.
+/// Whether points lie nearly in a plane, relative to their extent in it. People never do, in any unit.
 bool IsFlat(const Eigen::Matrix3Xd& points) {
   const Eigen::Matrix3Xd off = points.colwise() - points.rowwise().mean();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(Matrix3d(off * off.transpose()), Eigen::EigenvaluesOnly);
@@ -127,16 +129,16 @@ Expected<ViewSurface> SurfaceOf(const DepthView& view, DepthImage image, double 
   if (!cloud) return Forward(cloud);
   surface.image = std::make_shared<const DepthImage>(std::move(images[0]));
   const FusedCloud person = PersonPoints(*cloud, voxel_size);
-  const bool no_person = person.size() < kFewestSurfacePoints;
-  if (no_person && cloud->size() < kFewestSurfacePoints) return surface;
-  if (no_person || IsFlat(person.points)) {
+  const bool too_few = person.size() < kFewestSurfacePoints;
+  if (too_few && cloud->size() < kFewestSurfacePoints) return surface;
+  if (too_few || IsFlat(person.points)) {
     surface.flat = true;
     return surface;
   }
   const Camera& camera = view.camera;
-  const Matrix3d turn = camera.camera_from_world.rotation.toRotationMatrix();
-  surface.points = (turn * person.points).colwise() + camera.camera_from_world.translation;
-  surface.normals = turn * person.normals;
+  const Matrix3d rotation = camera.camera_from_world.rotation.toRotationMatrix();
+  surface.points = (rotation * person.points).colwise() + camera.camera_from_world.translation;
+  surface.normals = rotation * person.normals;
   if (surface.points.row(2).minCoeff() < kNearestDepth) return ViewSurface{};
   const auto without = std::count(surface.image->values.begin(), surface.image->values.end(), std::uint16_t{0});
   surface.masked = static_cast<double>(without) > kMaskedShare * static_cast<double>(surface.image->values.size());

@@ -13,16 +13,16 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSidesSpeed = 1.5;         ///< m/s per axis, of a limb about the body's centre
-constexpr double kMostSampleCost = 8.0;     ///< of one sample: beyond, something else is wrong with it
-constexpr double kSidesGap_s = 0.25;        ///< longest time over which steps are looked at
-constexpr double kNearlyAll = 0.6;          ///< of what pairs say for and against a change
-constexpr int kFewestAnatomyFrames = 10;    ///< of which anatomy is asked
+constexpr double kSidesSpeed = 1.5;         ///< m/s per axis, of a limb relative to the body's centre
+constexpr double kMostSampleCost = 8.0;     ///< cap on the cost of one sample: beyond it is an outlier
+constexpr double kSidesGap_s = 0.25;        ///< longest gap between two frames whose positions are compared
+constexpr double kNearlyAll = 0.6;          ///< least share of the pairs' total evidence in favour of a change
+constexpr int kFewestAnatomyFrames = 10;    ///< fewest frames for the anatomy test
 constexpr double kFacing = 0.3;             ///< sine between the nose's direction and the plane of the trunk
-constexpr double kFaceNearlyAlways = 0.95;  ///< of the frames, for the face to be believed
-constexpr double kOften = 0.5;              ///< of the frames show it
+constexpr double kFaceNearlyAlways = 0.95;  ///< share of the frames that must agree for the face test to count
+constexpr double kOften = 0.5;              ///< share of the frames that must show the face
 
-/// Frames that steps join, and whether the sides of each are those of the first.
+/// Consecutive frames without a long gap, and whether the sides of each differ from those of the first.
 struct Chain {
   int begin = 0;
   int end = 0;
@@ -45,7 +45,7 @@ class SidesFollower {
     bool other = false;
     for (int f = 0; f < tracks_.frames(); ++f) {
       const Change change = Into(f, other);
-      if (change.linked && change.gain >= least_margin_ && change.gain >= kNearlyAll * change.said) other = !other;
+      if (change.linked && change.gain >= least_margin_ && change.gain >= kNearlyAll * change.total) other = !other;
       if (chains.empty() || (change.seen && !change.linked)) {
         if (!chains.empty()) chains.back().end = f;
         chains.push_back({f, tracks_.frames(), {}});
@@ -62,8 +62,8 @@ class SidesFollower {
   struct Change {
     bool seen = false;
     bool linked = false;
-    double gain = 0.0;  ///< by how much likelier the step is with the sides changed
-    double said = 0.0;  ///< sum of what pairs say, for and against
+    double gain = 0.0;   ///< log-likelihood ratio: sides changed against unchanged
+    double total = 0.0;  ///< sum of |log-likelihood ratio| over the pairs
   };
 
   bool Seen(int f, std::size_t i) const {
@@ -99,7 +99,7 @@ class SidesFollower {
       };
       const double gain = cost(false) - cost(true);
       change.gain += gain;
-      change.said += std::abs(gain);
+      change.total += std::abs(gain);
     }
     return change;
   }
@@ -116,19 +116,20 @@ class SidesFollower {
   double variance_;
   double least_margin_;
   std::vector<BodyCentre> centres_;
-  std::vector<int> last_;       ///< frame in which each pair was seen
-  std::vector<bool> followed_;  ///< of every frame so far
+  std::vector<int> last_;       ///< last frame that observes each pair
+  std::vector<bool> followed_;  ///< (frames so far) whether the sides were changed
 };
 
-/// Whether left and right are exchanged as anatomy has it, and why.
+/// Whether anatomy shows left and right exchanged, and the evidence.
 struct SidesByAnatomy {
   std::optional<bool> exchanged;
   double confidence = 0.0;
   std::string evidence;
 };
 
-/// Share of the frames in which the nose lies before the ears (and behind: negative), of those that show it.
-SidesByAnatomy AskFace(const SkeletonTracks& tracks) {
+/// Tests whether the nose lies in front of the ears. `exchanged` where it lies behind; empty where the frames do not
+/// agree.
+SidesByAnatomy TestFace(const SkeletonTracks& tracks) {
   const Skeleton& skeleton = *tracks.skeleton;
   const auto nose = skeleton.FindJoint("nose");
   const auto hips = skeleton.Hips();
@@ -154,15 +155,15 @@ SidesByAnatomy AskFace(const SkeletonTracks& tracks) {
   const int all = before + behind;
   const double share = all > 0 ? std::max(before, behind) / static_cast<double>(all) : 0.0;
   if (all < kFewestAnatomyFrames || share < kFaceNearlyAlways || all < kOften * tracks.frames()) return {};
-  SidesByAnatomy decided;
-  decided.exchanged = behind > before;
-  decided.confidence = share;
-  decided.evidence = std::string("the face lies ") + (behind > before ? "behind" : "before") + " the ears (" +
-                     std::to_string(std::lround(100.0 * share)) + " % of " + std::to_string(all) + ")";
-  return decided;
+  SidesByAnatomy result;
+  result.exchanged = behind > before;
+  result.confidence = share;
+  result.evidence = std::string("the face lies ") + (behind > before ? "behind" : "in front of") + " the ears (" +
+                    std::to_string(std::lround(100.0 * share)) + " % of " + std::to_string(all) + " frames)";
+  return result;
 }
 
-SidesByAnatomy AskAnatomy(const SkeletonTracks& tracks) {
+SidesByAnatomy TestAnatomy(const SkeletonTracks& tracks) {
   if (tracks.frames() < kFewestAnatomyFrames) return {};
   const Skeleton& skeleton = *tracks.skeleton;
   BodyLandmarks points = FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); });
@@ -172,19 +173,19 @@ SidesByAnatomy AskAnatomy(const SkeletonTracks& tracks) {
     if (toe && (points.toe[side] < 0 || !seen[points.toe[side]])) points.toe[side] = *toe;
   }
   const HandednessMeasure limbs = MeasureHandedness(tracks.positions, points, &tracks.confidence);
-  SidesByAnatomy face = AskFace(tracks);
+  SidesByAnatomy face = TestFace(tracks);
   if (!limbs.handedness) return face;
-  SidesByAnatomy decided{*limbs.handedness == Handedness::kLeft, limbs.confidence, limbs.evidence};
-  if (!face.exchanged) return decided;
-  if (face.exchanged != decided.exchanged) return {};
-  decided.confidence = std::max(decided.confidence, face.confidence);
-  decided.evidence += ", " + face.evidence;
-  return decided;
+  SidesByAnatomy result{*limbs.handedness == Handedness::kLeft, limbs.confidence, limbs.evidence};
+  if (!face.exchanged) return result;
+  if (face.exchanged != result.exchanged) return {};
+  result.confidence = std::max(result.confidence, face.confidence);
+  result.evidence += ", " + face.evidence;
+  return result;
 }
 
 }  // namespace
 
-std::optional<bool> SidesExchangedByAnatomy(const SkeletonTracks& tracks) { return AskAnatomy(tracks).exchanged; }
+std::optional<bool> SidesExchangedByAnatomy(const SkeletonTracks& tracks) { return TestAnatomy(tracks).exchanged; }
 
 std::vector<int> LeftJoints(const Skeleton& skeleton) {
   std::vector<int> left;
@@ -220,15 +221,15 @@ bool CoverAll(const std::vector<BodyExchange>& exchanges, const SkeletonTracks& 
 std::vector<BodyExchange> FindBodyExchanges(const SkeletonTracks& tracks, double noise_sigma, double least_margin) {
   std::vector<BodyExchange> found;
   const std::vector<int> left = LeftJoints(*tracks.skeleton);
-  if (left.size() < 2) return found;  // one pair crosses in any clap
+  if (left.size() < 2) return found;  // a single pair may cross in a normal movement
   for (const Chain& chain : SidesFollower(tracks, left, noise_sigma, least_margin).Chains()) {
     SkeletonTracks part = CutTracks(tracks, chain.begin, chain.end);
     for (int f = 0; f < part.frames(); ++f) {
       if (chain.other[static_cast<std::size_t>(f)]) ExchangeJoints(left, f, f + 1, part);
     }
     const auto others = std::count(chain.other.begin(), chain.other.end(), true);
-    const SidesByAnatomy decided = AskAnatomy(part);
-    const bool first = decided.exchanged ? *decided.exchanged : 2 * others > part.frames();
+    const SidesByAnatomy anatomy = TestAnatomy(part);
+    const bool first = anatomy.exchanged ? *anatomy.exchanged : 2 * others > part.frames();
     const auto exchanged = first ? part.frames() - others : others;
     for (int begin = 0; begin < part.frames(); ++begin) {
       const auto is = [&](int f) { return chain.other[static_cast<std::size_t>(f)] != first; };
@@ -236,10 +237,10 @@ std::vector<BodyExchange> FindBodyExchanges(const SkeletonTracks& tracks, double
       BodyExchange exchange;
       exchange.rarer = 2 * exchanged <= part.frames();
       const auto all = static_cast<double>(part.frames());
-      exchange.confidence = decided.exchanged ? decided.confidence : 1.0 - static_cast<double>(exchanged) / all;
-      exchange.evidence = !decided.exchanged ? "steps are likelier so, and the other frames are more"
-                          : first            ? decided.evidence
-                                             : "steps are likelier so, and in the other frames " + decided.evidence;
+      exchange.confidence = anatomy.exchanged ? anatomy.confidence : 1.0 - static_cast<double>(exchanged) / all;
+      exchange.evidence = !anatomy.exchanged ? "the steps are likelier so, and the other frames are the majority"
+                          : first            ? anatomy.evidence
+                                             : "the steps are likelier so; in the other frames " + anatomy.evidence;
       exchange.frame_begin = chain.begin + begin;
       while (begin < part.frames() && is(begin)) ++begin;
       exchange.frame_end = chain.begin + begin;

@@ -12,30 +12,31 @@ namespace mocurate {
 struct BodyExchange {
   int frame_begin = 0;
   int frame_end = 0;
-  bool rarer = false;  ///< of the frames that steps join with it most are as they should be
+  bool rarer = false;  ///< at most half of the chain's frames are exchanged
   double confidence = 0.0;
-  std::string evidence;  ///< in words
+  std::string evidence;  ///< text of the evidence
 };
 
-/// Spans in which left and right of the whole body are exchanged. Within frames that steps join (no gap of 0.25 s) a
-/// change of sides shows in the steps: all pairs jump to each other's places, likelier by `least_margin` (difference of
-/// log likelihoods) and with hardly a pair against it. Which of both states is right anatomy tells (MeasureHandedness,
-/// and the face, that lies before the ears): of a body with its sides exchanged the knees bend backwards. Where
-/// anatomy does not tell, the longer state is right. `noise_sigma` metres per axis. Sorted by frame. A mirrored world
-/// looks the same as exchanged sides throughout.
+/// Spans in which left and right of the whole body are exchanged. Frames without a gap longer than 0.25 s form a chain.
+/// Within a chain, a change of sides shows as a jump of all pairs to each other's positions. It is accepted when it is
+/// likelier by `least_margin` (difference of log likelihoods) and almost no pair contradicts it. Anatomy decides which
+/// state is correct: knees bend backwards when sides are exchanged (MeasureHandedness), and the nose lies in front of
+/// the ears. Without a result from anatomy, the longer state is correct. `noise_sigma`: metres per axis. Sorted by
+/// frame. A mirrored world looks like sides that are exchanged in all frames.
 std::vector<BodyExchange> FindBodyExchanges(const SkeletonTracks& tracks, double noise_sigma, double least_margin);
 
-/// Whether left and right of the whole body are exchanged as anatomy has it (knees, feet, hands, the face); nothing
-/// where it does not tell, or of few frames.
+/// Whether anatomy (knees, feet, hands, face) shows left and right of the whole body exchanged. Empty where it gives no
+/// result or frames are too few.
 std::optional<bool> SidesExchangedByAnatomy(const SkeletonTracks& tracks);
 
-/// Whether nothing is seen outside the spans.
+/// Whether the spans contain every frame that observes a joint.
 bool CoverAll(const std::vector<BodyExchange>& exchanges, const SkeletonTracks& tracks);
 
-/// Left joints of the skeleton that have a partner, from the trunk outwards.
+/// Left joints that have a mirror joint, from the trunk outwards.
 std::vector<int> LeftJoints(const Skeleton& skeleton);
 
-/// Exchanges what is said of left joints and of their partners in frames [begin, end). Its own inverse.
+/// Exchanges positions, confidences and precisions of left joints and their mirror joints in frames [begin, end). Its
+/// own inverse.
 void ExchangeJoints(const std::vector<int>& left, int begin, int end, SkeletonTracks& tracks);
 
 }  // namespace mocurate

@@ -8,27 +8,28 @@
 namespace mocurate {
 namespace {
 
-constexpr double kViolation = 0.15;       ///< metres by which a bone is too long, at least
-constexpr double kViolationOfBone = 0.5;  ///< of its length
-constexpr double kViolationSigmas = 6.0;  ///< of a difference of two joints
+constexpr double kViolation = 0.15;       ///< metres, least excess of a distance over the bone length
+constexpr double kViolationOfBone = 0.5;  ///< of the bone length
+constexpr double kViolationSigmas = 6.0;  ///< standard deviations of the distance of two joints
 constexpr double kWrongBone =
-    0.05;  ///< metres of error that are no violation: a Kinect's bones vary by 4 to 19 mm (one sigma)
+    0.05;  ///< metres of bone length error that are normal: a Kinect's bones vary by 4 to 19 mm
 constexpr double kWrongSigmas = 3.0;
 constexpr int kMinViolationFrames = 3;  ///< shorter runs are outliers among their neighbours in time
-constexpr double kJumpReach_s = 0.5;    ///< largest distance in time between a jump and the violation
+constexpr double kJumpReach_s = 0.5;    ///< longest time from the run to the jump that starts or ends it
 constexpr double kJump = 0.15;          ///< metres
-constexpr double kJumpOfExcess = 0.5;   ///< of what the bone is too long by
-constexpr double kFastestHand = 12.0;   ///< m/s, of a hand
-constexpr double kSudden = 4.0;         ///< times as fast as the steps before and after
+constexpr double kJumpOfExcess = 0.5;   ///< of the excess length
+constexpr double kFastestHand = 12.0;   ///< m/s, faster than any hand
+constexpr double kSudden = 4.0;         ///< ratio to the speed of the steps before and after
 constexpr double kCutOff_s = 0.35;
 constexpr double kFarAway = 0.3;  ///< metres
 constexpr double kFarSigmas = 6.0;
-constexpr double kMostlyWrong = 0.7;  ///< share of frames by which bones are wrong oftener between jumps than around
-constexpr double kBack = 0.5;         ///< of the step: how far from its place before a joint may be when it is back
+constexpr double kMostlyWrong = 0.7;  ///< difference of the shares of frames with wrong bones, inside against around
+constexpr double kBack = 0.5;         ///< of the step: largest distance to the earlier position at which the joint has
+                                      ///< returned
 
-class TearSearch {
+class ViolationSearch {
  public:
-  TearSearch(const SkeletonTracks& tracks, const std::vector<double>& bone_length, double sigma, double longest_s)
+  ViolationSearch(const SkeletonTracks& tracks, const std::vector<double>& bone_length, double sigma, double longest_s)
       : tracks_(tracks),
         bone_length_(bone_length),
         children_(tracks.skeleton->Children()),
@@ -45,7 +46,7 @@ class TearSearch {
       for (const BoneViolation& jump : Jumps(j)) of_joint.push_back(jump);
       Merge(std::move(of_joint), found);
     }
-    LeaveWholeBodies(found);
+    RemoveWholeBodies(found);
     return found;
   }
 
@@ -54,21 +55,21 @@ class TearSearch {
     return std::max({kViolation, kViolationOfBone * length, kViolationSigmas * noise_});
   }
 
-  /// By how much the joints at both ends are farther apart than the bones between them allow; none: near enough.
+  /// Metres by which the distance of joints a and b exceeds the bones between them; 0 within the tolerance.
   double Excess(int f, int a, int b, double length) const {
     const double away = (tracks_.positions.at(f, a) - tracks_.positions.at(f, b)).norm() - length;
     return away > Slack(length) ? away : 0.0;
   }
 
-  /// Calls `visit(joint, length)` for the nearest joints along the tree that `stops` accepts.
+  /// Calls `visit(joint, length)` for the nearest joints along the tree for which `stops` is true.
   template <class Stops, class Visit>
-  void Walk(int at, int from, double length, const Stops& stops, const Visit& visit) const {
+  void VisitNearest(int at, int from, double length, const Stops& stops, const Visit& visit) const {
     const auto go = [&](int next, double bone) {
       if (next == from) return;
       if (stops(next)) {
         visit(next, length + bone);
       } else {
-        Walk(next, at, length + bone, stops, visit);
+        VisitNearest(next, at, length + bone, stops, visit);
       }
     };
     const int parent = tracks_.skeleton->joints[at].parent;
@@ -76,7 +77,7 @@ class TearSearch {
     for (const int child : children_[at]) go(child, bone_length_[child]);
   }
 
-  /// Writes by how much the joints of a frame that are off are.
+  /// Writes the excess length of each joint of a frame that the body cannot reach.
   void FindViolations(int f, double* excess) {
     const int joints = tracks_.joints();
     const auto seen = [&](int joint) { return tracks_.seen(f, joint); };
@@ -108,7 +109,7 @@ class TearSearch {
         const auto stops = [&](int joint) {
           return part[joint] >= 0 && (of_body[part[joint]] || part[joint] == part[j]);
         };
-        Walk(j, -1, 0.0, stops, [&](int joint, double length) {
+        VisitNearest(j, -1, 0.0, stops, [&](int joint, double length) {
           if (of_body[part[joint]]) off[part[j]] = std::max(off[part[j]], Excess(f, j, joint, length));
         });
       }
@@ -125,9 +126,9 @@ class TearSearch {
     }
   }
 
-  /// Children of a displaced joint violate their bones, while the joint itself is still near
-  /// enough to its own parent. It is off instead where all its other bones are wrong, and what hangs from it is where
-  /// the rest of the body lets it be.
+  /// A joint in a wrong position makes its children look wrong while the joint itself is still near its parent. Moves
+  /// the excess to the joint when all its other bones have wrong lengths and its children are within reach of the rest
+  /// of the body.
   void AssignExcessAbove(int f, int joint, const std::vector<int>& part, double* excess) const {
     const auto fine = [&](int other) { return tracks_.seen(f, other) && excess[other] == 0.0; };
     int above = tracks_.skeleton->joints[joint].parent;
@@ -135,14 +136,14 @@ class TearSearch {
     if (above < 0 || !fine(above)) return;
     int others = 0;
     bool wrong = true, reached = true;
-    Walk(above, -1, 0.0, fine, [&](int other, double length) {
+    VisitNearest(above, -1, 0.0, fine, [&](int other, double length) {
       const double away = (tracks_.positions.at(f, other) - tracks_.positions.at(f, above)).norm() - length;
       wrong = wrong && std::abs(away) > std::max(kWrongBone, kWrongSigmas * noise_);
       ++others;
     });
     const auto but_above = [&](int other) { return other != above && fine(other); };
-    Walk(joint, -1, 0.0, but_above,
-         [&](int other, double length) { reached = reached && Excess(f, joint, other, length) == 0.0; });
+    VisitNearest(joint, -1, 0.0, but_above,
+                 [&](int other, double length) { reached = reached && Excess(f, joint, other, length) == 0.0; });
     if (others == 0 || !wrong || !reached) return;
     excess[above] = excess[joint];
     for (int j = 0; j < tracks_.joints(); ++j) {
@@ -150,7 +151,7 @@ class TearSearch {
     }
   }
 
-  /// A joint's step into frame f from where it was seen before, metres and seconds; empty: not seen.
+  /// A joint's step into frame f from its last observation, metres and seconds; empty when not observed.
   std::optional<std::pair<double, double>> Step(int joint, int f) const {
     if (f <= 0 || f >= tracks_.frames() || !tracks_.seen(f, joint)) return {};
     const int before = SeenBefore(joint, f);
@@ -200,14 +201,13 @@ class TearSearch {
     return runs;
   }
 
-  /// Speed of a joint's step into frame f, m/s; 0: there is none.
+  /// Speed of a joint's step into frame f, m/s; 0 without a step.
   double Speed(int joint, int f) const {
     const auto step = Step(joint, f);
     return step && step->second > 0.0 ? step->first / step->second : 0.0;
   }
 
-  /// Whether a joint is suddenly elsewhere in frame f: faster than any hand, or much faster than right before and
-  /// after.
+  /// Whether a joint jumps in frame f: faster than any hand, or much faster than in the steps before and after.
   bool JumpsInto(int joint, int f) const {
     const auto step = Step(joint, f);
     if (!step || step->first < std::max(kFarAway, kFarSigmas * noise_)) return false;
@@ -226,7 +226,7 @@ class TearSearch {
     return f;
   }
 
-  /// Share of frames [begin, end) in which one of the joint's bones is too long or too short; none seen: empty.
+  /// Share of frames [begin, end) in which one of the joint's bones is too long or too short; empty when not observed.
   std::optional<double> WrongBones(int joint, int begin, int end) const {
     int wrong = 0;
     int all = 0;
@@ -235,11 +235,11 @@ class TearSearch {
       bool any = false;
       int bones = 0;
       const auto seen = [&](int other) { return tracks_.seen(f, other); };
-      Walk(joint, -1, 0.0, seen, [&](int other, double length) {
+      VisitNearest(joint, -1, 0.0, seen, [&](int other, double length) {
         const double away = (tracks_.positions.at(f, other) - tracks_.positions.at(f, joint)).norm() - length;
         const bool next =
             tracks_.skeleton->joints[joint].parent == other || tracks_.skeleton->joints[other].parent == joint;
-        // Over joints that are not seen the way may be bent.
+        // The path over unobserved joints may be bent, so a short distance is no violation.
         if (!next && away < 0.0) return;
         any = any || std::abs(away) > std::max(kWrongBone, kWrongSigmas * noise_);
         ++bones;
@@ -252,7 +252,7 @@ class TearSearch {
     return static_cast<double>(wrong) / all;
   }
 
-  /// How many more of the frames [begin, end) have wrong bones than of as many before and after them, -1 to 1.
+  /// Share of frames with wrong bones in [begin, end), less that in equally many frames before and after; -1 to 1.
   double MoreWrongBetween(int joint, int begin, int end) const {
     const int length = end - begin;
     const auto inside = WrongBones(joint, begin, end);
@@ -262,7 +262,8 @@ class TearSearch {
     return *inside - std::max(before.value_or(0.0), after.value_or(0.0));
   }
 
-  /// A few frames at an end of the clip that no motion connects. Bones may be right by chance.
+  /// Whether the span is short, lies at an end of the clip and begins or ends with a jump too fast for a hand. Bone
+  /// lengths may be correct by chance.
   bool CutOff(int joint, int begin, int end) const {
     const int jump = begin == 0 ? end : begin;
     if (begin > 0 && end < tracks_.frames()) return false;
@@ -292,8 +293,8 @@ class TearSearch {
                 kBack * there->first;
         if (end - begin < kMinViolationFrames) continue;
         const double more = MoreWrongBetween(joint, begin, end);
-        const bool violates = more >= kMostlyWrong || (more > -kMostlyWrong && (returns || CutOff(joint, begin, end)));
-        if (!violates) continue;
+        const bool violation = more >= kMostlyWrong || (more > -kMostlyWrong && (returns || CutOff(joint, begin, end)));
+        if (!violation) continue;
         jumps.push_back({joint, begin, end, step, true});
         b = e;
         break;
@@ -302,11 +303,11 @@ class TearSearch {
     return jumps;
   }
 
-  /// Where most joints jump together it is the person who is elsewhere, as over frames that a set leaves out: none of
-  /// them violates its bone.
-  void LeaveWholeBodies(std::vector<BoneViolation>& found) const {
+  /// Removes jumps that most joints make together: the whole person is in another place, as over frames missing in the
+  /// data set.
+  void RemoveWholeBodies(std::vector<BoneViolation>& found) const {
     std::vector<std::vector<std::pair<int, int>>> jumped(static_cast<std::size_t>(tracks_.joints()));
-    for (const BoneViolation& run : found) {  // of a joint in order, apart from each other
+    for (const BoneViolation& run : found) {  // per joint sorted and disjoint
       if (run.jumped) jumped[static_cast<std::size_t>(run.joint)].emplace_back(run.frame_begin, run.frame_end);
     }
     const auto with_most = [&](const BoneViolation& violation) {
@@ -324,7 +325,7 @@ class TearSearch {
     found.erase(std::remove_if(found.begin(), found.end(), with_most), found.end());
   }
 
-  /// Runs that overlap become one.
+  /// Joins runs that overlap.
   static void Merge(std::vector<BoneViolation> of_joint, std::vector<BoneViolation>& found) {
     std::sort(of_joint.begin(), of_joint.end(), [](const BoneViolation& a, const BoneViolation& b) {
       return std::pair(a.frame_begin, a.frame_end) < std::pair(b.frame_begin, b.frame_end);
@@ -352,7 +353,7 @@ class TearSearch {
 
 std::vector<BoneViolation> DetectBoneViolations(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
                                                 double noise_sigma, double longest_s) {
-  return TearSearch(tracks, bone_length, noise_sigma, longest_s).Find();
+  return ViolationSearch(tracks, bone_length, noise_sigma, longest_s).Find();
 }
 
 }  // namespace mocurate

@@ -6,24 +6,25 @@
 
 namespace mocurate {
 
-/// A joint that is not where the body lets it be in frames [frame_begin, frame_end).
+/// A joint whose position contradicts the rest of the body in frames [frame_begin, frame_end).
 struct BoneViolation {
   int joint = 0;
   int frame_begin = 0;
   int frame_end = 0;
-  double distance = 0.0;  ///< metres, the most by which bones would have to be longer, or that it jumped
-  bool jumped = false;    ///< detected by its steps, not by bones
+  double distance = 0.0;  ///< metres: largest excess over the bone length, or length of the jump
+  bool jumped = false;    ///< found by its steps, not by bone lengths
 };
 
-/// Joints that are off for three frames or longer, whatever they do there, in two ways:
-/// - bones: with the bones cut that are longer than `bone_length` (J, metres) by 15 cm, half their length and six times
-///   their noise, the largest part is the body; off is what even over joints excluded cannot reach it. From there to
-///   the jumps by which it came and went (at most half a second), since a place may happen to be at a bone's length;
-/// - steps: it comes and goes, within `longest_s`, by jumps: steps of 0.3 m, of 12 m/s or four times as fast as those
-///   right before and after. They bring it back to where it was and its bones are not better between them than around,
-///   or its bones are wrong between them and right around. The clip's ends stand for a jump in the latter, and in 0.35
-///   s next to a jump that no hand makes. Where most joints jump together it is the person who is elsewhere.
-/// `noise_sigma` metres per axis. Sorted by joint, then by frame.
+/// Joints in a wrong position for three frames or longer. Two tests:
+/// - Bone lengths. Bones longer than `bone_length` (J, metres) by 15 cm, half their length and six times the noise are
+///   cut. The largest remaining part is the body; a violation cannot be reached from it, even across unobserved joints.
+///   The span extends to the jumps at its start and end, at most half a second away, as a wrong position may lie at a
+///   bone's length.
+/// - Steps. The joint leaves and returns within `longest_s` by jumps: steps of 0.3 m that are faster than 12 m/s or
+///   four times the steps around them. Either it returns to its earlier position and its bone lengths are no better in
+///   between than around, or they are wrong only in between. In the second case, and within 0.35 s of a jump too fast
+///   for a hand, an end of the clip counts as a jump. Jumps of most joints together are a move of the person.
+/// `noise_sigma`: metres per axis. Sorted by joint, then by frame.
 std::vector<BoneViolation> DetectBoneViolations(const SkeletonTracks& tracks, const std::vector<double>& bone_length,
                                                 double noise_sigma, double longest_s);
 

@@ -11,16 +11,16 @@
 namespace mocurate {
 namespace {
 
-constexpr double kMergedNear = 0.03;     ///< metres between two sides, beside noise
-constexpr double kMergedNearest = 0.06;  ///< at most: knees of a crouching person come as near as 8 cm
-constexpr int kFewestMergedFrames = 5;   ///< limbs that pass each other are near for less
+constexpr double kMergedNear = 0.03;     ///< metres between both sides, beside noise
+constexpr double kMergedNearest = 0.06;  ///< metres at most: knees of a crouching person come as near as 8 cm
+constexpr int kFewestMergedFrames = 5;   ///< limbs that pass each other are near for fewer frames
 constexpr double kShortestMerged_s = 0.15;
-constexpr double kMergedGap_s = 0.1;  ///< without both, as noise has it
+constexpr double kMergedGap_s = 0.1;  ///< longest interruption by noise
 constexpr double kWentOver = 0.1;     ///< metres that a side jumps farther than the other
 constexpr double kWentOverSigmas = 4.0;
-constexpr double kMergedStep_s = 0.25;  ///< longest time over which a jump is looked at
+constexpr double kMergedStep_s = 0.25;  ///< longest time between two observations that form a step
 
-using Sides = std::array<int, 2>;  ///< joints, left and right
+using Sides = std::array<int, 2>;  ///< joint indices, left and right
 
 class MergeSearch {
  public:
@@ -61,7 +61,7 @@ class MergeSearch {
     return Seen(f, 0) && Seen(f, 1) && Apart(f, upper_) <= limit && Apart(f, lower_) <= limit;
   }
 
-  /// With the few frames at its ends that noise alone sets farther apart, not before frame `first`.
+  /// Extends the span at its ends by frames in which noise alone separates the sides; not before frame `first`.
   CoincidentLimbs Merged(int begin, int end, int first, double apart) const {
     const double from_s = tracks_.time_s[begin] - kMergedGap_s, to_s = tracks_.time_s[end - 1] + kMergedGap_s;
     while (begin > first && tracks_.time_s[begin - 1] >= from_s && Near(begin - 1, 2.0 * near_)) --begin;
@@ -75,8 +75,8 @@ class MergeSearch {
     return merged;
   }
 
-  /// By how much the left side's joints step farther than the right's between frame f and the one before or after it
-  /// in which both are seen, metres; 0: there is none.
+  /// Metres by which the left joints step farther than the right ones between frame f and the next frame in direction
+  /// `way` that observes both; 0 without such a frame.
   double JumpsFarther(int f, int way) const {
     int other = f + way;
     while (other >= 0 && other < tracks_.frames() && !(Seen(other, 0) && Seen(other, 1))) other += way;
@@ -105,7 +105,7 @@ class MergeSearch {
   double jump_;
 };
 
-/// The pair below a pair, if there is one.
+/// The pair below a pair; empty without one.
 std::optional<Sides> Below(const Skeleton& skeleton, const Sides& upper) {
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const int mirror = skeleton.joints[j].mirror;

@@ -12,19 +12,19 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLimbSpeed = 1.5;           ///< m/s per axis, of a limb about the body's centre
-constexpr double kBoneWobble = 0.02;         ///< metres that trackers change bones by, beside noise
-constexpr double kMostExchangeCost = 8.0;    ///< of one sample: beyond, something else is wrong with it
+constexpr double kLimbSpeed = 1.5;           ///< m/s per axis, of a limb relative to the body's centre
+constexpr double kBoneWobble = 0.02;         ///< metres by which trackers vary bone lengths, beside noise
+constexpr double kMostExchangeCost = 8.0;    ///< cap on the cost of one sample: beyond it is an outlier
 constexpr double kLimbChangeCost = 4.0;      ///< of a change of state
 constexpr double kExchangedLimbCost = 0.05;  ///< of an exchanged frame
-constexpr double kBoneTime_s = 0.3;          ///< for which a tracker gets a bone wrong in the same way
-constexpr double kExchangeGap_s = 0.25;      ///< longest time over which steps are looked at
+constexpr double kBoneTime_s = 0.3;          ///< correlation time of a tracker's bone length errors
+constexpr double kExchangeGap_s = 0.25;      ///< longest gap between two observations that form a step
 
-/// Pairs of one kind of limb, from the trunk outwards.
+/// Pairs of arms or of legs, from the trunk outwards.
 struct PairedLimb {
   std::vector<std::array<int, 2>> pairs;  ///< (left, right)
   std::vector<int> level;                 ///< bones between the pair and the limb's first
-  std::vector<int> above;                 ///< index of the pair that the bones hang on; -1: the trunk
+  std::vector<int> above;                 ///< index of the pair that is the parent; -1: the trunk
   int levels = 0;
 };
 
@@ -36,7 +36,7 @@ std::vector<PairedLimb> PairedLimbsOf(const SkeletonTracks& tracks) {
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const Joint& joint = skeleton.joints[j];
     if (joint.mirror == j || joint.mirror < 0 || joint.parent < 0) continue;
-    const bool left = place[joint.mirror][0] < 0;  // the one that comes first stands for both
+    const bool left = place[joint.mirror][0] < 0;  // the side with the lower index gives the pair
     if (!left) continue;
     const int parent = joint.parent;
     std::array<int, 2> above = place[parent][0] >= 0 ? place[parent] : place[skeleton.joints[parent].mirror];
@@ -51,7 +51,7 @@ std::vector<PairedLimb> PairedLimbsOf(const SkeletonTracks& tracks) {
     limb.level.push_back(above[1] < 0 ? 0 : limb.level[above[1]] + 1);
   }
   for (PairedLimb& limb : limbs) {
-    PairedLimb tracked;  // pairs that are never seen only pass their level on
+    PairedLimb tracked;  // unobserved pairs only increase the level of those below
     std::vector<int> index(limb.pairs.size(), -1);
     for (std::size_t i = 0; i < limb.pairs.size(); ++i) {
       if (!seen[limb.pairs[i][0]] || !seen[limb.pairs[i][1]]) continue;
@@ -70,7 +70,7 @@ std::vector<PairedLimb> PairedLimbsOf(const SkeletonTracks& tracks) {
 
 double Capped(double square) { return std::min(0.5 * square, kMostExchangeCost); }
 
-/// States of one limb over time: 0 not exchanged, s exchanged from level s - 1 outwards.
+/// States of a limb over time: 0 not exchanged, s exchanged from level s - 1 outwards.
 class ExchangeSearch {
  public:
   ExchangeSearch(const SkeletonTracks& tracks, const PairedLimb& limb, const std::vector<double>& bone_length,
@@ -106,13 +106,13 @@ class ExchangeSearch {
  private:
   int states() const { return static_cast<int>(starts_.size()) + 1; }
   bool Exchanged(int state, std::size_t pair) const { return state > 0 && limb_.level[pair] >= starts_[state - 1]; }
-  /// Costs of each pair in each frame: of the step if its state stays or changes, and of its bones if it is in the same
-  /// state as the pair above or not.
+  /// Costs of each pair in each frame: of the step, with the state kept or changed, and of the bones, with the state of
+  /// the parent pair or the other one.
   void Measure() {
     const std::size_t pairs = limb_.pairs.size();
     step_.assign(pairs * tracks_.frames(), {0.0, 0.0});
     bone_.assign(pairs * tracks_.frames(), {0.0, 0.0});
-    std::vector<std::array<int, 2>> last(pairs, {-1, -1});  // frames in which each side was seen
+    std::vector<std::array<int, 2>> last(pairs, {-1, -1});  // last frame that observes each side
     for (int f = 0; f < tracks_.frames(); ++f) {
       for (std::size_t i = 0; i < pairs; ++i) {
         for (const int side : {0, 1}) {
@@ -126,8 +126,8 @@ class ExchangeSearch {
     }
   }
 
-  /// Of one joint, from where each side was seen before: the longer ago, the less that place says. Where only one side
-  /// was seen, to come from the other is as unlikely as any step may be.
+  /// Step cost of one joint from the last observation of each side, whose variance grows with time. A side that was
+  /// never observed has the largest cost.
   void StepCost(int f, std::size_t i, int side, const std::array<int, 2>& last) {
     const auto variance = [&](int before) {
       const double way = kLimbSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
@@ -148,8 +148,8 @@ class ExchangeSearch {
     }
   }
 
-  /// How far the person as a whole goes between two frames, whichever sides are exchanged: the middle way (median of
-  /// each coordinate) of middle joints and of pairs' middles that both frames see. None where fewer than three are.
+  /// Translation of the whole person between two frames, independent of exchanged sides. Median per coordinate over
+  /// middle joints and midpoints of pairs that both frames observe; zero for fewer than three.
   Vector3d Moved(int from, int to) {
     if (moved_to_ != to) moved_.clear();
     moved_to_ = to;
@@ -172,8 +172,8 @@ class ExchangeSearch {
     return moved_.emplace(from, moved).first->second;
   }
 
-  /// Frames on end that tear a bone in the same way say it once per kBoneTime_s. Of four joints three have to be seen,
-  /// or the bones of one state would not be those of the other.
+  /// Consecutive frames share the tracker's bone length error: together they count once per kBoneTime_s. Three of the
+  /// four joints must be observed, so that both states compare the same bones.
   void BoneCost(int f, std::size_t i) {
     const std::array<int, 2>& joints = limb_.pairs[i];
     const std::array<int, 2>& parents = limb_.pairs[limb_.above[i]];
@@ -198,14 +198,13 @@ class ExchangeSearch {
   double StateCost(int f, int state) const {
     double cost = state == 0 ? 0.0 : kExchangedLimbCost;
     for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
-      const bool splits = limb_.above[i] >= 0 && Exchanged(state, i) != Exchanged(state, limb_.above[i]);
-      cost += bone_[At(f, i)][splits ? 1 : 0];
+      const bool mixed = limb_.above[i] >= 0 && Exchanged(state, i) != Exchanged(state, limb_.above[i]);
+      cost += bone_[At(f, i)][mixed ? 1 : 0];
     }
     return cost;
   }
 
-  /// Into frame f. A pair that is not seen in the frame before is taken to have been in that frame's state when last
-  /// seen.
+  /// Cost of a change of state into frame f. A pair that the frame before does not observe keeps that frame's state.
   double ChangeCost(int f, int from, int to) const {
     double cost = from == to ? 0.0 : kLimbChangeCost;
     for (std::size_t i = 0; i < limb_.pairs.size(); ++i) {
@@ -218,13 +217,13 @@ class ExchangeSearch {
     const int frames = tracks_.frames();
     std::vector<double> cost(states());
     std::vector<std::vector<int>> came(frames, std::vector<int>(states(), 0));
-    // A clip may begin within an exchange, as it may end within one: no change leads there.
+    // No change cost at the first frame: a clip may begin within an exchange.
     for (int s = 0; s < states(); ++s) cost[s] = StateCost(0, s);
     for (int f = 1; f < frames; ++f) {
       std::vector<double> next(states(), std::numeric_limits<double>::infinity());
       for (int to = 0; to < states(); ++to) {
         for (int from = 0; from < states(); ++from) {
-          // From one exchange to another: that would let noise of joints near the trunk pay for being exchanged.
+          // No direct change between exchanges: noise of joints near the trunk would make the exchanged state cheaper.
           if (from != to && from != 0 && to != 0) continue;
           const double through = cost[from] + ChangeCost(f, from, to);
           if (through >= next[to]) continue;
@@ -248,8 +247,8 @@ class ExchangeSearch {
     return cost;
   }
 
-  /// Of a path that exchanges most frames and those that exchange the others, which have the same steps, the likeliest;
-  /// but most are exchanged only where that is likelier by `margin`.
+  /// Of the path and its complements (exchanged and other frames swapped, with the same steps) the cheapest. A path
+  /// with most frames exchanged must be cheaper by `margin`.
   std::vector<int> WithFewExchanged(std::vector<int> path, double margin) const {
     const auto exchanged = std::count_if(path.begin(), path.end(), [](int state) { return state != 0; });
     if (2 * exchanged <= tracks_.frames()) return path;
@@ -266,7 +265,7 @@ class ExchangeSearch {
     return best;
   }
 
-  /// Of the steps into frames [begin, end) and out of them, as in the path or not exchanged in these.
+  /// Cost of the steps into and out of frames [begin, end), as in the path, or with these frames not exchanged.
   double StepsOf(const std::vector<int>& path, int begin, int end, bool exchanged) const {
     const auto state = [&](int f) { return exchanged || f < begin || f >= end ? path[f] : 0; };
     double cost = 0.0;
@@ -279,10 +278,10 @@ class ExchangeSearch {
   const PairedLimb& limb_;
   const std::vector<double>& bone_length_;
   double sigma_;
-  std::vector<int> starts_;  ///< innermost exchanged level of states 1, 2, ...
+  std::vector<int> starts_;  ///< level of the innermost exchanged pair of states 1, 2, ...
   std::vector<std::array<double, 2>> step_;
   std::vector<std::array<double, 2>> bone_;
-  std::map<int, Vector3d> moved_;  ///< from earlier frames into moved_to_
+  std::map<int, Vector3d> moved_;  ///< translation from earlier frames to frame moved_to_
   int moved_to_ = -1;
 };
 

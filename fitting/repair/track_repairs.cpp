@@ -19,7 +19,7 @@
 namespace mocurate {
 namespace {
 
-/// A finding for excluded samples, joints still missing.
+/// The repair of a finding, without joints.
 TrackRepair RepairOf(const Finding& finding) {
   TrackRepair repair;
   repair.code = finding.code;
@@ -38,8 +38,8 @@ class Repairs {
     for (const Joint& joint : given.skeleton->joints) names_.push_back(joint.name);
   }
 
-  /// Spans that are longer than `longest_s`, or most of what is seen of a joint, are left as they are: what lasts
-  /// may be true. A longer absence and an impossible step are reported.
+  /// Excludes the samples of findings. A span longer than `longest_s`, or with more than half of a joint's samples, may
+  /// be real and stays. A lasting or unrecovered jump is reported.
   void Exclude(const std::vector<Finding>& findings, double longest_s) {
     SkeletonTracks& tracks = result_.tracks;
     for (const Finding& finding : findings) {
@@ -56,8 +56,8 @@ class Repairs {
     }
   }
 
-  /// Frames in which all joints stand in one point, however many: no person was observed.
-  void DropEmptyPeople() {
+  /// Excludes frames in which all joints have one position, however many: no person was observed.
+  void ExcludeEmptyFrames() {
     for (const Finding& finding : FindBlanks(points())) {
       if (finding.code != "zero_frames" && finding.code != "collapsed_frames") continue;
       TrackRepair repair = RepairOf(finding);
@@ -70,7 +70,7 @@ class Repairs {
   }
 
   void ExcludeCollapsed() {
-    const SkeletonTracks given = result_.tracks;  // of a chain in one place every joint is reported
+    const SkeletonTracks given = result_.tracks;  // unchanged, so that every joint of a collapsed chain is reported
     SkeletonTracks& tracks = result_.tracks;
     int seen = 0, collapsed = 0;
     for (int f = 0; f < given.frames(); ++f) {
@@ -79,7 +79,7 @@ class Repairs {
         collapsed += IsAtParent(given, f, j) ? 1 : 0;
       }
     }
-    if (2 * collapsed > seen) return;  // that is no person, which the fit has to say
+    if (2 * collapsed > seen) return;  // not a person: the fit reports it
     for (int j = 1; j < tracks.joints(); ++j) {
       for (int f = 0; f < tracks.frames(); ++f) {
         if (!IsAtParent(given, f, j)) continue;
@@ -90,8 +90,9 @@ class Repairs {
         repair.frame_end = f;
         repair.joints = {j};
         repair.value = repair.frame_end - repair.frame_begin;
-        repair.message = names_[j] + " stands exactly where " + names_[tracks.skeleton->joints[j].parent] +
-                         " does in " + Counted(repair.frame_end - repair.frame_begin, "frame");
+        repair.message = names_[j] + " has exactly the position of its parent " +
+                         names_[tracks.skeleton->joints[j].parent] + " in " +
+                         Counted(repair.frame_end - repair.frame_begin, "frame");
         result_.repairs.push_back(std::move(repair));
       }
     }
@@ -108,14 +109,14 @@ class Repairs {
     repair.joints = {violation.joint};
     repair.value = violation.distance;
     repair.message =
-        names_[violation.joint] + " is elsewhere in " + Counted(violation.frame_end - violation.frame_begin, "frame") +
+        names_[violation.joint] + " is in a wrong position in " +
+        Counted(violation.frame_end - violation.frame_begin, "frame") +
         (violation.jumped ? ": it jumps there or back by " + RoundedText(violation.distance, 3) + " m"
-                          : ": bones would have to be longer by " + RoundedText(violation.distance, 3) + " m");
+                          : ": its bones would be too long by " + RoundedText(violation.distance, 3) + " m");
     result_.repairs.push_back(std::move(repair));
   }
 
-  /// However long it lasts, it is not true. Where it is most of the observations, nothing would be left: it is only
-  /// reported.
+  /// Excludes samples for any duration. More than half of a joint's samples stay and are only reported.
   void Exclude(const CoincidentLimbs& merged) {
     TrackRepair repair;
     repair.code = "coincident_limbs";
@@ -125,10 +126,10 @@ class Repairs {
     repair.value = merged.distance;
     const int first = merged.joints.front(), other = result_.tracks.skeleton->joints[first].mirror;
     const bool both = std::find(merged.joints.begin(), merged.joints.end(), other) != merged.joints.end();
-    repair.message = names_[first] + " and what hangs from it are where " + names_[other] +
-                     " and the like are, within " + RoundedText(merged.distance, 2) + " m, in " +
+    repair.message = names_[first] + " and the joints below it lie at the same positions as " + names_[other] +
+                     " and the joints below that, within " + RoundedText(merged.distance, 2) + " m, in " +
                      Counted(merged.frame_end - merged.frame_begin, "frame") +
-                     (both ? ": which of both limbs is in its place nothing tells" : ": it went over to that side");
+                     (both ? ": which limb is in its own place is ambiguous" : ": they jumped to that side");
     for (const int joint : merged.joints) {
       if (Exclude(joint, merged.frame_begin, merged.frame_end)) repair.joints.push_back(joint);
     }
@@ -145,8 +146,8 @@ class Repairs {
     std::string joints;
     for (const int left : limb.pairs) joints += (joints.empty() ? "" : ", ") + names_[left];
     Exchange(limb.frame_begin, limb.frame_end, limb.pairs, limb.margin,
-             joints + " and the other side's are exchanged in " + Counted(limb.frame_end - limb.frame_begin, "frame") +
-                 ": steps and bones are likelier so");
+             joints + " and their mirror joints are exchanged in " +
+                 Counted(limb.frame_end - limb.frame_begin, "frame") + ": the steps and bone lengths are likelier so");
   }
 
   void Exchange(const BodyExchange& body) {
@@ -161,7 +162,7 @@ class Repairs {
     finding.severity = Severity::kError;
     finding.value = body.confidence;
     finding.message = "left and right are exchanged throughout, or the axes are mirrored: " + body.evidence +
-                      "; correct joint names or axes of the source";
+                      "; correct the joint names or the axes in the source declaration";
     finding.action = FindingAction::kFlagged;
     result_.findings.push_back(std::move(finding));
   }
@@ -173,10 +174,10 @@ class Repairs {
     finding.frame_end = limb.frame_end;
     finding.value = limb.margin;
     finding.message =
-        "the person is turned round within a step, as if left and right were exchanged in " +
+        "the person faces the other way after one step, as if left and right were exchanged, in " +
         Counted(limb.frame_end - limb.frame_begin, "frame") +
-        "; but knees, feet, hands or shoulders would then point backwards: left as it is, front and back of these "
-        "frames or of the others are in doubt";
+        "; an exchange would point knees, feet, hands or shoulders backwards: the frames are kept, but front and back "
+        "of these or of the other frames are suspect";
     finding.action = FindingAction::kFlagged;
     result_.findings.push_back(std::move(finding));
   }
@@ -202,7 +203,7 @@ class Repairs {
     repair.value = value;
     repair.message = std::move(message);
     ExchangeJoints(left_joints, begin, end, result_.tracks);
-    seen_often_.clear();
+    observed_count_.clear();
     for (int f = begin; f < end; ++f) {
       for (const int left : left_joints) {
         for (const int joint : {left, result_.tracks.skeleton->joints[left].mirror})
@@ -217,34 +218,34 @@ class Repairs {
     int here = 0;
     for (int f = begin; f < end; ++f) here += tracks.seen(f, joint) ? 1 : 0;
     if (here == 0) return false;
-    int& all = SeenOften(joint);
+    int& all = ObservedCount(joint);
     if (2 * here > all) return false;
     for (int f = begin; f < end; ++f) tracks.confidence[At(f, joint)] = 0.0;
     all -= here;
     return true;
   }
 
-  /// Frames that see a joint; counted anew after exchanges.
-  int& SeenOften(int joint) {
-    const auto of_joint = seen_often_.find(joint);
-    if (of_joint != seen_often_.end()) return of_joint->second;
-    int& often = seen_often_[joint];
-    for (int f = 0; f < result_.tracks.frames(); ++f) often += result_.tracks.seen(f, joint) ? 1 : 0;
-    return often;
+  /// Frames that observe a joint; the cache is cleared after exchanges.
+  int& ObservedCount(int joint) {
+    const auto of_joint = observed_count_.find(joint);
+    if (of_joint != observed_count_.end()) return of_joint->second;
+    int& count = observed_count_[joint];
+    for (int f = 0; f < result_.tracks.frames(); ++f) count += result_.tracks.seen(f, joint) ? 1 : 0;
+    return count;
   }
 
   RepairedTracks result_;
   std::vector<std::string> names_;
-  std::map<int, int> seen_often_;
+  std::map<int, int> observed_count_;
 };
 
-/// Repeats without the frame that they repeat, which is as good as any.
+/// Repeats without their first frame, which is a normal observation.
 std::vector<Finding> Repeated(std::vector<Finding> findings) {
   for (Finding& finding : findings) ++finding.frame_begin;
   return findings;
 }
 
-/// Where most of what steps join is exchanged, the search by limbs would exchange the rest.
+/// Where most frames of a chain are exchanged, the search by limbs would exchange the others.
 void CorrectBodies(double noise_sigma, double least_margin, Repairs& repairs) {
   std::vector<BodyExchange> bodies = FindBodyExchanges(repairs.tracks(), noise_sigma, least_margin);
   bodies.erase(std::remove_if(bodies.begin(), bodies.end(), [](const BodyExchange& body) { return body.rarer; }),
@@ -258,7 +259,7 @@ bool Overlap(const LimbExchange& a, const LimbExchange& b) {
   return a.frame_begin < b.frame_end && b.frame_begin < a.frame_end;
 }
 
-/// Whether the shoulders' line points against the hips' in most frames.
+/// Whether the shoulder line points against the hip line in most frames.
 bool TwistedTrunk(const SkeletonTracks& tracks) {
   const auto hips = tracks.skeleton->Hips();
   const auto shoulders = tracks.skeleton->Shoulders();
@@ -276,28 +277,28 @@ bool TwistedTrunk(const SkeletonTracks& tracks) {
   return 2 * against > seen;
 }
 
-/// A tracker that takes the back for the front rotates the whole person in one step, feet and face included.
-/// To exchange sides then would set the feet on backwards, or the shoulders against the hips: which half is right
-/// nothing tells, and both stay.
+/// A tracker that takes the back of a person for the front rotates the whole body in one step, feet and face included.
+/// An exchange of sides would then point the feet backwards, or the shoulders against the hips. Which of both is
+/// correct is ambiguous: nothing is changed.
 void CorrectLimbs(const std::vector<double>& bone_length, double noise_sigma, double least_margin, Repairs& repairs) {
   const SkeletonTracks given = repairs.tracks();
   std::vector<LimbExchange> limbs = FindExchanges(given, bone_length, noise_sigma, least_margin);
   SkeletonTracks corrected = given;
   for (const LimbExchange& limb : limbs) ExchangeJoints(limb.pairs, limb.frame_begin, limb.frame_end, corrected);
-  std::vector<LimbExchange> turned;
+  std::vector<LimbExchange> reversed;
   for (const LimbExchange& limb : limbs) {
     const SkeletonTracks before = CutTracks(given, limb.frame_begin, limb.frame_end);
     const SkeletonTracks after = CutTracks(corrected, limb.frame_begin, limb.frame_end);
     const bool backwards = SidesExchangedByAnatomy(before) == false && SidesExchangedByAnatomy(after) == true;
-    if (backwards || (!TwistedTrunk(before) && TwistedTrunk(after))) turned.push_back(limb);
+    if (backwards || (!TwistedTrunk(before) && TwistedTrunk(after))) reversed.push_back(limb);
   }
   for (const LimbExchange& limb : limbs) {
-    const bool with_turned =
-        std::any_of(turned.begin(), turned.end(), [&](const LimbExchange& other) { return Overlap(limb, other); });
-    if (!with_turned) repairs.Exchange(limb);
+    const bool with_reversed =
+        std::any_of(reversed.begin(), reversed.end(), [&](const LimbExchange& other) { return Overlap(limb, other); });
+    if (!with_reversed) repairs.Exchange(limb);
   }
-  for (std::size_t i = 0; i < turned.size(); ++i) {
-    if (i == 0 || !Overlap(turned[i], turned[i - 1])) repairs.ReportReversedBody(turned[i]);
+  for (std::size_t i = 0; i < reversed.size(); ++i) {
+    if (i == 0 || !Overlap(reversed[i], reversed[i - 1])) repairs.ReportReversedBody(reversed[i]);
   }
 }
 
@@ -314,7 +315,7 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
                             const RepairOptions& options) {
   Repairs repairs(given);
   if (options.collapsed) {
-    repairs.DropEmptyPeople();
+    repairs.ExcludeEmptyFrames();
     repairs.ExcludeCollapsed();
   }
   if (options.position_jumps) repairs.Exclude(FindPositionJumps(repairs.points()), options.longest_jump_s);
@@ -322,14 +323,14 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
     const auto least = static_cast<int>(options.repeated_frames);
     repairs.Exclude(Repeated(FindRepeats(repairs.points(), {least, least})), options.longest_repeat_s);
   }
-  if (options.coincident_limbs) {  // before sides are compared: in one place they have none
+  if (options.coincident_limbs) {  // before sides are compared: coincident sides cannot be compared
     for (const CoincidentLimbs& merged : FindMergedLimbs(repairs.tracks(), noise_sigma)) repairs.Exclude(merged);
   }
   if (options.swaps) {
     CorrectBodies(noise_sigma, options.swap_margin, repairs);
     CorrectLimbs(bone_length, noise_sigma, options.swap_margin, repairs);
   }
-  if (options.bone_violations) {  // not before: an exchanged hand tears the forearm
+  if (options.bone_violations) {  // last: an exchanged hand looks like a bone-length violation
     for (const BoneViolation& violation :
          DetectBoneViolations(repairs.tracks(), bone_length, noise_sigma, options.longest_jump_s))
       repairs.Exclude(violation, options.longest_jump_s);

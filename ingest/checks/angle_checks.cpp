@@ -148,7 +148,7 @@ std::optional<Finding> CheckAngleUnits(const Bvh& bvh) {
     turning += turns ? 1 : 0;
   }
   if (turning < kFewestTurningBones || !MayBeRadians(angles)) return std::nullopt;
-  return AngleContradiction(angles.largest, "a BVH is in degrees, but no joint is turned by more than " +
+  return AngleContradiction(angles.largest, "a BVH is in degrees, but no joint is rotated by more than " +
                                                 Digits(angles.largest) + " in any of " + Counted(bvh.frames, "frame") +
                                                 ": they are radians; multiply them by 180 / pi = 57.2958");
 }
@@ -170,12 +170,12 @@ std::optional<Finding> CheckAngleUnits(const OpenSimTable& table) {
   }
   if (turning < kFewestTurningBones) return std::nullopt;
   if (!*table.in_degrees && over >= kFewestOverColumns && angles.share() >= kManyOver) {
-    return AngleContradiction(angles.largest, "the header says inDegrees=no, but angles are " + OverWords(angles) +
+    return AngleContradiction(angles.largest, "the header declares inDegrees=no, but angles are " + OverWords(angles) +
                                                   ": they are degrees; write inDegrees=yes");
   }
   if (*table.in_degrees && MayBeRadians(angles)) {
     return AngleContradiction(angles.largest,
-                              "the header says inDegrees=yes, but no coordinate is turned by more than " +
+                              "the header declares inDegrees=yes, but no coordinate is rotated by more than " +
                                   Digits(angles.largest) + " in any of " + Counted(table.rows(), "row") +
                                   ": they are radians; write inDegrees=no");
   }
@@ -197,14 +197,14 @@ std::optional<Finding> CheckAngleUnits(const VibeTrack& track) {
 std::optional<Finding> CheckAngleUnits(const Amc& amc, const Asf* skeleton) {
   if (amc.bones.size() < kFewestTurningBones || (!amc.degrees && skeleton == nullptr)) return std::nullopt;
   const bool degrees = amc.degrees ? *amc.degrees : skeleton->degrees;
-  const std::string who = amc.degrees ? "the header says " : "the skeleton's :units say ";
+  const std::string who = amc.degrees ? "the header declares " : "the skeleton's :units declare ";
   const Angles angles = AnglesOfBones(amc, skeleton);
   if (!degrees && angles.share() >= kManyOver) {
     return AngleContradiction(angles.largest, who + ":RADIANS, but angles of bones are " + OverWords(angles) +
                                                   ": they are degrees; write :DEGREES");
   }
   if (degrees && MayBeRadians(angles) && !RootRotationsInDegrees(amc, skeleton)) {
-    return AngleContradiction(angles.largest, who + ":DEGREES, but no bone is turned by more than " +
+    return AngleContradiction(angles.largest, who + ":DEGREES, but no bone is rotated by more than " +
                                                   Digits(angles.largest) + " in any of " + std::to_string(amc.frames) +
                                                   " frames: they are radians; write :RADIANS");
   }
@@ -218,8 +218,8 @@ std::optional<Finding> CheckAngleUnits(const Asf& asf, const Amc* amc) {
   const std::string other = amc == nullptr || !amc->degrees ? ""
                             : *amc->degrees                 ? ", the motion's header :DEGREES"
                                                             : ", the motion's header :RADIANS";
-  return AngleContradiction(number->value, "the skeleton's :units say `angle rad`" + other + ", but " + number->place +
-                                               " is " + Digits(number->value) +
+  return AngleContradiction(number->value, "the skeleton's :units declare `angle rad`" + other + ", but " +
+                                               number->place + " is " + Digits(number->value) +
                                                ", more than a whole turn of 2 pi: its angles are degrees; write "
                                                "`angle deg` under :units");
 }

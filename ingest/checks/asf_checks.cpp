@@ -183,7 +183,7 @@ std::vector<Finding> CheckAsfSkeleton(const Asf& asf, const std::string& file, s
   } else if (declared_m && std::abs(units * *declared_m / metres - 1.0) > kSameUnit) {
     findings.push_back(AsfContradiction(
         "length_unit_contradiction", "", metres,
-        own + ", but " + said + ": correct that `length`, or say ingest.source.units of this skeleton"));
+        own + ", but " + said + ": correct that `length`, or declare ingest.source.units of this skeleton"));
   }
   return findings;
 }

@@ -62,9 +62,8 @@ void CheckOptions::Declare(OptionVisitor& v) {
       Keep(limits, LimitKey(kind, limit), value, limit.value);
     }
     OnFinding action = ActionFor(kind.code);
-    v.Choice(
-        "action", action, ActionsOf(kind.check),
-        "ignore it, report it, take the samples of tracks as missing, leave the clip out, or clips of tracks alone");
+    v.Choice("action", action, ActionsOf(kind.check),
+             "ignore it, report it, set the samples of tracks to missing, drop the clip, or drop clips of tracks only");
     Keep(actions, std::string(kind.code), action, kind.by_default);
     v.EndGroup();
   }

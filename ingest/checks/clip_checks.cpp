@@ -117,7 +117,7 @@ void ExplainZeros(std::string_view format, std::vector<Finding>& findings) {
     if (finding.code.rfind("zero_", 0) != 0) continue;
     finding.message += !zeros.empty() ? zeros
                                       : "; ingest.source.checks: {" + finding.code +
-                                            ": {action: missing}} takes tracks there as not seen";
+                                            ": {action: missing}} sets tracks there to missing";
   }
 }
 
@@ -164,7 +164,7 @@ void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, 
   const std::optional<long long> said = DeclaredFrames(source, named);
   if (!said || frames <= *said) return;
   findings.push_back(FrameFinding("name_contradiction", 0, 0, "", frames,
-                                  "the name speaks of " + std::to_string(std::max(0LL, *said)) + " frames (" +
+                                  "the name declares " + std::to_string(std::max(0LL, *said)) + " frames (" +
                                       FillFields(source.frames_in_name, named.fields) + "), the file holds " +
                                       std::to_string(frames)));
 }

@@ -83,7 +83,7 @@ std::vector<Finding> CheckKeypointNumbers(const std::vector<OpenPosePerson>& peo
     findings.push_back(SuspectFinding(
         "keypoints_not_pixels", farthest,
         "no keypoint is farther than " + Digits(farthest) +
-            " from the corner of its image: they are shares of its size (" + (least < 0.0 ? "-1 to 1" : "0 to 1") +
+            " from the corner of its image: they are relative to its size (" + (least < 0.0 ? "-1 to 1" : "0 to 1") +
             "), no pixels; multiply them by width and height, or write them anew (OpenPose: "
             "--keypoint_scale 0)"));
   }
@@ -106,7 +106,7 @@ std::optional<Finding> ExcludeFarKeypoints(const std::vector<std::string>& names
   const double most = kTimesFarther * std::max(*nine_in_ten, kInTheCorner_px);
   const auto says = [&](const DetectedKeypoint& point) {
     return "is at " + FormatDouble(point.u_px) + " " + FormatDouble(point.v_px) +
-           " px, nine in ten of the camera's points within " + Digits(most / kTimesFarther) + ": it is in no image";
+           " px, nine in ten of the camera's points within " + Digits(most / kTimesFarther) + ": outside any image";
   };
   return Exclude(MakeFinding("keypoint_far", Severity::kWarning, 0.0, ""), names, frames, most, far, says);
 }

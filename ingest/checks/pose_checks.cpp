@@ -51,7 +51,7 @@ Finding FrozenPose(bool zero, bool carried, std::size_t begin, std::size_t end, 
                    (zero ? "all rotations of the body are 0 in " : "no joint of the body turns in ") +
                        Counted(static_cast<long long>(end - begin), "frame") + " on end (" + std::to_string(begin) +
                        "-" + std::to_string(end) + (carried ? "), while `trans` carries it on: " : "): ") +
-                       (zero ? "the poses are not there" : "the poses are held or not the file's own") +
+                       (zero ? "the poses are not there" : "the poses are repeated or of another file") +
                        "; copy the file again, or leave these frames out");
   if (2 * (end - begin) >= frames) finding.severity = Severity::kError;
   return finding;
@@ -111,7 +111,7 @@ std::optional<Finding> CheckFrozenPoses(const HumanAct12Clip& clip) {
                                      ", while the joints in 'joints3D' "
                                      "move by " +
                                      Digits(moved) +
-                                     " m beside the root: the poses are held or not the clip's own; copy the "
+                                     " m beside the root: the poses are repeated or of another clip; copy the "
                                      "file again, or read its joints alone");
   finding.severity = Severity::kError;
   return finding;

@@ -66,7 +66,7 @@ std::optional<Finding> RateOfAll(const std::vector<ItemResult>& clips, const Sou
   if (!denials.OfTheSet()) return std::nullopt;
   return Contradiction(
       source, "rate_suspect", FourDecimals(denials.Share()),
-      "the motions of the whole source speak against its rate: " + denials.Words() + "; the first: " + first);
+      "the motions of the whole source contradict its rate: " + denials.Words() + "; the first: " + first);
 }
 
 /// What is wrong with the set is wrong with each of its clips.

@@ -252,7 +252,7 @@ Expected<RawFile> NpzIn(const FileBytes& file) {
   if (observed.clips.empty() && exchanged) return tl::unexpected<Error>(*exchanged);
   if (observed.clips.empty()) {
     return Fail(ErrorCode::kUnsupported, "no array of the archive is a sequence of joint positions", file.name,
-                "wanted: (frames, joints, 3), or AMASS");
+                "expected: (frames, joints, 3), or AMASS");
   }
   return observed;
 }

@@ -253,7 +253,7 @@ Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::st
     const std::string other = OtherThanJoints(array.shape);
     if (!other.empty()) return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " holds " + other, name);
     return Fail(ErrorCode::kUnsupported, "an array of shape " + shape + " is not a sequence of joint positions", name,
-                "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
+                "expected: (frames, joints, 3), (frames, joints * 3), or a batch of them");
   }
   if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
     return NoValidSamples(array.values.size(), name);

@@ -235,10 +235,10 @@ class Judge {
       const std::string declared(Name(calibration_.reading));
       if (declared != reading.value && reading.confidence > kContradiction) {
         sense.remarks.push_back(MakeFinding("calibration_contradiction", Severity::kWarning, reading.confidence,
-                                            "the format says " + declared + ", but " + reading.evidence + " (" +
+                                            "the format declares " + declared + ", but " + reading.evidence + " (" +
                                                 RoundedText(100.0 * reading.confidence, 3) + " % sure)"));
       }
-      return {declared, 1.0, "the format says so; " + Words(scores_[IndexOf(declared)])};
+      return {declared, 1.0, "the format declares it; " + Words(scores_[IndexOf(declared)])};
     }
     const ConventionScore& score = scores_[best];
     const bool seen = score.subject_share || !score.cloud_distance.empty();
@@ -342,10 +342,10 @@ class Judge {
       }
       if (!unit.value.empty() && unit.value != declared && unit.confidence > kContradiction) {
         sense.remarks.push_back(MakeFinding("calibration_contradiction", Severity::kWarning, unit.confidence,
-                                            "the file says " + declared + ", but " + unit.evidence + " (" +
+                                            "the file declares " + declared + ", but " + unit.evidence + " (" +
                                                 RoundedText(100.0 * unit.confidence, 3) + " % sure)"));
       }
-      return {declared, 1.0, "the file or its format says so; " + unit.evidence};
+      return {declared, 1.0, "the file or its format declares it; " + unit.evidence};
     }
     if (unit.confidence < kSureOfCalibration) unit.value.clear();
     return unit;

@@ -28,7 +28,7 @@ struct CalibrationEstimate {
   Measured unit;                ///< "m", "cm", "mm", "inch"
   Measured up;                  ///< "+z": where the top of the images points, in world axes; empty is no obstacle
   std::vector<Camera> cameras;  ///< of every view, in order, metres
-  /// "calibration_contradiction": what the file says is not what its numbers look like, or they are of no camera.
+  /// "calibration_contradiction": what the file declares is not what its numbers look like, or they are of no camera.
   std::vector<Finding> remarks;
 };
 

@@ -22,7 +22,7 @@ Matrix3d MetresYUp(double metres, const std::string& up) {
   return metres * turn;
 }
 
-/// What the file says is zero stands there for the checks, as it does for whoever ingests it.
+/// What the file declares is zero stands there for the checks, as it does for whoever ingests it.
 std::vector<double> CheckedConfidence(const RawClip& clip) {
   std::vector<double> confidence = clip.confidence;
   for (std::size_t i = 0; i < clip.zeros.size(); ++i) {

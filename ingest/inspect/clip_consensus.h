@@ -31,8 +31,8 @@ struct Vote {
 };
 
 /// The clips of an inspection that one source could be, asked together: of one format, of the most frequent count of
-/// joints (or of none, where a file does not say it), with names of one form where most have one. Of arrays those that
-/// are bodies, where some are. The inspection must outlive it.
+/// joints (or of none, where a file does not declare it), with names of one form where most have one. Of arrays those
+/// that are bodies, where some are. The inspection must outlive it.
 class ClipConsensus {
  public:
   ClipConsensus(const Inspection& inspection, std::string format);

@@ -43,7 +43,7 @@ Reported<double> ReportedRate(const RawClip& clip, const std::optional<SourceOpt
   const std::string shown = measure.IsConclusive() ? "the motion fits " + measure.Range() + ": " + measure.Words() : "";
   Reported<double> rate;
   if (source && source->rate_hz) {
-    rate = Report(source->rate_hz, Provenance::kDeclared, 1.0, "said by the source '" + source->name + "'");
+    rate = Report(source->rate_hz, Provenance::kDeclared, 1.0, "declared by the source '" + source->name + "'");
   } else if (clip.rate_hz) {
     rate = Report(clip.rate_hz, Provenance::kDeclared, 1.0, clip.rate_evidence);
   } else if (clip.set_rate_hz > 0.0 && measure.Allows(clip.set_rate_hz)) {
@@ -53,7 +53,7 @@ Reported<double> ReportedRate(const RawClip& clip, const std::optional<SourceOpt
     return Report<double>(std::round(*measure.rate_hz() * 10.0) / 10.0, Provenance::kMeasured, measure.confidence(),
                           shown);
   } else {
-    const std::string silence = clip.rate_evidence.empty() ? "the file does not say it" : clip.rate_evidence;
+    const std::string silence = clip.rate_evidence.empty() ? "the file does not declare it" : clip.rate_evidence;
     return Unknown<double>(JoinedText(silence, shown.empty() ? m.rate.evidence : shown));
   }
   if (!measure.IsConclusive()) return rate;

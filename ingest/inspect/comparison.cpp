@@ -74,9 +74,9 @@ void Compare(const char* code, const char* what, const std::string& declared, co
 }  // namespace
 
 DeclaredFrame DeclaredFrameOf(const RawClip& clip, const std::optional<SourceOptions>& source) {
-  DeclaredFrame said{clip.units, clip.up, clip.handedness, "", clip.axes, "said by the format"};
+  DeclaredFrame said{clip.units, clip.up, clip.handedness, "", clip.axes, "declared by the format"};
   if (!source) return said;
-  said.who = "said by the source '" + source->name + "'";
+  said.who = "declared by the source '" + source->name + "'";
   if (!source->units.empty()) said.units = source->units;
   const auto axes = AxisConvention::Parse(source->axes);
   if (!axes) return said;
@@ -104,7 +104,7 @@ std::optional<Finding> CompareRate(const SourceOptions& source, double file_hz) 
   if (!source.rate_hz || std::abs(file_hz / *source.rate_hz - 1.0) <= kRateTolerance) return std::nullopt;
   return MakeFinding(
       "rate_contradiction", Severity::kError, file_hz,
-      "the file says " + RoundedText(file_hz, 6) + " Hz, the source " + RoundedText(*source.rate_hz, 6) + " Hz");
+      "the file declares " + RoundedText(file_hz, 6) + " Hz, the source " + RoundedText(*source.rate_hz, 6) + " Hz");
 }
 
 bool RateDenials::OfTheSet() const {

@@ -96,7 +96,8 @@ void WriteNames(const ClipConsensus& source, const std::string& format, const st
     writer.Value("container", Quoted(names.front()), "declared by the file: all clips are in it");
     writer.Value("files", Quoted(uestc ? "a{action}_d{view}_p{person:3}_c{side}_color.avi" : "c{clip:4}_y{action:2}"),
                  "declared by the format");
-    writer.Value("person", Quoted(uestc ? "p{person}" : "unknown"), uestc ? "" : "unknown: the file does not say it");
+    writer.Value("person", Quoted(uestc ? "p{person}" : "unknown"),
+                 uestc ? "" : "unknown: the file does not declare it");
     writer.Value("label", Quoted(uestc ? "" : "{action}"), "declared by the format");
     return;
   }
@@ -135,8 +136,9 @@ void WriteNames(const ClipConsensus& source, const std::string& format, const st
                : skeletons ? "guessed: whose skeleton file it is"
                            : "guessed from the names");
   const bool action = guessed.Has("action");
-  writer.Value("label", Quoted(action ? "{action}" : ""),
-               action ? "guessed from the names; `labels: {a01: wave}` renames" : "unknown: the names do not say it");
+  writer.Value(
+      "label", Quoted(action ? "{action}" : ""),
+      action ? "guessed from the names; `labels: {a01: wave}` renames" : "unknown: the names do not declare it");
   if (format != "depth_sequence") return;
   const Expected<std::string> depth_files = EstimateDepthFiles(below, names, guessed.pattern);
   if (!depth_files)

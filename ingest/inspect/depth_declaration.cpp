@@ -142,13 +142,13 @@ void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& 
   }
   writer.Value("recording", Quoted("recording"), "a choice: all files are one recording");
   writer.Value("person", Quoted("unknown"), "unknown: write who performs");
-  writer.Value("label", Quoted(""), "unknown: the names do not say it");
+  writer.Value("label", Quoted(""), "unknown: the names do not declare it");
   writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
-  writer.Value("licence", "\"\"", "unknown: no file says it");
+  writer.Value("licence", "\"\"", "unknown: no file declares it");
   WriteCalibration(inspection, path, writer);
-  writer.Value("depth_unit", "1 mm", "a choice: images do not say it; most sensors write millimetres");
+  writer.Value("depth_unit", "1 mm", "a choice: images do not declare it; most sensors write millimetres");
   if (pattern.find("{frame") != std::string::npos)
-    writer.Unknown("rate", "images do not say it");
+    writer.Unknown("rate", "images do not declare it");
   else
     writer.Value("rate", "1 Hz", "a choice: one moment has no rate");
 }

@@ -55,7 +55,7 @@ std::string MeaningOf(const std::string& letters) {
   return meaning == known.end() ? "" : meaning->second;
 }
 
-/// EvidenceKind every field a name of its own.
+/// Gives every field a name of its own.
 class FieldNames {
  public:
   std::string Name(const std::string& wanted) {

@@ -54,7 +54,7 @@ std::string Below(const std::filesystem::path& path, const std::string& file) {
 void WriteCalibration(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
   if (inspection.cameras.empty()) {
     writer.UnknownList("calibration", "no file of cameras is in the folder");
-    writer.Unknown("axes", "nothing says which way is up");
+    writer.Unknown("axes", "up is unknown");
     return;
   }
   const InspectedCamera& first = inspection.cameras.front();
@@ -120,7 +120,7 @@ void WriteGathered(const ClipConsensus& source, const Inspection& inspection, co
       guessed && views ? EstimateDepthBeside(inspection, path, guessed->recording) : std::string();
   if (!depth.empty()) {
     writer.Value("depth_files", Quoted(prefix + depth), "guessed from the names: depth cameras beside the others");
-    writer.Value("depth_unit", "1 mm", "a choice: images do not say it; most sensors write millimetres");
+    writer.Value("depth_unit", "1 mm", "a choice: images do not declare it; most sensors write millimetres");
   }
   const int most = source.Ask(&InspectedClip::people).value.value_or(1);
   writer.Value("person", Quoted("p{body}"), "unknown who it is; {body} tells several people of a recording apart");
@@ -128,7 +128,7 @@ void WriteGathered(const ClipConsensus& source, const Inspection& inspection, co
                views
                    ? "a choice: in most files up to " + std::to_string(most) + " people are seen, bystanders among them"
                    : "measured: most bodies in a file");
-  writer.Value("label", Quoted(""), "unknown: the names do not say it");
+  writer.Value("label", Quoted(""), "unknown: the names do not declare it");
   if (!views) return;
   WriteCalibration(inspection, prefix.empty() ? path : path.parent_path(), writer);
   const Vote<std::string> layout = source.Ask(&InspectedClip::skeleton);
@@ -142,16 +142,16 @@ void WriteClouds(const Inspection& inspection, DeclarationWriter& writer) {
   for (const auto& [folder, file] : first) names.push_back(file);
   WriteFrames(names, false, "", writer);
   writer.Value("person", Quoted("unknown"), "unknown: write who performs");
-  writer.Value("label", Quoted(""), "unknown: the names do not say it");
+  writer.Value("label", Quoted(""), "unknown: the names do not declare it");
   writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
-  writer.Value("licence", "\"\"", "unknown: no file says it");
+  writer.Value("licence", "\"\"", "unknown: no file declares it");
   const Reported<std::string>& units = inspection.clouds.front().units;
   if (units.value)
     writer.Value("units", *units.value, "measured: " + units.evidence);
   else
     writer.Unknown("units", units.evidence);
-  writer.Unknown("axes", "clouds do not say which way is up");
-  writer.Unknown("rate", "clouds do not say it");
+  writer.Unknown("axes", "clouds do not declare up");
+  writer.Unknown("rate", "clouds do not declare it");
 }
 
 }  // namespace mocurate

@@ -58,7 +58,7 @@ void ReportRates(const std::vector<InspectedClip*>& group, std::vector<Finding>&
   const std::string folder = FolderOf(group[0]->file);
   findings.push_back(FindingAt(folder.empty() ? "." : folder, "rate_suspect", Severity::kError,
                                FourDecimals(denials.Share()),
-                               "the motions of the whole folder speak against its rate: " + denials.Words()));
+                               "the motions of the whole folder contradict its rate: " + denials.Words()));
 }
 
 /// The unit that a clip's own lengths show, of clips without a declared unit.
@@ -153,7 +153,7 @@ void ReportPlaces(const std::vector<InspectedClip*>& group, std::vector<Finding>
   }
 }
 
-/// EvidenceKind the clips of a group the handedness that the others agree on.
+/// Gives the clips of a group the handedness that the others agree on.
 void ShareHandedness(const std::vector<InspectedClip*>& group, std::vector<Finding>& findings) {
   if (!OneSkeleton(group)) return;
   std::vector<const InspectedClip*> voters;

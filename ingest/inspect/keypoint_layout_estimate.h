@@ -20,8 +20,8 @@ struct KeypointLayoutScore {
 /// All layouts with as many points as the people have, best first.
 std::vector<KeypointLayoutScore> ScoreKeypointLayouts(const std::vector<OpenPosePerson>& people);
 
-/// The layout of a detector's people: of many frames and views, as files do not say it. Value "BODY_25B"; empty where
-/// no layout of this many points fits, where two fit alike, or where no person shows enough bones.
+/// The layout of a detector's people: of many frames and views, as files do not declare it. Value "BODY_25B"; empty
+/// where no layout of this many points fits, where two fit alike, or where no person shows enough bones.
 Measured EstimateKeypointLayout(const std::vector<OpenPosePerson>& people);
 
 /// Points of several files that are taken as not seen.

@@ -28,7 +28,7 @@ std::optional<RawClip> TruncatedLayout(const JointTable& rows) {
     if (!clip || (best && best->skeleton.confidence >= clip->skeleton.confidence)) continue;
     clip->remarks.push_back(MakeFinding("cut_off", Severity::kError, left_over,
                                         "the file is cut off: " + std::to_string(left_over) + " of the " +
-                                            std::to_string(joints) + " rows of a last frame stand at its end"));
+                                            std::to_string(joints) + " rows of its last frame are there"));
     best = std::move(clip);
   }
   return best;

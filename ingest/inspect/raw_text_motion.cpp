@@ -83,7 +83,7 @@ std::optional<RawClip> ReadRawExpmap(std::string_view bytes, const std::string& 
                          " numbers of them constant";
   clip.skeleton.evidence = "rotations; the tree is not in the file";
   clip.silence = "rotations of a skeleton that is not in the file";
-  clip.rate_evidence = "the file does not say it";
+  clip.rate_evidence = "the file does not declare it";
   clip.missing_share = static_cast<double>(rows - whole.size()) / static_cast<double>(rows);
   clip.AddRemarks(table->findings);
   const auto reported = [&](std::size_t f) {

@@ -73,7 +73,7 @@ RawClip ReadRawKeypoints(const std::vector<OpenPoseFrame>& frames, const std::ve
   clip.layout_evidence = "one file a frame";
   clip.units = "px";
   clip.silence = "keypoints of one image: no depth";
-  clip.rate_evidence = "the files do not say it";
+  clip.rate_evidence = "the files do not declare it";
   if (points > 0) clip.missing_share = static_cast<double>(missing) / static_cast<double>(points);
   clip.skeleton = MeasuredText(EstimateKeypointLayout(everybody));
   std::vector<OpenPosePerson> here;

@@ -48,7 +48,7 @@ Expected<RawFile> ReadRawFile(const FileBytes& file) {
     case FileKind::kEmpty:
       return EmptyFile(file.name);
     default:
-      return Fail(ErrorCode::kUnsupported, "the content is none of the known formats", file.name,
+      return Fail(ErrorCode::kUnsupported, "the content is not one of the known formats", file.name,
                   "docs/inspect.md lists them");
   }
 }

@@ -19,7 +19,7 @@ constexpr double kThinnest = 0.08, kThickest = 0.35;           // a person's dep
 constexpr double kStray = 0.005;                               // share of points on each side that may be junk
 constexpr double kFarRadii = 20.0;                             // of most points of a cloud
 
-/// Declared where the format says it, else as measured.
+/// Declared where the format declares it, else as measured.
 Reported<std::string> Decided(const Measured& measured, bool declared) {
   Reported<std::string> reported = MeasuredText(measured);
   if (declared && reported.value) reported.from = Provenance::kDeclared;
@@ -52,7 +52,7 @@ Reported<std::string> UnitsOf(const Vector3d& extent) {
                                    ", and the shape as flat as a person");
   }
   return Unknown<std::string>(
-      "the format does not say it, and no usual unit makes the shape as high and as flat as a person");
+      "the format does not declare it, and no usual unit makes the shape as high and as flat as a person");
 }
 
 /// "point_far": points 20 times as far from the middle as nine in ten are. Depth cameras have a number of their own for
@@ -87,7 +87,7 @@ void ReportCameras(const Calibration& calibration, const std::string& file, Insp
     camera.kind = view.kind;
     const bool sized = view.width > 0 && view.height > 0;
     camera.image_size = Report(sized ? std::optional(std::array<int, 2>{view.width, view.height}) : std::nullopt,
-                               Provenance::kDeclared, 1.0, sized ? "pixels" : "the file does not say it");
+                               Provenance::kDeclared, 1.0, sized ? "pixels" : "the file does not declare it");
     camera.centre_m.reset();
     if (i < sense.cameras.size()) {
       camera.centre_m = Inverse(sense.cameras[i].camera_from_world).translation.unaryExpr(&FourDecimals);

@@ -88,7 +88,7 @@ void WriteRate(const ClipConsensus& source, const std::string& format, Declarati
     return writer.Value("rate", FormatDouble(*usual) + " Hz",
                         "the usual rate that is nearest; " + rate.comment + ", " + hz);
   }
-  if (rate.share < kOneRate) return writer.Comment("rate: each file says its own, most " + hz);
+  if (rate.share < kOneRate) return writer.Comment("rate: each file declares its own, mostly " + hz);
   writer.Value("rate", hz, rate.comment);
 }
 
@@ -234,7 +234,7 @@ std::string FormatToDeclare(const Inspection& inspection) {
 
 void WriteHead(const std::string& what, DeclarationWriter& writer) {
   writer.Line("# Made by `mocurate config init` from " + what + ".");
-  writer.Line("# Every value says where it comes from. " + std::string(kFillIn) + " has to be replaced before a run.");
+  writer.Line("# Every value has its origin. " + std::string(kFillIn) + " has to be replaced before a run.");
 }
 
 void WriteSource(const std::filesystem::path& path, const std::string& name, const std::string& format,
@@ -305,7 +305,7 @@ Expected<WrittenDeclaration> DeclareSource(Inspection inspection, const std::fil
     const auto fault = std::find_if(inspection.findings.begin(), inspection.findings.end(),
                                     [](const Finding& finding) { return finding.severity == Severity::kError; });
     if (fault != inspection.findings.end()) why += ": " + fault->message;
-    return Fail(ErrorCode::kUnsupported, why, DisplayPath(path), "`mocurate inspect` says what is there");
+    return Fail(ErrorCode::kUnsupported, why, DisplayPath(path), "`mocurate inspect` describes the files");
   }
   const std::string format = DeclaredFormat(observed);
   const ClipConsensus source(inspection, observed);
@@ -334,7 +334,7 @@ Expected<WrittenDeclaration> DeclareSource(Inspection inspection, const std::fil
     WriteNames(source, format, whole, root, writer);
   }
   writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
-  writer.Value("licence", "\"\"", "unknown: no file says it");
+  writer.Value("licence", "\"\"", "unknown: no file declares it");
   if (format != "openpose") WriteUnits(source, format, writer);
   if (format != "openpose") WriteAxes(source, writer);
   WriteRate(source, format, writer);

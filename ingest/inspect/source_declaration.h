@@ -18,7 +18,7 @@ inline constexpr const char* kUnknownPerson = "unknown";
 struct WrittenDeclaration {
   std::string yaml;
   std::filesystem::path path;  ///< ingest.path: what was asked about, or the folder above that holds what belongs to it
-  std::vector<std::string> others;   ///< clips that are none of this source: "3 clips of format npz of 19 joints"
+  std::vector<std::string> others;   ///< clips that are not of this source: "3 clips of format npz of 19 joints"
   std::vector<std::string> unknown;  ///< options that CheckSource refuses until they are filled in: "units", "rate"
 };
 

@@ -87,7 +87,7 @@ void CountMissing(const JointTable& rows, const RowLayout& layout, bool confiden
   clip.missing_evidence = "the number behind x, y, z lies in 0 to 1 and is 0 for " +
                           RoundedText(100.0 * static_cast<double>(unsure) / samples, 3) +
                           " % of the joints: whether it is a confidence, and these were not seen, the file does not "
-                          "say; a source does (`columns`, `least_confidence`)";
+                          "declare; a source does (`columns`, `least_confidence`)";
 }
 
 /// The leading numbers, where they count the frames: whole, rising, mostly by one (by more, they are times).

@@ -172,7 +172,7 @@ void NoteSecondPerson(const People& people, std::size_t wanted, int frames, std:
                                     "another person, " + other.Name() + ", is there in " +
                                         std::to_string(other.frames.size()) + " of " + std::to_string(frames) +
                                         " frames and moves as much (" + Digits(energy) + " m2 to " + Digits(least) +
-                                        "); the name speaks of " + std::to_string(wanted)));
+                                        "); the name declares " + std::to_string(wanted)));
   }
 }
 

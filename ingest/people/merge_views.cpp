@@ -144,7 +144,8 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
                 FindingAction::kExcluded);
   }
   if (seeing.empty()) {
-    return Fail(ErrorCode::kInconsistent, "no camera saw anybody", where, "the trackers lost the person: leave it out");
+    return Fail(ErrorCode::kInconsistent, "no camera observed a person", where,
+                "the trackers lost the person: leave it out");
   }
   std::vector<int> friends(cameras.size(), 0);
   std::string contradictions;
@@ -164,7 +165,7 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
   }
   if (!any && !contradictions.empty()) {
     return Fail(ErrorCode::kInconsistent, "the cameras do not show the same (" + contradictions + ")", where,
-                "nothing says which is right: leave one out with ingest.source.exclude, or ingest the files apart");
+                "which one is right is unknown: leave one out with ingest.source.exclude, or ingest the files apart");
   }
   placed.reference = seeing.front();
   for (const std::size_t i : seeing) {

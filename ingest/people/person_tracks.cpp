@@ -103,7 +103,7 @@ void JoinInterleaved(std::vector<PersonTrack>& tracks, const std::vector<double>
         ++k;
         continue;
       }
-      NoteStitch(tracks[i], tracks[k], "never seen together, each where the other just was", findings);
+      NoteStitch(tracks[i], tracks[k], "never present together, at the same place", findings);
       tracks[i] = JoinedTrack(tracks[i], tracks[k]);
       tracks.erase(tracks.begin() + static_cast<std::ptrdiff_t>(k));
       k = i + 1;

@@ -41,7 +41,7 @@ Status Check(const std::vector<VibeTrack>& tracks) {
   for (const VibeTrack& track : tracks) {
     const std::string name = "track " + std::to_string(track.id);
     if (track.frames == 0 || track.frame_ids.size() != track.frames)
-      return Fail(ErrorCode::kInconsistent, name + " does not say its frames", "frame_ids");
+      return Fail(ErrorCode::kInconsistent, name + " does not declare its frames", "frame_ids");
     if (track.boxes.size() != 4 * track.frames)
       return Fail(ErrorCode::kInconsistent, name + " has no box per frame", "bboxes",
                   "boxes distinguish the performer from others");

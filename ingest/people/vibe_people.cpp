@@ -18,7 +18,7 @@ constexpr VibeBone kVibeBones[] = {{1, 8, 0.52},  {2, 1, 0.17},   {3, 2, 0.28}, 
                                    {12, 8, 0.10}, {13, 12, 0.40}, {14, 13, 0.41}};
 constexpr std::size_t kPointsWithBones = 15;
 
-/// Frames of the video in which anybody is, [first, last].
+/// Frames of the video in which any person is, [first, last].
 struct FrameRange {
   std::int64_t first = 0, last = 0;
 };
@@ -42,7 +42,7 @@ Expected<FrameRange> FramesOf(const std::vector<VibeTrack>& tracks, const std::s
               "frame_ids run from " + std::to_string(range.first) + " (track " + std::to_string(first->id) + ") to " +
                   std::to_string(range.last) + " (track " + std::to_string(last->id) + "), but the tracks have " +
                   std::to_string(rows) + " frames together",
-              name, "is an id damaged? write the file anew, or leave it out");
+              name, "check the ids, write the file again, or exclude it");
 }
 
 /// Frames are counted from `first`.

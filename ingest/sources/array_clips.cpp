@@ -168,7 +168,7 @@ Expected<ArrayOfClip> ReadArrayClip(std::string_view bytes, const std::string& i
     return tl::unexpected<Error>(npz->unsafe.front());
   if (parts.empty()) {
     return Fail(ErrorCode::kInconsistent, "the archive has no array of joint positions", name,
-                "wanted: (frames, joints, 3), (frames, joints * 3), or a batch of them");
+                "expected: (frames, joints, 3), (frames, joints * 3), or a batch of them");
   }
   const NpyArray* array = npz->Find(parts[0]);
   if (array == nullptr) {

@@ -104,7 +104,7 @@ TEST(BadInput, AMissingUnitIsAConfigErrorWithTheOptionToWrite) {
   const ScratchFolder folder;
   WriteText(folder / "data/a01_s01.txt", Rows(6));
   ExpectError(RunFolder(folder, TableConfig("licence: none")), 2,
-              {"ingest.source.units", "source 'bad' does not say its unit of length", "write `units: m`"});
+              {"ingest.source.units", "source 'bad' does not declare its unit of length", "write `units: m`"});
 }
 
 TEST(BadInput, AnUnknownJointIsNamedWithTheSkeletonThatLacksIt) {

@@ -35,7 +35,7 @@ TEST(ConfigInclude, LaterAndInnerValuesWin) {
   EXPECT_EQ(options->people, (std::vector<std::string>{"c"})) << "lists are replaced, not joined";
   EXPECT_FALSE(options->trim.enabled) << "mappings are merged";
   EXPECT_EQ(options->trim.still_speed, 2.0);
-  EXPECT_EQ(options->path, folder / "sub/d") << "relative to the file that says it";
+  EXPECT_EQ(options->path, folder / "sub/d") << "relative to the file that sets it";
 }
 
 TEST(ConfigInclude, ProblemsOfIncludedFilesAreReportedThere) {
@@ -43,7 +43,7 @@ TEST(ConfigInclude, ProblemsOfIncludedFilesAreReportedThere) {
   ASSERT_TRUE(WriteFile(folder / "a.yaml", "seed: 1\nseed: 2\n"));
   ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: [a.yaml, none.yaml, [x]]\n"));
   const std::string root = folder.path().native();
-  EXPECT_EQ(LoadMessage(folder), root + "/a.yaml:2:1: key 'seed' stands twice, first in line 1 (keep one of them)\n" +
+  EXPECT_EQ(LoadMessage(folder), root + "/a.yaml:2:1: key 'seed' appears twice, first in line 1 (keep one of them)\n" +
                                      root + "/main.yaml:1:19: cannot include 'none.yaml': no such file (" + root +
                                      "/none.yaml)\n" + root +
                                      "/main.yaml:1:30: include must be a path or a list of paths");
@@ -84,7 +84,8 @@ TEST(ConfigInclude, EmbeddedFilesAreFoundByName) {
   EXPECT_TRUE(LoadConfig("resource:" + name));
   if (data == nullptr) ::unsetenv("MOCURATE_DATA");
   ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: resource:" + name + "x\n"));
-  EXPECT_THAT(LoadMessage(folder), HasSubstr("no such embedded file (resource:" + name + "x) (did you mean '" + name));
+  EXPECT_THAT(LoadMessage(folder),
+              HasSubstr("the embedded file does not exist (resource:" + name + "x) (did you mean '" + name));
 }
 
 TEST(ConfigInclude, MayNameTheEnvironment) {
@@ -118,7 +119,7 @@ TEST(ConfigSet, AssignsByPath) {
   EXPECT_TRUE(options->people.empty());
 }
 
-TEST(ConfigProfiles, TheNamedOneStandsAboveTheConfigAndBelowTheCommandLine) {
+TEST(ConfigProfiles, TheNamedOneOverridesTheConfigAndTheCommandLineOverridesIt) {
   const ConfigSource source{
       "profile: slow\nsteps: 10\ninner: {a: 1, b: 2}\nprofiles: {slow: {steps: 99}, quick: {steps: 1, inner: {b: "
       "5}}}\n",

@@ -11,7 +11,7 @@ inline Expected<SampleOptions> ReadSample(const std::string& yaml, const std::ve
   return OptionsFromConfig<SampleOptions>(*node);
 }
 
-/// The whole message, empty when all is well.
+/// The whole message, empty without an error.
 inline std::string MessageOf(const std::string& yaml, const std::vector<std::string>& assignments = {}) {
   const Expected<SampleOptions> options = ReadSample(yaml, assignments);
   return options ? "" : options.error().Message();

@@ -11,10 +11,10 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-TEST(Config, AKeyThatStandsTwiceIsRefused) {
+TEST(Config, ADuplicateKeyIsRefused) {
   EXPECT_EQ(MessageOf("seed: 1\ntrim: {enabled: true, enabled: false}\nseed: 2\n"),
-            "c.yaml:2:23: key 'enabled' stands twice, first in line 2 (keep one of them)\n"
-            "c.yaml:3:1: key 'seed' stands twice, first in line 1 (keep one of them)");
+            "c.yaml:2:23: key 'enabled' appears twice, first in line 2 (keep one of them)\n"
+            "c.yaml:3:1: key 'seed' appears twice, first in line 1 (keep one of them)");
 }
 
 TEST(Config, BrokenYamlIsReportedWithItsPlace) {
@@ -25,7 +25,7 @@ TEST(Config, BrokenYamlIsReportedWithItsPlace) {
 
 TEST(Config, AReferenceThatNeedsQuotesIsReportedSo) {
   EXPECT_THAT(MessageOf("title: x\npeople: [${title}]\n"),
-              AllOf(StartsWith("c.yaml:2:"), EndsWith("(inside [ ] and { }, ${...} must stand in quotes)")));
+              AllOf(StartsWith("c.yaml:2:"), EndsWith("(inside [ ] and { }, ${...} must be in quotes)")));
 }
 
 TEST(Config, OnlyPlainMappingsOfTextsAreTaken) {
@@ -39,20 +39,20 @@ TEST(Config, OnlyPlainMappingsOfTextsAreTaken) {
             "c.yaml: more than one YAML document (keep one, and remove the line '---')");
 }
 
-TEST(Config, BytesThatAreNoTextAreRefusedWithTheirPlace) {
+TEST(Config, BytesThatAreNotTextAreRefusedWithTheirPosition) {
   EXPECT_EQ(MessageOf("seed: 1\ntitle: \xff"), "c.yaml:2:8: a byte that is not UTF-8 (save the file as UTF-8)");
   EXPECT_EQ(MessageOf(std::string("seed: 1\0", 8)), "c.yaml:1:8: a control character (code 0) (is this a text file?)");
   EXPECT_EQ(MessageOf("title: a\x04seed: 2"), "c.yaml:1:9: a control character (code 4) (is this a text file?)");
   EXPECT_EQ(MessageOf(std::string((16u << 20) + 1, ' ')), "c.yaml: is larger than 16 MiB (is this a configuration?)");
 }
 
-TEST(Config, AnchorsAreReadAndOriginIsWhereTheAliasStands) {
+TEST(Config, AnchorsAreReadAndTheOriginIsThatOfTheAlias) {
   const auto options = ReadSample("title: &t abc\npeople: [*t, *t]\n");
   ASSERT_TRUE(options) << options.error().Message();
   EXPECT_EQ(options->people, (std::vector<std::string>{"abc", "abc"}));
   EXPECT_EQ(MessageOf("title: &t abc\nseed: *t\n"), "c.yaml:2:7: seed: 'abc' must be a whole number");
   EXPECT_EQ(MessageOf("joints: &j [*j]"),
-            "c.yaml:1:13: an alias stands inside the value that it names (write the value out)");
+            "c.yaml:1:13: an alias is inside the value that it names (write the value out)");
 }
 
 TEST(Config, NestedAliasesCannotGrowWithoutBound) {

@@ -98,7 +98,7 @@ TEST(Config, UnitsAreChecked) {
             "c.yaml:1:7: rate: '30 deg' is in deg, which cannot be turned into Hz (units here: Hz, kHz, fps)");
   EXPECT_EQ(MessageOf("angle: 30 degrees"),
             "c.yaml:1:8: angle: '30 degrees': unknown unit 'degrees' (units here: rad, mrad, deg, turn)");
-  EXPECT_EQ(MessageOf("share: 3 mm"), "c.yaml:1:8: share: '3 mm' has a unit, a plain number is wanted");
+  EXPECT_EQ(MessageOf("share: 3 mm"), "c.yaml:1:8: share: '3 mm' has a unit, a plain number is expected");
   EXPECT_EQ(MessageOf("height: 30000 mm"), "c.yaml:1:9: height: '30000 mm' is out of range (allowed: 0.5 to 2.5 m)");
   EXPECT_EQ(MessageOf("step: -1 ms"), "c.yaml:1:7: step: '-1 ms' is out of range (allowed: at least 0 s)");
   EXPECT_EQ(MessageOf("limit: 6"), "c.yaml:1:8: limit: '6' is out of range (allowed: at most 5 m)");
@@ -125,7 +125,7 @@ TEST(Config, WrongShapesAreRefused) {
   EXPECT_EQ(MessageOf("path: ~/data"), "c.yaml:1:7: path: '~/data': '~' has no meaning here (write ${HOME})");
 }
 
-TEST(Config, AnAbsolutePathStaysAndAnEmptyOneIsNone) {
+TEST(Config, AnAbsolutePathIsKeptAndAnEmptyOneStaysEmpty) {
   EXPECT_EQ(ReadSample("path: /data/../x")->path, "/x");
   EXPECT_EQ(ReadSample("path: ''")->path, "");
   EXPECT_EQ(ReadSample("path: 'a\\xff'")->path.native(), "folder/a\xff");

@@ -20,7 +20,7 @@ TEST(ConfigReference, KeysComeBeforeTheEnvironment) {
       "height: ${trim.still_speed}\n"
       "offsets: ['${offsets_of.0}']\n"
       "trim: {still_speed: 2}\n");
-  EXPECT_FALSE(options) << "a number in quotes stays text, and offsets_of is no key";
+  EXPECT_FALSE(options) << "a number in quotes stays text, and offsets_of is not a key";
   const auto good = ReadSample(
       "title: run ${trim.still_speed} of ${seed}\n"
       "seed: 3\n"
@@ -43,7 +43,7 @@ TEST(ConfigReference, MayNameAListAMappingOrAnElement) {
   const auto node = LoadConfig(ConfigSource{"a: {b: [x, {c: y}]}\nd: ${a}\ne: ${d.b.1.c}\nf: ${a.b}\n", "c.yaml", {}});
   ASSERT_TRUE(node) << node.error().Message();
   EXPECT_EQ(node->Find("e")->scalar, "y");
-  EXPECT_EQ(node->Find("e")->origin.Text(), "c.yaml:3:4") << "where it is said";
+  EXPECT_EQ(node->Find("e")->origin.Text(), "c.yaml:3:4") << "where it is set";
   EXPECT_EQ(node->Find("f")->sequence.size(), 2u);
 }
 
@@ -54,7 +54,7 @@ TEST(ConfigReference, AnEscapedReferenceStaysTextWhenItIsReferredTo) {
   EXPECT_EQ(node->Find("e")->scalar, "${x}");
 }
 
-TEST(ConfigReference, APathKeepsTheFolderOfTheFileThatSaysIt) {
+TEST(ConfigReference, APathIsRelativeToTheFileThatSetsIt) {
   const ScratchFolder folder;
   ASSERT_TRUE(MakeFolder(folder / "sub"));
   ASSERT_TRUE(WriteFile(folder / "sub/a.yaml", "title: data\n"));

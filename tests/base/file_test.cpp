@@ -60,7 +60,7 @@ TEST(File, AMissingFileAndAFolderAreDistinguished) {
   EXPECT_EQ(missing.Message(), (folder / "none").native() + ": no such file");
   const Error is_folder = ReadFile(folder.path()).error();
   EXPECT_EQ(is_folder.code, ErrorCode::kUnreadable);
-  EXPECT_EQ(is_folder.what, "is a folder, a file is wanted");
+  EXPECT_EQ(is_folder.what, "is a folder, a file is expected");
   EXPECT_EQ(WriteFile(folder.path(), "x").error().what, "cannot be written: Is a directory");
 }
 

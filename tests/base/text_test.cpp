@@ -68,7 +68,7 @@ TEST(Text, NumbersDoNotDependOnTheLocale) {
   std::setlocale(LC_ALL, kept.c_str());
 }
 
-TEST(Text, RefusesWhatIsNotWhollyANumber) {
+TEST(Text, RefusesTextAroundANumber) {
   for (const char* text : {"", " 1", "1 ", "1,5", "1.5x", "0x10", "--1", "+-1", "+", "1e", "1e999", "."}) {
     EXPECT_FALSE(ParseDouble(text)) << "'" << text << "'";
   }

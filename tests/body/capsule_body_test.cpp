@@ -21,7 +21,7 @@ TEST(CapsuleBody, HasOneCapsulePerBoneWhereTheTemplateDoesNotApply) {
   }
 }
 
-TEST(CapsuleBody, ACapsuleTurnsWithItsJoint) {
+TEST(CapsuleBody, ACapsuleRotatesWithItsJoint) {
   BodyCapsule capsule;
   capsule.begin_offset = {0.1, 0.0, 0.0};
   capsule.end_offset = {0.0, 0.2, 0.0};
@@ -62,7 +62,7 @@ TEST(CapsuleBody, ComesBackWithItsBodyShape) {
     EXPECT_LT((read->capsules[i].begin_offset - body.capsules[i].begin_offset).norm(), 1e-12);
     moved = std::max(moved, (usual.capsules[i].begin_offset - body.capsules[i].begin_offset).norm());
   }
-  EXPECT_GT(moved, 0.005) << "another person's surface lies elsewhere";
+  EXPECT_GT(moved, 0.005) << "another body shape moves the capsules";
 }
 
 TEST(CapsuleBody, HasEveryCapsuleOfASideOnTheOtherSideToo) {
@@ -84,7 +84,7 @@ TEST(CapsuleBody, HasEveryCapsuleOfASideOnTheOtherSideToo) {
   }
 }
 
-TEST(CapsuleBody, ATextOfAnotherBodyGivesNone) {
+TEST(CapsuleBody, ATextOfAnotherBodyIsRefused) {
   const test::StickFigure figure = test::MakeStickFigure();
   const std::vector<double> bones = figure.skeleton->RestBoneLengths();
   for (const char* radii : {"", "0.1 0.1", "0.1 0.1 0.1 0.1", "0.1 wide 0.1", "0.1 -0.1 0.1", "0.1 0 0.1"}) {

@@ -72,7 +72,7 @@ TEST(MeshDepth, AFineBallIsABall) {
   const double most = Compare(depth, ExactBall(centre, 0.4, camera), seen, differing);
   EXPECT_GT(seen, 2500);
   EXPECT_LT(differing, seen / 100) << "only along the outline, where the mesh lies inside the ball";
-  EXPECT_LT(most, 0.02) << "at the outline the surface is seen edge on";
+  EXPECT_LT(most, 0.02) << "at the outline the surface is viewed edge-on";
 }
 
 TEST(MeshDepth, ALensBendsTheOutlineAndNotTheDepth) {
@@ -86,7 +86,7 @@ TEST(MeshDepth, ALensBendsTheOutlineAndNotTheDepth) {
   EXPECT_LT(differing, seen / 50);
 }
 
-TEST(MeshDepth, TheNearerTriangleIsSeenWhicheverComesFirst) {
+TEST(MeshDepth, TheNearerTriangleIsVisibleInAnyOrder) {
   const Camera camera = Pinhole();
   const std::vector<Vector3d> vertices = {{-1, -1, 3}, {1, -1, 3}, {0, 1, 3}, {-1, -1, 2}, {1, -1, 2}, {0, 1, 2}};
   const auto rays = PixelRays(camera);
@@ -96,7 +96,7 @@ TEST(MeshDepth, TheNearerTriangleIsSeenWhicheverComesFirst) {
   EXPECT_FLOAT_EQ(far_first[60 * 160 + 80], 2.0F);
 }
 
-TEST(MeshDepth, TwoTrianglesThatShareAnEdgeLeaveNoGapAndBehindTheCameraIsNothing) {
+TEST(MeshDepth, TwoTrianglesThatShareAnEdgeLeaveNoGapAndNothingIsDrawnBehindTheCamera) {
   const Camera camera = Pinhole();
   const std::vector<Vector3d> square = {{-0.5, -0.3, 2}, {0.5, -0.3, 2}, {0.5, 0.3, 2}, {-0.5, 0.3, 2}};
   const auto rays = PixelRays(camera);

@@ -42,7 +42,7 @@ Motion ArmThroughTrunk() {
   return motion;
 }
 
-/// How deep the left forearm and hand lie in what is not of the left arm, by points along their axes: no formula of two
+/// Depth of the left forearm and hand in the rest of the body, by points along their axes, without the formula of two
 /// segments.
 double DepthByPoints(const Motion& motion, int frame) {
   const Skeleton& skeleton = *motion.skeleton;
@@ -87,7 +87,7 @@ TEST(SegmentDistance, IsThatOfTheNearestPoints) {
   }
 }
 
-TEST(SelfPenetration, IsNoneInTheRestPoseOfAPersonOfAnySize) {
+TEST(SelfPenetration, IsZeroInTheRestPoseOfAPersonOfAnySize) {
   for (const double size : {0.8, 1.0, 1.2}) {
     const auto measured = MeasureSelfPenetration(AtRest(3, size));
     ASSERT_TRUE(measured);
@@ -114,7 +114,7 @@ TEST(SelfPenetration, IsTheSumOfRadiiLessTheDistanceOfTheAxes) {
   EXPECT_NEAR(measured->depth[0], scale * (0.12 + 0.035) - 0.06, 1e-9);
 }
 
-TEST(SelfPenetration, OfAHandPushedIntoTheTrunkIsWhatGeometrySays) {
+TEST(SelfPenetration, OfAHandPushedIntoTheTrunkMatchesTheGeometry) {
   const Motion motion = ArmThroughTrunk();
   const auto measured = MeasureSelfPenetration(motion);
   ASSERT_TRUE(measured);

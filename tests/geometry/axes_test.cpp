@@ -43,7 +43,7 @@ TEST(AxisConvention, IsReadWithBlanksAround) {
   EXPECT_TRUE(AxisConvention::Parse("  +x\t-y  -z ").value() == AxisConvention::Parse("+x -y -z").value());
 }
 
-TEST(AxisConvention, RefusesAnythingElseAndSaysWhy) {
+TEST(AxisConvention, RefusesAnythingElseWithAReason) {
   const std::pair<const char*, const char*> cases[] = {
       {"", "has 0 axes, not 3"},        {"+x -y", "has 2 axes, not 3"},     {"+x +y +y", "names y twice"},
       {"+x +y z", "'z' is not one of"}, {"+x +y +w", "'+w' is not one of"}, {"+x +y +Z", "'+Z' is not one of"}};

@@ -49,7 +49,7 @@ TEST_P(EulerSequence, GivesBackItsOwnAngles) {
   }
 }
 
-TEST_P(EulerSequence, PutsTheWholeTurnIntoTheFirstAngleInGimbalLock) {
+TEST_P(EulerSequence, PutsTheWholeRotationIntoTheFirstAngleInGimbalLock) {
   const EulerOrder order = Order(GetParam());
   Random random(21, "gimbal", GetParam());
   for (int i = 0; i < 100; ++i) {

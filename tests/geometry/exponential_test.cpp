@@ -77,7 +77,7 @@ TEST(Logarithm, DoesNotDependOnTheSignOfTheQuaternion) {
   }
 }
 
-TEST(Logarithm, OfAHalfTurnPointsAlongItsFirstPositiveComponent) {
+TEST(Logarithm, OfARotationByPiHasAPositiveFirstComponent) {
   for (const Vector3d& axis : test::Axes()) {
     const Quaterniond half_turn(0.0, axis.x(), axis.y(), axis.z());
     const Vector3d w = LogQuaternion(half_turn);
@@ -133,7 +133,7 @@ TEST(Unwrapping, KeepsTheRotationAndComesNearestToThePreviousVector) {
   }
 }
 
-TEST(Unwrapping, FollowsAJointThatTurnsPastPiAndThroughWholeTurns) {
+TEST(Unwrapping, FollowsAJointThatRotatesPastPiAndTwoPi) {
   Vector3d previous = Vector3d::Zero();
   const Vector3d axis = Vector3d(1, -2, 3).normalized();
   for (double angle = 0.0; angle < 20.0; angle += 0.1) {

@@ -1,4 +1,4 @@
-// Alignment of paired points some of which do not belong together.
+// Alignment of paired points with outliers.
 #include "core/geometry/robust_alignment.h"
 
 #include "tests/geometry/samples.h"

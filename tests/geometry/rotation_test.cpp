@@ -33,7 +33,7 @@ TEST(Slerp, StartsAtTheFirstAndEndsAtTheSecondRotation) {
   }
 }
 
-TEST(Slerp, TurnsEvenlyAlongTheShorterArc) {
+TEST(Slerp, RotatesEvenlyAlongTheShorterArc) {
   Random random(12, "slerp");
   for (int i = 0; i < 200; ++i) {
     const Quaterniond a = DrawRotation(random);
@@ -90,7 +90,7 @@ TEST(Swing, TakesOneDirectionToTheOtherWithoutTwist) {
   }
 }
 
-TEST(Swing, OfOppositeDirectionsIsAlwaysTheSameHalfTurn) {
+TEST(Swing, OfOppositeDirectionsIsAlwaysTheSameRotationByPi) {
   for (const Vector3d& from : test::Axes()) {
     const Quaterniond swing = SwingBetween(from, -from);
     EXPECT_NEAR(AngleBetween(Quaterniond::Identity(), swing), kPi, 4e-15);

@@ -53,7 +53,7 @@ inline std::vector<Vector3d> RotationVectorsBelowPi() {
   return vectors;
 }
 
-/// The same and beyond: exactly pi, above, whole turns.
+/// The same and beyond: exactly pi, above, multiples of 2 pi.
 inline std::vector<Vector3d> RotationVectors() {
   std::vector<Vector3d> vectors = RotationVectorsBelowPi();
   for (const double angle : {kPi, kPi + 1e-9, 4.0, 2.0 * kPi - 1e-3, 2.0 * kPi, 7.5, 40.0}) {

@@ -71,7 +71,7 @@ TEST(TriangulateLinear, NeedsTwoRaysThatAreNotParallel) {
   EXPECT_FALSE(TriangulateLinear({{&cameras[0], Vector2d(960, 540), 1.0}, {&beside, Vector2d(960, 540), 1.0}}));
 }
 
-TEST(NearestPointToAxes, IsWhereTheCamerasLook) {
+TEST(NearestPointToAxes, LiesWhereTheOpticalAxesMeet) {
   const Vector3d target(1, 2, 3);
   std::vector<RigidTransform> poses;
   for (const Camera& camera : Ring(4, target)) poses.push_back(camera.camera_from_world);

@@ -70,7 +70,7 @@ class SchemaCheck {
       if (std::none_of(types.begin(), types.end(), is)) Fault(place, value.dump() + " is no " + constraint.dump());
     } else if (keyword == "enum") {
       if (std::find(constraint.begin(), constraint.end(), value) == constraint.end())
-        Fault(place, value.dump() + " is none of the enum");
+        Fault(place, value.dump() + " is not one of the enum");
     } else if (keyword == "properties") {
       if (value.is_object()) CheckObject(schema, value, place);
     } else if (keyword == "items") {

@@ -15,7 +15,7 @@ std::vector<std::string> With(const std::string& prefix, std::vector<std::string
   return names;
 }
 
-TEST(JointNamespace, WhatAnExporterPutBeforeEveryNameIsNoPartOfIt) {
+TEST(JointNamespace, TheCommonPrefixOfAnExporterIsRemoved) {
   for (const char* prefix : {"", "mixamorig:", "mixamorig1:", "mixamorig_", "mixamorig", "Character1_", "Armature|",
                              "Armature|mixamorig:", "Bip01 ", "rig.", "bip_01_"}) {
     EXPECT_EQ(WithoutNamespace(With(prefix)), kBody) << prefix;

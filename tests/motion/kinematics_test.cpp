@@ -24,7 +24,7 @@ TEST(TreeKinematics, WithoutRotationsGivesTheRestPose) {
   EXPECT_EQ(joints[0], Vector3d(1, 2, 3));
 }
 
-TEST(TreeKinematics, AJointTurnsItsChildrenAndNotItself) {
+TEST(TreeKinematics, AJointRotatesItsChildrenAndNotItself) {
   const SkeletonPtr skeleton = Built("openni16");
   std::vector<Quaterniond> rotation(16, Quaterniond::Identity());
   const int knee = *skeleton->FindJoint("left_knee"), ankle = *skeleton->FindJoint("left_ankle");
@@ -59,7 +59,7 @@ TEST(LieKinematics, InverseUndoesForwardInPositions) {
   }
 }
 
-TEST(LieKinematics, BonesAlongAndAgainstTheirRawOffsetsAreNoTrouble) {
+TEST(LieKinematics, BonesAlongAndAgainstTheirRawOffsetsAreExact) {
   const SkeletonPtr skeleton = Built("humanact12");
   for (const double sign : {1.0, -1.0}) {
     std::vector<Vector3d> joints(24, Vector3d::Zero()), again(24);

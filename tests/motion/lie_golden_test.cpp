@@ -93,7 +93,7 @@ TEST_P(LieGolden, ForwardKinematicsAgreesWithSinglePrecisionToItsRounding) {
   EXPECT_LT(ForwardError("f32", "lie_random", "fk_scaled_chain0", false, true), 5e-6);
 }
 
-/// Largest difference of IK parameters, root slot excluded (the golden keeps the root elsewhere).
+/// Largest difference of IK parameters, without the root slot (the golden stores the root elsewhere).
 double InverseError(const Skeleton& skeleton, const golden::Array<double>& joints,
                     const golden::Array<double>& expected) {
   double worst = 0.0;

@@ -76,7 +76,7 @@ TEST(MatchJoints, OneNameMeansOtherJointsInOtherTrees) {
   EXPECT_EQ(smpl.at("left_hand"), "LeftHandMiddle1");
   EXPECT_EQ(smpl.at("right_ankle"), "RightFoot");
   EXPECT_EQ(smpl.at("right_foot"), "RightToeBase");
-  EXPECT_EQ(smpl.count("right_hand"), 0u) << "a wrist is no hand";
+  EXPECT_EQ(smpl.count("right_hand"), 0u) << "a wrist is not a hand";
   EXPECT_EQ(smpl.at("spine1"), "Spine");
   EXPECT_EQ(smpl.at("spine2"), "Spine1");
   EXPECT_EQ(smpl.at("spine3"), "Spine2");
@@ -94,7 +94,7 @@ TEST(MatchJoints, WhatAnExporterPutsBeforeAllNamesIsPassedOver) {
   }
 }
 
-TEST(MatchJoints, ACollarIsNoShoulderOfASkeletonWithoutCollars) {
+TEST(MatchJoints, ACollarIsNotAShoulderOfASkeletonWithoutCollars) {
   const auto kinect = Matched(CharacterTree(), "kinect20");
   EXPECT_EQ(kinect.at("left_shoulder"), "LeftArm");
   EXPECT_EQ(kinect.at("left_ankle"), "LeftFoot");
@@ -130,7 +130,7 @@ TEST(MatchJoints, BuiltInSkeletonsMeetInTheirLimbs) {
   EXPECT_EQ(cmu.at("right_foot"), "rtoes");
   EXPECT_EQ(cmu.at("left_shoulder"), "lhumerus");
   const auto heel = Matched(**LoadSkeleton("ntu18"), "smpl24");
-  EXPECT_EQ(heel.count("left_foot"), 0u) << "a heel is no toe";
+  EXPECT_EQ(heel.count("left_foot"), 0u) << "a heel is not a toe";
 }
 
 TEST(MatchJoints, ASkeletonMatchesItself) {
@@ -146,7 +146,7 @@ TEST(Limbs, AreFoundByHowTheyHang) {
   const Limbs limbs = LimbsOf(tree);
   EXPECT_EQ(tree.joints[limbs.pelvis].name, "Hips");
   EXPECT_EQ(tree.joints[limbs.chest].name, "Spine2");
-  EXPECT_EQ(tree.joints[limbs.arm[0].root].name, "LeftArm") << "what shares out a twist is passed over";
+  EXPECT_EQ(tree.joints[limbs.arm[0].root].name, "LeftArm") << "twist joints are skipped";
   EXPECT_EQ(limbs.arm[1].tip, -1);
   EXPECT_FALSE(LimbsOf(Tree({{"root", -1, {0, 0, 0}}, {"tail", 0, {0, 0, -1}}})).leg[0].known());
 }

@@ -7,7 +7,7 @@
 namespace mocurate::test {
 namespace {
 
-/// A person who stands still at 30 Hz, each joint with noise of `sigma` metres.
+/// A motionless person at 30 Hz, each joint with noise of `sigma` metres.
 Motion NoisyStanding(double sigma, int frames) {
   const SkeletonPtr skeleton = Built("smpl24");
   Random random(3, "one euro", "");
@@ -45,7 +45,7 @@ TEST(OneEuro, FollowsItsEquationsFrameByFrame) {
   }
 }
 
-TEST(OneEuro, TakesNoiseFromWhatStandsStillAndLeavesASteadyMotionAlone) {
+TEST(OneEuro, RemovesNoiseOfAMotionlessPersonAndKeepsASteadyMotion) {
   const Motion noisy = NoisyStanding(0.01, 300);
   EXPECT_LT(RmsStep(OneEuroFiltered(noisy, {1.0, 0.007, 1.0})), 0.25 * RmsStep(noisy));
   const Motion still = NoisyStanding(0.0, 10);
@@ -54,7 +54,7 @@ TEST(OneEuro, TakesNoiseFromWhatStandsStillAndLeavesASteadyMotionAlone) {
   EXPECT_LT((open.joints.at(200, 3) - noisy.joints.at(200, 3)).norm(), 1e-3) << "a cutoff far above the rate";
 }
 
-TEST(OneEuro, RotationsThatNoLongerBelongToTheJointsAreGone) {
+TEST(OneEuro, RotationsAreRemoved) {
   const Motion filtered = OneEuroFiltered(SwingingPerson(Built("smpl24"), 20), {1.0, 0.007, 1.0});
   EXPECT_TRUE(filtered.joints_only());
   EXPECT_EQ(filtered.frame_count(), 20);

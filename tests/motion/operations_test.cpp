@@ -198,7 +198,7 @@ TEST(Transform, MovesEverythingThatHasAPlace) {
   const Vector2d pixel = before.evidence.depth_views[0].camera.ProjectWorld(hand).value();
   EXPECT_LT((after.evidence.depth_views[0].camera.ProjectWorld(move * hand).value() - pixel).norm(), 1e-9);
   const auto seen = after.evidence.keypoint_views[0].camera.ProjectWorld(move * hand).value();
-  EXPECT_LT((seen - pixel).norm(), 1e-9) << "a detection stays where it was seen";
+  EXPECT_LT((seen - pixel).norm(), 1e-9) << "a detection keeps its pixel position";
   const Vector3d in_file(300, -200, 100);
   const auto placed = [&](const Clip& clip) {
     const CloudFiles& clouds = *clip.evidence.clouds;
@@ -223,7 +223,7 @@ TEST(MapJoints, FollowsNamesAndSynonymsAcrossSkeletons) {
   const auto missing = MapJoints(openni, Built("smpl24"));
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kInconsistent);
-  EXPECT_THAT(missing.error().Message(), HasSubstr("'left_foot'")) << "the ankle is no second time the foot";
+  EXPECT_THAT(missing.error().Message(), HasSubstr("'left_foot'")) << "the ankle is not used again as the foot";
   EXPECT_EQ(MapJoints(smpl, Built("humanact12")).value().joints.xyz, smpl.joints.xyz);
 }
 

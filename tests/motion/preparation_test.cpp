@@ -51,7 +51,7 @@ TEST_F(PreparationGolden, WindowsAreThoseOfAction2Motion) {
   }
 }
 
-TEST_F(PreparationGolden, LoadedClipsStandAtTheOrigin) {
+TEST_F(PreparationGolden, LoadedClipsStartAtTheOrigin) {
   int index = 0;
   for (const std::string& name : file_->Children("a2m_humanact12_raw")) {
     auto raw = file_->Doubles("a2m_humanact12_raw/" + name);

@@ -30,7 +30,7 @@ TEST(Skeletons, EveryBuiltInOneLoadsAndKeepsAllRules) {
 
 TEST(Skeletons, APersonAtRestFacesFrontWithTheLeftSideAtPlusXAndIsSymmetric) {
   for (const char* name : kAll) {
-    if (std::string(name) == "bandai22") continue;  // its identity pose is no pose of a person
+    if (std::string(name) == "bandai22") continue;  // its identity pose is not a human pose
     const SkeletonPtr skeleton = Built(name);
     std::vector<Quaterniond> identity(skeleton->joints.size(), Quaterniond::Identity());
     std::vector<Vector3d> p(skeleton->joints.size());
@@ -123,7 +123,7 @@ TEST(Skeletons, AnUnknownNameIsRefusedWithTheNearestOne) {
 TEST(Skeletons, AParentThatDoesNotExistIsNamed) {
   const auto skeleton = ParseSkeleton("name: s\njoints:\n  - {name: hip}\n  - {name: knee, parent: hips}\n", "s.yaml");
   ASSERT_FALSE(skeleton);
-  EXPECT_THAT(skeleton.error().Message(), HasSubstr("'hips' is no joint"));
+  EXPECT_THAT(skeleton.error().Message(), HasSubstr("'hips' is not a joint"));
   EXPECT_THAT(skeleton.error().Message(), HasSubstr("did you mean 'hip'"));
 }
 

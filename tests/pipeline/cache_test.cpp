@@ -29,7 +29,7 @@ class CacheOfArtifacts : public Runs {
   const std::string two = Cache::Key(Stage("s"), Item("two"));
 };
 
-TEST_F(CacheOfArtifacts, GivesBackWhatWasPut) {
+TEST_F(CacheOfArtifacts, ReturnsStoredEntries) {
   EXPECT_FALSE(cache.Find(one));
   StageOutcome outcome;
   outcome.kind = OutcomeKind::kSuspect;
@@ -58,7 +58,7 @@ TEST_F(CacheOfArtifacts, ARefusalIsAnEntryWithoutArtifact) {
   EXPECT_EQ(found->outcome.error, outcome.error);
 }
 
-TEST_F(CacheOfArtifacts, AnArtifactThatIsGoneOrCutShortIsNotServed) {
+TEST_F(CacheOfArtifacts, AMissingOrTruncatedArtifactIsNotServed) {
   const fs::path artifact = Put(one, "whole bytes")->artifact;
   fs::resize_file(artifact, 5);
   EXPECT_FALSE(cache.Find(one));
@@ -109,7 +109,7 @@ TEST_F(CacheOfArtifacts, AFolderIsAnArtifactToo) {
   EXPECT_EQ(cache.Verify().size(), 1u);
 }
 
-TEST_F(CacheOfArtifacts, PruneRemovesWhatWasNotUsed) {
+TEST_F(CacheOfArtifacts, PruneRemovesUnusedEntries) {
   const fs::path old_artifact = Put(one, "old bytes")->artifact;
   AgeAll(40.0);
   ASSERT_TRUE(Put(two, "new"));
@@ -132,7 +132,7 @@ TEST_F(CacheOfArtifacts, UseKeepsAnEntryFromBeingPruned) {
   EXPECT_TRUE(cache.Find(one));
 }
 
-TEST_F(CacheOfArtifacts, TheKeyIsMadeOfStageVersionItemOptionsAndContentsAndOfNothingElse) {
+TEST_F(CacheOfArtifacts, TheKeyDependsOnStageVersionItemOptionsAndContentsOnly) {
   const ItemSpec spec{"clip", {{"rate_hz", 30.0}, {"trim", true}}, {{"evidence", "e", "/a", "11"}}};
   const std::string key = Cache::Key(Stage("canon", 2), spec);
   EXPECT_EQ(key.size(), 64u);
@@ -158,7 +158,7 @@ TEST_F(CacheOfArtifacts, TheKeyIsMadeOfStageVersionItemOptionsAndContentsAndOfNo
   EXPECT_EQ(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
-TEST_F(CacheOfArtifacts, StandsWhereTheEnvironmentSays) {
+TEST_F(CacheOfArtifacts, LiesInTheFolderOfTheEnvironmentVariable) {
   const std::string cache_before = std::getenv("XDG_CACHE_HOME") != nullptr ? std::getenv("XDG_CACHE_HOME") : "";
   setenv("MOCURATE_CACHE", "/somewhere", 1);
   EXPECT_EQ(DefaultCacheFolder(), "/somewhere");

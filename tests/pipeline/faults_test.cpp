@@ -16,7 +16,7 @@ class Faults : public Runs {
   }
 };
 
-TEST_F(Faults, AWorkerThatAbortsCostsItsItemWithAReason) {
+TEST_F(Faults, AWorkerThatAbortsFailsItsItemWithAReason) {
   for (const int jobs : {1, 2}) {
     options.jobs = jobs;
     options.cache_folder = folder / ("cache" + std::to_string(jobs));
@@ -25,7 +25,8 @@ TEST_F(Faults, AWorkerThatAbortsCostsItsItemWithAReason) {
     EXPECT_EQ(report->done, 2);
     EXPECT_EQ(report->crashed, 1);
     EXPECT_EQ(report->items[1].outcome.kind, OutcomeKind::kCrashed);
-    EXPECT_EQ(report->items[1].outcome.error.what, "worker killed by SIGABRT; last words: terminate called: bad joint");
+    EXPECT_EQ(report->items[1].outcome.error.what,
+              "worker killed by SIGABRT; last output line: terminate called: bad joint");
     EXPECT_EQ(Bytes(report->items[2]), "fine");
   }
   // A crash is never served from the cache: the item is tried again.
@@ -34,7 +35,7 @@ TEST_F(Faults, AWorkerThatAbortsCostsItsItemWithAReason) {
   EXPECT_EQ(again->crashed, 1);
 }
 
-TEST_F(Faults, AWorkerKilledInTheMiddleCostsThatItemAndNothingElse) {
+TEST_F(Faults, AKilledWorkerFailsOnlyItsItem) {
   const fs::path pid_file = folder / "pid";
   const pid_t killer = Fork([&] {
     if (!Eventually([&] { return fs::exists(pid_file); })) return 1;
@@ -68,7 +69,7 @@ TEST_F(Faults, AnItemThatTakesTooMuchMemoryIsEnded) {
   EXPECT_EQ(report->items[0].outcome.error.what, "worker ran past the memory limit of 104857600 bytes");
 }
 
-TEST_F(Faults, AStageHasLimitsOfItsOwnWhichARunMayReplace) {
+TEST_F(Faults, AStageHasItsOwnLimitsWhichARunMayReplace) {
   StageDeclaration hang = Stage("hang");
   hang.limits.time_s = 0.5;
   const auto own = Run(hang, OneBad());
@@ -77,7 +78,7 @@ TEST_F(Faults, AStageHasLimitsOfItsOwnWhichARunMayReplace) {
   EXPECT_EQ(own->items[1].outcome.error.hint, "pipeline.item_timeout sets it");
   options.time_factor = 2.0;  // more work was asked for
   EXPECT_EQ(Run(hang, OneBad())->items[1].outcome.error.what, "worker ran past the time limit of 1 s");
-  options.item_timeout_s = 0.25;  // what a run states holds as it stands
+  options.item_timeout_s = 0.25;  // a limit of the run replaces that of the stage
   EXPECT_EQ(Run(hang, OneBad())->items[1].outcome.error.what, "worker ran past the time limit of 0.25 s");
   StageDeclaration hog = Stage("hog");
   hog.limits.memory_bytes = std::uint64_t{100} << 20;
@@ -87,7 +88,7 @@ TEST_F(Faults, AStageHasLimitsOfItsOwnWhichARunMayReplace) {
   EXPECT_EQ(Run(hog, {Item("x")})->items[0].outcome.error.what, "worker ran past the memory limit of 52428800 bytes");
 }
 
-TEST_F(Faults, AnItemExcludedByARuleIsNoFailureAndIsServedFromTheCacheWithItsRule) {
+TEST_F(Faults, AnItemExcludedByARuleIsNotAFailureAndIsCachedWithItsRule) {
   for (const int from_cache : {0, 1}) {
     const auto report = Run(Stage("exclude"), {Item("clip")});
     ASSERT_TRUE(report);
@@ -105,7 +106,7 @@ TEST_F(Faults, AnItemExcludedByARuleIsNoFailureAndIsServedFromTheCacheWithItsRul
   EXPECT_EQ(Journal().at(0).at("reason"), "clip: 0.1 s, the least is 0.5 s");
 }
 
-TEST_F(Faults, AnExceptionOfAStageCostsItsItem) {
+TEST_F(Faults, AnExceptionOfAStageFailsItsItem) {
   const auto report = Run(Stage("throw"), {Item("x"), Item("y")});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->crashed, 2);
@@ -130,7 +131,7 @@ TEST_F(Faults, ARefusalKeepsItsReasonAndIsServedFromTheCache) {
   }
 }
 
-TEST_F(Faults, AFileThatIsMissingIsLookedForAgain) {
+TEST_F(Faults, AMissingFileIsSearchedAgain) {
   EXPECT_EQ(Run(Stage("missing"), {Item("clip")})->refused, 1);
   EXPECT_EQ(Run(Stage("missing"), {Item("clip")})->from_cache, 0);
   const auto report = Run(Stage("upper"), {Over("gone", folder / "gone")});
@@ -139,16 +140,16 @@ TEST_F(Faults, AFileThatIsMissingIsLookedForAgain) {
   EXPECT_EQ(report->items[0].outcome.error.code, ErrorCode::kNotFound);
 }
 
-TEST_F(Faults, WhatALibraryPrintsDoesNotDisturbTheConversation) {
+TEST_F(Faults, OutputOfALibraryDoesNotDisturbTheProtocol) {
   const auto report = Run(Stage("stdout_noise"), {Item("x"), Item("y"), Item("z")});
   ASSERT_TRUE(report) << report.error().Message();
   EXPECT_EQ(report->done, 3);
   EXPECT_EQ(Bytes(report->items[0]), "nothing on stdin");
 }
 
-TEST_F(Faults, ProgressOfAnItemIsNoOutcome) { EXPECT_EQ(Run(Stage("progress"), {Item("x")})->done, 1); }
+TEST_F(Faults, ProgressOfAnItemIsNotAnOutcome) { EXPECT_EQ(Run(Stage("progress"), {Item("x")})->done, 1); }
 
-TEST_F(Faults, AMissingWorkerProgramIsNamedWithTheWayOut) {
+TEST_F(Faults, AMissingWorkerProgramIsNamedWithARemedy) {
   const auto report = Run({"upper", 1, "mocurate-nowhere"}, {Item("x")});
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().code, ErrorCode::kMissingOnHost);
@@ -179,7 +180,7 @@ TEST_F(Faults, AWorkerThatDoesNotKnowTheStageEndsTheRun) {
   EXPECT_EQ(report.error().code, ErrorCode::kMissingOnHost);
 }
 
-TEST_F(Faults, AFullDiskEndsTheRunAndTheNextGoesOn) {
+TEST_F(Faults, AFullDiskEndsTheRunAndTheNextOneContinues) {
   std::vector<ItemSpec> items = Many(4, {{"seconds", 0.0}});
   ASSERT_EQ(Run(Stage("sleep"), {items[0], items[1]})->done, 2);
   const auto full = Run(Stage("write_fail"), items);
@@ -192,7 +193,7 @@ TEST_F(Faults, AFullDiskEndsTheRunAndTheNextGoesOn) {
   EXPECT_EQ(next->done, 4);
 }
 
-TEST_F(Faults, NoRoomForOneArtifactEndsWith74AndLeavesAStateThatCanGoOn) {
+TEST_F(Faults, AFullDiskEndsWith74AndTheRunCanBeContinued) {
   const pid_t pid = Fork([&] {
     const rlimit small{200000, 200000};
     setrlimit(RLIMIT_FSIZE, &small);
@@ -235,7 +236,7 @@ TEST_F(Faults, AReadOnlyFolderIsNamed) {
   }
 }
 
-TEST_F(Faults, WhatARefusedItemKeptToShowWhyStays) {
+TEST_F(Faults, FilesKeptByARefusedItemAreNotRemoved) {
   const auto left = [&] {
     int files = 0;
     for (const auto& entry : fs::recursive_directory_iterator(options.cache_folder / "scratch")) {

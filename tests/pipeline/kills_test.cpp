@@ -44,7 +44,7 @@ TEST_F(Kills, WorkersDieWithTheirRunnerAlsoAfterSigkill) {
   EXPECT_TRUE(Eventually([&] { return !Alive(WorkerPid()) && !Alive(second); }));
 }
 
-TEST_F(Kills, TwentyKillsAtAnyMomentCostNothingThatWasFinished) {
+TEST_F(Kills, TwentyKillsAtAnyMomentLoseNoFinishedItem) {
   Random random(7, "moments of the kills");
   int killed = 0;
   for (int i = 0; i < 20; ++i) {
@@ -79,7 +79,7 @@ TEST_F(Kills, SigtermFinishesTheItemsInFlightAndEndsWith75) {
   EXPECT_FALSE(fs::exists(second_file));
 }
 
-TEST_F(Kills, TheMessageOfAnInterruptedRunSaysHowToGoOn) {
+TEST_F(Kills, TheMessageOfAnInterruptedRunExplainsHowToContinue) {
   const pid_t self = getpid();
   const pid_t caller = Fork([&] {
     if (!Eventually([&] { return fs::exists(pid_file); })) return 1;
@@ -92,7 +92,7 @@ TEST_F(Kills, TheMessageOfAnInterruptedRunSaysHowToGoOn) {
   ASSERT_FALSE(report);
   EXPECT_EQ(report.error().code, ErrorCode::kInterrupted);
   EXPECT_NE(report.error().what.find("SIGINT in stage pid"), std::string::npos) << report.error().Message();
-  EXPECT_EQ(report.error().hint, "run the same command again to go on");
+  EXPECT_EQ(report.error().hint, "run the same command again to continue");
 }
 
 TEST_F(Kills, ASecondSignalStopsAtOnce) {
@@ -107,7 +107,7 @@ TEST_F(Kills, ASecondSignalStopsAtOnce) {
   EXPECT_TRUE(Journal().empty());
 }
 
-TEST_F(Kills, ALongItemSavesWhatItHasAndGoesOnFromThere) {
+TEST_F(Kills, ALongItemSavesItsStateAndContinuesFromThere) {
   const pid_t runner = Fork([&] { return ExitOf(Stage("patient"), {Item("training")}); });
   Pause(0.5);
   kill(runner, SIGTERM);
@@ -127,7 +127,7 @@ TEST_F(Kills, TwoRunsDoNotShareARunFolder) {
   EXPECT_NE(second.error().what.find("process " + std::to_string(runner)), std::string::npos);
   kill(runner, SIGKILL);
   EXPECT_EQ(Wait(runner), -SIGKILL);
-  // A worker that was being started as its runner died holds the file until it is another program.
+  // A worker that was starting when its runner died holds the file until its exec.
   bool free = false;
   for (int i = 0; i < 100 && !free; ++i) {
     free = Runner::Make(options).has_value();

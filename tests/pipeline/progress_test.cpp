@@ -12,7 +12,7 @@ namespace {
 
 class OnATerminal : public Runs {
  protected:
-  /// What a run of 20 short items shows on `stderr_file`, a descriptor that is read back from `read_file`.
+  /// The output of a run of 20 short items on `stderr_file`, a descriptor that is read back from `read_file`.
   std::string Shown(int read_file, int stderr_file) {
     const pid_t pid = Fork([&] {
       dup2(stderr_file, STDERR_FILENO);
@@ -37,7 +37,7 @@ class OnATerminal : public Runs {
   }
 };
 
-TEST_F(OnATerminal, ALineReportsHowFarTheStageIs) {
+TEST_F(OnATerminal, ALineShowsTheProgressOfTheStage) {
   const test::Terminal terminal;
   if (!terminal.exists()) GTEST_SKIP() << test::Terminal::kMissing;
   const std::string shown = Shown(dup(terminal.ours()), open(terminal.name().c_str(), O_RDWR | O_NOCTTY));
@@ -55,7 +55,7 @@ TEST_F(OnATerminal, ElsewhereThereIsOneLinePerStage) {
   EXPECT_NE(shown.find("sleep: 20 items, 20 done, 0 from the cache, "), std::string::npos) << shown;
 }
 
-TEST_F(OnATerminal, WhatWorkersPrintIsShownUnlessTheRunIsQuiet) {
+TEST_F(OnATerminal, OutputOfWorkersIsShownUnlessTheRunIsQuiet) {
   for (const bool quiet : {false, true}) {
     options.quiet = quiet;
     options.cache_folder = folder / (quiet ? "quiet" : "loud");

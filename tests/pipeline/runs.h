@@ -106,7 +106,7 @@ class Runs : public ::testing::Test {
     return false;
   }
 
-  /// False for a process that is gone or only waits to be buried.
+  /// False for a process that has ended or is a zombie.
   static bool Alive(pid_t pid) {
     const std::string stat = ReadFile("/proc/" + std::to_string(pid) + "/stat").value_or("");
     const std::size_t name_end = stat.rfind(')');

@@ -8,7 +8,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Two stages: every clip in upper case (per clip), then the sum of their bytes (whole set).
+/// Two stages: every clip in upper case (per clip), then the sum of their bytes (over the set).
 class TwoStages : public Runs {
  protected:
   TwoStages() {
@@ -42,7 +42,7 @@ class TwoStages : public Runs {
   int upper_version = 1;
 };
 
-TEST_F(TwoStages, RunAndThenAreServedFromTheCache) {
+TEST_F(TwoStages, RunOnceAndAreThenServedFromTheCache) {
   const auto first = RunBoth();
   ASSERT_TRUE(first) << first.error().Message();
   EXPECT_EQ(first->executed_upper(), 3);
@@ -57,7 +57,7 @@ TEST_F(TwoStages, RunAndThenAreServedFromTheCache) {
   EXPECT_EQ(Bytes(again->sum.items[0]), Bytes(first->sum.items[0]));
 }
 
-TEST_F(TwoStages, AnOptionOfTheLaterStageRunsNothingBeforeIt) {
+TEST_F(TwoStages, AnOptionOfTheLaterStageDoesNotRerunTheEarlierOne) {
   ASSERT_TRUE(RunBoth());
   sum_options["factor"] = 2;
   const auto again = RunBoth();
@@ -82,7 +82,7 @@ TEST_F(TwoStages, AFileRewrittenWithTheSameBytesRunsNothing) {
   EXPECT_EQ(again->executed_upper() + again->executed_sum(), 0);
 }
 
-TEST_F(TwoStages, ARerunThatYieldsTheSameBytesStopsTheWaveThere) {
+TEST_F(TwoStages, ARerunWithTheSameBytesDoesNotRerunLaterStages) {
   ASSERT_TRUE(RunBoth());
   Source("b", "CLIP b");  // upper case is the same
   const auto again = RunBoth();

@@ -36,7 +36,7 @@ TEST(Wire, TheOrderOfKeysDoesNotMatter) {
   EXPECT_EQ(CanonicalText(one), CanonicalText(other));
 }
 
-TEST(Wire, MessagesAreTakenOffOneByOneHoweverTheyArrive) {
+TEST(Wire, MessagesAreReadOneByOneInAnyChunks) {
   const std::string stream = Frame({{"n", 1}}) + Frame({{"n", 2}});
   std::string buffer;
   int taken = 0;
@@ -51,7 +51,7 @@ TEST(Wire, MessagesAreTakenOffOneByOneHoweverTheyArrive) {
   EXPECT_TRUE(buffer.empty());
 }
 
-TEST(Wire, BytesThatAreNoMessageAreAnError) {
+TEST(Wire, BytesThatAreNotAMessageAreAnError) {
   std::string noise = "hello, this is not a message";
   EXPECT_FALSE(TakeMessage(noise));
   std::string broken = std::string("\x02\x00\x00\x00", 4) + "{{";

@@ -1,4 +1,4 @@
-// Frames with other axes are distinguished from motion, and from sides that a tracker exchanged.
+// Frames with other axes are distinguished from human motion and from left-right exchanges by a tracker.
 
 #include "core/quality/axes_changes.h"
 
@@ -26,7 +26,7 @@ void Change(const Matrix3d& change, int begin, int end, Take& take) {
   }
 }
 
-TEST(AxesChanges, APersonWhoIsUpsideDownFromSomeFrameOnIsReported) {
+TEST(AxesChanges, APersonUpsideDownFromSomeFrameOnIsReported) {
   for (std::uint64_t seed = 0; seed < kTurnedSeeds; ++seed) {
     for (const Vector3d& signs : {Vector3d(1, -1, 1), Vector3d(-1, -1, 1), Vector3d(1, -1, -1)}) {
       Take take = Walker(seed);
@@ -42,8 +42,8 @@ TEST(AxesChanges, APersonWhoIsUpsideDownFromSomeFrameOnIsReported) {
   }
 }
 
-/// Who walks in a mirror plane, with limbs alike on both sides, is then as one whose sides were exchanged.
-TEST(AxesChanges, APersonBesideTheMirrorIsReportedToBeMirroredFromSomeFrameOn) {
+/// A symmetric walker in the mirror plane would look like one with exchanged sides.
+TEST(AxesChanges, APersonMirroredFromSomeFrameOnIsReported) {
   for (std::uint64_t seed = 0; seed < kTurnedSeeds; ++seed) {
     Take take = Walker(seed);
     for (int f = 0; f < take.positions.frames; ++f) {
@@ -66,11 +66,11 @@ TEST(AxesChanges, FramesWithZUpAmongFramesWithYUpAreReportedFromFirstToLast) {
     ASSERT_EQ(found.size(), 1u) << "seed " << seed;
     EXPECT_EQ(found[0].frame_begin, 10);
     EXPECT_EQ(found[0].frame_end, 30);
-    EXPECT_EQ(found[0].value, 1.0) << "turned, not mirrored";
+    EXPECT_EQ(found[0].value, 1.0) << "rotated, not mirrored";
   }
 }
 
-TEST(AxesChanges, PeopleWhoMoveHaveNone) {
+TEST(AxesChanges, MovingPeopleHaveNone) {
   for (std::uint64_t seed = 0; seed < kTurnedSeeds; ++seed) {
     for (const double rate : {10.0, 30.0, 120.0}) {
       TakeOptions options;
@@ -92,7 +92,7 @@ void ExchangeSides(int begin, int end, Take& take) {
   }
 }
 
-/// A person who does the same with both sides, such as a bow or a squat: each frame is about its own mirror.
+/// A person who moves symmetrically, as in a bow or a squat: each frame is nearly its own mirror image.
 Take Symmetric(std::uint64_t seed, double noise, double walk) {
   TakeOptions options;
   options.noise = 0.0;
@@ -112,7 +112,7 @@ Take Symmetric(std::uint64_t seed, double noise, double walk) {
   return take;
 }
 
-/// A tracker that loses joints for some frames, and puts some elsewhere.
+/// A tracker that loses joints for some frames and misplaces others.
 void Track(std::uint64_t seed, Take& take) {
   Random random(seed, "tracker", "");
   for (int k = 0; k < take.positions.joints; ++k) {
@@ -129,7 +129,7 @@ void Track(std::uint64_t seed, Take& take) {
   }
 }
 
-TEST(AxesChanges, SidesThatATrackerExchangedAreNoMirror) {
+TEST(AxesChanges, ExchangedSidesAreNotAMirrorImage) {
   for (std::uint64_t seed = 0; seed < kTurnedSeeds; ++seed) {
     Take take = Walker(seed);
     ExchangeSides(40, take.positions.frames, take);
@@ -137,9 +137,8 @@ TEST(AxesChanges, SidesThatATrackerExchangedAreNoMirror) {
   }
 }
 
-/// At a clip's begin, in its middle and at its end, of people whose mirror looks as they do, for one frame and for
-/// some.
-TEST(AxesChanges, SidesThatATrackerExchangedForSomeFramesAreNoMirrorThoughJointsAreLost) {
+/// At a clip's start, in its middle and at its end, of nearly symmetric people, for one frame and for several.
+TEST(AxesChanges, SidesExchangedForSomeFramesAreNotAMirrorImageEvenWithLostJoints) {
   const int frames = TakeOptions().frames, last = frames - 1;
   for (std::uint64_t seed = 0; seed < kManySeeds; ++seed) {
     for (const int begin : {0, 9, 45, last - 9, last}) {
@@ -155,8 +154,8 @@ TEST(AxesChanges, SidesThatATrackerExchangedForSomeFramesAreNoMirrorThoughJoints
   }
 }
 
-/// A change in frames that show no body may be lost, but sound frames are not reported.
-TEST(AxesChanges, FramesWithOtherAxesEndWhereTheyDoThoughJointsOrFramesAreLost) {
+/// A change within unusable frames may be missed, but correct frames are not reported for it.
+TEST(AxesChanges, TheSpanOfOtherAxesIsExactEvenWithLostJointsOrFrames) {
   TakeOptions options;
   options.noise = 0.01;
   int takes = 0, missed = 0;

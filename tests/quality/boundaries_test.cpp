@@ -16,7 +16,7 @@ TEST(Boundaries, AreMatchedOneToOneWithinTheTolerance) {
 }
 
 TEST(Boundaries, AsManyAreMatchedAsPossible) {
-  // 1.4 is nearest to 1.5, but then 1.8 would have no partner; nor may 1.0 be taken by 1.4 alone.
+  // 1.4 is nearest to 1.5, but then 1.8 would have no match; nor may 1.0 be matched by 1.4 alone.
   const auto pairs = MatchBoundaries({1.4, 1.8}, {1.0, 1.5}, 0.45);
   ASSERT_EQ(pairs.size(), 2u);
   EXPECT_EQ(pairs[0], (std::pair<int, int>(0, 0)));
@@ -29,7 +29,7 @@ TEST(Boundaries, OfEquallyManyPairsTheNearestAreTaken) {
   EXPECT_EQ(pairs[0].first, 1);
 }
 
-TEST(Boundaries, TheToleranceIsIncludedAndNothingIsPerfect) {
+TEST(Boundaries, TheToleranceIsInclusiveAndEmptyListsArePerfect) {
   EXPECT_EQ(ScoreBoundaries({1.5}, {1.0}, 0.5).matched(), 1);
   EXPECT_EQ(ScoreBoundaries({1.6}, {1.0}, 0.5).matched(), 0);
   EXPECT_EQ(ScoreBoundaries({}, {}, 0.5).f1(), 1.0);

@@ -1,4 +1,4 @@
-// Feet on the floor, feet below it, and joints turned beyond their limits.
+// Foot contacts, floor penetration, and rotations beyond joint limits.
 
 #include "core/quality/contacts.h"
 
@@ -57,7 +57,7 @@ TEST(Contacts, AreWhereAFootIsLowAndSlow) {
   EXPECT_EQ(runs[1].end, 60);
 }
 
-TEST(Contacts, ThatAreTooShortAreNoneAndGapsAreClosed) {
+TEST(Contacts, ShortOnesAreDroppedAndShortGapsClosed) {
   ContactLimits limits;
   limits.min_time_s = 0.0;
   // Two frames down in the middle of a flight.
@@ -70,14 +70,14 @@ TEST(Contacts, ThatAreTooShortAreNoneAndGapsAreClosed) {
   EXPECT_EQ(lasting.size(), 2u);
 }
 
-TEST(Penetration, IsTheMeanDepthBelowWhereTheFeetStand) {
+TEST(Penetration, IsTheMeanDepthBelowTheFloorOfTheContacts) {
   EXPECT_NEAR(*FloorPenetration(Standing(60, [](int, int) { return 0.0; })), 0.0, 1e-9);
-  // Both feet stand; in a tenth of the frames the right leg is 0.04 m below its stand.
+  // Both feet are in contact; in a tenth of the frames the right leg is 0.04 m lower.
   const Motion motion = Standing(60, [](int f, int side) { return side == 1 && f % 10 == 9 ? -0.04 : 0.0; });
   EXPECT_NEAR(*FloorPenetration(motion), 0.004, 1e-9);
 }
 
-TEST(Penetration, IsNothingWhereNoPersonStands) {
+TEST(Penetration, IsEmptyWithoutContacts) {
   // A person who rises at 2 m/s: no foot is ever slow.
   EXPECT_FALSE(FloorPenetration(Standing(60, [](int f, int) { return 2.0 * f / kRate; })).has_value());
 }

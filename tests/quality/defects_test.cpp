@@ -1,4 +1,4 @@
-// Planted defects are found where they are, on people of different bodies and manners; sound takes give no finding.
+// Inserted defects are found at their frames, for different bodies and motions; takes without defects have no finding.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace mocurate::test {
 namespace {
 
-TEST(Defects, ASoundTakeHasNone) {
+TEST(Defects, ATakeWithoutDefectsHasNone) {
   for (std::uint64_t seed = 0; seed < 4 * kSeeds; ++seed) {
     const TakeOptions who = RecordedPerson(seed);
     EXPECT_TRUE(Only("none", Perform(seed, who), who.rate_hz).empty()) << "seed " << seed;
@@ -33,8 +33,8 @@ TEST(Defects, AStreamThatHangsIsFoundFrameForFrame) {
   }
 }
 
-/// 30 Hz in a file of 60 or 90, or of 72 (some frames twice, some three times): no stream hangs.
-TEST(Defects, FramesThatAllStandSeveralTimesAreReportedOnce) {
+/// 30 Hz in a file of 60 or 90, or of 72 (some frames twice, some three times): the stream does not hang.
+TEST(Defects, FramesRepeatedThroughoutAreReportedOnce) {
   for (const auto& [each, more] : {std::pair{2, 0}, {3, 0}, {2, 1}}) {
     const TakeOptions who = RecordedPerson(3);
     const Take once = Perform(3, who);
@@ -56,8 +56,8 @@ TEST(Defects, FramesThatAllStandSeveralTimesAreReportedOnce) {
   }
 }
 
-/// 9 frames twice, one 900 times, 30 once: no rate is written so.
-TEST(Defects, AStreamThatHangsForMostOfAClipIsNoLowerRate) {
+/// 9 frames twice, one 900 times, 30 once: this is not a constant lower rate.
+TEST(Defects, AStreamThatHangsForMostOfAClipIsNotALowerRate) {
   const Take once = Perform(3, {});
   std::vector<int> from;
   for (int f = 0; f < 40; ++f) from.insert(from.end(), f < 9 ? 2 : f == 9 ? 900 : 1, f);
@@ -77,7 +77,7 @@ TEST(Defects, AStreamThatHangsForMostOfAClipIsNoLowerRate) {
   EXPECT_EQ(found.back().value, 900.0);
 }
 
-TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
+TEST(Defects, AGapFilledWithTheLastValueIsARepeatedValueAndTwoEqualSamplesAreNot) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const TakeOptions who = RecordedPerson(seed);
     Take take = Perform(seed, who);
@@ -94,7 +94,7 @@ TEST(Defects, AGapFilledWithTheLastValueIsAHeldJointAndTwoEqualSamplesAreNot) {
   }
 }
 
-TEST(Defects, AJointHeldFromTheFirstFrameToTheLastIsFoundAndARootThatStaysIsNone) {
+TEST(Defects, AJointRepeatedThroughoutIsFoundAndAFixedRootIsNot) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const TakeOptions who = RecordedPerson(seed);
     Take take = Perform(seed, who);
@@ -106,7 +106,7 @@ TEST(Defects, AJointHeldFromTheFirstFrameToTheLastIsFoundAndARootThatStaysIsNone
     EXPECT_EQ(found[0].joint, take.names[static_cast<std::size_t>(joint)]);
     EXPECT_EQ(found[0].frame_begin, 0);
     EXPECT_EQ(found[0].frame_end, who.frames);
-    // As the root of a tree, with a joint beside it that is bound to it.
+    // As the root of a tree, with another joint fixed to it.
     const int bound = joint + 1;
     for (int f = 1; f < who.frames; ++f) take.positions.at(f, bound) = take.positions.at(0, bound).eval();
     std::vector<int> parents(20, joint);
@@ -116,7 +116,7 @@ TEST(Defects, AJointHeldFromTheFirstFrameToTheLastIsFoundAndARootThatStaysIsNone
   }
 }
 
-/// Samples as a file of whole numbers keeps them.
+/// Samples rounded as in a file of whole numbers.
 Take Rounded(Take take, double step) {
   for (double& value : take.positions.xyz) value = step * std::round(value / step);
   return take;
@@ -140,12 +140,12 @@ TEST(Defects, SamplesOnACoarseGridRepeatByChanceAndAFilledGapIsReportedThereToo)
   }
 }
 
-TEST(Defects, AFootPlantedInMotionWithoutNoiseIsNoGapThatWasFilled) {
+TEST(Defects, APlantedFootInNoiselessMotionIsNotAFilledGap) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     TakeOptions who = RecordedPerson(seed);
     who.noise = 0.0;
     Take take = Perform(seed, who);
-    // One foot lands within a frame, two joints come softly to rest, as a walk that was keyed ends.
+    // One foot lands within a frame, two joints stop softly, as at the end of a keyframed walk.
     const int foot = take.Joint("left_foot"), begin = 20 + static_cast<int>(seed);
     for (int f = begin + 1; f < begin + 4; ++f) take.positions.at(f, foot) = take.positions.at(begin, foot).eval();
     for (const char* joint : {"left_knee", "right_hand"}) {
@@ -177,7 +177,7 @@ TEST(Defects, ZeroFramesAndZeroJointsAreFoundAndAMissingOneIsNeither) {
       for (int k = 0; k < take.positions.joints; ++k)
         take.confidence[static_cast<std::size_t>(f) * 20 + static_cast<std::size_t>(k)] = 0.0;
     }
-    EXPECT_TRUE(Only("none", take, who.rate_hz).empty()) << "what is marked as missing is no defect";
+    EXPECT_TRUE(Only("none", take, who.rate_hz).empty()) << "missing samples are not a defect";
   }
 }
 
@@ -194,7 +194,7 @@ TEST(Defects, OneJointAtTheOriginIsFound) {
   }
 }
 
-TEST(Defects, SidesThatSwapAreFoundInTheFramesInWhichTheyAre) {
+TEST(Defects, SwappedSidesAreFoundInTheirFrames) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     TakeOptions who = RecordedPerson(seed);
     who.noise = 0.01;
@@ -209,7 +209,7 @@ TEST(Defects, SidesThatSwapAreFoundInTheFramesInWhichTheyAre) {
   }
 }
 
-TEST(Defects, HalfAStrideOfLostFramesIsNoSwapOfTheLegs) {
+TEST(Defects, HalfAStrideOfLostFramesIsNotASwapOfTheLegs) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     for (const int lost : {10, 15, 20}) {
       TakeOptions who;
@@ -235,7 +235,7 @@ TEST(Defects, ASwapWhoseChangeBackIsLostEndsWhereTheLimbsLieAsBefore) {
     const bool at_begin = seed % 2 == 0;
     const int begin = 20 + static_cast<int>(seed % 10), lost = at_begin ? begin : begin + 2;
     Exchange(take, begin, begin + 2, true, true);
-    // In the first frame of the new state limbs stray so far that neither reading of the sides fits.
+    // In the first frame of the new state the limbs are outliers, so that neither assignment of the sides fits.
     for (std::size_t k = 5; k < take.names.size(); ++k) {
       const int stray = static_cast<int>(k), away = k % 2 == 0 ? 1 : -1;
       if (k != 8 && k != 12 && k != 16) take.positions.at(lost, stray) += Vector3d(0.2 * away, 0.5, 0.4 * away);
@@ -251,7 +251,7 @@ TEST(Defects, ASwapWhoseChangeBackIsLostEndsWhereTheLimbsLieAsBefore) {
   }
 }
 
-TEST(Defects, LieParametersAreNoJointPositionsAndNothingElseIsAskedOfThem) {
+TEST(Defects, LieParametersAreNotJointPositionsAndGetNoFurtherChecks) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     Take take = Perform(seed, {});
     Random random(seed, "lie", "");
@@ -267,7 +267,7 @@ TEST(Defects, LieParametersAreNoJointPositionsAndNothingElseIsAskedOfThem) {
   }
 }
 
-TEST(Defects, WhoHopsReportsAWrongRateAndWhoHopsAtTheRightOneDoesNot) {
+TEST(Defects, HoppingRevealsAWrongRateAndNotTheRightOne) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     TakeOptions who;
     who.rate_hz = seed % 2 == 0 ? 60.0 : 30.0;
@@ -291,7 +291,7 @@ TEST(Defects, WhoHopsReportsAWrongRateAndWhoHopsAtTheRightOneDoesNot) {
   }
 }
 
-TEST(Defects, WhoTipsOverTheStandingFootAsGravityDoesReportsARateThatIsTooHighOrTooLow) {
+TEST(Defects, WalkingAsAnInvertedPendulumRevealsARateThatIsTooHighOrTooLow) {
   for (const double rate : {30.0, 60.0, 120.0}) {
     const Take take = WalkAsAPendulum(rate, 4.0);
     const RateMeasure measure = MeasureRate(take.view());
@@ -302,7 +302,7 @@ TEST(Defects, WhoTipsOverTheStandingFootAsGravityDoesReportsARateThatIsTooHighOr
   }
 }
 
-TEST(Defects, WhoMovesAsAPuppetDoesNeverReportsThatTheRateIsTooLow) {
+TEST(Defects, PuppetMotionNeverReportsARateThatIsTooLow) {
   for (std::uint64_t seed = 0; seed < 2 * kSeeds; ++seed) {
     const TakeOptions who = RecordedPerson(seed);
     const RateMeasure measure = MeasureRate(Perform(seed, who).view());
@@ -311,7 +311,7 @@ TEST(Defects, WhoMovesAsAPuppetDoesNeverReportsThatTheRateIsTooLow) {
   }
 }
 
-TEST(Defects, AHandThatNoPersonCouldAccelerateSoReportsThatTheRateIsTooHigh) {
+TEST(Defects, AnImpossibleAccelerationOfAHandReportsARateThatIsTooHigh) {
   TakeOptions who;
   who.rate_hz = 60.0;
   who.frames = 180;
@@ -326,7 +326,7 @@ TEST(Defects, AHandThatNoPersonCouldAccelerateSoReportsThatTheRateIsTooHigh) {
   EXPECT_NEAR(MeasureRate(take.view()).highest, 80.0, 8.0);
 }
 
-TEST(Defects, TheBestGuessLiesWithinWhatAllCluesAllow) {
+TEST(Defects, TheBestEstimateLiesWithinTheLimitsOfAllClues) {
   RateMeasure measure;
   measure.clues = {{40.0, 120.0, 100.0, 0.9, "flights"}, {0.0, 60.0, 0.0, 0.3, "limbs"}};
   measure.lowest = 40.0;
@@ -336,13 +336,13 @@ TEST(Defects, TheBestGuessLiesWithinWhatAllCluesAllow) {
   EXPECT_EQ(measure.rate_hz(), 50.0);
 }
 
-TEST(Defects, WithoutTimesAtOnePaceNoRateIsMeasured) {
+TEST(Defects, WithoutAConstantRateNothingIsMeasured) {
   Take take = WalkAsAPendulum(60.0, 4.0);
   for (std::size_t f = 100; f < take.time_s.size(); ++f) take.time_s[f] += 0.5;
   EXPECT_FALSE(MeasureRate(take.view()).IsConclusive());
 }
 
-TEST(Defects, ManyOfAKindAreCountedNotListed) {
+TEST(Defects, ManyFindingsOfOneCodeAreCountedNotListed) {
   Take take = Perform(3, {});
   for (int f = 0; f + 4 < take.positions.frames; f += 4) {
     for (int i = 1; i < 3; ++i) take.positions.at(f + i, 7) = take.positions.at(f, 7).eval();

@@ -11,7 +11,7 @@ namespace {
 
 MotionSignature Of(const Take& take) { return SignatureOf(take.view()); }
 
-/// Turned about y, moved, and rounded as another exporter would.
+/// Rotated about y, translated, and rounded as by another exporter.
 Take Elsewhere(Take take, double angle, double round_to) {
   for (int f = 0; f < take.positions.frames; ++f) {
     for (int k = 0; k < take.positions.joints; ++k) {
@@ -57,7 +57,7 @@ Take Mirrored(Take take) {
   return take;
 }
 
-TEST(Duplicates, OneTakeElsewhereRoundedThinnedOrMirroredIsFoundAmongOthers) {
+TEST(Duplicates, ACopyTransformedRoundedSubsampledOrMirroredIsFound) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     TakeOptions who;
     who.frames = 61 + 2 * static_cast<int>(seed);
@@ -67,7 +67,7 @@ TEST(Duplicates, OneTakeElsewhereRoundedThinnedOrMirroredIsFoundAmongOthers) {
     std::vector<MotionSignature> clips;
     for (std::uint64_t other = 100; other < 120; ++other) clips.push_back(Of(Perform(other, who)));
     clips.push_back(Of(take));  // 20
-    EXPECT_TRUE(FindDuplicates(clips).empty()) << "people who walk alike are no duplicates";
+    EXPECT_TRUE(FindDuplicates(clips).empty()) << "people with similar walks are not duplicates";
     clips.push_back(Of(Elsewhere(take, 0.3 + static_cast<double>(seed), 1e-3)));
     clips.push_back(Of(Thinned(take)));
     clips.push_back(Of(Mirrored(take)));
@@ -93,13 +93,13 @@ TEST(Duplicates, TwoCutsOfOneRecordingShareTheFramesTheyOverlapIn) {
     EXPECT_EQ(found[0].kind, Duplicate::Kind::kOverlap);
     EXPECT_EQ(found[0].first, 0u);
     EXPECT_EQ(found[0].second, 2u);
-    EXPECT_NEAR(found[0].shared, overlap, 1.0) << "a distance may be rounded otherwise";
+    EXPECT_NEAR(found[0].shared, overlap, 1.0) << "a distance may be rounded differently";
     EXPECT_NEAR(found[0].frame_begin, 50 - overlap, 1.0);
     EXPECT_EQ(found[0].second_begin, found[0].frame_begin - (50 - overlap));
   }
 }
 
-TEST(Duplicates, ClipsThatStandStillAreNotTakenForOneAnother) {
+TEST(Duplicates, MotionlessClipsAreNotDuplicates) {
   TakeOptions still;
   still.noise = 0.001;
   still.walk = 0.0;
@@ -118,7 +118,7 @@ TEST(Duplicates, ClipsThatStandStillAreNotTakenForOneAnother) {
   EXPECT_TRUE(FindDuplicates(clips).empty());
 }
 
-TEST(Duplicates, BodiesOfAWrongUnitAreAsAlikeAndAsDifferentAsTheyAreInTheRightOne) {
+TEST(Duplicates, AWrongUnitDoesNotChangeTheResult) {
   for (const double scale : {1e-3, 1e-2, 1.0, 1e3}) {
     std::vector<MotionSignature> clips;
     for (const std::uint64_t seed : {1u, 2u, 3u, 1u}) {

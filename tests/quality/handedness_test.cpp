@@ -61,7 +61,7 @@ JointPositions Longer(const JointPositions& positions, int times) {
   return longer;
 }
 
-/// The score of a part of the body; 0 where it says nothing. Negative: as in a right-handed frame.
+/// The score of a part of the body; 0 where it does not vote. Negative: as in a right-handed frame.
 double ScoreOf(const HandednessMeasure& measure, const std::string& part) {
   for (const HandednessCue& cue : measure.cues) {
     if (cue.name == part) return cue.score;
@@ -76,7 +76,7 @@ TEST(Handedness, APersonInTheCanonicalWorldIsRightHanded) {
   EXPECT_EQ(ScoreOf(measure, "knees"), -1.0);
 }
 
-TEST(Handedness, AMirroredPersonBendsTheKneesBackwardsWhicheverWayTheWorldIsTurned) {
+TEST(Handedness, AMirroredPersonBendsTheKneesBackwardsInAnyRotatedWorld) {
   for (const Vector3d& turn : {Vector3d(0, 0, 0), Vector3d(0, 2, 0), Vector3d(1.5, 0.3, -2)}) {
     for (const Vector3d& flip : {Vector3d(-1, 1, 1), Vector3d(1, -1, 1), Vector3d(1, 1, -1)}) {
       const Matrix3d matrix = ExpMatrix(turn) * Matrix3d(flip.asDiagonal());
@@ -95,7 +95,7 @@ TEST(Handedness, ExchangedNamesOfLeftAndRightLookTheSameAsAMirrorImage) {
   EXPECT_EQ(MeasureHandedness(Person(0.3, 0.4), points).handedness, Handedness::kLeft);
 }
 
-TEST(Handedness, AStiffPersonWithoutToesDoesNotReport) {
+TEST(Handedness, AStiffPersonWithoutToesIsUndetermined) {
   BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   const HandednessMeasure measure = MeasureHandedness(Person(0.02, 0.0), points);
@@ -104,15 +104,15 @@ TEST(Handedness, AStiffPersonWithoutToesDoesNotReport) {
   EXPECT_FALSE(MeasureHandedness(Person(0.3, 0.4), BodyLandmarks()).handedness.has_value());
 }
 
-TEST(Handedness, StraightLegsThatATrackerBendsBackwardsSayNothing) {
+TEST(Handedness, StraightLegsBentBackwardsByATrackerAreIgnored) {
   BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   const JointPositions backwards = Person(-0.4 * std::tan(0.45), 0.0);  // knees of 0.9 rad
   EXPECT_EQ(MeasureHandedness(DepthTracked(backwards), points).cues[1].frames, 0);
-  EXPECT_EQ(MeasureHandedness(backwards, points).handedness, Handedness::kLeft) << "fixed bones do not bend so";
+  EXPECT_EQ(MeasureHandedness(backwards, points).handedness, Handedness::kLeft) << "fixed bones do not bend that way";
 }
 
-TEST(Handedness, PartsThatContradictEachOtherDoNotReport) {
+TEST(Handedness, ContradictingPartsAreUndetermined) {
   BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   const HandednessMeasure measure = MeasureHandedness(Person(0.3, -0.4), points);
@@ -130,7 +130,7 @@ TEST(Handedness, FeetAndKneesThatAgreeOverruleHandsBehindTheBack) {
   EXPECT_EQ(MeasureHandedness(Longer(DepthTracked(Person(0.4, -0.4)), 2), Points()).handedness, Handedness::kRight);
 }
 
-TEST(Handedness, OnePartAloneReportsOnlyWhenItIsOverwhelming) {
+TEST(Handedness, OnePartAloneDecidesOnlyWhenItIsOverwhelming) {
   BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   const JointPositions sitting = DepthTracked(Person(0.4, 0.0));
@@ -148,7 +148,7 @@ TEST(Handedness, OnePartAloneReportsOnlyWhenItIsOverwhelming) {
   EXPECT_FALSE(MeasureHandedness(longer, points).handedness.has_value()) << "bent in a quarter of the frames";
 }
 
-TEST(Handedness, AKneeThatTurnsAsideSaysNothing) {
+TEST(Handedness, AKneeBentSidewaysIsIgnored) {
   BodyLandmarks points = Points();
   points.toe[0] = points.toe[1] = -1;
   JointPositions aside = Person(0.0, 0.0);
@@ -158,7 +158,7 @@ TEST(Handedness, AKneeThatTurnsAsideSaysNothing) {
   EXPECT_EQ(MeasureHandedness(aside, points).cues[1].frames, 0);
 }
 
-TEST(Handedness, JointsThatWereNotSeenAreNotRead) {
+TEST(Handedness, MissingJointsAreNotRead) {
   JointPositions mirrored = Applied(Vector3d(-1, 1, 1).asDiagonal(), Person(0.3, 0.4));
   std::vector<double> confidence(static_cast<std::size_t>(mirrored.frames) * mirrored.joints, 0.0);
   EXPECT_FALSE(MeasureHandedness(mirrored, Points(), &confidence).handedness.has_value());

@@ -1,4 +1,4 @@
-// Files that leave frames out without a word: who moves goes on through them, who stands does not.
+// Files that omit frames without notice: a moving person continues through them, a standing one does not.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kFrames = 60, kPoints = 5;
 
-/// Five points that go `step` metres a frame, and `jump` more before frame 30.
+/// Five points that move `step` metres per frame, and `jump` more before frame 30.
 std::vector<Finding> JumpsOf(double step, double jump, int lost_frames) {
   JointPositions positions(kFrames, kPoints);
   std::vector<double> time_s;
@@ -22,15 +22,15 @@ std::vector<Finding> JumpsOf(double step, double jump, int lost_frames) {
   return FindPositionJumps({positions, {}, time_s}, limits);
 }
 
-TEST(LostFrames, ARunnerGoesOnThroughThem) {
-  EXPECT_EQ(JumpsOf(0.14, 1.5, 0).size(), 1u) << "where every frame is there";
+TEST(LostFrames, ARunnerContinuesThroughThem) {
+  EXPECT_EQ(JumpsOf(0.14, 1.5, 0).size(), 1u) << "where no frame is missing";
   EXPECT_TRUE(JumpsOf(0.14, 1.5, 15).empty());
-  EXPECT_EQ(JumpsOf(0.14, 4.0, 15).size(), 1u) << "farther than anybody at that pace";
+  EXPECT_EQ(JumpsOf(0.14, 4.0, 15).size(), 1u) << "farther than possible at that speed";
 }
 
-TEST(LostFrames, WhoStandsIsWhereTheyWere) { EXPECT_EQ(JumpsOf(0.002, 1.0, 15).size(), 1u); }
+TEST(LostFrames, AStandingPersonHasNotMoved) { EXPECT_EQ(JumpsOf(0.002, 1.0, 15).size(), 1u); }
 
-TEST(LostFrames, TwoPeopleInTurnAreNotOneWhoIsFast) {
+TEST(LostFrames, TwoAlternatingPeopleAreNotOneFastPerson) {
   JointPositions positions(kFrames, kPoints);
   std::vector<double> time_s;
   for (int f = 0; f < kFrames; ++f) {

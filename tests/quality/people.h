@@ -42,10 +42,10 @@ struct TakeOptions {
   double noise = 0.005;  ///< metres, standard deviation of each coordinate
   double stature = 1.0;  ///< of the skeleton's
   double walk = 1.0;     ///< m/s
-  double hop_s = 0.0;    ///< of each flight of a hop; 0: stays on the floor
+  double hop_s = 0.0;    ///< of each flight of a hopping person; 0: stays on the floor
 };
 
-/// A person who walks (or hops on the spot) and swings arms and legs in a manner of their own. `seed` is the manner.
+/// A person who walks (or hops on the spot) and swings arms and legs with a style given by `seed`.
 inline Take Perform(std::uint64_t seed, const TakeOptions& options = {}) {
   Random random(seed, "take", "person");
   Take take;
@@ -118,7 +118,7 @@ inline Take Perform(std::uint64_t seed, const TakeOptions& options = {}) {
   return take;
 }
 
-/// A person who walks as a pendulum on its head does: over each foot in turn the centre of mass keeps to x'' = g x / h,
+/// A person who walks as an inverted pendulum: over each foot in turn the centre of mass keeps to x'' = g x / h,
 /// for `step` metres to either side. Arms hang.
 inline Take WalkAsAPendulum(double rate_hz, double seconds, double step = 0.28, double noise = 0.001) {
   TakeOptions options;
@@ -166,7 +166,7 @@ inline Take WalkAsAPendulum(double rate_hz, double seconds, double step = 0.28, 
   return take;
 }
 
-/// Left and right change places in [begin, end).
+/// Exchanges left and right in [begin, end).
 inline void Exchange(Take& take, int begin, int end, bool arms, bool legs) {
   for (int f = begin; f < end; ++f) {
     for (std::size_t k = 0; k < take.names.size(); ++k) {

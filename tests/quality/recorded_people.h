@@ -12,7 +12,7 @@ namespace mocurate::test {
 
 inline constexpr std::uint64_t kSeeds = 24;
 
-/// A person of any size, pace and manner, as some tracker of some rate has them.
+/// A person of random size, speed and style, as recorded by a tracker of random rate.
 inline TakeOptions RecordedPerson(std::uint64_t seed) {
   Random random(seed, "person", "");
   TakeOptions options;
@@ -24,7 +24,7 @@ inline TakeOptions RecordedPerson(std::uint64_t seed) {
   return options;
 }
 
-/// The only findings of the take, or a failure that says what else there is.
+/// The only findings of the take, or a failure that lists the others.
 inline std::vector<Finding> Only(const std::string& code, const Take& take, double rate_hz) {
   std::vector<Finding> found;
   for (const Finding& finding : CheckPoints(take.view(), rate_hz)) {

@@ -1,4 +1,4 @@
-// A section of a clip that stands in it twice is found frame for frame; loops that were made so are none.
+// A section that appears twice in a clip is found frame for frame; authored loops are not reported.
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(RepeatedStretches, FramesCopiedOverOthersAreFoundFrameForFrame) {
   }
 }
 
-TEST(RepeatedStretches, ASectionThatIsAppendedIsReportedAmongAllChecks) {
+TEST(RepeatedStretches, AnAppendedSectionIsReportedAmongAllChecks) {
   Take take = WalkOf(3, 90);
   const Take sound = take;
   for (int f = 60; f < 90; ++f) CopyFrame(sound, f - 45, take, f);
@@ -46,7 +46,7 @@ TEST(RepeatedStretches, ASectionThatIsAppendedIsReportedAmongAllChecks) {
   EXPECT_EQ(reported, 1);
 }
 
-/// A buffer that is written twice, of a person who hardly moves: no step at its ends is larger than others are.
+/// A buffer written twice, of a person who hardly moves: steps at its ends are not larger than others.
 TEST(RepeatedStretches, ASensorsNoiseRepeatsNowhereEvenWithoutAJump) {
   TakeOptions still;
   still.walk = 0.0;
@@ -57,7 +57,7 @@ TEST(RepeatedStretches, ASensorsNoiseRepeatsNowhereEvenWithoutAJump) {
   ASSERT_EQ(FindRepeatedStretches(take.view()).size(), 1u);
 }
 
-TEST(RepeatedStretches, AMotionThatWasMadeAsALoopRepeatsNothing) {
+TEST(RepeatedStretches, AnAuthoredLoopIsNotReported) {
   Take take = WalkOf(0, 120, 0.0);
   for (int f = 0; f < 120; ++f) {
     for (int k = 0; k < take.positions.joints; ++k) {
@@ -69,21 +69,21 @@ TEST(RepeatedStretches, AMotionThatWasMadeAsALoopRepeatsNothing) {
   EXPECT_TRUE(FindRepeatedStretches(take.view()).empty());
   const Take loop = take;
   for (int f = 0; f < 10; ++f) CopyFrame(loop, f + 5, take, 60 + f);
-  EXPECT_FALSE(FindRepeatedStretches(take.view()).empty()) << "a loop with a cut in it is none";
+  EXPECT_FALSE(FindRepeatedStretches(take.view()).empty()) << "a loop with a cut is not a loop";
 }
 
-/// To and fro at one pace, as an exporter's example has it: it turns within a frame, but does not jump.
-TEST(RepeatedStretches, AMotionThatTurnsBackOnTheSpotRepeatsNothing) {
+/// Back and forth at constant speed, as in an exporter's example: it reverses within a frame, but does not jump.
+TEST(RepeatedStretches, AMotionThatReversesIsNotReported) {
   Take take = WalkOf(0, 120, 0.0);
   for (int f = 0; f < 120; ++f) {
-    const int there = f < 60 ? f : 120 - f;  // and on through where it began
+    const int there = f < 60 ? f : 120 - f;  // and on past the start
     for (int k = 0; k < take.positions.joints; ++k)
       take.positions.at(f, k) = Vector3d(0.01 * (k + std::abs(there - 20)), 0.1 * k, 0.0);
   }
   EXPECT_TRUE(FindRepeatedStretches(take.view()).empty());
 }
 
-TEST(RepeatedStretches, AStreamThatHangsAndAFewPosesInTurnAreNoRepeatedSection) {
+TEST(RepeatedStretches, AFrozenStreamAndAFewAlternatingPosesAreNotARepeatedSection) {
   Take take = WalkOf(2, 120);
   const Take sound = take;
   for (int f = 30; f < 60; ++f) CopyFrame(sound, 30, take, f);
@@ -91,19 +91,19 @@ TEST(RepeatedStretches, AStreamThatHangsAndAFewPosesInTurnAreNoRepeatedSection) 
   EXPECT_TRUE(FindRepeatedStretches(take.view()).empty());
 }
 
-TEST(RepeatedStretches, JointsThatAreNotSeenSayNothingButFramesThatDifferInThemDo) {
+TEST(RepeatedStretches, MissingJointsAreIgnoredButFramesWithOtherMissingJointsDiffer) {
   Take take = WalkOf(4, 120);
   const Take sound = take;
   for (int f = 0; f < 30; ++f) CopyFrame(sound, 10 + f, take, 80 + f);
   const auto wide = static_cast<std::size_t>(take.positions.joints);
   take.confidence.assign(120 * wide, 1.0);
-  for (int f = 0; f < 120; ++f) {  // what a missing joint holds is never read
+  for (int f = 0; f < 120; ++f) {  // values of a missing joint are never read
     take.confidence[static_cast<std::size_t>(f) * wide + 3] = 0.0;
     take.positions.at(f, 3) = Vector3d(f, 0, 0);
   }
   ASSERT_EQ(FindRepeatedStretches(take.view()).size(), 1u);
   take.confidence[95 * wide + 5] = 0.0;
-  EXPECT_EQ(FindRepeatedStretches(take.view()).size(), 2u) << "one joint is seen in one of the two alone";
+  EXPECT_EQ(FindRepeatedStretches(take.view()).size(), 2u) << "one joint is observed in only one of the two";
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-/// A person who moves all joints by a few slow sines of their own; `seed` tells which movement.
+/// A person who moves all joints by a few slow sines; `seed` selects the movement.
 Clip Moving(int seed, int frames, double hz) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   Random random(11, "movement", std::to_string(seed));
@@ -44,7 +44,7 @@ Clip WithNoise(Clip clip, double sigma) {
   return clip;
 }
 
-/// Elsewhere, heading elsewhere.
+/// With another position and heading.
 Clip Turned(Clip clip) {
   Transform({Quaterniond(Eigen::AngleAxisd(2.0, Vector3d::UnitY())), Vector3d(3, 0, -1)}, clip);
   return clip;
@@ -77,10 +77,10 @@ TEST(SharedStretches, CopiesAreFoundMovedMirroredCroppedNoisyAndAtOtherRates) {
   }
 }
 
-TEST(SharedStretches, TakesOfOneMovementAndPeopleWhoStandAreNoCopies) {
+TEST(SharedStretches, TakesOfOneMovementAndMotionlessPeopleAreNotCopies) {
   std::vector<Clip> takes;
   for (int take = 0; take < 6; ++take) {
-    Clip clip = Moving(1, 150, 30.0);  // the same movement, each joint by centimetres elsewhere, slowly
+    Clip clip = Moving(1, 150, 30.0);  // the same movement, each joint slowly displaced by centimetres
     Random random(7, "take", std::to_string(take));
     for (int j = 0; j < clip.motion->joint_count(); ++j) {
       const double phase = random.Uniform(0.0, 6.28), reach = random.Uniform(0.02, 0.05);

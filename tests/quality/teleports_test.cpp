@@ -1,4 +1,4 @@
-// A person, or a joint, that is suddenly elsewhere.
+// Implausible jumps of a person or a joint.
 
 #include "core/quality/position_jumps.h"
 
@@ -24,8 +24,8 @@ TEST(Teleports, FiveFramesAKilometreAwayAreAPositionJumpAndSoIsAMetreAndAHalf) {
   }
 }
 
-/// A standing person is not half a metre aside a thirtieth of a second later. Where they do not go back, nothing tells
-/// which side is wrong.
+/// A standing person does not move half a metre in a thirtieth of a second. Without a return, the wrong side of the
+/// jump is ambiguous.
 TEST(Teleports, HalfAMetreInOneFrameIsAPositionJumpOrAJump) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     TakeOptions who = RecordedPerson(seed);
@@ -56,8 +56,8 @@ TEST(Teleports, HalfAMetreInOneFrameIsAPositionJumpOrAJump) {
   }
 }
 
-/// Then the middle of what is seen is elsewhere, the person is not.
-TEST(Teleports, APersonOfWhomOnlyTheLegsAreSeenIsWhereTheyWereAndStillNotEightyCentimetresAway) {
+/// The centre of the observed points moves, the person does not.
+TEST(Teleports, APersonReducedToTheLegsHasNotMovedAndAJumpOfEightyCentimetresIsFound) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     TakeOptions who = RecordedPerson(seed);
     who.frames = 90;

@@ -1,4 +1,4 @@
-// Frames of another unit are distinguished from bodies that fell into one place.
+// Frames of another unit are distinguished from bodies whose points coincide.
 
 #include "core/quality/unit_changes.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kUnitSeeds = 24;
 
-Take TakeOfPerson(std::uint64_t seed) {
+Take RandomPerson(std::uint64_t seed) {
   TakeOptions options;
   options.noise = 0.001 * static_cast<double>(1 + seed % 20);
   return Perform(seed, options);
@@ -21,7 +21,7 @@ Take TakeOfPerson(std::uint64_t seed) {
 TEST(UnitChanges, FramesOfAnotherUnitAreReportedFromFirstToLastWithTheirFactor) {
   for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed) {
     for (const double factor : {0.001, 0.01, 0.1, 10.0, 100.0, 1000.0}) {
-      Take take = TakeOfPerson(seed);
+      Take take = RandomPerson(seed);
       const int begin = static_cast<int>(seed), end = begin + 1 + static_cast<int>(seed) / 2;
       for (int f = begin; f < end; ++f) {
         for (int k = 0; k < take.positions.joints; ++k) take.positions.at(f, k) *= factor;
@@ -38,14 +38,14 @@ TEST(UnitChanges, FramesOfAnotherUnitAreReportedFromFirstToLastWithTheirFactor) 
 
 TEST(UnitChanges, ATakeOfOneUnitHasNone) {
   for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed)
-    EXPECT_TRUE(FindUnitChanges(TakeOfPerson(seed).view()).empty());
+    EXPECT_TRUE(FindUnitChanges(RandomPerson(seed).view()).empty());
 }
 
-/// Within a box of some millimetres: about a hundredth of a body.
-TEST(UnitChanges, JointsThatFallIntoOnePlaceAreNotAnotherUnit) {
+/// Within a box of a few millimetres: about a hundredth of a body.
+TEST(UnitChanges, CoincidingJointsAreNotABodyOfAnotherUnit) {
   for (std::uint64_t seed = 0; seed < kUnitSeeds; ++seed) {
     for (const double reach : {0.001, 0.005, 0.009}) {
-      Take take = TakeOfPerson(seed);
+      Take take = RandomPerson(seed);
       Random random(seed, "place", "");
       for (int f = 40; f < 60; ++f) {
         const Vector3d place = take.positions.at(f, 0);

@@ -1,4 +1,4 @@
-// Two trackers that follow one person: where they stand and how their clocks differ is found from the joints alone.
+// Two trackers of one person: their relative pose and clock offset are estimated from the joints alone.
 
 #include "core/quality/view_alignment.h"
 
@@ -18,7 +18,7 @@ using test::TakeOptions;
 
 constexpr int kFine = 8;  // steps of the finer take per frame
 
-/// What a tracker of 30 Hz sees whose first frame is `begin` eighths of a frame after the start of the performance.
+/// The view of a tracker of 30 Hz whose first frame is `begin` eighths of a frame after the start of the performance.
 Take Tracked(std::uint64_t person, int begin, int frames, double noise, const RigidTransform& tracker_from_world,
              double walk = 0.4) {
   TakeOptions options;
@@ -61,17 +61,17 @@ TEST(ClockOffset, IsFoundToAFractionOfAFrame) {
   }
 }
 
-TEST(ClockOffset, OfAPersonWhoRepeatsThemselvesThePlaceReports) {
-  // A walk repeats every second; only where the walker is tells one step from the next.
+TEST(ClockOffset, OfAPeriodicMotionIsDecidedByThePosition) {
+  // A walk repeats every second; only the walker's position distinguishes the steps.
   const Take a = Tracked(5, 100, 150, 0.003, {}, 1.0), b = Tracked(5, 180, 140, 0.003, {}, 1.0);
   const auto speeds = CorrelateSpeeds(a.view(), b.view(), 2.0);
-  ASSERT_GE(speeds.size(), 2u) << "speeds alone see several offsets";
+  ASSERT_GE(speeds.size(), 2u) << "speeds alone allow several offsets";
   const auto view = AlignViews(a.view(), b.view(), 2.0);
   ASSERT_TRUE(view);
   EXPECT_NEAR(std::remainder(view->offset_s - 80.0 / 240.0, 2.0), 0.0, 0.01);
 }
 
-TEST(ClockOffset, OfAPersonWhoStandsStillIsNotKnown) {
+TEST(ClockOffset, OfAMotionlessPersonIsUnknown) {
   Take a = Tracked(7, 0, 60, 0.0, {}), b = a;
   Random random(7, "still");
   for (int f = 0; f < 60; ++f) {
@@ -90,7 +90,7 @@ TEST(ClockOffset, OfAPersonWhoStandsStillIsNotKnown) {
   EXPECT_LT(view->median, 0.02);
 }
 
-TEST(ViewAlignment, GrossErrorsAndGuessedJointsOfOneTrackerDoNotMoveIt) {
+TEST(ViewAlignment, OutliersAndInferredJointsOfOneTrackerDoNotChangeIt) {
   const Take a = Tracked(9, 40, 90, 0.005, {});
   Take b = Tracked(9, 40, 90, 0.005, Aside());
   Random random(9, "gross");
@@ -110,7 +110,7 @@ TEST(ViewAlignment, GrossErrorsAndGuessedJointsOfOneTrackerDoNotMoveIt) {
   EXPECT_NEAR(view->offset_s, 0.0, 0.004);
 }
 
-TEST(ViewAlignment, AMirroredTrackerIsNoticed) {
+TEST(ViewAlignment, AMirroredTrackerIsDetected) {
   const Take a = Tracked(11, 40, 90, 0.005, {});
   Take b = Tracked(11, 40, 90, 0.005, Aside());
   for (int f = 0; f < 90; ++f) {
@@ -121,7 +121,7 @@ TEST(ViewAlignment, AMirroredTrackerIsNoticed) {
   EXPECT_TRUE(view->Mirrored()) << view->median << " against " << view->mirrored_median;
 }
 
-TEST(ViewAlignment, OfTooLittleInCommonNothingIsSaid) {
+TEST(ViewAlignment, IsEmptyWithTooLittleOverlap) {
   const Take a = Tracked(13, 40, 60, 0.005, {});
   Take b = a;
   for (std::size_t i = 0; i < b.confidence.size(); ++i) {

@@ -1,4 +1,4 @@
-// A body template from its file: every field is needed, of its shape, finite and in keeping with the others.
+// A body template from its file: every field is required, with its shape, finite and consistent with the others.
 #include "core/store/body_file.h"
 
 #include <unistd.h>
@@ -51,20 +51,20 @@ Expected<BodyTemplate> WrittenAndRead(const Fields& fields) {
   return ReadBodyTemplate(file);
 }
 
-TEST(BodyFile, IsReadAsItWasWrittenAndPoses) {
+TEST(BodyFile, IsReadAsWrittenAndCanBePosed) {
   const auto body = WrittenAndRead(SmallBody());
   ASSERT_TRUE(body) << body.error().Message();
   EXPECT_EQ(body->joint_names[1], "head");
   EXPECT_EQ(body->variants.count("male"), 1u);
   EXPECT_EQ(Shaped(*body, {2.0}).joints[1], Vector3d(0.5, 1.5, 0.5));
-  // A half turn of the head about y: the skin follows it around the joint, then all moves.
+  // The head rotates by pi about y, and the skin with it; then everything is translated.
   const RestBody posed =
       Posed(*body, body->rest, {Quaterniond::Identity(), Quaterniond(0, 0, 1, 0)}, Vector3d(0, 0, 5));
   EXPECT_LT((posed.joints[1] - Vector3d(0, 1, 5)).norm(), 1e-12);
   EXPECT_LT((posed.vertices[0] - Vector3d(-0.25, 0.25, 4.75)).norm(), 1e-7);
 }
 
-TEST(BodyFile, EveryFieldIsNamedWhenMissingOrOfAnotherShape) {
+TEST(BodyFile, AMissingFieldOrOneOfAnotherShapeIsNamed) {
   for (const auto& [path, array] : SmallBody()) {
     Fields fields = SmallBody();
     fields.erase(path);

@@ -68,7 +68,7 @@ inline Motion Wander(const SkeletonPtr& skeleton, FrameRate rate, int frames, co
   return MakeMotion(skeleton, rate, root, rotation, bones);
 }
 
-/// The walker with hips of one person.
+/// The walker with other hips.
 inline SkeletonPtr OtherWalker() {
   auto own = std::make_shared<Skeleton>(*Walker());
   own->joints[1].rest_offset = {0.06, -0.08, -0.02};
@@ -153,13 +153,13 @@ inline DepthView MakeView(const std::string& name) {
   return view;
 }
 
-/// Three images, of which the second shows no person and the third two people.
+/// Three images: one person, no person, two people.
 inline KeypointView MakeKeypointView(const std::string& name) {
   KeypointView view;
   view.camera = MakeView(name).camera;
   view.time_s = {0.0, 1.0 / 30, 2.0 / 30};
   view.people = 2;
-  view.values = {10.5, -3.25, 0.5, 0, 0, 0,   0, 0, 0, 0, 0, 0,  // one person, the second point not seen
+  view.values = {10.5, -3.25, 0.5, 0, 0, 0,   0, 0, 0, 0, 0, 0,  // one person, the second point not detected
                  0,    0,     0,   0, 0, 0,   0, 0, 0, 0, 0, 0,  // no person
                  11.5, 4,     1,   7, 8, 0.1, 1, 2, 1, 3, 4, 0.75};
   return view;

@@ -13,7 +13,7 @@ namespace {
 using store::Field;
 using store::Hdf5Id;
 
-/// One kind of file with every field in it.
+/// A file of one schema with every field in it.
 struct Kind {
   const char* name;
   const store::Schema* schema;
@@ -114,7 +114,8 @@ void ExpectRefused(const Kind& kind, const std::string& bytes, const Field& fiel
   EXPECT_EQ(read.error().code, ErrorCode::kMalformed);
   const std::string message = read.error().Message();
   EXPECT_NE(message.find("changed.h5:/"), std::string::npos) << message;
-  const bool free_text = field.path == "/@skeleton" || field.path == "/@created_by";  // nothing but the hash of all
+  const bool free_text =
+      field.path == "/@skeleton" || field.path == "/@created_by";  // checked only by the content hash
   const std::string named = free_text && std::strcmp(change_name, "a bit of") == 0 ? "/@content_sha256" : field.path;
   EXPECT_NE(message.find(named), std::string::npos) << kind.name << ", " << change_name << ": " << message;
 }
@@ -139,7 +140,7 @@ TEST(StoreCorruption, AMissingFieldIsNamed) {
   });
 }
 
-TEST(StoreCorruption, AMissingOptionalFieldIsMissedByTheClipsThatHaveIt) {
+TEST(StoreCorruption, AMissingOptionalFieldIsReportedForTheClipsThatHaveIt) {
   ForEveryField([](const Kind& kind, const std::string& bytes, const Field& field) {
     if (field.presence != store::Presence::kOptional) return;
     Field missed = field;  // where the loss shows
@@ -200,7 +201,7 @@ TEST(StoreCorruption, ALinkOutOfTheFileIsNotFollowed) {
   EXPECT_NE(read.error().where.find("linked.h5:/recipe"), std::string::npos) << read.error().Message();
 }
 
-TEST(StoreCorruption, AFieldThatAnnouncesMoreThanTheFileHoldsIsRefusedBeforeMemoryIsTaken) {
+TEST(StoreCorruption, AFieldThatDeclaresMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
   const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "huge.h5"));
   Change(folder / "huge.h5", [](hid_t file) {
@@ -219,7 +220,7 @@ TEST(StoreCorruption, AFieldThatAnnouncesMoreThanTheFileHoldsIsRefusedBeforeMemo
       << read.error().Message();
 }
 
-TEST(StoreCorruption, FieldsTheTableDoesNotKnowAreIgnored) {
+TEST(StoreCorruption, UnknownFieldsAreIgnored) {
   const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "more.h5"));
   Change(folder / "more.h5", [](hid_t file) {
@@ -231,7 +232,7 @@ TEST(StoreCorruption, FieldsTheTableDoesNotKnowAreIgnored) {
   EXPECT_TRUE(ReadDataset(folder / "more.h5"));
 }
 
-TEST(StoreCorruption, AFileOfAnotherKindSaysWhichItIs) {
+TEST(StoreCorruption, AFileOfAnotherSchemaIsRefusedWithItsSchema) {
   const ScratchFolder folder;
   ASSERT_TRUE(WriteEvidence(test::MakeEvidenceClip(false), folder / "evidence.h5"));
   const auto read = ReadDataset(folder / "evidence.h5");

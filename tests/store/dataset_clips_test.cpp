@@ -1,4 +1,4 @@
-// A dataset read clip by clip is the one that is read whole.
+// Reading a dataset clip by clip gives the same as reading all of it.
 
 #include "core/store/dataset_clips.h"
 
@@ -25,7 +25,7 @@ class ClipByClip : public ::testing::Test {
   const std::filesystem::path path = folder / "clips.h5";
 };
 
-TEST_F(ClipByClip, EachIsWhatTheWholeHoldsAtItsPlace) {
+TEST_F(ClipByClip, EachEqualsThatOfTheWholeDataset) {
   for (const Dataset& dataset : {test::MakeDataset(), test::MakeJointsOnlyDataset()}) {
     ASSERT_TRUE(WriteDataset(dataset, path));
     const auto whole = ReadDataset(path);
@@ -65,7 +65,7 @@ TEST_F(ClipByClip, EachIsWhatTheWholeHoldsAtItsPlace) {
   }
 }
 
-TEST_F(ClipByClip, AFrameThatWasChangedIsFoundWhenTheFileIsOpened) {
+TEST_F(ClipByClip, AChangedFrameIsFoundWhenTheFileIsOpened) {
   const Dataset dataset = test::MakeDataset();
   ASSERT_TRUE(WriteDataset(dataset, path));
   std::string bytes = *ReadFile(path);
@@ -74,14 +74,14 @@ TEST_F(ClipByClip, AFrameThatWasChangedIsFoundWhenTheFileIsOpened) {
   ASSERT_NE(at, std::string::npos);
   bytes[at] = static_cast<char>(bytes[at] ^ 1);
   ASSERT_TRUE(WriteFile(path, bytes));
-  ASSERT_FALSE(ReadDataset(path)) << "the file is broken indeed";
+  ASSERT_FALSE(ReadDataset(path)) << "the file is damaged";
   const auto clips = DatasetClips::Open(path, DatasetClips::Check::kHashes);
   ASSERT_FALSE(clips);
   EXPECT_EQ(clips.error().code, ErrorCode::kMalformed);
   EXPECT_THAT(clips.error().Message(), HasSubstr("/frames/joints"));
 }
 
-TEST_F(ClipByClip, ANumberThatIsNoneCostsItsClipAlone) {
+TEST_F(ClipByClip, ANonFiniteNumberFailsOnlyItsClip) {
   const Dataset dataset = test::MakeDataset();
   ASSERT_GT(dataset.clips.size(), 1u);
   ASSERT_TRUE(WriteDataset(dataset, path));
@@ -93,19 +93,19 @@ TEST_F(ClipByClip, ANumberThatIsNoneCostsItsClipAlone) {
   }
   const std::size_t at = bytes.find(first);
   ASSERT_NE(at, std::string::npos);
-  const float none = std::numeric_limits<float>::quiet_NaN();
-  bytes.replace(at, sizeof none, reinterpret_cast<const char*>(&none), sizeof none);
+  const float not_finite = std::numeric_limits<float>::quiet_NaN();
+  bytes.replace(at, sizeof not_finite, reinterpret_cast<const char*>(&not_finite), sizeof not_finite);
   ASSERT_TRUE(WriteFile(path, bytes));
   const auto clips = DatasetClips::Open(path, DatasetClips::Check::kNone);
   ASSERT_TRUE(clips) << clips.error().Message();
   const auto lost = clips->Read(0);
   ASSERT_FALSE(lost);
   EXPECT_THAT(lost.error().Message(), HasSubstr("/frames/joints: [0, 0, 0] is nan"));
-  EXPECT_THAT(lost.error().hint, HasSubstr("leave it out"));
+  EXPECT_THAT(lost.error().hint, HasSubstr("exclude it"));
   EXPECT_TRUE(clips->Read(1));
 }
 
-TEST_F(ClipByClip, WhatIsNoDatasetIsRefusedAsByTheWholeReader) {
+TEST_F(ClipByClip, AFileThatIsNotADatasetIsRefused) {
   EXPECT_EQ(DatasetClips::Open(path, DatasetClips::Check::kNone).error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(WriteEvidence(test::MakeEvidenceClip(true), path));
   for (const auto check : {DatasetClips::Check::kHashes, DatasetClips::Check::kNone}) {

@@ -1,4 +1,4 @@
-// A dataset written clip by clip has the bytes of one that is written whole, and those of earlier versions.
+// A dataset written clip by clip has the same bytes as with WriteDataset, and as in earlier versions.
 
 #include "core/store/dataset_writer.h"
 
@@ -20,7 +20,7 @@ namespace {
 using test::FixedDataset;
 using ::testing::HasSubstr;
 
-constexpr int kLargeClips = 40, kLargeFrames = 400;  // 7.7 MB: written on disk bit by bit, not in memory
+constexpr int kLargeClips = 40, kLargeFrames = 400;  // 7.7 MB: written to disk incrementally, not in memory
 
 std::string HashOf(const std::filesystem::path& path) { return Sha256OfFile(path).value_or(""); }
 
@@ -42,8 +42,8 @@ Status CopyByClips(const std::filesystem::path& from, const std::filesystem::pat
   return writer->Finish();
 }
 
-// Hashes of files that were written whole, from an image in memory.
-TEST(DatasetWriter, GivesADatasetTheBytesThatItAlwaysHad) {
+// Hashes of files written by WriteDataset, from an image in memory.
+TEST(DatasetWriter, WritesTheSameBytesAsEarlierVersions) {
   const ScratchFolder folder;
   const struct {
     Dataset dataset;
@@ -64,7 +64,7 @@ TEST(DatasetWriter, GivesADatasetTheBytesThatItAlwaysHad) {
   }
 }
 
-TEST(DatasetWriter, ReadsAnOutlineThatIsTheDatasetWithoutFrames) {
+TEST(DatasetWriter, ReadsTheOutlineOfADataset) {
   const ScratchFolder folder;
   const Dataset whole = test::MakeDataset();
   ASSERT_TRUE(WriteDataset(whole, folder / "set.h5"));
@@ -86,7 +86,7 @@ TEST(DatasetWriter, ReadsAnOutlineThatIsTheDatasetWithoutFrames) {
   }
 }
 
-TEST(DatasetWriter, HashesMotionsAlikeInEveryFileAndOthersDifferently) {
+TEST(DatasetWriter, EqualMotionsHaveEqualHashesInEveryFile) {
   const ScratchFolder folder;
   Dataset dataset = test::MakeDataset();
   ASSERT_TRUE(WriteDataset(dataset, folder / "a.h5"));
@@ -101,7 +101,7 @@ TEST(DatasetWriter, HashesMotionsAlikeInEveryFileAndOthersDifferently) {
   EXPECT_NE(*a->MotionSha256(2), *b->MotionSha256(1)) << "one sigma differs";
 }
 
-TEST(DatasetWriter, RefusesWhatWasNotAnnouncedAndLeavesNoFile) {
+TEST(DatasetWriter, RefusesAMotionThatIsNotInTheOutlineAndLeavesNoFile) {
   const ScratchFolder folder;
   for (const Dataset& dataset : {FixedDataset(3, 5), FixedDataset(kLargeClips, kLargeFrames)}) {
     std::vector<std::uint8_t> optional_fields;
@@ -134,7 +134,7 @@ TEST(DatasetWriter, RefusesWhatWasNotAnnouncedAndLeavesNoFile) {
   }
 }
 
-TEST(DatasetWriter, CannotWriteALargeFileOnAFullDiskAndGoesOnElsewhere) {
+TEST(DatasetWriter, ALargeFileFailsOnAFullDiskAndCanBeWrittenElsewhere) {
   const ScratchFolder folder;
   const Dataset large = FixedDataset(kLargeClips, kLargeFrames);
   const pid_t child = ::fork();
@@ -158,7 +158,7 @@ TEST(DatasetWriter, CannotWriteALargeFileOnAFullDiskAndGoesOnElsewhere) {
   EXPECT_TRUE(ReadDataset(folder / "after.h5"));
 }
 
-TEST(DatasetWriter, FollowsALinkAndKeepsThePermissionsOfOtherFiles) {
+TEST(DatasetWriter, FollowsALinkAndKeepsFilePermissions) {
   const ScratchFolder folder;
   const Dataset large = FixedDataset(kLargeClips, kLargeFrames);
   test::PutBytes(folder / "old.h5", "old");

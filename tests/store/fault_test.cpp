@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-TEST(StoreFaults, AMissingFileAnEmptyOneAndTextAreDistinguished) {
+TEST(StoreFaults, AMissingFileAnEmptyOneAndTextHaveDifferentErrors) {
   const ScratchFolder folder;
   EXPECT_EQ(ReadDataset(folder / "none.h5").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(ReadDataset(folder.path()).error().code, ErrorCode::kUnreadable);
@@ -43,7 +43,7 @@ TEST(StoreFaults, AFolderThatDoesNotExistCannotBeWrittenTo) {
   EXPECT_EQ(written.error().code, ErrorCode::kCannotWrite);
 }
 
-/// Runs `body` in a child process and gives its exit status.
+/// Runs `body` in a child process and returns its exit status.
 template <class Body>
 int InChild(const Body& body) {
   const pid_t child = ::fork();
@@ -53,7 +53,7 @@ int InChild(const Body& body) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 255;
 }
 
-TEST(StoreFaults, AFolderThatMayNotBeWrittenToStaysEmpty) {
+TEST(StoreFaults, AReadOnlyFolderStaysEmpty) {
   const ScratchFolder folder;
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   const int code = InChild([&] {
@@ -66,7 +66,7 @@ TEST(StoreFaults, AFolderThatMayNotBeWrittenToStaysEmpty) {
   EXPECT_EQ(folder.FileCount(), 0);
 }
 
-TEST(StoreFaults, AFullDiskLeavesNothingAndTheProcessGoesOn) {
+TEST(StoreFaults, AFullDiskLeavesNoFileAndTheProcessContinues) {
   const ScratchFolder folder;
   const int code = InChild([&] {
     ::signal(SIGXFSZ, SIG_IGN);
@@ -85,7 +85,7 @@ TEST(StoreFaults, AFullDiskLeavesNothingAndTheProcessGoesOn) {
   EXPECT_TRUE(ReadDataset(folder / "after.h5"));
 }
 
-TEST(StoreFaults, AFileThatIsThereStaysAsItIsWhenTheNewOneIsRefused) {
+TEST(StoreFaults, AnExistingFileIsKeptWhenTheNewOneIsRefused) {
   const ScratchFolder folder;
   ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "set.h5"));
   const std::string before = ReadFile(folder / "set.h5").value();
@@ -98,7 +98,7 @@ TEST(StoreFaults, AFileThatIsThereStaysAsItIsWhenTheNewOneIsRefused) {
   EXPECT_EQ(folder.FileCount(), 1);
 }
 
-TEST(StoreFaults, WhatBreaksARuleIsNotWritten) {
+TEST(StoreFaults, AViolatedRulePreventsWriting) {
   const ScratchFolder folder;
   const auto refused = [&](const std::function<void(Dataset&)>& change, const std::string& part) {
     Dataset dataset = test::MakeDataset();
@@ -113,7 +113,7 @@ TEST(StoreFaults, WhatBreaksARuleIsNotWritten) {
   refused([](Dataset& d) { d.clips[1] = d.clips[0]; }, "/clips/id");
   refused([](Dataset& d) { d.splits[0].test = {0}; }, "/splits/by_person/test");
   refused([](Dataset& d) { d.splits[0].test = {3}; }, "/splits/by_person/test");
-  refused([](Dataset& d) { d.splits[0].name = "a/b"; }, "no name for a split");
+  refused([](Dataset& d) { d.splits[0].name = "a/b"; }, "not a name for a split");
   refused([](Dataset& d) { d.splits[1].name = d.splits[0].name; }, "two splits");
   refused([](Dataset& d) { d.clips[2].motion.reset(); }, "KARD/p2/a#5-10");
   refused([](Dataset& d) { d.clips[2].motion->bone_length.pop_back(); }, "bone_length");

@@ -7,7 +7,7 @@
 namespace mocurate::test {
 
 /// A dataset whose numbers come from additions, products and square roots alone: the same bytes on every machine of one
-/// architecture. Every third clip is without optional fields, every fifth of a person with hips of its own.
+/// architecture. Every third clip is without optional fields, every fifth of a person with other hips.
 inline Dataset FixedDataset(int clips, int frames, bool joints_only = false) {
   const Quaterniond turns[] = {Quaterniond::Identity(), Quaterniond(0.5, 0.5, 0.5, 0.5),
                                Quaterniond(0.5, -0.5, 0.5, 0.5), Quaterniond(0, 1, 0, 0)};

@@ -12,7 +12,7 @@ namespace {
 
 const std::filesystem::path kDocument = std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs" / "store_format.md";
 
-TEST(StoreFormat, StoreFormatMdIsWhatTheTableSays) {
+TEST(StoreFormat, StoreFormatMdMatchesTheTable) {
   const std::string document = StoreFormatDocument();
   if (std::getenv("MOCURATE_REGENERATE") != nullptr) {
     const Status made = WriteFile(kDocument, document);
@@ -20,7 +20,7 @@ TEST(StoreFormat, StoreFormatMdIsWhatTheTableSays) {
   }
   const auto written = ReadFile(kDocument);
   ASSERT_TRUE(written) << written.error().Message();
-  EXPECT_TRUE(*written == document) << "run MOCURATE_REGENERATE=1 test_store --gtest_filter='StoreFormat.*'";
+  EXPECT_TRUE(*written == document) << "run MOCURATE_REGENERATE=1 test_store --gtest_filter='StoreFormat*'";
 }
 
 TEST(StoreFormat, EveryFieldIsInTheDocument) {

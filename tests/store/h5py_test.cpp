@@ -30,7 +30,8 @@ const std::filesystem::path kScripts = MOCURATE_TEST_SOURCE_FOLDER;
 const std::filesystem::path kFormatDocument =
     std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs" / "store_format.md";
 
-/// Debian's python3-h5py, without anything of ours. May be missing on a bare machine, never where the whole suite runs.
+/// Debian's python3-h5py, without any of our code. May be missing on a minimal machine, but not where the full suite
+/// runs.
 class StoreWithH5py : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -40,7 +41,7 @@ class StoreWithH5py : public ::testing::Test {
   }
 };
 
-TEST_F(StoreWithH5py, ADatasetIsReadWithoutUs) {
+TEST_F(StoreWithH5py, H5pyReadsADataset) {
   const ScratchFolder folder;
   const Dataset dataset = test::MakeDataset();
   ASSERT_TRUE(WriteDataset(dataset, folder / "set.h5"));
@@ -77,7 +78,7 @@ TEST_F(StoreWithH5py, ADatasetIsReadWithoutUs) {
   }
 }
 
-TEST_F(StoreWithH5py, ASetWrittenByAnotherProgramIsRead) {
+TEST_F(StoreWithH5py, ASetWrittenWithH5pyIsRead) {
   const ScratchFolder folder;
   for (const char* storage : {"", " gzip"}) {
     const Answer answer = Python(Quoted(kScripts / "write_store.py") + " " + Quoted(folder / "made.h5") + " " +

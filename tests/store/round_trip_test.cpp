@@ -256,7 +256,7 @@ TEST(Store, EvidenceComesBackExactlyWithPathsThatAreNotUtf8) {
   }
 }
 
-TEST(Store, EvidenceKeepsWhatWasFoundAboutIt) {
+TEST(Store, EvidenceKeepsItsFindings) {
   const ScratchFolder folder;
   Finding finding;
   finding.clip = "KARD/p1/a#0-3";
@@ -271,7 +271,7 @@ TEST(Store, EvidenceKeepsWhatWasFoundAboutIt) {
   EXPECT_TRUE(findings.empty());
 }
 
-TEST(Store, TheValueOfAMissingObservationIsNeverKeptAsNotANumber) {
+TEST(Store, MissingObservationsAreNotStoredAsNan) {
   const ScratchFolder folder;
   Clip clip = MakeEvidenceClip(false);
   clip.evidence.tracks->positions.xyz[6] = std::numeric_limits<double>::quiet_NaN();  // confidence 0
@@ -284,7 +284,7 @@ TEST(Store, TheValueOfAMissingObservationIsNeverKeptAsNotANumber) {
   EXPECT_NE(refused.error().where.find(":/tracks/positions"), std::string::npos) << refused.error().Message();
 }
 
-TEST(Store, AKeypointThatWasNotSeenMayBeAnythingAndOneThatWasSeenMayNot) {
+TEST(Store, OnlyDetectedKeypointsMustBeFinite) {
   const ScratchFolder folder;
   Clip clip = MakeEvidenceClip(false);
   std::vector<double>& values = clip.evidence.keypoint_views[0].values;
@@ -299,7 +299,7 @@ TEST(Store, AKeypointThatWasNotSeenMayBeAnythingAndOneThatWasSeenMayNot) {
   EXPECT_NE(refused.error().what.find("frame 0, person 0, nose"), std::string::npos) << refused.error().Message();
 }
 
-TEST(Store, CloudsWithoutOrderUnitOrHashAreRefusedByField) {
+TEST(Store, CloudsWithoutOrderUnitOrHashAreRefusedWithTheField) {
   const ScratchFolder folder;
   const auto where = [&](const std::function<void(CloudFiles&)>& damage) {
     Clip clip = MakeEvidenceClip(false);
@@ -346,7 +346,7 @@ TEST(Store, TheSameContentGivesTheSameBytesAlsoAfterReading) {
   EXPECT_TRUE(Bytes(folder / "a.h5") == Bytes(folder / "b.h5"));
 }
 
-TEST(Store, AStoredQuaternionThatIsReadIsUnitAndIsStoredAsItself) {
+TEST(Store, AStoredQuaternionIsReadAsUnitAndStoredUnchanged) {
   Random random(1, "quaternions");
   for (int i = 0; i < 300000; ++i) {
     Quaterniond q = Quaterniond(random.Normal(), random.Normal(), random.Normal(), random.Normal()).normalized();

@@ -13,7 +13,7 @@
 
 namespace mocurate::test {
 
-/// What became of work that ran in processes of its own.
+/// Results of work in child processes.
 struct Children {
   struct Death {
     std::size_t index = 0;
@@ -23,8 +23,8 @@ struct Children {
   long most_memory_kb = 0;
 };
 
-/// Calls work(0) to work(count - 1) in a child; when that dies, another goes on behind what killed it. A child that
-/// runs longer than `seconds` is killed too.
+/// Calls work(0) to work(count - 1) in a child; when that dies, another continues after the call that killed it. A
+/// child that runs longer than `seconds` is killed too.
 inline Children InChildren(std::size_t count, unsigned seconds, const std::function<void(std::size_t)>& work) {
   Children children;
   auto* const at = static_cast<std::size_t*>(

@@ -7,7 +7,7 @@
 
 namespace mocurate {
 
-/// A depth image as PNG, without the waiting for the disk that WriteFile does. Error kCannotWrite.
+/// Writes a depth image as PNG without fsync, unlike WriteFile. Error kCannotWrite.
 inline Status WriteDepthImage(const DepthImage& image, const std::filesystem::path& path) {
   const Expected<std::string> bytes = EncodePng(image);
   if (!bytes) return Forward(bytes);

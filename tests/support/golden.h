@@ -45,7 +45,7 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// Keeps HDF5 from printing its own error stack: the exception says it in our words.
+/// Keeps HDF5 from printing its own error stack: the exception carries our message.
 class Quiet {
  public:
   Quiet() {
@@ -131,11 +131,11 @@ class File {
     });
   }
 
-  /// Names of what a group holds, sorted. "/" is the file itself.
+  /// Names of the members of a group, sorted. "/" is the file itself.
   std::vector<std::string> Children(const std::string& name) const {
     const internal::Handle group = OpenObject(name);
     H5G_info_t info{};
-    if (H5Gget_info(group, &info) < 0) throw std::runtime_error(Place(name) + " is no group");
+    if (H5Gget_info(group, &info) < 0) throw std::runtime_error(Place(name) + " is not a group");
     std::vector<std::string> names;
     for (hsize_t i = 0; i < info.nlinks; ++i) {
       const ssize_t size = H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
@@ -189,21 +189,21 @@ class File {
   internal::Handle OpenDataset(const std::string& name) const {
     const internal::Quiet quiet;
     internal::Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
-    if (!dataset.valid()) throw std::runtime_error(Place(name) + ": there is no such dataset");
+    if (!dataset.valid()) throw std::runtime_error(Place(name) + ": the dataset does not exist");
     return dataset;
   }
 
   internal::Handle OpenObject(const std::string& name) const {
     const internal::Quiet quiet;
     internal::Handle object(H5Oopen(file_, name.empty() ? "/" : name.c_str(), H5P_DEFAULT), H5Oclose);
-    if (!object.valid()) throw std::runtime_error(Place(name) + ": there is no such object");
+    if (!object.valid()) throw std::runtime_error(Place(name) + ": the object does not exist");
     return object;
   }
 
   internal::Handle OpenAttribute(hid_t object, const std::string& name, const std::string& attribute) const {
     const internal::Quiet quiet;
     internal::Handle handle(H5Aopen(object, attribute.c_str(), H5P_DEFAULT), H5Aclose);
-    if (!handle.valid()) throw std::runtime_error(Place(name) + "@" + attribute + ": there is no such attribute");
+    if (!handle.valid()) throw std::runtime_error(Place(name) + "@" + attribute + ": the attribute does not exist");
     return handle;
   }
 

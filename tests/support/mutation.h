@@ -8,7 +8,7 @@
 
 namespace mocurate::test {
 
-/// One to four edits: a byte changed, a piece cut out, doubled or replaced by something that formats care about.
+/// One to four edits: a byte changed, a piece removed, duplicated or replaced by a token that formats parse.
 inline std::string Mutated(std::string bytes, Random& random) {
   static const std::string kSpices[] = {"nan",
                                         "-",

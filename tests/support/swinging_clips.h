@@ -10,7 +10,7 @@
 
 namespace mocurate {
 
-/// A person who travels and swings every joint, with bones of their own.
+/// A person who walks along and swings every joint, with individual bone lengths.
 inline Clip Swinging(const SkeletonPtr& skeleton, ClipIdentity identity, const std::string& label, double phase) {
   const int frames = identity.end_frame - identity.begin_frame;
   std::vector<Vector3d> root;
@@ -39,7 +39,8 @@ inline ClipIdentity StudioTake(const std::string& person, const std::string& rec
   return {"studio", person, recording, "", "", "CC0", begin, end};
 }
 
-/// Two persons; labels and recordings that are no names for files, two spans of one recording, a fine label, segments.
+/// Two persons; labels and recordings that are not valid file names, two spans of one recording, a fine label,
+/// segments.
 inline Dataset SwingingSet(const std::string& skeleton_name) {
   Dataset set;
   set.skeleton = *LoadSkeleton(skeleton_name);

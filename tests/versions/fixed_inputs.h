@@ -6,27 +6,27 @@
 
 #include "core/store/store.h"
 
-/// The small fixed inputs of the stages. None of them is made by a stage: what one stage changes moves no other's
-/// input.
+/// The small fixed inputs of the stages. None of them is made by a stage, so that a change of one stage does not change
+/// another's input.
 namespace mocurate::versions {
 
-/// A person of openni16 who stands, raises arms and knees with `vigour`, and stands again.
+/// A person of openni16 who stands, raises arms and knees by the factor `vigour`, and stands again.
 Motion Exercise(int frames, double vigour);
 
-/// The motion as a tracker saw it: noise, missing joints, no root.
+/// The motion as from a tracker: noise, missing joints, no root.
 Clip TrackedClip(const std::string& person, const std::string& recording, const std::string& label,
                  const Motion& motion);
 
-/// The same clip with its motion and no evidence, as fitting leaves it, in a set of its own.
+/// The same clip with its motion and no evidence, as after fitting, in a dataset of its own.
 Dataset FittedClip(const Clip& tracked, const Motion& motion);
 
-/// Two persons who train and one who tests, two labels, two clips each; joints only.
+/// Two training persons and one test person, two labels, two clips each; joints only.
 Dataset SmallDataset();
 
 /// A joint table of the motion: one row "x y z confidence" per joint but the root, millimetres, z away from the sensor.
 std::string JointTable(const Motion& motion);
 
-/// A BVH file of one leg, with a position on a joint that is no root.
+/// A BVH file of one leg, with position channels on a joint other than the root.
 std::string BvhText();
 
 /// Summary of a run about one fitted clip, as the runner hands it to the report.

@@ -15,7 +15,7 @@ constexpr std::size_t kFewNumbers = 6;  ///< arrays up to here are recorded as t
 constexpr std::size_t kShortText = 200;
 constexpr double kZero = 1e-9;  ///< numbers this close are equal whatever their size
 
-/// Between -1 and 1, another for each place.
+/// Between -1 and 1, different for each position.
 double WeightOf(std::size_t place) {
   std::uint64_t z = (place + 1) * 0x9E3779B97F4A7C15ULL;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
@@ -52,7 +52,7 @@ bool Excluded(const std::string& name) {
   return name.find("sha256") != std::string::npos || name.find("created_by") != std::string::npos;
 }
 
-/// Pictures inside a page are bytes of another library: only that there is one is kept.
+/// Images inside a page are bytes of another library: only their presence is recorded.
 std::string WithoutPictures(const std::string& text) {
   static const std::string kMark = ";base64,";
   std::string kept;

@@ -7,13 +7,13 @@
 
 #include "core/base/error.h"
 
-/// What a stage gave, in a form that another processor gives too: structure, names and whole numbers of JSON exactly;
-/// arrays and long texts by figures that are compared with a tolerance.
+/// Output of a stage in a form that does not depend on the processor: structure, names and whole numbers of JSON
+/// exactly; arrays and long texts as statistics that are compared with a tolerance.
 namespace mocurate::versions {
 
 /// Record of an artifact. HDF5: every field with shape, type and figures {"mean", "rms", "mix"} (mix: the values
-/// weighted by their place, so that exchanged values show). JSON: its values. Other text: its wording apart from the
-/// numbers in it. Anything else: its length. Hashes and the program's version are excluded.
+/// weighted by position, so that exchanged values are detected). JSON: its values. Other text: its wording without the
+/// numbers. Anything else: its length. Hashes and the program's version are not recorded.
 Expected<nlohmann::json> RecordArtifact(const std::filesystem::path& artifact);
 
 /// Record of any JSON value, by the same rules.

@@ -90,12 +90,13 @@ ItemResult StageVersions::Judge(const StageDeclaration& stage, const std::string
       recorded.is_object() ? Differences(recorded["record"], now["record"], tolerance) : std::vector<std::string>{};
   if (same_version && same_input && differences.empty()) return result;
   if (same_version && same_input) {
-    ADD_FAILURE() << "stage '" << stage.name << "' gives another output under its old version " << stage.version << ":"
-                  << Listed(differences) << "\nraise the version of stage '" << stage.name
-                  << "' (its Declaration in <room>/options.cpp), so that caches forget the old output, or restore the "
-                     "output; to accept then run "
-                  << kAccept << " (if the input of this test was changed on purpose, remove "
-                  << RecordFile(name).string() << " first)";
+    ADD_FAILURE()
+        << "stage '" << stage.name << "' has another output under its old version " << stage.version << ":"
+        << Listed(differences) << "\nraise the version of stage '" << stage.name
+        << "' (its Declaration in <module>/options.cpp), so that caches do not serve the old output, or restore the "
+           "output; to accept then run "
+        << kAccept << " (if the input of this test was changed on purpose, remove " << RecordFile(name).string()
+        << " first)";
     return result;
   }
   if (std::getenv("MOCURATE_REGENERATE") != nullptr) {
@@ -109,7 +110,7 @@ ItemResult StageVersions::Judge(const StageDeclaration& stage, const std::string
   } else if (!same_version) {
     ADD_FAILURE() << "stage '" << stage.name << "' has version " << stage.version << ", recorded is "
                   << recorded["version"]
-                  << (differences.empty() ? " with the very same output: is the new version needed? " : "; ")
+                  << (differences.empty() ? " with the same output: is the new version needed? " : "; ")
                   << "to accept run " << kAccept << Listed(differences);
   } else {
     ADD_FAILURE() << "stage '" << stage.name << "' was recorded with other options or from other stages' outputs ("

@@ -13,10 +13,10 @@
 
 namespace mocurate::versions {
 
-/// Where the records stand: one JSON file per case, {"stage", "version", "options", "made_from", "record"}.
+/// Path of a record: one JSON file per case, {"stage", "version", "options", "made_from", "record"}.
 std::filesystem::path RecordFile(const std::string& name);
 
-/// Runs stages in their worker programs and compares what they give with what is recorded beside their versions.
+/// Runs stages in their worker programs and compares their output with the record of their version.
 class StageVersions : public testing::Test {
  protected:
   void SetUp() override;

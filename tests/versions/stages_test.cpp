@@ -1,6 +1,6 @@
-// A stage's version cannot be forgotten: each stage's output on a small fixed input stands beside its version in
-// expected/, and one may not change without the other. Bytes may differ between processors, so what is recorded are
-// structure, texts and figures, compared with a tolerance.
+// Each stage's output on a small fixed input is recorded with its version in expected/, and one may not change without
+// the other. Bytes may differ between processors, so that structure, texts and statistics are recorded and compared
+// with a tolerance.
 
 #include <gmock/gmock.h>
 
@@ -383,7 +383,7 @@ TEST(StageRecords, EveryDeclaredStageHasOne) {
   EXPECT_EQ(declared, recorded) << "write a case for it in tests/versions/stages_test.cpp";
 }
 
-TEST(StageRecords, AChangeOfAThousandthShowsAndTheLastDigitOfAFloatDoesNot) {
+TEST(StageRecords, AChangeOfAThousandthIsDetectedAndTheLastDigitOfAFloatIsIgnored) {
   std::vector<double> values;
   for (int i = 0; i < 100; ++i) values.push_back(std::sin(0.1 * i));
   const nlohmann::json recorded = RecordJson(values);

@@ -221,7 +221,7 @@ TEST_F(MixedTakes, ModalityWithoutAPersonIsReportedAndTheOtherFitted) {
   const auto depth = Both(clip, options);
   ASSERT_TRUE(depth) << depth.error().Message();
   ASSERT_NE(Find(*depth, kModalityMissing), nullptr);
-  EXPECT_THAT(Find(*depth, kModalityMissing)->message, HasSubstr("no keypoint camera sees anybody"));
+  EXPECT_THAT(Find(*depth, kModalityMissing)->message, HasSubstr("no keypoint camera observes a person"));
   EXPECT_LT(Score(*depth, 0).joint_mm(), 40.0);
 
   clip = whole;

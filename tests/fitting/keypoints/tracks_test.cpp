@@ -246,7 +246,7 @@ TEST(KeypointTracks, AreRefusedWithoutAPersonOrWithoutAgreement) {
 
   Evidence empty = sound;
   for (KeypointView& view : empty.keypoint_views) std::fill(view.values.begin(), view.values.end(), 0.0);
-  EXPECT_THAT(WhyRefused(empty), HasSubstr("no view shows anybody"));
+  EXPECT_THAT(WhyRefused(empty), HasSubstr("no view shows a person"));
 
   Evidence later = sound;
   for (double& time : later.keypoint_views[1].time_s) time += 1000.0;

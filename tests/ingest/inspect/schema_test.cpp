@@ -38,7 +38,7 @@ TEST(InspectSchema, RejectsWhatItDoesNotDeclare) {
   const std::vector<std::string> faults = schema.Faults(inspection);
   for (const char* fault :
        {"/clips/0/id: 3 is no", "/clips/0: has no \"frames\"", "/code: \"a b\" is not as the pattern",
-        "/severity: \"fatal\" is none", "/more: is not in the schema"}) {
+        "/severity: \"fatal\" is not one of the enum", "/more: is not in the schema"}) {
     EXPECT_THAT(faults, Contains(HasSubstr(fault)));
   }
 }

@@ -61,7 +61,7 @@ Expected<StageOutcome> SleepStage(const StageRequest& request) {
   return Written(request, "slept " + request.item);
 }
 
-/// Counts to a hundred in its scratch folder; stops early, with what it has, when asked to.
+/// Counts to a hundred in its scratch folder; stops early on request and keeps its state.
 Expected<StageOutcome> Patient(const StageRequest& request) {
   const auto saved = request.scratch / "count";
   int count = std::atoi(ReadFile(saved).value_or("0").c_str());
@@ -85,7 +85,7 @@ Expected<StageOutcome> Refuse(const StageRequest& request) {
   return Fail(ErrorCode::kMalformed, "not a motion", request.item + ":3", "look at line 3");
 }
 
-/// Like canon with a clip that a rule of its options does not want.
+/// Like canon with a clip that a rule of its options excludes.
 Expected<StageOutcome> Exclude(const StageRequest& request) {
   StageOutcome outcome;
   outcome.kind = OutcomeKind::kExcluded;
