@@ -236,7 +236,7 @@ class Judge {
       if (declared != reading.value && reading.confidence > kContradiction) {
         sense.remarks.push_back(MakeFinding("calibration_contradiction", Severity::kWarning, reading.confidence,
                                             "the format declares " + declared + ", but " + reading.evidence + " (" +
-                                                RoundedText(100.0 * reading.confidence, 3) + " % sure)"));
+                                                RoundedText(100.0 * reading.confidence, 3) + " % confidence)"));
       }
       return {declared, 1.0, "the format declares it; " + Words(scores_[IndexOf(declared)])};
     }
@@ -343,7 +343,7 @@ class Judge {
       if (!unit.value.empty() && unit.value != declared && unit.confidence > kContradiction) {
         sense.remarks.push_back(MakeFinding("calibration_contradiction", Severity::kWarning, unit.confidence,
                                             "the file declares " + declared + ", but " + unit.evidence + " (" +
-                                                RoundedText(100.0 * unit.confidence, 3) + " % sure)"));
+                                                RoundedText(100.0 * unit.confidence, 3) + " % confidence)"));
       }
       return {declared, 1.0, "the file or its format declares it; " + unit.evidence};
     }

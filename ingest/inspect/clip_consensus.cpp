@@ -123,7 +123,7 @@ Vote<T> ClipConsensus::Ask(Reported<T> InspectedClip::*field) const {
   vote.comment = vote.from == Provenance::kDeclared
                      ? "declared by the file: " + evidence
                      : "measured: " + std::to_string(most.clips) + " of " + std::to_string(clips_.size()) +
-                           " clips say so, the clearest " + TwoDecimals(most.clearest->confidence) + " sure (" +
+                           " clips agree, the most confident with " + TwoDecimals(most.clearest->confidence) + " (" +
                            evidence + ")";
   return vote;
 }

@@ -67,7 +67,7 @@ void Compare(const char* code, const char* what, const std::string& declared, co
   comparisons.push_back(
       {MakeFinding(code, Severity::kError, FourDecimals(measured.confidence),
                    std::string(what) + " is declared " + declared + ", the motion says " + measured.value + ", " +
-                       RoundedText(100.0 * measured.confidence, 3) + " % sure (" + measured.evidence + ")"),
+                       RoundedText(100.0 * measured.confidence, 3) + " % confidence (" + measured.evidence + ")"),
        measured.value, measured.confidence, measured.value != declared});
 }
 

@@ -175,7 +175,7 @@ void ShareHandedness(const std::vector<InspectedClip*>& group, std::vector<Findi
       findings.push_back(FindingAt(clip->id, "handedness_outlier", Severity::kWarning, handedness.confidence,
                                    "this clip alone would be " + *handedness.value + "-handed (" + own + ", " +
                                        RoundedText(100.0 * handedness.confidence, 3) +
-                                       " % sure), the others of the folder are not"));
+                                       " % confidence), the others of the folder are not"));
       const std::string contradicts = "the clip contradicts the others of its folder";
       for (Reported<std::string>* field : {&clip->facing, &clip->axes}) {
         if (field->from == Provenance::kMeasured) *field = Unknown<std::string>(contradicts);

@@ -172,7 +172,7 @@ std::string NamedLine(const std::string& name, const std::string& text) {
 
 template <class T>
 std::string SureText(const Estimate<T>& estimate) {
-  return WholePercent(estimate.confidence) + " sure: " + estimate.evidence;
+  return WholePercent(estimate.confidence) + " confidence: " + estimate.evidence;
 }
 
 template <class T>

@@ -282,7 +282,7 @@ std::optional<RawClip> KnownLayout(const JointTable& rows, const std::vector<Row
     best->remarks.push_back(MakeFinding("layout_ambiguous", Severity::kWarning, best->skeleton.confidence,
                                         "the row count also allows " + others +
                                             " joints, and bone lengths do not exclude it; this reading is " +
-                                            RoundedText(100.0 * best->skeleton.confidence, 3) + " % sure"));
+                                            RoundedText(100.0 * best->skeleton.confidence, 3) + " % confidence"));
   }
   return best;
 }

@@ -79,7 +79,7 @@ TEST_F(Declarations, Bandai2IsRunAsItIsWritten) {
   EXPECT_THAT(unknown, IsEmpty());
   EXPECT_THAT(text_, HasSubstr("files: \"dataset-2_{action}_{style}_{repetition}.bvh\""));
   EXPECT_THAT(text_, HasSubstr("units: \"cm\""));
-  EXPECT_THAT(text_, HasSubstr("# measured: 5 of 5 clips say so"));
+  EXPECT_THAT(text_, HasSubstr("# measured: 5 of 5 clips agree"));
   EXPECT_THAT(text_, HasSubstr("axes: \"+x +y +z\""));
   EXPECT_THAT(text_, HasSubstr("rate: 30 Hz  # declared by the file: Frame Time"));
   EXPECT_THAT(text_, HasSubstr("skeleton: \"bandai22\""));
@@ -212,7 +212,7 @@ TEST_F(Declarations, CmusMotionsFindTheirSkeletons) {
   const std::vector<std::string> unknown = Declare("cmu/asf_amc", {"01.asf", "01_01.amc", "12.asf", "02_01.amc"});
   EXPECT_THAT(unknown, IsEmpty());
   EXPECT_THAT(text_, HasSubstr("rate: 120 Hz")) << "one of the two jumps, which determines the rate";
-  EXPECT_THAT(text_, HasSubstr("measured: 1 of 2 clips say so"));
+  EXPECT_THAT(text_, HasSubstr("measured: 1 of 2 clips agree"));
   EXPECT_THAT(text_, HasSubstr("skeleton_files: \"{person}.asf\""));
   EXPECT_THAT(text_, HasSubstr("person: \"{person}\""));
   EXPECT_THAT(text_, HasSubstr("units: \"0.0564 m\""));
