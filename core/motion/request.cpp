@@ -24,8 +24,8 @@ Expected<ScriptStep> ParseStep(const nlohmann::json& json, const std::string& wh
                      IsCount(json.value("transition_frames", nlohmann::json()), 1) &&
                      IsCount(json.value("frames", nlohmann::json()), 1);
   if (!whole) {
-    return Fail(ErrorCode::kMalformed, "a step of the script is " + json.dump(), where,
-                "label, transition_frames > 0, frames > 0");
+    return Fail(ErrorCode::kMalformed, "a step of the script lacks a field or has an invalid one: " + json.dump(),
+                where, "give label, transition_frames > 0 and frames > 0");
   }
   step.label = json["label"].get<int>();
   step.transition_frames = json["transition_frames"].get<int>();
