@@ -252,7 +252,7 @@ Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr&
     if (Status taken = TakeDirections(*directions, *own, where); !taken) return Forward(taken);
   }
   auto body_shape = json.find("body_shape");
-  for (const std::string_view former : FormerNamesOf("body_shape")) {
+  for (const std::string_view former : FormerNamesOf(NameKind::kField, "body_shape")) {
     if (body_shape == json.end()) body_shape = json.find(std::string(former));
   }
   if (body_shape != json.end()) {

@@ -11,7 +11,7 @@
 #include "core/motion/request.h"
 #include "core/store/dataset_clips.h"
 #include "ingest/formats/driver.h"
-#include "job/scratch_folder.h"
+#include "job/temporary_folder.h"
 #include "train/options.h"
 
 namespace mocurate {
@@ -234,7 +234,7 @@ Expected<std::vector<MotionRequest>> ContinuedSamples(const ItemResult& dataset)
 /// Adds a motion of each class by the first seed of each generator, as inputs "generated" of the report. A failure only
 /// removes its strips.
 Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, JobResult& result) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   if (scratch.path().empty()) return scratch.Missing();
   std::vector<ItemSpec> items;
   std::vector<std::string> names;

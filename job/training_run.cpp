@@ -8,7 +8,7 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "job/main_job.h"
-#include "job/scratch_folder.h"
+#include "job/temporary_folder.h"
 
 namespace mocurate {
 namespace {
@@ -60,7 +60,7 @@ class TrainingRun {
 
   /// In a dry run: measures a few steps of each network in a temporary folder, and logs the expected time.
   Status Measure(const std::vector<TrainItem>& items) {
-    const ScratchFolder scratch;
+    const TemporaryFolder scratch;
     if (scratch.path().empty()) return scratch.Missing();
     RunnerOptions settings = place_.runner.options();
     settings.dry_run = false;

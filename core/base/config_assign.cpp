@@ -29,8 +29,9 @@ ConfigNode* IntoSequence(ConfigNode& node, const std::string& key, const std::st
 }
 
 ConfigNode* IntoMapping(ConfigNode& node, const std::string& key) {
-  for (auto& entry : node.mapping) {
-    if (entry.first == key) return &entry.second;
+  if (auto* entry = EntryOf(node, key); entry != nullptr) {
+    Rename(*entry, key);
+    return &entry->second;
   }
   ConfigNode fresh;
   MarkAsSet(fresh);

@@ -126,7 +126,7 @@ class ConfigReader final : public OptionVisitor {
     std::string text;
     const ConfigNode* node = Find(name);
     if (node == nullptr || !ReadText(*node, Name(name), text)) return;
-    const std::string now(NewNameOf(text));
+    const std::string now(NewNameOf(NameKind::kChoice, text, name));
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (names[i] != text && names[i] != now) continue;
       if (names[i] == now) LogWarning(node->origin.Text() + ": " + Name(name) + ": " + RenamedText(text, now));
@@ -141,7 +141,7 @@ class ConfigReader final : public OptionVisitor {
   }
 
   void BeginGroup(const char* name, const char*) override {
-    const ConfigNode* node = Find(name);
+    const ConfigNode* node = Find(name, NameKind::kCode);
     Open(node, Name(name));
   }
   void EndGroup() override { Close(); }
@@ -212,12 +212,12 @@ class ConfigReader final : public OptionVisitor {
     }
   }
 
-  const ConfigNode* Find(const char* name) {
+  const ConfigNode* Find(const char* name, NameKind kind = NameKind::kOption) {
     Level& level = levels_.back();
     level.options.emplace_back(name);
     if (level.node == nullptr) return nullptr;
     const ConfigNode* node = level.node->Find(name);
-    for (const std::string_view former : FormerNamesOf(name)) {
+    for (const std::string_view former : FormerNamesOf(kind, name)) {
       const ConfigNode* found = level.node->Find(std::string(former));
       if (found == nullptr) continue;
       level.former.emplace_back(former);

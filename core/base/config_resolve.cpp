@@ -175,9 +175,7 @@ class Resolver {
   }
 
   static ConfigNode* Child(ConfigNode& node, const std::string& key) {
-    for (auto& entry : node.mapping) {
-      if (entry.first == key) return &entry.second;
-    }
+    if (auto* entry = EntryOf(node, key); entry != nullptr) return &entry->second;
     const std::optional<long long> index = ParseInteger(key);
     if (!index || *index < 0 || static_cast<std::size_t>(*index) >= node.sequence.size()) return nullptr;
     return &node.sequence[static_cast<std::size_t>(*index)];

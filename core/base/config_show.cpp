@@ -64,7 +64,7 @@ class ConfigShower final : public OptionVisitor {
   }
   void TextMap(const char* name, std::map<std::string, std::string>& value, const char*) override {
     if (value.empty()) return Put(name, "{}");
-    const ConfigNode* node = Below(name);
+    const ConfigNode* node = Below(name, NameKind::kCode);
     Line(name, "", node, false);
     open_.push_back({node, "", 0});
     for (const auto& [key, text] : value) Put(key, YamlText(text));
@@ -105,10 +105,10 @@ class ConfigShower final : public OptionVisitor {
     int lines;
   };
 
-  const ConfigNode* Below(const std::string& name) const {
+  const ConfigNode* Below(const std::string& name, NameKind kind = NameKind::kOption) const {
     if (open_.back().node == nullptr) return nullptr;
     const ConfigNode* node = open_.back().node->Find(name);
-    for (const std::string_view former : FormerNamesOf(name)) {
+    for (const std::string_view former : FormerNamesOf(kind, name)) {
       if (node == nullptr) node = open_.back().node->Find(std::string(former));
     }
     return node;

@@ -37,7 +37,7 @@ constexpr std::pair<FindingAction, std::string_view> kActions[] = {{FindingActio
 std::string_view Name(FindingAction action) { return kActions[static_cast<std::size_t>(action)].second; }
 
 FindingAction FindingActionFromName(std::string_view name) {
-  if (const std::string_view now = NewNameOf(name); !now.empty()) name = now;
+  if (const std::string_view now = NewNameOf(NameKind::kAction, name); !now.empty()) name = now;
   for (const auto& [action, text] : kActions) {
     if (text == name) return action;
   }

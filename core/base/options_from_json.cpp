@@ -107,7 +107,7 @@ class JsonReader final : public OptionVisitor {
     std::string text;
     const json* found = Find(name);
     if (found == nullptr || !ReadText(name, *found, text)) return;
-    const std::string_view now = NewNameOf(text);
+    const std::string_view now = NewNameOf(NameKind::kChoice, text, name);
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (names[i] != text && names[i] != now) continue;
       if (names[i] == now) LogWarning(Where(name) + ": " + RenamedText(text, now));
@@ -118,7 +118,7 @@ class JsonReader final : public OptionVisitor {
   }
 
   void BeginGroup(const char* name, const char*) override {
-    const json* found = Find(name);
+    const json* found = Find(name, NameKind::kCode);
     Open(found, Where(name));
   }
   void EndGroup() override { Close(); }
@@ -179,19 +179,25 @@ class JsonReader final : public OptionVisitor {
     }
   }
 
-  const json* Find(const char* name) {
+  const json* Find(const char* name, NameKind kind = NameKind::kOption) {
     Level& level = levels_.back();
     level.names.emplace_back(name);
     if (level.object == nullptr) return nullptr;
-    if (const auto found = level.object->find(name); found != level.object->end()) return &*found;
-    for (const std::string_view former : FormerNamesOf(name)) {
+    const auto now = level.object->find(name);
+    const json* option = now == level.object->end() ? nullptr : &*now;
+    for (const std::string_view former : FormerNamesOf(kind, name)) {
       const auto found = level.object->find(std::string(former));
       if (found == level.object->end()) continue;
       level.names.emplace_back(former);
-      LogWarning(level.where + ": " + RenamedText(former, name));
-      return &*found;
+      if (option != nullptr) {
+        problems_.Add(Where(std::string(former)), "is the former name of '" + Where(name) + "', which is given too",
+                      "remove the former name");
+        continue;
+      }
+      LogWarning(RenamedText(Where(std::string(former)), Where(name)));
+      option = &*found;
     }
-    return nullptr;
+    return option;
   }
 
   void Refuse(const std::string& name, const json& value, const std::string& rule) {

@@ -95,7 +95,7 @@ auto Guarded(const char* thing, const Read& read) -> Expected<decltype(read())> 
 OutcomeKind KindFromName(const std::string& name) {
   for (const OutcomeKind kind :
        {OutcomeKind::kDone, OutcomeKind::kSuspect, OutcomeKind::kExcluded, OutcomeKind::kRefused}) {
-    if (Name(kind) == name || Name(kind) == NewNameOf(name)) return kind;
+    if (Name(kind) == name || Name(kind) == NewNameOf(NameKind::kOutcome, name)) return kind;
   }
   return OutcomeKind::kCrashed;
 }

@@ -19,7 +19,7 @@ Status CheckIsDataset(const std::filesystem::path& path) {
 
 Expected<std::unique_ptr<DatasetStages>> DatasetStages::Make(const CommonArguments& common) {
   auto made = std::unique_ptr<DatasetStages>(new DatasetStages());
-  if (made->scratch_.path().empty()) return Forward(ScratchFolder::Missing());
+  if (made->scratch_.path().empty()) return Forward(TemporaryFolder::Missing());
   RunnerOptions settings;
   settings.run_folder = made->scratch_.path();
   settings.quiet = common.quiet;

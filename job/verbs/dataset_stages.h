@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/pipeline/runner.h"
-#include "job/scratch_folder.h"
+#include "job/temporary_folder.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -27,7 +27,7 @@ class DatasetStages {
  private:
   DatasetStages() = default;
 
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_;
   std::unique_ptr<Runner> runner_;
   std::vector<StageReport> reports_;
 };

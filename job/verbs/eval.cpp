@@ -15,7 +15,7 @@
 #include "job/motion_files.h"
 #include "job/protocols.h"
 #include "job/run_outputs.h"
-#include "job/scratch_folder.h"
+#include "job/temporary_folder.h"
 #include "job/verbs/dose_response.h"
 #include "job/verbs/verbs.h"
 #include "train/items.h"
@@ -242,7 +242,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   ChooseBlasKernels();
   auto plan = PlanOf(arguments);
   if (!plan) return Forward(plan);
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   RunnerOptions settings;
   settings.run_folder = arguments.output.empty() ? scratch.path() : arguments.output;
   settings.jobs = arguments.jobs;

@@ -22,7 +22,7 @@
 #include "job/main_job.h"
 #include "job/motion_files.h"
 #include "job/named_configs.h"
-#include "job/scratch_folder.h"
+#include "job/temporary_folder.h"
 #include "job/verbs/fit_answer.h"
 #include "job/verbs/output_checks.h"
 #include "job/verbs/verbs.h"
@@ -243,14 +243,14 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
   const Expected<JobOptions> options = FitOptionsOf(arguments);
   if (!options) return Forward(options);
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   RunnerOptions settings;
   settings.run_folder = scratch.path();
   settings.jobs = arguments.jobs;
   settings.quiet = common.quiet;
   settings.log_failures = false;
   if (settings.run_folder.empty()) {
-    return ScratchFolder::Missing();
+    return TemporaryFolder::Missing();
   }
   auto runner = Runner::Make(settings);
   if (!runner) return Forward(runner);

@@ -14,8 +14,8 @@
 #include "job/blas_kernels.h"
 #include "job/config_loading.h"
 #include "job/run_outputs.h"
-#include "job/scratch_folder.h"
 #include "job/stage_runs.h"
+#include "job/temporary_folder.h"
 #include "job/verbs/mesh_files.h"
 #include "job/verbs/motion_scripts.h"
 #include "job/verbs/verbs.h"
@@ -370,7 +370,7 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
     return Fail(ErrorCode::kUsage, "the option needs --mesh", arguments.body.empty() ? "--shapes" : "--body",
                 "add --mesh FOLDER");
   }
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch;
   if (scratch.path().empty()) return scratch.Missing();
   ItemSpec item{"motions", nlohmann::json::object(), {{"generator", "network", arguments.checkpoint, ""}}};
   std::size_t asked = 0;

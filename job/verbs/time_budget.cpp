@@ -13,7 +13,7 @@
 #include "core/base/text.h"
 #include "core/base/units.h"
 #include "job/data_sets.h"
-#include "job/scratch_folder.h"
+#include "job/temporary_folder.h"
 
 namespace mocurate {
 namespace {
@@ -126,7 +126,7 @@ Expected<TimeBudget> MakeTimeBudget(double seconds, const JobOptions& options, c
     LogInfo("time budget: read from " + DisplayPath(file));
     return *kept;
   }
-  const ScratchFolder scratch;  // measuring does not change files of a run
+  const TemporaryFolder scratch;  // measuring does not change files of a run
   if (scratch.path().empty()) return Forward(scratch.Missing());
   RunnerOptions own = settings;
   own.run_folder = scratch.path();

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
+#include "core/base/file.h"
+#include "core/base/text.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -42,6 +45,41 @@ TEST(InspectRun, AFailedLaterRunHasNoResultsOfTheEarlierOne) {
   const nlohmann::json json = RunProgram(folder, {"inspect", run, "--json"}).Json();
   EXPECT_TRUE(json["files"].empty());
   EXPECT_TRUE(json["clips"].empty());
+}
+
+TEST(InspectRun, AFolderOfAFormerVersionIsCountedAlike) {
+  const ScratchFolder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  const fs::path run = folder / "runs/a";
+  const auto change = [&](const char* file, const std::function<void(nlohmann::json&, std::size_t)>& edit) {
+    const std::string text = *ReadFile(run / file);
+    std::string changed;
+    std::size_t line = 0;
+    for (const std::string_view part : SplitText(text, '\n')) {
+      if (part.empty()) continue;
+      nlohmann::json json = nlohmann::json::parse(part);
+      edit(json, line++);
+      changed += json.dump() + "\n";
+    }
+    WriteText(run / file, changed);
+  };
+  const auto describe = [&](bool former) {
+    change("curation_log.jsonl", [&](nlohmann::json& line, std::size_t i) {
+      if (i < 2) line["decision"] = former ? "left_out" : "excluded";
+      if (i < 5) line.erase("suspect");
+      if (i >= 2 && i < 5) line[former ? "doubtful" : "suspect"] = true;
+    });
+    change("journal.jsonl", [&](nlohmann::json& line, std::size_t i) {
+      if (i < 3) line["outcome"] = former ? "doubtful" : "suspect";
+    });
+    return RunProgram(folder, {"inspect", run.string(), "--json"});
+  };
+  const Result now = describe(false), former = describe(true);
+  ASSERT_EQ(former.exit_code, 0) << former.err;
+  EXPECT_EQ(former.Json(), now.Json());
+  EXPECT_EQ(now.Json()["suspect"], 3);
+  EXPECT_EQ(now.Json()["clips"]["excluded"], 2);
+  EXPECT_THAT(former.err, HasSubstr("excluded"));
 }
 
 TEST(InspectRun, ARemovedResultIsReportedAsMissing) {

@@ -89,6 +89,14 @@ TEST(Synthesize, AnOptionUnusedByTheLayoutIsRefusedAndItsLayoutsAreNamed) {
   EXPECT_EQ(ring.exit_code, 2);
 }
 
+TEST(Synthesize, AFormerOptionUnusedByTheLayoutIsRefused) {
+  const ScratchFolder folder;
+  for (const char* option : {"ghost=0.5", "false_track=0.5"}) {
+    EXPECT_EQ(RunProgram(folder, {"synthesize", "--layout", "humanact12", "--show", "--set", option}).exit_code, 2);
+    EXPECT_EQ(RunProgram(folder, {"synthesize", "--layout", "ntu", "--show", "--set", option}).exit_code, 0);
+  }
+}
+
 TEST(Synthesize, ShownOptionsOfOneLayoutAreValidForAnother) {
   const ScratchFolder folder;
   WriteText(folder / "studio.yaml", RunProgram(folder, {"synthesize", "--layout", "kard", "--show"}).out);

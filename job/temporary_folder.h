@@ -8,16 +8,16 @@
 namespace mocurate {
 
 /// A temporary folder of a verb, removed with its contents.
-class ScratchFolder {
+class TemporaryFolder {
  public:
   /// Empty path when it cannot be created.
-  ScratchFolder() {
+  TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "mocurate-XXXXXX").string();
     if (mkdtemp(name.data()) != nullptr) path_ = name;
   }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
     std::error_code ignored;
     if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
   }
