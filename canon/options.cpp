@@ -116,8 +116,7 @@ void FacingOptions::Declare(OptionVisitor& v) {
   v.Choice("height", height, {{"root", HeightOrigin::kRoot}, {"floor", HeightOrigin::kFloor}},
            "height of the origin: the anchor's root, or y = 0 (the floor, where canon.level finds it)");
   v.Number("min_horizontal", min_horizontal, Unit::kNone, {0.01, 1.0},
-           "flags a clip whose heading axis has a smaller horizontal part; rule hips then uses the forward axis"
-           "decides");
+           "flags a clip whose heading axis has a smaller horizontal part; rule hips then uses the forward axis");
   v.List("given", given, "with rule: given, rotations by person or view");
 }
 

@@ -146,7 +146,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"count_contradiction", "error", "a header announces `value` items, the file holds another count"},
       {"cut_off", "error", "the file ends within a frame: the whole frames before it are kept"},
       {"ids_stitched", "info", "tracks of one person with several ids, joined; value: lost frames"},
-      {"other_person", "warning", "other tracks than the actor's, skipped; value: metres"},
+      {"other_person", "warning", "other tracks than the actor's, skipped; value: px to the actor"},
       {"segment_times", "warning; error where they are impossible", "times of a label lie outside its clip"},
       {"row_length", "warning", "a row with another count of numbers: its frame is missing"},
       {"not_a_number", "warning; info of a header", "words or non-finite numbers among numbers"},

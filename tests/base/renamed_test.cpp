@@ -125,7 +125,7 @@ TEST(Renamed, ANameOfAnotherKindIsUnknown) {
   EXPECT_FALSE(reads("limbs_in_one_place: false", {{"limbs_in_one_place", false}}));  // a code
   EXPECT_FALSE(reads("rows: tell", {{"rows", "tell"}}));                              // `rows` never had it
   EXPECT_FALSE(reads("rows: doubtful", {{"rows", "doubtful"}}));                      // an outcome
-  EXPECT_FALSE(reads("rows: left out", {{"rows", "left out"}}));                      // an clocks
+  EXPECT_FALSE(reads("rows: left out", {{"rows", "left out"}}));                      // an action
 }
 
 TEST(Renamed, FindingsOfADatasetHaveTheirNewCodes) {
