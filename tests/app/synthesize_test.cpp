@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/renamed.h"
 #include "tests/app/disk.h"
 #include "tests/app/program.h"
 
@@ -91,7 +92,11 @@ TEST(Synthesize, AnOptionUnusedByTheLayoutIsRefusedAndItsLayoutsAreNamed) {
 
 TEST(Synthesize, AFormerOptionUnusedByTheLayoutIsRefused) {
   const ScratchFolder folder;
-  for (const char* option : {"ghost=0.5", "false_track=0.5"}) {
+  std::vector<std::string> names = {"false_track"};
+  for (const std::string_view former : FormerNamesOf(NameKind::kOption, names[0])) names.emplace_back(former);
+  ASSERT_GE(names.size(), 2u);
+  for (const std::string& name : names) {
+    const std::string option = name + "=0.5";
     EXPECT_EQ(RunProgram(folder, {"synthesize", "--layout", "humanact12", "--show", "--set", option}).exit_code, 2);
     EXPECT_EQ(RunProgram(folder, {"synthesize", "--layout", "ntu", "--show", "--set", option}).exit_code, 0);
   }
