@@ -34,7 +34,7 @@ Expected<RepairLikeOptions> ReadText(const std::string& text) {
 }
 
 TEST(Renamed, FormerNamesOfOptionsAndChoicesAreRead) {
-  const auto read = ReadText("teleports: false\nrotation_walk: 2\naction: tell\n");
+  const auto read = ReadText("teleports: false\nrotation_walk: 2\nclocks: tell\n");
   ASSERT_TRUE(read) << read.error().Message();
   EXPECT_FALSE(read->position_jumps);
   EXPECT_EQ(read->rotation_process_noise, 2.0);
