@@ -163,11 +163,11 @@ Status CheckLie(const Skeleton& s) {
 }  // namespace
 
 std::optional<int> HingeAxis(const JointLimits& limits) {
-  constexpr double kHyperextension = 0.5, kRightAngle = 1.5708;
+  constexpr double kMostBackwards = 0.5, kRightAngle = 1.5708;  // radians
   for (int i = 0; i < 3; ++i) {
     const double less = std::min(-limits.min[i], limits.max[i]);
     const double more = std::max(-limits.min[i], limits.max[i]);
-    if (less < kHyperextension && more > kRightAngle) return i;
+    if (less < kMostBackwards && more > kRightAngle) return i;
   }
   return {};
 }

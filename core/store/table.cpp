@@ -88,7 +88,10 @@ void AddFrames(std::vector<Field>& fields, const std::string& prefix, Presence p
       .Add("joints", kF4, {"F", "J", "3"}, "m", ForwardKinematicsJoints(), "positions in the world")
       .Add("state", kU1, {"F", "J"}, "", InRange(0, 3), "0 observed, 1 repaired, 2 interpolated, 3 inferred", kOptional)
       .Add("position_cov", kF4, {"F", "J", "6"}, "m2", Covariance(), "xx xy xz yy yz zz", kOptional)
-      .Add("rotation_sigma", kF4, {"F", "J", "3"}, "rad", AtLeast(0), "standard deviation", kOptional)
+      .Add("rotation_sigma", kF4, {"F", "J", "3"}, "rad", AtLeast(0),
+           "standard deviation about the axes of the joint; at most 1.81 of the root, 1 of hips, knees, shoulders and "
+           "elbows, 0.2 to 0.4 of others: the spread of postures without evidence",
+           kOptional)
       .Add("rotation_observed", kF4, {"F", "J", "3"}, "", AtMost(1), "1 - posterior/prior variance", kOptional)
       .Add("contact", kU1, {"F", "2"}, "", InRange(0, 1), "left and right foot on the floor", kOptional);
 }

@@ -62,7 +62,6 @@ Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const Fus
     }
     uncertainty.prior.push_back(prior);
     uncertainty.rotation.emplace_back(variance.cwiseMin(prior));
-    uncertainty.observed.emplace_back((1.0 - variance.array() / prior).cwiseMax(0.0));
   }
   return uncertainty;
 }

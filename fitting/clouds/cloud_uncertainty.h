@@ -10,7 +10,6 @@ namespace mocurate {
 struct CloudUncertainty {
   std::vector<Matrix3d> position;  ///< (J) covariance of joints in the world, m^2
   std::vector<Vector3d> rotation;  ///< (J) variance about the joint's own axes, rad^2
-  std::vector<Vector3d> observed;  ///< (J) 1 - posterior / prior variance of the rotation
   std::vector<double> prior;       ///< (J) prior variance of the rotation, rad^2
 };
 

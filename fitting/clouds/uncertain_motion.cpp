@@ -36,10 +36,11 @@ UncertainMotion::UncertainMotion(const Motion& motion)
 
 void UncertainMotion::SetPosition(std::size_t at, const Matrix3d& c) { ToSixNumbers(c, position_cov_.data() + 6 * at); }
 
-void UncertainMotion::SetRotation(std::size_t at, const Vector3d& variance, const Vector3d& observed) {
+void UncertainMotion::SetRotation(std::size_t at, const Vector3d& variance, double prior) {
   for (int i = 0; i < 3; ++i) {
-    rotation_sigma_[3 * at + static_cast<std::size_t>(i)] = static_cast<float>(std::sqrt(variance[i]));
-    rotation_observed_[3 * at + static_cast<std::size_t>(i)] = static_cast<float>(observed[i]);
+    const double stated = std::min(variance[i], prior);
+    rotation_sigma_[3 * at + static_cast<std::size_t>(i)] = static_cast<float>(std::sqrt(stated));
+    rotation_observed_[3 * at + static_cast<std::size_t>(i)] = static_cast<float>(1.0 - stated / prior);
   }
 }
 
@@ -48,8 +49,7 @@ void UncertainMotion::Set(int frame, const CloudUncertainty& uncertainty, const 
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
     SetPosition(at, uncertainty.position[j] + body_error[j] * body_error[j] * Matrix3d::Identity());
-    const Vector3d variance = (uncertainty.rotation[j] + body_rotation[j]).cwiseMin(uncertainty.prior[j]);
-    SetRotation(at, variance, (1.0 - variance.array() / uncertainty.prior[j]).cwiseMax(0.0));
+    SetRotation(at, uncertainty.rotation[j] + body_rotation[j], uncertainty.prior[j]);
   }
 }
 
@@ -58,7 +58,7 @@ void UncertainMotion::Replace(int frame, const CloudUncertainty& uncertainty, co
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
     SetPosition(at, uncertainty.position[j]);
-    if (moving[j]) SetRotation(at, uncertainty.rotation[j] + body_rotation[j], uncertainty.observed[j]);
+    if (moving[j]) SetRotation(at, uncertainty.rotation[j] + body_rotation[j], uncertainty.prior[j]);
   }
 }
 

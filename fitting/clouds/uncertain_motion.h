@@ -21,14 +21,15 @@ class UncertainMotion {
   /// prior's.
   void Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error,
            const std::vector<Vector3d>& body_rotation);
-  /// Replaces a frame's uncertainty; joints that are not `moving` (J) keep that of their rotation.
+  /// The same without an error of the body in positions; joints that are not `moving` (J) keep the uncertainty of their
+  /// rotation.
   void Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& moving,
                const std::vector<Vector3d>& body_rotation);
   void Write(Motion& motion) const;
 
  private:
   void SetPosition(std::size_t at, const Matrix3d& covariance);
-  void SetRotation(std::size_t at, const Vector3d& variance, const Vector3d& observed);
+  void SetRotation(std::size_t at, const Vector3d& variance, double prior);
 
   int joints_;
   std::vector<float> position_cov_;

@@ -11,8 +11,8 @@
 
 namespace mocurate {
 
-/// Sine of the angle to which knees and elbows may hyperextend.
-inline constexpr double kHyperextension = 0.2;
+/// Sine of the angle to which knees and elbows hyperextend without cost.
+inline constexpr double kFreeHyperextension = 0.2;
 
 /// A joint that carries one bone and bends far one way only (HingeAxis).
 struct Hinge {
@@ -41,11 +41,11 @@ inline std::vector<std::optional<Hinge>> HingesOf(const Skeleton& skeleton) {
 }
 
 /// Violation of a joint's hinge: the sine of the angle between bone and hinge plane, and hyperextension beyond
-/// kHyperextension (negative, as a sine); 0 inside.
+/// kFreeHyperextension (negative, as a sine); 0 inside.
 inline Eigen::Vector2d OffHinge(const Hinge& hinge, const Matrix3d& parent_from_joint) {
   const Vector3d bone = parent_from_joint * hinge.bone;
   const double bend = hinge.forwards.dot(bone);
-  return {bone[hinge.axis] - hinge.bone[hinge.axis], std::min(0.0, bend + kHyperextension)};
+  return {bone[hinge.axis] - hinge.bone[hinge.axis], std::min(0.0, bend + kFreeHyperextension)};
 }
 
 /// Derivatives of both by the rotation vector.
@@ -62,7 +62,7 @@ inline Eigen::Matrix<double, 2, 3> OffHingeSlopes(const Hinge& hinge, const Matr
 /// A knee or elbow bends about its hinge, in one direction. The bend therefore determines the twist of the thigh or
 /// upper arm. The twist of the shin or forearm itself has no cost.
 /// Residuals: r_0 = s / sigma, r_1 = min(0, b + e) / sigma, 2 rows; s sine of the angle out of the plane, b sine of the
-/// bend, e kHyperextension: unitless.
+/// bend, e kFreeHyperextension: unitless.
 /// Blocks: rotation vector[3] (parent_from_joint).
 /// Jacobian: rows h^T and f^T of -R [bone]x J_r(w), over sigma; h hinge, f forwards; the second 0 inside.
 /// Degenerate: beyond a right angle, the second residual does not change its sign as the limb bends on.

@@ -207,6 +207,9 @@ void ExchangeJoints(const std::vector<int>& left, int begin, int end, SkeletonTr
       tracks.positions.at(f, partner) = place;
       std::swap(tracks.confidence[here], tracks.confidence[there]);
       if (!tracks.precision.empty()) std::swap(tracks.precision[here], tracks.precision[there]);
+      if (tracks.rotation.empty()) continue;
+      std::swap(tracks.rotation[here], tracks.rotation[there]);
+      std::swap(tracks.rotation_confidence[here], tracks.rotation_confidence[there]);
     }
   }
 }

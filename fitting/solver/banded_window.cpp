@@ -61,6 +61,7 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
       break;
     }
   }
+  solution.exhausted = !solution.converged && region.exhausted();
   solution.final_cost = cost;
   return solution;
 }

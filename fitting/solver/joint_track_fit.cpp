@@ -15,6 +15,7 @@
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/closed_form_start.h"
 #include "fitting/solver/rest_sigmas.h"
+#include "fitting/solver/track_equations.h"
 #include "fitting/solver/track_window.h"
 #include "fitting/uncertainty/process_noise_scale.h"
 #include "fitting/uncertainty/track_uncertainty.h"
@@ -23,6 +24,13 @@ namespace mocurate {
 namespace {
 
 constexpr double kNearlyExact = 1e-3;  ///< metres, for tracks too short to show their noise
+
+/// Cost of all frames at the pose of the state. Windows overlap: the sum of their costs would count frames twice.
+double CostOf(const TrackWindow& whole) {
+  TrackEquations track(whole);
+  track.SetParameters(track.Parameters());
+  return track.Cost();
+}
 
 /// Solves windows one after the other: a window of W frames keeps its first W - overlap, the rest is fitted again.
 Status SolveWindows(const TrackWindow& whole, FitResult& result) {
@@ -34,7 +42,8 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   Bones bones = whole.bones;
   result.converged = true;
   result.termination = "converged";
-  result.initial_cost = result.final_cost = 0.0;
+  const bool several = frames > length;
+  if (several) result.initial_cost = CostOf(whole);
   for (int begin = 0; begin < frames; begin += step) {
     const int end = frames - begin <= length ? frames : begin + length;
     const auto solution =
@@ -42,15 +51,16 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
                whole.noise_scale, whole.rotations, whole.step, whole.memory, whole.rest_sigmas});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
-    result.initial_cost += solution->initial_cost;
-    result.final_cost += solution->final_cost;
+    if (!several) result.initial_cost = solution->initial_cost;
+    result.final_cost = solution->final_cost;
     if (!solution->converged) {
       result.converged = false;
-      result.termination = "iteration limit";
+      result.termination = solution->exhausted ? "no step reduces the cost" : "iteration limit";
     }
     if (end == frames) break;
     if (bones == Bones::kFree) bones = Bones::kFixed;  // the first window decides
   }
+  if (several) result.final_cost = CostOf(whole);
   return {};
 }
 

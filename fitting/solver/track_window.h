@@ -85,6 +85,7 @@ struct WindowSolution {
   double initial_cost = 0.0;
   double final_cost = 0.0;
   bool converged = false;
+  bool exhausted = false;  ///< no step reduces the cost, however small
 };
 
 /// Ceres: Levenberg-Marquardt with sparse Cholesky (CHOLMOD), one residual block per term.

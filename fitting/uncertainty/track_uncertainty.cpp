@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/geometry/symmetric.h"
+#include "fitting/costs/hinge_cost.h"
+#include "fitting/costs/huber.h"
 #include "fitting/uncertainty/autocorrelated_error.h"
 #include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/frame_covariances.h"
@@ -22,31 +25,52 @@ constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordin
 
 constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes
 
-/// Variance of a joint's angle per axis without evidence (F*J): a random walk with a rest prior, cut at gaps, at most
-/// the typical rotation of people.
-std::vector<double> PriorVariance(const TrackWindow& whole) {
-  const std::vector<double>& rest = *whole.rest_information;
-  std::vector<double> information = rest;
-  for (int j = 0; j < whole.tracks.joints(); ++j) {
-    /// Information of a Gaussian chain that reaches the other side of a step.
-    const auto through = [&](int f, double before) {
-      if (!whole.Joined(f)) return 0.0;
-      const double step = 1.0 / whole.RotationVariance(f, j);
-      return step * before / (step + before);
-    };
-    double reaching = 0.0;
-    for (int f = 1; f < whole.end; ++f)
-      information[whole.Index(f, j)] += reaching = through(f - 1, reaching + rest[whole.Index(f - 1, j)]);
-    reaching = 0.0;
-    for (int f = whole.end - 2; f >= 0; --f)
-      information[whole.Index(f, j)] += reaching = through(f, reaching + rest[whole.Index(f + 1, j)]);
+/// What the fit knows of a joint's rotation in a frame without evidence: rest pose, limits and hinge, 1/rad^2, in the
+/// joint's frame.
+Matrix3d PriorInformation(const TrackWindow& whole, const std::optional<Hinge>& hinge, int frame, int joint) {
+  const Vector3d w = Eigen::Map<const Vector3d>(whole.state.rotation(frame, joint));
+  const Matrix3d inverse = RightJacobianInverse(w);
+  Vector3d of_vector = Vector3d::Constant(whole.RestInformation(frame, joint));
+  if (const auto& limits = whole.tracks.skeleton->joints[joint].limits) {
+    for (int i = 0; i < 3; ++i) {
+      const bool beyond = BeyondLimit(w[i], limits->min[i], limits->max[i]) != 0.0;
+      if (beyond) of_vector[i] += 1.0 / (whole.options.limit_sigma * whole.options.limit_sigma);
+    }
   }
+  Matrix3d information = inverse.transpose() * of_vector.asDiagonal() * inverse;
+  if (!hinge) return information;
+  const Eigen::Matrix<double, 2, 3> slopes = OffHingeSlopes(*hinge, whole.state.local(frame, joint), w) * inverse;
+  return information + slopes.transpose() * slopes / (whole.options.hinge_sigma * whole.options.hinge_sigma);
+}
+
+/// Variance of a joint's rotation per axis of its frame without evidence (F*J): a random walk with that information in
+/// each frame, cut at gaps, at most the typical rotation of people.
+std::vector<Vector3d> PriorVariance(const TrackWindow& whole) {
+  const int joints = whole.tracks.joints();
+  const std::vector<std::optional<Hinge>> hinges = HingesOf(*whole.tracks.skeleton);
   const std::vector<double> typical = TypicalRotations(*whole.tracks.skeleton);
-  for (std::size_t at = 0; at < information.size(); ++at) {
-    const double angle = typical[at % typical.size()];
-    information[at] = std::min(1.0 / information[at], angle * angle);
+  std::vector<Vector3d> variance(static_cast<std::size_t>(whole.end) * static_cast<std::size_t>(joints));
+  std::vector<Matrix3d> own(static_cast<std::size_t>(whole.end)), all;
+  for (int j = 0; j < joints; ++j) {
+    for (int f = 0; f < whole.end; ++f) own[f] = PriorInformation(whole, hinges[j], f, j);
+    all = own;
+    /// Information of a Gaussian chain that reaches the other side of a step.
+    const auto through = [&](int step, const Matrix3d& before) -> Matrix3d {
+      if (!whole.Joined(step)) return Matrix3d::Zero();
+      const double information = 1.0 / whole.RotationVariance(step, j);
+      return information * before * (before + information * Matrix3d::Identity()).inverse();
+    };
+    Matrix3d reaching = Matrix3d::Zero();
+    for (int f = 1; f < whole.end; ++f) all[f] += reaching = through(f - 1, reaching + own[f - 1]);
+    reaching.setZero();
+    for (int f = whole.end - 2; f >= 0; --f) all[f] += reaching = through(f, reaching + own[f + 1]);
+    const Vector3d most = Vector3d::Constant(typical[j] * typical[j]);
+    for (int f = 0; f < whole.end; ++f) {
+      variance[whole.Index(f, j)] =
+          j == 0 ? Vector3d::Constant(kUnknownAngle) : Vector3d(all[f].inverse().diagonal().cwiseMin(most));
+    }
   }
-  return information;
+  return variance;
 }
 
 /// The fit's process noise, without coupling positions of unobserved joints: an unobserved head that would move far if
@@ -72,7 +96,7 @@ struct Freedom {
 
 class Reader {
  public:
-  Reader(const TrackWindow& window, const std::vector<double>& prior, PoseUncertainty& out, Freedom& freedom)
+  Reader(const TrackWindow& window, const std::vector<Vector3d>& prior, PoseUncertainty& out, Freedom& freedom)
       : window_(window), prior_(prior), out_(out), freedom_(freedom) {}
 
   void Read(const FrameCovariance& of_frame) {
@@ -102,20 +126,20 @@ class Reader {
  private:
   void WriteRotation(const TrackEquations& track, std::size_t at, int frame, int joint,
                      const Eigen::MatrixXd& covariance) {
-    const double prior = joint == 0 ? kUnknownAngle : prior_[at];
-    Vector3d variance = Vector3d::Constant(prior);
+    const Vector3d& prior = prior_[at];
+    Vector3d variance = prior;
     if (const int column = track.column(joint); column >= 0) {
       const Matrix3d& jacobian = window_.state.right_jacobian(frame, joint);
       variance = (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal().cwiseMin(prior);
     }
     for (int i = 0; i < 3; ++i) {
       out_.rotation_sigma[3 * at + i] = static_cast<float>(std::sqrt(std::min(variance[i], kUnknownAngle)));
-      out_.rotation_observed[3 * at + i] = static_cast<float>(std::clamp(1.0 - variance[i] / prior, 0.0, 1.0));
+      out_.rotation_observed[3 * at + i] = static_cast<float>(std::clamp(1.0 - variance[i] / prior[i], 0.0, 1.0));
     }
   }
 
   const TrackWindow& window_;
-  const std::vector<double>& prior_;
+  const std::vector<Vector3d>& prior_;
   PoseUncertainty& out_;
   Freedom& freedom_;
 };
@@ -155,7 +179,7 @@ std::vector<double> FactorsOfPositions(const SkeletonTracks& tracks, const std::
 
 /// Scales the variance from evidence by `factor`, the a-posteriori variance. Positions unobserved in their frame, and
 /// the prior's part of a rotation, are unchanged.
-void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, double factor,
+void Scale(const SkeletonTracks& tracks, const std::vector<Vector3d>& prior, double factor,
            PoseUncertainty& uncertainty) {
   factor *= kUncertaintyCalibration;
   const GapInflation growth = FindGapInflation(tracks);
@@ -168,7 +192,7 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
         float& value = uncertainty.position_cov[6 * at + i];
         value = static_cast<float>(of_positions[at] * value);
       }
-      const double of_rotation = growth.rotation[at] > 1.0 ? growth.rotation[at] : factor;
+      const double of_rotation = growth.rotation[at] > 1.0 ? std::max(growth.rotation[at], factor) : factor;
       for (int i = 0; i < 3; ++i) {
         float& observed = uncertainty.rotation_observed[3 * at + i];
         if (observed == 0.0F) continue;
@@ -176,7 +200,7 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
         const double evidence = observed / (1.0 - std::min<double>(observed, 1.0 - 1e-9)) / of_rotation;
         const double share = 1.0 / (1.0 + evidence);
         observed = static_cast<float>(1.0 - share);
-        const double variance = share * (j == 0 ? kUnknownAngle : prior[at]);
+        const double variance = share * prior[at][i];
         uncertainty.rotation_sigma[3 * at + i] = static_cast<float>(std::sqrt(variance));
       }
     }
@@ -185,7 +209,7 @@ void Scale(const SkeletonTracks& tracks, const std::vector<double>& prior, doubl
 
 /// Adds the covariance of frame orientations between bodies, the joint's own and its parent's, to rotations that
 /// evidence determines.
-void AddFrameOrientations(const TrackWindow& whole, const std::vector<double>& prior, PoseUncertainty& uncertainty) {
+void AddFrameOrientations(const TrackWindow& whole, const std::vector<Vector3d>& prior, PoseUncertainty& uncertainty) {
   const std::vector<Matrix3d> frame_covariance = FrameOrientationCovariance(whole);
   for (int f = 0; f < whole.end; ++f) {
     for (int j = 0; j < whole.state.joints(); ++j) {
@@ -195,11 +219,11 @@ void AddFrameOrientations(const TrackWindow& whole, const std::vector<double>& p
         const Matrix3d& parent_from_joint = whole.state.local(f, j);
         added += parent_from_joint.transpose() * frame_covariance[parent] * parent_from_joint;
       }
-      const double most = j == 0 ? kUnknownAngle : prior[at];
       for (int i = 0; i < 3; ++i) {
         float& observed = uncertainty.rotation_observed[3 * at + i];
         if (observed == 0.0F) continue;
         float& sigma = uncertainty.rotation_sigma[3 * at + i];
+        const double most = prior[at][i];
         const double variance = std::min(static_cast<double>(sigma) * sigma + added(i, i), most);
         sigma = static_cast<float>(std::sqrt(variance));
         observed = static_cast<float>(1.0 - variance / most);
@@ -221,7 +245,7 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double 
   uncertainty.position_cov.assign(6 * numbers, 0.0F);
   uncertainty.rotation_sigma.assign(3 * numbers, 0.0F);
   uncertainty.rotation_observed.assign(3 * numbers, 0.0F);
-  const std::vector<double> prior = PriorVariance(whole);
+  const std::vector<Vector3d> prior = PriorVariance(whole);
   Freedom freedom;
   Reader reader(whole, prior, uncertainty, freedom);
   Status visited = VisitCovariances(whole, [&](const FrameCovariance& covariance) { reader.Read(covariance); });

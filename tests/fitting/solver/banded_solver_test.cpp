@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "fitting/costs/hinge_cost.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/track_equations.h"
 #include "fitting/solver/track_problem.h"
@@ -113,6 +114,39 @@ TEST_F(BandedWindow, MatchesCeresWithPrecisionPerSample) {
   ExpectSameAsCeres(Of(0, 6, Bones::kFixed));
   ExpectSameAsCeres(Of(2, 5, Bones::kFixed));
   ExpectSameAsCeres(Of(0, 6, Bones::kFree));
+}
+
+TEST_F(BandedWindow, MatchesCeresWithHingesProcessNoiseAndRestSigmas) {
+  auto hinged = std::make_shared<Skeleton>(*take_.tracks.skeleton);
+  for (const int joint : {4, 7}) {  // elbows; swinging takes both beyond the hinge's plane and its bend
+    const double way = joint == 4 ? 1.0 : -1.0;
+    hinged->joints[joint].limits =
+        JointLimits{Vector3d(-0.5, way > 0.0 ? -0.2 : -2.4, -0.5), Vector3d(0.5, way > 0.0 ? 2.4 : 0.2, 0.5)};
+  }
+  ASSERT_TRUE(HingesOf(*hinged)[4] && HingesOf(*hinged)[7]);
+  take_.tracks.skeleton = hinged;
+  Random random(8, "scales");
+  ProcessNoiseScale scale = ProcessNoiseScale::Ones(take_.tracks.confidence.size());
+  for (double& value : scale.rotation) value = random.Uniform(0.3, 3.0);
+  for (double& value : scale.position) value = random.Uniform(0.3, 3.0);
+  std::vector<double> rest;
+  for (int j = 0; j < take_.tracks.joints(); ++j) rest.push_back(random.Uniform(0.2, 2.0));
+  for (const Bones bones : {Bones::kFixed, Bones::kFree}) {
+    TrackWindow window = Of(0, 6, bones);
+    window.noise_scale = &scale;
+    window.rest_sigmas = &rest;
+    ExpectSameAsCeres(window);
+  }
+}
+
+TEST_F(BandedWindow, WithoutAToleranceEndsWhereNoStepReducesTheCost) {
+  TrackWindow window = Of(0, 6, Bones::kFixed);
+  window.step.relative_tolerance = 0.0;
+  window.step.max_iterations = 10000;
+  const auto solution = SolveBanded(window);
+  ASSERT_TRUE(solution) << solution.error().Message();
+  EXPECT_LT(solution->iterations, 10000);
+  EXPECT_TRUE(solution->converged || solution->exhausted);
 }
 
 TEST_F(BandedWindow, MatchesCeresBesideAFixedFrame) { ExpectSameAsCeres(Of(2, 5, Bones::kFixed)); }

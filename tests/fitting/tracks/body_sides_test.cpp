@@ -52,6 +52,25 @@ TEST(ExchangedBody, PartOfAJointTrackIsExchangedBackWhicheverPartIsLonger) {
   }
 }
 
+TEST(ExchangedBody, TakesRecordedRotationsAlong) {
+  MistakenClip clip(0, 0);
+  SkeletonTracks& tracks = clip.tracks;
+  for (std::size_t at = 0; at < tracks.confidence.size(); ++at) {
+    tracks.rotation.push_back(ExpQuaternion(Vector3d(0.001 * static_cast<double>(at), 0.0, 0.0)));
+    tracks.rotation_confidence.push_back(at % 2 == 0 ? 1.0 : 0.5);
+  }
+  const SkeletonTracks before = tracks;
+  const std::vector<int> left = LeftJoints(*tracks.skeleton);
+  ExchangeJoints(left, 10, 20, tracks);
+  const auto at = [&](int f, int j) { return static_cast<std::size_t>(f * tracks.joints() + j); };
+  for (const int joint : left) {
+    const int partner = tracks.skeleton->joints[joint].mirror;
+    EXPECT_EQ(tracks.rotation[at(15, joint)].coeffs(), before.rotation[at(15, partner)].coeffs());
+    EXPECT_EQ(tracks.rotation_confidence[at(15, partner)], before.rotation_confidence[at(15, joint)]);
+    EXPECT_EQ(tracks.rotation[at(5, joint)].coeffs(), before.rotation[at(5, joint)].coeffs());
+  }
+}
+
 /// The tracker takes the back for the front: left and right are reversed, and feet and knees point to the back.
 TEST(ExchangedBody, ReversedPersonIsReportedAndKept) {
   MistakenClip clip(0, 0);

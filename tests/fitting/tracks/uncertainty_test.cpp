@@ -213,6 +213,48 @@ TEST(TrackUncertainty, TwistOfAStraightLimbIsNotObserved) {
   }
 }
 
+/// The hinge and the limits of a knee are known without evidence: they do not count as observed.
+TEST(TrackUncertainty, AHingeWithoutEvidenceIsNotObserved) {
+  PlayedTake take = SmoothTake(330, Quaterniond::Identity(), 30.0, 0.4, LoadSkeleton("smpl24").value());
+  const Skeleton& body = *take.truth.skeleton;
+  const int knee = *body.FindJoint("left_knee"), ankle = *body.FindJoint("left_ankle"),
+            toes = *body.FindJoint("left_foot");
+  ASSERT_TRUE(HingesOf(body)[static_cast<std::size_t>(knee)].has_value());
+  for (int f = 10; f < 310; ++f) {
+    for (const int below : {ankle, toes}) Hide(take.tracks, f, below);
+  }
+  const Motion motion = FitWithUncertainty(take).motion;
+  for (int i = 0; i < 3; ++i) EXPECT_LE(ValueAt(motion.rotation_observed, motion, 160, knee, i), 0.05F) << i;
+  EXPECT_GT(ValueAt(motion.rotation_observed, motion, 5, knee, 0), 0.9F);
+}
+
+TEST(TrackUncertainty, ALongerGapIsNotMoreCertain) {
+  PlayedTake take = SmoothTake(90);
+  AddNoise(take.tracks, 0.04, 3);  // four times as stated: the factor of the residuals is large
+  const std::vector<double> sigma(take.tracks.joints(), 0.01);
+  const JointTrackOptions options;
+  const int elbow = *take.truth.skeleton->FindJoint("left_elbow"),
+            wrist = *take.truth.skeleton->FindJoint("left_wrist");
+  const auto sigma_in_middle = [&](int end) {
+    PlayedTake gap = take;
+    for (int f = 40; f < end; ++f) Hide(gap.tracks, f, wrist);
+    PoseState state(*gap.tracks.skeleton, 90, gap.truth.bone_length, std::vector<bool>(gap.tracks.joints(), true));
+    for (int f = 0; f < 90; ++f) {
+      Eigen::Map<Vector3d>(state.translation(f)) = gap.truth.joints.at(f, 0);
+      for (int j = 0; j < gap.tracks.joints(); ++j)
+        Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(gap.truth.rotation_at(f, j));
+    }
+    const TrackWindow window{gap.tracks, state, sigma, gap.truth.bone_length, Bones::kFixed, options, 0, 90};
+    const auto uncertainty = UncertaintyOfTracks(window);
+    EXPECT_GT(uncertainty->variance_factor, 4.0);
+    Vector3d of_elbow;
+    for (int i = 0; i < 3; ++i) of_elbow[i] = uncertainty->rotation_sigma[3 * (48 * 14 + elbow) + i];
+    return of_elbow;
+  };
+  const Vector3d shorter = sigma_in_middle(57), longer = sigma_in_middle(60);  // 0.6 s and 0.7 s between samples
+  for (int i = 0; i < 3; ++i) EXPECT_GE(longer[i], 0.99 * shorter[i]) << i;
+}
+
 TEST(TrackUncertainty, GrowsWhereAJointIsNotObserved) {
   PlayedTake take = SmoothTake(90);
   for (int f = 30; f < 60; ++f) Hide(take.tracks, f, 5);
@@ -247,8 +289,11 @@ TEST(TrackUncertainty, IsIndependentOfWindows) {
   AddNoise(take.tracks, 0.01, 4);
   JointTrackOptions windows;
   windows.window_frames = 70;
-  const Motion whole = FitWithUncertainty(take).motion;
-  const Motion parts = FitWithUncertainty(take, windows).motion;
+  const FitResult fit_of_whole = FitWithUncertainty(take), fit_of_parts = FitWithUncertainty(take, windows);
+  EXPECT_NEAR(fit_of_parts.final_cost, fit_of_whole.final_cost, 0.01 * fit_of_whole.final_cost);
+  EXPECT_NEAR(fit_of_parts.initial_cost, fit_of_whole.initial_cost, 0.05 * fit_of_whole.initial_cost);
+  const Motion& whole = fit_of_whole.motion;
+  const Motion& parts = fit_of_parts.motion;
   for (int f = 0; f < 200; ++f) {
     const double expected = CovarianceAt(whole, f, 8).trace();
     EXPECT_NEAR(CovarianceAt(parts, f, 8).trace(), expected, 0.02 * expected) << "frame " << f;
