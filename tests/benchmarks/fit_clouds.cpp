@@ -20,6 +20,7 @@
 #include "fitting/clouds/person_points.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
+#include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/benchmarks/given_takes.h"
 #include "tests/fitting/cloud_takes.h"
@@ -120,17 +121,21 @@ struct MixScore {
 };
 
 Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, const Proportions& person,
-              const PointCloudOptions& options, MixScore& score) {
+              const PointCloudOptions& options, benchmarks::ClipLines& lines, MixScore& score) {
   JointTrackOptions track_options;
   track_options.solver = TrackSolver::kBanded;
+  const double begin = CpuSeconds();
   const auto tracks = RepairAndFit(OnBody(take.clip.tracks, person.skeleton), take.clip.truth.rate, person.bone_length,
                                    RepairOptions{}, track_options);
   if (!tracks) return Forward(tracks);
+  const double tracks_end = CpuSeconds();
   const auto both = FitTracksAndClouds(*tracks, clouds, options);
   if (!both) return Forward(both);
   FitScore alone, joint;
   alone.Add(*tracks, take.clip), score.tracks.Add(*tracks, take.clip);
   joint.Add(*both, take.clip), score.both.Add(*both, take.clip);
+  lines.Add(take.clip, "tracks", *tracks, tracks_end - begin);
+  lines.Add(take.clip, "tracks_and_clouds", *both, CpuSeconds() - begin);
   score.surface_weight += *both->surface_weight;
   ++score.clips;
   std::fprintf(stderr, "    tracks %5.1f mm %4.1f deg, both %5.1f mm %4.1f deg, weight %.3f, residual %4.1f mm\n",
@@ -189,6 +194,7 @@ int main(int argc, char** argv) {
   FitScore all;
   FitScore after_gap;
   MixScore mix;
+  benchmarks::ClipLines lines(argc, argv);
   double points = 0.0, iterations = 0.0;
   for (const std::vector<CloudTake>& of_person : ByPerson(takes, wanted.stills || given["alone"] != 0.0)) {
     std::vector<Clip> clips;
@@ -224,11 +230,13 @@ int main(int argc, char** argv) {
       const double begin = CpuSeconds();
       const auto fit = FitFusedClouds(std::move(*clouds), {take.clip.truth.rate, take.clip.tracks.time_s},
                                       bones->skeleton, bones->bone_length, options);
-      spent.fit += CpuSeconds() - begin;
+      const double own_seconds = CpuSeconds() - begin;
+      spent.fit += own_seconds;
       if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;
       FitScore one;
       one.Add(*fit, take.clip);
       all.Add(*fit, take.clip);
+      lines.Add(take.clip, "clouds", *fit, own_seconds);
       if (first_after_gap > 0) after_gap.Add(*fit, take.clip, first_after_gap, fit->motion.frame_count());
       iterations += fit->iterations;
       const double size = bones->bone_length[4] / take.clip.truth.bone_length[4];
@@ -238,7 +246,7 @@ int main(int argc, char** argv) {
           take.clip.name.c_str(), take.seated ? "seated" : "stands", one.frames, one.joint_mm(), one.rotation_deg(),
           1e3 * fit->residual_rms, size, 1e2 * one.within_one(), 1e2 * one.within_two());
       if (!copies.empty()) {
-        const Status mixed = AddMix(take, copies, person, options, mix);
+        const Status mixed = AddMix(take, copies, person, options, lines, mix);
         if (!mixed) return std::fprintf(stderr, "%s\n", mixed.error().Message().c_str()), 1;
       }
       if (given.count("hidden") != 0) {

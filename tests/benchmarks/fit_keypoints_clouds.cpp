@@ -15,6 +15,7 @@
 #include "fitting/keypoint_cloud_fit.h"
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
+#include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/benchmarks/given_takes.h"
 #include "tests/fitting/fit_score.h"
@@ -40,7 +41,7 @@ void Print(const char* name, const FitScore& score, double seconds) {
 }
 
 Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr& body, std::vector<double> bones,
-           const BodyFromClouds& in_clouds, FittingOptions options, Scores& scores) {
+           const BodyFromClouds& in_clouds, FittingOptions options, benchmarks::ClipLines& lines, Scores& scores) {
   Clip clip;
   clip.identity.recording = take.clip.name;
   clip.rate = take.clip.truth.rate;
@@ -49,17 +50,23 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   double begin = CpuSeconds();
   const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bones, options);
   if (!keypoints) return Forward(keypoints);
-  scores.seconds_keypoints += CpuSeconds() - begin;
+  const double of_keypoints = CpuSeconds() - begin;
+  scores.seconds_keypoints += of_keypoints;
   begin = CpuSeconds();
   const auto clouds = FitClouds(clip, in_clouds.skeleton, in_clouds.bone_length, options.point_clouds);
   if (!clouds) return Forward(clouds);
-  scores.seconds_clouds += CpuSeconds() - begin;
+  const double of_clouds = CpuSeconds() - begin;
+  scores.seconds_clouds += of_clouds;
   begin = CpuSeconds();
   SkeletonPtr own = body;
   UseBody(in_clouds, own, bones);  // as the stage proportions does
   const auto both = FitKeypointsAndClouds(clip, skeleton, own, bones, options);
   if (!both) return Forward(both);
-  scores.seconds_both += CpuSeconds() - begin;
+  const double of_both = CpuSeconds() - begin;
+  scores.seconds_both += of_both;
+  lines.Add(take.clip, "keypoints", *keypoints, of_keypoints);
+  lines.Add(take.clip, "clouds", *clouds, of_clouds);
+  lines.Add(take.clip, "keypoints_and_clouds", *both, of_both);
   FitScore k, c, b;
   k.Add(*keypoints, take.clip), scores.keypoints.Add(*keypoints, take.clip);
   c.Add(*clouds, take.clip), scores.clouds.Add(*clouds, take.clip);
@@ -105,6 +112,7 @@ int main(int argc, char** argv) {
   options.joint_tracks.solver = TrackSolver::kBanded;
   options.point_clouds.solver = TrackSolver::kBanded;
   Scores scores;
+  benchmarks::ClipLines lines(argc, argv);
   for (int person = 1; person <= wanted.subjects; ++person) {
     std::vector<Clip> clips;
     std::vector<SkeletonTracks> tracks;
@@ -135,7 +143,7 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "person %d: bones off %.1f mm by keypoints, %.1f mm by clouds\n", person,
                      1e3 * off_keypoints / joints, 1e3 * off_clouds / joints);
       }
-      const Status fitted = Fit(take, skeleton, body, proportions->bone_length, *cloud_bones, options, scores);
+      const Status fitted = Fit(take, skeleton, body, proportions->bone_length, *cloud_bones, options, lines, scores);
       if (!fitted) std::fprintf(stderr, "%s: %s\n", take.clip.name.c_str(), fitted.error().Message().c_str());
     }
   }

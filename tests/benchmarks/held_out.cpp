@@ -20,6 +20,7 @@
 #include "core/geometry/symmetric.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
+#include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/benchmarks/real_people.h"
 
@@ -164,6 +165,7 @@ struct Cover {
     two += static_cast<double>((white.array().abs() < 2.0).count());
     count += 3.0;
   }
+  void Add(const Cover& other) { one += other.one, two += other.two, count += other.count; }
 };
 
 std::string Cell(std::vector<double>& errors) {
@@ -177,7 +179,19 @@ std::string Cell(std::vector<double>& errors) {
 struct Score {
   std::vector<double> body, expected, linear, spline, seen;
   Cover cover_body, cover_expected;
+
+  void Add(const Score& other) {
+    for (auto part : {&Score::body, &Score::expected, &Score::linear, &Score::spline, &Score::seen})
+      (this->*part).insert((this->*part).end(), (other.*part).begin(), (other.*part).end());
+    cover_body.Add(other.cover_body);
+    cover_expected.Add(other.cover_expected);
+  }
 };
+
+double Middle(std::vector<double> errors) {
+  std::sort(errors.begin(), errors.end());
+  return errors[errors.size() / 2];
+}
 
 void Add(const RealClip& clip, const std::vector<double>& bones, const JointTrackOptions& options, Score& score) {
   const SkeletonTracks& whole = clip.tracks;
@@ -230,13 +244,23 @@ int main(int argc, char** argv) {
     if (name == "walk_refits") options.steps = StepsWithRefits(static_cast<int>(value));
   }
   Score score;
+  benchmarks::ClipLines lines(argc, argv);
   for (auto& [person, clips] : ReadPeople(argv[1], *skeleton, argc > 3 ? std::atoi(argv[3]) : 60, noise)) {
     std::vector<SkeletonTracks> all;
     for (std::size_t i = 0; i < clips.size() && i < 30; ++i) all.push_back(clips[i].tracks);
     const auto bones = EstimateProportions(all, clips.front().tracks.skeleton, ProportionsOptions{});
     if (!bones) continue;
     for (RealClip& clip : clips) clip.tracks = OnBody(std::move(clip.tracks), bones->skeleton);
-    for (const RealClip& clip : clips) Add(clip, bones->bone_length, options, score);
+    for (const RealClip& clip : clips) {
+      Score own;
+      Add(clip, bones->bone_length, options, own);
+      if (own.body.empty()) continue;
+      lines.Add(clip.id, person, argv[1],
+                {{"median_mm", 1e3 * Middle(own.body)},
+                 {"within_one", own.cover_body.one / own.cover_body.count},
+                 {"within_two", own.cover_body.two / own.cover_body.count}});
+      score.Add(own);
+    }
   }
   if (score.body.empty()) return std::fprintf(stderr, "nothing was hidden\n"), 1;
   const std::size_t hidden = score.body.size();

@@ -29,6 +29,7 @@
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
 #include "ingest/synthetic/take_plan.h"
+#include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/fitting/studio_views.h"
 
@@ -281,6 +282,7 @@ int main(int argc, char** argv) {
     bodies[person] = {estimate->skeleton, estimate->bone_length};
   }
   Errors errors;
+  benchmarks::ClipLines lines(argc, argv);
   double fit_s = 0.0;
   double iterations = 0.0;
   double sigma = 0.0;
@@ -293,10 +295,18 @@ int main(int argc, char** argv) {
       std::copy(take.truth.bone_length.begin(), take.truth.bone_length.end(), body.bone_length.begin());
     }
     const auto fit = FitKeypoints(take.evidence, take.truth.rate, skeleton, body.skeleton, body.bone_length, options);
-    fit_s += CpuSeconds() - begin;
+    const double own_s = CpuSeconds() - begin;
+    fit_s += own_s;
     if (!fit) continue;
     Errors own;
     AddErrors(take.truth, fit->motion, own);
+    AddCoverage(take.truth, fit->motion, own);
+    lines.Add(take.name, take.person, "keypoints",
+              {{"joint_mm", own.joint_mm / own.joints},
+               {"rotation_deg", own.rotation_deg / own.rotations},
+               {"within_one", own.all.one()},
+               {"within_two", own.all.two()},
+               {"frames_per_s", take.truth.frame_count() / own_s}});
     iterations += fit->iterations;
     sigma += fit->noise_sigma;
     std::fprintf(stderr, "%-28s %4d frames, %5.1f mm, %4.1f deg, %d iterations\n", take.name.c_str(),

@@ -21,6 +21,7 @@
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "ingest/synthetic/body_points.h"
+#include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/fitting/fit_score.h"
 #include "tests/fitting/studio_clips.h"
@@ -169,6 +170,7 @@ int main(int argc, char** argv) {
     for (StudioClip& clip : clips) HideJoints(unobserved.only, clip);
   }
   std::map<int, FitScore> of_class;
+  benchmarks::ClipLines lines(argc, argv);
   double seconds = 0.0;
   double sigma = 0.0;
   SwapScore swaps;
@@ -185,13 +187,15 @@ int main(int argc, char** argv) {
       const auto start = std::chrono::steady_clock::now();
       auto fit = RepairAndFit(OnBody(clip.tracks, bones->skeleton), clip.truth.rate,
                               true_bones ? clip.truth.bone_length : bones->bone_length, repair, options);
-      seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const double own_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      seconds += own_seconds;
       if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;
       if (kard == 1) {
         const SkeletonPtr body = fit->motion.skeleton;
         fit->motion = WithoutDetectorPoints(fit->motion, WithoutTrackerPoints(body));
       }
       all.Add(*fit, clip);
+      lines.Add(clip, "tracks", *fit, own_seconds);
       if (few_joints || kard > 0) unobserved.Add(*fit, clip);
       if (gap_s != 0.0) hidden.Add(*fit, clip, gaps[&clip].first, gaps[&clip].second);
       of_class[clip.action].Add(*fit, clip);

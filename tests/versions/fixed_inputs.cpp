@@ -1,11 +1,15 @@
 #include "tests/versions/fixed_inputs.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdio>
 
 #include "core/base/pi.h"
 #include "core/base/random.h"
+#include "core/body/bone_capsules.h"
 #include "core/motion/kinematics.h"
+#include "tests/support/depth_files.h"
 
 namespace mocurate::versions {
 namespace {
@@ -14,8 +18,8 @@ bool Has(const std::string& name, const char* word) { return name.find(word) != 
 
 }  // namespace
 
-Motion Exercise(int frames, double vigour) {
-  const SkeletonPtr skeleton = LoadSkeleton("openni16").value();
+Motion Exercise(int frames, double vigour, const std::string& name) {
+  const SkeletonPtr skeleton = LoadSkeleton(name).value();
   std::vector<Vector3d> root;
   std::vector<Quaterniond> rotation;
   for (int f = 0; f < frames; ++f) {
@@ -56,6 +60,54 @@ Clip TrackedClip(const std::string& person, const std::string& recording, const 
   }
   for (int j = 1; j < motion.joint_count(); ++j) tracks.names.push_back(motion.skeleton->joints[j].name);
   clip.evidence.tracks = std::move(tracks);
+  return clip;
+}
+
+Clip RecordedClip(const std::string& person, const std::string& recording, const Motion& motion,
+                  const std::filesystem::path& folder) {
+  constexpr int kCameras = 3;
+  const Vector3d middle = motion.root_translation.front();
+  const BoneCapsules body = BoneCapsules::Make(motion.skeleton);
+  Clip clip = TrackedClip(person, recording, "wave", motion);
+  Random random(12, "fixed views", clip.id());
+  for (const Joint& joint : motion.skeleton->joints) clip.evidence.keypoint_names.push_back(joint.name);
+  std::filesystem::create_directories(folder);
+  for (int v = 0; v < kCameras; ++v) {
+    const double angle = 2.0 * kPi * (v + 0.2) / kCameras;
+    const Vector3d from(std::sin(angle), 0.0, std::cos(angle));
+    Matrix3d camera_from_world;
+    camera_from_world << from.cross(Vector3d::UnitY()).transpose(), -Vector3d::UnitY().transpose(), -from.transpose();
+    Camera camera;
+    camera.name = "camera" + std::to_string(v);
+    camera.width = 240, camera.height = 260;
+    camera.fx = camera.fy = 260.0;
+    camera.cx = 119.5, camera.cy = 129.5;
+    camera.camera_from_world = {Quaterniond(camera_from_world), -(camera_from_world * (middle + 2.8 * from))};
+    DepthView depth;
+    KeypointView keypoints;
+    depth.camera = keypoints.camera = camera;
+    depth.time_s = keypoints.time_s = clip.evidence.tracks->time_s;
+    keypoints.people = 1;
+    for (int f = 0; f < motion.frame_count(); ++f) {
+      std::vector<Vector3d> joints;
+      for (int j = 0; j < motion.joint_count(); ++j) {
+        joints.emplace_back(motion.joints.at(f, j));
+        const Vector3d seen = camera.camera_from_world * joints.back();
+        const bool missed = random.Uniform() < 0.05;
+        keypoints.values.insert(keypoints.values.end(),
+                                {camera.cx + camera.fx * seen.x() / seen.z() + 3.0 * random.Normal(),
+                                 camera.cy + camera.fy * seen.y() / seen.z() + 3.0 * random.Normal(),
+                                 missed ? 0.0 : random.Uniform(0.5, 1.0)});
+      }
+      DepthImage image{camera.width, camera.height, {}};
+      for (const float metres : RenderDepth(body, joints.data(), camera))
+        image.values.push_back(static_cast<std::uint16_t>(std::lround(1000.0 * metres)));
+      depth.files.push_back(folder / (camera.name + "_" + std::to_string(f) + ".png"));
+      EXPECT_TRUE(WriteDepthImage(image, depth.files.back()));
+    }
+    clip.evidence.depth_views.push_back(std::move(depth));
+    clip.evidence.keypoint_views.push_back(std::move(keypoints));
+  }
   return clip;
 }
 

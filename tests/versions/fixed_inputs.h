@@ -10,12 +10,17 @@
 /// another's input.
 namespace mocurate::versions {
 
-/// A person of openni16 who stands, raises arms and knees by the factor `vigour`, and stands again.
-Motion Exercise(int frames, double vigour);
+/// A person of a skeleton who stands, raises arms and knees by the factor `vigour`, and stands again.
+Motion Exercise(int frames, double vigour, const std::string& skeleton = "openni16");
 
 /// The motion as from a tracker: noise, missing joints, no root.
 Clip TrackedClip(const std::string& person, const std::string& recording, const std::string& label,
                  const Motion& motion);
+
+/// The motion before three calibrated cameras: depth images of a body of bone capsules, written below `folder`, and
+/// keypoints of all joints in the same cameras with 3 px of noise and missing ones, and joint tracks.
+Clip RecordedClip(const std::string& person, const std::string& recording, const Motion& motion,
+                  const std::filesystem::path& folder);
 
 /// The same clip with its motion and no evidence, as after fitting, in a dataset of its own.
 Dataset FittedClip(const Clip& tracked, const Motion& motion);

@@ -137,6 +137,25 @@ TEST_F(StageVersions, FittingOfJointTracks) {
         kSolved);
 }
 
+/// Point clouds, keypoints and both mixtures, on one recording of three cameras.
+TEST_F(StageVersions, FittingOfDepthAndKeypoints) {
+  const Motion motion = Exercise(8, 1.0, "smpl24");
+  const Clip clip = RecordedClip("p1", "r1", motion, Path("images"));
+  Write(WriteEvidence(clip, Path("evidence.h5")));
+  for (const auto& [name, method] : {std::pair{"fitting_point_clouds", FitMethod::kPointClouds},
+                                     {"fitting_keypoints", FitMethod::kKeypoints},
+                                     {"fitting_joints_and_clouds", FitMethod::kJointsAndClouds},
+                                     {"fitting_keypoints_and_clouds", FitMethod::kKeypointsAndClouds}}) {
+    SCOPED_TRACE(name);
+    FittingOptions options;
+    options.skeleton = "smpl24";
+    options.method = method;
+    options.joint_tracks.solver = options.point_clouds.solver = TrackSolver::kBanded;
+    Judge(FittingDeclaration(), name,
+          {clip.id(), OptionsToJson(options), {Input("evidence", clip.id(), "evidence.h5")}}, kSolved);
+  }
+}
+
 TEST_F(StageVersions, FitError) {
   const Motion truth = Exercise(30, 1.0);
   const Motion fit = Exercise(30, 0.9);
