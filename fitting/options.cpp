@@ -129,6 +129,11 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
       "height", height, Unit::kMetre, {0.3, 2.6},
       "height of the standing person, crown to soles; none: measured, which underestimates a person of whom "
       "a part is never seen");
+  v.Number("shortest", shortest, Unit::kMetre, {0.3, 2.6},
+           "height of the shortest person: a measured one below is wrong");
+  v.Number("tallest", tallest, Unit::kMetre, {0.3, 2.6},
+           "height of the tallest person: a still in which legs are high may measure as a giant, and is then measured "
+           "again from the sizes of adults, or refused");
   v.Group("outliers", outliers, "statistical outlier removal");
   v.Group("start", start, "prior of the first pose");
   v.Group("audit", audit, "audit of the depth cameras before fusion");

@@ -139,6 +139,8 @@ struct PointCloudOptions {
   double voxel_size = 0.03;      ///< m, after fusing the views
   double max_distance = 0.1;     ///< m from the body; farther points are ignored
   std::optional<double> height;  ///< m, of the standing person from crown to soles; none: measured from the clouds
+  double shortest = 0.7;         ///< m; a measured person outside is measured again from other sizes, or refused
+  double tallest = 2.2;          ///< m
   CloudOutlierOptions outliers;
   CloudStartOptions start;
   RigAuditOptions audit;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "core/base/text.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/limb_search.h"
@@ -16,8 +17,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSmallestAgainstRest = 0.4;  ///< smallest size of a person relative to the rest skeleton
-constexpr double kLargestAgainstRest = 1.5;
 constexpr int kFewestPoints = 100;     ///< fewest points of a cloud that enters the size estimate
 constexpr std::size_t kClouds = 5;     ///< clouds in which bodies are posed, spread over all heights
 constexpr std::size_t kFewClouds = 3;  ///< up to this number of clouds, the person may squat or be partly visible in
@@ -58,11 +57,20 @@ double HeightOfRestBody(const SkeletonPtr& skeleton) {
   return HeightOf(body, rest, 0).height();
 }
 
+/// Scales of people, relative to the rest body.
+struct ScaleRange {
+  double least = 0.0;
+  double most = 0.0;
+
+  bool Has(double scale) const { return scale >= least && scale <= most; }
+};
+
 /// Scale from the median height of clouds relative to the rest body, assuming that people stand in most of them.
-double ScaleFromHeight(const SkeletonPtr& skeleton, const std::vector<FusedCloud>& clouds, double voxel_size) {
+double ScaleFromHeight(double rest_height, const std::vector<FusedCloud>& clouds, const ScaleRange& people,
+                       double voxel_size) {
   std::vector<double> heights;
   for (const FusedCloud& cloud : clouds) heights.push_back(HeightOfPerson(cloud, voxel_size));
-  return std::clamp(MeanMedian(heights) / HeightOfRestBody(skeleton), kSmallestAgainstRest, kLargestAgainstRest);
+  return std::clamp(MeanMedian(heights) / rest_height, people.least, people.most);
 }
 
 class SizeSearch {
@@ -311,6 +319,29 @@ Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
   return !found || found->cost < sizes[0].cost ? found : sizes[0];
 }
 
+tl::unexpected<Error> NoPerson(double height, const PointCloudOptions& options) {
+  return Fail(ErrorCode::kInconsistent,
+              "the person measures " + RoundedText(height, 3) + " m, people have " + RoundedText(options.shortest, 3) +
+                  " to " + RoundedText(options.tallest, 3) + " m",
+              "depth views",
+              "check depth_unit and cameras, give the height (fitting.point_clouds.height), or change "
+              "fitting.point_clouds.shortest and tallest");
+}
+
+/// The cheapest size of people among those found from the sizes of adults; empty: there is none.
+Expected<std::optional<PosedSize>> AmongAdults(const SizeSearch& search, const ScaleRange& people) {
+  std::optional<PosedSize> best;
+  for (const double usual : kUsualScales) {
+    if (!people.Has(usual)) continue;
+    const Expected<PosedSize> start = search.StartAt(usual, StartSearch::kStancesAndLimbs);
+    if (!start) return Forward(start);
+    const Expected<PosedSize> found = search.Downhill(*start, kNarrowStep);
+    if (!found) return Forward(found);
+    if (people.Has(found->scale) && (!best || found->cost < best->cost)) best = *found;
+  }
+  return best;
+}
+
 }  // namespace
 
 Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
@@ -320,21 +351,33 @@ Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const Sk
     person.scale = *options.height / HeightOfRestBody(skeleton);
     return person;
   }
+  const double rest_height = HeightOfRestBody(skeleton);
+  const ScaleRange people{options.shortest / rest_height, options.tallest / rest_height};
   PointCloudOptions quick = options;
   quick.solver = TrackSolver::kBanded;  // same costs, faster
   clouds.erase(std::remove_if(clouds.begin(), clouds.end(),
                               [](const FusedCloud& cloud) { return cloud.size() < kFewestPoints; }),
                clouds.end());
   if (clouds.empty()) return person;
-  const double from_height = ScaleFromHeight(skeleton, clouds, options.voxel_size);
+  const double from_height = ScaleFromHeight(rest_height, clouds, people, options.voxel_size);
   const bool few = clouds.size() <= kFewClouds;
   const std::vector<FusedCloud> chosen = OfAllHeights(std::move(clouds), kClouds);
   const SizeSearch search(skeleton, chosen, quick);
-  const Expected<PosedSize> best = few ? BestOfFew(search, from_height) : BestOfMany(search, from_height);
+  Expected<PosedSize> best = few ? BestOfFew(search, from_height) : BestOfMany(search, from_height);
   if (!best) return Forward(best);
+  if (!people.Has(best->scale)) {
+    Expected<std::optional<PosedSize>> adult = AmongAdults(search, people);
+    if (!adult) return Forward(adult);
+    if (!*adult) return NoPerson(best->scale * rest_height, options);
+    *best = **std::move(adult);
+  }
   person.scale = best->scale;
   person.poses = best->poses;
-  if (HasTemplateShape(*skeleton)) return FitShape(chosen, skeleton, std::move(person), quick);
+  if (HasTemplateShape(*skeleton)) {
+    Expected<ShapedPerson> shaped = FitShape(chosen, skeleton, std::move(person), quick);
+    if (shaped && !people.Has(shaped->scale)) return NoPerson(shaped->scale * rest_height, options);
+    return shaped;
+  }
   if (few) return person;
   std::vector<double> ratios = search.HeightRatios(*best);
   if (!ratios.empty()) person.scale *= MeanMedian(ratios);

@@ -85,6 +85,15 @@ TEST_F(DepthProportions, UseTheReadableClipsAndReportTheOthers) {
   EXPECT_EQ(measured->summary["body_shape"].size(), static_cast<std::size_t>(kShapeComponents));
 }
 
+TEST_F(DepthProportions, OfNoPersonAreRefused) {
+  StageRequest request = Request("proportions", "p1", clips_);
+  request.options["point_clouds"]["tallest"] = 1.2;
+  const auto refused = ProportionsStage(request);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInconsistent);
+  EXPECT_FALSE(std::filesystem::exists(request.output));
+}
+
 TEST_F(DepthProportions, FollowTheDeclaredHeight) {
   StageRequest request = Request("proportions", "p1", clips_);
   request.options["point_clouds"]["height"] = 1.2;
