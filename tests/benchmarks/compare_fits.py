@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
-"""Two versions of the fits, clip by clip: compare_fits.py BEFORE.jsonl AFTER.jsonl.
+"""Fits compared clip by clip: two versions, or two fits of one version.
 
-Both files are written by a fit benchmark with MOCURATE_CLIPS=FILE, with the same arguments. Prints a Markdown table:
-mean of each figure before and after, the mean difference with its 95 % interval (bootstrap over persons, clips within),
-and in how many clips the figure rose and fell. Exit code 1 where the clips or the commands differ."""
+    compare_fits.py BEFORE.jsonl AFTER.jsonl
+    compare_fits.py CLIPS.jsonl clouds tracks_and_clouds
+
+The files are written by a fit benchmark with MOCURATE_CLIPS=FILE; those of two versions with the same arguments. Prints
+a Markdown table: mean of each figure before and after, the mean difference with its 95 % interval (bootstrap over
+persons with all of their clips), and in how many clips the figure rose and fell. Exit code 1 where the clips or the
+commands differ."""
 import json
 import sys
 
@@ -35,13 +39,23 @@ def interval(persons, differences):
     return np.percentile(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1), [2.5, 97.5])
 
 
+def of_fit(lines, fit):
+    return {(command, "", clip): line for (command, name, clip), line in lines.items() if name == fit}
+
+
 def main():
-    if len(sys.argv) != 3:
+    if len(sys.argv) == 3:
+        before, after = read(sys.argv[1]), read(sys.argv[2])
+    elif len(sys.argv) == 4:
+        lines = read(sys.argv[1])
+        before, after = of_fit(lines, sys.argv[2]), of_fit(lines, sys.argv[3])
+    else:
         sys.exit(__doc__)
-    before, after = read(sys.argv[1]), read(sys.argv[2])
+    if not before:
+        sys.exit("the file has no clip of that fit")
     if before.keys() != after.keys():
         only = sorted(before.keys() ^ after.keys())[:3]
-        sys.exit(f"the files have different clips or commands, e.g. {'; '.join(' '.join(key) for key in only)}")
+        sys.exit(f"different clips or commands, e.g. {'; '.join(' '.join(key) for key in only)}")
     print("| command | fit | figure | clips | before | after | difference (95 %) | rose, fell |")
     print("|---|---|---|---|---|---|---|---|")
     for command, fit in sorted({key[:2] for key in before}):
