@@ -238,6 +238,6 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 35, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 54, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 55, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate
