@@ -29,14 +29,16 @@ constexpr double kHardlyEver = 0.1;           ///< share of the frames, up to wh
 constexpr double kClearMargin =
     0.1;  ///< relative cost difference up to which the facing of the first pose is ambiguous
 
-/// Number of points that observe each joint. For a joint with a single child: points within a third of the bone on
-/// either side of the joint. For others (hands, head, trunk): all points of capsules that move with it. Points on the
-/// knee's third of a shin do not observe the ankle.
+/// Number of points (CoverageSample) that observe each joint. For a joint with a single child: points within a third of
+/// the bone on either side of the joint. For others (hands, head, trunk): all points of capsules that move with it.
+/// Points on the knee's third of a shin do not observe the ankle.
 std::vector<int> PointsOfJoints(const CapsuleBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
-                                const std::vector<CloudMatch>& matches) {
+                                const std::vector<CloudMatch>& matches, double voxel_size) {
   const auto children = body.skeleton->Children();
   std::vector<int> points(body.skeleton->joints.size(), 0);
+  const std::vector<bool> sample = CoverageSample(cloud, voxel_size);
   for (const CloudMatch& match : matches) {
+    if (!sample[static_cast<std::size_t>(match.point)]) continue;
     const BodyCapsule& capsule = body.capsules[match.capsule];
     const int child = capsule.end_joint != capsule.frame ? capsule.end_joint : OnlyChild(children, capsule.frame);
     if (child < 0) {
@@ -63,14 +65,14 @@ struct Shown {
 Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResult& result) {
   Shown shown;
   std::vector<double> residuals;
-  const double area = options.voxel_size * options.voxel_size;
+  const double area = CoverageOfPoint(options.voxel_size);
   const double scale = BodyScale(*result.motion.skeleton, result.motion.bone_length);
   for (int f = 0; f < track.state.frames(); ++f) {
     const bool is_fitted = track.outcomes[f].iterations > 0;
     std::vector<CloudMatch> matches;
     if (is_fitted) matches = MatchPoints(track.body, track.state, f, track.clouds[f], options.max_distance);
     shown.error.push_back(is_fitted ? LowCoverageSigma(track.clouds[f], options.voxel_size, scale) : 0.0);
-    for (const int points : PointsOfJoints(track.body, track.state, f, track.clouds[f], matches)) {
+    for (const int points : PointsOfJoints(track.body, track.state, f, track.clouds[f], matches, options.voxel_size)) {
       shown.joint.push_back(points * area >= kObservingArea);
       const bool is_observed = shown.joint.back() && shown.error.back() <= kUnobservedError;
       result.motion.state.push_back(is_observed ? JointState::kObserved : JointState::kInferred);

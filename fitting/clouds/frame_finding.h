@@ -8,12 +8,19 @@
 
 namespace mocurate {
 
+/// (N) Points that count towards the surface that is seen: one per voxel, or per cell of 3 cm where voxels are smaller.
+/// Below that, cameras have fewer pixels than the surface has voxels.
+std::vector<bool> CoverageSample(const FusedCloud& cloud, double voxel_size);
+
+/// Surface that such a point stands for, m^2.
+double CoverageOfPoint(double voxel_size);
+
 /// Additional joint error when points cover little of the person: standard deviation per axis, metres. One visible
 /// side: from the length of the mean of the points' normals. It is 0 for points all around, 0.3 to 0.6 for three views,
 /// 0.7 to 0.78 for one. A limb with pixels of equal weight gives pi/4. Above that the surface looks flat, as from afar:
 /// its curvature, which determines limb axes and trunk orientation, is lost in noise. One visible part: from the area
-/// of the points, one per `voxel_size` (m), because arms are fitted to legs. For Kinect-like pixels, voxels of a few
-/// centimetres, and bodies `scale` times the rest skeleton.
+/// of the points (CoverageSample, voxels of `voxel_size` metres), because arms are fitted to legs. For Kinect-like
+/// pixels, voxels of a few centimetres, and bodies `scale` times the rest skeleton.
 double LowCoverageSigma(const FusedCloud& cloud, double voxel_size, double scale);
 
 /// Error in metres from which no joint of the frame counts as observed.

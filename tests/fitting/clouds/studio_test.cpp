@@ -215,6 +215,19 @@ TEST_F(StudioClouds, OneSideIsLessCertainAndAFlatOneHasLowCoverage) {
   for (const float observed : flat->motion.rotation_observed) EXPECT_LT(observed, 1.0F);
 }
 
+/// Kinect pixels are 8 mm apart at three metres: smaller voxels are mostly empty.
+TEST_F(StudioClouds, TheSeenAreaDoesNotDependOnTheVoxelSize) {
+  const auto area = [&](double voxel_size) {
+    PointCloudOptions options = options_;
+    options.voxel_size = voxel_size;
+    const FusedCloud cloud = FuseClip(clips_[0], options)->front();
+    const std::vector<bool> sample = CoverageSample(cloud, voxel_size);
+    return static_cast<double>(std::count(sample.begin(), sample.end(), true)) * CoverageOfPoint(voxel_size);
+  };
+  const double usual = area(0.03);
+  for (const double voxel_size : {0.005, 0.01, 0.02}) EXPECT_NEAR(area(voxel_size), usual, 0.15 * usual) << voxel_size;
+}
+
 /// From the fifth frame on, two of three views show another person.
 TEST_F(StudioClouds, ReportsAnotherPersonFromHalfwayOnAndRaisesUncertainty) {
   constexpr int kFrom = 4;
