@@ -205,7 +205,7 @@ Expected<FitResult> FitKeypointsOfClip(const Clip& clip, const SkeletonPtr& skel
   if (clip.evidence.keypoint_views.empty()) {
     return Fail(ErrorCode::kInconsistent, "the clip has no keypoints of calibrated views", clip.id(),
                 clip.evidence.tracks ? "set fitting.method to joint_tracks for joint tracks"
-                                     : "set fitting.method to what its source gives");
+                                     : "set fitting.method to the evidence that the source has");
   }
   Expected<FitResult> result = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bone_length, options);
   if (result) return result;
@@ -216,7 +216,7 @@ Expected<FitResult> FitKeypointsOfClip(const Clip& clip, const SkeletonPtr& skel
 
 Expected<FitResult> TakeGivenMotion(const Clip& clip) {
   if (!clip.motion) {
-    return Fail(ErrorCode::kInconsistent, "the clip has no motion to hand on", clip.id(),
+    return Fail(ErrorCode::kInconsistent, "the clip has no given motion", clip.id(),
                 "set fitting.method to joint_tracks or point_clouds");
   }
   FitResult result;
@@ -232,10 +232,11 @@ Status CheckExplained(const FitResult& fit, const std::string& where) {
   const double most = std::min(kNoFit, kNoFitOfStature * stature);
   if (!(fit.residual_median > most)) return {};
   return Fail(ErrorCode::kInconsistent,
-              "no pose of the person explains the joints: they lie " + RoundedText(fit.residual_median, 3) +
-                  " m off in the median, " + RoundedText(fit.residual_p95, 3) + " m at 95 %, of a person of " +
-                  RoundedText(stature, 3) + " m",
-              where, "check unit, order of joints and skeleton, and the person of the clip");
+              "no pose of the person explains the joints: the median residual is " +
+                  RoundedText(fit.residual_median, 3) + " m (limit: " + RoundedText(most, 3) +
+                  " m), the 95th percentile " + RoundedText(fit.residual_p95, 3) + " m, the person " +
+                  RoundedText(stature, 3) + " m tall",
+              where, "check the unit, the order of the joints, the skeleton, and which person the clip shows");
 }
 
 /// Share of the frames in which no joint is observed or repaired. 0 where joints have no states.
@@ -261,24 +262,22 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
     outcome.kind = OutcomeKind::kSuspect;
   }
   if (!(fit.residual_rms <= kLargeResidual)) {
-    outcome.findings.push_back(
-        SuspectFinding("large_residual", Millimetres(fit.residual_rms),
-                       "the residual of the body is large (rule: 150 mm RMS): check skeleton and unit"));
+    outcome.findings.push_back(SuspectFinding("large_residual", Millimetres(fit.residual_rms),
+                                              "the RMS residual of the body exceeds 150 mm: check skeleton and unit"));
     outcome.kind = OutcomeKind::kSuspect;
   }
   if (fit.rejected_share > kMostRejected) {
-    outcome.findings.push_back(
-        SuspectFinding("evidence_rejected", fit.rejected_share,
-                       "more than 25 % of the evidence was rejected as far from the body in neighbouring frames"
-                       "; the residual does not contain it. Check skeleton, order of joints and person"));
+    outcome.findings.push_back(SuspectFinding(
+        "evidence_rejected", fit.rejected_share,
+        "more than 25 % of the evidence was rejected: it is far from the body of neighbouring frames. The residual "
+        "excludes it. Check the skeleton, the order of the joints, and which person the clip shows"));
     outcome.kind = OutcomeKind::kSuspect;
   }
   if (const double share = UnobservedShare(fit.motion); share > kMaxUnobservedShare) {
     outcome.findings.push_back(
         SuspectFinding("mostly_unobserved", share,
-                       "in " + std::to_string(std::lround(100.0 * share)) +
-                           " % of the frames (rule: 30 %) no joint is observed; exclude them, or train "
-                           "with the joints' states"));
+                       "no joint is observed in " + std::to_string(std::lround(100.0 * share)) +
+                           " % of the frames (limit: 30 %); exclude these frames, or train with the joints' states"));
     outcome.kind = OutcomeKind::kSuspect;
   }
   if (options.method != FitMethod::kNone) {

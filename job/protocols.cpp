@@ -54,8 +54,10 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
   const fs::path path(name);
   for (const char* ending : {".tar", ".pth", ".pt", ".pkl"}) {
     if (path.extension() != ending) continue;
-    return Fail(ErrorCode::kUsage, "a weights file does not declare how it reads motions", DisplayPath(path),
-                "name the extractor of these weights, and set MOCURATE_WEIGHTS to their folder");
+    return Fail(ErrorCode::kUsage, "a weights file does not declare its input (joints, frames, axes)",
+                DisplayPath(path),
+                "give the name of its extractor in configs/extractors instead, and set MOCURATE_WEIGHTS to the folder "
+                "of the weights");
   }
   if (path.extension() != ".h5" && path.extension() != ".safetensors") {
     const Expected<ConfigNode> node = LoadNamed("extractors/", "extractor", name, assignments);
@@ -64,8 +66,8 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
   }
   for (const std::string& assignment : assignments) {
     if (assignment.rfind("yaw=", 0) == 0) continue;
-    return Fail(ErrorCode::kUsage, "a checkpoint declares itself how it reads motions", "--set extractor." + assignment,
-                "remove it; only extractor.yaw can be set");
+    return Fail(ErrorCode::kUsage, "the option would contradict the checkpoint, which declares its own input",
+                "--set extractor." + assignment, "remove the option; only extractor.yaw can be set");
   }
   const Expected<ConfigNode> turned = LoadConfig(ConfigSource{"", "extractor", {}}, assignments);
   if (!turned) return Forward(turned);

@@ -273,10 +273,11 @@ class AmcParser {
   }
 
   Error UnknownBone(const std::string& called, std::optional<std::size_t> meant) const {
-    const std::string hint = meant ? "did you mean '" + amc_.bones[*meant].name + "'?"
-                             : options_.skeleton != nullptr
-                                 ? "the skeleton has no bone of that name with dof; is it the right skeleton?"
-                                 : "the first frame does not have it";
+    const std::string hint =
+        meant ? "did you mean '" + amc_.bones[*meant].name + "'?"
+        : options_.skeleton != nullptr
+            ? "the skeleton has no bone of that name with dof: check that it is the skeleton of this motion"
+            : "the first frame does not have it";
     return Bad("unknown " + called, hint).value();
   }
 

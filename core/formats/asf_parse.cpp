@@ -13,7 +13,8 @@ namespace mocurate {
 namespace {
 
 using Words = std::vector<std::string_view>;
-constexpr const char* kOrderHint = "as order TX TY TZ RX RY RZ, in the order of the numbers of `root` in the motions";
+constexpr const char* kOrderHint =
+    "write e.g. order TX TY TZ RX RY RZ, in the order of the numbers of `root` in the motions";
 
 std::optional<AcclaimChannel> AcclaimChannelOf(std::string_view word) {
   for (int i = 0; i <= static_cast<int>(AcclaimChannel::kLength); ++i) {
@@ -168,7 +169,7 @@ class AsfParser {
   Status Units(const Words& words) {
     if (SameWord(words[0], "mass")) return Scale(asf_.mass_unit, words, "mass of :units");
     if (SameWord(words[0], "length")) return Scale(asf_.length_unit, words, "length of :units");
-    if (!SameWord(words[0], "angle")) return Bad("unknown unit '" + Shown(words[0]) + "'", "mass, length or angle");
+    if (!SameWord(words[0], "angle")) return Bad("unknown unit '" + Shown(words[0]) + "'", "use mass, length or angle");
     const bool degrees = words.size() == 2 && (SameWord(words[1], "deg") || SameWord(words[1], "degrees"));
     const bool radians = words.size() == 2 && (SameWord(words[1], "rad") || SameWord(words[1], "radians"));
     if (!degrees && !radians) return Bad("angle of :units is 'deg' or 'rad', not '" + Shown(words.back()) + "'");
@@ -188,7 +189,7 @@ class AsfParser {
     }
     if (SameWord(words[0], "position")) return Vector(asf_.root_position, words, 4, "position of :root");
     if (SameWord(words[0], "orientation")) return Vector(asf_.root_orientation, words, 4, "orientation of :root");
-    return Bad("unknown key '" + Shown(words[0]) + "' of :root", "order, axis, position or orientation");
+    return Bad("unknown key '" + Shown(words[0]) + "' of :root", "use order, axis, position or orientation");
   }
 
   /// A root has no or three translation channels, and no or three rotation channels.
@@ -197,7 +198,8 @@ class AsfParser {
       const auto& order = asf_.root_order;
       return std::find(order.begin(), order.end(), static_cast<AcclaimChannel>(i)) != order.end();
     };
-    if (has(static_cast<int>(AcclaimChannel::kLength))) return Bad("the root has no length: order of :root");
+    if (has(static_cast<int>(AcclaimChannel::kLength)))
+      return Bad("the order of :root has the channel l (length), which a root cannot have");
     for (int first = 0; first <= 3; first += 3) {
       std::string missing;
       for (int i = first; i < first + 3; ++i) missing += has(i) ? "" : std::string(" ") + Name(AcclaimChannel(i));
@@ -304,7 +306,7 @@ class AsfParser {
       return {};
     }
     return Bad("unknown key '" + Shown(key) + "' of bone " + Called(bone),
-               "id, name, direction, length, axis, dof, limits, bodymass or cofmass");
+               "use id, name, direction, length, axis, dof, limits, bodymass or cofmass");
   }
 
   /// One or more "(least most)"; "inf" is a number here.
@@ -367,8 +369,8 @@ class AsfParser {
     if (root_axis_reported_) return;
     const bool turned = !asf_.root_orientation.isZero();
     Report("root_axis_missing", turned ? Severity::kError : Severity::kWarning, "", 0.0,
-           lines_.name() + ": :root has no axis, the order of the angles of its orientation, " +
-               (turned ? "which is read as XYZ" : "which is 0 0 0") + ": write axis XYZ under :root");
+           lines_.name() + ": :root has no axis (the order of the angles of its orientation); the orientation " +
+               (turned ? "is read as XYZ" : "is 0 0 0, so the axis has no effect") + ": write axis XYZ under :root");
   }
 
   Status Whole() {

@@ -24,8 +24,8 @@ Expected<int> Index(const json& label, const char* key, const std::string& name)
   if (found == label.end()) return Fail(ErrorCode::kMalformed, std::string("the key '") + key + "' is missing", name);
   const bool whole = found->is_number_unsigned() && found->get<std::uint64_t>() <= std::numeric_limits<int>::max();
   if (!whole) {
-    return Fail(ErrorCode::kMalformed, "a whole number from 0 on is expected, not " + Shown(found->dump(-1, ' ', true)),
-                name + ":/" + key);
+    return Fail(ErrorCode::kMalformed,
+                "expected a whole number of at least 0, found " + Shown(found->dump(-1, ' ', true)), name + ":/" + key);
   }
   return found->get<int>();
 }

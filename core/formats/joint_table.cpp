@@ -149,7 +149,7 @@ class JointTableParser {
       table_.values.resize(begin);
       AddFinding("not_a_number", 0, static_cast<double>(none),
                  name_ + ":" + std::to_string(line) + ": " + Counted(none, "word") +
-                     " before the first row of numbers: taken as a header, skipped");
+                     " before the first row of numbers: skipped as a header");
       table_.findings.back().frame_end = 0;
       table_.findings.back().severity = Severity::kInfo;
       table_.findings.back().action = FindingAction::kExcluded;
@@ -196,7 +196,7 @@ class JointTableParser {
   /// Of a complete row: numbers that are not finite or implausibly large.
   Status KeepNumbers(const Row& row, std::size_t begin, int line, long long frame) {
     if (!row.not_finite.empty()) {
-      constexpr const char* kWay = "a missing joint is declared with `missing: nan`";
+      constexpr const char* kWay = "if such a number means a missing joint, declare `missing: nan`";
       if (layout_.damaged_rows == DamagedRows::kRefuse) return Bad(row.not_finite, line, kWay);
       not_finite_.Add(row.not_finite_numbers, frame, line, row.not_finite);
     }
@@ -283,7 +283,7 @@ class JointTableParser {
       }
       if (layout_.damaged_rows == DamagedRows::kRefuse || frames == 0) {
         return Bad(what, scanner_.line(),
-                   "check rows_per_frame; or a row is missing or too many, or the file is cut off");
+                   "check rows_per_frame, and whether a row is missing, added or cut off at the end of the file");
       }
       AddFinding("cut_off", frames, static_cast<double>(left_over),
                  name_ + ":" + std::to_string(last_line_) + ": " + what);
@@ -294,7 +294,7 @@ class JointTableParser {
       table_.findings.back().severity = Severity::kError;
     }
     if (frames > std::numeric_limits<int>::max()) return Fail(ErrorCode::kUnsupported, "too many frames", name_);
-    Report("not_a_number", not_finite_, " (`missing: nan` declares it)");
+    Report("not_a_number", not_finite_, " (if it means a missing joint, declare `missing: nan`)");
     Report("number_too_large", too_large_, "");
     table_.frames = static_cast<int>(frames);
     const std::size_t size =
@@ -333,7 +333,7 @@ Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLay
   }
   if (layout.rows_per_frame < 1) return Fail(ErrorCode::kUsage, "rows_per_frame must be at least 1", name);
   if (layout.damaged_rows == DamagedRows::kReport && layout.columns < 1) {
-    return Fail(ErrorCode::kUsage, "damaged rows are detected only where the columns are declared", name);
+    return Fail(ErrorCode::kUsage, "damaged_rows: report needs declared columns", name);
   }
   return JointTableParser(bytes, layout, name).Run();
 }

@@ -33,7 +33,7 @@ std::vector<Finding> Fewer(std::vector<Finding> findings, std::size_t most) {
       }
       const std::size_t rest = count - most;
       Finding more = FrameFinding(code.c_str(), begin, end, "", static_cast<double>(rest),
-                                  std::to_string(rest) + " more with the same code, none longer than " +
+                                  std::to_string(rest) + " more of this code, the longest of " +
                                       std::to_string(length(list[most])) + " frames");
       more.severity = list[0].severity;
       list.resize(most);

@@ -243,8 +243,10 @@ Expected<std::vector<Leg>> LegsOf(const Skeleton& skeleton) {
       const char* side = legs.empty() ? "left" : "right";
       return Fail(
           ErrorCode::kUnsupported,
-          std::string("hip, knee and ankle of the ") + side + " leg are no chain of skeleton '" + skeleton.name + "'",
-          "fitting.contacts", "choose a skeleton that has them, e.g. smpl24, or take remove_sliding out");
+          std::string("hip, knee and ankle of the ") + side + " leg form no chain of joints in skeleton '" +
+              skeleton.name + "'",
+          "fitting.contacts",
+          "choose a skeleton that has this chain, e.g. smpl24, or set fitting.contacts.remove_sliding to false");
     }
     legs.push_back({limb.root, limb.middle, limb.end, limb.tip});
     if (limb.tip >= 0 && skeleton.joints[limb.tip].parent != limb.end) legs.back().toe = -1;

@@ -158,10 +158,10 @@ class BodyJudge {
       const auto here = OutOfOrder(*upper, lower);
       if (!here || !OutOfOrder(*other_upper, *other_lower)) continue;
       Report("joints_exchanged", Severity::kError, upper->joint, here->first,
-             Name(upper->joint) + " and " + Name(lower.joint) + " are exchanged on both sides: the bone from " +
-                 Name(upper->parent) + " is " + RoundedText(here->first, 3) + " m and the next " +
-                 RoundedText(lower.median, 3) + " m, with the two exchanged " + RoundedText(here->second, 3) +
-                 " m; correct the order of the joints in the source");
+             Name(upper->joint) + " and " + Name(lower.joint) + " are exchanged on both sides: the upper bone from " +
+                 Name(upper->parent) + " is " + RoundedText(here->first, 3) + " m and the lower one " +
+                 RoundedText(lower.median, 3) + " m; with the two joints exchanged the upper bone is " +
+                 RoundedText(here->second, 3) + " m; correct the order of the joints in the source");
     }
   }
 
@@ -179,7 +179,7 @@ class BodyJudge {
       Report("joints_exchanged", Severity::kError, upper->joint, named,
              Name(upper->joint) + " and " + Name(lower.joint) + " are exchanged: the bone from " + Name(upper->parent) +
                  " differs from the other side's by " + RoundedText(named, 3) +
-                 " m in the median, with the two exchanged by " + RoundedText(exchanged, 2) +
+                 " m in the median; with the two joints exchanged it differs by " + RoundedText(exchanged, 2) +
                  " m; correct the order of the joints in the source");
     }
   }
@@ -233,10 +233,10 @@ class BodyJudge {
         if (bones_[b].joint == worst || bones_[b].parent == worst) off[b] = 0.0;
       }
       Report("joint_misplaced", Severity::kError, worst, far,
-             Name(worst) +
-                 " is misplaced throughout the clip: " + (most > 1 ? "its bones differ" : "its bone differs") +
-                 " from the other side's or the body's by up to " + RoundedText(far, 3) +
-                 " m; check the joint's name and offset in the source");
+             Name(worst) + " is misplaced throughout the clip: " +
+                 (most > 1 ? "its bones differ" : "its bone differs") + " by up to " + RoundedText(far, 3) +
+                 " m from the bone of the other side, or from the length that fits the body's size; check the joint's "
+                 "name and offset in the source");
     }
   }
 
@@ -306,12 +306,10 @@ std::optional<Finding> CheckStature(double stature, double scale) {
   finding.value = stature;
   finding.message = "the body fitted to the depth views is " + WordsOfSize(stature, scale);
   finding.message +=
-      of_people
-          ? ". For an adult, a part of the body is probably never seen (behind a desk, outside the images), and all "
-            "joints are wrong; set fitting.point_clouds.height "
-            "to the person's height"
-          : ". Check for two people close together, an object before or touching the person, and another unit of "
-            "depths or calibration. Masks of the person (ingest.source) exclude other people";
+      of_people ? ". If the person is an adult, a part of the body is probably never visible (behind a desk, outside "
+                  "the images), and all joints are wrong: set fitting.point_clouds.height to the person's height"
+                : ". Check for two people close together, for an object that hides or touches the person, and for a "
+                  "wrong unit of depths or calibration. ingest.source.mask_files excludes other people";
   finding.action = FindingAction::kFlagged;
   return finding;
 }
@@ -329,12 +327,12 @@ std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const J
     const double median = MeanMedian(away);
     if (frames < kFewestUnexplained || median <= kUnexplained) continue;
     const std::string& name = tracks.skeleton->joints[static_cast<std::size_t>(j)].name;
-    Finding finding = FrameFinding(
-        "joint_unexplained", 0, 0, name, median,
-        "'" + name + "' lies " + RoundedText(median, 3) + " m from its tracked position, in the median of " +
-            Counted(static_cast<long long>(frames), "frame") +
-            ": no pose of the body explains it together with the other joints. Try the tracker's own "
-            "skeleton in configs/skeletons");
+    Finding finding =
+        FrameFinding("joint_unexplained", 0, 0, name, median,
+                     "'" + name + "' lies " + RoundedText(median, 3) + " m from its tracked position (median of " +
+                         Counted(static_cast<long long>(frames), "frame") +
+                         "): no pose of the body explains this joint together with the others. Set skeleton to the "
+                         "tracker's own one in configs/skeletons");
     finding.severity = Severity::kError;
     findings.push_back(std::move(finding));
   }
@@ -363,11 +361,10 @@ std::vector<Finding> FindJointsBeyondLimits(const Motion& motion) {
     const double degrees = std::round(10.0 * kDegrees * median) / 10.0;
     findings.push_back(FrameFinding("joint_beyond_limits", 0, 0, joint.name, degrees,
                                     "'" + joint.name + "' is rotated " + RoundedText(degrees, 3) +
-                                        " degrees beyond its limits, in the median of " +
+                                        " degrees beyond its limits (median of " +
                                         Counted(static_cast<long long>(frames), "frame") +
-                                        ": its rotation and those of its neighbours are suspect. Check that tracked "
-                                        "points here are the skeleton's "
-                                        "joints"));
+                                        "): its rotation and those of its neighbours are suspect. Check that the "
+                                        "tracked points near it are joints of the skeleton"));
   }
   return findings;
 }

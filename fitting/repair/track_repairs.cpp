@@ -129,7 +129,7 @@ class Repairs {
     repair.message = names_[first] + " and the joints below it lie at the same positions as " + names_[other] +
                      " and the joints below that, within " + RoundedText(merged.distance, 2) + " m, in " +
                      Counted(merged.frame_end - merged.frame_begin, "frame") +
-                     (both ? ": which limb is in its own place is ambiguous" : ": they jumped to that side");
+                     (both ? ": which of the two limbs is right is ambiguous" : ": they jumped to that side");
     for (const int joint : merged.joints) {
       if (Exclude(joint, merged.frame_begin, merged.frame_end)) repair.joints.push_back(joint);
     }
@@ -147,7 +147,8 @@ class Repairs {
     for (const int left : limb.pairs) joints += (joints.empty() ? "" : ", ") + names_[left];
     Exchange(limb.frame_begin, limb.frame_end, limb.pairs, limb.margin,
              joints + " and their mirror joints are exchanged in " +
-                 Counted(limb.frame_end - limb.frame_begin, "frame") + ": the steps and bone lengths are likelier so");
+                 Counted(limb.frame_end - limb.frame_begin, "frame") +
+                 ": after the exchange, steps and bone lengths are more likely");
   }
 
   void Exchange(const BodyExchange& body) {
@@ -174,10 +175,10 @@ class Repairs {
     finding.frame_end = limb.frame_end;
     finding.value = limb.margin;
     finding.message =
-        "the person faces the other way after one step, as if left and right were exchanged, in " +
+        "the body's facing reverses from one frame to the next, as if left and right were exchanged, in " +
         Counted(limb.frame_end - limb.frame_begin, "frame") +
-        "; an exchange would point knees, feet, hands or shoulders backwards: the frames are kept, but front and back "
-        "of these or of the other frames are suspect";
+        ". The frames are kept, because an exchange would point knees, feet, hands or shoulders backwards. Check "
+        "facing in these frames and in the others";
     finding.action = FindingAction::kFlagged;
     result_.findings.push_back(std::move(finding));
   }

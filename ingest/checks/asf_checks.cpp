@@ -154,8 +154,8 @@ void CheckDirections(const Asf& asf, const std::string& file, std::vector<Findin
           PlaceOfBone(file, bone) + " has the direction " + Digits(bone.direction.x()) + " " +
               Digits(bone.direction.y()) + " " + Digits(bone.direction.z()) + ", " + Digits(off) +
               " degrees from the mirror image of '" + other.name + "' (line " + std::to_string(other.line) +
-              "); sides of other bones agree, and these do with the sign of " + letter + " changed" +
-              (axis == side ? "" : " in one of them") + ": correct `direction`"));
+              "); the other pairs of bones are mirror images, and so is this one with the sign of " + letter +
+              " changed" + (axis == side ? "" : " in one of the two") + ": correct `direction`"));
       break;
     }
   }
@@ -172,18 +172,19 @@ std::vector<Finding> CheckAsfSkeleton(const Asf& asf, const std::string& file, s
   const double units = ExtentAtRest(asf);
   const double metres = units / asf.length_unit * kMetresPerInch;
   if (!(units > 0.0)) return findings;
-  const std::string own = "at rest the skeleton measures " + Digits(units) + " from end to end; with `length " +
-                          Digits(asf.length_unit) + "` under :units (numbers divided by it are inches) that is " +
-                          Digits(metres) + " m";
+  const std::string own = "the rest pose measures " + Digits(units) + " file units from end to end; with `length " +
+                          Digits(asf.length_unit) + "` in :units (file units per inch) that is " + Digits(metres) +
+                          " m";
   const std::string said = declared_m ? Digits(units * *declared_m) + " m by the source's `units`" : std::string();
   if (metres < kShortestRestPose || metres > kLongestRestPose) {
     findings.push_back(AsfContradiction("length_unit_contradiction", "", metres,
-                                        own + ", which is no person" + (said.empty() ? "" : " (" + said + ")") +
-                                            ": correct that `length`, or those of the bones"));
+                                        own + " (a person: " + Digits(kShortestRestPose) + " to " +
+                                            Digits(kLongestRestPose) + " m)" + (said.empty() ? "" : " (" + said + ")") +
+                                            ": correct `length` in :units, or the lengths of the bones"));
   } else if (declared_m && std::abs(units * *declared_m / metres - 1.0) > kSameUnit) {
     findings.push_back(AsfContradiction(
         "length_unit_contradiction", "", metres,
-        own + ", but " + said + ": correct that `length`, or declare ingest.source.units of this skeleton"));
+        own + ", but " + said + ": correct `length` in :units, or declare ingest.source.units of this skeleton"));
   }
   return findings;
 }

@@ -26,7 +26,7 @@ std::string Joined(const std::set<std::string>& words) {
 void WriteNtuNames(const ClipConsensus& source, DeclarationWriter& writer) {
   writer.Value("files", "\"S{setup:3}C{camera:3}P{person:3}R{repetition:3}A{action:3}.skeleton\"",
                "declared by the format");
-  writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} tells several people of a file apart");
+  writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} numbers the people of a file");
   writer.Value("label", "\"A{action}\"", "declared by the format");
   std::set<std::string> of_two, of_one;
   for (const InspectedClip* clip : source.clips()) {
@@ -43,11 +43,10 @@ void WriteNtuNames(const ClipConsensus& source, DeclarationWriter& writer) {
   for (const std::string& action : of_two) bodies += (bodies.empty() ? "" : ", ") + action + ": 2";
   if (!bodies.empty()) writer.Value("bodies", "{" + bodies + "}", "known of the set: actions of two people");
   if (of_one.empty()) return;
-  writer.Comment(
-      "Files of " + Joined(of_one) +
-      " hold several bodies, and the actions are of one person: the others are false tracks or bystanders, which "
-      "`people` tells apart. `bodies: {" +
-      *of_one.begin() + ": 2}` would take two.");
+  writer.Comment("Files of " + Joined(of_one) +
+                 " hold several bodies, but the actions have one person: the others are false tracks or bystanders, "
+                 "which `people` excludes. `bodies: {" +
+                 *of_one.begin() + ": 2}` reads two people.");
 }
 
 void Rename(NamePatternEstimate& guessed, std::string& text, const std::string& from, const std::string& to) {
@@ -120,20 +119,21 @@ void WriteNames(const ClipConsensus& source, const std::string& format, const st
   }
   if (narrow) guessed = NamePatternEstimate{names.front(), {}, false};
   if (!narrow && !taken.empty())
-    writer.Comment("`files` also takes what is not of this source, e.g. " + taken + ": narrow it, or move those away.");
+    writer.Comment("`files` also matches files of another source, e.g. " + taken +
+                   ": narrow the pattern, or move those files away.");
   writer.Value("files", Quoted(root.prefix + guessed.pattern),
-               narrow           ? "the one file that is of this source: others have its form, e.g. " + taken
-               : guessed.common ? "guessed from " + std::to_string(names.size()) + " names: look at the fields"
-                                : "the names have no form in common");
+               narrow ? "the name of one file: a pattern would also match files of another source, e.g. " + taken
+               : guessed.common ? "guessed from " + std::to_string(names.size()) + " names: check the fields"
+                                : "the names have no common pattern");
   if (skeletons) {
-    writer.Value("skeleton_files", Quoted(*skeletons), "as they lie beside the motions");
+    writer.Value("skeleton_files", Quoted(*skeletons), "found beside the motions");
   } else if (format == "asf_amc") {
-    writer.Unknown("skeleton_files", "no .asf lies beside a motion whose name begins like it");
+    writer.Unknown("skeleton_files", "no .asf beside the motions begins like the name of a motion");
   }
   const bool person = guessed.Has("person");
   writer.Value("person", Quoted(person ? "{person}" : "unknown"),
-               !person     ? "unknown: write who performs, from the fields, where the names say it"
-               : skeletons ? "guessed: whose skeleton file it is"
+               !person     ? "unknown: use the field that names the performer, where the file names have one"
+               : skeletons ? "guessed: the person of the skeleton file"
                            : "guessed from the names");
   const bool action = guessed.Has("action");
   writer.Value(

@@ -72,19 +72,20 @@ void CompareAnnotations(const std::vector<AnnotatedMotion>& annotated, Inspectio
       continue;
     } else if (folder_is_here && reported < kMostMissing) {
       ++reported;
-      findings.push_back(FindingAt(motion.file + ":" + motion.key, "motion_missing", Severity::kWarning, 0.0,
-                                   "feat_p '" + motion.feat_p +
-                                       "' names no motion of its folder, which is here: correct it, or "
-                                       "fetch that file of AMASS"));
+      findings.push_back(FindingAt(
+          motion.file + ":" + motion.key, "motion_missing", Severity::kWarning, 0.0,
+          "feat_p '" + motion.feat_p +
+              "' names a motion that is missing in its folder: correct feat_p, or download that file of AMASS"));
     } else {
       ++elsewhere;
     }
   }
   if (elsewhere == 0) return;
-  findings.push_back(FindingAt(
-      annotated.front().file, "motion_missing", Severity::kInfo, static_cast<double>(elsewhere),
-      Counted(static_cast<long long>(elsewhere), "annotated motion") + " of " + std::to_string(annotated.size()) +
-          (elsewhere == 1 ? " lies" : " lie") + " in folders that are not here: AMASS comes in parts"));
+  findings.push_back(
+      FindingAt(annotated.front().file, "motion_missing", Severity::kInfo, static_cast<double>(elsewhere),
+                Counted(static_cast<long long>(elsewhere), "annotated motion") + " of " +
+                    std::to_string(annotated.size()) + (elsewhere == 1 ? " lies" : " lie") +
+                    " in folders that are missing here: AMASS is downloaded in parts. Download those that you need"));
 }
 
 }  // namespace mocurate
