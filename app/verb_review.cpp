@@ -36,8 +36,8 @@ void AddReview(CLI::App& app, CommonArguments& common, std::function<Status()>& 
   review->add_option("--spans", arguments->spans, "with --annotate: spans.csv of an earlier session")->needs(annotate);
   CLI::Option* clips = review
                            ->add_option("--clip", arguments->clips,
-                                        "with --annotate: id of a clip or recording, or its end; may be repeated "
-                                        "(default: clips without a label)")
+                                        "with --annotate: id of a clip or recording, in full or its last part; may be "
+                                        "repeated (default: clips without a label)")
                            ->needs(annotate)
                            ->allow_extra_args(false);
   review->add_flag("--all", arguments->all, "with --annotate: show labelled clips as well")

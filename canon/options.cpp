@@ -3,14 +3,15 @@
 namespace mocurate {
 
 void TripleOptions::Declare(OptionVisitor& v) {
-  v.Number(
-      "rate", rate_hz, Unit::kHertz, {0.1, 1000.0},
-      "rate of the samples, by decimation (every n-th recorded frame, n rounded down); canon.rate resamples before");
+  v.Number("rate", rate_hz, Unit::kHertz, {0.1, 1000.0},
+           "rate of the samples: every n-th recorded frame is used, n rounded down; canon.rate resamples before");
   v.Text("transition", transition, "label of transitions");
-  v.Number("transition_share", transition_share, Unit::kNone, {0.0, 0.5},
-           "share of each neighbour that a labelled transition includes; doubled where no transition is labelled");
-  v.Integer("most_taken", most_taken, {0.0, 1000.0},
-            "maximum frames of each neighbour that a transition includes; doubled as above");
+  v.Number(
+      "transition_share", transition_share, Unit::kNone, {0.0, 0.5},
+      "share of each neighbouring action that a labelled transition includes; doubled where no transition is labelled");
+  v.Integer(
+      "most_taken", most_taken, {0.0, 1000.0},
+      "maximum frames of each neighbouring action that a transition includes; doubled where no transition is labelled");
   v.Integer("extra_frames", extra_frames, {0.0, 1000.0},
             "frames after the label that the action includes, where they exist");
   v.Integer("least_frames", least_frames, {0.0, 1e5}, "samples with this many frames or fewer are dropped");
@@ -22,13 +23,15 @@ void TripleOptions::Declare(OptionVisitor& v) {
 
 void ChangePointOptions::Declare(OptionVisitor& v) {
   v.Number("rest_penalty", rest_penalty_s, Unit::kSecond, {0.01, 60.0},
-           "cost of a boundary at rest, in seconds of a segment unlike its surroundings");
+           "cost of a boundary at rest, in seconds of a segment that differs from its neighbours: higher costs give "
+           "fewer boundaries");
   v.Number("moving_penalty", moving_penalty_s, Unit::kSecond, {0.01, 60.0},
            "cost of a boundary in the middle of a movement");
   v.Number("restless_penalty", restless_penalty_s, Unit::kSecond, {0.01, 60.0},
            "cost of a boundary in a recording without rests");
   v.Number("least_segment", least_segment_s, Unit::kSecond, {0.04, 60.0}, "shortest segment");
-  v.Number("least_rest", least_rest_s, Unit::kSecond, {0.0, 60.0}, "shorter rests become one boundary in their middle");
+  v.Number("least_rest", least_rest_s, Unit::kSecond, {0.0, 60.0},
+           "rests shorter than this become one boundary in their middle");
   v.Number("longest", longest_s, Unit::kSecond, {1.0, 600.0}, "longest segment; computing time grows with it");
   v.Number("min_confidence", min_confidence, Unit::kNone, {0.0, 1.0}, "less confident boundaries are dropped");
   v.Bool("keep_rests", keep_rests, "keep rests between actions as clips");
@@ -58,10 +61,10 @@ void TrimOptions::Declare(OptionVisitor& v) {
   v.Number("still_speed", still_speed, Unit::kMetrePerSecond, {0.0, 10.0},
            "a frame is still when its fastest joint is slower than this");
   v.Number("moving_speed", moving_speed, Unit::kMetrePerSecond, {0.0, 10.0},
-           "a movement begins at still_speed and counts if it reaches this speed; smaller values than "
-           "still_speed count as still_speed");
+           "a movement begins at still_speed and is kept if it reaches this speed; values below still_speed mean "
+           "still_speed");
   v.Number("speed_window", speed_window_s, Unit::kSecond, {0.0, 10.0},
-           "window for the slope of a joint's path, its speed: longer windows suppress more noise");
+           "window for estimating the speed of a joint from the slope of its path: longer windows suppress more noise");
   v.Number("margin", margin_s, Unit::kSecond, {0.0, 10.0},
            "time kept before the first and after the last moving frame");
   v.Number("min_length", min_length_s, Unit::kSecond, {0.0, 3600.0},
@@ -77,8 +80,8 @@ void TrimOptions::Declare(OptionVisitor& v) {
       "label, as it "
       "is for listed spans with a fine label");
   v.Bool("as_segments", as_segments,
-         "recordings stay whole and the cuts become their segments (origin proposed), for `mocurate review "
-         "--annotate`; not with rule: triples");
+         "do not cut: the spans become proposed segments of whole recordings, for `mocurate review --annotate`; not "
+         "with rule: triples");
   v.Group("triples", triples, "with rule: triples, samples of two actions and the transition between them");
   v.Group("change_points", change_points, "with rule: change_points, consecutive actions");
   v.Group("cycles", cycles, "with rule: cycles, repetitions of an exercise");
@@ -86,8 +89,8 @@ void TrimOptions::Declare(OptionVisitor& v) {
 }
 
 void GivenRotationOptions::Declare(OptionVisitor& v) {
-  v.Texts("persons", persons, "persons whose clips it rotates; empty: all");
-  v.Texts("views", views, "cameras whose clips it rotates; empty: all");
+  v.Texts("persons", persons, "persons whose clips are rotated; empty: all");
+  v.Texts("views", views, "cameras whose clips are rotated; empty: all");
   v.Numbers("rotation", rotation, Unit::kNone, {-1.001, 1.001},
             "matrix canonical_from_source, 9 numbers row by row, in the axes of ingest.source.axes");
 }
@@ -116,7 +119,7 @@ void FacingOptions::Declare(OptionVisitor& v) {
   v.Choice("height", height, {{"root", HeightOrigin::kRoot}, {"floor", HeightOrigin::kFloor}},
            "height of the origin: the anchor's root, or y = 0 (the floor, where canon.level finds it)");
   v.Number("min_horizontal", min_horizontal, Unit::kNone, {0.01, 1.0},
-           "flags a clip whose heading axis has a smaller horizontal part; rule hips then uses the forward axis");
+           "report a clip whose heading axis has a horizontal part below this; rule hips then uses the forward axis");
   v.List("given", given, "with rule: given, rotations by person or view");
 }
 
@@ -160,11 +163,13 @@ void SplitOptions::Declare(OptionVisitor& v) {
            "property that no two parts share");
   v.Texts("test", test, "persons or styles in the test part");
   v.Texts("validation", validation, "persons or styles in the validation part");
-  v.Texts("train", train, "persons or styles always in the training part; all others are too, unless they are drawn");
+  v.Texts("train", train,
+          "persons or styles that are always in the training part; others are in it unless drawn for another part");
   v.Choice("absent", absent, {{"draw", AbsentGroups::kDraw}, {"refuse", AbsentGroups::kRefuse}},
-           "when the set has none of the named persons or styles of a part: draw others with a finding, or refuse");
+           "if the set has none of the persons or styles that are named for a part: draw others and report a finding, "
+           "or refuse");
   v.Bool("sessions_together", sessions_together,
-         "by fraction: all clips of a person's session, with its repetitions, are in one part");
+         "by fraction: keep all clips of a person's session, repetitions included, in one part");
   v.Number("test_share", test_share, Unit::kNone, {0.0, 1.0},
            "share of the performances (or drawn groups) in the test part");
   v.Number("validation_share", validation_share, Unit::kNone, {0.0, 1.0},
@@ -203,27 +208,27 @@ void AssembleOptions::Declare(OptionVisitor& v) {
 void LabelNoiseOptions::Declare(OptionVisitor& v) {
   v.Bool("enabled", enabled, "look for clips that resemble another class");
   v.Integer("frames", frames, {2.0, 256.0}, "frames that each clip is resampled to");
-  v.Number("velocity_weight", velocity_weight, Unit::kNone, {0.0, 100.0},
-           "weight of time differences relative to positions");
+  v.Number("velocity_weight", velocity_weight, Unit::kNone, {0.0, 100.0}, "weight of velocities relative to positions");
   v.Number("width", width, Unit::kNone, {1e-3, 1e3}, "exponent of the kernel at the median squared distance of clips");
   v.Number("ridge", ridge, Unit::kNone, {1e-4, 1e3}, "added to the kernel's diagonal");
   v.Number("other_share", other_share, Unit::kNone, {0.0, 10.0},
-           "smallest score of the other class, as a share of that class's mean own score");
+           "minimum score of a clip for another class, as a share of the mean score of that class's own clips");
   v.Number("own_share", own_share, Unit::kNone, {-10.0, 10.0},
-           "largest score of the own class, as a share of its mean own score");
+           "maximum score of a clip for its own class, as a share of the mean score of that class's clips");
   v.Number("none_share", none_share, Unit::kNone, {-10.0, 10.0},
-           "largest score of any class, as a share of its mean own score, of a clip that fits none");
-  v.Number("least_usual", least_usual, Unit::kNone, {0.0, 1.0}, "smallest mean own score of a class that is judged");
+           "clip that fits no class: maximum score for any class, as a share of the mean score of that class's clips");
+  v.Number("least_usual", least_usual, Unit::kNone, {0.0, 1.0},
+           "classes with a mean score of their own clips below this are neither suspected nor suggested");
   v.Integer("most_clips", most_clips, {2.0, 20000.0}, "maximum training clips of a fold; larger sets are sampled");
   v.Integer("most_folds", most_folds, {2.0, 1000.0}, "maximum folds for distributing persons");
-  v.Integer("drawn_folds", drawn_folds, {2.0, 1000.0}, "folds of clips, where there are fewer than three persons");
+  v.Integer("drawn_folds", drawn_folds, {2.0, 1000.0}, "number of folds by clip, used for fewer than three persons");
 }
 
 void OutlierOptions::Declare(OptionVisitor& v) {
   v.Bool("enabled", enabled, "report clips whose jerk, speed, length, ... is an outlier of their class");
   v.Number("deviations", deviations, Unit::kNone, {1.0, 1e6},
            "robust standard deviations from the median of the class");
-  v.Integer("least_clips", least_clips, {3.0, 1e6}, "smaller classes are compared with the whole set");
+  v.Integer("least_clips", least_clips, {3.0, 1e6}, "classes with fewer clips are compared with the whole set");
 }
 
 void AuditOptions::Declare(OptionVisitor& v) {
@@ -233,8 +238,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
   v.Group("labels", labels, "search for label errors");
   v.Group("outliers", outliers, "search for outliers of a class");
   v.Number("repeated_distance", repeated_distance_m, Unit::kMetre, {1e-6, 1.0},
-           "largest difference of a joint's distances to the others, below which two clips have "
-           "the same motion");
+           "two clips have the same motion if each joint's distances to the others differ by at most this");
 }
 
 StageDeclaration LevelDeclaration() { return {"level", 3, "mocurate-annotate", WholeSetLimits()}; }

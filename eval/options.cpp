@@ -21,7 +21,8 @@ void DeclareHidden(HiddenDraw& hidden, OptionVisitor& v) {
 
 void DeclareCrop(CropDraw& crop, OptionVisitor& v) {
   v.Choice("crop", crop, {{"first", CropDraw::kFirst}, {"released", CropDraw::kReleased}, {"any", CropDraw::kAny}},
-           "window of a longer motion: its first frames, or random without the last start (as released) or with it");
+           "window of a motion that is too long: its first frames, or a random window, without the last start (as "
+           "released) or with it");
 }
 
 void DeclareReal(RealPart& real, OptionVisitor& v) {
@@ -51,8 +52,8 @@ void DeclareScript(ScriptDraw& script, OptionVisitor& v) {
             {"after_sample", ScriptDraw::kAfterSample},
             {"after_generated", ScriptDraw::kAfterGenerated},
             {"chain", ScriptDraw::kChain}},
-           "request: a label and a length; transition and action of a sample, after its previous motion or after "
-           "a generated one; or a chain of drawn actions");
+           "request to the generator: a label and a length; the transition and action of a sample, after its previous "
+           "motion or after a generated one; or a chain of drawn actions");
 }
 
 void DeclareFilter(OneEuro& filter, OptionVisitor& v) {
@@ -60,7 +61,7 @@ void DeclareFilter(OneEuro& filter, OptionVisitor& v) {
            "1-euro filter: cutoff at rest; 0: no filter");
   v.Number("speed", filter.speed, Unit::kNone, {0.0, 1000.0}, "1-euro filter: increase of the cutoff in Hz per m/s");
   v.Number("speed_cutoff", filter.speed_cutoff_hz, Unit::kHertz, {0.001, 1000.0},
-           "1-euro filter: cutoff of the speed itself");
+           "1-euro filter: cutoff of the derivative");
 }
 
 }  // namespace
@@ -83,7 +84,7 @@ void ScriptRowOptions::Declare(OptionVisitor& v) {
 
 void DrawOptions::Declare(OptionVisitor& v) {
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "number of repetitions of the whole evaluation");
-  v.Integer("motions", motions, {0.0, 1e6}, "motions of a set and repetition; 0: each motion once");
+  v.Integer("motions", motions, {0.0, 1e6}, "motions per set and repetition; 0: each motion once");
   v.Bool("replacement", replacement, "draw real motions with replacement");
   DeclarePerLabel(per_label, v);
   DeclareLabels(labels, v);
@@ -101,7 +102,7 @@ void MetricOptions::Declare(OptionVisitor& v) {
   v.Integer("kid_size", kid_size, {2.0, 100000.0}, "motions of a KID subset");
   v.Integer("neighbours", neighbours, {1.0, 100.0}, "k of density and coverage");
   v.Integer("resamples", resamples, {0.0, 10000.0},
-            "resamples for bootstrap intervals and exchanges for comparisons; 0: none");
+            "resamples of bootstrap intervals and permutations of comparisons; 0: none");
 }
 
 const DrawOptions& ProtocolOptions::draw() const {
@@ -118,7 +119,7 @@ void ProtocolOptions::Declare(OptionVisitor& v) {
            {{"given", ProtocolVariant::kGiven},
             {"released", ProtocolVariant::kReleased},
             {"paper", ProtocolVariant::kPaper}},
-           "given: each motion once, nothing drawn; released: draws of the paper's code; paper: draws of its text");
+           "drawing of motions. given: every motion once; released: as in the paper's code; paper: as in its text");
   v.Integer("seed", seed, {}, "random seed of all draws");
   v.Bool("test_reference", test_reference, "score against the test part of the real motions as well (FID_test)");
   v.Text("split", split, "split of the real motions; empty: the first one");
@@ -163,21 +164,22 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Integer("seed", seed, {}, "random seed of the evaluation");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "number of repetitions of the whole evaluation");
   v.Integer("motions", motions, {0.0, 1e6}, "motions per set and repetition; 0: each once");
-  v.Text("protocol", protocol, "name of configs/protocols whose equivalent labels and divisor of multimodality apply");
-  v.List("filters", filters, "rows of a network's motions after a 1-euro filter");
-  v.List("rows", rows, "rows whose networks generate scripts (MultiAct); empty: each generator is a row");
+  v.Text("protocol", protocol,
+         "protocol in configs/protocols that sets the equivalent labels and the divisor of multimodality");
+  v.List("filters", filters, "additional rows: motions of a network after a 1-euro filter");
+  v.List("rows", rows,
+         "rows of networks that generate chains of actions (scripts, MultiAct); empty: one row per generator");
   DeclarePart("part", part, v);
   v.Bool("requests_of_test", requests_of_test,
-         "draw requests for generators from the test part; else from the real motions");
+         "draw the labels and lengths that generators get from the test part; false: from the real motions");
   v.Numbers("durations", durations, Unit::kNone, {1.0, 5000.0},
-            "requested frames, each a row of its own; empty: as many as the recogniser reads");
+            "requested lengths in frames, one row per length; empty: the length that the recogniser reads");
   v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs for diversity");
   v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class for multimodality");
   DeclareLabels(labels, v);
   DeclareReal(real, v);
   v.Bool("test_reference", test_reference,
-         "score against the training and validation parts and against the test part, each with an FID of its own; "
-         "`real` is not read");
+         "two FIDs: against the training and validation parts, and against the test part; `real` is ignored");
   v.Number("settled", settled, Unit::kNone, {0.0, 1.0},
            "a network whose FID changed by more than this share since its last sample counts as not converged");
   v.Text("split", split, "split whose test part scores the recogniser; empty: the recogniser's, else the first");
@@ -197,17 +199,18 @@ std::vector<std::string> NotesOf(const EvaluateOptions& options) {
 }
 
 void FeaturesOptions::Declare(OptionVisitor& v) {
-  v.Group("extractor", extractor, "network, and the conversion of motions to its input");
+  v.Group("extractor", extractor, "network that computes the features, and how motions become its input");
   v.Bool("generated", generated, "the motions are generated ones");
-  v.Bool("known_frame", known_frame, "a network of the run generated the set: its axes and unit are known");
+  v.Bool("known_frame", known_frame, "a network of this run generated the set, so axes and unit are known");
   DeclareReal(part, v);
   v.Text("split", split, "split of the part; empty: the first one");
   v.Integer("seed", seed, {}, "random seed of the draws");
   v.Text("purpose", purpose, "name of the draws");
-  v.Integer("passes", passes, {0.0, 1000.0}, "passes with draws of their own; 0: one, in the order of the motions");
-  v.Integer("motions", motions, {0.0, 1e6}, "motions drawn for a pass; 0: all");
+  v.Integer("passes", passes, {0.0, 1000.0},
+            "number of passes, each with new random draws; 0: one pass in the order of the motions");
+  v.Integer("motions", motions, {0.0, 1e6}, "motions drawn per pass; 0: all");
   v.Integer("frames", frames, {0.0, 5000.0},
-            "frames requested from a generator and read from its motions; 0: the extractor's");
+            "frames requested from a generator and read from its motions; 0: as many as the extractor reads");
   v.Bool("replacement", replacement, "draw with replacement");
   DeclarePerLabel(per_label, v);
   DeclareLabels(labels, v);
@@ -224,7 +227,7 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
 void ScoreOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "name of the row");
   v.Choice("real", real, {{"none", RealRow::kNone}, {"train", RealRow::kTrain}, {"test", RealRow::kTest}},
-           "whether the row is real motions, and the reference that contains them");
+           "for a row of real motions: the reference part that contains them; none: generated motions");
   v.Bool("fresh", fresh, "every repetition scores new motions");
   v.Integer("seed", seed, {}, "random seed of the draws");
   v.Group("draw", draw, "draws of the row");

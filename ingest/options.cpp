@@ -19,7 +19,7 @@ const std::vector<std::string>& SourceFormats() { return FormatNames(); }
 void AddSourceFormat(const std::string& name) { FormatNames().push_back(name); }
 
 void LabelRule::Declare(OptionVisitor& v) {
-  v.Text("pattern", pattern, "regular expression that is looked for in the label's text, letter case aside");
+  v.Text("pattern", pattern, "regular expression searched in the label's text; case is ignored");
   v.Text("label", label, "of the clips whose text has it");
 }
 
@@ -43,11 +43,11 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("units", units, "unit of length of the files: m, cm, mm, inch, or a length such as '0.0564 m'");
   v.Text("axes", axes, "directions of the source's x, y and z in the canonical world (right-handed, y up, facing +z)");
   v.OptionalNumber("rate", rate_hz, Unit::kHertz, {1e-3, 1e5},
-                   "frames per second; used also where the files declare another rate, with a finding");
+                   "frames per second; overrides another rate that the files declare, with a finding");
   v.Text("skeleton", skeleton, "skeleton that the joints belong to");
   v.Texts("joints", joints, "joint names in the order of the file; '-' skips a joint");
   v.Integer("rows_per_frame", rows_per_frame, {0.0, 1e4},
-            "joint_table: rows per frame; 0: one per joint, or with `layout` one");
+            "joint_table: rows per frame; 0: one row per joint, or with `layout` one row per frame");
   v.Texts("columns", columns, "joint_table: numbers of one joint: x, y, z, confidence, skip");
   v.Text("layout", layout,
          "joint_table: all numbers of a frame instead of `columns`, e.g. 'frame 11*(rotation rotation_confidence x y z "
@@ -58,9 +58,9 @@ void SourceOptions::Declare(OptionVisitor& v) {
            "refuse the file, or report a finding and set the frame to missing. For joint_table, ntu_skeleton, asf_amc, "
            "phspd, expmap, amass, npy, bvh");
   v.TextMap("bodies", bodies,
-            "ntu_skeleton: label as in the file's name -> people in such a file, 1 to 6; default: one");
-  v.Group("people", people, "ntu_skeleton, vibe_tracks, uestc: which tracks are the people of the clip");
-  v.Group("views", views, "ntu_skeleton: files of several cameras of one performance");
+            "ntu_skeleton: label in the file name -> number of people in such files, 1 to 6; default: 1");
+  v.Group("people", people, "ntu_skeleton, vibe_tracks, uestc: choice of the tracks that are people of the clip");
+  v.Group("views", views, "ntu_skeleton: merging of files that show one performance from several cameras");
   v.Number("inferred_confidence", inferred_confidence, Unit::kNone, {0.0, 1.0},
            "ntu_skeleton: confidence of inferred joints; tracked joints have 1, others 0");
   v.Text("skeleton_files", skeleton_files,
@@ -80,7 +80,8 @@ void SourceOptions::Declare(OptionVisitor& v) {
            {{"none", MissingValue::kNone}, {"zero", MissingValue::kZero}, {"nan", MissingValue::kNan}},
            "joint_table: values of an unobserved joint");
   v.Number("least_confidence", least_confidence, Unit::kNone, {0.0, 1.0},
-           "joint_table: least confidence of a joint that has a position, for files that store 0 for tracked joints");
+           "joint_table: lower bound of the confidence of joints that have a position, for files that store 0 for "
+           "tracked joints");
   v.Numbers("lie_bone_lengths", lie_bone_lengths, Unit::kNone, {0.0, 1e6},
             "npy: bone length of each joint, 0 for the root, in the file's unit: the array holds Action2Motion's Lie "
             "parameters (root translation, then a rotation vector per joint) instead of positions");
@@ -108,13 +109,15 @@ void SourceOptions::Declare(OptionVisitor& v) {
          "openpose: order of the detector's points: BODY_25, BODY_25B, COCO_17, COCO_18, or measured by bone lengths");
   v.Integer("subjects", subjects, {1.0, 26.0},
             "openpose, panoptic: number of people per recording; one clip each, longest presence first");
-  v.Text("person", person, "person, from fields of the name; {body} numbers the people of a file");
-  v.Text("recording", recording, "name of the recording; {file} is the path without its ending");
-  v.Text("label", label, "action label, from fields of the name");
+  v.Text("person", person,
+         "name of the person, made of {fields} of the file name; {body} numbers the people of a file");
+  v.Text("recording", recording,
+         "name of the recording, made of {fields} of the file name; {file} is the path without its ending");
+  v.Text("label", label, "action label, made of {fields} of the file name");
   v.Text("fine_label", fine_label, "label of a finer class, or empty");
-  v.Text("session", session, "recording session, from the fields of the name");
-  v.Text("view", view, "camera or view, from the fields of the name");
-  v.Text("style", style, "style of the performance, from the fields of the name");
+  v.Text("session", session, "recording session, made of {fields} of the file name");
+  v.Text("view", view, "camera or view, made of {fields} of the file name");
+  v.Text("style", style, "style of the performance, made of {fields} of the file name");
   v.TextMap("labels", labels, "names of the labels");
   v.List("label_rules", label_rules,
          "labels by patterns, for texts missing in `labels`, such as descriptions; the first match counts");
@@ -155,7 +158,8 @@ void PeopleOptions::Declare(OptionVisitor& v) {
   v.Numbers("start", start_px, Unit::kPixel, {},
             "uestc_released, uestc_corrected: position of the performer in the first video frame; ACTOR takes it from "
             "the sensor's skeletons");
-  v.Bool("stitch", stitch, "join the ids of one person: lost and found again with the same bones, or interleaved");
+  v.Bool("stitch", stitch,
+         "join tracks of one person under several ids: lost and found again with the same bones, or interleaved");
   v.Bool("false_tracks", false_tracks, "exclude false tracks: short, frozen, furniture, a second body in one place");
   v.Number("max_gap", max_gap_s, Unit::kSecond, {0.0, 600.0}, "longest time over which ids are joined");
   v.Number("max_speed", max_speed, Unit::kMetrePerSecond, {0.0, 100.0},

@@ -15,7 +15,7 @@ void PipelineOptions::Declare(OptionVisitor& v) {
 
 void DataSetOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "name of the set's folder data/NAME and of its part of the table");
-  v.Text("job", job, "config that makes its dataset: a name of configs/, or a file from the working folder");
+  v.Text("job", job, "config that makes its dataset: a name in configs/, or a path relative to the working folder");
   v.Path("path", path, "your copy of the set (--data NAME=PATH); empty: the substitute");
   v.Text("substitute", substitute, "layout of `mocurate synthesize` for a synthetic substitute where path is empty");
   v.Text("substitute_job", substitute_job, "config that makes the substitute's dataset; empty: `job`");
@@ -23,8 +23,8 @@ void DataSetOptions::Declare(OptionVisitor& v) {
   v.Texts("networks", networks, "options of the networks for this set: NETWORK.OPTION=VALUE, or OPTION=VALUE for all");
   v.Texts("evaluate", evaluate, "options of `evaluate` for this set: OPTION=VALUE");
   v.Text("like", like,
-         "an earlier set; its job, path and substitute are used where this set has none, its networks and evaluate "
-         "come first");
+         "an earlier set of the list: its job, path and substitute are the defaults of this set; its networks and "
+         "evaluate options are applied first");
 }
 
 void DrawnMotionsOptions::Declare(OptionVisitor& v) {
@@ -32,7 +32,7 @@ void DrawnMotionsOptions::Declare(OptionVisitor& v) {
   v.Text("set", set, "set of `data` whose networks and dataset are drawn; empty: the first");
   v.Texts("rows", rows, "rows to draw: networks, rows of evaluate.rows, or Real (clips of the dataset)");
   v.Texts("labels", labels, "classes to draw; empty: all");
-  v.Texts("scripts", scripts, "scripts instead of labels, for networks that answer them");
+  v.Texts("scripts", scripts, "for networks that generate chains of actions: scripts instead of labels");
   v.Integer("transition_frames", transition_frames, {0, 1000},
             "frames of each transition of scripts; 0: the network's usual number");
   v.Integer("samples", samples, {1, 100}, "number of motions of each row and label");
@@ -67,8 +67,8 @@ void ReproduceOptions::Declare(OptionVisitor& v) {
   v.Number("smoke_hours", smoke_hours, Unit::kNone, {0.0, {}}, "hours of profile smoke on two cores; 0: not measured");
   v.Number("small_hours", small_hours, Unit::kNone, {0.0, {}}, "hours of profile small on two cores; 0: not measured");
   v.Number("paper_hours", paper_hours, Unit::kNone, {0.0, {}}, "hours of profile paper on two cores; 0: not measured");
-  v.TextMap("published_as", published_as, "row: method of the published table that it is compared with; '': none");
-  v.Text("curve", curve, "name of N, where rows 'NAME N' are points of a curve");
+  v.TextMap("published_as", published_as, "row -> method of the published table that it is compared with; '': none");
+  v.Text("curve", curve, "name of the variable N, where rows called 'NAME N' are points of a curve");
   v.Texts("plotted", plotted, "metrics of the curves, SET.METRIC; empty: all");
   v.List("released", released, "motions published by the authors, scored with their recogniser");
   v.List("pictures", pictures, "pictures of motions in rows of equally spaced frames");
@@ -86,10 +86,11 @@ void JobOptions::Declare(OptionVisitor& v) {
            "share of suspect clips (a finding of severity error) above which the run ends with exit code 1. Where "
            "more than half contradict their declaration, the declaration is wrong");
   v.Text("profile", profile, "profile of the config's `profiles` to merge into it, e.g. smoke, small, paper");
-  v.List("data", data, "several sets, each run through all stages with the networks of this job");
-  v.Texts("substitutes", substitutes, "studio options of all substitutes, e.g. subjects=3");
+  v.List("data", data, "several sets; each runs through all stages with the networks of this job");
+  v.Texts("substitutes", substitutes,
+          "options of `mocurate synthesize` for the synthetic substitutes of all sets, e.g. subjects=3");
   v.Texts("network_options", network_options,
-          "options of the networks of all sets in `data`, before each set's own: NETWORK.OPTION=VALUE or "
+          "options of the networks for all sets in `data`, applied before those of each set: NETWORK.OPTION=VALUE or "
           "KIND.OPTION=VALUE");
   v.Group("ingest", ingest, "location and declaration of the captures");
   v.Group("proportions", proportions, "bone lengths of each person");

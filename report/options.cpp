@@ -7,7 +7,7 @@ void ReportOptions::Declare(OptionVisitor& v) {
   v.Integer("filmstrip_frames", filmstrip_frames, {2.0, 24.0}, "stills per filmstrip");
   v.Integer("pages", pages, {0.0, 1000.0}, "clips with a page of their own: best, worst and evenly between");
   v.Integer("page_views", page_views, {0.0, 100.0}, "maximum views over which a page draws the fitted body");
-  v.Bool("videos", videos, "one H.264 video for each of these pages: most of a report's time");
+  v.Bool("videos", videos, "one H.264 video for each of these pages; takes most of a report's time");
   v.Number("suspect_joint_error", suspect_joint_error, Unit::kMetre, {0.0, 10.0},
            "mean joint error of a clip above which the page reports its fit as suspect: where 3DPCK "
            "counts a joint as wrong (Mehta et al., 3DV 2017)");
@@ -20,10 +20,11 @@ void ReviewOptions::Declare(OptionVisitor& v) {
 
 void AnnotateOptions::Declare(OptionVisitor& v) {
   v.Texts("labels", labels, "labels to choose from; empty: the dataset's classes");
-  v.Texts("clips", clips, "ids of clips or their ends; empty: all without a label");
+  v.Texts("clips", clips, "ids of clips, in full or their last part; empty: all without a label");
   v.Bool("all", all, "include clips that have a label");
   v.Number("rate", rate_hz, Unit::kHertz, {0.1, 1000.0}, "maximum poses per second in players");
-  v.Number("poses_size", poses_bytes, Unit::kByte, {1000.0, 1.0e9}, "size of all clips' poses; more are decimated");
+  v.Number("poses_size", poses_bytes, Unit::kByte, {1000.0, 1.0e9},
+           "maximum size of the poses of all clips on the page; larger sets have fewer poses per second");
 }
 
 void SurveyOptions::Declare(OptionVisitor& v) {
@@ -33,7 +34,8 @@ void SurveyOptions::Declare(OptionVisitor& v) {
   v.Integer("questions", questions, {0.0, 1000.0}, "number of questions; 0: as many as the motions allow, at most 40");
   v.Integer("seed", seed, {0.0, 9.0e15}, "random seed of all draws");
   v.Texts("labels", labels, "labels of the questions; empty: all that every source has");
-  v.Number("seconds", seconds, Unit::kSecond, {0.1, 60.0}, "maximum duration of each motion, from its begin");
+  v.Number("seconds", seconds, Unit::kSecond, {0.1, 60.0},
+           "maximum duration of each motion; later frames are not shown");
 }
 
 void ClipPageOptions::Declare(OptionVisitor& v) {
@@ -59,7 +61,7 @@ void PictureOptions::Declare(OptionVisitor& v) {
 void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Text("title", title, "title above the picture");
   v.Texts("labels", labels, "classes to show; empty: all");
-  v.Texts("clips", clips, "ids of clips, or their ends, instead of labels");
+  v.Texts("clips", clips, "ids of clips, in full or their last part, instead of labels");
   v.Integer("samples", samples, {1.0, 100.0}, "motions of each label and method");
   v.Integer("stills", stills, {1.0, 60.0}, "equally spaced frames of a row");
   v.Integer("most_rows", most_rows, {1.0, 500.0}, "maximum rows of a picture");

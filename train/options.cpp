@@ -16,7 +16,7 @@ void AugmentationOptions::Declare(OptionVisitor& v) {
 void TrainingDataOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   const bool parts = kind == NetworkKind::kMacvae || kind == NetworkKind::kSsmct;
   const bool rotations = kind == NetworkKind::kStGcn || kind == NetworkKind::kActor || parts;
-  v.Text("split", split, "split of the dataset to train on; empty: its first one, or all clips without one");
+  v.Text("split", split, "split of the dataset to train on; empty: the first split, or all clips where there is none");
   v.Bool("all_clips", all_clips, "train on every clip, as in the released code");
   v.Number("fraction", fraction, Unit::kNone, {0.01, 1.0},
            "share of the training clips of each class; a smaller fraction is a subset of a larger one");
@@ -43,7 +43,7 @@ void TrainingDataOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   v.Integer("frames", frames, {2.0, 1000.0}, "frames of a training window; whole clips are padded to it");
   if (kind == NetworkKind::kActor) {
     v.Integer("longest_frames", longest_frames, {0.0, 4000.0},
-              "maximum length of a window, random from `frames` on; 0: all have `frames`");
+              "maximum length of a window: lengths are drawn between `frames` and this; 0: all have `frames`");
   }
   if (!rotations) v.Group("augmentation", augmentation, "random changes of the training clips");
 }
@@ -51,23 +51,23 @@ void TrainingDataOptions::Declare(OptionVisitor& v, NetworkKind kind) {
 void LearningOptions::Declare(OptionVisitor& v, NetworkKind kind) {
   v.Integer("batch", batch, {1.0, 4096.0}, "clips per step; fewer when the training part is smaller");
   if (kind != NetworkKind::kStGcn && kind != NetworkKind::kSsmct && kind != NetworkKind::kMacvae)
-    v.Integer(
-        "shards", shards, {1.0, 64.0},
-        "parts of a batch whose gradients are summed in order, one core each; the result does not depend on the cores");
+    v.Integer("shards", shards, {1.0, 64.0},
+              "parts of a batch, one core each; gradients are summed in fixed order, so results do not depend on the "
+              "number of cores");
   v.Number("learning_rate", learning_rate, Unit::kNone, {1e-8, 1.0}, "learning rate of the optimiser");
   v.Number("weight_decay", weight_decay, Unit::kNone, {0.0, 1.0}, "L2 term of Adam");
-  v.Number("gradient_clip", gradient_clip, Unit::kNone, {0.0, 1e6}, "largest norm of a step's gradient; 0: no limit");
-  v.Integer("save_every", save_every, {1.0, 1e8}, "steps between two saved states, for resuming killed runs");
+  v.Number("gradient_clip", gradient_clip, Unit::kNone, {0.0, 1e6}, "gradient clipping: maximum norm; 0: no clipping");
+  v.Integer("save_every", save_every, {1.0, 1e8}, "steps between two saved states, from which a killed run resumes");
   v.Choice("device", device, {{"cpu", TrainDevice::kCpu}, {"cuda", TrainDevice::kCuda}},
            "device of the training; cuda needs a libtorch with CUDA");
   v.Path("start_from", start_from,
-         "start from the weights of this file and a new optimiser (formats as for `weights`)");
+         "start from the weights of this file with a new optimiser (formats as for `weights`)");
   v.Path("weights", weights,
          "use the weights of this file (released .tar or .pth, .h5, .safetensors) without training; options as they "
          "were trained");
   if (!GeneratesMotions(kind)) return;
   v.Text("start_from_network", start_from_network,
-         "start from the weights of this network, listed before it, and a new optimiser");
+         "start from the weights of this network (listed earlier in train.networks) with a new optimiser");
   v.Integer("iterations", iterations, {1.0, 1e8}, "training steps");
   v.Integer("until", until, {0.0, 1e8}, "stop after this many steps; 0: all");
   v.Numbers("samples_at", samples_at, Unit::kNone, {1.0, 1e8},
@@ -97,7 +97,7 @@ void GruRecogniserOptions::DeclareEpochs(OptionVisitor& v) {
 }
 
 void Action2MotionOptions::Declare(OptionVisitor& v) {
-  v.Bool("lie", lie, "decode rotations and compute joints; without it joints are decoded");
+  v.Bool("lie", lie, "decode rotations and compute joints by forward kinematics; false: decode joints");
   v.Choice("protocol", protocol, {{"released", Protocol::kReleased}, {"paper", Protocol::kPaper}},
            "rules where code and paper differ; the options below override single ones");
   v.OptionalNumber("self_feed_probability", self_feed_probability, Unit::kNone, {0.0, 1.0},
@@ -134,7 +134,7 @@ void CondGruOptions::Declare(OptionVisitor& v) {
 }
 
 void ActMoCoGanOptions::Declare(OptionVisitor& v) {
-  v.Bool("lie", lie, "generate rotations and compute joints; without it joints are generated");
+  v.Bool("lie", lie, "generate rotations and compute joints by forward kinematics; false: generate joints");
   v.Integer("hidden", hidden, {8.0, 1024.0}, "size of the recurrent states");
   v.Integer("latent", latent, {1.0, 1024.0}, "size of the noise per frame");
   v.Number("category_weight", category_weight, Unit::kNone, {0.0, 100.0},
@@ -368,7 +368,7 @@ void NetworkOptions::Declare(OptionVisitor& v) {
            "kind of the network; the options below depend on it");
   if (kind != defaults_of_) *this = NetworkOptions(kind);
   v.Text("name", name, "name of its row in tables and of its checkpoints");
-  v.Bool("enabled", enabled, "train it; a table over several sets can exclude it from one");
+  v.Bool("enabled", enabled, "train this network; false excludes it, e.g. from one of several sets");
   v.Numbers("seeds", seeds, Unit::kNone, {0.0, 1e9}, "one network per seed");
   v.Choice("trained_on", trained_on,
            {{"dataset", TrainingSetChoice::kDataset},

@@ -55,7 +55,7 @@ Expected<int> PickleMachine::Attribute(const PickleValue& dict, std::string_view
 
 Status PickleMachine::Dtype(const std::vector<int>& arguments) {
   if (arguments.empty() || !IsBytes(At(arguments[0])) || At(arguments[0]).text.size() > 20) {
-    return Bad("a numpy type without its name");
+    return Bad("a numpy type has no name");
   }
   const std::string_view text = At(arguments[0]).text;
   const std::optional<ElementType> type = ParseElementType(text);
@@ -78,7 +78,8 @@ Status PickleMachine::BuildDtype(PickleValue& dtype, const std::vector<int>& sta
     return Bad("the byte order of a numpy type is not one of < > = |");
   }
   for (std::size_t i = 2; i < 5; ++i) {
-    if (At(state[i]).kind != PickleKind::kNone) return Bad("an array of records", ErrorCode::kUnsupported);
+    if (At(state[i]).kind != PickleKind::kNone)
+      return Bad("arrays of records are not supported", ErrorCode::kUnsupported);
   }
   const char order = At(state[1]).text[0];
   const Expected<std::string_view> owned =
@@ -96,16 +97,16 @@ Status PickleMachine::BuildArray(PickleValue& array, const std::vector<int>& sta
   if (fortran.kind != PickleKind::kBool && fortran.kind != PickleKind::kInteger) {
     return Bad("the order of an array is neither true nor false");
   }
-  if (!pickle_.arrays[static_cast<std::size_t>(array.array)].dtype.empty()) return Bad("an array with two states");
+  if (!pickle_.arrays[static_cast<std::size_t>(array.array)].dtype.empty()) return Bad("an array has two states");
   return FillArray(array, state[first], state[first + 1], fortran.integer != 0, state[first + 3]);
 }
 
 Status PickleMachine::FillArray(PickleValue& array, int shape, int dtype, bool fortran, int data) {
-  if (At(dtype).kind != PickleKind::kDtype) return Bad("an array without a numpy type");
+  if (At(dtype).kind != PickleKind::kDtype) return Bad("an array has no numpy type");
   Expected<std::vector<std::size_t>> extents = Shape(shape, "the shape of an array");
   if (!extents) return Forward(extents);
   const std::optional<ElementType> type = ParseElementType(At(dtype).text);
-  if (!type) return Bad("an array of an unknown type", ErrorCode::kUnsupported);
+  if (!type) return Bad("an array has an unknown type", ErrorCode::kUnsupported);
   PickleArray& target = pickle_.arrays[static_cast<std::size_t>(array.array)];
   const bool objects = type->kind == ElementKind::kObject;
   if (objects ? At(data).kind != PickleKind::kList : !IsBytes(At(data))) {
@@ -130,7 +131,7 @@ Status PickleMachine::FillArray(PickleValue& array, int shape, int dtype, bool f
 
 Status PickleMachine::Scalar(const std::vector<int>& arguments) {
   if (arguments.size() != 2 || At(arguments[0]).kind != PickleKind::kDtype || !IsBytes(At(arguments[1]))) {
-    return Bad("a numpy number without type and bytes");
+    return Bad("a numpy number has no type or no bytes");
   }
   const std::optional<ElementType> type = ParseElementType(At(arguments[0]).text);
   const std::string_view data = At(arguments[1]).text;
@@ -140,7 +141,7 @@ Status PickleMachine::Scalar(const std::vector<int>& arguments) {
   }
   if (!type->is_number()) {
     std::optional<std::vector<std::string>> texts = DecodeTexts(*type, data);
-    if (!texts || texts->size() != 1) return Bad("a numpy text that is malformed");
+    if (!texts || texts->size() != 1) return Bad("a numpy text is malformed");
     const Expected<std::string_view> owned = Own(std::move(texts->front()));
     if (!owned) return Forward(owned);
     return type->kind == ElementKind::kText ? PushText(PickleKind::kText, *owned) : PushBytes(*owned);
@@ -158,7 +159,7 @@ Status PickleMachine::Scalar(const std::vector<int>& arguments) {
 Status PickleMachine::FromBuffer(const std::vector<int>& arguments) {
   if (arguments.size() != 4 || At(arguments[3]).kind != PickleKind::kText ||
       (At(arguments[3]).text != "C" && At(arguments[3]).text != "F")) {
-    return Bad("an array from a buffer without bytes, type, shape and order");
+    return Bad("an array from a buffer lacks bytes, type, shape or order");
   }
   PickleValue array;
   array.kind = PickleKind::kArray;
@@ -172,7 +173,7 @@ Status PickleMachine::FromBuffer(const std::vector<int>& arguments) {
 }
 
 Status PickleMachine::Tensor(const std::vector<int>& arguments) {
-  if (arguments.size() < 4) return Bad("a tensor with fewer than 4 arguments");
+  if (arguments.size() < 4) return Bad("a tensor has fewer than 4 arguments");
   const PickleValue& storage = At(arguments[0]);
   const PickleValue& offset = At(arguments[1]);
   if (storage.kind != PickleKind::kStorage || offset.kind != PickleKind::kInteger || offset.integer < 0) {
@@ -182,7 +183,7 @@ Status PickleMachine::Tensor(const std::vector<int>& arguments) {
   if (!shape) return Forward(shape);
   Expected<std::vector<std::size_t>> strides = Shape(arguments[3], "a tensor's stride");
   if (!strides) return Forward(strides);
-  if (shape->size() != strides->size()) return Bad("a tensor with more sizes than strides");
+  if (shape->size() != strides->size()) return Bad("a tensor has another number of sizes than of strides");
   PickleArray array;
   array.storage = static_cast<int>(storage.integer);
   array.dtype = storages_[static_cast<std::size_t>(storage.integer)].dtype;
@@ -201,10 +202,10 @@ Status PickleMachine::BuildSparse(PickleValue& object, PickleClass type, const P
   Expected<int> shape = Attribute(state, "_shape");
   if (shape && *shape < 0) shape = Attribute(state, "shape");
   if (!shape) return Forward(shape);
-  if (*shape < 0) return Bad("a sparse matrix without its '_shape'");
+  if (*shape < 0) return Bad("a sparse matrix has no '_shape'");
   Expected<std::vector<std::size_t>> extents = Shape(*shape, "the shape of a sparse matrix");
   if (!extents) return Forward(extents);
-  if (extents->size() != 2) return Bad("a sparse matrix that has not two axes", ErrorCode::kUnsupported);
+  if (extents->size() != 2) return Bad("a sparse matrix does not have two axes", ErrorCode::kUnsupported);
   std::vector<int> parts;
   for (const char* key : {"data", coo ? "row" : "indices", coo ? "col" : "indptr"}) {
     Expected<int> part = Attribute(state, key);
@@ -215,7 +216,7 @@ Status PickleMachine::BuildSparse(PickleValue& object, PickleClass type, const P
       if (*coords >= 0 && At(*coords).children.size() == 2) part = At(*coords).children[parts.size() - 1];
     }
     if (*part < 0 || At(*part).kind != PickleKind::kArray) {
-      return Bad(std::string("a sparse matrix without its '") + key + "'");
+      return Bad(std::string("a sparse matrix has no '") + key + "'");
     }
     parts.push_back(*part);
   }
@@ -238,7 +239,7 @@ Status PickleMachine::BuildSelect(PickleValue& object, const PickleValue& state)
     const Expected<int> part = Attribute(state, keys[i]);
     if (!part) return Forward(part);
     if (*part < 0 || (i < 2 && At(*part).kind != PickleKind::kArray)) {
-      return Bad(std::string("a chumpy selection without its '") + keys[i] + "'");
+      return Bad(std::string("a chumpy selection has no '") + keys[i] + "'");
     }
     parts[i] = *part;
   }
@@ -250,7 +251,7 @@ Status PickleMachine::BuildSelect(PickleValue& object, const PickleValue& state)
   const std::optional<ElementType> index_type = ParseElementType(chosen.dtype);
   if (!type || !type->is_number() || !index_type || index_type->bytes == 0 || !index_type->is_number() ||
       whole.storage >= 0 || !whole.strides.empty() || !chosen.strides.empty()) {
-    return Bad("a chumpy selection of other values than plain arrays", ErrorCode::kUnsupported);
+    return Bad("a chumpy selection selects from other values than plain arrays", ErrorCode::kUnsupported);
   }
   if (Status charged = Charge(chosen.data.size() / 64); !charged) return charged;
   std::vector<double> indices;
@@ -285,7 +286,7 @@ Status PickleMachine::ReadJoblibArray(PickleValue& object, const PickleValue& st
   for (std::size_t i = 0; i < 3; ++i) {
     const Expected<int> part = Attribute(state, keys[i]);
     if (!part) return Forward(part);
-    if (*part < 0) return Bad(std::string("an array of joblib without its '") + keys[i] + "'");
+    if (*part < 0) return Bad(std::string("an array of joblib has no '") + keys[i] + "'");
     parts[i] = *part;
   }
   if (At(parts[1]).text != "C" && At(parts[1]).text != "F")
@@ -294,7 +295,7 @@ Status PickleMachine::ReadJoblibArray(PickleValue& object, const PickleValue& st
   Expected<std::vector<std::size_t>> shape = Shape(parts[0], "'shape' of an array of joblib");
   if (!shape) return Forward(shape);
   const std::optional<ElementType> type = ParseElementType(At(parts[2]).text);
-  if (!type) return Bad("an array of an unknown type in a joblib file", ErrorCode::kUnsupported);
+  if (!type) return Bad("an array of joblib has an unknown type", ErrorCode::kUnsupported);
   if (type->kind == ElementKind::kObject) {
     const Expected<int> inner = ReadInner();
     if (!inner) return Forward(inner);

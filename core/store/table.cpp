@@ -47,7 +47,8 @@ void AddRoot(std::vector<Field>& fields, const std::string& schema, const std::v
       .Add("@kinematics", kText, {}, "", OneOf(kinematics),
            "tree: rotations on the skeleton's tree, joints follow from them; joints: positions only")
       .Add("@units", kText, {}, "", EqualTo("m s rad"), "units of all fields that name no other")
-      .Add("@content_sha256", kText, {}, "", Sha256Digits(false), "of all other fields of this table, see below")
+      .Add("@content_sha256", kText, {}, "", Sha256Digits(false),
+           "SHA-256 of all other fields of this table, see content_sha256")
       .Add("@skeleton", kText, {}, "", Anything(), "name of the skeleton", motion);
 }
 
@@ -105,11 +106,12 @@ void AddSpans(std::vector<Field>& fields, const std::string& prefix, const std::
            "which optional fields of /frames the clip has: 1 state, 2 position_cov, 4 rotation_sigma, 8 "
            "rotation_observed, "
            "16 contact; rows of others are zero")
-      .Add("bone_length", kF8, {rows, "J"}, "m", AtLeast(0), "of the person, bone that ends at the joint", kTree);
+      .Add("bone_length", kF8, {rows, "J"}, "m", AtLeast(0), "length of the person's bone that ends at the joint",
+           kTree);
   Group(fields, prefix + "/clips", presence)
       .Add("rest_offset", kF8, {rows, "J", "3"}, "m", Finite(),
-           "of the person, as /skeleton/rest_offsets, whose place it takes: only directions matter, lengths are "
-           "bone_length; rotations are counted from the pose of /skeleton/rest_offsets",
+           "rest offsets of the person, in place of /skeleton/rest_offsets: only directions matter, lengths are "
+           "bone_length; rotations are relative to the pose of /skeleton/rest_offsets",
            kOptional);
 }
 
@@ -131,7 +133,7 @@ void AddClips(std::vector<Field>& fields, const std::string& rows) {
       .Add("canonical_from_source", kF8, {rows, "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
       .Add("provenance", kText, {rows}, "", JsonTexts(), "JSON object of texts; bytes that are not UTF-8 as \\xNN")
       .Add("evidence_sha256", kText, {rows}, "", Anything(),
-           "of what the evidence was read from (source file, depth images, clouds), or empty");
+           "of the files that the evidence was read from (source file, depth images, clouds), or empty");
   Group(fields, "/clips", Presence::kOptional)
       .Add("fine_label", kText, {rows}, "", Anything(), "finer label of the whole clip, or empty");
   Group(fields, "/segments", Presence::kGroup)
@@ -183,11 +185,11 @@ void AddEvidence(std::vector<Field>& fields) {
   Group(fields, "/tracks", Presence::kGroup)
       .Add("names", kText, {"K"}, "", Anything(), "tracked points, names of the source")
       .Add("time_s", kF8, {"T"}, "s", Rising(true), "time of each frame")
-      .Add("positions", kF8, {"T", "K", "3"}, "m", Finite(), "in the world; of no meaning where confidence is 0")
+      .Add("positions", kF8, {"T", "K", "3"}, "m", Finite(), "in the world; meaningless where confidence is 0")
       .Add("confidence", kF8, {"T", "K"}, "", InRange(0, 1), "0: not observed");
   Group(fields, "/track_rotations", Presence::kGroup)
       .Add("rotation", kF8, {"T", "K", "4"}, "", UnitQuaternion(1e-6),
-           "world_from_point as recorded; of no meaning where confidence is 0")
+           "world_from_point as recorded; meaningless where confidence is 0")
       .Add("confidence", kF8, {"T", "K"}, "", InRange(0, 1), "0: not recorded");
   Group(fields, "/depth", Presence::kGroup)
       .Add("camera", kText, {"V"}, "", Anything(), "name of each view")
@@ -218,14 +220,15 @@ void AddEvidence(std::vector<Field>& fields) {
            "w x y z, then translation, of a file's point times metres_per_unit");
   Group(fields, "/keypoints", Presence::kGroup)
       .Add("names", kText, {"E"}, "", UniqueNames(), "points of the detector's layout")
-      .Add("subject", kI4, {"1"}, "", AtLeast(0), "which of the observed people the clip is of, 0 the most present")
+      .Add("subject", kI4, {"1"}, "", AtLeast(0),
+           "person of the clip among the observed people, ordered by presence; 0: the most present")
       .Add("camera", kText, {"W"}, "", UniqueNames(), "name of each view")
       .Add("width", kI4, {"W"}, "px", AtLeast(0), "of the image; 0: not known")
       .Add("height", kI4, {"W"}, "px", AtLeast(0), "of the image; 0: not known")
       .Add("intrinsics", kF8, {"W", "4"}, "px", Finite(), "fx fy cx cy; the centre of the first pixel is (0, 0)")
       .Add("distortion", kF8, {"W", "5"}, "", Finite(), "k1 k2 p1 p2 k3 (OpenCV)")
       .Add("camera_from_world", kF8, {"W", "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
-      .Add("people", kI4, {"W"}, "", AtLeast(0), "rows that each image of the view has in values")
+      .Add("people", kI4, {"W"}, "", AtLeast(0), "rows (people) per image of the view in /keypoints/values")
       .Add("count", kI8, {"W"}, "", ViewCounts("/keypoints/time_s"), "images of each view")
       .Add("time_s", kF8, {"I"}, "s", RisingPerView(), "time of each image of view 0, then view 1, ...")
       .Add("values", kF8, {"U", "E", "3"}, "px", KeypointValues(),
@@ -276,10 +279,11 @@ Schema MakeFeatureSchema() {
   Group(schema.fields, "", kAlways)
       .Add("@schema", kText, {}, "", EqualTo(schema.name), "what this file is")
       .Add("@units", kText, {}, "", EqualTo("m s rad"), "units of all fields that name no other")
-      .Add("@content_sha256", kText, {}, "", Sha256Digits(false), "of all other fields of this table, see below")
-      .Add("features", kF4, {"X", "Z"}, "", Finite(), "of each motion: the layer before the logits")
+      .Add("@content_sha256", kText, {}, "", Sha256Digits(false),
+           "SHA-256 of all other fields of this table, see content_sha256")
+      .Add("features", kF4, {"X", "Z"}, "", Finite(), "features of each motion: output of the layer before the logits")
       .Add("logits", kF4, {"X", "B"}, "", Finite(), "of each motion and class")
-      .Add("label", kI4, {"X"}, "", RowOf("/classes", true), "class that the motion is meant to be, -1 if not known")
+      .Add("label", kI4, {"X"}, "", RowOf("/classes", true), "intended class of the motion, -1 if not known")
       .Add("clip", kText, {"X"}, "", Anything(), "clip id")
       .Add("classes", kText, {"B"}, "", UniqueNames(), "of the recogniser; class index is the position")
       .Add("pass_begin", kI8, {"O"}, "", AtLeast(0), "first row of each pass over the set; passes draw anew")

@@ -40,16 +40,15 @@ void RigOptions::Declare(OptionVisitor& v) {
   v.Choice(
       "kind", kind,
       {{"own", RigKind::kOwn}, {"phspd", RigKind::kPhspd}, {"human36m", RigKind::kHuman36m}, {"ring", RigKind::kRing}},
-      "openpose, openpose_depth (colour; depth cameras are PHSPD's), rendered_seq: PHSPD's three depth or colour "
-      "cameras, Human3.6M's four, or a ring; own: PHSPD's for "
-      "depth, a ring for keypoints");
+      "openpose, openpose_depth (colour cameras; its depth cameras are PHSPD's), rendered_seq: PHSPD's three cameras, "
+      "Human3.6M's four, or a ring; own: PHSPD's for depth, a ring for keypoints");
   v.Integer("cameras", cameras, {1.0, 64.0}, "ring: number of cameras");
   v.Number("radius", radius, Unit::kMetre, {0.5, 100.0}, "ring: distance of the cameras from the subject");
   v.Number("height", height, Unit::kMetre, {0.0, 20.0}, "ring: height of the cameras above the floor");
-  v.Number("focal", focal_px, Unit::kPixel, {0.0, 20000.0}, "ring: focal length; 0: 1150 px, of depth cameras 365 px");
-  v.Integer("width", width, {0.0, 8192.0}, "ring: width of the images in pixels; 0: 1280, of depth cameras 512");
+  v.Number("focal", focal_px, Unit::kPixel, {0.0, 20000.0}, "ring: focal length; 0: 1150 px (depth cameras: 365 px)");
+  v.Integer("width", width, {0.0, 8192.0}, "ring: width of the images in pixels; 0: 1280 (depth cameras: 512)");
   v.Integer("image_height", height_px, {0.0, 8192.0},
-            "ring: height of the images in pixels; 0: 960, of depth cameras 424");
+            "ring: height of the images in pixels; 0: 960 (depth cameras: 424)");
   v.Number("clock_offset", clock_offset_s, Unit::kSecond, {0.0, 10.0},
            "largest clock offset of every camera but the first");
   v.Number("moved", moved, Unit::kMetre, {0.0, 10.0},
@@ -62,14 +61,15 @@ void DepthSensorOptions::Declare(OptionVisitor& v) {
   v.Number("noise", noise, Unit::kMetre, {0.0, 1.0},
            "standard deviation of depth at 1 m; it grows with the square of the distance");
   v.Number("quantisation", quantisation, Unit::kMetre, {0.0, 1.0},
-           "step of depth at 1 m; values are whole millimetres");
-  v.Number("quantisation_growth", quantisation_growth, Unit::kNone, {0.0, 4.0},
-           "the step grows with this power of the distance: 2 for structured light (Kinect v1), 0 for time of flight");
+           "quantisation step of depth at 1 m; values are whole millimetres");
+  v.Number(
+      "quantisation_growth", quantisation_growth, Unit::kNone, {0.0, 4.0},
+      "exponent of the distance in the quantisation step: 2 for structured light (Kinect v1), 0 for time of flight");
   v.Number("flying", flying_share, Unit::kNone, {0.0, 1.0},
-           "share of the pixels at an edge whose depth lies between both sides");
+           "flying pixels: share of the pixels at a depth edge whose depth lies between both sides");
   v.Number("hole", hole_share, Unit::kNone, {0.0, 1.0}, "share of pixels without a value");
   v.Number("grazing", grazing, Unit::kNone, {0.0, 1.0},
-           "a surface seen at an angle whose cosine is smaller than this gives no value");
+           "a surface has no depth where the cosine of the angle between its normal and the ray is below this");
   v.Integer("every", every, {1.0, 1e4}, "every n-th frame gets depth images");
 }
 
@@ -88,7 +88,7 @@ void StudioOptions::Declare(OptionVisitor& v) {
   v.Integer("seed", seed, {}, "random seed of the folder");
   v.Integer("subjects", subjects, {0.0, 1000.0}, "number of people, each with a body of its own; 0: as in the set");
   v.Integer("clips", clips, {0.0, 1000.0},
-            "maximum clips per subject and action (of HumanAct12: per variant, 34 of them); 0: as in the set");
+            "maximum clips per subject and action (humanact12: per variant, of which there are 34); 0: as in the set");
   v.Texts("actions", actions, "labels or actions to perform; empty: all of the set's");
   v.Choice("vocabulary", vocabulary,
            {{"humanact12", StudioVocabulary::kHumanAct12}, {"babel", StudioVocabulary::kBabel}},
