@@ -133,7 +133,7 @@ void AddClips(std::vector<Field>& fields, const std::string& rows) {
       .Add("canonical_from_source", kF8, {rows, "7"}, "m", UnitQuaternion(1e-6), "w x y z, then translation")
       .Add("provenance", kText, {rows}, "", JsonTexts(), "JSON object of texts; bytes that are not UTF-8 as \\xNN")
       .Add("evidence_sha256", kText, {rows}, "", Anything(),
-           "of the files that the evidence was read from (source file, depth images, clouds), or empty");
+           "SHA-256 of the files that the evidence was read from (source file, depth images, clouds), or empty");
   Group(fields, "/clips", Presence::kOptional)
       .Add("fine_label", kText, {rows}, "", Anything(), "finer label of the whole clip, or empty");
   Group(fields, "/segments", Presence::kGroup)

@@ -111,7 +111,7 @@ const std::vector<FindingKind>& FindingKinds() {
          0.95,
          Unit::kNone,
          {0.0, 1.0},
-         "share of frames that are zero, collapsed or frozen",
+         "frames that are zero, collapsed or frozen",
          "empty recordings of MSR-Action3D"}},
        OnFinding::kDropRecorded},
       {"name_contradiction", "warning", "the name declares fewer frames than the file holds (`frames_in_name`)",
