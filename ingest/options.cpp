@@ -211,7 +211,7 @@ void MotionsOptions::Declare(OptionVisitor& v) {
           "classes; a motion without a label gets the class that its file or folder name begins with");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 41, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 42, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration MotionsDeclaration() { return {"motions", 4, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 8, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
