@@ -47,7 +47,10 @@ std::vector<bool> CoverageSample(const FusedCloud& cloud, double voxel_size) {
   return sample;
 }
 
-double CoverageOfPoint(double voxel_size) { return Square(std::max(voxel_size, kCoverageCell)); }
+double CoverageOfPoint(double voxel_size) {
+  const double edge = std::max(voxel_size, kCoverageCell);
+  return edge * edge;
+}
 
 double LowCoverageSigma(const FusedCloud& cloud, double voxel_size, double scale) {
   if (cloud.size() == 0) return 0.0;
