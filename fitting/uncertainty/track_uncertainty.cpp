@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/geometry/symmetric.h"
-#include "fitting/costs/hinge_cost.h"
-#include "fitting/costs/huber.h"
 #include "fitting/uncertainty/autocorrelated_error.h"
 #include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/frame_covariances.h"
@@ -25,52 +22,51 @@ constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordin
 
 constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes
 
-/// What the fit knows of a joint's rotation in a frame without evidence: rest pose, limits and hinge, 1/rad^2, in the
-/// joint's frame.
-Matrix3d PriorInformation(const TrackWindow& whole, const std::optional<Hinge>& hinge, int frame, int joint) {
-  const Vector3d w = Eigen::Map<const Vector3d>(whole.state.rotation(frame, joint));
-  const Matrix3d inverse = RightJacobianInverse(w);
-  Vector3d of_vector = Vector3d::Constant(whole.RestInformation(frame, joint));
-  if (const auto& limits = whole.tracks.skeleton->joints[joint].limits) {
-    for (int i = 0; i < 3; ++i) {
-      const bool beyond = BeyondLimit(w[i], limits->min[i], limits->max[i]) != 0.0;
-      if (beyond) of_vector[i] += 1.0 / (whole.options.limit_sigma * whole.options.limit_sigma);
-    }
-  }
-  Matrix3d information = inverse.transpose() * of_vector.asDiagonal() * inverse;
-  if (!hinge) return information;
-  const Eigen::Matrix<double, 2, 3> slopes = OffHingeSlopes(*hinge, whole.state.local(frame, joint), w) * inverse;
-  return information + slopes.transpose() * slopes / (whole.options.hinge_sigma * whole.options.hinge_sigma);
+/// Variance of a joint's rotation about the axes of its frame, rad^2.
+Vector3d RotationVariance(const PoseState& state, const FrameCovariance& of_frame, int joint) {
+  const int column = of_frame.track.column(joint);
+  const Matrix3d& jacobian = state.right_jacobian(of_frame.frame, joint);
+  return (jacobian * of_frame.own.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
 }
 
-/// Variance of a joint's rotation per axis of its frame without evidence (F*J): a random walk with that information in
-/// each frame, cut at gaps, at most the typical rotation of people.
-std::vector<Vector3d> PriorVariance(const TrackWindow& whole) {
-  const int joints = whole.tracks.joints();
-  const std::vector<std::optional<Hinge>> hinges = HingesOf(*whole.tracks.skeleton);
-  const std::vector<double> typical = TypicalRotations(*whole.tracks.skeleton);
-  std::vector<Vector3d> variance(static_cast<std::size_t>(whole.end) * static_cast<std::size_t>(joints));
-  std::vector<Matrix3d> own(static_cast<std::size_t>(whole.end)), all;
-  for (int j = 0; j < joints; ++j) {
-    for (int f = 0; f < whole.end; ++f) own[f] = PriorInformation(whole, hinges[j], f, j);
-    all = own;
-    /// Information of a Gaussian chain that reaches the other side of a step.
-    const auto through = [&](int step, const Matrix3d& before) -> Matrix3d {
-      if (!whole.Joined(step)) return Matrix3d::Zero();
-      const double information = 1.0 / whole.RotationVariance(step, j);
-      return information * before * (before + information * Matrix3d::Identity()).inverse();
-    };
-    Matrix3d reaching = Matrix3d::Zero();
-    for (int f = 1; f < whole.end; ++f) all[f] += reaching = through(f - 1, reaching + own[f - 1]);
-    reaching.setZero();
-    for (int f = whole.end - 2; f >= 0; --f) all[f] += reaching = through(f, reaching + own[f + 1]);
-    const Vector3d most = Vector3d::Constant(typical[j] * typical[j]);
-    for (int f = 0; f < whole.end; ++f) {
-      variance[whole.Index(f, j)] =
-          j == 0 ? Vector3d::Constant(kUnknownAngle) : Vector3d(all[f].inverse().diagonal().cwiseMin(most));
-    }
+/// Variance of a joint's rotation per axis of its frame without evidence (F*J): that of the same equations (rest pose,
+/// limits, hinges, process noise) where every joint is seen with a sigma of 1e4 times its own, which only keeps the
+/// person in the world. At most the typical rotation of people.
+Expected<std::vector<Vector3d>> PriorVariance(const TrackWindow& whole) {
+  constexpr double kFaint = 1e-4;
+  SkeletonTracks faint = whole.tracks;
+  faint.precision.clear();
+  std::fill(faint.confidence.begin(), faint.confidence.end(), kFaint);
+  for (int f = 0; f < whole.end; ++f) {
+    for (int j = 0; j < faint.joints(); ++j) faint.positions.at(f, j) = whole.state.position(f, j);
   }
-  return variance;
+  const TrackWindow blind{faint,
+                          whole.state,
+                          whole.joint_sigma,
+                          whole.bone_prior,
+                          whole.bones,
+                          whole.options,
+                          0,
+                          whole.end,
+                          false,
+                          whole.noise_scale,
+                          nullptr,
+                          whole.step,
+                          whole.memory,
+                          whole.rest_sigmas,
+                          whole.rest_information};
+  const std::vector<double> typical = TypicalRotations(*faint.skeleton);
+  std::vector<Vector3d> prior(faint.confidence.size());
+  const Status visited = VisitCovariances(blind, [&](const FrameCovariance& of_frame) {
+    for (int j = 0; j < faint.joints(); ++j) {
+      Vector3d variance = Vector3d::Constant(j == 0 ? kUnknownAngle : typical[j] * typical[j]);
+      if (const int column = of_frame.track.column(j); j > 0 && column >= 0)
+        variance = variance.cwiseMin(RotationVariance(whole.state, of_frame, j));
+      prior[whole.Index(of_frame.frame, j)] = variance;
+    }
+  });
+  if (!visited) return tl::unexpected<Error>(visited.error());
+  return prior;
 }
 
 /// The fit's process noise, without coupling positions of unobserved joints: an unobserved head that would move far if
@@ -111,7 +107,7 @@ class Reader {
       const auto derivative = twists.PositionDerivative(j);
       const Matrix3d position = derivative * carrier[j] * derivative.transpose();
       ToSixNumbers(position, out_.position_cov.data() + 6 * at);
-      WriteRotation(track, at, frame, j, covariance);
+      WriteRotation(of_frame, at, j);
       if (!window_.tracks.seen(frame, j)) continue;
       const Matrix3d information = track.DataInformation(frame, j);
       const Vector3d away = state.position(frame, j) - window_.tracks.positions.at(frame, j);
@@ -124,14 +120,10 @@ class Reader {
   }
 
  private:
-  void WriteRotation(const TrackEquations& track, std::size_t at, int frame, int joint,
-                     const Eigen::MatrixXd& covariance) {
+  void WriteRotation(const FrameCovariance& of_frame, std::size_t at, int joint) {
     const Vector3d& prior = prior_[at];
     Vector3d variance = prior;
-    if (const int column = track.column(joint); column >= 0) {
-      const Matrix3d& jacobian = window_.state.right_jacobian(frame, joint);
-      variance = (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal().cwiseMin(prior);
-    }
+    if (of_frame.track.column(joint) >= 0) variance = RotationVariance(window_.state, of_frame, joint).cwiseMin(prior);
     for (int i = 0; i < 3; ++i) {
       out_.rotation_sigma[3 * at + i] = static_cast<float>(std::sqrt(std::min(variance[i], kUnknownAngle)));
       out_.rotation_observed[3 * at + i] = static_cast<float>(std::clamp(1.0 - variance[i] / prior[i], 0.0, 1.0));
@@ -245,7 +237,10 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double 
   uncertainty.position_cov.assign(6 * numbers, 0.0F);
   uncertainty.rotation_sigma.assign(3 * numbers, 0.0F);
   uncertainty.rotation_observed.assign(3 * numbers, 0.0F);
-  const std::vector<Vector3d> prior = PriorVariance(whole);
+  whole.state.Update(0, whole.end, true);
+  const Expected<std::vector<Vector3d>> known = PriorVariance(whole);
+  if (!known) return Forward(known);
+  const std::vector<Vector3d>& prior = *known;
   Freedom freedom;
   Reader reader(whole, prior, uncertainty, freedom);
   Status visited = VisitCovariances(whole, [&](const FrameCovariance& covariance) { reader.Read(covariance); });
