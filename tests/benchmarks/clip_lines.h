@@ -44,11 +44,33 @@ class ClipLines {
     if (score.whitened > 0) {
       figures["within_one"] = score.within_one();
       figures["within_two"] = score.within_two();
+      AddRotationCoverage(result.motion, clip.truth, figures);
     }
     Add(clip.name, std::to_string(clip.subject), fit, figures);
   }
 
  private:
+  /// Shares of axes whose error lies within one and two stated standard deviations, of rotations that are observed.
+  static void AddRotationCoverage(const Motion& motion, const Motion& truth, nlohmann::json& figures) {
+    int one = 0, two = 0, all = 0;
+    for (int f = 0; f < motion.frame_count(); ++f) {
+      for (int j = 1; j < motion.joint_count(); ++j) {
+        const Vector3d error = LogQuaternion(truth.rotation_at(f, j).conjugate() * motion.rotation_at(f, j));
+        const std::size_t at = 3 * (static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j));
+        for (int i = 0; i < 3; ++i) {
+          if (!(motion.rotation_observed[at + i] > 0.1F)) continue;
+          const double sigmas = std::abs(error[i]) / motion.rotation_sigma[at + i];
+          one += sigmas < 1.0 ? 1 : 0;
+          two += sigmas < 2.0 ? 1 : 0;
+          ++all;
+        }
+      }
+    }
+    if (all == 0) return;
+    figures["rotation_within_one"] = static_cast<double>(one) / all;
+    figures["rotation_within_two"] = static_cast<double>(two) / all;
+  }
+
   static std::string Processor() {
     std::ifstream info("/proc/cpuinfo");
     for (std::string line; std::getline(info, line);) {
