@@ -7,6 +7,7 @@
 
 #include "core/base/pi.h"
 #include "core/base/random.h"
+#include "core/base/sha256.h"
 #include "core/body/bone_capsules.h"
 #include "core/motion/kinematics.h"
 #include "tests/support/depth_files.h"
@@ -76,7 +77,7 @@ Clip RecordedClip(const std::string& person, const std::string& recording, const
     const double angle = 2.0 * kPi * (v + 0.2) / kCameras;
     const Vector3d from(std::sin(angle), 0.0, std::cos(angle));
     Matrix3d camera_from_world;
-    camera_from_world << from.cross(Vector3d::UnitY()).transpose(), -Vector3d::UnitY().transpose(), -from.transpose();
+    camera_from_world << Vector3d::UnitY().cross(from).transpose(), -Vector3d::UnitY().transpose(), -from.transpose();
     Camera camera;
     camera.name = "camera" + std::to_string(v);
     camera.width = 240, camera.height = 260;
@@ -104,6 +105,7 @@ Clip RecordedClip(const std::string& person, const std::string& recording, const
         image.values.push_back(static_cast<std::uint16_t>(std::lround(1000.0 * metres)));
       depth.files.push_back(folder / (camera.name + "_" + std::to_string(f) + ".png"));
       EXPECT_TRUE(WriteDepthImage(image, depth.files.back()));
+      depth.sha256.push_back(Sha256OfFile(depth.files.back()).value());
     }
     clip.evidence.depth_views.push_back(std::move(depth));
     clip.evidence.keypoint_views.push_back(std::move(keypoints));
