@@ -18,6 +18,7 @@
 #include "fitting/keypoint_cloud_fit.h"
 #include "fitting/proportions.h"
 #include "fitting/repair/track_repairs.h"
+#include "fitting/rig_file.h"
 #include "fitting/stages.h"
 
 namespace mocurate {
@@ -132,6 +133,8 @@ Status CountFromNamed(const FittingOptions& options, Motion& motion) {
 Expected<StageOutcome> FittingStage(const StageRequest& request) {
   Expected<FittingOptions> options = OptionsFromJson<FittingOptions>(request.options, "fitting");
   if (!options) return Forward(options);
+  const StageInput* rig = RigInput(request);
+  if (rig != nullptr) options->keypoints.rig = rig->path;
   const StageInput* evidence = nullptr;
   for (const StageInput& input : request.inputs) {
     if (input.role == "evidence") evidence = &input;
@@ -174,6 +177,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   if (clip->evidence_sha256.empty()) clip->evidence_sha256 = evidence->sha256;
   clip->provenance["fitting"] = options->method == FitMethod::kNone ? "given motion" : CreatedBy();
   if (!fit->track_repairs.empty()) clip->provenance[kTrackRepairs] = fit->track_repairs;
+  if (rig != nullptr) clip->provenance[kRigFile] = rig->sha256;
   if (!fit->rig_audit.empty()) clip->provenance[kRigAudit] = fit->rig_audit;
   if (!fit->capsule_radii.empty()) clip->provenance[kCapsuleRadii] = fit->capsule_radii;
   dataset.clips.push_back(std::move(*clip));

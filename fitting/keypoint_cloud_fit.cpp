@@ -11,6 +11,7 @@
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
+#include "fitting/audit/rig_corrections.h"
 #include "fitting/cloud_ray_fit.h"
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/cloud_tracking.h"
@@ -319,12 +320,15 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
   const std::vector<DepthView>& views = given.evidence.depth_views;
   const bool depth = !views.empty() && !views[0].files.empty();
   const std::vector<const KeypointView*> seeing = ViewsWithPerson(clip.evidence.keypoint_views);
+  if (seeing.size() == 1 && depth) {
+    const Expected<Evidence> in_rig = WithRigOf(clip.evidence, options.keypoints);
+    if (!in_rig) return Forward(in_rig);
+    const std::vector<const KeypointView*> one = ViewsWithPerson(in_rig->keypoint_views);
+    return FitCloudsAndRays(clip, *one[0], skeleton, body, bone_length, options);
+  }
   if (seeing.empty() && depth) {
     return CloudsAlone(clip, WithoutDetectorPoints(body, skeleton), bone_length, options.point_clouds,
                        "no keypoint camera observes a person");
-  }
-  if (seeing.size() == 1 && depth) {
-    return FitCloudsAndRays(clip, *seeing[0], skeleton, body, bone_length, options);
   }
   Expected<FitResult> keypoints = FitKeypointsOnBody(clip.evidence, clip.rate, skeleton, body, bone_length, options);
   if (!keypoints) {

@@ -85,7 +85,8 @@ Status CorrectLeftRight(const Evidence& evidence, const Skeleton& skeleton, cons
   const bool files_wrong = FilesAreExchanged(found.report.faults);
   const std::vector<BodyExchange> exchanges = FindBodyExchanges(tracks, sigma, audit.side_margin);
   const bool whole = !exchanges.empty() && CoverAll(exchanges, tracks);
-  const bool names_or_files = audit.sides == AuditAction::kCorrect && audit.exchanged == AuditAction::kCorrect;
+  const bool names_or_files =
+      audit.sides == AuditAction::kCorrect && audit.exchanged == AuditAction::kCorrect && options.rig.empty();
   if (whole && names_or_files && !FilesAreCorrected(found.report.faults)) {
     if (Status names = CheckFileNames(evidence, skeleton, options, exchanges[0]); !names) return names;
   }
@@ -96,6 +97,7 @@ Status CorrectLeftRight(const Evidence& evidence, const Skeleton& skeleton, cons
     fault.frame_begin = body.frame_begin;
     fault.frame_end = body.frame_end;
     fault.value = fault.confidence = body.confidence;
+    fault.confidence_of = ConfidenceOf::kModel;
     fault.corrected = audit.sides == AuditAction::kCorrect && !files_wrong;
     fault.message = "all cameras list left as right in " + Counted(body.frame_end - body.frame_begin, "frame") + ": " +
                     body.evidence;

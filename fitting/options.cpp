@@ -188,6 +188,9 @@ void KeypointAuditOptions::Declare(OptionVisitor& v) {
 void KeypointFitOptions::Declare(OptionVisitor& v) {
   v.Group("triangulation", triangulation, "robust triangulation");
   v.Group("audit", audit, "audit of the cameras and keypoints before triangulation");
+  v.Path("rig", rig,
+         "audited rig, a file of `mocurate rig audit`: its corrections are used, and those that the take itself "
+         "suggests are only reported; empty: the take's own");
 }
 
 void FittingOptions::Declare(OptionVisitor& v) {
@@ -201,6 +204,12 @@ void FittingOptions::Declare(OptionVisitor& v) {
   v.Group("point_clouds", point_clouds, "fit of fused depth views");
   v.Group("contacts", contacts, "foot contacts, after the fit");
   v.Group("keypoints", keypoints, "fit of 2-D keypoints of several views");
+}
+
+void RigOptions::Declare(OptionVisitor& v) {
+  v.Text("config", config, "name of the configuration");
+  v.Text("skeleton", skeleton, "skeleton whose proportions people have");
+  v.Group("keypoints", keypoints, "triangulation of the keypoints, and the audit");
 }
 
 void ProportionsSettings::Declare(OptionVisitor& v) {
@@ -236,8 +245,10 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
+StageDeclaration RigDeclaration() { return {"rig", 1, "mocurate-annotate", SolverLimits()}; }
+
 StageDeclaration ProportionsDeclaration() { return {"proportions", 35, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 55, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 56, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

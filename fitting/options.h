@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -182,6 +183,7 @@ struct TriangulationOptions {
 struct KeypointFitOptions {
   TriangulationOptions triangulation;
   KeypointAuditOptions audit;
+  std::filesystem::path rig;  ///< RigFile whose corrections are used; empty: those that the audit of the take finds
 
   void Declare(OptionVisitor& v);
 };
@@ -195,6 +197,15 @@ struct FittingOptions {
   JointTrackOptions joint_tracks;
   PointCloudOptions point_clouds;
   ContactOptions contacts;
+  KeypointFitOptions keypoints;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Options of the stage `rig`.
+struct RigOptions {
+  std::string config;  ///< name of the configuration, for the reader of the file
+  std::string skeleton;
   KeypointFitOptions keypoints;
 
   void Declare(OptionVisitor& v);
@@ -229,6 +240,7 @@ inline constexpr int kMaxProportionClips = 30;
 /// Adding a clip changes the choice little; the order of clips does not change it.
 std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids);
 
+StageDeclaration RigDeclaration();
 StageDeclaration ProportionsDeclaration();
 StageDeclaration FittingDeclaration();
 

@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "core/body/capsule_body.h"
 #include "core/store/store.h"
+#include "fitting/audit/rig_corrections.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/evidence/depth_files.h"
@@ -139,8 +140,9 @@ Status MeasureBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen
 }  // namespace
 
 Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
-  const Expected<ProportionsOptions> options = OptionsFromJson<ProportionsOptions>(request.options, "proportions");
+  Expected<ProportionsOptions> options = OptionsFromJson<ProportionsOptions>(request.options, "proportions");
   if (!options) return Forward(options);
+  if (const StageInput* rig = RigInput(request)) options->keypoints.rig = rig->path;
   const Expected<SkeletonPtr> skeleton = LoadSkeleton(options->skeleton);
   if (!skeleton) return Forward(skeleton);
 
@@ -170,6 +172,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     if (options->method == FitMethod::kKeypoints || options->method == FitMethod::kKeypointsAndClouds) {
       ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
       for (const std::string& point : DetectorNames(clip->evidence.keypoint_names)) points.insert(point);
+      if (const auto in_rig = WithRigOf(clip->evidence, options->keypoints); !in_rig) return Forward(in_rig);
       keypoint_clips.push_back(std::move(*clip));
       continue;
     }

@@ -9,6 +9,10 @@ namespace mocurate {
 /// Summary: standard deviation of each bone over frames before the fit (mm), stature.
 Expected<StageOutcome> ProportionsStage(const StageRequest& request);
 
+/// Keypoints of takes of one rig (role "evidence") -> RigFile (YAML): the rig audited with all takes together. Clips of
+/// one recording count once. Summary: takes, cameras with verdict and confidence, faults.
+Expected<StageOutcome> RigStage(const StageRequest& request);
+
 /// One clip: evidence (role "evidence") and its person's proportions (role "proportions") -> Dataset file with one clip
 /// that has a motion with rotations. Summary: method, residual_rms_mm, residual_p95_mm, iterations, termination, and
 /// "before"/"after" objects: bone_spread_mm, jerk, missing_share, frames.

@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/motion/skeleton.h"
+#include "fitting/rig_file.h"
 #include "ingest/formats/driver.h"
 #include "ingest/synthetic/actions.h"
 
@@ -273,6 +274,18 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
               "fitting.method", std::string("write `method: ") + wanted + "` under fitting");
 }
 
+/// Checks the file of an audited rig, and that the method reads it.
+Status CheckRig(const JobOptions& options, JobStage last) {
+  const std::filesystem::path& rig = options.fitting.keypoints.rig;
+  if (rig.empty() || last < JobStage::kProportions) return {};
+  if (options.fitting.method != FitMethod::kKeypoints && options.fitting.method != FitMethod::kKeypointsAndClouds) {
+    return Fail(ErrorCode::kConfig, "the method fits no keypoints, so that the audited rig has no effect",
+                "fitting.keypoints.rig", "remove it, or set fitting.method to keypoints or keypoints_and_clouds");
+  }
+  if (const auto file = ReadRigFile(rig); !file) return Forward(file);
+  return {};
+}
+
 }  // namespace
 
 FitMethod MethodFor(EvidenceKind gives) {
@@ -298,6 +311,7 @@ Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status rows = CheckScriptRows(options); !rows) return rows;
   if (Status filters = CheckFilterRows(options); !filters) return filters;
   if (Status method = CheckMethod(options, last); !method) return method;
+  if (Status rig = CheckRig(options, last); !rig) return rig;
   return CheckSplitNames(options, last);
 }
 

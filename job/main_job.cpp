@@ -10,6 +10,7 @@
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "eval/tables/result_table.h"
+#include "fitting/rig_file.h"
 #include "ingest/checks/set_contradictions.h"
 #include "ingest/discover.h"
 #include "ingest/synthetic/capture_files.h"
@@ -163,12 +164,20 @@ class MainJob {
     return {};
   }
 
+  /// The content of the audited rig, not its path, is part of the keys.
+  void AddRig(std::vector<ItemSpec>& items) const {
+    const std::filesystem::path& rig = options_.fitting.keypoints.rig;
+    if (!rig.empty()) AddInput({kRigRole, kRigRole, rig, ""}, items);
+  }
+
   bool Fits() const { return options_.fitting.method != FitMethod::kNone; }
 
   Status Proportions() {
     if (!Fits()) return {};
-    std::vector<ItemSpec> items =
-        ProportionItems(clips_, options_.proportions.body_of, OptionsToJson(ProportionsOf(options_)));
+    ProportionsOptions options = ProportionsOf(options_);
+    options.keypoints.rig.clear();
+    std::vector<ItemSpec> items = ProportionItems(clips_, options_.proportions.body_of, OptionsToJson(options));
+    AddRig(items);
     AddInput(SkeletonInput(options_.proportions.skeleton), items);
     const auto report = runs_.Run(ProportionsDeclaration(), std::move(items));
     if (!report) return Forward(report);
@@ -181,9 +190,12 @@ class MainJob {
       for (ClipRecord& clip : clips_) clip.motion = clip.evidence;
       return {};
     }
-    const nlohmann::json options = OptionsToJson(options_.fitting);
+    FittingOptions of_clips = options_.fitting;
+    of_clips.keypoints.rig.clear();
+    const nlohmann::json options = OptionsToJson(of_clips);
     FitItems fits = Fits() ? FittingItems(clips_, options_.proportions.body_of, persons_, options)
                            : GivenMotionItems(clips_, options);
+    AddRig(fits.items);
     AddInput(SkeletonInput(options_.fitting.skeleton), fits.items);
     const auto report = runs_.Run(FittingDeclaration(), std::move(fits.items));
     if (!report) return Forward(report);

@@ -8,7 +8,6 @@
 namespace mocurate {
 namespace {
 
-constexpr const char* kOnePlace = "cameras_in_one_place";
 /// Rad, and metres per metre (and metre of distance from the origin): rounding error of a copied pose. Lenses of two
 /// cameras are centimetres apart; thousandths of that when millimetres were read as kilometres.
 constexpr double kSamePose = 1e-6;
@@ -28,6 +27,7 @@ RigFault InOnePlace(const std::vector<Camera>& cameras, const std::vector<std::s
   fault.code = kOnePlace;
   fault.value = share;
   fault.confidence = 1.0;
+  fault.confidence_of = ConfidenceOf::kModel;
   for (const std::size_t v : group) fault.camera += (fault.camera.empty() ? "" : ", ") + cameras[v].name;
   fault.message = "cameras " + fault.camera + " stand in one place with one orientation by their calibrations, ";
   const std::string equal = RoundedText(100.0 * share, 2) + " % of their content is equal";

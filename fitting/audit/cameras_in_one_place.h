@@ -24,6 +24,9 @@ using Similarity = std::function<Expected<double>(std::size_t a, std::size_t b)>
 /// Groups of two and more cameras with one pose in their calibrations, whatever their lenses: indices, increasing.
 std::vector<std::vector<std::size_t>> CamerasInOnePlace(const std::vector<Camera>& cameras);
 
+/// Code of cameras with one pose in their calibrations.
+inline constexpr const char* kOnePlace = "cameras_in_one_place";
+
 /// One "cameras_in_one_place" per group (value: share of equal samples), not corrected. Views of a group that are equal
 /// are one view given twice. Error kInconsistent where views of a group differ and `action` is kCorrect, because
 /// different images cannot come from one pose. Errors of `alike`.

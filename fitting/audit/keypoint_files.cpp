@@ -8,7 +8,6 @@
 #include "core/base/text.h"
 #include "fitting/audit/cameras_in_one_place.h"
 #include "fitting/audit/keypoint_similarity.h"
-#include "fitting/audit/rig_hypotheses.h"
 
 namespace mocurate {
 namespace {
@@ -58,12 +57,12 @@ RigFault FaultOf(const RigHypotheses& found, const std::vector<KeypointView>& vi
 
 /// Corrects the views by the best hypothesis. Returns true when another round may find more.
 Expected<bool> CorrectOnce(Evidence& evidence, const std::vector<KnownLength>& lengths,
-                           const KeypointFitOptions& options, std::vector<RigFault>& faults) {
+                           const KeypointFitOptions& options, std::vector<RigFault>& faults, FileFindings& all) {
   const KeypointAuditOptions& audit = options.audit;
-  const RigHypotheses found = FindRigHypotheses(evidence.keypoint_views, evidence.keypoint_names, lengths,
+  RigHypotheses found = FindRigHypotheses(evidence.keypoint_views, evidence.keypoint_names, lengths,
                                                 options.triangulation.min_confidence, audit.sure);
   if (found.alike.empty() || (found.alike.size() > 1 && AreOfOneView(found.alike))) return false;
-  const RigHypothesis& hypothesis = found.alike[0];
+  const RigHypothesis hypothesis = found.alike[0];
   const bool sure = found.confidence >= audit.sure;
   if (!sure && (!hypothesis.ExchangesFiles() || found.confidence < kLikelyExchanged)) return false;
   RigFault fault = FaultOf(found, evidence.keypoint_views);
@@ -73,7 +72,8 @@ Expected<bool> CorrectOnce(Evidence& evidence, const std::vector<KnownLength>& l
   if (found.alike.size() > 1 && sure && action == AuditAction::kCorrect) {
     return Fail(
         ErrorCode::kInconsistent,
-        fault.message + "; confidence that it is one of them " + RoundedText(100.0 * found.confidence, 4) + " %",
+        fault.message + "; that it is one of them is " +
+            ConfidenceText(found.confidence, ConfidenceOf::kSpansOfOneTake),
         "keypoints",
         "look at an image of each camera and correct the files, or set fitting.keypoints.audit." +
             std::string(of_sides ? "sides" : "exchanged") + " to report: the person may then be mirrored");
@@ -82,6 +82,7 @@ Expected<bool> CorrectOnce(Evidence& evidence, const std::vector<KnownLength>& l
   fault.corrected = sure && found.alike.size() == 1 && action == AuditAction::kCorrect;
   if (fault.corrected)
     evidence.keypoint_views = WithHypothesis(evidence.keypoint_views, evidence.keypoint_names, hypothesis);
+  (fault.corrected ? all.applied : all.reported).push_back(std::move(found));
   faults.push_back(std::move(fault));
   return faults.back().corrected;
 }
@@ -89,7 +90,7 @@ Expected<bool> CorrectOnce(Evidence& evidence, const std::vector<KnownLength>& l
 }  // namespace
 
 Status CorrectFileAssignment(Evidence& evidence, const std::vector<KnownLength>& lengths,
-                             const KeypointFitOptions& options, std::vector<RigFault>& faults) {
+                             const KeypointFitOptions& options, std::vector<RigFault>& faults, FileFindings& found) {
   if (options.audit.exchanged == AuditAction::kOff) return {};
   const std::vector<KeypointView>& views = evidence.keypoint_views;
   std::vector<Camera> cameras;
@@ -102,7 +103,7 @@ Status CorrectFileAssignment(Evidence& evidence, const std::vector<KnownLength>&
   if (!in_one_place) return Forward(in_one_place);
   faults.insert(faults.end(), in_one_place->begin(), in_one_place->end());
   for (int i = 0; i < kMaxHypotheses; ++i) {
-    const Expected<bool> corrected = CorrectOnce(evidence, lengths, options, faults);
+    const Expected<bool> corrected = CorrectOnce(evidence, lengths, options, faults, found);
     if (!corrected) return Forward(corrected);
     if (!*corrected) break;
   }

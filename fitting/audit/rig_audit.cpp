@@ -19,6 +19,8 @@ namespace mocurate {
 namespace {
 
 constexpr int kMomentsAudited = 32;
+constexpr std::size_t kMostTakesWhole = 4;  ///< takes with kMomentsAudited each; more share as many, down to
+                                            ///< kFewestMoments each
 constexpr int kFewestMoments = 8;  ///< fewest moments for clocks and poses
 constexpr std::size_t kSettlingMoments = 2000;
 constexpr std::size_t kMostViewsAudited = 12;  ///< most views for moves and exchanged files
@@ -32,15 +34,22 @@ constexpr std::size_t kMinSampledViews = 2;  ///< fewest views that keep their p
 constexpr double kExplainedElsewhere =
     0.25;  ///< of the cost: gain of a move that counts even with fewer than kMinOtherViews
 
+/// Moments of all takes together.
+int MomentsOfTakes(std::size_t takes) {
+  const auto count = static_cast<int>(std::max<std::size_t>(1, takes));
+  return std::max(kMomentsAudited * std::min(count, static_cast<int>(kMostTakesWhole)), kFewestMoments * count);
+}
+
 class KeypointAuditor {
  public:
   KeypointAuditor(const std::vector<RigView>& rig, const Association& take, const std::vector<std::string>& names,
-                  const KeypointFitOptions& options)
+                  const KeypointFitOptions& options, const TakeStarts& takes)
       : rig_(rig),
         take_(take),
         options_(options),
+        takes_(takes),
         other_side_(OtherSides(names)),
-        samples_(rig, take, other_side_, RigSamples::Spread(rig, take, kMomentsAudited)),
+        samples_(rig, take, other_side_, RigSamples::Spread(rig, take, MomentsOfTakes(takes.size()), takes)),
         model_(rig),
         given_(rig) {}
 
@@ -74,6 +83,12 @@ class KeypointAuditor {
     }
     ReportAmbiguity(audited);
     if (audited.corrected) audited.rig = CorrectedRig(rig_, ToCorrect(), other_side_, take_.time_s);
+    audited.estimate.model = audited.corrected ? ToCorrect() : given_;
+    const std::vector<std::size_t> moved = MovedViews(given_, *audited.estimate.model);
+    const auto suspect = [&](std::size_t v) { return IsSuspect(v); };
+    if (std::any_of(moved.begin(), moved.end(), suspect)) audited.estimate.suspect = suspect_;
+    if (too_far_) audited.estimate.suspect.push_back(*too_far_);
+    for (std::size_t v = 0; v < rig_.size(); ++v) audited.estimate.gain.push_back(GainOf(v));
     return audited;
   }
 
@@ -83,6 +98,19 @@ class KeypointAuditor {
     const TriangulatedTracks points =
         TriangulateViews(views, samples_.count(), samples_.keypoints(), options_.triangulation);
     return CostOfMoments(views, points, options_.triangulation.noise);
+  }
+
+  /// Of a view; empty where it is unchanged.
+  std::vector<std::optional<double>> GainOf(std::size_t v) const {
+    RigModel without = model_;
+    without.camera[v] = given_.camera[v];
+    without.clock_s[v] = 0.0;
+    without.sides_exchanged[v] = false;
+    const bool moved = !MovedViews(without, model_).empty();
+    if (!moved && model_.clock_s[v] == 0.0 && !model_.sides_exchanged[v]) return {};
+    std::vector<double> time_s;
+    for (const RigMoment& moment : samples_.moments()) time_s.push_back(moment.time_s);
+    return GainOfTakes(takes_, time_s, CostsOf(without), cost_);
   }
 
   /// The parts of the requested audit that are impossible, and why. Empty when all are possible, and for rigs of two.
@@ -156,6 +184,7 @@ class KeypointAuditor {
   /// or when too few cameras keep their pose; a jump identifies the camera.
   bool ApplyMove(CameraMove move) {
     if (GoesTooFar(given_, move)) {
+      too_far_ = move.view;
       inconsistent_ = DisagreementOf(rig_, {move.view});
       inconsistent_->confidence = ConfidenceOfMove(samples_, move.camera, cost_, move.cost);
       inconsistent_->message +=
@@ -301,6 +330,7 @@ class KeypointAuditor {
                        " mm; the stated uncertainty includes this shift";
     }
     audited.corrected = audited.corrected || fault.corrected;
+    audited.estimate.suspect = suspect_;
     audited.faults.push_back(std::move(fault));
   }
 
@@ -378,6 +408,7 @@ class KeypointAuditor {
   const std::vector<RigView>& rig_;
   const Association& take_;
   const KeypointFitOptions& options_;
+  const TakeStarts& takes_;
   std::vector<std::size_t> other_side_;
   RigSamples samples_;
   RigModel model_;
@@ -385,6 +416,7 @@ class KeypointAuditor {
   std::vector<double> cost_;
   std::vector<double> clock_sigma_s_;
   std::optional<RigFault> inconsistent_;           ///< a move too far to be plausible
+  std::optional<std::size_t> too_far_;             ///< its view
   std::vector<std::size_t> suspect_;               ///< views of which some have another pose than calibrated
   std::map<std::size_t, double> move_confidence_;  ///< confidence per moved view (CameraMove)
 };
@@ -392,8 +424,8 @@ class KeypointAuditor {
 }  // namespace
 
 AuditedRig AuditRig(const std::vector<RigView>& rig, const Association& take, const std::vector<std::string>& names,
-                    const KeypointFitOptions& options) {
-  return KeypointAuditor(rig, take, names, options).Audit();
+                    const KeypointFitOptions& options, const TakeStarts& takes) {
+  return KeypointAuditor(rig, take, names, options, takes).Audit();
 }
 
 }  // namespace mocurate

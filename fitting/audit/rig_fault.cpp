@@ -7,6 +7,24 @@
 
 namespace mocurate {
 
+std::string_view Name(ConfidenceOf of) {
+  switch (of) {
+    case ConfidenceOf::kSpansOfOneTake:
+      return "spans_of_one_take";
+    case ConfidenceOf::kTakes:
+      return "takes";
+    case ConfidenceOf::kModel:
+      return "model";
+  }
+  return "";
+}
+
+std::string ConfidenceText(double confidence, ConfidenceOf of) {
+  const std::string percent = RoundedText(100.0 * confidence, 4) + " %";
+  if (of == ConfidenceOf::kSpansOfOneTake) return "repeatable to " + percent + " within this take";
+  return "confidence " + percent + (of == ConfidenceOf::kTakes ? " between takes" : "");
+}
+
 Finding FindingOf(const RigFault& fault) {
   Finding finding;
   finding.code = fault.code;
@@ -14,10 +32,19 @@ Finding FindingOf(const RigFault& fault) {
   finding.frame_begin = fault.frame_begin;
   finding.frame_end = fault.frame_end;
   finding.value = fault.value;
-  finding.message = fault.message + "; confidence " + RoundedText(100.0 * fault.confidence, 4) + " %";
+  finding.message = fault.message + "; " + ConfidenceText(fault.confidence, fault.confidence_of);
   finding.action = !fault.corrected                   ? FindingAction::kFlagged
                    : fault.code == kContradictingView ? FindingAction::kExcluded
                                                       : FindingAction::kRepaired;
+  return finding;
+}
+
+Finding ContradictionOfRig(const RigFault& fault, const std::string& rig) {
+  Finding finding = FindingOf(fault);
+  finding.code = kRigContradicted;
+  finding.message = "this take contradicts the audited rig " + rig + ": " + finding.message +
+                    "; the rig was used as the file has it. Audit it again with this take: mocurate rig audit";
+  finding.action = FindingAction::kFlagged;
   return finding;
 }
 
@@ -34,6 +61,7 @@ std::string FaultsText(const std::vector<RigFault>& faults) {
                     {"frames", {fault.frame_begin, fault.frame_end}},
                     {"value", rounded(fault.value)},
                     {"confidence", rounded(fault.confidence)},
+                    {"confidence_of", Name(fault.confidence_of)},
                     {"corrected", fault.corrected}});
     if (!fault.limb.empty()) list.back()["limb"] = fault.limb;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/finding.h"
@@ -9,6 +10,15 @@ namespace mocurate {
 
 /// Views that contradict others; corrected: they are excluded.
 inline constexpr const char* kContradictingView = "views_disagree";
+
+/// Samples whose variation gives a confidence.
+enum class ConfidenceOf {
+  kSpansOfOneTake,  ///< spans of one take: it measures repeatability within the take, not calibration
+  kTakes,           ///< several takes of one rig
+  kModel,           ///< none: a likelihood under a model of the fault, or a comparison that is exact
+};
+/// "spans_of_one_take", "takes", "model".
+std::string_view Name(ConfidenceOf of);
 
 /// A problem of a rig, its calibration or its files.
 struct RigFault {
@@ -21,6 +31,7 @@ struct RigFault {
   int frame_end = 0;
   double value = 0.0;       ///< of the code: ms, mm, share of entries that agree, factor, mean departure, margin
   double confidence = 0.0;  ///< [0, 1]
+  ConfidenceOf confidence_of = ConfidenceOf::kSpansOfOneTake;
   bool corrected = false;
   bool guessed = false;  ///< likely, but below the required confidence: reported without effect
   std::string message;
@@ -28,11 +39,19 @@ struct RigFault {
 
 Finding FindingOf(const RigFault& fault);
 
+/// "repeatable to 99.92 % within this take", "confidence 99.92 %".
+std::string ConfidenceText(double confidence, ConfidenceOf of);
+
+/// Code of a fault that a take's own audit finds although the take uses an audited rig (RigFile).
+inline constexpr const char* kRigContradicted = "rig_contradicted";
+/// The finding of such a fault; `rig`: name of the file.
+Finding ContradictionOfRig(const RigFault& fault, const std::string& rig);
+
 /// Whether a problem is certain and was not corrected. Excludes "views_disagree": keypoint views are excluded only
 /// where they disagree.
 bool IsAmbiguous(const RigFault& fault);
 
-/// [{"code", "camera", "frames", "value", "confidence", "corrected"}], one line: a clip's provenance entry.
+/// [{"code", "camera", "frames", "value", "confidence", "confidence_of", "corrected"}], one line: a clip's provenance entry.
 inline constexpr const char* kRigAudit = "rig_audit";
 std::string FaultsText(const std::vector<RigFault>& faults);
 

@@ -29,6 +29,8 @@ struct RigHypotheses {
   double given_cost = 0.0;  ///< mean cost of an entry as given (CostOfAgreement)
   double read_cost = 0.0;   ///< and under the hypothesis: this decides
   double confidence = 0.0;  ///< that the first is better than as given, and than all hypotheses outside `alike`
+  std::vector<double> moment_s;  ///< when they were compared
+  std::vector<double> given_costs, read_costs;  ///< (moments) as given, and under the first hypothesis
 };
 
 /// Finds hypotheses under which views agree on people that they do not agree on as given:

@@ -44,7 +44,29 @@ RigSamples::RigSamples(const std::vector<RigView>& rig, const Association& take,
   for (const RigView& view : rig) step_.push_back(UsualStep(view.time_s));
 }
 
-std::vector<RigMoment> RigSamples::Spread(const std::vector<RigView>& rig, const Association& take, int most) {
+std::size_t TakeAt(const TakeStarts& takes, double time_s) {
+  const auto next = std::upper_bound(takes.begin(), takes.end(), time_s + 1e-9);
+  return next == takes.begin() ? 0 : static_cast<std::size_t>(next - takes.begin() - 1);
+}
+
+std::vector<std::optional<double>> GainOfTakes(const TakeStarts& takes, const std::vector<double>& time_s,
+                                               const std::vector<double>& worse, const std::vector<double>& better) {
+  const std::size_t count = std::max<std::size_t>(1, takes.size());
+  std::vector<double> sum(count, 0.0), moments(count, 0.0);
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    const std::size_t at = TakeAt(takes, time_s[i]);
+    sum[at] += worse[i] - better[i];
+    moments[at] += 1.0;
+  }
+  std::vector<std::optional<double>> gain(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    if (moments[t] > 0.0) gain[t] = sum[t] / moments[t];
+  }
+  return gain;
+}
+
+std::vector<RigMoment> RigSamples::Spread(const std::vector<RigView>& rig, const Association& take, int most,
+                                          const TakeStarts& takes) {
   std::size_t base = 0;
   for (std::size_t v = 1; v < rig.size(); ++v) {
     if (rig[v].time_s.size() > rig[base].time_s.size()) base = v;
@@ -56,9 +78,14 @@ std::vector<RigMoment> RigSamples::Spread(const std::vector<RigView>& rig, const
       all.push_back({static_cast<int>(p), rig[base].time_s[f]});
     }
   }
-  if (all.size() <= static_cast<std::size_t>(most)) return all;
+  const std::size_t count = std::max<std::size_t>(1, takes.size());
+  std::vector<std::vector<RigMoment>> of_take(count);
+  for (const RigMoment& moment : all) of_take[TakeAt(takes, moment.time_s)].push_back(moment);
   std::vector<RigMoment> some;
-  for (int i = 0; i < most; ++i) some.push_back(all[static_cast<std::size_t>(i) * all.size() / most]);
+  for (const std::vector<RigMoment>& moments : of_take) {
+    const std::size_t kept = std::min(moments.size(), static_cast<std::size_t>(most) / count);
+    for (std::size_t i = 0; i < kept; ++i) some.push_back(moments[i * moments.size() / kept]);
+  }
   return some;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "fitting/association/associate.h"
@@ -31,6 +32,16 @@ struct RigMoment {
   double time_s = 0.0;
 };
 
+/// First moments of takes of one rig that were joined in sequence, seconds, increasing. Empty: one take.
+using TakeStarts = std::vector<double>;
+
+/// The take of a moment; 0 for one take.
+std::size_t TakeAt(const TakeStarts& takes, double time_s);
+
+/// (takes) mean decrease of the moments' costs in each take; none for a take without moments.
+std::vector<std::optional<double>> GainOfTakes(const TakeStarts& takes, const std::vector<double>& time_s,
+                                               const std::vector<double>& worse, const std::vector<double>& better);
+
 /// Detections of all people in all views at some moments, under models of the rig. M moments, K keypoints.
 class RigSamples {
  public:
@@ -39,7 +50,9 @@ class RigSamples {
              std::vector<RigMoment> moments);
 
   /// At most `most` moments at which at least two views observe a person, evenly spaced over the take; sorted by time.
-  static std::vector<RigMoment> Spread(const std::vector<RigView>& rig, const Association& take, int most);
+  /// `takes`: several takes in sequence, each with its share of `most`.
+  static std::vector<RigMoment> Spread(const std::vector<RigView>& rig, const Association& take, int most,
+                                       const TakeStarts& takes = {});
 
   const std::vector<RigMoment>& moments() const { return moments_; }
   int count() const { return static_cast<int>(moments_.size()); }

@@ -160,7 +160,7 @@ class DepthAuditor {
     fault.confidence = common->confidence;
     if (common->mirrored && action == AuditAction::kCorrect) {
       return Fail(ErrorCode::kInconsistent,
-                  fault.message + "; confidence " + RoundedText(100.0 * fault.confidence, 4) + " %", "depth views",
+                  fault.message + "; " + ConfidenceText(fault.confidence, fault.confidence_of), "depth views",
                   "mirror the images, or give the calibration of the images as they are, or set "
                   "fitting.point_clouds.audit.exchanged: report to use them as given");
     }

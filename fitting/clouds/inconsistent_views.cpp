@@ -125,6 +125,7 @@ std::vector<RigFault> ContradictionOf(const std::vector<std::string>& cameras, c
     fault.camera = cameras[v];
     fault.value = 100.0 * losses[v];
     fault.confidence = 1.0;
+    fault.confidence_of = ConfidenceOf::kModel;
     fault.message =
         "the surfaces of depth camera " + cameras[v] + " miss those of the other cameras (loss " +
         RoundedText(losses[v], 2) + ", for views that agree 0.05): the depths or the pose of one camera are " +

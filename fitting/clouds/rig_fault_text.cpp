@@ -63,6 +63,7 @@ RigFault LengthsMisread(const MisreadLengths& misread) {
   fault.code = "calibration_unit";
   fault.value = misread.depth != 1.0 ? misread.depth : misread.places;
   fault.confidence = 1.0;
+  fault.confidence_of = ConfidenceOf::kModel;
   fault.corrected = true;
   fault.message = WordsOf(misread);
   return fault;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "fitting/audit/keypoint_files.h"
 #include "fitting/audit/rig_audit.h"
 #include "fitting/triangulation/robust_triangulation.h"
 
@@ -22,6 +23,8 @@ struct KeypointReport {
   std::vector<std::string> camera_names;
   std::vector<CameraAgreement> cameras;
   Matrix3d place_covariance = Matrix3d::Zero();  ///< see AuditedRig
+  FileFindings files;                            ///< of the audit
+  RigEstimate rig;                               ///< of the audit
   std::vector<RigFault> faults;                  ///< of the rig, its calibration or its files
   std::vector<std::string> given_cameras;        ///< as the evidence lists them
   std::vector<std::vector<double>> residual_px;  ///< (given cameras, spans of the take), before corrections

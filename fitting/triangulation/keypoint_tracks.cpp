@@ -5,14 +5,17 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/file.h"
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "fitting/association/associate.h"
 #include "fitting/association/person_views.h"
 #include "fitting/association/rig_diagnosis.h"
+#include "fitting/audit/cameras_in_one_place.h"
 #include "fitting/audit/keypoint_files.h"
 #include "fitting/audit/keypoint_order.h"
 #include "fitting/audit/rig_audit.h"
+#include "fitting/audit/rig_corrections.h"
 #include "fitting/audit/view_sides.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/triangulation/inconsistent_cameras.h"
@@ -237,27 +240,35 @@ std::optional<RigFault> WrongUnit(double scale) {
   fault.confidence = std::erf(std::log(1.6) / (0.12 * std::sqrt(2.0)) -
                               std::abs(std::log(scale / unit->factor)) / (0.12 * std::sqrt(2.0)));
   fault.confidence = std::clamp(fault.confidence, 0.0, 1.0);
+  fault.confidence_of = ConfidenceOf::kModel;
   fault.message = "the calibration looks like " + unit->text + ": the person is " + RoundedText(scale, 3) +
                   " times a person's size";
   return fault;
 }
 
 Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& skeleton,
-                                      const KeypointFitOptions& options, std::vector<RigFault> faults);
+                                      const KeypointFitOptions& options, std::vector<RigFault> faults,
+                                      const TakeStarts& takes);
+
+/// Whether a fault of the rig is one that the audit corrects, found for a take that uses an audited rig.
+bool ContradictsRig(const RigFault& fault, const KeypointFitOptions& options) {
+  return !options.rig.empty() && !fault.corrected && !fault.guessed && fault.code != kOnePlace &&
+         fault.confidence >= options.audit.sure;
+}
 
 /// Checks the triangulated person; corrects unit and order where options allow it, and triangulates again. Empty: no
 /// fault.
 std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, const TriangulatedTracks& points,
                                                     const Skeleton& skeleton, const std::vector<KnownLength>& lengths,
                                                     const KeypointFitOptions& options,
-                                                    const std::vector<RigFault>& faults) {
+                                                    const std::vector<RigFault>& faults, const TakeStarts& takes) {
   const std::vector<double> measured = MedianLengthsOfPoints(points, lengths);
   const ShapeMatch shape = CompareShape(measured, lengths);
   const auto again = [&](RigFault fault, const Evidence& corrected) {
     fault.corrected = true;
     std::vector<RigFault> all = faults;
     all.push_back(std::move(fault));
-    return Triangulated(corrected, skeleton, options, std::move(all));
+    return Triangulated(corrected, skeleton, options, std::move(all), takes);
   };
   const auto known = [&](const char* code) {
     return std::any_of(faults.begin(), faults.end(), [&](const RigFault& fault) { return fault.code == code; });
@@ -273,11 +284,11 @@ std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, co
         return again(std::move(*fault), corrected);
       }
       return tl::unexpected<Error>(
-          Inconsistent(fault->message + "; confidence " + RoundedText(100.0 * fault->confidence, 4) + " %", "keypoints",
+          Inconsistent(fault->message + "; " + ConfidenceText(fault->confidence, fault->confidence_of), "keypoints",
                        "declare the detector's order of keypoints, or set fitting.keypoints.audit.order to correct"));
     }
   }
-  if (options.audit.unit == AuditAction::kCorrect && !known("calibration_unit")) {
+  if (ForAuditOfRig(options).audit.unit == AuditAction::kCorrect && !known("calibration_unit")) {
     auto fault = WrongUnit(shape.scale);
     if (fault && shape.lengths > 3 && fault->confidence >= options.audit.sure) {
       Evidence corrected = evidence;
@@ -306,6 +317,7 @@ bool CorrectLeftRightOfViews(const std::vector<RigView>& rig, const Triangulated
     fault.frame_end = exchange.frame_end;
     fault.value = exchange.margin;
     fault.confidence = 1.0 / (1.0 + std::exp(-exchange.margin));
+    fault.confidence_of = ConfidenceOf::kModel;
     fault.corrected = corrected;
     fault.message = "camera " + fault.camera + " labels left " + exchange.limb + " as right in " +
                     Counted(exchange.frame_end - exchange.frame_begin, "frame");
@@ -325,7 +337,8 @@ bool ClocksAndPlacesMix(const KeypointReport& report) {
 }
 
 Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& skeleton,
-                                      const KeypointFitOptions& options, std::vector<RigFault> faults) {
+                                      const KeypointFitOptions& options, std::vector<RigFault> faults,
+                                      const TakeStarts& takes) {
   const auto keypoints = static_cast<int>(evidence.keypoint_names.size());
   std::vector<RigView> rig;
   for (const KeypointView& view : evidence.keypoint_views) {
@@ -336,7 +349,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   const std::vector<KnownLength> lengths = KnownLengths(found.tracks.names, skeleton);
   Association take = AssociatePeople(rig, lengths);
   if (take.people.empty()) return tl::unexpected<Error>(WhyNoPerson(rig));
-  const AuditedRig audited = AuditRig(rig, take, evidence.keypoint_names, options);
+  AuditedRig audited = AuditRig(rig, take, evidence.keypoint_names, ForAuditOfRig(options), takes);
   if (audited.corrected) {
     rig = audited.rig;
     take = AssociatePeople(rig, lengths, take.time_s);
@@ -363,18 +376,23 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
         "views must agree within fitting.keypoints.triangulation.outlier, " +
             RoundedText(options.triangulation.outlier, 3) + " px"));
   }
-  if (auto other = CheckPerson(evidence, points, skeleton, lengths, options, faults)) return std::move(*other);
+  if (auto other = CheckPerson(evidence, points, skeleton, lengths, options, faults, takes))
+    return std::move(*other);
   faults.insert(faults.end(), audited.faults.begin(), audited.faults.end());
+  const std::size_t of_rig = faults.size();
   faults.insert(faults.end(), sides.begin(), sides.end());
-  for (const RigFault& fault : faults) {
-    found.findings.push_back(FindingOf(fault));
-    found.report.suspect = found.report.suspect || IsAmbiguous(fault);
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    const bool contradicts = i < of_rig && ContradictsRig(faults[i], options);
+    found.findings.push_back(contradicts ? ContradictionOfRig(faults[i], DisplayPath(options.rig))
+                                         : FindingOf(faults[i]));
+    found.report.suspect = found.report.suspect || IsAmbiguous(faults[i]);
   }
   if (!audited.not_audited.empty()) {
     found.findings.push_back(PointsFinding("rig_not_audited", Severity::kInfo, static_cast<double>(rig.size()),
                                            audited.not_audited, FindingAction::kKept));
   }
   found.report.faults = std::move(faults);
+  found.report.rig = std::move(audited.estimate);
   found.report.residual_px = audited.residual_px;
   found.report.place_covariance = audited.place_covariance;
   found.report.suspect = found.report.suspect || ClocksAndPlacesMix(found.report);
@@ -399,16 +417,30 @@ KeypointFitOptions WithoutAudit(KeypointFitOptions options) {
 }  // namespace
 
 Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Skeleton& skeleton,
-                                              const KeypointFitOptions& options) {
+                                              const KeypointFitOptions& options, const TakeStarts& takes) {
   if (Status checked = CheckViews(evidence); !checked) return tl::unexpected<Error>(checked.error());
   std::vector<RigFault> faults;
+  FileFindings files;
   Evidence as_seen = evidence;
+  Matrix3d of_rig = Matrix3d::Zero();
+  if (!options.rig.empty()) {
+    const Expected<RigFile> rig = ReadRigFile(options.rig);
+    if (!rig) return Forward(rig);
+    Expected<Evidence> corrected = WithRig(std::move(as_seen), *rig);
+    if (!corrected) return Forward(corrected);
+    as_seen = std::move(*corrected);
+    of_rig = rig->place_covariance;
+  }
   const std::vector<KnownLength> lengths = KnownLengths(DetectorNames(evidence.keypoint_names), skeleton);
-  if (Status assigned = CorrectFileAssignment(as_seen, lengths, options, faults); !assigned) return Forward(assigned);
+  Status assigned = CorrectFileAssignment(as_seen, lengths, ForAuditOfRig(options), faults, files);
+  if (!assigned) return Forward(assigned);
   const bool wrong = FilesAreExchanged(faults);
-  if (!wrong) return Triangulated(as_seen, skeleton, options, std::move(faults));
-  Expected<KeypointTracks> found = Triangulated(as_seen, skeleton, WithoutAudit(options), std::move(faults));
-  if (found) {
+  Expected<KeypointTracks> found =
+      Triangulated(as_seen, skeleton, wrong ? WithoutAudit(options) : options, std::move(faults), takes);
+  if (!found) return found;
+  found->report.files = std::move(files);
+  found->report.place_covariance += of_rig;
+  if (wrong) {
     found->findings.push_back(PointsFinding(
         "rig_not_audited", Severity::kInfo, static_cast<double>(as_seen.keypoint_views.size()),
         "clocks, poses and sides of cameras were not audited, because the files were exchanged", FindingAction::kKept));

@@ -219,8 +219,8 @@ TEST(RigAudit, IsOneLineOfProvenance) {
   fault.confidence = 0.999;
   fault.corrected = true;
   EXPECT_EQ(FaultsText({fault}),
-            R"([{"camera":"cam02","code":"camera_clock_off","confidence":0.999,"corrected":true,"frames":[0,0],)"
-            R"("value":33.3}])");
+            R"([{"camera":"cam02","code":"camera_clock_off","confidence":0.999,)"
+            R"("confidence_of":"spans_of_one_take","corrected":true,"frames":[0,0],"value":33.3}])");
   EXPECT_EQ(FindingOf(fault).action, FindingAction::kRepaired);
 }
 
