@@ -29,9 +29,9 @@ constexpr const char* kRigComment =
     "# files_of: camera whose files have this camera's keypoints. mirrored: their x counts from the right.\n"
     "# sides_exchanged: their left and right are exchanged. pixel_scale: their pixels are multiplied by it.\n"
     "# unit_scale: the calibration's lengths were divided by it (the pose here is in metres).\n"
-    "# clock_s: seconds that are added to their time stamps. moved_m: distance from the calibrated place, metres.\n"
+    "# clock_s: seconds that are added to their time stamps. moved_m, rotated_rad: from the calibrated pose.\n"
     "# verdict: kept, corrected, or ambiguous (this camera or another one differs from its calibration).\n"
-    "# confidence: of the correction, 0 to 1; null: nothing was corrected. confidence_of: takes (from the variation\n"
+    "# confidence: of the correction, 0 to 1; null: nothing of it was. confidence_of: takes (from the variation\n"
     "# between takes), or spans_of_one_take, which measures repeatability within that take and not the calibration.\n"
     "# place_covariance: uncertainty of people's positions from ambiguous poses, square metres.\n"
     "# takes: what was audited together, with the SHA-256 of the evidence and the verdicts of each take alone.\n";
@@ -89,6 +89,7 @@ void RigCamera::Declare(OptionVisitor& v) {
            {{"takes", ConfidenceOf::kTakes}, {"spans_of_one_take", ConfidenceOf::kSpansOfOneTake}},
            "samples whose variation gives the confidence");
   v.Number("moved_m", moved_m, Unit::kNone, {0.0, {}}, "distance from the calibrated centre, metres");
+  v.Number("rotated_rad", rotated_rad, Unit::kNone, {0.0, 4.0}, "angle from the calibrated orientation, radians");
   v.Number("clock_s", clock_s, Unit::kNone, {-1e3, 1e3}, "added to the time stamps, seconds");
   v.Text("files_of", files_of, "camera whose files have its keypoints");
   v.Bool("mirrored", mirrored, "x counts from the right");

@@ -33,8 +33,9 @@ struct RigCamera {
   double unit_scale = 1.0;       ///< by which the calibration's lengths were divided; the pose is in metres
   double clock_s = 0.0;          ///< a stamp t is the time t + clock
   double moved_m = 0.0;          ///< distance from the calibrated centre
+  double rotated_rad = 0.0;      ///< angle from the calibrated orientation
   RigVerdict verdict = RigVerdict::kKept;
-  std::optional<double> confidence;  ///< of a correction, [0, 1]; none: nothing was corrected
+  std::optional<double> confidence;  ///< of a correction, [0, 1]; none: nothing of it was
   ConfidenceOf confidence_of = ConfidenceOf::kSpansOfOneTake;
   std::string place;  ///< "rig.yaml:12:5", for messages
 

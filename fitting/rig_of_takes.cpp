@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -132,24 +133,36 @@ class AuditedCameras {
     }
   }
 
-  RigCamera Camera(std::size_t v) const {
+  RigCamera Of(std::size_t v) const {
     RigCamera one;
     one.camera = views_[v].camera;
     one.camera.camera_from_world.translation /= unit_;
-    const Vector3d centre = one.camera.Centre();
-    if (report_.rig.model) {
-      one.camera.camera_from_world = report_.rig.model->camera[v].back().camera.camera_from_world;
-      one.clock_s = report_.rig.model->clock_s[v];
+    if (report_.rig.model) one.clock_s = report_.rig.model->clock_s[v];
+    const Camera given = one.camera;
+    const Camera audited = report_.rig.model ? report_.rig.model->camera[v].back().camera : given;
+    if (!HaveSamePose(given, audited)) {
+      one.camera.camera_from_world = audited.camera_from_world;
+      one.moved_m = (audited.Centre() - given.Centre()).norm();
+      one.rotated_rad = audited.camera_from_world.rotation.angularDistance(given.camera_from_world.rotation);
     }
-    one.moved_m = (one.camera.Centre() - centre).norm();
     const FileCorrection& file = files_[v];
     one.files_of = views_[file.source].camera.name;
     one.mirrored = file.mirrored;
     one.pixel_scale = file.pixel_scale;
     one.sides_exchanged = file.sides_exchanged != (report_.rig.model && report_.rig.model->sides_exchanged[v]);
     one.unit_scale = unit_;
-    one.verdict = VerdictOf(v, one);
+    const bool in_parts = report_.rig.model && report_.rig.model->camera[v].size() > 1;
+    const bool ambiguous = suspect_[v] || in_parts;
+    one.verdict = ambiguous      ? RigVerdict::kAmbiguous
+                  : Changed(one) ? RigVerdict::kCorrected
+                                 : RigVerdict::kKept;
     return one;
+  }
+
+  /// Whether the rig differs from its calibration and files in this camera.
+  static bool Changed(const RigCamera& one) {
+    return one.moved_m != 0.0 || one.rotated_rad != 0.0 || one.clock_s != 0.0 || one.files_of != one.camera.name ||
+           one.mirrored || one.sides_exchanged || one.pixel_scale != 1.0 || one.unit_scale != 1.0;
   }
 
   /// The lowest confidence of the faults of a camera that were corrected; none: none were.
@@ -196,21 +209,6 @@ class AuditedCameras {
            std::find(hypothesis.views.begin(), hypothesis.views.end(), v) != hypothesis.views.end();
   }
 
-  RigVerdict VerdictOf(std::size_t v, const RigCamera& one) const {
-    const bool in_parts = report_.rig.model && report_.rig.model->camera[v].size() > 1;
-    if (suspect_[v] || in_parts) return RigVerdict::kAmbiguous;
-    const bool same_pose = !report_.rig.model || HaveSamePose(GivenPose(v), report_.rig.model->camera[v][0].camera);
-    const bool kept = same_pose && one.clock_s == 0.0 && one.files_of == views_[v].camera.name && !one.mirrored &&
-                      !one.sides_exchanged && one.pixel_scale == 1.0 && one.unit_scale == 1.0;
-    return kept ? RigVerdict::kKept : RigVerdict::kCorrected;
-  }
-
-  mocurate::Camera GivenPose(std::size_t v) const {
-    mocurate::Camera given = views_[v].camera;
-    if (unit_ != 1.0) given.camera_from_world.translation /= unit_;
-    return given;
-  }
-
   const std::vector<KeypointView>& views_;
   const KeypointReport& report_;
   std::vector<FileCorrection> files_;
@@ -251,7 +249,7 @@ RigTake AuditAlone(const TakeOfRig& take, const Skeleton& skeleton, const Keypoi
   }
   const AuditedCameras cameras(take.evidence, *found);
   for (std::size_t v = 0; v < cameras.count(); ++v) {
-    const RigCamera camera = cameras.Camera(v);
+    const RigCamera camera = cameras.Of(v);
     alone.verdicts[camera.camera.name] = Name(camera.verdict);
   }
   return alone;
@@ -268,19 +266,17 @@ Expected<RigOfTakes> AuditTakes(const std::vector<TakeOfRig>& takes, const Skele
   const Expected<KeypointTracks> found = TriangulateKeypoints(*joined, skeleton, options, starts);
   if (!found) return Forward(found);
   RigOfTakes audited;
-  audited.faults = found->report.faults;
-  if (takes.size() > 1) {
-    for (RigFault& fault : audited.faults) fault.frame_begin = fault.frame_end = 0;  // of no single take
-  }
   for (const Finding& finding : found->findings) {
     if (finding.code == "rig_not_audited") audited.findings.push_back(finding);
   }
   audited.rig.place_covariance = found->report.place_covariance;
   const AuditedCameras cameras(*joined, *found);
   for (std::size_t v = 0; v < cameras.count(); ++v) {
-    RigCamera camera = cameras.Camera(v);
-    if (camera.verdict != RigVerdict::kKept) camera.confidence = cameras.ConfidenceInTake(v);
-    if (const std::size_t worse = JudgeByTakes(cameras.Gains(v, starts), camera); worse > 0) {
+    RigCamera camera = cameras.Of(v);
+    const bool changed = AuditedCameras::Changed(camera);
+    if (changed && starts.empty()) camera.confidence = cameras.ConfidenceInTake(v);
+    const std::size_t worse = changed ? JudgeByTakes(cameras.Gains(v, starts), camera) : 0;
+    if (worse > 0) {
       audited.findings.push_back(AboutTakes("", "takes_disagree", static_cast<double>(worse),
                                             "the correction of camera " + camera.camera.name + " makes " +
                                                 Counted(static_cast<long long>(worse), "take") + " of " +

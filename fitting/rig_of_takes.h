@@ -9,7 +9,6 @@
 #include "core/motion/skeleton.h"
 #include "fitting/options.h"
 #include "fitting/rig_file.h"
-#include "fitting/triangulation/keypoint_report.h"
 
 namespace mocurate {
 
@@ -22,9 +21,8 @@ struct TakeOfRig {
 
 /// A rig audited with several takes together.
 struct RigOfTakes {
-  RigFile rig;                     ///< without made_by and config
-  std::vector<RigFault> faults;    ///< of all takes together
-  std::vector<Finding> findings;   ///< "takes_disagree", "take_not_audited", "rig_not_audited"
+  RigFile rig;                    ///< without made_by and config
+  std::vector<Finding> findings;  ///< "takes_disagree", "take_not_audited", "rig_not_audited"
 };
 
 /// Audits the rig of takes that share cameras: their moments count together (AuditRig). Where takes disagree about a

@@ -1,10 +1,11 @@
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/pi.h"
 #include "core/base/version.h"
 #include "core/store/store.h"
-#include "fitting/audit/rig_fault.h"
 #include "fitting/rig_of_takes.h"
 #include "fitting/stages.h"
 
@@ -27,6 +28,7 @@ nlohmann::json RigSummary(const RigOfTakes& audited) {
                                    {"confidence", nullptr},
                                    {"confidence_of", Name(camera.confidence_of)},
                                    {"moved_mm", std::round(1e4 * camera.moved_m) / 10.0},
+                                   {"rotated_deg", std::round(1e3 * kDegrees * camera.rotated_rad) / 1e3},
                                    {"clock_ms", std::round(1e4 * camera.clock_s) / 10.0},
                                    {"files_of", camera.files_of},
                                    {"mirrored", camera.mirrored},
@@ -39,7 +41,7 @@ nlohmann::json RigSummary(const RigOfTakes& audited) {
   for (const RigTake& take : audited.rig.takes) {
     takes.push_back({{"name", take.name}, {"sha256", take.sha256}, {"verdicts", take.verdicts}});
   }
-  return {{"cameras", cameras}, {"takes", takes}, {"faults", nlohmann::json::parse(FaultsText(audited.faults))}};
+  return {{"cameras", cameras}, {"takes", takes}};
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
                     {IngestDeclaration().name, IngestStage},
                     {MotionsDeclaration().name, MotionsStage},
                     {DuplicatesDeclaration().name, DuplicatesStage},
+                    {RigDeclaration().name, RigStage},
                     {ProportionsDeclaration().name, ProportionsStage},
                     {FittingDeclaration().name, FittingStage},
                     {LevelDeclaration().name, LevelStage},

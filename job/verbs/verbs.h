@@ -42,6 +42,15 @@ struct FitArguments {
   bool force = false;     ///< overwrite
 };
 
+struct RigAuditArguments {
+  std::filesystem::path config;        ///< name of a job or file
+  std::filesystem::path output;        ///< file of the rig (YAML)
+  std::vector<std::string> clips;      ///< selected takes; empty: all
+  std::vector<std::string> assignments;
+  int jobs = 0;
+  bool force = false;  ///< overwrite
+};
+
 struct ExportArguments {
   std::filesystem::path path;      ///< a file or folder of motions
   std::filesystem::path output;    ///< a folder, or a file of the layout's ending
@@ -238,6 +247,7 @@ struct SetsOfRun {
 
 Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun* sets = nullptr);
 Status FitVerb(CommonArguments& common, const FitArguments& arguments);
+Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments);
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments);
 Status DrawVerb(CommonArguments& common, const DrawArguments& arguments);

@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "fitting/options.h"
+#include "job/blas_kernels.h"
+#include "job/config_loading.h"
+#include "job/job_checks.h"
+#include "job/job_items.h"
+#include "job/main_job.h"
+#include "job/main_job.h"
+#include "job/run_outputs.h"
+#include "job/stage_runs.h"
+#include "job/temporary_folder.h"
+#include "job/verbs/output_checks.h"
+#include "job/verbs/verbs.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A job whose evidence is keypoints of several cameras.
+Expected<JobOptions> RigJobOf(const RigAuditArguments& arguments) {
+  Expected<LoadedJob> job = LoadJob(arguments.config, arguments.assignments);
+  if (!job) return Forward(job);
+  JobOptions options = std::move(job->options);
+  const auto refused = [](const std::string& what, const char* where, const char* hint) {
+    return Fail(ErrorCode::kConfig, what, where, hint);
+  };
+  if (!options.data.empty()) {
+    return refused("the job is about several sets", "data", "name the config of one set");
+  }
+  options.fitting.keypoints.rig.clear();  // the calibration is audited, not an earlier audit
+  if (Status named = CheckNames(options, JobStage::kProportions); !named) return Forward(named);
+  const FitMethod method = options.fitting.method;
+  if (method != FitMethod::kKeypoints && method != FitMethod::kKeypointsAndClouds) {
+    return refused("only rigs of keypoint cameras are written to files", "fitting.method",
+                   "set keypoints or keypoints_and_clouds; a rig of depth cameras is audited in each fit, see "
+                   "fitting.point_clouds.audit");
+  }
+  return options;
+}
+
+/// Evidence of the stage `ingest`, by item.
+std::vector<StageInput> EvidenceOf(const JobResult& result) {
+  std::vector<StageInput> evidence;
+  for (const StageReport& stage : result.stages) {
+    if (stage.stage != "ingest") continue;
+    for (const ItemResult& item : stage.items) {
+      if (!item.artifact.empty()) evidence.push_back(InputFrom("evidence", item));
+    }
+  }
+  return evidence;
+}
+
+/// Why the first clip could not be read.
+Error WhyNoEvidence(const JobResult& result, const JobOptions& options) {
+  for (const StageReport& stage : result.stages) {
+    for (const ItemResult& item : stage.items) {
+      if (!item.artifact.empty() || item.outcome.error.what.empty()) continue;
+      Error error = item.outcome.error;
+      if (error.where.empty()) error.where = item.item;
+      return error;
+    }
+  }
+  return {ErrorCode::kInconsistent, "no take could be read", DisplayPath(options.ingest.path), ""};
+}
+
+void PrintRig(const nlohmann::json& summary, const fs::path& output) {
+  for (const auto& [name, camera] : summary.at("cameras").items()) {
+    std::string line = name + ": " + camera.at("verdict").get<std::string>();
+    const double moved = camera.at("moved_mm").get<double>(), turned = camera.at("rotated_deg").get<double>();
+    if (moved > 0.0 || turned > 0.0) {
+      line += ", " + RoundedText(moved, 3) + " mm and " + RoundedText(turned, 2) + " degrees from its calibrated pose";
+    }
+    if (const double clock = camera.at("clock_ms").get<double>(); clock != 0.0) {
+      line += ", clock offset " + RoundedText(clock, 3) + " ms";
+    }
+    if (const std::string files = camera.at("files_of").get<std::string>(); files != name) {
+      line += ", its keypoints are in the files of " + files;
+    }
+    if (camera.at("mirrored").get<bool>()) line += ", mirrored";
+    if (camera.at("sides_exchanged").get<bool>()) line += ", left and right exchanged";
+    if (!camera.at("confidence").is_null()) {
+      const bool takes = camera.at("confidence_of") == "takes";
+      const std::string percent = RoundedText(100.0 * camera.at("confidence").get<double>(), 4) + " %";
+      line += takes ? "; confidence " + percent + " between takes" : "; repeatable to " + percent + " within this take";
+    }
+    std::printf("%s\n", line.c_str());
+  }
+  const nlohmann::json& takes = summary.at("takes");
+  for (const nlohmann::json& take : takes) {
+    if (takes.size() == 1) break;
+    std::string line;
+    for (const auto& [camera, verdict] : take.at("verdicts").items()) {
+      if (verdict != "kept") line += (line.empty() ? "" : ", ") + camera + " " + verdict.get<std::string>();
+    }
+    if (take.at("verdicts").empty()) line = "no verdicts of its own";
+    std::printf("%s alone: %s\n", take.at("name").get<std::string>().c_str(),
+                line.empty() ? "all kept" : line.c_str());
+  }
+  std::printf("%s in %s\n", Counted(static_cast<long long>(takes.size()), "take").c_str(), DisplayPath(output).c_str());
+}
+
+}  // namespace
+
+Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments) {
+  ChooseBlasKernels();
+  if (Status free = CheckOutputs({arguments.output}, {arguments.config}, arguments.force); !free) return free;
+  const Expected<JobOptions> options = RigJobOf(arguments);
+  if (!options) return Forward(options);
+  const TemporaryFolder scratch;
+  if (scratch.path().empty()) return TemporaryFolder::Missing();
+  RunnerOptions settings;
+  settings.run_folder = scratch.path();
+  settings.jobs = arguments.jobs;
+  settings.quiet = common.quiet;
+  settings.log_failures = false;
+  auto runner = Runner::Make(settings);
+  if (!runner) return Forward(runner);
+  const Expected<JobResult> result = RunMainJob(*options, JobStage::kIngest, **runner, arguments.clips);
+  if (!result) return Forward(result);
+  const RigOptions of_rig{arguments.config.filename().string(), options->fitting.skeleton, options->fitting.keypoints};
+  ItemSpec item{"rig", OptionsToJson(of_rig), EvidenceOf(*result)};
+  if (item.inputs.empty()) return tl::unexpected<Error>(WhyNoEvidence(*result, *options));
+  item.inputs.push_back(SkeletonInput(options->fitting.skeleton));
+  std::vector<StageReport> reports;
+  const Expected<ItemResult> rig = StageRuns(**runner, reports).One(RigDeclaration(), std::move(item));
+  if (!rig) return Forward(rig);
+  if (Status copied = CopyWhole(rig->artifact, arguments.output); !copied) return copied;
+  for (const Finding& finding : rig->outcome.findings) {
+    LogWarning((finding.clip.empty() ? "" : finding.clip + ": ") + finding.message);
+  }
+  if (common.json) {
+    common.answered = true;
+    nlohmann::json answer = rig->outcome.summary;
+    answer["rig"] = DisplayPath(arguments.output);
+    answer["findings"] = rig->outcome.findings;
+    std::printf("%s\n", answer.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  } else if (!common.quiet) {
+    PrintRig(rig->outcome.summary, arguments.output);
+  }
+  if (result->counts.failed == 0) return {};
+  Error error = WhyNoEvidence(*result, *options);
+  error.what = Counted(result->counts.failed, "take") + " could not be read; the first: " + error.what;
+  error.code = ErrorCode::kTooManyFailures;
+  return tl::unexpected<Error>(error);
+}
+
+}  // namespace mocurate
