@@ -206,7 +206,7 @@ void FittingOptions::Declare(OptionVisitor& v) {
   v.Group("keypoints", keypoints, "fit of 2-D keypoints of several views");
 }
 
-void RigOptions::Declare(OptionVisitor& v) {
+void RigStageOptions::Declare(OptionVisitor& v) {
   v.Text("config", config, "name of the configuration");
   v.Text("skeleton", skeleton, "skeleton whose proportions people have");
   v.Group("keypoints", keypoints, "triangulation of the keypoints, and the audit");

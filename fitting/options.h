@@ -203,7 +203,7 @@ struct FittingOptions {
 };
 
 /// Options of the stage `rig`.
-struct RigOptions {
+struct RigStageOptions {
   std::string config;  ///< name of the configuration, for the reader of the file
   std::string skeleton;
   KeypointFitOptions keypoints;

@@ -113,7 +113,7 @@ void RigCamera::Declare(OptionVisitor& v) {
   DeclareNumbers(v, "translation", {"x", "y", "z"}, {&t.x(), &t.y(), &t.z()}, "camera from world, metres");
 }
 
-void RigTake::Declare(OptionVisitor& v) {
+void AuditedTake::Declare(OptionVisitor& v) {
   v.Text("name", name, "clip");
   v.Text("sha256", sha256, "of its evidence");
   v.TextMap("verdicts", verdicts, "camera -> verdict of this take alone");

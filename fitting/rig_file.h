@@ -43,7 +43,7 @@ struct RigCamera {
 };
 
 /// A take that a rig was audited with.
-struct RigTake {
+struct AuditedTake {
   std::string name;                             ///< clip id
   std::string sha256;                           ///< of its evidence
   std::map<std::string, std::string> verdicts;  ///< camera -> Name(RigVerdict), of the take alone
@@ -60,7 +60,7 @@ struct RigFile {
   std::int64_t version = kVersion;
   std::string made_by;  ///< program and version
   std::string config;   ///< name of the configuration
-  std::vector<RigTake> takes;
+  std::vector<AuditedTake> takes;
   /// Uncertainty of people's positions where the moved camera is ambiguous: the shift that the chosen poses cause, m^2
   /// per axis and between axes. Symmetric.
   Matrix3d place_covariance = Matrix3d::Zero();

@@ -240,8 +240,8 @@ std::size_t JudgeByTakes(const std::vector<std::vector<double>>& gains, RigCamer
 }
 
 /// The verdicts of a take alone.
-RigTake AuditAlone(const TakeOfRig& take, const Skeleton& skeleton, const KeypointFitOptions& options) {
-  RigTake alone{take.name, take.sha256, {}, {}};
+AuditedTake AuditAlone(const TakeOfRig& take, const Skeleton& skeleton, const KeypointFitOptions& options) {
+  AuditedTake alone{take.name, take.sha256, {}, {}};
   const Expected<KeypointTracks> found = TriangulateKeypoints(take.evidence, skeleton, options);
   if (!found) {
     alone.not_audited = found.error().Message();
@@ -287,7 +287,7 @@ Expected<RigOfTakes> AuditTakes(const std::vector<TakeOfRig>& takes, const Skele
     audited.rig.cameras.push_back(std::move(camera));
   }
   for (const TakeOfRig& take : takes) {
-    RigTake alone = AuditAlone(take, skeleton, options);
+    AuditedTake alone = AuditAlone(take, skeleton, options);
     if (!alone.not_audited.empty()) {
       audited.findings.push_back(AboutTakes(take.name, "take_not_audited", 0.0,
                                             "the take alone gives no verdicts: " + alone.not_audited +

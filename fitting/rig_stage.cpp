@@ -38,7 +38,7 @@ nlohmann::json RigSummary(const RigOfTakes& audited) {
     if (camera.confidence) cameras[camera.camera.name]["confidence"] = std::round(1e4 * *camera.confidence) / 1e4;
   }
   nlohmann::json takes = nlohmann::json::array();
-  for (const RigTake& take : audited.rig.takes) {
+  for (const AuditedTake& take : audited.rig.takes) {
     takes.push_back({{"name", take.name}, {"sha256", take.sha256}, {"verdicts", take.verdicts}});
   }
   return {{"cameras", cameras}, {"takes", takes}};
@@ -47,7 +47,7 @@ nlohmann::json RigSummary(const RigOfTakes& audited) {
 }  // namespace
 
 Expected<StageOutcome> RigStage(const StageRequest& request) {
-  const Expected<RigOptions> options = OptionsFromJson<RigOptions>(request.options, "rig");
+  const Expected<RigStageOptions> options = OptionsFromJson<RigStageOptions>(request.options, "rig");
   if (!options) return Forward(options);
   const Expected<SkeletonPtr> skeleton = LoadSkeleton(options->skeleton);
   if (!skeleton) return Forward(skeleton);

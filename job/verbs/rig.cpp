@@ -11,7 +11,6 @@
 #include "job/job_checks.h"
 #include "job/job_items.h"
 #include "job/main_job.h"
-#include "job/main_job.h"
 #include "job/run_outputs.h"
 #include "job/stage_runs.h"
 #include "job/temporary_folder.h"
@@ -124,7 +123,7 @@ Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments)
   if (!runner) return Forward(runner);
   const Expected<JobResult> result = RunMainJob(*options, JobStage::kIngest, **runner, arguments.clips);
   if (!result) return Forward(result);
-  const RigOptions of_rig{arguments.config.filename().string(), options->fitting.skeleton, options->fitting.keypoints};
+  const RigStageOptions of_rig{arguments.config.filename().string(), options->fitting.skeleton, options->fitting.keypoints};
   ItemSpec item{"rig", OptionsToJson(of_rig), EvidenceOf(*result)};
   if (item.inputs.empty()) return tl::unexpected<Error>(WhyNoEvidence(*result, *options));
   item.inputs.push_back(SkeletonInput(options->fitting.skeleton));
