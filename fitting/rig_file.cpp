@@ -14,7 +14,7 @@ namespace {
 constexpr double kUnitQuaternion = 1e-6;  ///< largest departure of a quaternion's norm from 1
 constexpr const char* kAuditAgain = "write it with `mocurate rig audit CONFIG -o rig.yaml`";
 
-constexpr const char* kNeededOfCamera[] = {"name", "files_of", "clock_s", "width", "height",      "fx",
+constexpr const char* kNeededOfCamera[] = {"name", "files_of", "clock_s", "width",    "height",     "fx",
                                            "fy",   "cx",       "cy",      "rotation", "translation"};
 
 constexpr std::pair<const char*, RigVerdict> kRigVerdicts[] = {
@@ -23,7 +23,8 @@ constexpr std::pair<const char*, RigVerdict> kRigVerdicts[] = {
 constexpr const char* kRigComment =
     "# A rig of keypoint cameras, audited by mocurate. Other takes use it: fitting.keypoints.rig: THIS_FILE\n"
     "#\n"
-    "# A camera maps a point X of the world (metres, y up) to x = R X + t in its own axes (x right, y down, z forward):\n"
+    "# A camera maps a point X of the world (metres, y up) to x = R X + t in its own axes (x right, y down, z "
+    "forward):\n"
     "# rotation is R as a unit quaternion, translation is t in metres. width, height, fx, fy, cx, cy are pixels,\n"
     "# k1 k2 p1 p2 k3 is OpenCV's lens distortion.\n"
     "# files_of: camera whose files have this camera's keypoints. mirrored: their x counts from the right.\n"
@@ -101,10 +102,15 @@ void RigCamera::Declare(OptionVisitor& v) {
   v.Integer("height", height, {0.0, 1e6}, "of the image, pixels; 0: unknown");
   camera.width = static_cast<int>(width);
   camera.height = static_cast<int>(height);
-  const std::pair<const char*, double*> numbers[] = {
-      {"fx", &camera.fx},           {"fy", &camera.fy},           {"cx", &camera.cx},
-      {"cy", &camera.cy},           {"k1", &camera.distortion.k1}, {"k2", &camera.distortion.k2},
-      {"p1", &camera.distortion.p1}, {"p2", &camera.distortion.p2}, {"k3", &camera.distortion.k3}};
+  const std::pair<const char*, double*> numbers[] = {{"fx", &camera.fx},
+                                                     {"fy", &camera.fy},
+                                                     {"cx", &camera.cx},
+                                                     {"cy", &camera.cy},
+                                                     {"k1", &camera.distortion.k1},
+                                                     {"k2", &camera.distortion.k2},
+                                                     {"p1", &camera.distortion.p1},
+                                                     {"p2", &camera.distortion.p2},
+                                                     {"k3", &camera.distortion.k3}};
   for (const auto& [name, value] : numbers) v.Number(name, *value, Unit::kNone, {}, "intrinsics, OpenCV's model");
   Quaterniond& r = camera.camera_from_world.rotation;
   Vector3d& t = camera.camera_from_world.translation;
@@ -122,7 +128,6 @@ void AuditedTake::Declare(OptionVisitor& v) {
 
 void RigFile::Declare(OptionVisitor& v) {
   v.Integer("version", version, {1.0, {}}, "of this layout");
-  v.Text("made_by", made_by, "program and version");
   v.Text("config", config, "name of the configuration that was audited");
   v.List("takes", takes, "takes that were audited together");
   Matrix3d& c = place_covariance;
@@ -159,8 +164,9 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
   if (version == nullptr || version->scalar != expected) {
     const std::string where = version == nullptr ? file : version->origin.Text();
     return Fail(ErrorCode::kMalformed,
-                version == nullptr ? "the file is not an audited rig: it has no version"
-                                   : "version '" + version->scalar + "' of an audited rig; this program reads " + expected,
+                version == nullptr
+                    ? "the file is not an audited rig: it has no version"
+                    : "version '" + version->scalar + "' of an audited rig; this program reads " + expected,
                 where, kAuditAgain);
   }
   auto rig = OptionsFromConfig<RigFile>(*node);
@@ -175,9 +181,10 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
     }
   }
   if (rig->cameras.size() < 2) {
-    return Fail(ErrorCode::kMalformed,
-                "the rig has " + Counted(static_cast<long long>(rig->cameras.size()), "camera") + ", at least 2 are needed",
-                file, kAuditAgain);
+    return Fail(
+        ErrorCode::kMalformed,
+        "the rig has " + Counted(static_cast<long long>(rig->cameras.size()), "camera") + ", at least 2 are needed",
+        file, kAuditAgain);
   }
   if (problems.empty()) problems = WrongCameras(*rig);
   if ((rig->place_covariance.diagonal().array() < 0.0).any()) {

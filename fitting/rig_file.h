@@ -58,8 +58,7 @@ struct RigFile {
   static constexpr std::int64_t kVersion = 1;
 
   std::int64_t version = kVersion;
-  std::string made_by;  ///< program and version
-  std::string config;   ///< name of the configuration
+  std::string config;  ///< name of the configuration
   std::vector<AuditedTake> takes;
   /// Uncertainty of people's positions where the moved camera is ambiguous: the shift that the chosen poses cause, m^2
   /// per axis and between axes. Symmetric.

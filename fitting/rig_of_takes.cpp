@@ -24,8 +24,8 @@ void AppendFrames(const KeypointView& from, double later_s, std::size_t keypoint
   for (int f = 0; f < from.frames(); ++f) {
     to.time_s.push_back(from.time_s[static_cast<std::size_t>(f)] + later_s);
     const std::size_t first = static_cast<std::size_t>(f) * static_cast<std::size_t>(from.people) * row;
-    const std::size_t given = std::min(from.values.size() - std::min(first, from.values.size()),
-                                       static_cast<std::size_t>(from.people) * row);
+    const std::size_t given =
+        std::min(from.values.size() - std::min(first, from.values.size()), static_cast<std::size_t>(from.people) * row);
     to.values.insert(to.values.end(), from.values.begin() + static_cast<std::ptrdiff_t>(first),
                      from.values.begin() + static_cast<std::ptrdiff_t>(first + given));
     to.values.resize(to.time_s.size() * static_cast<std::size_t>(to.people) * row, 0.0);
@@ -58,9 +58,8 @@ Expected<std::vector<const KeypointView*>> ViewsAs(const TakeOfRig& first, const
     return tl::unexpected<Error>(OtherRig("the take has other keypoints than " + first.name, take));
   }
   for (const KeypointView& wanted : first.evidence.keypoint_views) {
-    const auto found = std::find_if(there.begin(), there.end(), [&](const KeypointView& view) {
-      return view.camera.name == wanted.camera.name;
-    });
+    const auto found = std::find_if(there.begin(), there.end(),
+                                    [&](const KeypointView& view) { return view.camera.name == wanted.camera.name; });
     if (found == there.end() || there.size() != first.evidence.keypoint_views.size()) {
       return tl::unexpected<Error>(OtherRig("the take has other cameras than " + first.name, take));
     }
@@ -153,9 +152,7 @@ class AuditedCameras {
     one.unit_scale = unit_;
     const bool in_parts = report_.rig.model && report_.rig.model->camera[v].size() > 1;
     const bool ambiguous = suspect_[v] || in_parts;
-    one.verdict = ambiguous      ? RigVerdict::kAmbiguous
-                  : Changed(one) ? RigVerdict::kCorrected
-                                 : RigVerdict::kKept;
+    one.verdict = ambiguous ? RigVerdict::kAmbiguous : Changed(one) ? RigVerdict::kCorrected : RigVerdict::kKept;
     return one;
   }
 
@@ -229,9 +226,7 @@ std::size_t JudgeByTakes(const std::vector<std::vector<double>>& gains, RigCamer
   for (const std::vector<double>& of_takes : gains) {
     if (of_takes.size() < 2) continue;
     const double confidence = ConfidenceOfSeparate(of_takes, std::vector<double>(of_takes.size(), 0.0));
-    const bool first = camera.confidence_of != ConfidenceOf::kTakes;
-    camera.confidence = first ? confidence : std::min(*camera.confidence, confidence);
-    camera.confidence_of = ConfidenceOf::kTakes;
+    camera.confidence = std::min(camera.confidence.value_or(1.0), confidence);
     const auto against = std::count_if(of_takes.begin(), of_takes.end(), [](double gain) { return gain <= 0.0; });
     worse = std::max(worse, static_cast<std::size_t>(against));
   }
@@ -274,8 +269,12 @@ Expected<RigOfTakes> AuditTakes(const std::vector<TakeOfRig>& takes, const Skele
   for (std::size_t v = 0; v < cameras.count(); ++v) {
     RigCamera camera = cameras.Of(v);
     const bool changed = AuditedCameras::Changed(camera);
-    if (changed && starts.empty()) camera.confidence = cameras.ConfidenceInTake(v);
+    camera.confidence_of = takes.size() > 1 ? ConfidenceOf::kTakes : ConfidenceOf::kSpansOfOneTake;
     const std::size_t worse = changed ? JudgeByTakes(cameras.Gains(v, starts), camera) : 0;
+    if (changed && !camera.confidence) {  // a correction that only one take shows
+      camera.confidence = cameras.ConfidenceInTake(v);
+      camera.confidence_of = ConfidenceOf::kSpansOfOneTake;
+    }
     if (worse > 0) {
       audited.findings.push_back(AboutTakes("", "takes_disagree", static_cast<double>(worse),
                                             "the correction of camera " + camera.camera.name + " makes " +
@@ -289,9 +288,9 @@ Expected<RigOfTakes> AuditTakes(const std::vector<TakeOfRig>& takes, const Skele
   for (const TakeOfRig& take : takes) {
     AuditedTake alone = AuditAlone(take, skeleton, options);
     if (!alone.not_audited.empty()) {
-      audited.findings.push_back(AboutTakes(take.name, "take_not_audited", 0.0,
-                                            "the take alone gives no verdicts: " + alone.not_audited +
-                                                "; it counts with the others"));
+      audited.findings.push_back(
+          AboutTakes(take.name, "take_not_audited", 0.0,
+                     "the take alone gives no verdicts: " + alone.not_audited + "; it counts with the others"));
     }
     audited.rig.takes.push_back(std::move(alone));
   }

@@ -21,7 +21,7 @@ struct TakeOfRig {
 
 /// A rig audited with several takes together.
 struct RigOfTakes {
-  RigFile rig;                    ///< without made_by and config
+  RigFile rig;                    ///< without the name of the configuration
   std::vector<Finding> findings;  ///< "takes_disagree", "take_not_audited", "rig_not_audited"
 };
 

@@ -4,7 +4,6 @@
 
 #include "core/base/file.h"
 #include "core/base/pi.h"
-#include "core/base/version.h"
 #include "core/store/store.h"
 #include "fitting/rig_of_takes.h"
 #include "fitting/stages.h"
@@ -61,18 +60,16 @@ Expected<StageOutcome> RigStage(const StageRequest& request) {
                   "only rigs of keypoint cameras are audited: choose clips with --clip");
     }
     clip->evidence.subject = 0;
-    const auto known = std::any_of(takes.begin(), takes.end(), [&](const TakeOfRig& take) {
-      return ShareViews(take.evidence, clip->evidence);
-    });
+    const auto known = std::any_of(takes.begin(), takes.end(),
+                                   [&](const TakeOfRig& take) { return ShareViews(take.evidence, clip->evidence); });
     if (known) continue;
-    takes.push_back({clip->id(), clip->evidence_sha256.empty() ? input.sha256 : clip->evidence_sha256,
-                     std::move(clip->evidence)});
+    takes.push_back(
+        {clip->id(), clip->evidence_sha256.empty() ? input.sha256 : clip->evidence_sha256, std::move(clip->evidence)});
   }
   if (takes.empty()) return Fail(ErrorCode::kInternal, "the audit of a rig got no evidence", request.item);
   std::sort(takes.begin(), takes.end(), [](const TakeOfRig& a, const TakeOfRig& b) { return a.name < b.name; });
   Expected<RigOfTakes> audited = AuditTakes(takes, **skeleton, options->keypoints);
   if (!audited) return Forward(audited);
-  audited->rig.made_by = CreatedBy();
   audited->rig.config = options->config;
   if (Status written = WriteFile(request.output, RigText(audited->rig)); !written) return Forward(written);
   StageOutcome outcome;

@@ -60,7 +60,7 @@ Expected<bool> CorrectOnce(Evidence& evidence, const std::vector<KnownLength>& l
                            const KeypointFitOptions& options, std::vector<RigFault>& faults, FileFindings& all) {
   const KeypointAuditOptions& audit = options.audit;
   RigHypotheses found = FindRigHypotheses(evidence.keypoint_views, evidence.keypoint_names, lengths,
-                                                options.triangulation.min_confidence, audit.sure);
+                                          options.triangulation.min_confidence, audit.sure);
   if (found.alike.empty() || (found.alike.size() > 1 && AreOfOneView(found.alike))) return false;
   const RigHypothesis hypothesis = found.alike[0];
   const bool sure = found.confidence >= audit.sure;
@@ -70,13 +70,12 @@ Expected<bool> CorrectOnce(Evidence& evidence, const std::vector<KnownLength>& l
   const AuditAction action = of_sides ? audit.sides : audit.exchanged;
   if (action == AuditAction::kOff) return false;
   if (found.alike.size() > 1 && sure && action == AuditAction::kCorrect) {
-    return Fail(
-        ErrorCode::kInconsistent,
-        fault.message + "; that it is one of them is " +
-            ConfidenceText(found.confidence, ConfidenceOf::kSpansOfOneTake),
-        "keypoints",
-        "look at an image of each camera and correct the files, or set fitting.keypoints.audit." +
-            std::string(of_sides ? "sides" : "exchanged") + " to report: the person may then be mirrored");
+    return Fail(ErrorCode::kInconsistent,
+                fault.message + "; that it is one of them is " +
+                    ConfidenceText(found.confidence, ConfidenceOf::kSpansOfOneTake),
+                "keypoints",
+                "look at an image of each camera and correct the files, or set fitting.keypoints.audit." +
+                    std::string(of_sides ? "sides" : "exchanged") + " to report: the person may then be mirrored");
   }
   fault.guessed = !sure;
   fault.corrected = sure && found.alike.size() == 1 && action == AuditAction::kCorrect;

@@ -21,7 +21,7 @@ namespace {
 constexpr int kMomentsAudited = 32;
 constexpr std::size_t kMostTakesWhole = 4;  ///< takes with kMomentsAudited each; more share as many, down to
                                             ///< kFewestMoments each
-constexpr int kFewestMoments = 8;  ///< fewest moments for clocks and poses
+constexpr int kFewestMoments = 8;           ///< fewest moments for clocks and poses
 constexpr std::size_t kSettlingMoments = 2000;
 constexpr std::size_t kMostViewsAudited = 12;  ///< most views for moves and exchanged files
 constexpr std::size_t kLeastViewsAudited = 3;

@@ -51,7 +51,8 @@ Finding ContradictionOfRig(const RigFault& fault, const std::string& rig);
 /// where they disagree.
 bool IsAmbiguous(const RigFault& fault);
 
-/// [{"code", "camera", "frames", "value", "confidence", "confidence_of", "corrected"}], one line: a clip's provenance entry.
+/// [{"code", "camera", "frames", "value", "confidence", "confidence_of", "corrected"}], one line: a clip's provenance
+/// entry.
 inline constexpr const char* kRigAudit = "rig_audit";
 std::string FaultsText(const std::vector<RigFault>& faults);
 

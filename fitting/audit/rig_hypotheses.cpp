@@ -258,15 +258,9 @@ RigHypotheses FindRigHypotheses(const std::vector<KeypointView>& views, const st
   for (const ScoredHypothesis& scored : all) least = std::min(least, scored.mean);
   const ScoredHypothesis* best = BestOf(all, given, least);
   if (best == nullptr) return {};
-  RigHypotheses found{{best->hypothesis},
-                      given.share,
-                      best->share,
-                      given.mean,
-                      best->mean,
-                      Confidence(given.costs, best->costs),
-                      some[0].time_s,
-                      given.costs,
-                      best->costs};
+  RigHypotheses found{{best->hypothesis}, given.share, best->share,
+                      given.mean,         best->mean,  Confidence(given.costs, best->costs),
+                      some[0].time_s,     given.costs, best->costs};
   const std::size_t changes = Changes(best->hypothesis);
   for (const ScoredHypothesis& scored : all) {
     if (&scored == best || AreSame(scored.hypothesis, best->hypothesis)) continue;

@@ -24,11 +24,11 @@ struct RigHypothesis {
 struct RigHypotheses {
   /// The best one first, then all that explain the views equally well with as few changes: these are ambiguous.
   std::vector<RigHypothesis> alike;
-  double agreement = 0.0;   ///< share of the entries that match a body, as given
-  double read = 0.0;        ///< and under the hypothesis
-  double given_cost = 0.0;  ///< mean cost of an entry as given (CostOfAgreement)
-  double read_cost = 0.0;   ///< and under the hypothesis: this decides
-  double confidence = 0.0;  ///< that the first is better than as given, and than all hypotheses outside `alike`
+  double agreement = 0.0;        ///< share of the entries that match a body, as given
+  double read = 0.0;             ///< and under the hypothesis
+  double given_cost = 0.0;       ///< mean cost of an entry as given (CostOfAgreement)
+  double read_cost = 0.0;        ///< and under the hypothesis: this decides
+  double confidence = 0.0;       ///< that the first is better than as given, and than all hypotheses outside `alike`
   std::vector<double> moment_s;  ///< when they were compared
   std::vector<double> given_costs, read_costs;  ///< (moments) as given, and under the first hypothesis
 };

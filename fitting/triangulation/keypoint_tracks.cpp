@@ -376,8 +376,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
         "views must agree within fitting.keypoints.triangulation.outlier, " +
             RoundedText(options.triangulation.outlier, 3) + " px"));
   }
-  if (auto other = CheckPerson(evidence, points, skeleton, lengths, options, faults, takes))
-    return std::move(*other);
+  if (auto other = CheckPerson(evidence, points, skeleton, lengths, options, faults, takes)) return std::move(*other);
   faults.insert(faults.end(), audited.faults.begin(), audited.faults.end());
   const std::size_t of_rig = faults.size();
   faults.insert(faults.end(), sides.begin(), sides.end());

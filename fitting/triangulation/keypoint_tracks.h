@@ -26,9 +26,9 @@ struct KeypointTracks {
 /// Errors, each with its numbers: kInconsistent for shapes that disagree, fewer than two cameras, a missing person; for
 /// views without agreement, with the geometry of their rays (all from one direction, meeting behind the cameras,
 /// missing each other); for an implausible size (the calibration's unit) or implausible proportions (the order of the
-/// keypoints). With an audited rig (`options.rig`) its corrections are used, and the audit corrects nothing in addition:
-/// what it would correct is a finding "rig_contradicted". Errors of ReadRigFile and WithRig. `takes`: the evidence is of
-/// several takes in sequence (AuditRig).
+/// keypoints). With an audited rig (`options.rig`) its corrections are used, and the audit corrects nothing in
+/// addition: what it would correct is a finding "rig_contradicted". Errors of ReadRigFile and WithRig. `takes`: the
+/// evidence is of several takes in sequence (AuditRig).
 Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Skeleton& skeleton,
                                               const KeypointFitOptions& options, const TakeStarts& takes = {});
 

@@ -99,8 +99,7 @@ void PrintRig(const nlohmann::json& summary, const fs::path& output) {
       if (verdict != "kept") line += (line.empty() ? "" : ", ") + camera + " " + verdict.get<std::string>();
     }
     if (take.at("verdicts").empty()) line = "no verdicts of its own";
-    std::printf("%s alone: %s\n", take.at("name").get<std::string>().c_str(),
-                line.empty() ? "all kept" : line.c_str());
+    std::printf("%s alone: %s\n", take.at("name").get<std::string>().c_str(), line.empty() ? "all kept" : line.c_str());
   }
   std::printf("%s in %s\n", Counted(static_cast<long long>(takes.size()), "take").c_str(), DisplayPath(output).c_str());
 }
@@ -123,7 +122,8 @@ Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments)
   if (!runner) return Forward(runner);
   const Expected<JobResult> result = RunMainJob(*options, JobStage::kIngest, **runner, arguments.clips);
   if (!result) return Forward(result);
-  const RigStageOptions of_rig{arguments.config.filename().string(), options->fitting.skeleton, options->fitting.keypoints};
+  const RigStageOptions of_rig{arguments.config.filename().string(), options->fitting.skeleton,
+                               options->fitting.keypoints};
   ItemSpec item{"rig", OptionsToJson(of_rig), EvidenceOf(*result)};
   if (item.inputs.empty()) return tl::unexpected<Error>(WhyNoEvidence(*result, *options));
   item.inputs.push_back(SkeletonInput(options->fitting.skeleton));

@@ -43,9 +43,9 @@ struct FitArguments {
 };
 
 struct RigAuditArguments {
-  std::filesystem::path config;        ///< name of a job or file
-  std::filesystem::path output;        ///< file of the rig (YAML)
-  std::vector<std::string> clips;      ///< selected takes; empty: all
+  std::filesystem::path config;    ///< name of a job or file
+  std::filesystem::path output;    ///< file of the rig (YAML)
+  std::vector<std::string> clips;  ///< selected takes; empty: all
   std::vector<std::string> assignments;
   int jobs = 0;
   bool force = false;  ///< overwrite

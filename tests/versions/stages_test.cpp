@@ -156,6 +156,21 @@ TEST_F(StageVersions, FittingOfDepthAndKeypoints) {
   }
 }
 
+TEST_F(StageVersions, Rig) {
+  const Motion motion = Exercise(12, 1.0, "smpl24");
+  RigStageOptions options;
+  options.config = "fixed.yaml";
+  options.skeleton = "smpl24";
+  ItemSpec item{"rig", OptionsToJson(options), {}};
+  for (const char* recording : {"r1", "r2"}) {
+    Clip clip = RecordedClip("p1", recording, motion, Path(std::string("images_") + recording));
+    clip.evidence_sha256 = std::string(64, 'a');
+    Write(WriteEvidence(clip, Path(recording)));
+    item.inputs.push_back(Input("evidence", clip.id(), recording));
+  }
+  Judge(RigDeclaration(), "rig", item, kSolved);
+}
+
 TEST_F(StageVersions, FitError) {
   const Motion truth = Exercise(30, 1.0);
   const Motion fit = Exercise(30, 0.9);

@@ -30,8 +30,8 @@ std::vector<TakeOfRig> TakesOf(const std::vector<Evidence>& evidence) {
 }
 
 /// Audits takes, writes the file, and gives its path.
-std::filesystem::path Audited(const ScratchFolder& folder, const std::vector<Evidence>& evidence, RigOfTakes* to = nullptr,
-                              const std::string& name = "rig.yaml") {
+std::filesystem::path Audited(const ScratchFolder& folder, const std::vector<Evidence>& evidence,
+                              RigOfTakes* to = nullptr, const std::string& name = "rig.yaml") {
   auto audited = AuditTakes(TakesOf(evidence), BodyOfRigs(), {});
   EXPECT_TRUE(audited) << audited.error().Message();
   if (!audited) return {};
@@ -52,9 +52,9 @@ long FindingsOfCode(const std::vector<Finding>& findings, const std::string& cod
 
 RigFile SomeRig() {
   RigFile rig;
-  rig.made_by = "mocurate 0";
   rig.config = "my ${x} job.yaml";
-  rig.takes = {{"s/p1/take#0-10", "00ff", {{"cam1", "kept"}, {"cam2", "ambiguous"}}, ""}, {"s/p1/two", "11", {}, "no: 'x'"}};
+  rig.takes = {{"s/p1/take#0-10", "00ff", {{"cam1", "kept"}, {"cam2", "ambiguous"}}, ""},
+               {"s/p1/two", "11", {}, "no: 'x'"}};
   rig.place_covariance << 1.5e-4, 1e-5, 0, 1e-5, 2e-4, 1.0 / 3e6, 0, 1.0 / 3e6, 1e-6;
   for (const Camera& camera : Ring(3)) {
     RigCamera one;
@@ -230,8 +230,8 @@ TEST(RigOfTakes, ACameraThatMovedBetweenTakesIsAmbiguous) {
   const ScratchFolder folder;
   StudioOptions sound = FourViews(23);
   const std::vector<StudioView> before = StudioViews(sound, 2), after = TakesOfAMovedRig(4);
-  const auto rig = ReadRigFile(
-      Audited(folder, {before[0].evidence, before[1].evidence, after[2].evidence, after[3].evidence}));
+  const auto rig =
+      ReadRigFile(Audited(folder, {before[0].evidence, before[1].evidence, after[2].evidence, after[3].evidence}));
   ASSERT_TRUE(rig) << rig.error().Message();
   EXPECT_EQ(rig->cameras[3].verdict, RigVerdict::kAmbiguous);
   EXPECT_EQ(rig->takes[0].verdicts.at(rig->cameras[3].camera.name), "kept");
@@ -330,8 +330,7 @@ TEST(RigOfTakes, BothRecordedTrialsHaveOneRig) {
   for (const RigCamera& camera : rig->cameras) {
     std::printf("%s: %s, %.1f mm, confidence %.4f of %s; alone %s and %s\n", camera.camera.name.c_str(),
                 Name(camera.verdict).c_str(), 1e3 * camera.moved_m, camera.confidence.value_or(-1.0),
-                std::string(Name(camera.confidence_of)).c_str(),
-                rig->takes[0].verdicts.at(camera.camera.name).c_str(),
+                std::string(Name(camera.confidence_of)).c_str(), rig->takes[0].verdicts.at(camera.camera.name).c_str(),
                 rig->takes[1].verdicts.at(camera.camera.name).c_str());
     EXPECT_TRUE(!camera.confidence || camera.confidence_of == ConfidenceOf::kTakes);
   }
@@ -339,7 +338,8 @@ TEST(RigOfTakes, BothRecordedTrialsHaveOneRig) {
   for (const Evidence& trial : trials) {
     const auto found = WithFile(trial, file);
     ASSERT_TRUE(found) << found.error().Message();
-    for (const RigFault& fault : found->report.faults) EXPECT_FALSE(fault.corrected && fault.limb.empty()) << fault.code;
+    for (const RigFault& fault : found->report.faults)
+      EXPECT_FALSE(fault.corrected && fault.limb.empty()) << fault.code;
     EXPECT_EQ(found->report.place_covariance, rig->place_covariance);
     std::printf("median %.2f px, p90 %.2f px, triangulated %.3f, findings %s\n", found->report.median_px,
                 found->report.p90_px, found->report.triangulated, FaultsText(found->report.faults).c_str());
