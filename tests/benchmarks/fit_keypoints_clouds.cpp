@@ -18,6 +18,7 @@
 #include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/benchmarks/given_takes.h"
+#include "tests/benchmarks/options_without.h"
 #include "tests/fitting/fit_score.h"
 #include "tests/fitting/mixed_takes.h"
 
@@ -108,7 +109,7 @@ int main(int argc, char** argv) {
   const auto shape = ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_DATA")) / "body_cc0/body_cc0.h5");
   const std::vector<Actor> actors = ActorsOfTakes(wanted, *shape);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-  FittingOptions options;
+  FittingOptions options = benchmarks::OptionsWithout();
   options.joint_tracks.solver = TrackSolver::kBanded;
   options.point_clouds.solver = TrackSolver::kBanded;
   Scores scores;
