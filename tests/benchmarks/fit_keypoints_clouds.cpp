@@ -49,10 +49,15 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   clip.evidence = take.evidence;
   options.point_clouds.start.facing = take.reported_heading;
   double begin = CpuSeconds();
-  const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bones, options);
-  if (!keypoints) return Forward(keypoints);
-  const double of_keypoints = CpuSeconds() - begin;
-  scores.seconds_keypoints += of_keypoints;
+  FitScore k, c, b;
+  if (clip.evidence.keypoint_views.size() > 1) {  // one view has no fit of keypoints alone
+    const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bones, options);
+    if (!keypoints) return Forward(keypoints);
+    const double of_keypoints = CpuSeconds() - begin;
+    scores.seconds_keypoints += of_keypoints;
+    lines.Add(take.clip, "keypoints", *keypoints, of_keypoints);
+    k.Add(*keypoints, take.clip), scores.keypoints.Add(*keypoints, take.clip);
+  }
   begin = CpuSeconds();
   const auto clouds = FitClouds(clip, in_clouds.skeleton, in_clouds.bone_length, options.point_clouds);
   if (!clouds) return Forward(clouds);
@@ -65,11 +70,8 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   if (!both) return Forward(both);
   const double of_both = CpuSeconds() - begin;
   scores.seconds_both += of_both;
-  lines.Add(take.clip, "keypoints", *keypoints, of_keypoints);
   lines.Add(take.clip, "clouds", *clouds, of_clouds);
   lines.Add(take.clip, "keypoints_and_clouds", *both, of_both);
-  FitScore k, c, b;
-  k.Add(*keypoints, take.clip), scores.keypoints.Add(*keypoints, take.clip);
   c.Add(*clouds, take.clip), scores.clouds.Add(*clouds, take.clip);
   b.Add(*both, take.clip), scores.both.Add(*both, take.clip);
   std::fprintf(stderr,
