@@ -150,7 +150,7 @@ int main(int argc, char** argv) {
       if (!fitted) std::fprintf(stderr, "%s: %s\n", take.clip.name.c_str(), fitted.error().Message().c_str());
     }
   }
-  Print("keypoints", scores.keypoints, scores.seconds_keypoints);
+  if (scores.keypoints.frames > 0) Print("keypoints", scores.keypoints, scores.seconds_keypoints);
   Print("clouds", scores.clouds, scores.seconds_clouds);
   Print("keypoints_and_clouds", scores.both, scores.seconds_both);
 }
