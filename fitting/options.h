@@ -65,11 +65,11 @@ struct JointTrackOptions {
   double hinge_sigma = 0.25;       ///< sine of the angle by which a shin or forearm leaves the plane of its hinge
   double bone_sigma = 0.02;        ///< m from the prior bone length, where bones are free
   double max_gap_s = 0.5;          ///< frames further apart are not coupled by process noise
+  Rules rules;                     ///< not an option of the group: FittingOptions::UseRules
   std::vector<TrackStep> steps = StepsWithRefits(2);  ///< none: the closed form is the fit
   std::int64_t window_frames = 600;                   ///< longer clips are fitted in windows
   std::int64_t window_overlap = 60;                   ///< frames at a window's end that the next window fits again
   bool uncertainty = true;                            ///< covariance of joints, standard deviation of rotations
-  Rules rules;                                        ///< not an option of the group: FittingOptions::UseRules
 
   void Declare(OptionVisitor& v);
 };
