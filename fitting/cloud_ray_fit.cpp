@@ -61,12 +61,14 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
                  const RayAgreement& rays, const CapsuleBody& body, const FittingOptions& options, FitResult& fit) {
   const PointCloudOptions& cloud_options = options.point_clouds;
   const TriangulationOptions& detections = options.keypoints.triangulation;
-  const double noise = std::max(kPixelsOfModel, std::min(rays.median_px / kMedianOfTwo, 2.0 * detections.noise));
+  const double of_rays = std::max(kPixelsOfModel, std::min(rays.median_px / kMedianOfTwo, 2.0 * detections.noise));
+  const Rules& rules = cloud_options.rules;
+  const double noise = rules.on(FittingRule::kRayNoise) ? of_rays : detections.noise;
   PoseState state = StateOf(fit.motion, body);
   UncertainMotion uncertain(fit.motion);
   const bool stated = !fit.motion.position_cov.empty();
   const double scale = BodyScale(*fit.motion.skeleton, fit.motion.bone_length);
-  const std::vector<double> error = BodyErrors(*fit.motion.skeleton, scale);
+  const std::vector<double> error = BodyErrors(*fit.motion.skeleton, scale, rules);
   std::vector<double> low_coverage(clouds.size(), 0.0);  // m, of frames without rays
   std::vector<double> residual(clouds.size(), 0.0);      // m, root mean square
   std::vector<double> residuals;
@@ -76,7 +78,7 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
     const FusedCloud& cloud = clouds[static_cast<std::size_t>(f)];
     const auto at = static_cast<std::size_t>(f);
     if (cloud.size() < 100) continue;
-    const double unseen = LowCoverageSigma(cloud, cloud_options.voxel_size, scale);
+    const double unseen = LowCoverageSigma(cloud, cloud_options, scale);
     if (rays.person[at] < 0) low_coverage[at] = unseen;
     if (rays.person[at] >= 0) {
       FrameFit frame{f, {}, 1.0, static_cast<int>(cloud_options.iterations)};
@@ -98,14 +100,14 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view
         std::vector<bool> shown;
         for (std::size_t j = 0; j < joints; ++j) shown.push_back(states[at * joints + j] == JointState::kObserved);
         const double factor =
-            BodyErrorFactor(ResidualOf(MatchPoints(body, state, f, cloud, cloud_options.max_distance)));
+            BodyErrorFactor(ResidualOf(MatchPoints(body, state, f, cloud, cloud_options.max_distance)), rules);
         for (std::size_t j = 0; j < joints; ++j) {
           of_body[j] *= factor;
           if (!shown[j]) of_body[j] = std::hypot(of_body[j], unseen);
         }
         const std::vector<Vector3d> body_rotation =
-            BodyRotations(*fit.motion.skeleton, fit.motion.bone_length, of_body);
-        WidenGaps(shown, *uncertainty, of_body);
+            BodyRotations(*fit.motion.skeleton, fit.motion.bone_length, of_body, rules);
+        if (rules.on(FittingRule::kUnobservedFactor)) WidenGaps(shown, *uncertainty, of_body);
         uncertain.Set(f, *uncertainty, of_body, body_rotation);
       }
     }

@@ -303,7 +303,7 @@ Expected<FitResult> FitBothModalities(const Clip& clip, FitResult keypoints, con
   ShiftInTime(pairing.shift_s, keypoints.motion);
   keypoints.findings.insert(keypoints.findings.end(), verdict.findings.begin(), verdict.findings.end());
   std::optional<PoseState> alone;
-  if (sigma > kUnsure) {
+  if (sigma > kUnsure && options.rules.on(FittingRule::kSecondStart)) {
     Expected<std::optional<PoseState>> tracked = TrackAlone(keypoints.motion, paired, shown.front(), options);
     if (!tracked) return Forward(tracked);
     alone = std::move(*tracked);

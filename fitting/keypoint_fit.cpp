@@ -125,7 +125,7 @@ RepairedTracks CorrectLimbsOfBody(const BodyTracks& found, const std::vector<dou
   const bool may = options.repair.swaps && options.keypoints.audit.sides == AuditAction::kCorrect &&
                    !FilesAreExchanged(found.report.faults);
   if (!may) return RepairedTracks{found.tracks, {}, {}, {}};
-  return RepairLimbs(found.tracks, bones, EstimateNoise(found.tracks, bones).sigma, options.repair.swap_margin);
+  return RepairLimbs(found.tracks, bones, EstimateNoise(found.tracks, bones).sigma, options.repair);
 }
 
 /// Adds a constant error of the whole to all positions.
@@ -145,7 +145,7 @@ Expected<BodyTracks> TracksOnBody(const Evidence& evidence, const Skeleton& skel
   if (!mapped) return Forward(mapped);
   mapped->precision = PrecisionOnBody(*found, *body);
   BodyTracks tracks{std::move(*mapped), std::move(found->report), std::move(found->findings), {}};
-  if (options.audit.sides != AuditAction::kOff) {
+  if (options.audit.sides != AuditAction::kOff && options.audit.rules.on(FittingRule::kBodySides)) {
     if (Status corrected = CorrectLeftRight(evidence, skeleton, options, tracks); !corrected) return Forward(corrected);
   }
   return tracks;
@@ -156,7 +156,7 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
                                        const FittingOptions& options) {
   Expected<BodyTracks> found = TracksOnBody(evidence, *skeleton, body, options.keypoints);
   if (!found) return Forward(found);
-  if (!bone_length.empty()) {
+  if (!bone_length.empty() && options.rules.on(FittingRule::kSizeDiffers)) {
     Expected<std::optional<Finding>> size = CheckSize(found->tracks, bone_length, "keypoints");
     if (!size) return Forward(size);
     if (*size) found->findings.push_back(**std::move(size));
@@ -166,16 +166,21 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
   const RepairedTracks repaired = CorrectLimbsOfBody(*found, bones, options);
   Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bones, Bones::kFixed, options.joint_tracks);
   if (!fit) return fit;
-  for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
-    fit->findings.push_back(std::move(finding));
+  if (options.rules.on(FittingRule::kUnexplainedJoints)) {
+    for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
+      fit->findings.push_back(std::move(finding));
+  }
   MarkRepaired(found->exchanged, fit->motion);
   ReportRepairs(repaired, *fit);
-  AddToCovariances(found->report.place_covariance, fit->motion);
+  if (options.rules.on(FittingRule::kAmbiguousRigCovariance))
+    AddToCovariances(found->report.place_covariance, fit->motion);
   if (!found->report.faults.empty()) fit->rig_audit = FaultsText(found->report.faults);
   fit->keypoints = std::move(found->report);
   fit->findings.insert(fit->findings.begin(), found->findings.begin(), found->findings.end());
   fit->triangulated = WithoutDetectorPoints(found->tracks, skeleton);
-  for (Finding& finding : FindImplausibleBody(*fit->triangulated)) fit->findings.push_back(std::move(finding));
+  if (options.rules.on(FittingRule::kImplausibleBody)) {
+    for (Finding& finding : FindImplausibleBody(*fit->triangulated)) fit->findings.push_back(std::move(finding));
+  }
   return fit;
 }
 

@@ -28,6 +28,14 @@ void DeclareAction(OptionVisitor& v, const char* name, AuditAction& action, cons
            {{"off", AuditAction::kOff}, {"report", AuditAction::kReport}, {"correct", AuditAction::kCorrect}}, help);
 }
 
+/// Sets the rules of the groups that the stages fitting and proportions have in common.
+template <class Options>
+void SetRulesOfGroups(const Rules& rules, Options& options) {
+  options.joint_tracks.rules = rules;
+  options.point_clouds.rules = options.point_clouds.audit.rules = rules;
+  options.keypoints.audit.rules = rules;
+}
+
 }  // namespace
 
 void TrackStep::Declare(OptionVisitor& v) {
@@ -204,6 +212,13 @@ void FittingOptions::Declare(OptionVisitor& v) {
   v.Group("point_clouds", point_clouds, "fit of fused depth views");
   v.Group("contacts", contacts, "foot contacts, after the fit");
   v.Group("keypoints", keypoints, "fit of 2-D keypoints of several views");
+  rules.Declare(v);
+  UseRules(rules);
+}
+
+void FittingOptions::UseRules(const Rules& used) {
+  rules = repair.rules = used;
+  SetRulesOfGroups(used, *this);
 }
 
 void RigStageOptions::Declare(OptionVisitor& v) {
@@ -232,6 +247,8 @@ void ProportionsOptions::Declare(OptionVisitor& v) {
   ProportionsSettings::Declare(v);
   v.Group("point_clouds", point_clouds, "tracking of the clouds that lengths are measured on");
   v.Group("keypoints", keypoints, "triangulation of the keypoints that lengths are measured on");
+  rules.Declare(v);
+  SetRulesOfGroups(rules, *this);
 }
 
 std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids) {

@@ -8,6 +8,7 @@
 
 #include "core/base/options.h"
 #include "core/pipeline/stage.h"
+#include "fitting/rules.h"
 
 namespace mocurate {
 
@@ -65,6 +66,7 @@ struct JointTrackOptions {
   double hinge_sigma = 0.25;       ///< sine of the angle by which a shin or forearm leaves the plane of its hinge
   double bone_sigma = 0.02;        ///< m from the prior bone length, where bones are free
   double max_gap_s = 0.5;          ///< frames further apart are not coupled by process noise
+  Rules rules;                     ///< not an option of the group: FittingOptions::UseRules
   std::vector<TrackStep> steps = StepsWithRefits(2);  ///< none: the closed form is the fit
   std::int64_t window_frames = 600;                   ///< longer clips are fitted in windows
   std::int64_t window_overlap = 60;                   ///< frames at a window's end that the next window fits again
@@ -85,6 +87,7 @@ struct RepairOptions {
   bool repeated_values = true;       ///< mark joints missing that repeat a value to the last digit
   std::int64_t repeated_frames = 3;  ///< including the first of them
   double longest_repeat_s = 5.0;     ///< longer ones stay
+  Rules rules;                       ///< not an option of the group: FittingOptions::UseRules
 
   void Declare(OptionVisitor& v);
 };
@@ -121,6 +124,7 @@ struct RigAuditOptions {
   AuditAction unit = AuditAction::kReport;        ///< calibration in another unit than declared
   double longest_s = 0.5;                         ///< larger clock offsets are not considered
   double sure = 0.99;                             ///< confidence needed for a correction
+  Rules rules;                                    ///< not an option of the group: FittingOptions::UseRules
 
   void Declare(OptionVisitor& v);
 };
@@ -153,6 +157,7 @@ struct PointCloudOptions {
       1.0;  ///< rad from the rest pose; less for joints of the trunk, feet and hands, see RestPoseSigmas
   double huber_sigmas = 2.5;
   bool uncertainty = true;  ///< covariance of joints, standard deviation of rotations
+  Rules rules;              ///< not an option of the group: FittingOptions::UseRules
 
   void Declare(OptionVisitor& v);
 };
@@ -198,7 +203,10 @@ struct FittingOptions {
   PointCloudOptions point_clouds;
   ContactOptions contacts;
   KeypointFitOptions keypoints;
+  Rules rules;  ///< option `without`
 
+  /// Sets the rules of this and of all groups, as reading the option does.
+  void UseRules(const Rules& used);
   void Declare(OptionVisitor& v);
 };
 
@@ -229,6 +237,7 @@ struct ProportionsOptions : ProportionsSettings {
   OtherJoints other_joints = OtherJoints::kRefuse;
   PointCloudOptions point_clouds;  ///< tracking of the clouds that lengths are measured on
   KeypointFitOptions keypoints;    ///< triangulation of the keypoints that lengths are measured on
+  Rules rules;                     ///< option `without`
 
   void Declare(OptionVisitor& v);
 };

@@ -157,6 +157,7 @@ ProportionsOptions ProportionsOf(const JobOptions& options) {
   proportions.other_joints = options.fitting.other_joints;
   proportions.point_clouds = options.fitting.point_clouds;
   proportions.keypoints = options.fitting.keypoints;
+  proportions.rules = options.fitting.rules;
   return proportions;
 }
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/base/config_parts.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
@@ -133,11 +135,21 @@ class ConfigReader final : public OptionVisitor {
       index = i;
       return;
     }
-    std::string wanted;
-    for (const std::string& candidate : names) wanted += (wanted.empty() ? "" : ", ") + candidate;
-    const std::optional<std::string> nearest = Nearest(text, names);
-    Refuse(*node, Name(name), Quoted(text) + " must be one of " + wanted,
-           nearest ? "did you mean '" + *nearest + "'?" : std::string());
+    RefuseChoice(*node, Name(name), text, names);
+  }
+
+  void ChoiceList(const char* name, std::vector<std::string>& value, const std::vector<std::string>& names,
+                  const char*) override {
+    const ConfigNode* node = FindList(name, "must be a list of texts");
+    if (node == nullptr) return;
+    std::vector<std::string> texts(node->sequence.size());
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const std::string element = Indexed(Name(name), i);
+      if (!ReadText(node->sequence[i], element, texts[i])) continue;
+      const bool known = std::find(names.begin(), names.end(), texts[i]) != names.end();
+      if (!known) RefuseChoice(node->sequence[i], element, texts[i], names);
+    }
+    value = std::move(texts);
   }
 
   void BeginGroup(const char* name, const char*) override {
@@ -272,6 +284,15 @@ class ConfigReader final : public OptionVisitor {
     }
     value = *number;
     return true;
+  }
+
+  void RefuseChoice(const ConfigNode& node, const std::string& name, const std::string& text,
+                    const std::vector<std::string>& names) {
+    std::string wanted;
+    for (const std::string& candidate : names) wanted += (wanted.empty() ? "" : ", ") + candidate;
+    const std::optional<std::string> nearest = Nearest(text, names);
+    Refuse(node, name, Quoted(text) + " must be one of " + wanted,
+           nearest ? "did you mean '" + *nearest + "'?" : std::string());
   }
 
   bool ReadText(const ConfigNode& node, const std::string& name, std::string& text) {

@@ -62,6 +62,10 @@ class SchemaWriter final : public OptionVisitor {
   void Texts(const char* name, std::vector<std::string>& value, const char* help) override {
     Put(name, {{"type", {"array", "null"}}, {"items", TextSchema()}, {"default", value}}, help);
   }
+  void ChoiceList(const char* name, std::vector<std::string>& value, const std::vector<std::string>& names,
+                  const char* help) override {
+    Put(name, {{"type", {"array", "null"}}, {"items", {{"enum", names}}}, {"default", value}}, help);
+  }
   void TextMap(const char* name, std::map<std::string, std::string>& value, const char* help) override {
     Put(name, {{"type", {"object", "null"}}, {"additionalProperties", TextSchema()}, {"default", value}}, help);
   }

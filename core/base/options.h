@@ -70,6 +70,12 @@ class OptionVisitor {
   virtual void BeginElement(std::size_t index) = 0;
   virtual void EndElement() = 0;
   virtual void EndList() = 0;
+  /// A list of texts, each one of `names`. Readers refuse others; to all else it is a list of texts.
+  virtual void ChoiceList(const char* name, std::vector<std::string>& value, const std::vector<std::string>& names,
+                          const char* help) {
+    static_cast<void>(names);
+    Texts(name, value, help);
+  }
   /// Whether the list just begun is replaced: its elements start from the defaults of their struct.
   virtual bool ReplacesList() const { return false; }
 

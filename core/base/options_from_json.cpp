@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
@@ -115,6 +116,19 @@ class JsonReader final : public OptionVisitor {
       return;
     }
     problems_.Add(Where(name), "unknown value '" + text + "'", HintFor(text, names));
+  }
+
+  void ChoiceList(const char* name, std::vector<std::string>& value, const std::vector<std::string>& names,
+                  const char* help) override {
+    std::vector<std::string> texts = value;
+    Texts(name, texts, help);
+    bool known = true;
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      if (std::find(names.begin(), names.end(), texts[i]) != names.end()) continue;
+      problems_.Add(Where(Indexed(name, i)), "unknown value '" + texts[i] + "'", HintFor(texts[i], names));
+      known = false;
+    }
+    if (known) value = std::move(texts);
   }
 
   void BeginGroup(const char* name, const char*) override {

@@ -97,8 +97,9 @@ Status CorrectFileAssignment(Evidence& evidence, const std::vector<KnownLength>&
   const auto alike = [&](std::size_t a, std::size_t b) -> Expected<double> {
     return KeypointSimilarity(views[a], views[b]);
   };
-  auto in_one_place =
-      FaultsOfSharedPlaces(cameras, alike, options.audit.exchanged, {"keypoints", "fitting.keypoints.audit.exchanged"});
+  const bool places = options.audit.rules.on(FittingRule::kSharedPlaces);
+  auto in_one_place = FaultsOfSharedPlaces(cameras, alike, places ? options.audit.exchanged : AuditAction::kOff,
+                                           {"keypoints", "fitting.keypoints.audit.exchanged"});
   if (!in_one_place) return Forward(in_one_place);
   faults.insert(faults.end(), in_one_place->begin(), in_one_place->end());
   for (int i = 0; i < kMaxHypotheses; ++i) {

@@ -75,7 +75,7 @@ class KeypointAuditor {
     cost_ = CostsOf(model_);
     DropIdleMoves();
     DropIdleClocks();
-    WidenClocks();
+    if (options_.audit.rules.on(FittingRule::kClockWidening)) WidenClocks();
     for (std::size_t v = 0; v < rig_.size(); ++v) {
       ReportSides(v, audited);
       ReportClock(v, audited);
@@ -161,7 +161,8 @@ class KeypointAuditor {
 
   /// Exchanges the sides of a view where that explains more than the best other change, of cost `otherwise`.
   bool ApplySides(double otherwise) {
-    if (options_.audit.sides == AuditAction::kOff) return false;
+    if (options_.audit.sides == AuditAction::kOff || !options_.audit.rules.on(FittingRule::kSidesThroughout))
+      return false;
     auto sides = FindSidesThroughout(samples_, model_, cost_, options_.audit.sure, options_.triangulation);
     if (!sides || Sum(sides->cost) > otherwise) return false;
     model_ = std::move(sides->model);

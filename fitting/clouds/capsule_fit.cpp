@@ -122,7 +122,7 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
   const int frame = fit.frame;
   for (const FixedNeighbourFrame& neighbour : fit.held)
     state.Update(frame + neighbour.step, frame + neighbour.step + 1, true);
-  const double share = fit.point_weight * PatchShare(options.voxel_size);
+  const double share = fit.point_weight * PatchShare(options);
   for (int i = 0; i < fit.iterations && !outcome.converged; ++i) {
     state.Update(frame, frame + 1, false);
     const double widening = Widening(fit.widening, i);
@@ -149,7 +149,7 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
 double PoseCost(const CapsuleBody& body, const FusedCloud& cloud, PoseState& state, int frame,
                 const PointCloudOptions& options) {
   const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, options.max_distance);
-  const double share = PatchShare(options.voxel_size);
+  const double share = PatchShare(options);
   const double weight = share / kComparedSigma;
   const double huber = share * options.huber_sigmas;
   const double cost = CloudEquations(body, state, {frame, cloud, matches, weight, huber, {}, {}}, options).Cost();

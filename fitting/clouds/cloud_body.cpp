@@ -32,8 +32,9 @@ constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvi
 
 }  // namespace
 
-std::vector<double> BodyErrors(const Skeleton& skeleton, double scale) {
-  if (skeleton.shape == BodyShape{}) scale *= kUnknownShape;
+std::vector<double> BodyErrors(const Skeleton& skeleton, double scale, const Rules& rules) {
+  if (!rules.on(FittingRule::kBodyErrors)) return std::vector<double>(skeleton.joints.size(), 0.0);
+  if (skeleton.shape == BodyShape{} && rules.on(FittingRule::kUnknownShape)) scale *= kUnknownShape;
   std::vector<double> errors(skeleton.joints.size(), scale * kBodyError);
   for (const auto& [name, error] : kBodyErrors) {
     for (const char* side : {"", "left_", "right_"}) {
@@ -52,6 +53,12 @@ std::vector<Vector3d> BodyRotations(const Skeleton& skeleton, const std::vector<
   for (const Matrix3d& covariance : FrameOrientationByBones(skeleton, bone_length, variance))
     variances.emplace_back(covariance.diagonal());
   return variances;
+}
+
+std::vector<Vector3d> BodyRotations(const Skeleton& skeleton, const std::vector<double>& bone_length,
+                                    const std::vector<double>& body_error, const Rules& rules) {
+  if (rules.on(FittingRule::kBodyRotations)) return BodyRotations(skeleton, bone_length, body_error);
+  return std::vector<Vector3d>(skeleton.joints.size(), Vector3d::Zero());
 }
 
 }  // namespace mocurate

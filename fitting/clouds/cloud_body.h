@@ -4,6 +4,7 @@
 
 #include "core/body/capsule_body.h"
 #include "fitting/costs/pose_state.h"
+#include "fitting/rules.h"
 
 namespace mocurate {
 
@@ -15,12 +16,15 @@ inline CapsuleEnds EndsOf(const BodyCapsule& capsule, const PoseState& state, in
 
 /// (J) usual error of this body's joints for the person whose surface was fitted, standard deviation per axis, metres.
 /// For size and shape from clouds (FitShape), or, when the skeleton's shape is unknown, for the template scaled to one
-/// height. Measured on synthetic people with other body shapes (`bench_fit_clouds`).
-std::vector<double> BodyErrors(const Skeleton& skeleton, double scale);
+/// height. Measured on synthetic people with other body shapes (`bench_fit_clouds`). 0 where the rule is off.
+std::vector<double> BodyErrors(const Skeleton& skeleton, double scale, const Rules& rules);
 
 /// Rotations of joint frames that these errors cause in all frames: variances about the axes of the joint's frame ((J),
 /// rad^2). `body_error` (J) as above.
 std::vector<Vector3d> BodyRotations(const Skeleton& skeleton, const std::vector<double>& bone_length,
                                     const std::vector<double>& body_error);
+/// The same; 0 where the rule is off.
+std::vector<Vector3d> BodyRotations(const Skeleton& skeleton, const std::vector<double>& bone_length,
+                                    const std::vector<double>& body_error, const Rules& rules);
 
 }  // namespace mocurate

@@ -78,7 +78,8 @@ class DepthAuditor {
     const auto alike = [&](std::size_t a, std::size_t b) {
       return DepthSimilarity(sampler_.views()[a], sampler_.views()[b]);
     };
-    auto faults = FaultsOfSharedPlaces(cameras_, alike, options_.exchanged,
+    const bool places = options_.rules.on(FittingRule::kSharedPlaces);
+    auto faults = FaultsOfSharedPlaces(cameras_, alike, places ? options_.exchanged : AuditAction::kOff,
                                        {"depth views", "fitting.point_clouds.audit.exchanged"});
     if (!faults) return Forward(faults);
     files_wrong_ = PlacesAreCopied(*faults);
@@ -87,6 +88,7 @@ class DepthAuditor {
   }
 
   std::vector<RigFault> InconsistentViews() const {
+    if (!options_.rules.on(FittingRule::kInconsistentViews)) return {};
     if (!report_.not_audited.empty()) return ContradictionOf(report_.cameras, report_.loss_after);
     return files_wrong_ ? std::vector<RigFault>() : FindInconsistentViews(rig_, losses_, options_);
   }
@@ -121,6 +123,7 @@ class DepthAuditor {
   /// Corrects depths of a view that are too long or too short, if that explains much more than another pose of its
   /// camera.
   Status CorrectDepths() {
+    if (!options_.rules.on(FittingRule::kWrongDepths)) return {};
     if (options_.moved == AuditAction::kOff || delay_.size() < 3 || delay_.size() > kFewViews) return {};
     if (!report_.not_audited.empty() || files_wrong_) return {};
     const auto wrong = FindWrongDepths(sampler_, delay_, rig_, cameras_);
@@ -144,6 +147,7 @@ class DepthAuditor {
   /// Corrects a fault common to all views, if that explains more than one camera's depths or pose, or exchanged files.
   /// Mirrored images are only reported.
   Status CorrectCommonOffset() {
+    if (!options_.rules.on(FittingRule::kCommonFault)) return {};
     const auto common = FindCommonFault(rig_, losses_);
     if (!common || common->confidence < options_.sure) return {};
     const AuditAction action = common->mirrored ? options_.exchanged : options_.moved;
@@ -295,6 +299,7 @@ class DepthAuditor {
   /// registered.
   Expected<std::optional<std::vector<Camera>>> FindFarMove() {
     std::optional<std::vector<Camera>> best;
+    if (!options_.rules.on(FittingRule::kFarMove)) return best;
     const std::vector<Vector3d> aside = AsideOf(rig_, cameras_);
     double least = MeanLoss(losses_);
     for (std::size_t v = 0; v < delay_.size() && delay_.size() > 2 && delay_.size() <= kFewViews; ++v) {

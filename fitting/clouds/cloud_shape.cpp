@@ -133,7 +133,7 @@ class ShapeFit {
     const FusedCloud& cloud = clouds_[f];
     figure.state.Update(f, f + 1, true);
     const std::vector<CloudMatch> matches = MatchPoints(figure.body, figure.state, f, cloud, options_.max_distance);
-    const double share = PatchShare(options_.voxel_size);
+    const double share = PatchShare(options_);
     const double weight = share / sigma;
     const double huber = share * options_.huber_sigmas;
     CloudEquations equations(figure.body, figure.state, {f, cloud, matches, weight, huber, {}, {}}, options_);

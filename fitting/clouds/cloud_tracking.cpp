@@ -122,7 +122,7 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);
     track.outcomes[f] = *fitted;
-    if (time_s[f] - time_s[last] > kAnyPose_s) {
+    if (time_s[f] - time_s[last] > kAnyPose_s && options.rules.on(FittingRule::kRestartAfterGap)) {
       if (Status again = RestartAfterGap(last, f, options, track); !again) return again;
       last = -1;
     }
@@ -197,6 +197,7 @@ Status RefitPoorFrames(int step, const std::vector<double>& time_s, const PointC
 }
 
 Status RefitPoorFrames(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
+  if (!options.rules.on(FittingRule::kRefitPoorFrames)) return {};
   for (const int step : {1, -1}) {
     if (Status looked = RefitPoorFrames(step, time_s, options, track); !looked) return looked;
   }
@@ -217,6 +218,7 @@ int LostFrame(const FrameCosts& costs, const CloudTrack& track, const std::vecto
 /// A person who leaves the views and returns may get a wrong pose. Where the cost is much higher than in most frames,
 /// searches the pose of one frame anew, in all directions, and tracks from there.
 Status RecoverLostFrames(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
+  if (!options.rules.on(FittingRule::kRecoverLostFrames)) return {};
   std::vector<bool> tried(static_cast<std::size_t>(track.state.frames()), false);
   PointCloudOptions any_way = options;
   any_way.start = {};
@@ -286,7 +288,8 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
     Expected<FusedCloud> cloud =
         is_cloud ? ReadPersonCloud(*evidence.clouds, f, fusion) : FuseViews(evidence.depth_views, f, fusion);
     if (!cloud) return Forward(cloud);
-    clouds.push_back(is_cloud ? std::move(*cloud) : PersonPoints(*cloud, options.voxel_size));
+    const bool is_person = is_cloud || !options.rules.on(FittingRule::kPersonPoints);
+    clouds.push_back(is_person ? std::move(*cloud) : PersonPoints(*cloud, options.voxel_size));
   }
   return clouds;
 }

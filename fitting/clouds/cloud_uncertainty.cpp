@@ -36,7 +36,7 @@ Matrix3d PositionCovariance(const CloudEquations& equations, const PoseState& st
 Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                               double sigma, PoseState& state, const PointCloudOptions& options) {
   const std::vector<CloudMatch> matches = MatchPoints(body, state, fit.frame, cloud, options.max_distance);
-  const double share = fit.point_weight * PatchShare(options.voxel_size);
+  const double share = fit.point_weight * PatchShare(options);
   CloudEquations equations(
       body, state, {fit.frame, cloud, matches, share / sigma, share * options.huber_sigmas, fit.held, fit.joints},
       options);

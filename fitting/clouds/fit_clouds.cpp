@@ -71,7 +71,7 @@ Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResu
     const bool is_fitted = track.outcomes[f].iterations > 0;
     std::vector<CloudMatch> matches;
     if (is_fitted) matches = MatchPoints(track.body, track.state, f, track.clouds[f], options.max_distance);
-    shown.error.push_back(is_fitted ? LowCoverageSigma(track.clouds[f], options.voxel_size, scale) : 0.0);
+    shown.error.push_back(is_fitted ? LowCoverageSigma(track.clouds[f], options, scale) : 0.0);
     for (const int points : PointsOfJoints(track.body, track.state, f, track.clouds[f], matches, options.voxel_size)) {
       shown.joint.push_back(points * area >= kObservingArea);
       const bool is_observed = shown.joint.back() && shown.error.back() <= kUnobservedError;
@@ -87,7 +87,8 @@ Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResu
 Status AddUncertainty(CloudTrack& track, const Shown& shown, const PointCloudOptions& options, FitResult& result) {
   const Motion& motion = result.motion;
   UncertainMotion uncertain(motion.frame_count(), motion.joint_count());
-  const std::vector<double> usual = BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
+  const std::vector<double> usual =
+      BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.rules);
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (track.outcomes[f].iterations == 0) continue;
     FrameFit fit;
@@ -96,10 +97,13 @@ Status AddUncertainty(CloudTrack& track, const Shown& shown, const PointCloudOpt
         UncertaintyOfFrame(track.body, track.clouds[f], fit, track.outcomes[f].sigma, track.state, options);
     if (!uncertainty) return Forward(uncertainty);
     std::vector<double> body_error = usual;
-    for (double& error : body_error) error = std::hypot(BodyErrorFactor(shown.residual[f]) * error, shown.error[f]);
-    const std::vector<Vector3d> body_rotation = BodyRotations(*motion.skeleton, motion.bone_length, body_error);
+    const double factor = BodyErrorFactor(shown.residual[f], options.rules);
+    for (double& error : body_error) error = std::hypot(factor * error, shown.error[f]);
+    const std::vector<Vector3d> body_rotation =
+        BodyRotations(*motion.skeleton, motion.bone_length, body_error, options.rules);
     const auto begin = shown.joint.begin() + static_cast<std::ptrdiff_t>(f) * motion.joint_count();
-    WidenGaps({begin, begin + motion.joint_count()}, *uncertainty, body_error);
+    if (options.rules.on(FittingRule::kUnobservedFactor))
+      WidenGaps({begin, begin + motion.joint_count()}, *uncertainty, body_error);
     uncertain.Set(f, *uncertainty, body_error, body_rotation);
   }
   uncertain.Write(result.motion);

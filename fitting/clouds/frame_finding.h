@@ -5,6 +5,7 @@
 #include "core/base/finding.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/depth_fusion.h"
+#include "fitting/options.h"
 
 namespace mocurate {
 
@@ -22,6 +23,10 @@ double CoverageOfPoint(double voxel_size);
 /// of the points (CoverageSample, voxels of `voxel_size` metres), because arms are fitted to legs. For Kinect-like
 /// pixels, voxels of a few centimetres, and bodies `scale` times the rest skeleton.
 double LowCoverageSigma(const FusedCloud& cloud, double voxel_size, double scale);
+/// The same; 0 where the rule is off.
+inline double LowCoverageSigma(const FusedCloud& cloud, const PointCloudOptions& options, double scale) {
+  return options.rules.on(FittingRule::kLowCoverage) ? LowCoverageSigma(cloud, options.voxel_size, scale) : 0.0;
+}
 
 /// Error in metres from which no joint of the frame counts as observed.
 inline constexpr double kUnobservedError = 0.03;
@@ -39,6 +44,10 @@ double ResidualOf(const std::vector<CloudMatch>& matches);
 /// Factor on the body errors of a frame whose points have the distance `residual` (root mean square, metres) from the
 /// body: at least 1.
 double BodyErrorFactor(double residual);
+/// The same; 1 where the rule is off.
+inline double BodyErrorFactor(double residual, const Rules& rules) {
+  return rules.on(FittingRule::kBodyErrorFactor) ? BodyErrorFactor(residual) : 1.0;
+}
 
 /// Reports frames whose points lie much farther from the body than in the clip's best frames (`residual`: F, root mean
 /// square, metres; 0 without a fit).

@@ -91,6 +91,7 @@ Expected<double> EstimateSurfaceWeight(const Motion& motion, const std::vector<F
                                        const std::vector<int>& frames, const CapsuleBody& body, PoseState state,
                                        const PoseState* alone, const std::vector<bool>& known, double unknown,
                                        double usual, const PointCloudOptions& options) {
+  if (!options.rules.on(FittingRule::kSurfaceWeight)) return 1.0;
   const double scale = BodyScale(*motion.skeleton, motion.bone_length);
   std::vector<double> apart, claimed, of_tracks, of_coverage;
   for (const int f : frames) {
@@ -109,7 +110,7 @@ Expected<double> EstimateSurfaceWeight(const Motion& motion, const std::vector<F
       apart.push_back((state.position(f, j) - motion.joints.at(f, j)).squaredNorm());
       claimed.push_back(uncertainty->position[j].trace());
       of_tracks.push_back(CovarianceAt(motion.position_cov, at).trace());
-      of_coverage.push_back(3.0 * std::pow(LowCoverageSigma(clouds[f], options.voxel_size, scale), 2));
+      of_coverage.push_back(3.0 * std::pow(LowCoverageSigma(clouds[f], options, scale), 2));
     }
   }
   if (apart.empty()) return 1.0;
@@ -122,10 +123,10 @@ Expected<double> EstimateSurfaceWeight(const Motion& motion, const std::vector<F
 /// Factor on the variance of each joint of tracks that poses of the clouds alone contradict: where the distance exceeds
 /// both uncertainties in most frames. (J) at least 1.
 std::vector<double> VarianceInflation(const Motion& motion, const std::vector<FusedCloud>& clouds,
-                                      const std::vector<int>& frames, const CapsuleBody& body, double voxel_size,
-                                      PoseState alone) {
+                                      const std::vector<int>& frames, const CapsuleBody& body,
+                                      const PointCloudOptions& options, PoseState alone) {
   const double scale = BodyScale(*motion.skeleton, motion.bone_length);
-  const std::vector<double> error = BodyErrors(*motion.skeleton, scale);
+  const std::vector<double> error = BodyErrors(*motion.skeleton, scale, options.rules);
   std::vector<double> factor(static_cast<std::size_t>(motion.joint_count()), 1.0);
   alone.SetActive(body.MovingJoints());
   alone.Update(0, alone.frames(), false);
@@ -134,7 +135,7 @@ std::vector<double> VarianceInflation(const Motion& motion, const std::vector<Fu
     for (const int f : frames) {
       const std::size_t at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j);
       const double of_body = error[static_cast<std::size_t>(j)];
-      const double of_coverage_sigma = LowCoverageSigma(clouds[static_cast<std::size_t>(f)], voxel_size, scale);
+      const double of_coverage_sigma = LowCoverageSigma(clouds[static_cast<std::size_t>(f)], options, scale);
       const Matrix3d both = CovarianceAt(motion.position_cov, at) +
                             (of_body * of_body + of_coverage_sigma * of_coverage_sigma) * Matrix3d::Identity();
       const Vector3d apart = alone.position(f, j) - motion.joints.at(f, j);
@@ -146,9 +147,9 @@ std::vector<double> VarianceInflation(const Motion& motion, const std::vector<Fu
 }
 
 /// Median squared distance between joints of the template body and of the person's.
-double ShapeVariance(const Skeleton& skeleton, double scale) {
+double ShapeVariance(const Skeleton& skeleton, double scale, const Rules& rules) {
   std::vector<double> squares;
-  for (const double error : BodyErrors(skeleton, scale)) squares.push_back(3.0 * error * error);
+  for (const double error : BodyErrors(skeleton, scale, rules)) squares.push_back(3.0 * error * error);
   return MeanMedian(squares);
 }
 
@@ -307,19 +308,21 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   const std::vector<bool> known = KnownJoints(motion);
   const double unknown =
       FitCapsuleOffsets(clouds, state, shown, options.max_distance, MeanVariance(motion, shown, known), body);
-  const double usual = ShapeVariance(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
+  const double usual = ShapeVariance(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.rules);
   const auto surface_weight =
       EstimateSurfaceWeight(motion, clouds, shown, body, state, alone, known, unknown, usual, options);
   if (!surface_weight) return Forward(surface_weight);
 
   const std::vector<bool> moving = body.MovingJoints();
   std::vector<double> factor(known.size(), 1.0);
-  if (alone != nullptr) factor = VarianceInflation(motion, clouds, shown, body, options.voxel_size, *alone);
+  if (alone != nullptr && options.rules.on(FittingRule::kVarianceInflation))
+    factor = VarianceInflation(motion, clouds, shown, body, options, *alone);
   for (std::size_t j = 0; j < known.size(); ++j) factor[j] = known[j] ? factor[j] : 0.0;
   FitResult result = tracks;
   ReportDisagreement(factor, result);
   UncertainMotion uncertain(motion);
-  const std::vector<Vector3d> body_rotation = RotationsOfMeasuredBody(motion);
+  std::vector<Vector3d> body_rotation(known.size(), Vector3d::Zero());
+  if (options.rules.on(FittingRule::kBodyRotations)) body_rotation = RotationsOfMeasuredBody(motion);
   std::vector<double> residuals;
   int unsettled = 0;
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -331,7 +334,8 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
     if (!fitted) return Forward(fitted);
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
     if (!uncertainty) return Forward(uncertainty);
-    for (Matrix3d& covariance : uncertainty->position) covariance *= kSharedErrors;
+    const double shared = options.rules.on(FittingRule::kSharedErrors) ? kSharedErrors : 1.0;
+    for (Matrix3d& covariance : uncertainty->position) covariance *= shared;
     uncertain.Replace(f, *uncertainty, moving, body_rotation);
     for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], options.max_distance)) {
       residuals.push_back(std::abs(match.distance));

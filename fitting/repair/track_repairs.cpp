@@ -281,7 +281,8 @@ bool TwistedTrunk(const SkeletonTracks& tracks) {
 /// A tracker that takes the back of a person for the front rotates the whole body in one step, feet and face included.
 /// An exchange of sides would then point the feet backwards, or the shoulders against the hips. Which of both is
 /// correct is ambiguous: nothing is changed.
-void CorrectLimbs(const std::vector<double>& bone_length, double noise_sigma, double least_margin, Repairs& repairs) {
+void CorrectLimbs(const std::vector<double>& bone_length, double noise_sigma, double least_margin, bool keep_reversed,
+                  Repairs& repairs) {
   const SkeletonTracks given = repairs.tracks();
   std::vector<LimbExchange> limbs = FindExchanges(given, bone_length, noise_sigma, least_margin);
   SkeletonTracks corrected = given;
@@ -291,7 +292,7 @@ void CorrectLimbs(const std::vector<double>& bone_length, double noise_sigma, do
     const SkeletonTracks before = CutTracks(given, limb.frame_begin, limb.frame_end);
     const SkeletonTracks after = CutTracks(corrected, limb.frame_begin, limb.frame_end);
     const bool backwards = SidesExchangedByAnatomy(before) == false && SidesExchangedByAnatomy(after) == true;
-    if (backwards || (!TwistedTrunk(before) && TwistedTrunk(after))) reversed.push_back(limb);
+    if (keep_reversed && (backwards || (!TwistedTrunk(before) && TwistedTrunk(after)))) reversed.push_back(limb);
   }
   for (const LimbExchange& limb : limbs) {
     const bool with_reversed =
@@ -306,9 +307,9 @@ void CorrectLimbs(const std::vector<double>& bone_length, double noise_sigma, do
 }  // namespace
 
 RepairedTracks RepairLimbs(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
-                           double least_margin) {
+                           const RepairOptions& options) {
   Repairs repairs(given);
-  CorrectLimbs(bone_length, noise_sigma, least_margin, repairs);
+  CorrectLimbs(bone_length, noise_sigma, options.swap_margin, options.rules.on(FittingRule::kReversedBody), repairs);
   return repairs.Take();
 }
 
@@ -328,8 +329,8 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
     for (const CoincidentLimbs& merged : FindMergedLimbs(repairs.tracks(), noise_sigma)) repairs.Exclude(merged);
   }
   if (options.swaps) {
-    CorrectBodies(noise_sigma, options.swap_margin, repairs);
-    CorrectLimbs(bone_length, noise_sigma, options.swap_margin, repairs);
+    if (options.rules.on(FittingRule::kBodySides)) CorrectBodies(noise_sigma, options.swap_margin, repairs);
+    CorrectLimbs(bone_length, noise_sigma, options.swap_margin, options.rules.on(FittingRule::kReversedBody), repairs);
   }
   if (options.bone_violations) {  // last: an exchanged hand looks like a bone-length violation
     for (const BoneViolation& violation :

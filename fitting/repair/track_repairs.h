@@ -46,7 +46,7 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
 /// Only the exchange of limbs (FindExchanges): for keypoints of several views, where those of bodies are corrected
 /// already.
 RepairedTracks RepairLimbs(const SkeletonTracks& given, const std::vector<double>& bone_length, double noise_sigma,
-                           double least_margin);
+                           const RepairOptions& options);
 
 /// Sets the state of observed samples that were exchanged to kRepaired. `exchanged`: (F*J) or empty.
 void MarkRepaired(const std::vector<bool>& exchanged, Motion& motion);

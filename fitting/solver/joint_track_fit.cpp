@@ -179,7 +179,8 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
                                    const std::vector<double>& bone_length, Bones bones,
                                    const JointTrackOptions& options) {
   FitResult result;
-  const NoiseEstimate noise = EstimateNoise(given, bone_length);
+  NoiseEstimate noise = EstimateNoise(given, bone_length);
+  if (noise.measured && !options.rules.on(FittingRule::kBoneNoise)) noise.sigma = std::max(noise.white, kNearlyExact);
   result.noise_sigma = noise.sigma;
   // Priors do not use an assumed noise; only the uncertainty does.
   const double pooled = noise.measured ? noise.sigma : kNearlyExact;
@@ -191,9 +192,10 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     tracks.rotation.clear();
     tracks.rotation_confidence.clear();
   }
-  const std::vector<bool> rejected = RejectOutliers(tracks, joint_sigma);
+  std::vector<bool> rejected(tracks.confidence.size(), false);
+  if (options.rules.on(FittingRule::kOutlierRejection)) rejected = RejectOutliers(tracks, joint_sigma);
   JointTrackOptions widened = options;
-  const double widening = ProcessNoiseWidening(noise);
+  const double widening = options.rules.on(FittingRule::kProcessNoiseWidening) ? ProcessNoiseWidening(noise) : 1.0;
   widened.rotation_process_noise *= widening;
   widened.velocity_process_noise *= widening;
   const std::vector<bool> active = JointsWithEvidenceBelow(tracks);
@@ -245,7 +247,8 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   const bool solved = !options.steps.empty() && options.steps.back().free == FreeParts::kPose;
   if (options.uncertainty && solved) {
     const double assumed = noise.sigma / pooled;
-    auto uncertainty = UncertaintyOfTracks(whole, noise.measured ? 0.0 : assumed * assumed);
+    const bool unmeasured = !noise.measured && options.rules.on(FittingRule::kUnmeasuredNoise);
+    auto uncertainty = UncertaintyOfTracks(whole, unmeasured ? assumed * assumed : 0.0);
     if (!uncertainty) return Forward(uncertainty);
     result.motion.position_cov = std::move(uncertainty->position_cov);
     result.motion.rotation_sigma = std::move(uncertainty->rotation_sigma);

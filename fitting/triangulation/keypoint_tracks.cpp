@@ -296,6 +296,7 @@ std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, co
       return again(std::move(*fault), corrected);
     }
   }
+  if (!options.audit.rules.on(FittingRule::kPersonShape)) return {};
   if (Status sound = CheckPersonShape(measured, lengths); !sound) return tl::unexpected<Error>(sound.error());
   return {};
 }
@@ -304,7 +305,7 @@ std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, co
 bool CorrectLeftRightOfViews(const std::vector<RigView>& rig, const TriangulatedTracks& points,
                              const std::vector<std::string>& names, const KeypointFitOptions& options,
                              std::vector<ViewKeypoints>& views, std::vector<RigFault>& faults) {
-  if (options.audit.sides == AuditAction::kOff) return false;
+  if (options.audit.sides == AuditAction::kOff || !options.audit.rules.on(FittingRule::kViewSides)) return false;
   const auto exchanges =
       FindSideExchanges(views, points, names, options.triangulation.noise, options.audit.side_margin);
   const bool corrected = options.audit.sides == AuditAction::kCorrect;
@@ -367,7 +368,8 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   std::vector<RigFault> sides;
   if (CorrectLeftRightOfViews(rig, points, evidence.keypoint_names, options, views, sides))
     points = TriangulateViews(views, frames, keypoints, options.triangulation);
-  points = WithoutOddCameras(std::move(points), views, frames, keypoints, options.triangulation);
+  if (options.audit.rules.on(FittingRule::kInconsistentCameras))
+    points = WithoutOddCameras(std::move(points), views, frames, keypoints, options.triangulation);
   found.report = ReportOf(evidence, rig, take, person, points);
   if (found.report.triangulated < kFewPoints) {
     return tl::unexpected<Error>(Inconsistent(

@@ -86,8 +86,7 @@ Refined RefinePoint(const Rays& rays, const Vector3d& start, double scale, doubl
       const Seen seen(ray, refined.point);
       if (seen.behind()) continue;
       const double trust = 1.0 / (1.0 + seen.square() / (scale * scale));
-      const double weight = ray.weight * trust / noise;
-      seen.AddTo(equations, weight * weight, ray);
+      seen.AddTo(equations, ray.weight * trust * trust / (noise * noise), ray);
     }
     Vector3d step;
     if (!equations.Solve(step)) return refined;
@@ -157,7 +156,7 @@ std::optional<TriangulatedPoint> JudgePoint(const Rays& rays, const Refined& ref
     if (first == nullptr) first = &ray;
     parallel = parallel && Parallel(*first, ray);
     ++point.view_count;
-    seen.AddTo(equations, ray.weight * ray.weight / (options.noise * options.noise), ray);
+    seen.AddTo(equations, ray.weight / (options.noise * options.noise), ray);
     point.error_px += std::sqrt(square);
     if (ray.index < 64) point.views |= std::uint64_t{1} << static_cast<unsigned>(ray.index);
   }

@@ -25,7 +25,7 @@ struct ViewRay {
   int index = 0;                           ///< of the view
   Vector3d direction = Vector3d::UnitZ();  ///< world, unit length
   Vector2d normalised = Vector2d::Zero();  ///< at depth 1, without lens distortion
-  double weight = 1.0;                     ///< confidence
+  double weight = 1.0;                     ///< confidence: information relative to a detection of confidence 1
 
   ViewRay(const TriangulationView& seen_by, int view_index, const Vector2d& pixel, double confidence);
   /// Of a detection at depth 1 whose lens distortion is undone.

@@ -18,6 +18,7 @@ namespace mocurate {
 namespace {
 
 constexpr double kSmallestFactor = 0.25;  ///< tracks without noise: at least half the assumed sigma
+constexpr double kPositiveFactor = 1e-6;  ///< without that rule: covariances must be invertible
 constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordinates that count as redundant, at least
 
 constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes
@@ -139,7 +140,7 @@ class Reader {
 /// Factors on the covariances of positions, (F*J): `factor` where a joint is observed; else that of its gap, but at
 /// least the smaller variance at the gap's two ends.
 std::vector<double> FactorsOfPositions(const SkeletonTracks& tracks, const std::vector<double>& growth, double factor,
-                                       const std::vector<float>& position_cov) {
+                                       const std::vector<float>& position_cov, bool at_least_ends) {
   std::vector<double> factors(growth.size());
   const auto variance = [&](std::size_t at) {
     return static_cast<double>(position_cov[6 * at]) + position_cov[6 * at + 3] + position_cov[6 * at + 5];
@@ -158,7 +159,8 @@ std::vector<double> FactorsOfPositions(const SkeletonTracks& tracks, const std::
       while (next < tracks.frames() && !tracks.seen(next, static_cast<int>(j))) ++next;
       const double after =
           next < tracks.frames() ? factor * variance(static_cast<std::size_t>(next) * joints + j) : 0.0;
-      const double least = before > 0.0 && after > 0.0 ? std::min(before, after) : std::max(before, after);
+      const double ends = before > 0.0 && after > 0.0 ? std::min(before, after) : std::max(before, after);
+      const double least = at_least_ends ? ends : 0.0;
       for (; f < next; ++f) {
         const std::size_t unseen = static_cast<std::size_t>(f) * joints + j;
         factors[unseen] = std::max(growth[unseen], least / std::max(variance(unseen), kSmallestVariance));
@@ -171,12 +173,14 @@ std::vector<double> FactorsOfPositions(const SkeletonTracks& tracks, const std::
 
 /// Scales the variance from evidence by `factor`, the a-posteriori variance. Positions unobserved in their frame, and
 /// the prior's part of a rotation, are unchanged.
-void Scale(const SkeletonTracks& tracks, const std::vector<Vector3d>& prior, double factor,
+void Scale(const SkeletonTracks& tracks, const std::vector<Vector3d>& prior, double factor, const Rules& rules,
            PoseUncertainty& uncertainty) {
-  factor *= kUncertaintyCalibration;
-  const GapInflation growth = FindGapInflation(tracks);
+  if (rules.on(FittingRule::kUncertaintyCalibration)) factor *= kUncertaintyCalibration;
+  const std::vector<double> ones(tracks.confidence.size(), 1.0);
+  const GapInflation growth =
+      rules.on(FittingRule::kGapInflation) ? FindGapInflation(tracks) : GapInflation{ones, ones};
   const std::vector<double> of_positions =
-      FactorsOfPositions(tracks, growth.position, factor, uncertainty.position_cov);
+      FactorsOfPositions(tracks, growth.position, factor, uncertainty.position_cov, rules.on(FittingRule::kGapFloor));
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       const std::size_t at = static_cast<std::size_t>(f) * tracks.joints() + j;
@@ -229,9 +233,10 @@ void AddFrameOrientations(const TrackWindow& whole, const std::vector<Vector3d>&
 Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double least_factor) {
   const std::vector<double> rest_information = RestInformationOfProcessNoise(window);
   const ProcessNoiseScale noise_scale = ProcessNoiseOfObserved(window);
+  const Rules& rules = window.options.rules;
   TrackWindow whole = window;
-  whole.rest_information = &rest_information;
-  whole.noise_scale = &noise_scale;
+  if (rules.on(FittingRule::kRestCorrelation)) whole.rest_information = &rest_information;
+  if (rules.on(FittingRule::kUnobservedProcessNoise)) whole.noise_scale = &noise_scale;
   const auto numbers = static_cast<std::size_t>(whole.end) * whole.state.joints();
   PoseUncertainty uncertainty;
   uncertainty.position_cov.assign(6 * numbers, 0.0F);
@@ -246,17 +251,23 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double 
   Status visited = VisitCovariances(whole, [&](const FrameCovariance& covariance) { reader.Read(covariance); });
   if (!visited) return tl::unexpected<Error>(visited.error());
   if (freedom.numbers > 0.0) {
-    const double factor = std::max({freedom.squares / freedom.numbers, kSmallestFactor, least_factor});
+    const double found = rules.on(FittingRule::kVarianceFactor) ? freedom.squares / freedom.numbers : 1.0;
+    const double smallest = rules.on(FittingRule::kLeastVarianceFactor) ? kSmallestFactor : kPositiveFactor;
+    const double factor = std::max({found, smallest, least_factor});
     const double averaged = freedom.samples / std::max(freedom.leverage, 1e-9);
-    Scale(whole.tracks, prior, factor * AutocorrelationInflation(whole, averaged), uncertainty);
+    const double inflation =
+        rules.on(FittingRule::kAutocorrelatedError) ? AutocorrelationInflation(whole, averaged) : 1.0;
+    Scale(whole.tracks, prior, factor * inflation, rules, uncertainty);
     uncertainty.variance_factor = factor;
-    const std::vector<float> persistent = PersistentResidualCovariance(whole, factor);
+    std::vector<float> persistent;
+    if (rules.on(FittingRule::kPersistentResiduals)) persistent = PersistentResidualCovariance(whole, factor);
     for (std::size_t i = 0; i < persistent.size(); ++i) uncertainty.position_cov[i] += persistent[i];
   }
-  AddFrameOrientations(whole, prior, uncertainty);
-  const std::vector<float> of_body = CovarianceOfBody(whole);
+  if (rules.on(FittingRule::kFrameOrientation)) AddFrameOrientations(whole, prior, uncertainty);
+  std::vector<float> of_body;
+  if (rules.on(FittingRule::kBodyCovariance)) of_body = CovarianceOfBody(whole);
   for (std::size_t i = 0; i < of_body.size(); ++i) uncertainty.position_cov[i] += of_body[i];
-  AddSecondOrderCovariance(whole, uncertainty.position_cov);
+  if (rules.on(FittingRule::kSecondOrderCovariance)) AddSecondOrderCovariance(whole, uncertainty.position_cov);
   return uncertainty;
 }
 

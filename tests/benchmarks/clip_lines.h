@@ -6,14 +6,40 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
+#include "core/base/sha256.h"
 #include "core/base/version.h"
 #include "tests/fitting/fit_score.h"
 
 namespace mocurate::benchmarks {
 
+/// What a clip's line has beside its figures: `findings` (code -> number) and `digest`, of the motion with states and
+/// stated uncertainty: equal where a fit is bit for bit the same.
+inline nlohmann::json OutcomeOf(const FitResult& fit) {
+  nlohmann::json findings = nlohmann::json::object();
+  for (const Finding& finding : fit.findings) findings[finding.code] = findings.value(finding.code, 0) + 1;
+  std::string bytes;
+  const auto append = [&](const auto& values) {
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
+  };
+  const Motion& motion = fit.motion;
+  append(motion.joints.xyz), append(motion.position_cov), append(motion.state);
+  append(motion.rotation_sigma), append(motion.rotation_observed);
+  for (const Quaterniond& rotation : motion.rotation) append(rotation.coeffs());
+  return {{"findings", findings}, {"digest", Sha256Hex(bytes).substr(0, 16)}};
+}
+
+/// Of the audit of a rig.
+inline nlohmann::json OutcomeOf(const std::vector<RigFault>& faults) {
+  nlohmann::json findings = nlohmann::json::object();
+  for (const RigFault& fault : faults) findings[fault.code] = findings.value(fault.code, 0) + 1;
+  return {{"findings", findings}};
+}
+
 /// One JSON line a clip and fit, appended to the file that MOCURATE_CLIPS names (unset: nothing is written), so that
-/// compare_fits.py compares two versions clip by clip: command, version, machine, clip, person, fit and figures.
+/// compare_fits.py compares two versions clip by clip: command, version, machine, clip, person, fit and figures, and
+/// what is switched off (OptionsWithout).
 class ClipLines {
  public:
   ClipLines(int argc, char** argv) {
@@ -25,12 +51,15 @@ class ClipLines {
     command = command.substr(command.rfind('/') + 1);
     for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
     common_ = {{"command", command}, {"version", Version()}, {"machine", Processor()}};
+    if (const char* without = std::getenv("MOCURATE_WITHOUT")) common_["without"] = without;
   }
 
-  void Add(const std::string& clip, const std::string& person, const char* fit, const nlohmann::json& figures) {
+  void Add(const std::string& clip, const std::string& person, const char* fit, const nlohmann::json& figures,
+           const nlohmann::json& outcome = nlohmann::json::object()) {
     if (!out_.is_open()) return;
     nlohmann::json line = common_;
     line.update({{"clip", clip}, {"person", person}, {"fit", fit}, {"figures", figures}});
+    line.update(outcome);
     out_ << line.dump() << std::endl;
   }
 
@@ -46,7 +75,7 @@ class ClipLines {
       figures["within_two"] = score.within_two();
       AddRotationCoverage(result.motion, clip.truth, figures);
     }
-    Add(clip.name, std::to_string(clip.subject), fit, figures);
+    Add(clip.name, std::to_string(clip.subject), fit, figures, OutcomeOf(result));
   }
 
  private:

@@ -15,8 +15,10 @@
 #include "core/base/random.h"
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/view_registration.h"
+#include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/benchmarks/given_takes.h"
+#include "tests/benchmarks/options_without.h"
 #include "tests/fitting/cloud_scene.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/depth_rig_faults.h"
@@ -79,6 +81,7 @@ int main(int argc, char** argv) {
   std::map<std::string, double> given = GivenNumbers(argc, argv, 5);
   const std::vector<RigTake> takes = TakesOf(static_cast<int>(given["rig"]), wanted, folder);
   if (takes.empty()) return std::fprintf(stderr, "no clips: set MOCURATE_DATA\n"), 2;
+  benchmarks::ClipLines lines(argc, argv);
   double seconds = 0.0;
   int found = 0, wrong = 0, faulty = 0, audited_clips = 0, refused = 0;
   std::vector<double> before_mm, after_mm, before_deg, after_deg, loss, loss_after;
@@ -112,7 +115,7 @@ int main(int argc, char** argv) {
       for (DepthView& view : views) view.metres_per_unit *= given["depths"];
     }
     if (given["mirrored"] != 0.0) views = *WithMirroredImages(std::move(views), folder / "mirrored");
-    PointCloudOptions options;
+    PointCloudOptions options = benchmarks::OptionsWithout().point_clouds;
     if (given.count("sure") != 0) options.audit.sure = given["sure"];
     const double begin = CpuSeconds();
     const auto audited = AuditDepthRig(views, options.audit);
@@ -120,8 +123,11 @@ int main(int argc, char** argv) {
     if (!audited) {
       std::fprintf(stderr, "%s: %s\n", take.name.c_str(), audited.error().Message().c_str());
       ++refused;
+      lines.Add(take.name, take.name, "rig", {{"refused", 1}});
       continue;
     }
+    const int found_before = found, wrong_before = wrong;
+    const std::size_t moved_before = after_mm.size();
     if (audited->report.not_audited.empty()) ++audited_clips;
     std::fprintf(stderr, "%-24s", take.name.c_str());
     for (std::size_t v = 0; v < std::min<std::size_t>(views.size(), 4); ++v) {
@@ -158,6 +164,14 @@ int main(int argc, char** argv) {
       before_mm.push_back(1e3 * before.shift), after_mm.push_back(1e3 * after.shift);
       before_deg.push_back(57.2957795 * before.turn), after_deg.push_back(57.2957795 * after.turn);
     }
+    nlohmann::json figures = {{"refused", 0},
+                              {"found", found - found_before},
+                              {"others_reported", wrong - wrong_before},
+                              {"loss_after", MeanMedian(audited->report.loss_after)}};
+    if (after_mm.size() > moved_before) {
+      figures["camera_mm"] = MeanMedian(std::vector<double>(after_mm.begin() + moved_before, after_mm.end()));
+    }
+    lines.Add(take.name, take.name, "rig", figures, benchmarks::OutcomeOf(audited->report.faults));
   }
   const auto worst = [](const std::vector<double>& values) {
     return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());

@@ -23,6 +23,7 @@
 #include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/benchmarks/given_takes.h"
+#include "tests/benchmarks/options_without.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/fit_score.h"
 
@@ -65,7 +66,8 @@ Expected<std::vector<FusedCloud>> Fuse(const std::vector<DepthView>& views, cons
     if (!cloud) return Forward(cloud);
     spent.fuse += CpuSeconds() - begin;
     begin = CpuSeconds();
-    clouds.push_back(PersonPoints(*cloud, options.voxel_size));
+    const bool person = options.rules.on(FittingRule::kPersonPoints);
+    clouds.push_back(person ? PersonPoints(*cloud, options.voxel_size) : *cloud);
     spent.person += CpuSeconds() - begin;
   }
   return clouds;
@@ -122,11 +124,12 @@ struct MixScore {
 
 Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, const Proportions& person,
               const PointCloudOptions& options, benchmarks::ClipLines& lines, MixScore& score) {
-  JointTrackOptions track_options;
+  const FittingOptions given = benchmarks::OptionsWithout();
+  JointTrackOptions track_options = given.joint_tracks;
   track_options.solver = TrackSolver::kBanded;
   const double begin = CpuSeconds();
   const auto tracks = RepairAndFit(OnBody(take.clip.tracks, person.skeleton), take.clip.truth.rate, person.bone_length,
-                                   RepairOptions{}, track_options);
+                                   given.repair, track_options);
   if (!tracks) return Forward(tracks);
   const double tracks_end = CpuSeconds();
   const auto both = FitTracksAndClouds(*tracks, clouds, options);
@@ -149,11 +152,12 @@ Status TakeBodyOfBoth(const std::vector<CloudTake>& takes, const SkeletonPtr& sk
                       const PointCloudOptions& options, Proportions& person) {
   std::vector<Clip> clips;
   std::vector<Motion> motions;
-  JointTrackOptions track_options;
+  const FittingOptions given = benchmarks::OptionsWithout();
+  JointTrackOptions track_options = given.joint_tracks;
   track_options.solver = TrackSolver::kBanded;
   for (const CloudTake& take : takes) {
     const auto fit = RepairAndFit(OnBody(take.clip.tracks, person.skeleton), take.clip.truth.rate, person.bone_length,
-                                  RepairOptions{}, track_options);
+                                  given.repair, track_options);
     if (!fit) return Forward(fit);
     motions.push_back(fit->motion);
     clips.emplace_back();
@@ -182,7 +186,7 @@ std::vector<std::vector<CloudTake>> ByPerson(const std::vector<CloudTake>& takes
 int main(int argc, char** argv) {
   using namespace mocurate;
   CloudTakeOptions wanted;
-  PointCloudOptions options;
+  PointCloudOptions options = benchmarks::OptionsWithout().point_clouds;
   options.solver = TrackSolver::kBanded;
   const std::filesystem::path folder = GivenTakes(argc, argv, "/tmp/bench_fit_clouds", wanted);
   std::map<std::string, double> given = GivenNumbers(argc, argv, 5);

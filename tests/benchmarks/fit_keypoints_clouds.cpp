@@ -18,6 +18,7 @@
 #include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
 #include "tests/benchmarks/given_takes.h"
+#include "tests/benchmarks/options_without.h"
 #include "tests/fitting/fit_score.h"
 #include "tests/fitting/mixed_takes.h"
 
@@ -48,10 +49,15 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   clip.evidence = take.evidence;
   options.point_clouds.start.facing = take.reported_heading;
   double begin = CpuSeconds();
-  const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bones, options);
-  if (!keypoints) return Forward(keypoints);
-  const double of_keypoints = CpuSeconds() - begin;
-  scores.seconds_keypoints += of_keypoints;
+  FitScore k, c, b;
+  if (clip.evidence.keypoint_views.size() > 1) {  // one view has no fit of keypoints alone
+    const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bones, options);
+    if (!keypoints) return Forward(keypoints);
+    const double of_keypoints = CpuSeconds() - begin;
+    scores.seconds_keypoints += of_keypoints;
+    lines.Add(take.clip, "keypoints", *keypoints, of_keypoints);
+    k.Add(*keypoints, take.clip), scores.keypoints.Add(*keypoints, take.clip);
+  }
   begin = CpuSeconds();
   const auto clouds = FitClouds(clip, in_clouds.skeleton, in_clouds.bone_length, options.point_clouds);
   if (!clouds) return Forward(clouds);
@@ -64,11 +70,8 @@ Status Fit(const CloudTake& take, const SkeletonPtr& skeleton, const SkeletonPtr
   if (!both) return Forward(both);
   const double of_both = CpuSeconds() - begin;
   scores.seconds_both += of_both;
-  lines.Add(take.clip, "keypoints", *keypoints, of_keypoints);
   lines.Add(take.clip, "clouds", *clouds, of_clouds);
   lines.Add(take.clip, "keypoints_and_clouds", *both, of_both);
-  FitScore k, c, b;
-  k.Add(*keypoints, take.clip), scores.keypoints.Add(*keypoints, take.clip);
   c.Add(*clouds, take.clip), scores.clouds.Add(*clouds, take.clip);
   b.Add(*both, take.clip), scores.both.Add(*both, take.clip);
   std::fprintf(stderr,
@@ -108,7 +111,7 @@ int main(int argc, char** argv) {
   const auto shape = ReadBodyTemplate(std::filesystem::path(std::getenv("MOCURATE_DATA")) / "body_cc0/body_cc0.h5");
   const std::vector<Actor> actors = ActorsOfTakes(wanted, *shape);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-  FittingOptions options;
+  FittingOptions options = benchmarks::OptionsWithout();
   options.joint_tracks.solver = TrackSolver::kBanded;
   options.point_clouds.solver = TrackSolver::kBanded;
   Scores scores;
@@ -147,7 +150,7 @@ int main(int argc, char** argv) {
       if (!fitted) std::fprintf(stderr, "%s: %s\n", take.clip.name.c_str(), fitted.error().Message().c_str());
     }
   }
-  Print("keypoints", scores.keypoints, scores.seconds_keypoints);
+  if (scores.keypoints.frames > 0) Print("keypoints", scores.keypoints, scores.seconds_keypoints);
   Print("clouds", scores.clouds, scores.seconds_clouds);
   Print("keypoints_and_clouds", scores.both, scores.seconds_both);
 }

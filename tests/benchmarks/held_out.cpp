@@ -22,6 +22,7 @@
 #include "fitting/proportions.h"
 #include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
+#include "tests/benchmarks/options_without.h"
 #include "tests/benchmarks/real_people.h"
 
 namespace mocurate {
@@ -179,6 +180,7 @@ std::string Cell(std::vector<double>& errors) {
 struct Score {
   std::vector<double> body, expected, linear, spline, seen;
   Cover cover_body, cover_expected;
+  nlohmann::json outcome;  ///< of one clip
 
   void Add(const Score& other) {
     for (auto part : {&Score::body, &Score::expected, &Score::linear, &Score::spline, &Score::seen})
@@ -193,12 +195,14 @@ double Middle(std::vector<double> errors) {
   return errors[errors.size() / 2];
 }
 
-void Add(const RealClip& clip, const std::vector<double>& bones, const JointTrackOptions& options, Score& score) {
+void Add(const RealClip& clip, const std::vector<double>& bones, const JointTrackOptions& options,
+         const RepairOptions& repair, Score& score) {
   const SkeletonTracks& whole = clip.tracks;
   SkeletonTracks tracks = whole;
   const std::vector<Sample> hidden = Hide(tracks, clip.id);
-  const auto fit = RepairAndFit(tracks, clip.rate, bones, RepairOptions{}, options);
+  const auto fit = RepairAndFit(tracks, clip.rate, bones, repair, options);
   if (!fit) return;
+  score.outcome = benchmarks::OutcomeOf(*fit);
   const JointPositions& joints = fit->motion.joints;
   const Residuals noise = ResidualsOf(tracks, joints);
   for (int f = 0; f < tracks.frames(); ++f) {
@@ -230,7 +234,8 @@ int main(int argc, char** argv) {
   if (argc < 3) return std::fprintf(stderr, "bench_held_out SOURCE SKELETON [CLIPS [OPTION=NUMBER ...]]\n"), 2;
   const auto skeleton = LoadSkeleton(argv[2]);
   if (!skeleton) return std::fprintf(stderr, "%s\n", skeleton.error().Message().c_str()), 1;
-  JointTrackOptions options;
+  const FittingOptions given = benchmarks::OptionsWithout();
+  JointTrackOptions options = given.joint_tracks;
   options.solver = TrackSolver::kBanded;
   double noise = 0.03;
   for (const auto& [name, value] : GivenNumbers(argc, argv, 4)) {
@@ -253,12 +258,13 @@ int main(int argc, char** argv) {
     for (RealClip& clip : clips) clip.tracks = OnBody(std::move(clip.tracks), bones->skeleton);
     for (const RealClip& clip : clips) {
       Score own;
-      Add(clip, bones->bone_length, options, own);
+      Add(clip, bones->bone_length, options, given.repair, own);
       if (own.body.empty()) continue;
       lines.Add(clip.id, person, argv[1],
                 {{"median_mm", 1e3 * Middle(own.body)},
                  {"within_one", own.cover_body.one / own.cover_body.count},
-                 {"within_two", own.cover_body.two / own.cover_body.count}});
+                 {"within_two", own.cover_body.two / own.cover_body.count}},
+                own.outcome);
       score.Add(own);
     }
   }

@@ -15,7 +15,9 @@
 
 #include "core/base/median.h"
 #include "fitting/keypoint_fit.h"
+#include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
+#include "tests/benchmarks/options_without.h"
 #include "tests/fitting/keypoint_faults.h"
 #include "tests/fitting/keypoint_takes.h"
 #include "tests/fitting/studio_views.h"
@@ -92,20 +94,30 @@ int main(int argc, char** argv) {
       given["trials"] != 0.0 ? TrialTakes(static_cast<int>(number("frames", 45)), static_cast<int>(number("every", 1)))
                              : StudioTakes(clips, seed, given);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  const FittingOptions options = benchmarks::OptionsWithout();
+  benchmarks::ClipLines lines(argc, argv);
   std::map<std::string, int> reported;
   std::vector<double> error_m;
   int wrong = 0;
   for (const RigTake& take : takes) {
-    const auto found = TracksOnBody(take.evidence, *skeleton, skeleton, {});
+    const auto found = TracksOnBody(take.evidence, *skeleton, skeleton, options.keypoints);
     if (!found) {
       std::fprintf(stderr, "%s\n    %s\n", take.name.c_str(), found.error().Message().c_str());
       ++reported["refused"];
+      lines.Add(take.name, take.name, "rig", {{"refused", 1}, {"suspect", 0}, {"silently_wrong", 0}});
       continue;
     }
     const double off = take.truth ? ErrorOf(found->tracks, *take.truth) : 0.0;
     std::fprintf(stderr, "%s: %.1f mm%s\n", take.name.c_str(), 1e3 * off, found->report.suspect ? ", suspect" : "");
     error_m.push_back(off);
     wrong += off > 0.1 && !found->report.suspect ? 1 : 0;
+    const bool suspect = found->report.suspect;
+    lines.Add(take.name, take.name, "rig",
+              {{"joint_mm", 1e3 * off},
+               {"refused", 0},
+               {"suspect", suspect ? 1 : 0},
+               {"silently_wrong", off > 0.1 && !suspect ? 1 : 0}},
+              benchmarks::OutcomeOf(found->report.faults));
     reported["suspect"] += found->report.suspect ? 1 : 0;
     std::map<std::string, int> of_take;
     for (const RigFault& fault : found->report.faults) {

@@ -31,6 +31,7 @@
 #include "ingest/synthetic/take_plan.h"
 #include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
+#include "tests/benchmarks/options_without.h"
 #include "tests/fitting/studio_views.h"
 
 namespace mocurate {
@@ -209,7 +210,7 @@ void CallLeftRight(Evidence& evidence, const Skeleton& skeleton, int from) {
 int main(int argc, char** argv) {
   using namespace mocurate;
   const auto argument = [&](int place, double otherwise) { return argc > place ? std::atof(argv[place]) : otherwise; };
-  FittingOptions options;
+  FittingOptions options = benchmarks::OptionsWithout();
   int longest = 0;
   bool true_bones = false;
   int exchanged_from = -1;
@@ -306,7 +307,8 @@ int main(int argc, char** argv) {
                {"rotation_deg", own.rotation_deg / own.rotations},
                {"within_one", own.all.one()},
                {"within_two", own.all.two()},
-               {"frames_per_s", take.truth.frame_count() / own_s}});
+               {"frames_per_s", take.truth.frame_count() / own_s}},
+              benchmarks::OutcomeOf(*fit));
     iterations += fit->iterations;
     sigma += fit->noise_sigma;
     std::fprintf(stderr, "%-28s %4d frames, %5.1f mm, %4.1f deg, %d iterations\n", take.name.c_str(),

@@ -23,6 +23,7 @@
 #include "ingest/synthetic/body_points.h"
 #include "tests/benchmarks/clip_lines.h"
 #include "tests/benchmarks/given_numbers.h"
+#include "tests/benchmarks/options_without.h"
 #include "tests/fitting/fit_score.h"
 #include "tests/fitting/studio_clips.h"
 
@@ -138,9 +139,10 @@ int main(int argc, char** argv) {
   const int subjects = argc > 2 ? std::atoi(argv[2]) : 5;
   const bool variants = argc > 3 && std::string(argv[3]) == "all";
   const double rate_hz = argc > 4 ? std::atof(argv[4]) : 30.0;
-  JointTrackOptions options;
+  const FittingOptions given = benchmarks::OptionsWithout();
+  JointTrackOptions options = given.joint_tracks;
   options.solver = TrackSolver::kBanded;
-  RepairOptions repair;
+  RepairOptions repair = given.repair;
   StudioClipErrors errors = StudioClipErrors::Stated();
   bool true_bones = false;
   double gap_s = 0.0;

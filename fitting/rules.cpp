@@ -1,0 +1,80 @@
+#include "fitting/rules.h"
+
+#include <algorithm>
+
+namespace mocurate {
+
+const std::vector<std::string>& FittingRuleNames() {
+  static const std::vector<std::string> names = {
+      "uncertainty_calibration",
+      "variance_factor",
+      "least_variance_factor",
+      "unmeasured_noise",
+      "bone_noise",
+      "process_noise_widening",
+      "autocorrelated_error",
+      "persistent_residuals",
+      "gap_inflation",
+      "gap_floor",
+      "frame_orientation",
+      "body_covariance",
+      "second_order_covariance",
+      "rest_correlation",
+      "unobserved_process_noise",
+      "given_uncertainty",
+      "ambiguous_rig_covariance",
+      "low_coverage",
+      "unobserved_factor",
+      "body_errors",
+      "unknown_shape",
+      "body_error_factor",
+      "body_rotations",
+      "patch_share",
+      "shared_errors",
+      "surface_weight",
+      "variance_inflation",
+      "ray_noise",
+      "outlier_rejection",
+      "body_sides",
+      "reversed_body",
+      "person_points",
+      "restart_after_gap",
+      "refit_poor_frames",
+      "recover_lost_frames",
+      "second_start",
+      "shared_places",
+      "clock_widening",
+      "view_sides",
+      "sides_throughout",
+      "inconsistent_cameras",
+      "person_shape",
+      "wrong_depths",
+      "common_fault",
+      "far_move",
+      "inconsistent_views",
+      "implausible_body",
+      "unexplained_joints",
+      "joints_beyond_limits",
+      "size_differs",
+      "flat_body",
+      "size_suspect",
+  };
+  return names;
+}
+
+void Rules::Declare(OptionVisitor& v) {
+  const std::vector<std::string>& names = FittingRuleNames();
+  std::vector<std::string> without;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (off_.test(i)) without.push_back(names[i]);
+  }
+  v.ChoiceList("without", without, names,
+               "rules that are switched off, to measure what each contributes (docs/fitting_ablation.md)");
+  off_.reset();
+  for (const std::string& name : without) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) off_.set(static_cast<std::size_t>(found - names.begin()));
+  }
+}
+
+}  // namespace mocurate
