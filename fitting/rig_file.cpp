@@ -175,7 +175,8 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
   std::vector<std::string> problems;
   for (std::size_t i = 0; i < rig->cameras.size(); ++i) {
     const ConfigNode& camera = cameras->sequence[i];
-    rig->cameras[i].place = camera.origin.Text();
+    const std::string name = DisplayPath(path.filename());
+    rig->cameras[i].place = Origin{name, camera.origin.line, camera.origin.column}.Text();
     for (const char* field : kNeededOfCamera) {
       if (camera.Find(field) == nullptr) problems.push_back(rig->cameras[i].place + ": " + field + " is missing");
     }

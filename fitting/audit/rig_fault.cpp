@@ -39,11 +39,11 @@ Finding FindingOf(const RigFault& fault) {
   return finding;
 }
 
-Finding ContradictionOfRig(const RigFault& fault, const std::string& rig) {
+Finding ContradictionOfRig(const RigFault& fault) {
   Finding finding = FindingOf(fault);
   finding.code = kRigContradicted;
-  finding.message = "this take contradicts the audited rig " + rig + ": " + finding.message +
-                    "; the rig was used as the file has it. Audit it again with this take: mocurate rig audit";
+  finding.message = "this take contradicts the audited rig that it uses: " + finding.message +
+                    "; nothing was corrected. Audit the rig again with this take: mocurate rig audit";
   finding.action = FindingAction::kFlagged;
   return finding;
 }

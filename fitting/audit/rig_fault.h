@@ -44,8 +44,8 @@ std::string ConfidenceText(double confidence, ConfidenceOf of);
 
 /// Code of a fault that a take's own audit finds although the take uses an audited rig (RigFile).
 inline constexpr const char* kRigContradicted = "rig_contradicted";
-/// The finding of such a fault; `rig`: name of the file.
-Finding ContradictionOfRig(const RigFault& fault, const std::string& rig);
+/// The finding of such a fault.
+Finding ContradictionOfRig(const RigFault& fault);
 
 /// Whether a problem is certain and was not corrected. Excludes "views_disagree": keypoint views are excluded only
 /// where they disagree.

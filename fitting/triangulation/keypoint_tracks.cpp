@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/file.h"
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "fitting/association/associate.h"
@@ -384,8 +383,7 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   faults.insert(faults.end(), sides.begin(), sides.end());
   for (std::size_t i = 0; i < faults.size(); ++i) {
     const bool contradicts = i < of_rig && ContradictsRig(faults[i], options);
-    found.findings.push_back(contradicts ? ContradictionOfRig(faults[i], DisplayPath(options.rig))
-                                         : FindingOf(faults[i]));
+    found.findings.push_back(contradicts ? ContradictionOfRig(faults[i]) : FindingOf(faults[i]));
     found.report.suspect = found.report.suspect || IsAmbiguous(faults[i]);
   }
   if (!audited.not_audited.empty()) {

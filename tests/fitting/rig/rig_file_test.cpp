@@ -334,13 +334,14 @@ TEST(RigOfTakes, BothRecordedTrialsHaveOneRig) {
                 rig->takes[1].verdicts.at(camera.camera.name).c_str());
     EXPECT_TRUE(!camera.confidence || camera.confidence_of == ConfidenceOf::kTakes);
   }
-  std::vector<std::vector<Vector3d>> centres;
   for (const Evidence& trial : trials) {
     const auto found = WithFile(trial, file);
     ASSERT_TRUE(found) << found.error().Message();
     for (const RigFault& fault : found->report.faults)
       EXPECT_FALSE(fault.corrected && fault.limb.empty()) << fault.code;
+    EXPECT_EQ(FindingsOfCode(found->findings, kRigContradicted), 0);
     EXPECT_EQ(found->report.place_covariance, rig->place_covariance);
+    EXPECT_FALSE(found->report.suspect);
     std::printf("median %.2f px, p90 %.2f px, triangulated %.3f, findings %s\n", found->report.median_px,
                 found->report.p90_px, found->report.triangulated, FaultsText(found->report.faults).c_str());
   }
