@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "core/base/median.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/triangulation/camera_refit.h"
 
 namespace mocurate {
 namespace {
 
 constexpr std::size_t kLeastViewsOfMove = 4;
-constexpr std::size_t kMostViewsMoved = 12;
 constexpr double kImproved = 0.75;           ///< of the median error before the refit
 constexpr int kLeastMomentsOfPart = 5;       ///< moments of a part, at least
 constexpr int kLeastDetectionsOfMoment = 6;  ///< detections of a moment, at least
@@ -183,7 +183,7 @@ std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& 
 
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
                                    const TriangulationOptions& options) {
-  if (samples.views() > kMostViewsMoved) return {};
+  if (samples.views() > kMostViewsAudited) return {};
   std::vector<CameraMove> moves;
   for (std::size_t v = 0; v < samples.views(); ++v) {
     if (auto move = FindMoveOf(samples, model, v, options)) moves.push_back(std::move(*move));

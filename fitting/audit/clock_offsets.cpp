@@ -21,7 +21,6 @@ constexpr double kUndetermined_s = 0.2;                          ///< standard d
 constexpr double kJump_px = 60.0;  ///< distance of the middle detection from the line through its neighbours: beyond,
                                    ///< one of the three is an outlier
 constexpr double kSettled_s = 2e-4;
-constexpr double kSameClock_s = 0.004;
 constexpr std::size_t kFewestViewsToDrop = 4;  ///< fewest views for ChangeOfClocks: three must remain
 
 /// d pixel error / d point, px per metre.

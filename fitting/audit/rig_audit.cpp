@@ -11,6 +11,7 @@
 #include "fitting/audit/corrected_rig.h"
 #include "fitting/audit/fault_words.h"
 #include "fitting/audit/move_finding.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/audit/rig_samples.h"
 #include "fitting/audit/sides_throughout.h"
 #include "fitting/audit/view_sides.h"
@@ -19,11 +20,7 @@ namespace mocurate {
 namespace {
 
 constexpr int kMomentsAudited = 32;
-constexpr int kFewestMoments = 8;  ///< fewest moments for clocks and poses
 constexpr std::size_t kSettlingMoments = 2000;
-constexpr std::size_t kMostViewsAudited = 12;  ///< most views for moves and exchanged files
-constexpr std::size_t kLeastViewsAudited = 3;
-constexpr double kSmallestClock_s = 0.004;
 constexpr double kSmallestStep = 0.25;  ///< of a view's frame interval
 constexpr double kClockSigmas = 5.0;
 constexpr double kLeastCostGain = 0.02;      ///< of the cost
@@ -242,11 +239,10 @@ class KeypointAuditor {
     RigModel model = model_;
     bool changed = false;
     for (std::size_t v = 0; v < rig_.size(); ++v) {
-      const double least =
-          std::max({kSmallestClock_s, kSmallestStep * samples_.Step(v), kClockSigmas * clocks.sigma_s[v]});
+      const double least = std::max({kSameClock_s, kSmallestStep * samples_.Step(v), kClockSigmas * clocks.sigma_s[v]});
       const bool off = std::abs(clocks.clock_s[v]) > least && std::abs(clocks.clock_s[v]) <= options_.audit.longest_s;
       model.clock_s[v] = off ? clocks.clock_s[v] : 0.0;
-      changed = changed || std::abs(model.clock_s[v] - model_.clock_s[v]) > 0.25 * kSmallestClock_s;
+      changed = changed || std::abs(model.clock_s[v] - model_.clock_s[v]) > 0.25 * kSameClock_s;
     }
     if (!changed) return {};
     return model;

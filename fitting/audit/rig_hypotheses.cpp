@@ -10,15 +10,13 @@
 
 #include "core/base/text.h"
 #include "fitting/audit/confidence.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/audit/view_agreement.h"
 #include "fitting/audit/view_sides.h"
 
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViewsRead = 3;
-constexpr std::size_t kAllOrders = 5;       ///< views up to which all permutations are tested
-constexpr std::size_t kMostViewsRead = 12;  ///< with more views, the others outvote two
 /// Cost of an entry up to which no hypothesis is tested. For synthetic people (4 px of noise) it is 0.04 to 0.07 with
 /// rings and PHSPD's cameras, 0.11 with Human3.6M's more distant ones. In a ring of four with two opposite cameras
 /// exchanged it is 0.11 to 0.13, and 0.06 after correction.
@@ -44,7 +42,7 @@ std::vector<std::size_t> AsGiven(std::size_t views) {
 void AddExchanges(std::size_t views, std::vector<RigHypothesis>& hypotheses) {
   RigHypothesis hypothesis;
   hypothesis.source = AsGiven(views);
-  if (views <= kAllOrders) {
+  if (views <= kViewsAllPermuted) {
     while (std::next_permutation(hypothesis.source.begin(), hypothesis.source.end())) hypotheses.push_back(hypothesis);
     return;
   }
@@ -237,7 +235,7 @@ std::size_t RigHypothesis::Displaced() const {
 
 RigHypotheses FindRigHypotheses(const std::vector<KeypointView>& views, const std::vector<std::string>& names,
                                 const std::vector<KnownLength>& lengths, double min_confidence, double sure) {
-  if (views.size() < kLeastViewsRead || views.size() > kMostViewsRead) return {};
+  if (views.size() < kLeastViewsAudited || views.size() > kMostViewsAudited) return {};
   const std::vector<KeypointView> some = AtSomeMoments(views, static_cast<int>(names.size()));
   if (some.empty()) return {};
   HypothesisScorer scorer(some, names, lengths, min_confidence);
@@ -281,7 +279,7 @@ std::vector<RigHypothesis> FindMirroredHypotheses(const std::vector<KeypointView
                                                   const std::vector<std::string>& names,
                                                   const std::vector<KnownLength>& lengths, double min_confidence,
                                                   double sure) {
-  if (views.size() > kMostViewsRead) return {};
+  if (views.size() > kMostViewsAudited) return {};
   const std::vector<KeypointView> some = AtSomeMoments(views, static_cast<int>(names.size()));
   if (some.empty()) return {};
   HypothesisScorer scorer(some, names, lengths, min_confidence);

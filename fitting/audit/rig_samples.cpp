@@ -12,7 +12,6 @@ namespace mocurate {
 namespace {
 
 constexpr double kWorst_px = 120.0;  ///< cap on the error
-constexpr double kBehind_px = 1e6;
 constexpr int kSpans = 12;
 
 double CostOfSquare(double square_px, double noise_px) {

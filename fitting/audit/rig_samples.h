@@ -31,6 +31,8 @@ struct RigMoment {
   double time_s = 0.0;
 };
 
+inline constexpr int kFewestMoments = 8;  ///< moments; fewest for clocks, poses and sides
+
 /// Detections of all people in all views at some moments, under models of the rig. M moments, K keypoints.
 class RigSamples {
  public:

@@ -9,10 +9,6 @@
 namespace mocurate {
 namespace {
 
-/// Factor on the errors when the body shape is unknown (a given height, a tracker's own points, other skeletons), so
-/// that the template's is used.
-constexpr double kUnknownShape = 3.0;
-
 /// For joints without an entry.
 constexpr double kBodyError = 0.0044;
 constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0024},

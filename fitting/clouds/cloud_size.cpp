@@ -17,7 +17,6 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestPoints = 100;     ///< fewest points of a cloud that enters the size estimate
 constexpr std::size_t kClouds = 5;     ///< clouds in which bodies are posed, spread over all heights
 constexpr std::size_t kFewClouds = 3;  ///< up to this number of clouds, the person may squat or be partly visible in
                                        ///< all

@@ -17,7 +17,6 @@ namespace mocurate {
 namespace {
 
 constexpr int kRadiusRounds = 4;
-constexpr int kFewestTrackedPoints = 100;
 constexpr double kPoor = 1.15;        ///< cost per point relative to the clip's median, from which a frame is fitted
                                       ///< again
 constexpr double kBetterPose = 0.98;  ///< of the cost before; otherwise the pose stays
@@ -114,7 +113,7 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
   int last = first;
   for (int f = first + 1; f < track.state.frames(); ++f) {
     track.state.SetFrameParameters(f, track.state.FrameParameters(last));
-    if (track.clouds[f].size() < kFewestTrackedPoints) continue;
+    if (track.clouds[f].size() < kFewestPoints) continue;
     if (Status on = StopIfInterrupted("fit of depth views"); !on) return on;
     Predict(before, last, f, time_s, options.max_distance, track);
     // Across a gap the fixed frame repeats `last`; the process noise uses the time since then.
@@ -296,10 +295,10 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
                                  const PointCloudOptions& options) {
   const auto frames = static_cast<int>(clouds.size());
   int first = 0;
-  while (first < frames && clouds[first].size() < kFewestTrackedPoints) ++first;
+  while (first < frames && clouds[first].size() < kFewestPoints) ++first;
   if (first == frames) {
-    return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestTrackedPoints) + " points",
-                "depth views", "check depth_unit and the cameras");
+    return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestPoints) + " points", "depth views",
+                "check depth_unit and the cameras");
   }
   CapsuleBody body = CapsuleBody::Make(skeleton, BodyScale(*skeleton, bone_length), options.capsule_radius_scale);
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());

@@ -14,7 +14,6 @@ namespace {
 constexpr double kInconsistentViewLoss = 0.25;  ///< loss that every comparison of the view must reach
 constexpr double kInconsistentViewConfidence = 0.9;
 constexpr std::size_t kMostMoved = 4;  ///< with more views than kFewViews
-constexpr std::size_t kLeastViews = 3;
 /// Loss of the worst view of a few moments. Correct stills of rendered_body reach 0.054. With the depths of one camera
 /// a tenth wrong it is 0.18 to 0.49, with 2 % 0.20 to 0.40. With 5 % (surfaces often too far apart to be compared) it
 /// is 0.09 to 0.25.
@@ -117,7 +116,7 @@ std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views) {
 
 std::vector<RigFault> ContradictionOf(const std::vector<std::string>& cameras, const std::vector<double>& losses) {
   const double worst = losses.empty() ? 0.0 : *std::max_element(losses.begin(), losses.end());
-  if (cameras.size() < kLeastViews || worst < kMissing) return {};
+  if (cameras.size() < kLeastViewsAudited || worst < kMissing) return {};
   std::vector<RigFault> faults;
   for (std::size_t v = 0; v < cameras.size(); ++v) {
     RigFault fault;

@@ -11,6 +11,8 @@
 
 namespace mocurate {
 
+inline constexpr double kNearestDepth = 0.05;  ///< m in front of the camera; nearer points are invalid
+
 /// The person in one depth view at one moment. Camera's frame, metres; columns are points.
 struct ViewSurface {
   std::shared_ptr<const DepthImage> image;  ///< all depths, including the room

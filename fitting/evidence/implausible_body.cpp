@@ -11,6 +11,7 @@
 #include "core/geometry/rotation.h"
 #include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
+#include "fitting/association/body_shape.h"
 #include "fitting/costs/huber.h"
 #include "fitting/proportions.h"
 
@@ -18,7 +19,6 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kFewestBodyFrames = 20;
-constexpr double kLongBone = 0.1;  ///< metres of the rest pose; trackers disagree on shorter bones
 // Limits exceed what 1,213 clips of the recorded sets show (fitting/README.md); the largest value of the sets is in
 // brackets.
 constexpr double kExchanged = 0.1;       ///< metres by which the upper bone of a limb differs, median (0.08)
@@ -98,7 +98,7 @@ class BodyJudge {
     rest_stature_ = Stature(skeleton, skeleton.RestBoneLengths());
     std::vector<double> ratios;
     for (const Bone& bone : bones_) {
-      if (bone.rest >= kLongBone) ratios.push_back(bone.median / bone.rest);
+      if (bone.rest >= kShortestKnownBone) ratios.push_back(bone.median / bone.rest);
     }
     scale_ = ratios.size() >= 3 ? MeanMedian(ratios) : 0.0;
   }
@@ -144,7 +144,8 @@ class BodyJudge {
   const Bone* UpperOf(const Bone& lower) const {
     const auto upper =
         std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
-    return upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone ? nullptr : &*upper;
+    return upper == bones_.end() || lower.rest < kShortestKnownBone || upper->rest < kShortestKnownBone ? nullptr
+                                                                                                        : &*upper;
   }
 
   /// Exchange on both sides alike, as from a list of joints in the wrong order.
@@ -246,7 +247,7 @@ class BodyJudge {
     std::vector<std::vector<double>> part_sizes(kParts);
     int grow = 0, all = 0;
     for (const Bone& bone : bones_) {
-      if (bone.rest < kLongBone) continue;
+      if (bone.rest < kShortestKnownBone) continue;
       std::vector<std::vector<double>> parts(kParts);
       for (std::size_t i = 0; i < bone.length.size(); ++i) {
         const auto part = static_cast<int>(kParts * (bone.time_s[i] - begin) / length);

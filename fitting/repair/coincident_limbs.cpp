@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "fitting/repair/limb_steps.h"
 
 namespace mocurate {
 namespace {
@@ -18,7 +19,6 @@ constexpr double kShortestMerged_s = 0.15;
 constexpr double kMergedGap_s = 0.1;  ///< longest interruption by noise
 constexpr double kWentOver = 0.1;     ///< metres that a side jumps farther than the other
 constexpr double kWentOverSigmas = 4.0;
-constexpr double kMergedStep_s = 0.25;  ///< longest time between two observations that form a step
 
 using Sides = std::array<int, 2>;  ///< joint indices, left and right
 
@@ -81,7 +81,7 @@ class MergeSearch {
     int other = f + way;
     while (other >= 0 && other < tracks_.frames() && !(Seen(other, 0) && Seen(other, 1))) other += way;
     if (other < 0 || other >= tracks_.frames()) return 0.0;
-    if (std::abs(tracks_.time_s[other] - tracks_.time_s[f]) > kMergedStep_s) return 0.0;
+    if (std::abs(tracks_.time_s[other] - tracks_.time_s[f]) > kStepGap_s) return 0.0;
     const auto step = [&](int joint) {
       return (tracks_.positions.at(f, joint) - tracks_.positions.at(other, joint)).norm();
     };

@@ -16,8 +16,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kShortestSizedBone = 0.1;  ///< metres of the rest pose; shorter ones are measured too inaccurately
-constexpr double kSmallestPerson = 0.35;    ///< against the rest skeleton
+constexpr double kSmallestPerson = 0.35;  ///< against the rest skeleton
 constexpr double kLargestPerson = 2.0;
 constexpr double kSizeDiffers = 0.08;   ///< relative difference of a clip's bones from the person's that is reported
 constexpr double kPoint = 0.02;         ///< metres, standard deviation of joints along their longest direction
@@ -61,7 +60,7 @@ double SizeAgainst(const SkeletonTracks& clip, const std::vector<double>& bone_l
   std::vector<double> ratios;
   for (int j = 1; j < clip.joints(); ++j) {
     const Joint& joint = clip.skeleton->joints[j];
-    if (joint.rest_offset.norm() < kShortestSizedBone || bone_length[j] <= 0.0) continue;
+    if (joint.rest_offset.norm() < kShortestKnownBone || bone_length[j] <= 0.0) continue;
     const BoneDistance seen = DistanceOver({clip}, white, j, joint.parent);
     if (seen.samples > 0) ratios.push_back(seen.length / bone_length[j]);
   }

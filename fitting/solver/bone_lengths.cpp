@@ -167,6 +167,8 @@ std::vector<std::pair<int, Vector3d>> ObservedAbove(const std::vector<int>& unob
   return beside;
 }
 
+constexpr double kDistanceSigma = 0.002;  ///< m, standard deviation of a distance between two ends, at least
+
 /// Fits chains of bones between an observed joint and the nearest observed one below over unobserved joints, none of
 /// which swings (an arm that hangs all the time is as stiff as a trunk). Where the distance hardly changes, it fixes
 /// the lengths of the rest pose. Without that, unobserved joints would fold between observed ones, or stretch. Trunks
@@ -174,7 +176,6 @@ std::vector<std::pair<int, Vector3d>> ObservedAbove(const std::vector<int>& unob
 void FitUnobservedChains(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
                          const Skeleton& skeleton, const std::vector<bool>& seen, BoneEstimate& bones) {
   constexpr double kStiff = 0.06;  // of the distance, standard deviation over frames without noise
-  constexpr double kDistanceSigma = 0.002;
   std::vector<double> noises = white;
   const double noise = 2.0 * Square(MeanMedian(noises));
   const std::vector<bool> swings = SwingingJoints(skeleton);
@@ -211,7 +212,6 @@ void FitUnobservedChains(const std::vector<SkeletonTracks>& clips, const std::ve
 /// |b_i u_i - b_k u_k| = d_ik, prior: the present lengths.
 void SolveSiblings(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, const Skeleton& skeleton,
                    const std::vector<int>& siblings, BoneEstimate& bones) {
-  constexpr double kDistanceSigma = 0.002;
   constexpr double kPriorSigma = 0.02;
   const auto count = static_cast<Eigen::Index>(siblings.size());
   const std::vector<double> prior = bones.length;

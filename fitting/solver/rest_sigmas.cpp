@@ -19,8 +19,6 @@ constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1",
                                                                       {"foot", 0.2},
                                                                       {"wrist", 0.4}}};
 
-constexpr double kTypicalSigma = 1.0;  ///< radians, of a joint of mobility 1
-
 bool IsEverObserved(const SkeletonTracks& tracks, int joint) {
   for (int f = 0; f < tracks.frames(); ++f) {
     const std::size_t at =
