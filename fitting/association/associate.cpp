@@ -15,10 +15,10 @@ constexpr double kGate = 0.2;                  ///< of the extent: largest dista
 constexpr double kWidestGate = 0.5;            ///< of the extent: largest gate after frames without the person
 constexpr double kUnobservedSpeed = 1.0;       ///< extents per second that an unobserved person may move
 constexpr double kSamePlace = 0.25;            ///< of the extent: a body nearer than this to another is the same person
-constexpr double kSearch_s = 0.1;              ///< seconds between searches for new people
+constexpr double kSearch_s = 0.1;              ///< seconds between searches for new people (numerical)
 constexpr double kForgotten_s = 0.5;           ///< a person unobserved for longer is found by the search for new people
-constexpr double kSameShape = 0.2;             ///< of log lengths: the same person after a gap
-constexpr std::size_t kSamplesOfLength = 500;  ///< latest samples that enter the median of a length
+constexpr double kSameShape = 0.2;             ///< log ratio of lengths: at most, of one person after a gap
+constexpr std::size_t kSamplesOfLength = 500;  ///< latest samples that enter the median of a length (numerical)
 constexpr double kLeastShareOfFrames = 0.1;    ///< of the frames of the longest track: shorter tracks are false tracks
 
 /// A person over time.

@@ -9,11 +9,14 @@
 namespace mocurate {
 namespace {
 
-constexpr double kPairGate = 0.06;           ///< of the extent: median distance of the body from the rays of its pair
-constexpr double kSupportGate = 0.12;        ///< of the extent: of further entries
-constexpr double kViewsAllPaired = 6;        ///< views up to which all pairs are tried
-constexpr int kLengthsToPropose = 3;         ///< fewest lengths for a test of proportions
-constexpr double kPlausibleMismatch = 0.35;  ///< largest mismatch of proportions at which two views alone count
+constexpr double kPairGate = 0.06;  ///< of the extent: median distance of the body from the rays of its pair
+/// Of the extent: median distance of the body from the rays of further entries.
+constexpr double kSupportGate = 0.12;
+constexpr double kViewsAllPaired = 6;  ///< views up to which all pairs are tried (numerical)
+constexpr int kLengthsToPropose = 3;   ///< fewest lengths for a test of proportions
+/// Log ratio; largest mismatch of proportions at which two views alone count.
+constexpr double kPlausibleMismatch = 0.35;
+/// Factor between the size of a proposed body and the usual size, at most.
 constexpr double kScaleRange = 2.2;
 
 struct Proposal {

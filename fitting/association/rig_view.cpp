@@ -111,7 +111,7 @@ double OffTheRay(const RigView& view, const Vector2d& normalised, const Vector3d
 }
 
 double EntryDistance(const RigView& view, int frame, int person, const BodyPoints& body, int least) {
-  constexpr int kMost = 64;
+  constexpr int kMost = 64;  ///< keypoints in a buffer on the stack (numerical)
   double off[kMost];
   int count = 0;
   const std::size_t first = view.Point(frame, person, 0);
