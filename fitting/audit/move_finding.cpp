@@ -8,8 +8,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastShareOfNoise = 2.0;  ///< of the noise of a detection
-constexpr double kGrossShift = 3.0;         ///< times the median shift: larger shifts come from wrong pairs of views
+/// Factor on the noise of a detection: smaller shifts of the image are not reported.
+constexpr double kLeastShareOfNoise = 2.0;
+constexpr double kGrossShift = 3.0;  ///< times the median shift: larger shifts come from wrong pairs of views
 
 /// Longest distance between two cameras.
 double ExtentOf(const RigModel& rig) {

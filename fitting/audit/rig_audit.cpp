@@ -19,12 +19,14 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMomentsAudited = 32;
-constexpr std::size_t kSettlingMoments = 2000;
-constexpr double kSmallestStep = 0.25;  ///< of a view's frame interval
-constexpr double kClockSigmas = 5.0;
-constexpr double kLeastCostGain = 0.02;      ///< of the cost
-constexpr std::size_t kMinOtherViews = 3;    ///< views that keep their pose: with fewer, the moved one is ambiguous
+constexpr int kMomentsAudited = 32;             ///< moments, evenly spread over the take (numerical)
+constexpr std::size_t kSettlingMoments = 2000;  ///< moments for the final refit of a moved camera (numerical)
+/// Share of a view's frame interval: smaller clock offsets are not reported.
+constexpr double kSmallestStep = 0.25;
+constexpr double kClockSigmas = 5.0;     ///< standard deviations: smaller clock offsets are not reported
+constexpr double kLeastCostGain = 0.02;  ///< share of the cost that a correction must remove
+/// Views that keep their pose: with fewer, the moved one is ambiguous (numerical).
+constexpr std::size_t kMinOtherViews = 3;
 constexpr std::size_t kMinSampledViews = 2;  ///< fewest views that keep their pose
 constexpr double kExplainedElsewhere =
     0.25;  ///< of the cost: gain of a move that counts even with fewer than kMinOtherViews

@@ -9,8 +9,8 @@
 namespace mocurate {
 namespace {
 
-/// Least share of the cost. Finds 40 of 40 views with exchanged sides and none of 240 correct ones
-/// (`bench_keypoint_rigs 40 5 sides=1 frames=45`, `60 5 frames=45` on four rigs).
+/// Share of the cost that the exchange must remove. Finds 40 of 40 views with exchanged sides and none of 240 correct
+/// ones. Source: bench_keypoint_rigs 40 5 sides=1 frames=45, and 60 5 frames=45 on four rigs
 constexpr double kExplained = 0.1;
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMomentsCompared = 24;
+constexpr std::size_t kMomentsCompared = 24;  ///< moments, evenly spread over the take (numerical)
 constexpr double kFarOff = 0.1;  ///< of a person's extent: distance from the rays at which an entry has the full cost
 
 /// A view's frames nearest to the moments.

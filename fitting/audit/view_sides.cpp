@@ -12,10 +12,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kViewChangeCost = 4.0;
-constexpr double kExchangedViewCost = 0.05;  ///< of a frame
-constexpr double kMostDetectionCost = 6.0;   ///< cap on the cost of a detection: beyond it is an outlier
-constexpr double kMostOfFrame = 12.0;        ///< cap on a frame: its detections have common errors
+constexpr double kViewChangeCost = 4.0;      ///< cost (negative log likelihood) of a change of state
+constexpr double kExchangedViewCost = 0.05;  ///< cost of an exchanged frame
+constexpr double kMostDetectionCost = 6.0;   ///< cost of a detection, at most: beyond it is an outlier
+constexpr double kMostOfFrame = 12.0;        ///< cost of a frame, at most: its detections have common errors
 
 using Pair = std::pair<std::size_t, std::size_t>;
 
