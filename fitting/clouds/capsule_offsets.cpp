@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr int kShapeRounds = 3;
+constexpr int kShapeRounds = 3;             ///< rounds of matching and solving (numerical)
 constexpr double kPointError = 0.015;       ///< m, of a patch of points to a capsule of the right shape
 constexpr double kShapePatchPoints = 10.0;  ///< points that share this error
 constexpr double kUsualOffset = 0.006;      ///< m, standard deviation of an end from the template's

@@ -15,9 +15,9 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFramesOfClip = 9;          ///< per clip, evenly spaced
-constexpr std::size_t kPosedClouds = 16;  ///< clouds for a body with known poses, at most
-constexpr double kScaleOfTracks = 0.04;   ///< standard deviation of the logarithm of a size from tracks
+constexpr int kFramesOfClip = 9;          ///< frames per clip, evenly spaced (numerical)
+constexpr std::size_t kPosedClouds = 16;  ///< clouds for a body with known poses, at most (numerical)
+constexpr double kScaleOfTracks = 0.04;   ///< log scale; standard deviation of a size from tracks
 
 Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointCloudOptions& options) {
   DepthRigReport report;

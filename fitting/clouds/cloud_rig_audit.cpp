@@ -25,8 +25,9 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestSamples = 6;       ///< fewest comparisons for an audit
-constexpr double kLeastMoveGain = 0.08;         ///< of the loss, by a move of kLeastMove; proportional for longer moves
+constexpr std::size_t kFewestSamples = 6;  ///< fewest comparisons for an audit
+/// Share of the loss that a move of kLeastMove must remove; proportional for longer moves.
+constexpr double kLeastMoveGain = 0.08;
 constexpr double kSureGain = 0.3;               ///< of the loss: gain that suffices for any move
 constexpr double kFewerMoves = 0.15;            ///< of the gain: a solution with one moved camera may be worse by this
                                                 ///< share

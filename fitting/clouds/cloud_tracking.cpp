@@ -16,17 +16,17 @@
 namespace mocurate {
 namespace {
 
-constexpr int kRadiusRounds = 4;
-constexpr double kPoor = 1.15;        ///< cost per point relative to the clip's median, from which a frame is fitted
-                                      ///< again
+constexpr int kRadiusRounds = 4;  ///< rounds of matching that estimate the radii (numerical)
+/// Factor on the clip's median cost per point, from which a frame is fitted again.
+constexpr double kPoor = 1.15;
 constexpr double kBetterPose = 0.98;  ///< of the cost before; otherwise the pose stays
-constexpr double kLost = 3.0;         ///< cost per point relative to the clip's median, from which the person is lost
-constexpr double kLostCost = 0.3;     ///< cost per point, at least; it is 0.1 to 0.2 for a correct pose of a body that
-                                      ///< differs from capsules
-constexpr double kFound = 0.7;        ///< of the cost before, for a pose that is found again
-constexpr double kNear_s = 0.5;       ///< distance from a frame that was searched
-constexpr int kSearches = 6;          ///< per clip, at most: one takes about as long as 20 frames
-constexpr double kAnyPose_s = 0.4;    ///< time without points after which a limb may have any pose
+constexpr double kLost = 3.0;         ///< factor on the clip's median cost per point, from which the person is lost
+/// Cost per point, at least. Source: correct fits of bodies that differ from capsules (0.1 to 0.2)
+constexpr double kLostCost = 0.3;
+constexpr double kFound = 0.7;      ///< of the cost before, for a pose that is found again
+constexpr double kNear_s = 0.5;     ///< distance from a frame that was searched
+constexpr int kSearches = 6;        ///< per clip, at most: one takes about as long as 20 frames (numerical)
+constexpr double kAnyPose_s = 0.4;  ///< time without points after which a limb may have any pose
 
 /// Alternates radii and pose of a frame.
 Status MeasureRadii(int frame, const PointCloudOptions& options, CloudTrack& track) {

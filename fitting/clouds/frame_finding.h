@@ -23,7 +23,7 @@ double CoverageOfPoint(double voxel_size);
 /// pixels, voxels of a few centimetres, and bodies `scale` times the rest skeleton.
 double LowCoverageSigma(const FusedCloud& cloud, double voxel_size, double scale);
 
-/// Error in metres from which no joint of the frame counts as observed.
+/// m; error from which no joint of the frame counts as observed.
 inline constexpr double kUnobservedError = 0.03;
 
 /// Codes of findings on frames with low coverage, and on frames with points far from the body.

@@ -21,18 +21,20 @@
 namespace mocurate {
 namespace {
 
-constexpr int kShownFrames = 24;            ///< evenly spaced frames for the estimates of body shape and surface weight
-constexpr double kMinSurfaceWeight = 0.02;  ///< for clouds that contradict the tracks
+/// Evenly spaced frames for the estimates of body shape and surface weight (numerical).
+constexpr int kShownFrames = 24;
+constexpr double kMinSurfaceWeight = 0.02;  ///< weight of clouds that contradict the tracks, at least
 /// Factor on the variance of joints from a frame's information: bones and body shape come from the same noisy tracks,
-/// and their errors are common to all frames. Calibrated on synthetic clips (`bench_fit_clouds`, mix=1). Rotations do
-/// not need it: 80 and 97 % of them lie within one and two stated sigmas without it, 94 and 99.7 % with it.
+/// and their errors are common to all frames. Rotations do not need it: 80 and 97 % of them lie within one and two
+/// stated sigmas without it, 94 and 99.7 % with it. Source: bench_fit_clouds mix=1
 constexpr double kSharedErrors = 3.4;
-constexpr double kSmallestSigma = 1e-3;        ///< m
-constexpr double kContradictingSquare = 6.25;  ///< squared distance of three whitened components: nine of ten lie
-                                               ///< within
-constexpr double kMaxExcessShare = 2.0;        ///< factor on the template's usual variance: more is not due to body
-                                               ///< shape
-constexpr double kClear = 4.0;                 ///< factor on a joint's variance from which the modalities disagree
+/// m; standard deviation of an observed joint along any axis, at least (numerical).
+constexpr double kSmallestSigma = 1e-3;
+/// Chi square of three degrees of freedom, ninth decile. Source: chi-square distribution
+constexpr double kContradictingSquare = 6.25;
+constexpr double kMaxExcessShare = 2.0;  ///< factor on the template's usual variance: more is not due to body
+                                         ///< shape
+constexpr double kClear = 4.0;           ///< factor on a joint's variance from which the modalities disagree
 
 Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   return FromSixNumbers(values.data() + 6 * at);

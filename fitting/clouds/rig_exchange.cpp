@@ -11,9 +11,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kWrongLoss = 0.2;            ///< views with a lower loss have their own files
+constexpr double kWrongLoss = 0.2;            ///< loss of all views as given, at least
 constexpr double kMuchBetterExchanged = 0.6;  ///< of the loss as given
-constexpr double kEqualLossRatio = 1.15;      ///< losses within this ratio are equal
+constexpr double kEqualLossRatio = 1.15;      ///< ratio of two losses that count as equal
 
 using Source = std::vector<std::size_t>;
 

@@ -28,7 +28,7 @@ struct ViewSurface {
   bool empty() const { return points.cols() == 0; }
 };
 
-inline constexpr int kOutlineCell = 2;  ///< pixels
+inline constexpr int kOutlineCell = 2;  ///< pixels, edge of a cell of the outline (numerical)
 
 /// The person in one view's image (PersonPoints of this view alone), thinned to `voxel_size`. Empty for fewer than 60
 /// points, and for a flat surface. Errors of FuseImages.
