@@ -18,25 +18,27 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestBodyFrames = 20;
-// Limits exceed what 1,213 clips of the recorded sets show (fitting/README.md); the largest value of the sets is in
-// brackets.
-constexpr double kExchanged = 0.1;       ///< metres by which the upper bone of a limb differs, median (0.08)
-constexpr double kExchangeRatio = 3.0;   ///< ratio to the difference with the lower joint in the upper's place (2.5)
-constexpr double kOffProportion = 0.47;  ///< |log| of upper over lower bone against rest, on both sides (0.3)
-constexpr double kMisplaced = 0.15;      ///< metres by which a bone differs from the other side's (0.12)
-constexpr double kMisplacedOfBone = 0.5;
+constexpr std::size_t kFewestBodyFrames = 20;  ///< frames that observe a bone, at least
+
+// Limits exceed what the recorded sets show; their largest value is in brackets. Source: 1,213 recorded clips
+// (docs/fitting.md)
+constexpr double kExchanged = 0.1;        ///< m by which the upper bone of a limb differs, median (0.08)
+constexpr double kExchangeRatio = 3.0;    ///< ratio to the difference with the lower joint in the upper's place (2.5)
+constexpr double kOffProportion = 0.47;   ///< log ratio, absolute, of upper to lower bone against rest (0.3)
+constexpr double kMisplaced = 0.15;       ///< m by which a bone differs from the other side's (0.12)
+constexpr double kMisplacedOfBone = 0.5;  ///< share of the bone, likewise
 constexpr double kGrowth = 0.05;       ///< of the size, from the first fifth to the last (0.25 for a person who bends)
 constexpr double kGrowingBones = 0.9;  ///< share of the bones that grow or shrink alike in every fifth (0.86)
-constexpr double kGrowthDeviation =
-    0.35;  ///< standard deviation of the bones' growth over the growth (0.43): a scale is the same for all
-constexpr int kParts = 5;
-constexpr std::size_t kFewestUnexplained = 10;
-constexpr double kUnexplained = 0.2;       ///< metres
-constexpr double kFarBeyondLimits = 0.35;  ///< rad, about 20 degrees
+constexpr double kGrowthDeviation = 0.35;  ///< ratio of the deviation of the bones' growth to the growth (0.43)
+
+constexpr int kParts = 5;                       ///< parts of a clip whose sizes are compared (numerical)
+constexpr std::size_t kFewestUnexplained = 10;  ///< frames that observe a joint, at least
+/// m from the fit to the track, median of a joint. Source: 1,213 recorded clips (docs/fitting.md)
+constexpr double kUnexplained = 0.2;
+constexpr double kFarBeyondLimits = 0.35;  ///< rad, about 20 degrees. Source: 1,213 recorded clips (docs/fitting.md)
 constexpr double kTallestBody = 2.1;       ///< metres from ankle or toes to the head's joint
-constexpr double kSmallestBody = 0.4;      ///< newborn
-constexpr double kChild = 0.8;             ///< of the rest skeleton: below adult size
+constexpr double kSmallestBody = 0.4;      ///< m, likewise: newborn
+constexpr double kChild = 0.8;             ///< of the rest skeleton: sizes below are no adult's
 
 bool IsOfPeople(double stature) { return stature <= kTallestBody && stature >= kSmallestBody; }
 
