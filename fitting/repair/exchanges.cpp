@@ -14,8 +14,8 @@ namespace mocurate {
 namespace {
 
 constexpr double kBoneWobble = 0.02;         ///< metres by which trackers vary bone lengths, beside noise
-constexpr double kLimbChangeCost = 4.0;      ///< of a change of state
-constexpr double kExchangedLimbCost = 0.05;  ///< of an exchanged frame
+constexpr double kLimbChangeCost = 4.0;      ///< cost (negative log likelihood) of a change of state
+constexpr double kExchangedLimbCost = 0.05;  ///< cost of an exchanged frame
 constexpr double kBoneTime_s = 0.3;          ///< correlation time of a tracker's bone length errors
 
 /// Pairs of arms or of legs, from the trunk outwards.
