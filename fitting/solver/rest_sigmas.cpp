@@ -8,7 +8,7 @@
 namespace mocurate {
 namespace {
 
-/// Mobility relative to hips, knees, shoulders and elbows (1): approximate standard deviations, in radians.
+/// Factor on the standard deviation of hips, knees, shoulders and elbows.
 constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1", 0.3},
                                                                       {"spine2", 0.3},
                                                                       {"spine3", 0.3},
