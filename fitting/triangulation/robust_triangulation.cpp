@@ -13,11 +13,11 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMostPairs = 16;
-constexpr int kRefinements = 4;
+constexpr int kMostPairs = 16;                  ///< pairs of views tried, at most (numerical)
+constexpr int kRefinements = 4;                 ///< Gauss-Newton steps, at most (numerical)
 constexpr double kFullWeightShare = 1.0 / 3.0;  ///< of the outlier limit: up to here a view has almost full weight
-constexpr double kOddShare = 0.5;
-constexpr double kOddRatio = 4.0;
+constexpr double kOddShare = 0.5;               ///< share of a camera's detections excluded, and
+constexpr double kOddRatio = 4.0;               ///< ratio to any other camera, that together exclude it
 
 using Rays = std::vector<ViewRay>;
 
