@@ -7,6 +7,7 @@
 namespace mocurate {
 namespace {
 
+/// Share of the squared length of a bone: mean square of its shortening for a uniform direction (numerical).
 constexpr double kEveryDirection = 4.0 / 3.0;
 
 /// Covariance along a bone whose end has `more` covariance than its start (m^2).
