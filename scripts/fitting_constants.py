@@ -14,7 +14,8 @@ The comment of a constant is beside it (`///<`) or above it (`///`), or both:
 2. The meaning follows.
 3. "Source: ..." ends the comment: a program, measured data, a paper or a standard. Programs of tests/ that a comment
    names are its source without that word. A comment `//` directly above a group of constants gives the source of each.
-4. "(numerical)" ends the comment of a pure technicality: iteration limit, tolerance, sample size, sentinel.
+4. "(numerical)" ends the comment of a pure technicality: iteration limit, tolerance, sample size, search grid,
+   sentinel, identity of mathematics or units, fewest views that a method needs.
 
 Constants without source are listed as not measured. With --check nothing is written; exit code 1 when the page differs
 from the code, a comment lacks unit or meaning, or a program named as source does not exist.
@@ -29,18 +30,22 @@ PAGE = ROOT / "docs" / "fitting_constants.md"
 
 # As written in comments: as listed on the page.
 UNITS = {
-    "m": "m", "metres": "m", "mm": "mm", "m^2": "m^2", "m/s": "m/s", "m/s^2": "m/s^2", "s": "s", "seconds": "s",
-    "rad": "rad", "radians": "rad", "rad^2": "rad^2", "degrees": "degrees", "px": "px", "pixels": "px",
+    "m": "m", "metres": "m", "m^2": "m^2", "m/s": "m/s", "s": "s", "seconds": "s", "rad": "rad", "radians": "rad",
+    "rad^2": "rad^2", "degrees": "degrees", "px": "px", "pixels": "px", "m and rad": "m and rad",
     "standard deviations": "standard deviations", "extents per second": "extents per second",
-    "m and rad": "m and rad", "Hz": "Hz",
+    "standard deviations and log scale": "standard deviations, log scale",
 }
-# Words that begin the comment of a number without dimension.
-DIMENSIONLESS = {
-    "share": "share", "ratio": "ratio", "factor": "factor", "factors": "factor", "times": "factor",
-    "weight": "weight", "sine": "sine", "cosine": "cosine", "confidence": "confidence", "probability": "probability",
-    "cost": "cost", "loss": "loss", "log": "log", "autocorrelation": "correlation", "scale": "factor",
-    "chi square": "chi square", "variance ratio": "ratio", "relative": "share", "number": "1",
-}
+# First words of a number without dimension: as listed on the page.
+DIMENSIONLESS = {word: word for word in (
+    "share", "ratio", "factor", "weight", "sine", "cosine", "confidence", "cost", "loss", "log ratio", "log scale",
+    "autocorrelation", "exponent", "chi square", "length of the mean normal", "number",
+)}
+DIMENSIONLESS.update({"factors": "factor", "times": "factor", "relative": "share", "scale": "factor", "step": "factor"})
+# Things that an integer counts, and numbers of them in floating point.
+COUNTED = (
+    "bones|cameras|clips|clouds|detections|draws|fits|frames|groups|headings|hypotheses|joints|keypoints|lengths|"
+    "matchings|moments|pairs|parts|points|poses|rounds|samples|scales|spans|stances|starts|steps|trials|views|voxels|"
+    "walls")
 NAME_UNITS = {"_s": "s", "_m": "m", "_px": "px"}
 INTEGER = r"int|unsigned|long|std::(?:size_t|u?int\d+_t)"
 NUMBER = rf"double|float|{INTEGER}"
@@ -67,7 +72,8 @@ class Constant:
         group_source = group.partition("Source: ")[2]
         if not source:
             programs = re.findall(r"`([^`]*)`|\(((?:bench_)[^()]*)\)|(\w+_test\b)", comment)
-            source = "; ".join(p for match in programs for p in match if p and (PROGRAMS.search(p) or "synthesize" in p))
+            named = [text for match in programs for text in match if PROGRAMS.search(text) or "synthesize" in text]
+            source = "; ".join(named)
         self.source = (source or group_source).strip().rstrip(".")
         self.unit, self.meaning = self.unit_of(comment.strip())
         self.kind = ("numerical" if self.numerical else "not measured" if not self.source else
@@ -85,12 +91,15 @@ class Constant:
         relative = re.match(r"(of [^:;,]+): (.+)", lower)
         if relative:
             return relative.group(1), relative.group(2)
-        first = re.match(r"(?:(?:smallest|largest|least|most|lowest|highest|mean|usual|cap on the|difference of) )?\|?"
-                         r"([a-z]+(?: square)?)\b", lower)
-        for word in (first.group(1), first.group(1).split(" ")[0]) if first else ():
-            if word in DIMENSIONLESS:
-                return DIMENSIONLESS[word], comment
-        if re.match(r"of ", lower):
+        words = re.sub(r"^((small|larg|low|high|great)est|least|mean|cap on the) ", "", lower)
+        for word in sorted(DIMENSIONLESS, key=len, reverse=True):
+            if re.match(rf"{word}\b", words):
+                return DIMENSIONLESS[word], re.sub(rf"^{word}[;,] ", "", lower)
+        counted = re.match(rf"(?:\w+ly spaced |[a-z]+est |most |least |initial |latest |known |observed |sampled )*"
+                           rf"({COUNTED})\b", lower)
+        if counted:
+            return counted.group(1), re.sub(rf"^({COUNTED})[;,] ", "", lower)
+        if lower.startswith("of ") and not self.integer:
             return "share", comment
         return ("count" if self.integer else ""), comment
 
@@ -108,7 +117,7 @@ class Constant:
 
 def program_exists(name, found={}):
     if name not in found:
-        source = f"benchmarks/{name[len('bench_'):]}.cpp" if name.startswith("bench_") else f"*/{name}.cpp"
+        source = f"benchmarks/{name[len('bench_'):]}.cpp" if name.startswith("bench_") else f"**/{name}.cpp"
         found[name] = any((ROOT / "tests").glob(source))
     return found[name]
 
@@ -121,7 +130,7 @@ def comment_of(line):
 
 def constants_of(path):
     lines = (ROOT / path).read_text(encoding="utf-8").split("\n")
-    found, group = [], ""
+    found, group, after = [], "", -1
     at = 0
     while at < len(lines):
         definition = DEFINITION.match(lines[at])
@@ -130,7 +139,7 @@ def constants_of(path):
             if not lines[at].strip():
                 group = ""
             elif text is not None and not code.strip() and re.match(r"\s*// ", lines[at]):
-                group += " " + text
+                group = ("" if at == after else group) + " " + text
             at += 1
             continue
         above, before = [], at - 1
@@ -151,7 +160,7 @@ def constants_of(path):
                                               re.match(rf"\s{{{max(indent, 9)}}}// ", lines[at])):
             beside.append(comment_of(lines[at])[0])
             at += 1
-        name = definition["name"]
+        name, after = definition["name"], at
         if not re.match(r"k[A-Z]", name) and not re.search(r"\bconstexpr\b", code):
             continue
         value = re.sub(r"\s+", " ", code[code.index(name) + len(name):])
@@ -172,14 +181,14 @@ def page_of(constants):
         kinds[constant.kind] += 1
     text = [
         "# Constants of the fits", "",
-        "Written by `scripts/fitting_constants.py` from the comments in `fitting/`; `--check` (run by",
-        "`scripts/format.sh --check`) fails where this page and the code differ. Options have their units and defaults",
-        "in `mocurate config show`.", "",
+        "Written by `scripts/fitting_constants.py` from the comments in `fitting/`. Its `--check`, which",
+        "`scripts/format.sh --check` runs, fails where this page and the code differ. Options are not listed here:",
+        "`mocurate config reference` has their units, defaults and ranges.", "",
         f"{len(constants)} constants:", "",
         "| kind | constants | source column |", "|---|---|---|",
         f"| measured | {kinds['measured']} | program with its arguments, test, or data |",
         f"| from a paper or standard | {kinds['paper or standard']} | reference |",
-        f"| numerical (iteration limit, tolerance, sample size, search grid, sentinel) | {kinds['numerical']} | - |",
+        f"| numerical (limit, tolerance, sample size, grid, sentinel, identity) | {kinds['numerical']} | - |",
         f"| not measured | {kinds['not measured']} | not measured |",
     ]
     folder = None
@@ -196,7 +205,8 @@ def page_of(constants):
 
 
 def sentence(meaning):
-    return meaning.strip().rstrip(".;,")
+    meaning = meaning.strip().rstrip(".;,")
+    return meaning[:1].upper() + meaning[1:]
 
 
 def main():
