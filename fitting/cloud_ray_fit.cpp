@@ -26,8 +26,9 @@ namespace {
 constexpr double kMinCoverage = 0.3;  ///< of the frames in which the camera sees the person
 constexpr double kOtherWay =
     0.7;  ///< ratio of the distances with sides exchanged; below, the person faces the other way
-constexpr double kPixelsOfModel = 4.0;   ///< px, error that is always assumed for points fixed to joints
-constexpr double kMedianOfTwo = 1.1774;  ///< median distance over the standard deviation per axis
+constexpr double kPixelsOfModel = 4.0;  ///< px, error that is always assumed for points fixed to joints
+/// Ratio of the median distance to the standard deviation per axis. Source: Rayleigh distribution, sqrt(2 ln 2)
+constexpr double kMedianOfTwo = 1.1774;
 
 /// Bone lengths of the body: given ones of the skeleton's joints, rest offsets in the person's size for points.
 std::vector<double> BonesOf(const Skeleton& body, const Skeleton& skeleton, const std::vector<double>& given) {

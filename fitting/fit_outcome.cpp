@@ -22,11 +22,15 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLargeResidual = 0.15;      ///< metres RMS; beyond, skeleton and evidence hardly match
-constexpr double kMaxUnobservedShare = 0.3;  ///< share of the frames
-constexpr double kMostRejected = 0.25;       ///< share of samples; trackers lose 2 to 10 %
-constexpr double kNoFit = 0.3;               ///< metres, median of the joints: beyond, the fit explains nothing
-constexpr double kNoFitOfStature = 0.25;
+/// m RMS; beyond, skeleton and evidence hardly match. Source: 3DPCK, Mehta et al., 3DV 2017
+constexpr double kLargeResidual = 0.15;
+/// Share of the frames without any observation; beyond, the clip is suspect. Source: 1,213 recorded clips
+/// (docs/fitting.md)
+constexpr double kMaxUnobservedShare = 0.3;
+/// Share of samples that are outliers; beyond, the clip is suspect. Source: 1,213 recorded clips (docs/fitting.md)
+constexpr double kMostRejected = 0.25;
+constexpr double kNoFit = 0.3;            ///< metres, median of the joints: beyond, the fit explains nothing
+constexpr double kNoFitOfStature = 0.25;  ///< share of the stature, likewise
 
 double Millimetres(double metres) { return std::round(metres * 1e7) / 1e4; }
 

@@ -26,14 +26,13 @@ namespace {
 
 constexpr double kSure = 4.0;              ///< standard deviations that a finding needs
 constexpr double kNotableMove = 0.03;      ///< m; smaller differences are explained by a body that is not the person's
-constexpr double kNotableRotation = 0.05;  ///< rad
+constexpr double kNotableRotation = 0.05;  ///< rad; smaller differences likewise
 constexpr double kHalfPerson = 0.5;        ///< m, from the middle of a person to the hands and feet
 constexpr double kFarthestMove = 0.3;      ///< m; farther apart are two people, or two world frames
-constexpr double kMaxRotation = 0.25;
+constexpr double kMaxRotation = 0.25;      ///< rad; larger rotations are of two people, or two world frames
 constexpr double kMinModalityGain = 0.08;  ///< of the loss; below, no finding
-constexpr double kNearShare = 0.5;         ///< of the points near the body; below, the two show different people
-constexpr double kUnsure = 0.012;  ///< m, stated sigma of joints; above, the depth-only pose is tried as a start
-constexpr double kMillimetres = 1e3;
+constexpr double kUnsure = 0.012;     ///< m, stated sigma of joints; above, the depth-only pose is tried as a start
+constexpr double kMillimetres = 1e3;  ///< number of millimetres in a metre (numerical)
 
 Finding ModalityFinding(const char* code, double value, std::string message, FindingAction action) {
   Finding finding;
@@ -161,7 +160,8 @@ ModalityAlignment::Taken TakenOf(const ModalityAlignment& alignment, const RigAu
 
 Status CheckOnePerson(const ModalityAlignment& alignment, const RigAuditOptions& audit, const std::string& clip) {
   const ModalityAlignment::Taken taken = TakenOf(alignment, audit);
-  const bool one = alignment.near_after >= kNearShare && taken.moved <= kFarthestMove && taken.turned <= kMaxRotation;
+  const bool one =
+      alignment.near_after >= kNearBodyShare && taken.moved <= kFarthestMove && taken.turned <= kMaxRotation;
   if (one) return {};
   return Fail(ErrorCode::kInconsistent,
               "keypoints and depth views do not show one person in one world: " +

@@ -242,7 +242,7 @@ struct ProportionsOptions : ProportionsSettings {
   void Declare(OptionVisitor& v);
 };
 
-/// Largest number of one person's clips that proportions are read from.
+/// Clips of one person that proportions are read from, at most (numerical).
 inline constexpr int kMaxProportionClips = 30;
 
 /// The clips that represent a person: at most kMaxProportionClips ids, chosen by smallest SHA-256, returned sorted.

@@ -17,7 +17,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLengthRounding = 1e-4;
+constexpr double kLengthRounding = 1e-4;  ///< m; bone lengths are stored as multiples of it (numerical)
 
 /// The middle of a clip, at most `frames` long.
 SkeletonTracks MiddleOfClip(const SkeletonTracks& clip, int frames) {
@@ -89,7 +89,7 @@ std::vector<double> RoundedLengths(std::vector<double> lengths) {
 
 namespace {
 
-constexpr double kLargestCapsule = 20.0;   ///< standard deviations
+constexpr double kLargestCapsule = 20.0;   ///< standard deviations; largest component of a body shape that is read
 constexpr double kNoStandingPlace = 0.25;  ///< share of head to toes; rest poses of people who stand or sit are taller
 
 /// Length along the bones from the end of a leg over the root to the head, metres: the longest path from the root to a

@@ -11,7 +11,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kUnitQuaternion = 1e-6;  ///< largest departure of a quaternion's norm from 1
+constexpr double kUnitQuaternion = 1e-6;  ///< of 1; largest departure of a quaternion's norm (numerical)
 constexpr const char* kAuditAgain = "write it with `mocurate rig audit CONFIG -o rig.yaml`";
 
 constexpr const char* kNeededOfCamera[] = {"name", "files_of", "clock_s", "width",    "height",     "fx",

@@ -55,7 +55,7 @@ struct AuditedTake {
 /// A rig of keypoint cameras as audited with all takes of a configuration: a YAML file that other takes use
 /// (`fitting.keypoints.rig`).
 struct RigFile {
-  static constexpr std::int64_t kVersion = 1;
+  static constexpr std::int64_t kVersion = 1;  ///< version of the format (numerical)
 
   std::int64_t version = kVersion;
   std::string config;  ///< name of the configuration

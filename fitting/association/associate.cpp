@@ -11,15 +11,14 @@
 namespace mocurate {
 namespace {
 
-constexpr int kLeastKeypointsOfEntry = 4;      ///< fewest keypoints of an entry that is assigned to a person
 constexpr double kGate = 0.2;                  ///< of the extent: largest distance of an entry from its person
 constexpr double kWidestGate = 0.5;            ///< of the extent: largest gate after frames without the person
 constexpr double kUnobservedSpeed = 1.0;       ///< extents per second that an unobserved person may move
 constexpr double kSamePlace = 0.25;            ///< of the extent: a body nearer than this to another is the same person
-constexpr double kSearch_s = 0.1;              ///< seconds between searches for new people
+constexpr double kSearch_s = 0.1;              ///< seconds between searches for new people (numerical)
 constexpr double kForgotten_s = 0.5;           ///< a person unobserved for longer is found by the search for new people
-constexpr double kSameShape = 0.2;             ///< of log lengths: the same person after a gap
-constexpr std::size_t kSamplesOfLength = 500;  ///< latest samples that enter the median of a length
+constexpr double kSameShape = 0.2;             ///< log ratio of lengths: at most, of one person after a gap
+constexpr std::size_t kSamplesOfLength = 500;  ///< latest samples that enter the median of a length (numerical)
 constexpr double kLeastShareOfFrames = 0.1;    ///< of the frames of the longest track: shorter tracks are false tracks
 
 /// A person over time.
@@ -120,7 +119,7 @@ class PeopleFollower {
       const int at = frame_of_[v][static_cast<std::size_t>(frame)];
       for (int p = 0; at >= 0 && p < rig_[v].people; ++p) {
         const std::size_t entry = rig_[v].Entry(at, p);
-        if (rig_[v].seen[entry] < kLeastKeypointsOfEntry || owned_[v][entry] != 0) continue;
+        if (rig_[v].seen[entry] < kLeastKeypoints || owned_[v][entry] != 0) continue;
         entries.push_back({static_cast<int>(v), at, p});
       }
     }
@@ -154,7 +153,7 @@ class PeopleFollower {
       if (gate <= 0.0) continue;
       for (const Sight& sight : entries) {
         const RigView& view = rig_[static_cast<std::size_t>(sight.view)];
-        const double distance = EntryDistance(view, sight.frame, sight.person, track.body, kLeastKeypointsOfEntry);
+        const double distance = EntryDistance(view, sight.frame, sight.person, track.body, kLeastKeypoints);
         if (distance <= gate) matches.push_back({distance / track.body.extent, t, sight});
       }
     }
@@ -173,7 +172,7 @@ class PeopleFollower {
   /// Updates the body from the entries. Unobserved keypoints move with the others.
   bool Renew(Track& track, int frame, const std::vector<Sight>& sights) const {
     BodyPoints now = NearestBody(rig_, sights);
-    if (now.KnownCount() < kLeastKeypointsOfEntry) return false;
+    if (now.KnownCount() < kLeastKeypoints) return false;
     const std::vector<double> measured = MeasureLengths(now, lengths_);
     for (std::size_t i = 0; i < measured.size(); ++i) {
       if (measured[i] > 0.0) track.measured[i].push_back(measured[i]);
@@ -282,8 +281,8 @@ class PeopleFollower {
     std::stable_sort(take_.people.begin(), take_.people.end(),
                      [](const auto& a, const auto& b) { return a.presence > b.presence; });
     for (std::size_t v = 0; v < rig_.size(); ++v) {
-      const auto enough = std::count_if(rig_[v].seen.begin(), rig_[v].seen.end(),
-                                        [](int seen) { return seen >= kLeastKeypointsOfEntry; });
+      const auto enough =
+          std::count_if(rig_[v].seen.begin(), rig_[v].seen.end(), [](int seen) { return seen >= kLeastKeypoints; });
       int owned = 0;
       for (const AssociatedPerson& person : take_.people) {
         owned += static_cast<int>(

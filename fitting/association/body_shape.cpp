@@ -8,12 +8,6 @@
 #include "core/base/median.h"
 
 namespace mocurate {
-namespace {
-
-constexpr double kShortestBone = 0.1;  ///< metres; shorter bones cannot be measured reliably
-
-}  // namespace
-
 std::vector<KnownLength> KnownLengths(const std::vector<std::string>& names, const Skeleton& skeleton) {
   std::vector<int> keypoint_of_joint(skeleton.joints.size(), -1);
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -26,7 +20,7 @@ std::vector<KnownLength> KnownLengths(const std::vector<std::string>& names, con
   const auto add = [&](int a, int b, double rest) {
     const int from = keypoint_of_joint[static_cast<std::size_t>(a)];
     const int to = keypoint_of_joint[static_cast<std::size_t>(b)];
-    if (from < 0 || to < 0 || rest < kShortestBone) return;
+    if (from < 0 || to < 0 || rest < kShortestKnownBone) return;
     lengths.push_back(
         {from, to, rest, names[static_cast<std::size_t>(from)] + " to " + names[static_cast<std::size_t>(to)]});
   };

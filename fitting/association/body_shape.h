@@ -8,6 +8,8 @@
 
 namespace mocurate {
 
+inline constexpr double kShortestKnownBone = 0.1;  ///< m in the rest pose; shorter bones cannot be measured reliably
+
 /// Two keypoints at a fixed distance on a person: the ends of a bone, or both hips, or both shoulders.
 struct KnownLength {
   int from = 0;       ///< keypoint

@@ -8,8 +8,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSameTime = 1e-3;          ///< of a view's step
-constexpr double kLongestUsualSteps = 2.5;  ///< of a view's usual steps, between two frames that are interpolated
+constexpr double kSameTime = 1e-3;  ///< share of a view's step within which two stamps are equal (numerical)
+/// Factor on a view's usual step: longest step between two frames that are interpolated.
+constexpr double kLongestUsualSteps = 2.5;
 
 /// Two frames of a view around a moment; the same frame twice where the view has one at that time.
 struct Bracket {

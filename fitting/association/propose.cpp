@@ -9,12 +9,14 @@
 namespace mocurate {
 namespace {
 
-constexpr int kLeastKeypointsOfPair = 4;     ///< fewest keypoints that both entries of a pair observe
-constexpr double kPairGate = 0.06;           ///< of the extent: median distance of the body from the rays of its pair
-constexpr double kSupportGate = 0.12;        ///< of the extent: of further entries
-constexpr double kViewsAllPaired = 6;        ///< views up to which all pairs are tried
-constexpr int kLengthsToPropose = 3;         ///< fewest lengths for a test of proportions
-constexpr double kPlausibleMismatch = 0.35;  ///< largest mismatch of proportions at which two views alone count
+constexpr double kPairGate = 0.06;  ///< of the extent: median distance of the body from the rays of its pair
+/// Of the extent: median distance of the body from the rays of further entries.
+constexpr double kSupportGate = 0.12;
+constexpr double kViewsAllPaired = 6;  ///< views up to which all pairs are tried (numerical)
+constexpr int kLengthsToPropose = 3;   ///< fewest lengths for a test of proportions
+/// Log ratio; largest mismatch of proportions at which two views alone count.
+constexpr double kPlausibleMismatch = 0.35;
+/// Factor between the size of a proposed body and the usual size, at most.
 constexpr double kScaleRange = 2.2;
 
 struct Proposal {
@@ -57,15 +59,15 @@ int Shared(const std::vector<RigView>& rig, const Sight& a, const Sight& b) {
 std::optional<Proposal> ProposePair(const std::vector<RigView>& rig, const Sight& a, const Sight& b,
                                     const std::vector<KnownLength>& lengths, double usual_scale) {
   const int shared = Shared(rig, a, b);
-  if (shared < kLeastKeypointsOfPair) return {};
+  if (shared < kLeastKeypoints) return {};
   Proposal proposal;
   proposal.sights = {a, b};
   proposal.body = NearestBody(rig, proposal.sights);
   const int known = proposal.body.KnownCount();
-  if (known < kLeastKeypointsOfPair || 2 * known < shared) return {};
+  if (known < kLeastKeypoints || 2 * known < shared) return {};
   for (const Sight& sight : proposal.sights) {
     const RigView& view = rig[static_cast<std::size_t>(sight.view)];
-    const double distance = EntryDistance(view, sight.frame, sight.person, proposal.body, kLeastKeypointsOfPair);
+    const double distance = EntryDistance(view, sight.frame, sight.person, proposal.body, kLeastKeypoints);
     proposal.error = std::max(proposal.error, distance / proposal.body.extent);
   }
   if (!(proposal.error <= kPairGate)) return {};
@@ -93,8 +95,8 @@ bool Support(const std::vector<RigView>& rig, const Entries& entries, const std:
     const Sight* best = nullptr;
     for (const Sight& sight : of_view) {
       if (taken.count({v, sight.person}) != 0) continue;
-      const double distance = EntryDistance(rig[static_cast<std::size_t>(v)], sight.frame, sight.person, proposal.body,
-                                            kLeastKeypointsOfPair);
+      const double distance =
+          EntryDistance(rig[static_cast<std::size_t>(v)], sight.frame, sight.person, proposal.body, kLeastKeypoints);
       if (distance > nearest) continue;
       nearest = distance;
       best = &sight;

@@ -13,13 +13,14 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMomentsDiagnosed = 40;  ///< moments to diagnose, evenly spread over the take
+constexpr int kMomentsDiagnosed = 40;  ///< moments to diagnose, evenly spread over the take (numerical)
 
 constexpr double kParallelAngle = 2.0;      ///< degrees; below, depth is nearly undetermined
-constexpr double kSmallestRigPerson = 0.4;  ///< of the rest pose; a toddler has 0.45
-constexpr double kLargestRigPerson = 1.6;
-constexpr double kImplausible = 0.3;  ///< mean of |log ratio|; people have up to 0.15
-constexpr int kLengthsToDiagnose = 4;
+constexpr double kSmallestRigPerson = 0.4;  ///< share of the rest pose's size; a toddler has 0.45
+constexpr double kLargestRigPerson = 1.6;   ///< share of the rest pose's size, at most
+/// Log ratio, absolute, mean over the lengths: beyond, the proportions are no person's; people have up to 0.15.
+constexpr double kImplausible = 0.3;
+constexpr int kLengthsToDiagnose = 4;  ///< lengths that a diagnosis needs
 
 /// Rays of two entries, compared keypoint by keypoint.
 struct PairRays {
@@ -127,6 +128,7 @@ Error WhyNoPerson(const std::vector<RigView>& rig) {
 
 std::optional<UnitMisreading> FindUnit(double scale) {
   if (scale >= kSmallestRigPerson && scale <= kLargestRigPerson) return {};
+  /// Factor of the measured size for each wrong unit (numerical).
   constexpr std::pair<double, const char*> kUnits[] = {
       {1000.0, "millimetres read as metres"},    {100.0, "centimetres read as metres"},
       {39.37, "inches read as metres"},          {3.281, "feet read as metres"},

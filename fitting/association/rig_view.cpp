@@ -9,7 +9,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kParallelSights = 0.0175;  ///< sine of the smallest angle between rays, 1 degree
 constexpr double kInlierShare = 0.04;       ///< of the distance from the camera: rays farther off are outliers
 constexpr double kRobustScaleShare = 0.02;  ///< of the distance from the camera: scale of the robust weight
 
@@ -32,7 +31,7 @@ Vector3d NearestToSights(const std::vector<Ray>& rays, const std::vector<double>
 
 bool AllSightsParallel(const std::vector<Ray>& rays) {
   for (std::size_t i = 1; i < rays.size(); ++i) {
-    if (rays[0].direction.cross(rays[i].direction).norm() >= kParallelSights) return false;
+    if (rays[0].direction.cross(rays[i].direction).norm() >= kParallelRays) return false;
   }
   return true;
 }
@@ -112,7 +111,7 @@ double OffTheRay(const RigView& view, const Vector2d& normalised, const Vector3d
 }
 
 double EntryDistance(const RigView& view, int frame, int person, const BodyPoints& body, int least) {
-  constexpr int kMost = 64;
+  constexpr int kMost = 64;  ///< keypoints in a buffer on the stack (numerical)
   double off[kMost];
   int count = 0;
   const std::size_t first = view.Point(frame, person, 0);

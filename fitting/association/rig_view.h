@@ -39,6 +39,8 @@ struct BodyPoints {
   void MeasureExtent();
 };
 
+inline constexpr int kLeastKeypoints = 4;  ///< keypoints; fewest that an entry shares with a body or another entry
+/// m; distance without a match (numerical).
 inline constexpr double kNoMatch = std::numeric_limits<double>::infinity();
 
 /// Distance of a point from a ray, across the line of sight at the depth of the point: metres; kNoMatch behind the

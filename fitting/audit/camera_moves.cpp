@@ -4,19 +4,20 @@
 #include <cmath>
 
 #include "core/base/median.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/triangulation/camera_refit.h"
 
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViewsOfMove = 4;
-constexpr std::size_t kMostViewsMoved = 12;
-constexpr double kImproved = 0.75;           ///< of the median error before the refit
-constexpr int kLeastMomentsOfPart = 5;       ///< moments of a part, at least
-constexpr int kLeastDetectionsOfMoment = 6;  ///< detections of a moment, at least
+constexpr std::size_t kLeastViewsOfMove = 4;  ///< views that a rig must have: three must keep their pose (numerical)
+constexpr double kImproved = 0.75;            ///< of the median error before the refit of a moved camera, at most
+constexpr int kLeastMomentsOfPart = 5;        ///< moments of a part, at least
+constexpr int kLeastDetectionsOfMoment = 6;   ///< detections of a moment, at least
+/// Factor that splitting a take into two parts must save in absolute deviation, beside the noise.
 constexpr double kPartPenalty = 1.1;
 constexpr double kJumpPenalty = 1.02;  ///< factor on the cost of two parts: a jump must explain more than one pose does
-constexpr double kUnchanged = 1e-9;    ///< difference of a moment's cost that counts as none
+constexpr double kUnchanged = 1e-9;    ///< px; difference of a moment's cost that counts as none (numerical)
 
 /// Median pixel error of each moment, axis by axis; NaN with too few detections.
 std::vector<Vector2d> MedianErrors(const ViewKeypoints& view, const TriangulatedTracks& points) {
@@ -183,7 +184,7 @@ std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& 
 
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
                                    const TriangulationOptions& options) {
-  if (samples.views() > kMostViewsMoved) return {};
+  if (samples.views() > kMostViewsAudited) return {};
   std::vector<CameraMove> moves;
   for (std::size_t v = 0; v < samples.views(); ++v) {
     if (auto move = FindMoveOf(samples, model, v, options)) moves.push_back(std::move(*move));
@@ -201,6 +202,7 @@ std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& mo
 }
 
 void RefitParts(const RigSamples& frames, std::size_t view, const TriangulationOptions& options, RigModel& model) {
+  /// Factor on the median error before a refit, at most: the move is already confirmed.
   constexpr double kAnyBetter = 1.05;
   const TriangulatedTracks points = PointsWithout(frames, model, view, options);
   std::vector<CameraPart>& parts = model.camera[view];

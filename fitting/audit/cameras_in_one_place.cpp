@@ -9,11 +9,11 @@ namespace mocurate {
 namespace {
 
 /// Rad, and metres per metre (and metre of distance from the origin): rounding error of a copied pose. Lenses of two
-/// cameras are centimetres apart; thousandths of that when millimetres were read as kilometres.
+/// cameras are centimetres apart; thousandths of that when millimetres were read as kilometres (numerical).
 constexpr double kSamePose = 1e-6;
 /// Share of equal samples from which two views count as one: files of one sensor differ by a filter or a delay of a
 /// frame. Synthetic depth views from different sides share up to 0.05, views of one camera a frame apart 0.66 to 0.94
-/// (one jump 0.1).
+/// (one jump 0.1). Source: synthetic depth views (0.05, and 0.66 to 0.94)
 constexpr double kSameView = 0.6;
 
 bool StandInOnePlace(const Camera& a, const Camera& b) {

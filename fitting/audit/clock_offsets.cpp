@@ -12,17 +12,16 @@
 namespace mocurate {
 namespace {
 
-constexpr std::array<double, 8> kScales = {6.0, 4.0, 3.0, 2.0,
-                                           1.0, 1.0, 1.0, 1.0};  ///< of a third of the outlier limit
-constexpr double kWeakPrior_s = 1.0;                             ///< standard deviation of the prior that regularises
-                                                                 ///< undetermined offsets
-constexpr double kUndetermined_s = 0.2;                          ///< standard deviation from which an offset counts as
-                                                                 ///< undetermined
-constexpr double kJump_px = 60.0;  ///< distance of the middle detection from the line through its neighbours: beyond,
-                                   ///< one of the three is an outlier
-constexpr double kSettled_s = 2e-4;
-constexpr double kSameClock_s = 0.004;
-constexpr std::size_t kFewestViewsToDrop = 4;  ///< fewest views for ChangeOfClocks: three must remain
+/// Factor on a third of the outlier limit: scale of the loss in each iteration (numerical).
+constexpr std::array<double, 8> kScales = {6.0, 4.0, 3.0, 2.0, 1.0, 1.0, 1.0, 1.0};
+/// Standard deviation of the prior that regularises undetermined offsets (numerical).
+constexpr double kWeakPrior_s = 1.0;
+constexpr double kUndetermined_s = 0.2;  ///< standard deviation from which an offset counts as
+                                         ///< undetermined
+constexpr double kJump_px = 60.0;    ///< distance of the middle detection from the line through its neighbours: beyond,
+                                     ///< one of the three is an outlier
+constexpr double kSettled_s = 2e-4;  ///< change of an offset that ends the iterations (numerical)
+constexpr std::size_t kFewestViewsToDrop = 4;  ///< fewest views for ChangeOfClocks: three must remain (numerical)
 
 /// d pixel error / d point, px per metre.
 Eigen::Matrix<double, 2, 3> SlopeOf(const Camera& camera, const Matrix3d& rotation, const Vector3d& point) {

@@ -7,6 +7,8 @@
 
 namespace mocurate {
 
+inline constexpr double kSameClock_s = 0.004;  ///< clock offsets below this are not distinguished
+
 /// Clock offsets of a rig's cameras, each with its standard deviation. Seconds, (views).
 struct ClockOffsets {
   std::vector<double> clock_s;

@@ -6,7 +6,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSame = 1e-9;  ///< differences below this are rounding
+constexpr double kSame = 1e-9;  ///< share of two losses; differences below this are rounding (numerical)
 
 /// Cumulative distribution of Student's t (Wallace's approximation, to 0.002).
 double StudentShare(double t, double freedom) {

@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMaxHypotheses = 3;         ///< corrections in sequence, at most
+constexpr int kMaxHypotheses = 3;         ///< corrections in sequence, at most (numerical)
 constexpr double kLikelyExchanged = 0.9;  ///< confidence from which exchanged files are reported
 
 std::string PercentText(double share) { return std::to_string(std::lround(100.0 * share)); }

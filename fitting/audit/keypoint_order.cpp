@@ -11,14 +11,14 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFramesOfOrder = 40;           ///< frames to compare
-constexpr int kLengthsToJudge = 6;           ///< known lengths that an order must have
-constexpr int kMinFramePoints = 8;           ///< fewest observed points of a frame
-constexpr double kPlausibleLogRatio = 0.25;  ///< largest mean |log ratio| of a person's lengths, from noisy single
-                                             ///< frames
+constexpr int kFramesOfOrder = 40;  ///< frames to compare (numerical)
+constexpr int kLengthsToJudge = 6;  ///< known lengths that an order must have
+constexpr int kMinFramePoints = 8;  ///< fewest observed points of a frame
+/// Log ratio, absolute, mean over a person's lengths: at most, from noisy single frames.
+constexpr double kPlausibleLogRatio = 0.25;
 
-constexpr double kOfAPerson = 0.2;     ///< and from the medians of a take
-constexpr double kUnevenSides = 0.35;  ///< largest |log ratio| of a left limb to the right one
+constexpr double kOfAPerson = 0.2;     ///< log ratio, likewise, from the medians of a take
+constexpr double kUnevenSides = 0.35;  ///< log ratio, absolute, of a left limb to the right one, at most
 
 using Names = std::vector<std::string>;
 

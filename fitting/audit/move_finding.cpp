@@ -8,9 +8,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastShareOfNoise = 2.0;  ///< of the noise of a detection
-constexpr double kMinSuspectMove = 0.008;   ///< m, at the person
-constexpr double kGrossShift = 3.0;         ///< times the median shift: larger shifts come from wrong pairs of views
+/// Factor on the noise of a detection: smaller shifts of the image are not reported.
+constexpr double kLeastShareOfNoise = 2.0;
+constexpr double kGrossShift = 3.0;  ///< times the median shift: larger shifts come from wrong pairs of views
 
 /// Longest distance between two cameras.
 double ExtentOf(const RigModel& rig) {
@@ -52,7 +52,7 @@ bool IsNotableMove(const Camera& was, const std::vector<CameraPart>& parts, cons
                    double noise_px) {
   return std::any_of(parts.begin(), parts.end(), [&](const CameraPart& part) {
     const ObservedMove seen = MoveAtPoints(was, part.camera, points);
-    return seen.px >= kLeastShareOfNoise * noise_px && seen.m >= kMinSuspectMove;
+    return seen.px >= kLeastShareOfNoise * noise_px && seen.m >= kLeastMove;
   });
 }
 

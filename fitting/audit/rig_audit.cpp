@@ -11,6 +11,7 @@
 #include "fitting/audit/corrected_rig.h"
 #include "fitting/audit/fault_words.h"
 #include "fitting/audit/move_finding.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/audit/rig_samples.h"
 #include "fitting/audit/sides_throughout.h"
 #include "fitting/audit/view_sides.h"
@@ -18,18 +19,16 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMomentsAudited = 32;
-constexpr std::size_t kMostTakesWhole = 4;  ///< takes with kMomentsAudited each; more share as many, down to
-                                            ///< kFewestMoments each
-constexpr int kFewestMoments = 8;           ///< fewest moments for clocks and poses
-constexpr std::size_t kSettlingMoments = 2000;
-constexpr std::size_t kMostViewsAudited = 12;  ///< most views for moves and exchanged files
-constexpr std::size_t kLeastViewsAudited = 3;
-constexpr double kSmallestClock_s = 0.004;
-constexpr double kSmallestStep = 0.25;  ///< of a view's frame interval
-constexpr double kClockSigmas = 5.0;
-constexpr double kLeastCostGain = 0.02;      ///< of the cost
-constexpr std::size_t kMinOtherViews = 3;    ///< views that keep their pose: with fewer, the moved one is ambiguous
+constexpr int kMomentsAudited = 32;             ///< moments, evenly spread over the take (numerical)
+/// Takes with kMomentsAudited each; more share as many, down to kFewestMoments each (numerical).
+constexpr std::size_t kMostTakesWhole = 4;
+constexpr std::size_t kSettlingMoments = 2000;  ///< moments for the final refit of a moved camera (numerical)
+/// Share of a view's frame interval: smaller clock offsets are not reported.
+constexpr double kSmallestStep = 0.25;
+constexpr double kClockSigmas = 5.0;     ///< standard deviations: smaller clock offsets are not reported
+constexpr double kLeastCostGain = 0.02;  ///< share of the cost that a correction must remove
+/// Views that keep their pose: with fewer, the moved one is ambiguous (numerical).
+constexpr std::size_t kMinOtherViews = 3;
 constexpr std::size_t kMinSampledViews = 2;  ///< fewest views that keep their pose
 constexpr double kExplainedElsewhere =
     0.25;  ///< of the cost: gain of a move that counts even with fewer than kMinOtherViews
@@ -272,11 +271,10 @@ class KeypointAuditor {
     RigModel model = model_;
     bool changed = false;
     for (std::size_t v = 0; v < rig_.size(); ++v) {
-      const double least =
-          std::max({kSmallestClock_s, kSmallestStep * samples_.Step(v), kClockSigmas * clocks.sigma_s[v]});
+      const double least = std::max({kSameClock_s, kSmallestStep * samples_.Step(v), kClockSigmas * clocks.sigma_s[v]});
       const bool off = std::abs(clocks.clock_s[v]) > least && std::abs(clocks.clock_s[v]) <= options_.audit.longest_s;
       model.clock_s[v] = off ? clocks.clock_s[v] : 0.0;
-      changed = changed || std::abs(model.clock_s[v] - model_.clock_s[v]) > 0.25 * kSmallestClock_s;
+      changed = changed || std::abs(model.clock_s[v] - model_.clock_s[v]) > 0.25 * kSameClock_s;
     }
     if (!changed) return {};
     return model;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -7,6 +8,16 @@
 #include "core/base/finding.h"
 
 namespace mocurate {
+
+/// Fewest views of an audited rig: of two that disagree, the wrong one is ambiguous (numerical).
+inline constexpr std::size_t kLeastViewsAudited = 3;
+/// Most views for clocks, moves and exchanged files: the time of a search grows with their square. With more views, the
+/// others outvote two (numerical).
+inline constexpr std::size_t kMostViewsAudited = 12;
+/// Views up to which all permutations of the files are tested; with more, exchanges of two (numerical).
+inline constexpr std::size_t kViewsAllPermuted = 5;
+/// m at the person; smaller moves of a camera are not reported.
+inline constexpr double kLeastMove = 0.008;
 
 /// Views that contradict others; corrected: they are excluded.
 inline constexpr const char* kContradictingView = "views_disagree";

@@ -10,18 +10,17 @@
 
 #include "core/base/text.h"
 #include "fitting/audit/confidence.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/audit/view_agreement.h"
 #include "fitting/audit/view_sides.h"
 
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViewsRead = 3;
-constexpr std::size_t kAllOrders = 5;       ///< views up to which all permutations are tested
-constexpr std::size_t kMostViewsRead = 12;  ///< with more views, the others outvote two
 /// Cost of an entry up to which no hypothesis is tested. For synthetic people (4 px of noise) it is 0.04 to 0.07 with
 /// rings and PHSPD's cameras, 0.11 with Human3.6M's more distant ones. In a ring of four with two opposite cameras
-/// exchanged it is 0.11 to 0.13, and 0.06 after correction.
+/// exchanged it is 0.11 to 0.13, and 0.06 after correction. Source: synthetic people before rings, PHSPD's and
+/// Human3.6M's cameras
 constexpr double kAgreeing = 0.04;
 constexpr double kBetterHypothesis = 0.7;  ///< of the cost as given, for exchanged files and for images that are all
                                            ///< mirrored
@@ -29,10 +28,13 @@ constexpr double kViewsDisagree = 0.08;    ///< cost from which single views and
 constexpr double kMuchBetterHypothesis = 0.45;  ///< of the cost, for these
 /// Share of a view's entries that must match a body when mirrored, where the remaining cost is of people that no other
 /// view observes. It is 0.50 to 0.72 for each camera of the Pose2Sim trials, whose bystanders cost 0.36 to 0.43. There
-/// no other hypothesis gains a tenth of the cost; none does for the trials as given.
+/// no other hypothesis gains a tenth of the cost; none does for the trials as given. Source: Pose2Sim trials
 constexpr double kMirrorGain = 0.4;
-constexpr double kEqualCostRatio = 1.15;       ///< costs within this ratio are equal,
-constexpr double kEqualCostDifference = 1e-3;  ///< or within this difference
+/// Ratio of two costs that count as equal.
+constexpr double kEqualCostRatio = 1.15;
+/// Cost; or with this difference.
+constexpr double kEqualCostDifference = 1e-3;
+/// Factor between the image size of the keypoints and the calibration's, each tested (numerical).
 constexpr std::array<double, 8> kUnitFactors = {0.25, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.5, 2.0, 3.0, 4.0};
 
 std::vector<std::size_t> AsGiven(std::size_t views) {
@@ -44,7 +46,7 @@ std::vector<std::size_t> AsGiven(std::size_t views) {
 void AddExchanges(std::size_t views, std::vector<RigHypothesis>& hypotheses) {
   RigHypothesis hypothesis;
   hypothesis.source = AsGiven(views);
-  if (views <= kAllOrders) {
+  if (views <= kViewsAllPermuted) {
     while (std::next_permutation(hypothesis.source.begin(), hypothesis.source.end())) hypotheses.push_back(hypothesis);
     return;
   }
@@ -237,7 +239,7 @@ std::size_t RigHypothesis::Displaced() const {
 
 RigHypotheses FindRigHypotheses(const std::vector<KeypointView>& views, const std::vector<std::string>& names,
                                 const std::vector<KnownLength>& lengths, double min_confidence, double sure) {
-  if (views.size() < kLeastViewsRead || views.size() > kMostViewsRead) return {};
+  if (views.size() < kLeastViewsAudited || views.size() > kMostViewsAudited) return {};
   const std::vector<KeypointView> some = AtSomeMoments(views, static_cast<int>(names.size()));
   if (some.empty()) return {};
   HypothesisScorer scorer(some, names, lengths, min_confidence);
@@ -282,7 +284,7 @@ std::vector<RigHypothesis> FindMirroredHypotheses(const std::vector<KeypointView
                                                   const std::vector<std::string>& names,
                                                   const std::vector<KnownLength>& lengths, double min_confidence,
                                                   double sure) {
-  if (views.size() > kMostViewsRead) return {};
+  if (views.size() > kMostViewsAudited) return {};
   const std::vector<KeypointView> some = AtSomeMoments(views, static_cast<int>(names.size()));
   if (some.empty()) return {};
   HypothesisScorer scorer(some, names, lengths, min_confidence);

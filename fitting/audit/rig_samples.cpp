@@ -11,9 +11,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kWorst_px = 120.0;  ///< cap on the error
-constexpr double kBehind_px = 1e6;
-constexpr int kSpans = 12;
+constexpr double kWorst_px = 120.0;  ///< cap on the error: beyond, a detection is an outlier
+constexpr int kSpans = 12;           ///< spans of a take in the report of residuals (numerical)
 
 double CostOfSquare(double square_px, double noise_px) {
   const double worst = kWorst_px * kWorst_px;

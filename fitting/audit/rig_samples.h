@@ -32,6 +32,8 @@ struct RigMoment {
   double time_s = 0.0;
 };
 
+inline constexpr int kFewestMoments = 8;  ///< moments; fewest for clocks, poses and sides
+
 /// First moments of takes of one rig that were joined in sequence, seconds, increasing. Empty: one take.
 using TakeStarts = std::vector<double>;
 

@@ -4,14 +4,13 @@
 #include <utility>
 
 #include "fitting/audit/camera_moves.h"
+#include "fitting/audit/rig_fault.h"
 
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViewsOfSides = 3;
-constexpr int kLeastMomentsOfSides = 8;
-/// Least share of the cost. Finds 40 of 40 views with exchanged sides and none of 240 correct ones
-/// (`bench_keypoint_rigs 40 5 sides=1 frames=45`, `60 5 frames=45` on four rigs).
+/// Share of the cost that the exchange must remove. Finds 40 of 40 views with exchanged sides and none of 240 correct
+/// ones. Source: bench_keypoint_rigs 40 5 sides=1 frames=45, and 60 5 frames=45 on four rigs
 constexpr double kExplained = 0.1;
 
 }  // namespace
@@ -19,7 +18,7 @@ constexpr double kExplained = 0.1;
 std::optional<SidesThroughout> FindSidesThroughout(const RigSamples& samples, const RigModel& model,
                                                    const std::vector<double>& cost, double sure,
                                                    const TriangulationOptions& options) {
-  if (samples.views() < kLeastViewsOfSides || samples.count() < kLeastMomentsOfSides) return {};
+  if (samples.views() < kLeastViewsAudited || samples.count() < kFewestMoments) return {};
   std::vector<SidesThroughout> all;
   for (std::size_t v = 0; v < samples.views(); ++v) {
     if (model.sides_exchanged[v]) continue;

@@ -7,9 +7,8 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMomentsCompared = 24;
+constexpr std::size_t kMomentsCompared = 24;  ///< moments, evenly spread over the take (numerical)
 constexpr double kFarOff = 0.1;  ///< of a person's extent: distance from the rays at which an entry has the full cost
-constexpr int kLeastKeypointsAgreeing = 4;
 
 /// A view's frames nearest to the moments.
 KeypointView FramesAt(const KeypointView& view, const std::vector<double>& moments, int keypoints) {
@@ -48,8 +47,7 @@ double CostOfAgreement(const std::vector<RigView>& rig, int frame, const std::ve
   std::vector<Sight> entries;
   for (std::size_t v = 0; v < rig.size(); ++v) {
     for (int p = 0; p < rig[v].people; ++p) {
-      if (rig[v].seen[rig[v].Entry(frame, p)] >= kLeastKeypointsAgreeing)
-        entries.push_back({static_cast<int>(v), frame, p});
+      if (rig[v].seen[rig[v].Entry(frame, p)] >= kLeastKeypoints) entries.push_back({static_cast<int>(v), frame, p});
     }
   }
   if (entries.empty()) return 0.0;
@@ -58,9 +56,9 @@ double CostOfAgreement(const std::vector<RigView>& rig, int frame, const std::ve
     if (sights.size() < 3 && rig.size() > 3) continue;  // two views agree on a person by chance
     const BodyPoints body = NearestBody(rig, sights);
     for (const Sight& sight : sights) {
-      const double off = EntryDistance(rig[static_cast<std::size_t>(sight.view)], sight.frame, sight.person, body,
-                                       kLeastKeypointsAgreeing) /
-                         body.extent;
+      const double off =
+          EntryDistance(rig[static_cast<std::size_t>(sight.view)], sight.frame, sight.person, body, kLeastKeypoints) /
+          body.extent;
       cost -= std::max(0.0, 1.0 - off / kFarOff);
       share += 1.0 / static_cast<double>(entries.size());
     }

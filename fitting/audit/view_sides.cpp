@@ -6,16 +6,16 @@
 #include <cstdint>
 #include <utility>
 
+#include "fitting/audit/rig_fault.h"
 #include "fitting/audit/rig_samples.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kViewChangeCost = 4.0;
-constexpr double kExchangedViewCost = 0.05;  ///< of a frame
-constexpr double kMostDetectionCost = 6.0;   ///< cap on the cost of a detection: beyond it is an outlier
-constexpr double kMostOfFrame = 12.0;        ///< cap on a frame: its detections have common errors
-constexpr std::size_t kLeastViewsOfPoint = 3;
+constexpr double kViewChangeCost = 4.0;      ///< cost (negative log likelihood) of a change of state
+constexpr double kExchangedViewCost = 0.05;  ///< cost of an exchanged frame
+constexpr double kMostDetectionCost = 6.0;   ///< cost of a detection, at most: beyond it is an outlier
+constexpr double kMostOfFrame = 12.0;        ///< cost of a frame, at most: its detections have common errors
 
 using Pair = std::pair<std::size_t, std::size_t>;
 
@@ -108,7 +108,7 @@ std::vector<SideExchange> FindSideExchanges(const std::vector<ViewKeypoints>& vi
                                             const std::vector<std::string>& names, double noise_px,
                                             double least_margin) {
   std::vector<SideExchange> exchanges;
-  if (views.size() < kLeastViewsOfPoint) return exchanges;
+  if (views.size() < kLeastViewsAudited) return exchanges;
   const int frames = points.positions.frames;
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (const auto& [limb, parts] : PartsOfLimbs()) {

@@ -18,13 +18,14 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSettled = 1e-3;  ///< m; mean joint movement at convergence, well below the error of the body
-constexpr int kWideMatchings = 4;  ///< matchings with a widened distance limit
-constexpr int kSolverSteps = 4;    ///< between two matchings
-constexpr double kRelativeTolerance = 1e-4;
-constexpr double kComparedSigma = 0.01;   ///< m; standard deviation for comparisons: error of a capsule body
-constexpr double kAllowedOverlap = 0.05;  ///< m by which a thigh and the chest or an arm may overlap
-constexpr int kPlacesOfLeg = 5;           ///< sampled points on each capsule of a leg
+/// m; mean joint movement at convergence, well below the error of the body (numerical).
+constexpr double kSettled = 1e-3;
+constexpr int kWideMatchings = 4;            ///< matchings with a widened distance limit (numerical)
+constexpr int kSolverSteps = 4;              ///< steps between two matchings (numerical)
+constexpr double kRelativeTolerance = 1e-4;  ///< relative change of the cost that ends a solve (numerical)
+constexpr double kComparedSigma = 0.01;      ///< m; standard deviation for comparisons: error of a capsule body
+constexpr double kAllowedOverlap = 0.05;     ///< m by which a thigh and the chest or an arm may overlap
+constexpr int kPlacesOfLeg = 5;              ///< sampled points on each capsule of a leg (numerical)
 
 /// The chest and all its descendants: neck, head and arms. (J)
 std::vector<bool> UpperBody(const Skeleton& skeleton, const Limbs& limbs) {

@@ -10,10 +10,9 @@
 namespace mocurate {
 namespace {
 
-constexpr int kShapeRounds = 3;
+constexpr int kShapeRounds = 3;             ///< rounds of matching and solving (numerical)
 constexpr double kPointError = 0.015;       ///< m, of a patch of points to a capsule of the right shape
 constexpr double kShapePatchPoints = 10.0;  ///< points that share this error
-constexpr double kUnknownFactor = 3.0;      ///< factor on the prior when the person's shape is unknown
 constexpr double kUsualOffset = 0.006;      ///< m, standard deviation of an end from the template's
 constexpr double kUsualRadius = 0.003;      ///< m, standard deviation of a radius
 constexpr double kThinnest = 0.5;           ///< of the radius before, at least
@@ -64,7 +63,7 @@ double SharePosesInError(double pose_variance, double usual, Sums& sums) {
 double FitCapsuleOffsets(const std::vector<FusedCloud>& clouds, const PoseState& state, const std::vector<int>& frames,
                          double max_distance, const std::vector<double>& pose_variance, CapsuleBody& body) {
   double left = 1.0;
-  const double unknown = body.skeleton->shape == BodyShape{} ? kUnknownFactor : 1.0;
+  const double unknown = body.skeleton->shape == BodyShape{} ? kUnknownShape : 1.0;
   const double weight = 1.0 / (kShapePatchPoints * kPointError * kPointError * std::max<double>(1.0, frames.size()));
   std::vector<Change> changed(body.capsules.size(), Change::Zero());
   for (int round = 0; round < kShapeRounds; ++round) {

@@ -9,12 +9,9 @@
 namespace mocurate {
 namespace {
 
-/// Factor on the errors when the body shape is unknown (a given height, a tracker's own points, other skeletons), so
-/// that the template's is used.
-constexpr double kUnknownShape = 3.0;
-
-/// For joints without an entry.
+/// m, standard deviation per axis of joints without an entry in kBodyErrors. Source: bench_fit_clouds
 constexpr double kBodyError = 0.0044;
+/// m, standard deviation per axis of joints on a body from clouds, left and right ones alike. Source: bench_fit_clouds
 constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0024},
                                                                          {"spine1", 0.0023},
                                                                          {"spine2", 0.0022},

@@ -14,6 +14,10 @@ inline CapsuleEnds EndsOf(const BodyCapsule& capsule, const PoseState& state, in
                 state.position(frame, capsule.end_joint));
 }
 
+/// Factor on the usual deviations from the template when the body shape is unknown (a given height, a tracker's own
+/// points, other skeletons), so that the template's is used. Source: bench_fit_clouds
+inline constexpr double kUnknownShape = 3.0;
+
 /// (J) usual error of this body's joints for the person whose surface was fitted, standard deviation per axis, metres.
 /// For size and shape from clouds (FitShape), or, when the skeleton's shape is unknown, for the template scaled to one
 /// height. Measured on synthetic people with other body shapes (`bench_fit_clouds`). 0 where the rule is off.

@@ -10,7 +10,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kVoxelsBetween = 2.5;  ///< voxel sizes between neighbours of a thinned cloud
+constexpr double kVoxelsBetween = 2.5;  ///< voxels between neighbours of a thinned cloud, at most
 
 }  // namespace
 

@@ -11,7 +11,7 @@ namespace mocurate {
 namespace {
 
 constexpr double kNormalPenalty = 0.04;  ///< m added to the distance of a surface with another normal, per (1 - cosine)
-constexpr double kLeastSurfaceSigma = 0.003;  ///< m
+constexpr double kLeastSurfaceSigma = 0.003;  ///< m; standard deviation of distances to the surface, at least
 constexpr double kPriorPoints = 200.0;        ///< points that the previous radius counts as
 
 /// Bounding ball of a capsule.

@@ -15,11 +15,9 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFramesOfClip = 9;          ///< per clip, evenly spaced
-constexpr std::size_t kPosedClouds = 16;  ///< clouds for a body with known poses, at most
-constexpr int kFewestPosedPoints = 100;
-constexpr double kScaleOfTracks = 0.04;  ///< standard deviation of the logarithm of a size from tracks
-constexpr double kNearPosesShare = 0.5;  ///< of the points within reach of the body; fewer show another person
+constexpr int kFramesOfClip = 9;          ///< frames per clip, evenly spaced (numerical)
+constexpr std::size_t kPosedClouds = 16;  ///< clouds for a body with known poses, at most (numerical)
+constexpr double kScaleOfTracks = 0.04;   ///< log scale; standard deviation of a size from tracks
 
 Expected<std::vector<FusedCloud>> SomeCloudsOf(const Clip& clip, const PointCloudOptions& options) {
   DepthRigReport report;
@@ -95,7 +93,7 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
   for (std::size_t i = 0, of_clip = 0; i < some->clouds.size(); ++i) {
     of_clip = i > 0 && some->clip[i] == some->clip[i - 1] ? of_clip + 1 : 0;
     const bool is_posed = some->frame[i] < motions[some->clip[i]].frame_count();
-    if (is_posed && some->clouds[i].size() >= kFewestPosedPoints) usable.emplace_back(of_clip, i);
+    if (is_posed && some->clouds[i].size() >= kFewestPoints) usable.emplace_back(of_clip, i);
   }
   std::sort(usable.begin(), usable.end());
   ShapedPerson person;
@@ -113,9 +111,9 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
     all += some->clouds[i].size();
     clouds.push_back(std::move(some->clouds[i]));
   }
-  if (near < kNearPosesShare * all || clouds.empty()) {
+  if (near < kNearBodyShare * all || clouds.empty()) {
     return Fail(ErrorCode::kInconsistent,
-                clouds.empty() ? "no depth image shows " + std::to_string(kFewestPosedPoints) +
+                clouds.empty() ? "no depth image shows " + std::to_string(kFewestPoints) +
                                      " points of the person at the times of the other evidence"
                                : "only " + std::to_string(std::lround(100.0 * near / all)) +
                                      " % of the depth points lie near the body of the other evidence",

@@ -9,6 +9,7 @@
 #include "core/base/text.h"
 #include "fitting/audit/cameras_in_one_place.h"
 #include "fitting/audit/confidence.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/inconsistent_views.h"
 #include "fitting/clouds/observed_rig.h"
 #include "fitting/clouds/rig_clocks.h"
@@ -24,14 +25,13 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestSamples = 6;       ///< fewest comparisons for an audit
-constexpr std::size_t kMostViewsTimed = 12;     ///< most views for clock estimation
-constexpr double kLeastMoveGain = 0.08;         ///< of the loss, by a move of kLeastMove; proportional for longer moves
+constexpr std::size_t kFewestSamples = 6;  ///< fewest comparisons for an audit
+/// Share of the loss that a move of kLeastMove must remove; proportional for longer moves.
+constexpr double kLeastMoveGain = 0.08;
 constexpr double kSureGain = 0.3;               ///< of the loss: gain that suffices for any move
 constexpr double kFewerMoves = 0.15;            ///< of the gain: a solution with one moved camera may be worse by this
                                                 ///< share
 constexpr double kInconsistentViewsLoss = 0.2;  ///< loss from which corrected views may still show something else
-constexpr double kLeastMove = 0.008;            ///< m at the person
 constexpr double kPersonRadius = 0.45;          ///< m; converts a rotation to a displacement
 
 class DepthAuditor {
@@ -211,7 +211,7 @@ class DepthAuditor {
   /// Applies the clock or the poses that explain most of the remaining loss; false without an improvement.
   Expected<bool> Improve() {
     std::optional<ClockOffsetOfView> clock;
-    if (options_.clocks != AuditAction::kOff && delay_.size() <= kMostViewsTimed && sampler_.step_s() > 0.0) {
+    if (options_.clocks != AuditAction::kOff && delay_.size() <= kMostViewsAudited && sampler_.step_s() > 0.0) {
       const auto longest = static_cast<int>(std::min(options_.longest_s / sampler_.step_s(), 1e4));
       auto found = FindClockOffset(sampler_, delay_, cameras_, longest, options_.sure);
       if (!found) return Forward(found);
@@ -332,7 +332,7 @@ class DepthAuditor {
     const double loss = MeanLoss(both.second);
     const double left = 1.0 - std::min(kLeastMoveGain * move / kLeastMove, kSureGain);
     if (loss > kInconsistentViewsLoss || loss > left * MeanLoss(both.first)) return false;
-    if (delay_.size() > kMostViewsTimed || sampler_.together() < 2) return true;
+    if (delay_.size() > kMostViewsAudited || sampler_.together() < 2) return true;
     if (by_clock < 0.0) {
       const Expected<double> least = LeastLossBetweenFrames(sampler_, delay_, without, v);
       if (!least) return Forward(least);

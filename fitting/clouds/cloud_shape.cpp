@@ -18,14 +18,15 @@
 namespace mocurate {
 namespace {
 
-constexpr int kUnknowns = 1 + kShapeComponents;  ///< logarithm of the scale, then the shape
-constexpr int kShapeRounds = 10;
-constexpr double kSettledStep = 0.02;     ///< standard deviations; shorter steps end the search
-constexpr double kLongestStep = 1.0;      ///< standard deviations per round
-constexpr double kLargestScaling = 0.05;  ///< of the logarithm of the scale, per round
-constexpr double kShapeSigma = 0.01;      ///< m; error of capsules with the right shape
-constexpr double kErrorsShared = 0.25;    ///< weight: capsules of a limb share shape errors
-constexpr double kTinyStep = 1e-3;        ///< of finite differences
+constexpr int kUnknowns = 1 + kShapeComponents;  ///< logarithm of the scale, then the shape (numerical)
+constexpr int kShapeRounds = 10;                 ///< Gauss-Newton steps, at most (numerical)
+constexpr double kSettledStep = 0.02;            ///< standard deviations; shorter steps end the search (numerical)
+constexpr double kLongestStep = 1.0;             ///< standard deviations per round, at most (numerical)
+constexpr double kLargestScaling = 0.05;         ///< log scale; largest change per round (numerical)
+constexpr double kShapeSigma = 0.01;             ///< m; error of capsules with the right shape
+constexpr double kErrorsShared = 0.25;           ///< weight: capsules of a limb share shape errors
+/// Standard deviations and log scale; step of finite differences (numerical).
+constexpr double kTinyStep = 1e-3;
 
 using ShapeUnknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Information = Eigen::Matrix<double, kUnknowns, kUnknowns>;

@@ -17,25 +17,30 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestPoints = 100;     ///< fewest points of a cloud that enters the size estimate
-constexpr std::size_t kClouds = 5;     ///< clouds in which bodies are posed, spread over all heights
+constexpr std::size_t kClouds = 5;     ///< clouds in which bodies are posed, spread over all heights (numerical)
 constexpr std::size_t kFewClouds = 3;  ///< up to this number of clouds, the person may squat or be partly visible in
                                        ///< all
-/// Factors on the scale from the height, with several clouds: raised arms, standing, sitting.
+/// Factors on the scale from the height, with several clouds: raised arms, standing, sitting (numerical).
 constexpr std::array<double, 3> kStartFactors = {0.85, 1.0, 1.3};
+/// Factor on the scale from the height, up to kFewClouds clouds (numerical).
 constexpr std::array<double, 7> kFactorsOfFew = {0.85, 0.92, 1.0, 1.08, 1.16, 1.28, 1.45};
-constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};  ///< scales of adults
-constexpr std::size_t kLimbsOfScales = 4;                                 ///< cheapest scales, refined by a limb search
+/// Factor on the rest skeleton: scales of adults (numerical).
+constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};
+/// Scales with the lowest cost, refined by a limb search (numerical).
+constexpr std::size_t kLimbsOfScales = 4;
 /// Factors on the best scale of stances: with arms in front of the chest it was 3 to 9 % too large (`synthesize
 /// --layout rendered_seq --seed 6001 --set subjects=24`, p13 and p16).
 constexpr std::array<double, 3> kFactorsOfLimbs = {0.93, 1.0, 1.07};
-constexpr double kMuchWorse = 1.3;  ///< cost per point relative to the cloud with the lowest cost
+/// Cost per point relative to the cloud with the lowest cost: its pose is started again.
+constexpr double kMuchWorse = 1.3;
 constexpr const char* kWork = "size of a person in depth views";
-constexpr int kRadiusFits = 3;      ///< fits of poses, with radii estimated in between
-constexpr double kWideStep = 0.03;  ///< of the logarithm of the scale
-constexpr double kNarrowStep = 0.015;
-constexpr int kSteps = 12;              ///< steps of the descent, at most
-constexpr double kStraightLegs = 0.97;  ///< height of a hip above its ankle as a share of thigh and shin
+/// Fits of poses, with radii estimated in between (numerical).
+constexpr int kRadiusFits = 3;
+constexpr double kWideStep = 0.03;     ///< log scale; first step of the descent (numerical)
+constexpr double kNarrowStep = 0.015;  ///< log scale; first step of the descent after the limb search (numerical)
+constexpr int kSteps = 12;             ///< steps of the descent, at most (numerical)
+/// Share of thigh and shin: height of a hip above its ankle from which a leg is straight.
+constexpr double kStraightLegs = 0.97;
 
 /// A body size and the best poses in some clouds.
 struct PosedSize {

@@ -14,12 +14,15 @@
 namespace mocurate {
 namespace {
 
-constexpr int kHeadings = 8;                                               ///< initial headings, evenly spaced
-constexpr std::array<double, 4> kAboutTheFacing = {-0.6, -0.2, 0.2, 0.6};  ///< rad, relative to a given facing
+/// Initial headings, evenly spaced (numerical).
+constexpr int kHeadings = 8;
+/// rad relative to a given facing: initial headings (numerical).
+constexpr std::array<double, 4> kAboutTheFacing = {-0.6, -0.2, 0.2, 0.6};
 constexpr double kFacingError = 1.4;  ///< rad; larger deviations from the given facing contradict it
 constexpr double kTaller = 1.35;      ///< ratio of the heights of stance and points, above which a part is hidden
+/// Factor on the distance limit of the matches (numerical).
 constexpr double kWidening = 2.0;
-constexpr std::size_t kFinalists = 6;
+constexpr std::size_t kFinalists = 6;  ///< starts that the last round refines, at most (numerical)
 constexpr double kSameHeading = 0.6;   ///< rad; finalists differ by more, or started with other legs
 constexpr double kOtherHeading = 1.6;  ///< rad; from here the opposite direction
 
@@ -29,6 +32,7 @@ struct Round {
   int matchings;
   double kept;
 };
+/// Rounds of the search: points, matchings per start, share of the starts that continues (numerical).
 constexpr std::array<Round, 2> kStartRounds = {{{300, 6, 0.4}, {600, 15, 1.0}}};
 
 enum class Legs { kStanding, kLeftStep, kRightStep, kSquatting, kSeated };
@@ -38,6 +42,7 @@ struct Stance {
   Legs legs;
   Arms arms;
 };
+/// Stances of the first pose, each tried in every heading (numerical).
 constexpr std::array<Stance, 12> kStances = {{{Legs::kStanding, Arms::kDown},
                                               {Legs::kStanding, Arms::kOut},
                                               {Legs::kStanding, Arms::kUp},

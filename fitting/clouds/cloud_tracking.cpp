@@ -16,18 +16,17 @@
 namespace mocurate {
 namespace {
 
-constexpr int kRadiusRounds = 4;
-constexpr int kFewestTrackedPoints = 100;
-constexpr double kPoor = 1.15;        ///< cost per point relative to the clip's median, from which a frame is fitted
-                                      ///< again
+constexpr int kRadiusRounds = 4;  ///< rounds of matching that estimate the radii (numerical)
+/// Factor on the clip's median cost per point, from which a frame is fitted again.
+constexpr double kPoor = 1.15;
 constexpr double kBetterPose = 0.98;  ///< of the cost before; otherwise the pose stays
-constexpr double kLost = 3.0;         ///< cost per point relative to the clip's median, from which the person is lost
-constexpr double kLostCost = 0.3;     ///< cost per point, at least; it is 0.1 to 0.2 for a correct pose of a body that
-                                      ///< differs from capsules
-constexpr double kFound = 0.7;        ///< of the cost before, for a pose that is found again
-constexpr double kNear_s = 0.5;       ///< distance from a frame that was searched
-constexpr int kSearches = 6;          ///< per clip, at most: one takes about as long as 20 frames
-constexpr double kAnyPose_s = 0.4;    ///< time without points after which a limb may have any pose
+constexpr double kLost = 3.0;         ///< factor on the clip's median cost per point, from which the person is lost
+/// Cost per point, at least. Source: correct fits of bodies that differ from capsules (0.1 to 0.2)
+constexpr double kLostCost = 0.3;
+constexpr double kFound = 0.7;      ///< of the cost before, for a pose that is found again
+constexpr double kNear_s = 0.5;     ///< distance from a frame that was searched
+constexpr int kSearches = 6;        ///< per clip, at most: one takes about as long as 20 frames (numerical)
+constexpr double kAnyPose_s = 0.4;  ///< time without points after which a limb may have any pose
 
 /// Alternates radii and pose of a frame.
 Status MeasureRadii(int frame, const PointCloudOptions& options, CloudTrack& track) {
@@ -114,7 +113,7 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
   int last = first;
   for (int f = first + 1; f < track.state.frames(); ++f) {
     track.state.SetFrameParameters(f, track.state.FrameParameters(last));
-    if (track.clouds[f].size() < kFewestTrackedPoints) continue;
+    if (track.clouds[f].size() < kFewestPoints) continue;
     if (Status on = StopIfInterrupted("fit of depth views"); !on) return on;
     Predict(before, last, f, time_s, options.max_distance, track);
     // Across a gap the fixed frame repeats `last`; the process noise uses the time since then.
@@ -299,10 +298,10 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
                                  const PointCloudOptions& options) {
   const auto frames = static_cast<int>(clouds.size());
   int first = 0;
-  while (first < frames && clouds[first].size() < kFewestTrackedPoints) ++first;
+  while (first < frames && clouds[first].size() < kFewestPoints) ++first;
   if (first == frames) {
-    return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestTrackedPoints) + " points",
-                "depth views", "check depth_unit and the cameras");
+    return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestPoints) + " points", "depth views",
+                "check depth_unit and the cameras");
   }
   CapsuleBody body = CapsuleBody::Make(skeleton, BodyScale(*skeleton, bone_length), options.capsule_radius_scale);
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());

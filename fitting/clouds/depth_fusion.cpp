@@ -19,11 +19,11 @@
 namespace mocurate {
 namespace {
 
-constexpr int kHalfWindow = 2;           ///< pixels on each side, for normals
+constexpr int kHalfWindow = 2;           ///< pixels on each side, for normals (numerical)
 constexpr double kFewestOfWindow = 0.6;  ///< share of the window that must lie on the surface; else the pixel is an
                                          ///< outlier
 constexpr double kSurface = 0.04;        ///< m in depth; farther neighbours are of another surface
-constexpr double kPixelsPerVoxel = 2.0;  ///< sampled pixels per voxel, along each axis
+constexpr double kPixelsPerVoxel = 2.0;  ///< pixels sampled per voxel, along each axis (numerical)
 
 /// Sets pixels outside the mask to not measured.
 Status ApplyMask(const DepthView& view, int frame, DepthImage& image) {
@@ -126,7 +126,7 @@ std::optional<LocalPlane> PlaneAt(const DepthImage& image, double metres_per_uni
       r += inverse, rx += dx * inverse, ry += dy * inverse;
     }
   }
-  constexpr int kWindow = (2 * kHalfWindow + 1) * (2 * kHalfWindow + 1);
+  constexpr int kWindow = (2 * kHalfWindow + 1) * (2 * kHalfWindow + 1);  ///< pixels of the window (numerical)
   if (n < kFewestOfWindow * kWindow) return std::nullopt;
   // Relative to the mean offset.
   const double xx = n * sxx - sx * sx, xy = n * sxy - sx * sy, yy = n * syy - sy * sy;

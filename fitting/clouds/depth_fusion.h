@@ -20,6 +20,8 @@ struct FusedCloud {
   int size() const { return static_cast<int>(points.cols()); }
 };
 
+inline constexpr int kFewestPoints = 100;  ///< points; fewest of a cloud to which a body is fitted
+
 /// `hash`: of the file at ingestion, or empty. Error kInconsistent if it differs.
 Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash);
 

@@ -12,8 +12,8 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestNeighbours = 6;
-constexpr double kStrayShare = 0.3;  ///< of the usual number of neighbours
+constexpr std::size_t kFewestNeighbours = 6;  ///< points for a plane; with fewer in the radius, the nearest ones
+constexpr double kStrayShare = 0.3;           ///< of the usual number of neighbours
 
 /// Normal of the plane through some points, up rather than down.
 Vector3d PlaneNormal(const Eigen::Matrix3Xd& cloud, const std::vector<int>& points) {

@@ -22,7 +22,8 @@ namespace {
 
 constexpr double kObservingArea = 0.0023;  ///< m^2 of points on a joint's capsules from which it is observed
 constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone: the part that counts to the joint
-constexpr double kNotableRoom = 0.02;      ///< share of the points, from which a finding is written
+constexpr double kNotableRoom = 0.02;      ///< share of the points of floor and walls, from which a finding is written
+/// Share of the points far from the body, from which a finding is written.
 constexpr double kNotableFar = 0.05;
 constexpr double kContradictingShare = 0.15;  ///< of the points, from which a given height is wrong
 constexpr double kHardlyEver = 0.1;           ///< share of the frames, up to which a limb counts as unobserved

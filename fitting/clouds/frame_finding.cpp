@@ -14,23 +14,26 @@
 namespace mocurate {
 namespace {
 
-/// Errors of `bench_fit_clouds 24 15 1311 DIR views=1` and 2, and of people who walked away from one camera to four
-/// metres: 0.87 to 0.91 came with 5 to 29 cm.
+// Errors where one side is seen, and of people who walked away from one camera to four metres: 0.87 to 0.91 came with
+// 5 to 29 cm. Source: bench_fit_clouds 24 15 1311 DIR views=1, and views=2
 constexpr double kMeanNormalOfTwoSides = 0.6;  ///< length of the mean normal, up to which no error is added
-constexpr double kMeanNormalOfOneSide = 0.76;  ///< of one view from 2.5 m
-constexpr double kOneSideError = 0.005;        ///< m, there
-constexpr double kOneSideExponent = 5.0;
-/// Points of three views of standing people cover 0.9 m^2, of one view 0.55. At 0.12 m^2 (a person half out of the
-/// views) a leg was fitted to the arm: pelvis and knee were 12 and 35 cm off.
-constexpr double kEnoughArea = 0.25;  ///< m^2, of a body of the rest skeleton's size
-constexpr double kPartArea = 0.12;    ///< m^2
-constexpr double kPartError = 0.1;    ///< m, there
-/// Edge of the voxels that these areas and kObservingArea were measured with.
+constexpr double kMeanNormalOfOneSide = 0.76;  ///< length of the mean normal of one view from 2.5 m
+constexpr double kOneSideError = 0.005;        ///< m; error there
+constexpr double kOneSideExponent = 5.0;       ///< exponent of the error beyond kMeanNormalOfTwoSides
+
+// Points of three views of standing people cover 0.9 m^2, of one view 0.55. At 0.12 m^2 (a person half out of the
+// views) a leg was fitted to the arm: pelvis and knee were 12 and 35 cm off. Source: fits of these views
+constexpr double kEnoughArea = 0.25;  ///< m^2 of visible surface of a body of the rest skeleton's size; below, error
+constexpr double kPartArea = 0.12;    ///< m^2 of visible surface of a person half out of the views
+constexpr double kPartError = 0.1;    ///< m; error there
+/// m; edge of the voxels that these areas and kObservingArea were measured with (numerical).
 constexpr double kCoverageCell = 0.03;
-/// Fits within 10 mm of the ground truth have residuals of 5.5 to 8.8 mm, wrong ones of 9.4 to 17.
-constexpr double kUsualResidual = 0.0075;  ///< m
-constexpr double kPoorResidual = 0.009;    ///< m, at least
-constexpr double kPoorAgainstBest = 1.5;   ///< factor on the first quartile of the clip
+
+// Fits within 10 mm of the ground truth have residuals of 5.5 to 8.8 mm, wrong ones of 9.4 to 17. Source: residuals of
+// right and wrong fits
+constexpr double kUsualResidual = 0.0075;  ///< m; residual of good fits
+constexpr double kPoorResidual = 0.009;    ///< m; residual of a wrong fit, at least
+constexpr double kPoorAgainstBest = 1.5;   ///< factor on the first quartile of the clip's residuals, at least
 
 }  // namespace
 

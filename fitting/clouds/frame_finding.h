@@ -28,7 +28,7 @@ inline double LowCoverageSigma(const FusedCloud& cloud, const PointCloudOptions&
   return options.rules.on(FittingRule::kLowCoverage) ? LowCoverageSigma(cloud, options.voxel_size, scale) : 0.0;
 }
 
-/// Error in metres from which no joint of the frame counts as observed.
+/// m; error from which no joint of the frame counts as observed.
 inline constexpr double kUnobservedError = 0.03;
 
 /// Codes of findings on frames with low coverage, and on frames with points far from the body.

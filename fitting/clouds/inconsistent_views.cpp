@@ -11,13 +11,13 @@
 namespace mocurate {
 namespace {
 
-constexpr double kInconsistentViewLoss = 0.25;  ///< loss that every comparison of the view must reach
-constexpr double kInconsistentViewConfidence = 0.9;
-constexpr std::size_t kMostMoved = 4;  ///< with more views than kFewViews
-constexpr std::size_t kLeastViews = 3;
+constexpr double kInconsistentViewLoss = 0.25;       ///< loss that every comparison of the view must reach
+constexpr double kInconsistentViewConfidence = 0.9;  ///< confidence of the finding, at least
+/// Views that may have been moved, at most, with more views than kFewViews (numerical).
+constexpr std::size_t kMostMoved = 4;
 /// Loss of the worst view of a few moments. Correct stills of rendered_body reach 0.054. With the depths of one camera
 /// a tenth wrong it is 0.18 to 0.49, with 2 % 0.20 to 0.40. With 5 % (surfaces often too far apart to be compared) it
-/// is 0.09 to 0.25.
+/// is 0.09 to 0.25. Source: stills of rendered_body
 constexpr double kMissing = 0.12;
 constexpr double kOddLoss = 1.3;  ///< of the median loss, from which one of many views may have been moved
 
@@ -117,7 +117,7 @@ std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views) {
 
 std::vector<RigFault> ContradictionOf(const std::vector<std::string>& cameras, const std::vector<double>& losses) {
   const double worst = losses.empty() ? 0.0 : *std::max_element(losses.begin(), losses.end());
-  if (cameras.size() < kLeastViews || worst < kMissing) return {};
+  if (cameras.size() < kLeastViewsAudited || worst < kMissing) return {};
   std::vector<RigFault> faults;
   for (std::size_t v = 0; v < cameras.size(); ++v) {
     RigFault fault;

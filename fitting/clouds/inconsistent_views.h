@@ -22,8 +22,7 @@ void ReportInconsistentViews(std::vector<RigFault> inconsistent_views, std::vect
 /// The views without those of corrected `faults` of FindInconsistentViews.
 std::vector<DepthView> WithoutInconsistentViews(std::vector<DepthView> views, const std::vector<RigFault>& faults);
 
-/// (V) views whose cameras may have been moved, by the mean loss of each: all but the best one; with more than
-/// kFewViews, only the outliers.
+/// Views up to which all but the best one may have been moved; with more, only the outliers (numerical).
 inline constexpr std::size_t kFewViews = 8;
 std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views);
 

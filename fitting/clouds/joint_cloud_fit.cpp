@@ -21,20 +21,20 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestCloudPoints = 100;
-constexpr int kShownFrames = 24;            ///< evenly spaced frames for the estimates of body shape and surface weight
-constexpr double kMinSurfaceWeight = 0.02;  ///< for clouds that contradict the tracks
-constexpr double kFarShare = 0.5;           ///< of the points within reach of the body; fewer show another person
+/// Evenly spaced frames for the estimates of body shape and surface weight (numerical).
+constexpr int kShownFrames = 24;
+constexpr double kMinSurfaceWeight = 0.02;  ///< weight of clouds that contradict the tracks, at least
 /// Factor on the variance of joints from a frame's information: bones and body shape come from the same noisy tracks,
-/// and their errors are common to all frames. Calibrated on synthetic clips (`bench_fit_clouds`, mix=1). Rotations do
-/// not need it: 80 and 97 % of them lie within one and two stated sigmas without it, 94 and 99.7 % with it.
+/// and their errors are common to all frames. Rotations do not need it: 80 and 97 % of them lie within one and two
+/// stated sigmas without it, 94 and 99.7 % with it. Source: bench_fit_clouds mix=1
 constexpr double kSharedErrors = 3.4;
-constexpr double kSmallestSigma = 1e-3;        ///< m
-constexpr double kContradictingSquare = 6.25;  ///< squared distance of three whitened components: nine of ten lie
-                                               ///< within
-constexpr double kMaxExcessShare = 2.0;        ///< factor on the template's usual variance: more is not due to body
-                                               ///< shape
-constexpr double kClear = 4.0;                 ///< factor on a joint's variance from which the modalities disagree
+/// m; standard deviation of an observed joint along any axis, at least (numerical).
+constexpr double kSmallestSigma = 1e-3;
+/// Chi square of three degrees of freedom, ninth decile. Source: chi-square distribution
+constexpr double kContradictingSquare = 6.25;
+constexpr double kMaxExcessShare = 2.0;  ///< factor on the template's usual variance: more is not due to body
+                                         ///< shape
+constexpr double kClear = 4.0;           ///< factor on a joint's variance from which the modalities disagree
 
 Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   return FromSixNumbers(values.data() + 6 * at);
@@ -188,7 +188,7 @@ Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clo
     near += static_cast<double>(MatchPoints(body, state, f, clouds[f], options.max_distance).size());
     all += clouds[f].size();
   }
-  if (near >= kFarShare * all) return {};
+  if (near >= kNearBodyShare * all) return {};
   return Fail(ErrorCode::kInconsistent,
               "only " + std::to_string(std::lround(100.0 * near / all)) +
                   " % of the depth points lie near the body of the joint tracks",
@@ -212,8 +212,8 @@ void ReportDisagreement(const std::vector<double>& factor, FitResult& result) {
 }
 
 void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result) {
-  const auto without = std::count_if(clouds.begin(), clouds.end(),
-                                     [](const FusedCloud& cloud) { return cloud.size() < kFewestCloudPoints; });
+  const auto without =
+      std::count_if(clouds.begin(), clouds.end(), [](const FusedCloud& cloud) { return cloud.size() < kFewestPoints; });
   if (without == 0) return;
   Finding finding;
   finding.code = "frames_without_depth";
@@ -242,7 +242,7 @@ std::vector<Vector3d> RotationsOfMeasuredBody(const Motion& motion) {
 std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
   std::vector<int> with_points;
   for (std::size_t f = 0; f < clouds.size(); ++f) {
-    if (clouds[f].size() >= kFewestCloudPoints) with_points.push_back(static_cast<int>(f));
+    if (clouds[f].size() >= kFewestPoints) with_points.push_back(static_cast<int>(f));
   }
   const auto available = static_cast<int>(with_points.size());
   const int count = std::min(available, kShownFrames);
@@ -300,9 +300,8 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   PoseState state = StateOf(motion, body);
   const std::vector<int> shown = ShownFrames(clouds);
   if (shown.empty()) {
-    return Fail(ErrorCode::kInconsistent,
-                "no frame has " + std::to_string(kFewestCloudPoints) + " points of the person", "depth views",
-                "check depth_unit, cameras and masks, or set fitting.method to joint_tracks");
+    return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestPoints) + " points of the person",
+                "depth views", "check depth_unit, cameras and masks, or set fitting.method to joint_tracks");
   }
   if (Status one = CheckBothShowOne(motion, clouds, shown, body, state, options); !one) return Forward(one);
   const std::vector<bool> known = KnownJoints(motion);
@@ -326,7 +325,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   std::vector<double> residuals;
   int unsettled = 0;
   for (int f = 0; f < motion.frame_count(); ++f) {
-    if (clouds[f].size() < kFewestCloudPoints) continue;
+    if (clouds[f].size() < kFewestPoints) continue;
     if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
     const FrameFit fit{
         f, {}, 1.0, static_cast<int>(options.iterations), JointObservationsOf(motion, f, factor), *surface_weight};

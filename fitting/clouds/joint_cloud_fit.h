@@ -11,6 +11,9 @@
 
 namespace mocurate {
 
+/// Share of the points that must lie near a body with known poses; fewer show another person.
+inline constexpr double kNearBodyShare = 0.5;
+
 /// Fits joint tracks and depth views of one clip in one problem per frame. `tracks` is the fit of the tracks alone with
 /// its uncertainty: the initial pose, and observations of its joints with their covariances. The body shape is first
 /// fitted to all clouds (one per frame) in the tracks' poses, so that shape errors count only once. The surface weight

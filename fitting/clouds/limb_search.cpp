@@ -8,10 +8,10 @@
 namespace mocurate {
 namespace {
 
-constexpr int kRounds = 3;               ///< over all limbs, at most
-constexpr int kRankedPoints = 600;       ///< points used to rank poses
-constexpr std::size_t kRefined = 3;      ///< best poses of a limb, fitted with the whole body
-constexpr int kFewMatchings = 12;        ///< matchings before costs are compared
+constexpr int kRounds = 3;               ///< over all limbs, at most (numerical)
+constexpr int kRankedPoints = 600;       ///< points used to rank poses (numerical)
+constexpr std::size_t kRefined = 3;      ///< best poses of a limb, fitted with the whole body (numerical)
+constexpr int kFewMatchings = 12;        ///< matchings before costs are compared (numerical)
 constexpr double kApart = 0.12;          ///< m; least distance between the limb ends of two fitted poses
 constexpr double kLessToExplain = 0.99;  ///< of the cost before; otherwise the limb stays
 

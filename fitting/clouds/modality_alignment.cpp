@@ -15,12 +15,12 @@ namespace {
 constexpr double kAlignmentScale = 0.03;   ///< m, of the robust loss: beyond, a point is an outlier
 constexpr double kFarApart = 0.15;         ///< m; people farther apart are first moved to the same position
 constexpr double kBodyPatchPoints = 10.0;  ///< points that share an error of the body
-constexpr int kAlignmentRounds = 8;
-constexpr int kWideRounds = 4;  ///< rounds with a wider reach
-constexpr double kWide = 3.0;
-constexpr double kUsualMove = 0.5;      ///< m; standard deviation of the prior on the translation
-constexpr double kUsualRotation = 0.3;  ///< rad, likewise
-constexpr double kUsualDelay = 0.25;    ///< s, likewise
+constexpr int kAlignmentRounds = 8;        ///< Gauss-Newton steps, at most (numerical)
+constexpr int kWideRounds = 4;             ///< rounds with a wider reach (numerical)
+constexpr double kWide = 3.0;              ///< factor on the reach, in the first of these rounds (numerical)
+constexpr double kUsualMove = 0.5;         ///< m; standard deviation of the prior on the translation
+constexpr double kUsualRotation = 0.3;     ///< rad; likewise, on the rotation
+constexpr double kUsualDelay = 0.25;       ///< s; likewise, on the delay
 
 /// Translation and rotation about the centre of the person, and delay.
 using Unknowns = Eigen::Matrix<double, 7, 1>;
@@ -163,6 +163,7 @@ class Aligner {
 
 /// Initial delay in whole frames: the one with the lowest loss, or 0 without a clear minimum.
 double FirstDelay(const Aligner& aligner, const Placement& placement, double step_s, double longest_s, double reach) {
+  /// Share of the loss without a delay, at most: otherwise the search starts at no delay.
   constexpr double kClearly = 0.95;
   const int most = static_cast<int>(longest_s / step_s);
   const int stride = std::max(1, most / 8);

@@ -10,13 +10,15 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFramesPerGroup = 10;
-constexpr int kFewestGroups = 4;  ///< with two views as many as possible: each is one comparison
-constexpr int kMostGroups = 6;
-constexpr std::size_t kMostSurfaces = 120;    ///< views times moments
-constexpr std::size_t kViewsAllCompared = 6;  ///< with more views, only neighbouring ones are compared
+constexpr int kFramesPerGroup = 10;  ///< frames of a clip for each group of moments (numerical)
+/// Groups of moments; with two views as many as possible: each is one comparison (numerical).
+constexpr int kFewestGroups = 4;
+constexpr int kMostGroups = 6;                ///< groups of moments, at most (numerical)
+constexpr std::size_t kMostSurfaces = 120;    ///< surfaces, views times moments, at most (numerical)
+constexpr std::size_t kViewsAllCompared = 6;  ///< with more views, only neighbouring ones are compared (numerical)
+/// Views, the nearest ones, with which each of more views is compared (numerical).
 constexpr std::size_t kPartners = 4;
-constexpr double kVoxel = 0.025;
+constexpr double kVoxel = 0.025;  ///< m; voxels of a view's surface (numerical)
 
 }  // namespace
 

@@ -15,21 +15,21 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLayer = 0.02;        ///< m, height bins
-constexpr double kLevelCosine = 0.85;  ///< cosine to the vertical from which a surface is level
-constexpr double kFloorArea = 0.4;     ///< m^2 within two bins: more than a person lying down
-constexpr double kFloorMargin = 0.02;
+constexpr double kLayer = 0.02;         ///< m; height of a bin (numerical)
+constexpr double kLevelCosine = 0.85;   ///< cosine to the vertical from which a surface is level
+constexpr double kFloorArea = 0.4;      ///< m^2 within two bins: more than a person lying down
+constexpr double kFloorMargin = 0.02;   ///< m above the floor: points removed with it
 constexpr double kUprightNormal = 0.5;  ///< cosine to the vertical, at most, of a wall point's normal
-constexpr double kUprightPlane = 0.15;
-constexpr double kWallReach = 0.05;   ///< m from a wall's plane: distant depth is noisy
-constexpr double kWallMargin = 0.12;  ///< m from a wall's plane: points removed with it
-constexpr double kWallArea = 1.0;     ///< m^2: more than a person's in one upright plane
-constexpr double kWallSide = 1.2;     ///< m, least visible extent of a wall in both directions
-constexpr double kPersonReach = 2.4;  ///< m, from the lowest to the highest point, or across extended arms
-constexpr int kMostWalls = 6;
-constexpr double kCell = 0.06;        ///< m; points in touching cells are connected
-constexpr double kNearPerson = 0.15;  ///< m from the person to another part of the person
-constexpr int kFewestOfPart = 10;     ///< points; smaller parts are stray
+constexpr double kUprightPlane = 0.15;  ///< cosine to the vertical, at most, of a wall's normal
+constexpr double kWallReach = 0.05;     ///< m from a wall's plane: distant depth is noisy
+constexpr double kWallMargin = 0.12;    ///< m from a wall's plane: points removed with it
+constexpr double kWallArea = 1.0;       ///< m^2: more than a person's in one upright plane
+constexpr double kWallSide = 1.2;       ///< m, least visible extent of a wall in both directions
+constexpr double kPersonReach = 2.4;    ///< m, from the lowest to the highest point, or across extended arms
+constexpr int kMostWalls = 6;           ///< walls that are removed, at most (numerical)
+constexpr double kCell = 0.06;          ///< m; points in touching cells are connected
+constexpr double kNearPerson = 0.15;    ///< m from the person to another part of the person
+constexpr int kFewestOfPart = 10;       ///< points; smaller parts are stray
 
 /// Height of the floor; empty without one.
 std::optional<double> FloorOfCloud(const FusedCloud& cloud, double voxel_size) {
@@ -79,8 +79,8 @@ std::vector<int> On(const Plane& plane, const FusedCloud& cloud, const std::vect
 /// The largest upright plane of some points, if larger than a person: RANSAC over three points with a fixed seed.
 /// Normals of noisy walls lean towards the camera, so only positions decide.
 std::optional<Plane> WallOf(const FusedCloud& cloud, const std::vector<int>& points, double voxel_size) {
-  constexpr int kDraws = 150;
-  constexpr std::size_t kCounted = 3000;
+  constexpr int kDraws = 150;             ///< draws of RANSAC (numerical)
+  constexpr std::size_t kCounted = 3000;  ///< points that count inliers, at most (numerical)
   std::vector<int> upright;
   for (const int i : points) {
     if (std::abs(cloud.normals(1, i)) < kUprightNormal) upright.push_back(i);

@@ -11,9 +11,12 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLeastClockGain = 0.04;  ///< of the loss
-constexpr double kBadLoss = 0.12;         ///< loss from which clocks are also searched farther away
+/// Share of the loss that a clock offset must remove.
+constexpr double kLeastClockGain = 0.04;
+constexpr double kBadLoss = 0.12;  ///< loss from which clocks are also searched farther away
+/// Frames of delay, tried in turn while the loss falls (numerical).
 constexpr std::array<int, 9> kClockSteps = {1, 2, 3, 4, 6, 8, 12, 16, 24};
+/// Frames of delay from which the search starts again in either direction (numerical).
 constexpr std::array<int, 8> kFarSteps = {2, 3, 4, 6, 8, 12, 16, 24};
 
 /// Losses of one view's comparisons at other frame offsets.

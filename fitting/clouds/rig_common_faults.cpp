@@ -7,19 +7,22 @@
 #include <memory>
 #include <utility>
 
+#include "fitting/audit/rig_fault.h"
+
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kLeastViewsInCommon = 3;
-constexpr std::size_t kMostViewsInCommon = 12;
 /// Loss as given from which common faults are tested. For 30 correct synthetic takes it is 0.07 to 0.09. With all
 /// depths 1.1 times too long it is 0.44 to 0.54, with 0.92 times 0.61 to 0.82, with all images mirrored 0.59 to 0.68.
 /// After correction it is 0.06 to 0.10 (bench_depth_rigs 30 15 907).
 constexpr double kContradictingLoss = 0.12;
-constexpr double kMuchBetterInCommon = 0.6;                    ///< of that loss; after correction 0.1 to 0.2 remain
-constexpr double kLongestFactor = 1.4, kShortestFactor = 0.7;  ///< beyond, a unit is wrong (rig_units.h)
-constexpr double kCoarseStep = 0.05, kFinestStep = 0.003;
-constexpr double kLeastOff = 0.02;  ///< smallest deviation of a reported factor from 1
+/// Share of that loss; after correction 0.1 to 0.2 remain. Source: bench_depth_rigs 30 15 907
+constexpr double kMuchBetterInCommon = 0.6;
+constexpr double kLongestFactor = 1.4;   ///< factor on all depths; beyond, a unit is wrong (rig_units.h)
+constexpr double kShortestFactor = 0.7;  ///< factor, likewise
+constexpr double kCoarseStep = 0.05;     ///< step of the factor in the first search (numerical)
+constexpr double kFinestStep = 0.003;    ///< step of the factor in the last search (numerical)
+constexpr double kLeastOff = 0.02;       ///< factor; smallest difference from 1 that is reported
 
 /// A rig with modified surfaces.
 struct ChangedRig {
@@ -81,7 +84,7 @@ std::vector<DepthView> WithAllDepths(std::vector<DepthView> views, double factor
 }
 
 std::optional<CommonFault> FindCommonFault(const ObservedRig& rig, const std::vector<double>& losses) {
-  if (rig.views.size() < kLeastViewsInCommon || rig.views.size() > kMostViewsInCommon) return {};
+  if (rig.views.size() < kLeastViewsAudited || rig.views.size() > kMostViewsAudited) return {};
   CommonFault found;
   found.loss = found.loss_after = MeanLoss(losses);
   if (found.loss < kContradictingLoss) return {};

@@ -6,14 +6,14 @@
 #include <memory>
 #include <numeric>
 
+#include "fitting/audit/rig_fault.h"
+
 namespace mocurate {
 namespace {
 
-constexpr double kWrongLoss = 0.2;            ///< views with a lower loss have their own files
+constexpr double kWrongLoss = 0.2;            ///< loss of all views as given, at least
 constexpr double kMuchBetterExchanged = 0.6;  ///< of the loss as given
-constexpr double kEqualLossRatio = 1.15;      ///< losses within this ratio are equal
-constexpr std::size_t kAllExchanges = 5;
-constexpr std::size_t kMostViewsExchanged = 12;
+constexpr double kEqualLossRatio = 1.15;      ///< ratio of two losses that count as equal
 
 using Source = std::vector<std::size_t>;
 
@@ -21,11 +21,11 @@ std::vector<Source> ExchangesOf(std::size_t views) {
   Source source(views);
   std::iota(source.begin(), source.end(), std::size_t{0});
   std::vector<Source> exchanges;
-  if (views <= kAllExchanges) {
+  if (views <= kViewsAllPermuted) {
     while (std::next_permutation(source.begin(), source.end())) exchanges.push_back(source);
     return exchanges;
   }
-  if (views > kMostViewsExchanged) return exchanges;
+  if (views > kMostViewsAudited) return exchanges;
   for (std::size_t a = 0; a < views; ++a) {
     for (std::size_t b = a + 1; b < views; ++b) {
       exchanges.push_back(source);

@@ -8,10 +8,10 @@ namespace {
 
 constexpr double kHalfDepth = 0.1;       ///< m; visible surface of a person in front of the centre
 constexpr double kAwayAlongSight = 0.9;  ///< of the offset: least share along the line of sight
-constexpr double kFactorReach =
-    0.03;  ///< largest deviation of the factor from the one of the offset; where one view has the person inside the
-           ///< other view's person, that one cannot observe it, and the loss is uninformative
-constexpr double kFinestWayAside = 0.0025;
+/// Factor; largest difference from the one of the offset. Where one view has the person inside the other view's person,
+/// that one cannot observe it, and the loss is uninformative.
+constexpr double kFactorReach = 0.03;
+constexpr double kFinestWayAside = 0.0025;  ///< factor; last step of the search (numerical)
 
 }  // namespace
 

@@ -12,14 +12,17 @@
 namespace mocurate {
 namespace {
 
+/// Factor on all lengths for each wrong unit (numerical).
 constexpr std::array<double, 6> kDepthUnitFactors = {1000.0, 100.0, 10.0, 0.1, 0.01, 0.001};
-constexpr double kUsualHeight = 1.6;     ///< m
-constexpr double kLowestObserved = 0.3;  ///< m, smallest height of the visible part of a person
-constexpr double kTallestObserved = 2.8;
-constexpr double kOverlapShare = 0.2;  ///< of a view's points in the images of the others; with fewer, views do not
-                                       ///< overlap
+/// m; height of the visible part of a person, for the choice of a unit.
+constexpr double kUsualHeight = 1.6;
+constexpr double kLowestObserved = 0.3;   ///< m, smallest height of the visible part of a person
+constexpr double kTallestObserved = 2.8;  ///< m; largest height of the visible part of a person
+constexpr double kOverlapShare = 0.2;     ///< of a view's points in the images of the others; with fewer, views do not
+                                          ///< overlap
+/// Share of a view's points in the images of the others that another unit must give.
 constexpr double kCorrectedShare = 0.5;
-constexpr double kCorrectedLoss = 0.35;
+constexpr double kCorrectedLoss = 0.35;  ///< loss that another unit may leave, at most
 
 /// Median height of the person's points over views; 0 without a person.
 double HeightIn(const ObservedRig& rig) {

@@ -10,10 +10,11 @@
 namespace mocurate {
 namespace {
 
-constexpr float kUnknownPlaceVariance = 1.0F;                               ///< m^2, of a joint without information
-const float kUnknownAngleSigma = static_cast<float>(kPi / std::sqrt(3.0));  ///< rad
-/// Without this factor, ankles of 4 synthetic clips were 18 mm off per axis with 14.6 stated. Feet were 61 mm off with
-/// 48 stated (bench_fit_clouds 4 30 907 DIR hidden=7, 10).
+constexpr float kUnknownPlaceVariance = 1.0F;  ///< m^2, of a joint without information (numerical)
+/// rad; standard deviation of a uniform angle (numerical).
+const float kUnknownAngleSigma = static_cast<float>(kPi / std::sqrt(3.0));
+/// Factor on the deviations of unobserved joints. Without it, ankles of 4 synthetic clips were 18 mm off per axis with
+/// 14.6 stated. Feet were 61 mm off with 48 stated (bench_fit_clouds 4 30 907 DIR hidden=7, 10).
 constexpr double kUnobservedFactor = 1.3;
 
 }  // namespace

@@ -8,11 +8,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kReachOfScales = 2.5;  ///< in scales of the loss
+constexpr double kReachOfScales = 2.5;  ///< factor on the scale of the loss: farther surfaces are not compared
 constexpr double kSameSide = 0.5;       ///< least cosine between normals of one surface
-constexpr double kThickness = 2.0;      ///< in reaches: largest depth difference for which the plane is computed
-constexpr double kOutlineSlack_px = 1.5;
-constexpr double kNearSurface = 0.05;  ///< m
+/// Factor on this reach: largest depth difference for which the plane is computed (numerical).
+constexpr double kThickness = 2.0;
+constexpr double kOutlineSlack_px = 1.5;  ///< distance from the outline that is not counted
 
 class Comparer {
  public:
@@ -39,7 +39,7 @@ class Comparer {
  private:
   /// In the frame of the camera of the other image.
   void Add(const Vector3d& point, const Vector3d& normal) {
-    if (point.z() < kNearSurface) return;
+    if (point.z() < kNearestDepth) return;
     const auto pixel = in_.camera.Project(point);
     if (!pixel) return;
     const DepthImage& image = *in_.surface.image;

@@ -13,15 +13,16 @@ namespace mocurate {
 namespace {
 
 constexpr double kRegistrationScale = 0.02;  ///< m, scale of the loss
-/// Scales of the loss, decreasing, each with its largest number of steps.
+/// m; scales of the loss, decreasing, each with its largest number of steps (numerical).
 constexpr std::array<std::pair<double, int>, 4> kSchedule = {{{0.08, 4}, {0.05, 4}, {0.03, 4}, {0.02, 8}}};
-constexpr double kNearLoss = 0.15;                 ///< views with a lower loss need no wide scales
-constexpr double kNearScale = 0.03;                ///< m
-constexpr double kRest = 5e-4;                     ///< m and rad; a shorter step ends a scale
-constexpr double kLongestRegistrationStep = 0.15;  ///< m and rad
-constexpr double kPlaceSpread = 0.5;               ///< m and rad; weak prior on the camera poses
-constexpr double kLevelInformation = 1e-6;         ///< of the mean of an edge's information: regularises undetermined
-                                                   ///< directions
+/// Loss below which views need no wide scales.
+constexpr double kNearLoss = 0.15;
+constexpr double kNearScale = 0.03;                ///< m; largest scale then
+constexpr double kRest = 5e-4;                     ///< m and rad; a shorter step ends a scale (numerical)
+constexpr double kLongestRegistrationStep = 0.15;  ///< m and rad; longest step (numerical)
+constexpr double kPlaceSpread = 0.5;               ///< m and rad; weak prior on the camera poses (numerical)
+/// Of the mean of an edge's information: regularises undetermined directions (numerical).
+constexpr double kLevelInformation = 1e-6;
 
 /// Vector of rotation and translation of a move about a centre.
 Vector6d VectorOf(const RigidTransform& move, const Vector3d& centre) {

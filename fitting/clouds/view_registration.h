@@ -26,8 +26,8 @@ struct ObservedRig {
 /// Cameras of the views, as given.
 std::vector<Camera> CamerasOf(const std::vector<DepthView>& views);
 
-/// Loss per point of each pair at each group of moments, in [0, 1]; kNotObserved when one of both has no person.
-/// (groups * pairs)
+/// Loss per point of each pair at each group of moments, in [0, 1]; kNotObserved when one of both has no person
+/// (numerical). (groups * pairs)
 inline constexpr double kNotObserved = -1.0;
 std::vector<double> LossOfSamples(const ObservedRig& rig, const std::vector<Camera>& cameras);
 

@@ -12,15 +12,14 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFewestSurfacePoints = 60;
-constexpr int kMostPoints = 400;
-constexpr double kNearInDepth = 0.05;   ///< m of depth between a pixel and the person's points near it
-constexpr double kMargin = 0.25;        ///< m around the person that the outline covers
-constexpr double kMaskedShare = 0.5;    ///< of the pixels without depth, from which the image is masked: a room has
-                                        ///< fewer
-constexpr double kNearestDepth = 0.05;  ///< m
-constexpr double kFlatPatch = 0.06;     ///< extent across a plane relative to the smaller extent in it; at least 0.2
-                                        ///< for a person
+constexpr int kFewestSurfacePoints = 60;  ///< points of a person in one view, at least
+constexpr int kMostPoints = 400;          ///< points of a surface, at most (numerical)
+constexpr double kNearInDepth = 0.05;     ///< m of depth between a pixel and the person's points near it
+constexpr double kMargin = 0.25;          ///< m around the person that the outline covers
+constexpr double kMaskedShare = 0.5;      ///< of the pixels without depth, from which the image is masked: a room has
+                                          ///< fewer
+/// Ratio of the extent across a plane to the smaller extent in it; at least 0.2 for a person.
+constexpr double kFlatPatch = 0.06;
 
 /// Depth range of the person's points in coarse cells, each extended to its neighbours.
 struct DepthRange {

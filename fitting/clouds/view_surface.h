@@ -11,6 +11,8 @@
 
 namespace mocurate {
 
+inline constexpr double kNearestDepth = 0.05;  ///< m in front of the camera; nearer points are invalid
+
 /// The person in one depth view at one moment. Camera's frame, metres; columns are points.
 struct ViewSurface {
   std::shared_ptr<const DepthImage> image;  ///< all depths, including the room
@@ -26,7 +28,7 @@ struct ViewSurface {
   bool empty() const { return points.cols() == 0; }
 };
 
-inline constexpr int kOutlineCell = 2;  ///< pixels
+inline constexpr int kOutlineCell = 2;  ///< pixels, edge of a cell of the outline (numerical)
 
 /// The person in one view's image (PersonPoints of this view alone), thinned to `voxel_size`. Empty for fewer than 60
 /// points, and for a flat surface. Errors of FuseImages.

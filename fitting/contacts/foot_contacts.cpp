@@ -12,9 +12,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kStraightest = 0.9995;  // of the leg's length: a knee is never quite straight
-constexpr double kNoFaster = 1e-4;       // m/s, rounding
-constexpr int kTrials = 5;               // each halves the correction, the last removes it
+constexpr double kStraightest = 0.9995;  ///< share of the leg's length: a knee is never quite straight
+constexpr double kNoFaster = 1e-4;       ///< m/s; a smaller increase of speed is rounding (numerical)
+constexpr int kTrials = 5;               ///< trials of a correction: each halves it, the last removes it (numerical)
 
 /// Frames in which a joint is in contact.
 struct Stand {

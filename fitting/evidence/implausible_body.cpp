@@ -11,32 +11,34 @@
 #include "core/geometry/rotation.h"
 #include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
+#include "fitting/association/body_shape.h"
 #include "fitting/costs/huber.h"
 #include "fitting/proportions.h"
 
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kFewestBodyFrames = 20;
-constexpr double kLongBone = 0.1;  ///< metres of the rest pose; trackers disagree on shorter bones
-// Limits exceed what 1,213 clips of the recorded sets show (fitting/README.md); the largest value of the sets is in
-// brackets.
-constexpr double kExchanged = 0.1;       ///< metres by which the upper bone of a limb differs, median (0.08)
-constexpr double kExchangeRatio = 3.0;   ///< ratio to the difference with the lower joint in the upper's place (2.5)
-constexpr double kOffProportion = 0.47;  ///< |log| of upper over lower bone against rest, on both sides (0.3)
-constexpr double kMisplaced = 0.15;      ///< metres by which a bone differs from the other side's (0.12)
-constexpr double kMisplacedOfBone = 0.5;
+constexpr std::size_t kFewestBodyFrames = 20;  ///< frames that observe a bone, at least
+
+// Limits exceed what the recorded sets show; their largest value is in brackets. Source: 1,213 recorded clips
+// (docs/fitting.md)
+constexpr double kExchanged = 0.1;        ///< m by which the upper bone of a limb differs, median (0.08)
+constexpr double kExchangeRatio = 3.0;    ///< ratio to the difference with the lower joint in the upper's place (2.5)
+constexpr double kOffProportion = 0.47;   ///< log ratio, absolute, of upper to lower bone against rest (0.3)
+constexpr double kMisplaced = 0.15;       ///< m by which a bone differs from the other side's (0.12)
+constexpr double kMisplacedOfBone = 0.5;  ///< share of the bone, likewise
 constexpr double kGrowth = 0.05;       ///< of the size, from the first fifth to the last (0.25 for a person who bends)
 constexpr double kGrowingBones = 0.9;  ///< share of the bones that grow or shrink alike in every fifth (0.86)
-constexpr double kGrowthDeviation =
-    0.35;  ///< standard deviation of the bones' growth over the growth (0.43): a scale is the same for all
-constexpr int kParts = 5;
-constexpr std::size_t kFewestUnexplained = 10;
-constexpr double kUnexplained = 0.2;       ///< metres
-constexpr double kFarBeyondLimits = 0.35;  ///< rad, about 20 degrees
+constexpr double kGrowthDeviation = 0.35;  ///< ratio of the deviation of the bones' growth to the growth (0.43)
+
+constexpr int kParts = 5;                       ///< parts of a clip whose sizes are compared (numerical)
+constexpr std::size_t kFewestUnexplained = 10;  ///< frames that observe a joint, at least
+/// m from the fit to the track, median of a joint. Source: 1,213 recorded clips (docs/fitting.md)
+constexpr double kUnexplained = 0.2;
+constexpr double kFarBeyondLimits = 0.35;  ///< rad, about 20 degrees. Source: 1,213 recorded clips (docs/fitting.md)
 constexpr double kTallestBody = 2.1;       ///< metres from ankle or toes to the head's joint
-constexpr double kSmallestBody = 0.4;      ///< newborn
-constexpr double kChild = 0.8;             ///< of the rest skeleton: below adult size
+constexpr double kSmallestBody = 0.4;      ///< m, likewise: newborn
+constexpr double kChild = 0.8;             ///< of the rest skeleton: sizes below are no adult's
 
 bool IsOfPeople(double stature) { return stature <= kTallestBody && stature >= kSmallestBody; }
 
@@ -98,7 +100,7 @@ class BodyJudge {
     rest_stature_ = Stature(skeleton, skeleton.RestBoneLengths());
     std::vector<double> ratios;
     for (const Bone& bone : bones_) {
-      if (bone.rest >= kLongBone) ratios.push_back(bone.median / bone.rest);
+      if (bone.rest >= kShortestKnownBone) ratios.push_back(bone.median / bone.rest);
     }
     scale_ = ratios.size() >= 3 ? MeanMedian(ratios) : 0.0;
   }
@@ -144,7 +146,8 @@ class BodyJudge {
   const Bone* UpperOf(const Bone& lower) const {
     const auto upper =
         std::find_if(bones_.begin(), bones_.end(), [&](const Bone& bone) { return bone.joint == lower.parent; });
-    return upper == bones_.end() || lower.rest < kLongBone || upper->rest < kLongBone ? nullptr : &*upper;
+    return upper == bones_.end() || lower.rest < kShortestKnownBone || upper->rest < kShortestKnownBone ? nullptr
+                                                                                                        : &*upper;
   }
 
   /// Exchange on both sides alike, as from a list of joints in the wrong order.
@@ -246,7 +249,7 @@ class BodyJudge {
     std::vector<std::vector<double>> part_sizes(kParts);
     int grow = 0, all = 0;
     for (const Bone& bone : bones_) {
-      if (bone.rest < kLongBone) continue;
+      if (bone.rest < kShortestKnownBone) continue;
       std::vector<std::vector<double>> parts(kParts);
       for (std::size_t i = 0; i < bone.length.size(); ++i) {
         const auto part = static_cast<int>(kParts * (bone.time_s[i] - begin) / length);

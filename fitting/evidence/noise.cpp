@@ -12,14 +12,16 @@
 namespace mocurate {
 namespace {
 
-/// Below, data outweigh the priors so far that the solver converges slowly along undetermined directions (twist of
-/// straight limbs). No tracker is more exact.
+/// m; below, data outweigh the priors so far that the solver converges slowly along undetermined directions (twist of
+/// straight limbs). No tracker is more exact (numerical).
 constexpr double kSmallestTrackSigma = 1e-3;
-constexpr std::size_t kEnoughSamples = 10;
+constexpr std::size_t kEnoughSamples = 10;  ///< samples for a standard deviation, at least
+/// Bones, each with enough samples, for a noise estimate from lengths alone.
 constexpr std::size_t kEnoughBones = 5;
-/// Bone lengths show slightly less noise than there is; motion makes departures from lines much larger.
+/// Ratio of noise in bone lengths to departures from lines, below which there is fast motion. Bone lengths show
+/// slightly less noise than there is; motion makes departures from lines much larger.
 constexpr double kNoMotion = 0.8;
-/// Of tracks too short to show their noise: a depth tracker's.
+/// m; standard deviation of tracks too short to show their noise: a depth tracker's.
 constexpr double kUnmeasuredSigma = 0.02;
 
 /// Standard deviation from absolute departures, by their median. Gross errors beyond four standard deviations are

@@ -7,10 +7,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kOutlierReach_s = 0.12;
-constexpr double kOutlierSigmas = 10.0;
-constexpr double kSmallestOutlier = 0.15;  ///< metres
-constexpr double kOutlierSteps = 1.5;
+constexpr double kOutlierReach_s = 0.12;   ///< time before and after a sample whose samples it is compared with
+constexpr double kOutlierSigmas = 10.0;    ///< standard deviations from the line through the samples nearby
+constexpr double kSmallestOutlier = 0.15;  ///< m from this line, at least
+constexpr double kOutlierSteps = 1.5;      ///< factor on the steps nearby, added to the limit
 
 /// The frame and the same number of frames on both sides in which the joint is observed, so that steady movement does
 /// not shift the median.

@@ -13,10 +13,12 @@ namespace mocurate {
 namespace {
 
 constexpr double kMinRotationSigma = 0.5 * kPi / 180.0;  ///< rad; no recording is finer
+/// rad; with more scatter, recorded rotations are not those of the joint.
 constexpr double kLargestSigma = 30.0 * kPi / 180.0;
-constexpr std::size_t kFewest = 10;   ///< samples; with fewer, neither constant offset nor scatter can be estimated
-constexpr double kNearTarget = 0.02;  ///< rad; smaller departures get this weight in the mean
-constexpr int kMeanIterations = 10;   ///< of the reweighted mean
+constexpr std::size_t kFewest = 10;  ///< samples; with fewer, neither constant offset nor scatter can be estimated
+/// rad; smaller departures get this weight in the mean (numerical).
+constexpr double kNearTarget = 0.02;
+constexpr int kMeanIterations = 10;  ///< of the reweighted mean (numerical)
 
 /// Rotation with the least sum of weighted squared distances to `rotations` (Markley and others 2007).
 Quaterniond WeightedMean(const std::vector<Quaterniond>& rotations, const std::vector<double>& weights) {

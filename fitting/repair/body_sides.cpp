@@ -9,13 +9,11 @@
 #include "core/base/text.h"
 #include "core/quality/handedness.h"
 #include "core/quality/tracked_points.h"
+#include "fitting/repair/limb_steps.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kSidesSpeed = 1.5;         ///< m/s per axis, of a limb relative to the body's centre
-constexpr double kMostSampleCost = 8.0;     ///< cap on the cost of one sample: beyond it is an outlier
-constexpr double kSidesGap_s = 0.25;        ///< longest gap between two frames whose positions are compared
 constexpr double kNearlyAll = 0.6;          ///< least share of the pairs' total evidence in favour of a change
 constexpr int kFewestAnatomyFrames = 10;    ///< fewest frames for the anatomy test
 constexpr double kFacing = 0.3;             ///< sine between the nose's direction and the plane of the trunk
@@ -81,12 +79,12 @@ class SidesFollower {
       if (!Seen(f, i)) continue;
       change.seen = true;
       const int before = last_[i];
-      if (before < 0 || tracks_.time_s[f] - tracks_.time_s[before] > kSidesGap_s) continue;
+      if (before < 0 || tracks_.time_s[f] - tracks_.time_s[before] > kStepGap_s) continue;
       change.linked = true;
       const bool centred = centres_[f].seen && centres_[before].seen;
       const Vector3d moved =
           centred ? Vector3d(centres_[f].place - centres_[before].place) : Vector3d(Vector3d::Zero());
-      const double way = kSidesSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
+      const double way = kLimbSpeed * (tracks_.time_s[f] - tracks_.time_s[before]);
       const std::array<Vector3d, 2> then = Places(before, i, followed_[static_cast<std::size_t>(before)]);
       const auto cost = [&](bool changed) {
         const std::array<Vector3d, 2> now = Places(f, i, other != changed);

@@ -7,18 +7,19 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "fitting/repair/limb_steps.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kMergedNear = 0.03;     ///< metres between both sides, beside noise
-constexpr double kMergedNearest = 0.06;  ///< metres at most: knees of a crouching person come as near as 8 cm
-constexpr int kFewestMergedFrames = 5;   ///< limbs that pass each other are near for fewer frames
-constexpr double kShortestMerged_s = 0.15;
-constexpr double kMergedGap_s = 0.1;  ///< longest interruption by noise
-constexpr double kWentOver = 0.1;     ///< metres that a side jumps farther than the other
-constexpr double kWentOverSigmas = 4.0;
-constexpr double kMergedStep_s = 0.25;  ///< longest time between two observations that form a step
+constexpr double kMergedNear = 0.03;  ///< metres between both sides, beside noise
+/// m at most: knees of a crouching person come as near as 8 cm. Source: 1,205 recorded clips (docs/fitting.md)
+constexpr double kMergedNearest = 0.06;
+constexpr int kFewestMergedFrames = 5;      ///< limbs that pass each other are near for fewer frames
+constexpr double kShortestMerged_s = 0.15;  ///< shortest time in which limbs coincide
+constexpr double kMergedGap_s = 0.1;        ///< longest interruption by noise
+constexpr double kWentOver = 0.1;           ///< metres that a side jumps farther than the other
+constexpr double kWentOverSigmas = 4.0;     ///< standard deviations of the noise that it jumps farther, at least
 
 using Sides = std::array<int, 2>;  ///< joint indices, left and right
 
@@ -81,7 +82,7 @@ class MergeSearch {
     int other = f + way;
     while (other >= 0 && other < tracks_.frames() && !(Seen(other, 0) && Seen(other, 1))) other += way;
     if (other < 0 || other >= tracks_.frames()) return 0.0;
-    if (std::abs(tracks_.time_s[other] - tracks_.time_s[f]) > kMergedStep_s) return 0.0;
+    if (std::abs(tracks_.time_s[other] - tracks_.time_s[f]) > kStepGap_s) return 0.0;
     const auto step = [&](int joint) {
       return (tracks_.positions.at(f, joint) - tracks_.positions.at(other, joint)).norm();
     };

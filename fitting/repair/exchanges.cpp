@@ -8,17 +8,15 @@
 #include <utility>
 
 #include "core/base/median.h"
+#include "fitting/repair/limb_steps.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kLimbSpeed = 1.5;           ///< m/s per axis, of a limb relative to the body's centre
 constexpr double kBoneWobble = 0.02;         ///< metres by which trackers vary bone lengths, beside noise
-constexpr double kMostExchangeCost = 8.0;    ///< cap on the cost of one sample: beyond it is an outlier
-constexpr double kLimbChangeCost = 4.0;      ///< of a change of state
-constexpr double kExchangedLimbCost = 0.05;  ///< of an exchanged frame
+constexpr double kLimbChangeCost = 4.0;      ///< cost (negative log likelihood) of a change of state
+constexpr double kExchangedLimbCost = 0.05;  ///< cost of an exchanged frame
 constexpr double kBoneTime_s = 0.3;          ///< correlation time of a tracker's bone length errors
-constexpr double kExchangeGap_s = 0.25;      ///< longest gap between two observations that form a step
 
 /// Pairs of arms or of legs, from the trunk outwards.
 struct PairedLimb {
@@ -68,7 +66,7 @@ std::vector<PairedLimb> PairedLimbsOf(const SkeletonTracks& tracks) {
   return limbs;
 }
 
-double Capped(double square) { return std::min(0.5 * square, kMostExchangeCost); }
+double Capped(double square) { return std::min(0.5 * square, kMostSampleCost); }
 
 /// States of a limb over time: 0 not exchanged, s exchanged from level s - 1 outwards.
 class ExchangeSearch {
@@ -134,15 +132,15 @@ class ExchangeSearch {
       return 2.0 * sigma_ * sigma_ + way * way;
     };
     const int latest = std::max(last[0], last[1]);
-    if (latest < 0 || tracks_.time_s[f] - tracks_.time_s[latest] > kExchangeGap_s) return;
+    if (latest < 0 || tracks_.time_s[f] - tracks_.time_s[latest] > kStepGap_s) return;
     for (const int from : {0, 1}) {
       const int before = last[from];
-      double cost = kMostExchangeCost;
-      if (before >= 0 && tracks_.time_s[f] - tracks_.time_s[before] <= kExchangeGap_s) {
+      double cost = kMostSampleCost;
+      if (before >= 0 && tracks_.time_s[f] - tracks_.time_s[before] <= kStepGap_s) {
         const Vector3d now = tracks_.positions.at(f, limb_.pairs[i][side]) - Moved(before, f);
         const Vector3d then = tracks_.positions.at(before, limb_.pairs[i][from]);
         const double wider = 1.5 * std::log(variance(before) / variance(latest));
-        cost = std::min(wider + Capped((now - then).squaredNorm() / variance(before)), kMostExchangeCost);
+        cost = std::min(wider + Capped((now - then).squaredNorm() / variance(before)), kMostSampleCost);
       }
       step_[At(f, i)][side == from ? 0 : 1] += cost;
     }

@@ -22,9 +22,9 @@ void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* inf
 namespace mocurate {
 namespace {
 
-constexpr double kOne = 1.0;
-constexpr double kMinusOne = -1.0;
-constexpr int kStep = 1;
+constexpr double kOne = 1.0;        ///< number 1 as an argument of BLAS (numerical)
+constexpr double kMinusOne = -1.0;  ///< number -1 as an argument of BLAS (numerical)
+constexpr int kStep = 1;            ///< number 1 as an argument of BLAS (numerical)
 
 /// A = U'U in the upper triangle.
 bool CholeskyInPlace(double* a, int n) {
@@ -152,7 +152,7 @@ Eigen::VectorXd BlockTridiagonal::Solve() const {
 }
 
 void BlockTridiagonal::VisitInverse(const VisitBlocks& visit) const {
-  constexpr double kZero = 0.0;
+  constexpr double kZero = 0.0;         ///< number 0 as an argument of BLAS (numerical)
   Eigen::MatrixXd after(size_, size_);  // inverse block of the next
   Eigen::MatrixXd here(size_, size_);
   Eigen::MatrixXd gain(size_, size_);

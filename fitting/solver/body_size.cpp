@@ -16,15 +16,16 @@
 namespace mocurate {
 namespace {
 
-constexpr double kShortestSizedBone = 0.1;  ///< metres of the rest pose; shorter ones are measured too inaccurately
-constexpr double kSmallestPerson = 0.35;    ///< against the rest skeleton
-constexpr double kLargestPerson = 2.0;
-constexpr double kSizeDiffers = 0.08;   ///< relative difference of a clip's bones from the person's that is reported
+constexpr double kSmallestPerson = 0.35;  ///< ratio to the rest skeleton, at least
+constexpr double kLargestPerson = 2.0;    ///< ratio to the rest skeleton, at most
+/// Relative difference of a clip's bones from the person's that is reported. Source: 1,213 recorded clips
+/// (docs/fitting.md)
+constexpr double kSizeDiffers = 0.08;
 constexpr double kPoint = 0.02;         ///< metres, standard deviation of joints along their longest direction
-constexpr double kFlatBody = 0.005;     ///< thickness over extent, both standard deviations
-constexpr int kFewestFlatFrames = 10;   ///< fewer may be a planar pose
+constexpr double kFlatBody = 0.005;     ///< ratio of thickness to extent, both standard deviations
+constexpr int kFewestFlatFrames = 10;   ///< frames; fewer may be a planar pose
 constexpr double kNearlyAlways = 0.95;  ///< of the frames
-constexpr int kFewestJoints = 6;        ///< that a frame must show, at least
+constexpr int kFewestJoints = 6;        ///< joints that a frame must show, at least
 
 /// Standard deviations of the joints of a frame along their thinnest and their longest direction; empty with too few
 /// joints.
@@ -61,7 +62,7 @@ double SizeAgainst(const SkeletonTracks& clip, const std::vector<double>& bone_l
   std::vector<double> ratios;
   for (int j = 1; j < clip.joints(); ++j) {
     const Joint& joint = clip.skeleton->joints[j];
-    if (joint.rest_offset.norm() < kShortestSizedBone || bone_length[j] <= 0.0) continue;
+    if (joint.rest_offset.norm() < kShortestKnownBone || bone_length[j] <= 0.0) continue;
     const BoneDistance seen = DistanceOver({clip}, white, j, joint.parent);
     if (seen.samples > 0) ratios.push_back(seen.length / bone_length[j]);
   }

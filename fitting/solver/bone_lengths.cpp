@@ -48,7 +48,7 @@ double WeightedMedian(std::vector<std::pair<double, double>>& weighted) {
 
 /// Whether a joint is at exactly its parent's position, though the skeleton has a bone between them.
 bool IsAtParent(const SkeletonTracks& clip, int frame, int joint) {
-  constexpr double kShortBone = 0.01;  // metres; joints that coincide in the skeleton may coincide
+  constexpr double kShortBone = 0.01;  ///< m; joints that coincide in the skeleton may coincide
   const Joint& of = clip.skeleton->joints[joint];
   return of.parent >= 0 && of.rest_offset.norm() >= kShortBone && clip.seen(frame, joint) &&
          clip.seen(frame, of.parent) &&
@@ -112,7 +112,7 @@ struct UnobservedChain {
 /// mid-trunk point may be higher or lower than the trunk's top suggests). Gauss-Newton; prior: the present lengths,
 /// with a quarter of them as sigma, as for directions.
 void ShareBones(const std::vector<UnobservedChain>& chains, const Skeleton& skeleton, BoneEstimate& bones) {
-  constexpr double kPriorShare = 0.25;
+  constexpr double kPriorShare = 0.25;  ///< share of a bone: standard deviation of its prior
   std::vector<int> all;
   for (const UnobservedChain& chain : chains) all.insert(all.end(), chain.bones.begin(), chain.bones.end());
   std::sort(all.begin(), all.end());
@@ -167,14 +167,16 @@ std::vector<std::pair<int, Vector3d>> ObservedAbove(const std::vector<int>& unob
   return beside;
 }
 
+constexpr double kDistanceSigma = 0.002;  ///< m, standard deviation of a distance between two ends, at least
+
 /// Fits chains of bones between an observed joint and the nearest observed one below over unobserved joints, none of
 /// which swings (an arm that hangs all the time is as stiff as a trunk). Where the distance hardly changes, it fixes
 /// the lengths of the rest pose. Without that, unobserved joints would fold between observed ones, or stretch. Trunks
 /// that bend more get a lower weight.
 void FitUnobservedChains(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white,
                          const Skeleton& skeleton, const std::vector<bool>& seen, BoneEstimate& bones) {
-  constexpr double kStiff = 0.06;  // of the distance, standard deviation over frames without noise
-  constexpr double kDistanceSigma = 0.002;
+  /// Share of the distance: standard deviation over frames without noise, at most, of a stiff chain.
+  constexpr double kStiff = 0.06;
   std::vector<double> noises = white;
   const double noise = 2.0 * Square(MeanMedian(noises));
   const std::vector<bool> swings = SwingingJoints(skeleton);
@@ -211,8 +213,7 @@ void FitUnobservedChains(const std::vector<SkeletonTracks>& clips, const std::ve
 /// |b_i u_i - b_k u_k| = d_ik, prior: the present lengths.
 void SolveSiblings(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, const Skeleton& skeleton,
                    const std::vector<int>& siblings, BoneEstimate& bones) {
-  constexpr double kDistanceSigma = 0.002;
-  constexpr double kPriorSigma = 0.02;
+  constexpr double kPriorSigma = 0.02;  ///< m; standard deviation of the prior on the length of a bone
   const auto count = static_cast<Eigen::Index>(siblings.size());
   const std::vector<double> prior = bones.length;
   std::vector<BoneDistance> distances(static_cast<std::size_t>(count * count));

@@ -16,7 +16,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLargestAngle = 4.712;  ///< 1.5 pi
+/// rad, 1.5 pi: longer rotation vectors are not unwrapped further (numerical).
+constexpr double kLargestAngle = 4.712;
 /// Seconds from the nearest observation of a joint beyond which interpolation is unreliable.
 constexpr double kStale_s = 0.25;
 
@@ -77,13 +78,13 @@ int FullestFrame(const SkeletonTracks& tracks) {
   return fullest;
 }
 
-/// Targets whose standard deviation across their common line is below this share of their distance determine no
+/// Share of the distance of targets: with a smaller standard deviation across their common line they determine no
 /// rotation about it.
 constexpr double kAcrossLine = 0.05;
 constexpr double kFarOffHinge = 0.35;   ///< sine of the angle from which a hinge bends the wrong way
-constexpr int kTwistSteps = 24;         ///< of a whole turn
-constexpr double kTwistGain = 0.02;     ///< gain in distance from the hinge that justifies a larger twist
-constexpr double kFartherWeight = 0.1;  ///< of a target beyond another joint, which may rotate itself
+constexpr int kTwistSteps = 24;         ///< steps of a whole turn, each tried (numerical)
+constexpr double kTwistGain = 0.02;     ///< sine; gain in distance from the hinge that justifies a larger twist
+constexpr double kFartherWeight = 0.1;  ///< weight of a target beyond another joint, which may rotate itself
 
 /// Target of a joint's rotation: below each child the nearest observed joint, and its rest position.
 struct Target {

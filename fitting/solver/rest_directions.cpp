@@ -16,14 +16,17 @@
 namespace mocurate {
 namespace {
 
-constexpr double kRestSigma = 0.25;  ///< of the ends of the rest skeleton's bones, as a share of the bone lengths
+/// Share of the bone lengths: standard deviation of the ends of the rest skeleton's bones.
+constexpr double kRestSigma = 0.25;
 constexpr double kLeastJointSigma =
-    2e-3;                                ///< metres: tracked joints shift with the pose, however many samples there are
-constexpr double kBendSigma = 2e-2;      ///< metres: of distances to an end beyond an unobserved joint, which bends
-constexpr double kFramesAlike = 5.0;     ///< consecutive frames with the same information
-constexpr double kReportedSigmas = 2.5;  ///< of a difference of frames that is random in its sign
+    2e-3;                             ///< metres: tracked joints shift with the pose, however many samples there are
+constexpr double kBendSigma = 2e-2;   ///< metres: of distances to an end beyond an unobserved joint, which bends
+constexpr double kFramesAlike = 5.0;  ///< frames in sequence with the same information
+/// Standard deviations of a difference of frames that is random in its sign.
+constexpr double kReportedSigmas = 2.5;
+/// Share of a unit vector: directions are stored as multiples of it (numerical).
 constexpr double kDirectionRounding = 1e-4;
-constexpr int kStarSteps = 60;
+constexpr int kStarSteps = 60;  ///< Levenberg-Marquardt steps, at most (numerical)
 
 /// Bones that start at one joint, by their observed ends: the children, or, below an unobserved child, the joint that
 /// follows it.

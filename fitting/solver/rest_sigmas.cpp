@@ -8,7 +8,7 @@
 namespace mocurate {
 namespace {
 
-/// Mobility relative to hips, knees, shoulders and elbows (1): approximate standard deviations, in radians.
+/// Factor on the standard deviation of hips, knees, shoulders and elbows.
 constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1", 0.3},
                                                                       {"spine2", 0.3},
                                                                       {"spine3", 0.3},
@@ -18,8 +18,6 @@ constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1",
                                                                       {"ankle", 0.4},
                                                                       {"foot", 0.2},
                                                                       {"wrist", 0.4}}};
-
-constexpr double kTypicalSigma = 1.0;  ///< radians, of a joint of mobility 1
 
 bool IsEverObserved(const SkeletonTracks& tracks, int joint) {
   for (int f = 0; f < tracks.frames(); ++f) {

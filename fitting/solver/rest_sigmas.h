@@ -6,6 +6,8 @@
 
 namespace mocurate {
 
+inline constexpr double kTypicalSigma = 1.0;  ///< rad from the rest pose, of hips, knees, shoulders and elbows
+
 /// (J) standard deviation of each joint's angle from the rest pose, radians: `rest_sigma` times the joint's mobility.
 /// Limbs move freely; trunk, collars, feet and hands of a skeleton with these names little, so that they do not absorb
 /// the error of a capsule body.

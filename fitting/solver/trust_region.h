@@ -23,11 +23,14 @@ class TrustRegion {
   }
   bool exhausted() const { return radius_ < kSmallestRadius; }
 
-  static constexpr double kSmallestGain = 1e-3;  ///< of an accepted step
+  /// Ratio of decrease to prediction of an accepted step. Source: Ceres Solver, min_relative_decrease
+  static constexpr double kSmallestGain = 1e-3;
 
  private:
-  static constexpr double kSmallestDiagonal = 1e-12;
+  static constexpr double kSmallestDiagonal = 1e-12;  ///< share of the largest diagonal element (numerical)
+  /// Number, radius of the trust region. Source: Ceres Solver, max_trust_region_radius
   static constexpr double kLargestRadius = 1e16;
+  /// Number, likewise. Source: Ceres Solver, min_trust_region_radius
   static constexpr double kSmallestRadius = 1e-32;
   double radius_ = 1e4;
   double shrink_ = 2.0;

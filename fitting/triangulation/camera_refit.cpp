@@ -10,10 +10,10 @@
 namespace mocurate {
 namespace {
 
-constexpr int kIterations = 20;
-constexpr std::size_t kLeastDetections = 100;
-constexpr double kHuber = 10.0;    ///< px
-constexpr double kNearest = 1e-3;  ///< metres in front of the camera
+constexpr int kIterations = 20;                ///< Gauss-Newton steps, at most (numerical)
+constexpr std::size_t kLeastDetections = 100;  ///< detections for a refit, at least
+constexpr double kHuber = 10.0;                ///< px; scale of Huber's loss
+constexpr double kNearest = 1e-3;              ///< m in front of the camera, at least (numerical)
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;

@@ -23,10 +23,11 @@ namespace mocurate {
 namespace {
 
 constexpr double kFewPoints = 0.02;  ///< share of the frames times keypoints; below, there is too little to fit
-constexpr double kPoorPoints = 0.4;  ///< below: a warning
+constexpr double kPoorPoints = 0.4;  ///< share, likewise; below: a warning
 constexpr double kContradicted =
     0.1;  ///< of the keypoints that three or more views detect, without a triangulated point
-constexpr double kUnevenDepth = 6.0;   ///< ratio of the standard deviations along the worst and the best direction
+/// Ratio of the standard deviations along the worst and the best direction, from which a finding is written.
+constexpr double kUnevenDepth = 6.0;
 constexpr double kSeldomFound = 0.05;  ///< of the frames; a keypoint found less often counts as never found
 
 Error Inconsistent(const std::string& what, const std::string& where, const std::string& hint) {
@@ -209,7 +210,7 @@ std::vector<double> MedianLengthsOfPoints(const TriangulatedTracks& points, cons
   return medians;
 }
 
-constexpr double kOddProportions = 0.15;  ///< mean |log ratio| of lengths from which other orders are tried
+constexpr double kOddProportions = 0.15;  ///< log ratio of lengths, absolute, mean, from which other orders are tried
 constexpr double kMuchBetterOrder = 0.6;  ///< ratio of that mean in the other order
 
 /// A fault where another order of the keypoints makes a plausible person and the declared one does not.

@@ -6,6 +6,9 @@
 
 namespace mocurate {
 
+inline constexpr double kParallelRays =
+    0.0175;  ///< sine of the angle, 1 degree, below which two rays determine no point
+
 /// Normal equations of three unknowns, A x = b with A symmetric: sums of weighted squares, and their solution by
 /// Cholesky, without a loop.
 struct NormalEquations3 {

@@ -13,13 +13,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kParallelRays = 0.0175;  ///< sine of the smallest angle between rays, 1 degree
-constexpr int kMostPairs = 16;
-constexpr int kRefinements = 4;
+constexpr int kMostPairs = 16;                  ///< pairs of views tried, at most (numerical)
+constexpr int kRefinements = 4;                 ///< Gauss-Newton steps, at most (numerical)
 constexpr double kFullWeightShare = 1.0 / 3.0;  ///< of the outlier limit: up to here a view has almost full weight
-constexpr double kBehind = 1e6;                 ///< px; error of a point that is not in front
-constexpr double kOddShare = 0.5;
-constexpr double kOddRatio = 4.0;
+constexpr double kOddShare = 0.5;               ///< share of a camera's detections excluded, and
+constexpr double kOddRatio = 4.0;               ///< ratio to any other camera, that together exclude it
 
 using Rays = std::vector<ViewRay>;
 
@@ -36,7 +34,7 @@ struct Seen {
     error.y() = camera.fy * (in_camera.y() * inverse - ray.normalised.y());
   }
   bool behind() const { return !(in_camera.z() > 0.0); }
-  double square() const { return behind() ? kBehind * kBehind : error.squaredNorm(); }
+  double square() const { return behind() ? kBehind_px * kBehind_px : error.squaredNorm(); }
   /// Adds weight * |error|^2 / 2, linearised in the point.
   [[gnu::always_inline]] void AddTo(NormalEquations3& equations, double weight, const ViewRay& ray) const {
     const Camera& camera = ray.view->camera;

@@ -10,6 +10,8 @@
 
 namespace mocurate {
 
+inline constexpr double kBehind_px = 1e6;  ///< error of a point that is not in front of the camera (numerical)
+
 /// A camera with precomputed values for triangulation.
 struct TriangulationView {
   explicit TriangulationView(const Camera& calibrated);

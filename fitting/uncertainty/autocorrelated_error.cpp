@@ -8,9 +8,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kWhite = 0.1;  ///< autocorrelation of neighbours up to which noise counts as white
-constexpr double kGross = 4.5;  ///< times the median departure: clamped there
-constexpr double kMostLags = 60.0;
+constexpr double kWhite = 0.1;      ///< autocorrelation of neighbours up to which noise counts as white
+constexpr double kGross = 4.5;      ///< times the median departure: clamped there
+constexpr double kMostLags = 60.0;  ///< frames of lag, at most (numerical)
 
 /// Departures of each observed bone from the body's length, frame by frame; 0 where unobserved. Gross ones are clamped.
 std::vector<std::vector<double>> DeparturesOfBones(const TrackWindow& whole) {

@@ -6,17 +6,17 @@
 
 #include "core/geometry/rotation.h"
 #include "core/geometry/symmetric.h"
+#include "fitting/uncertainty/second_order_covariance.h"
 
 namespace mocurate {
 namespace {
 
-constexpr double kStep_s = 0.2;  ///< people rotate little in this time
+constexpr double kStep_s = 0.2;  ///< people rotate little in this time (numerical)
 constexpr double kBend =
     0.3;  ///< rad, rotation of joints that compensates for a wrong body; first order is valid up to it
-constexpr double kUnknownRotation = 1.81;  ///< rad, of a uniform angle
-constexpr double kLimbBone_m = 0.2;
-constexpr double kUnknownPlace = 1.0;     ///< m^2
-constexpr double kShortestBone_m = 1e-3;  ///< joints that coincide by definition
+constexpr double kUnknownRotation = 1.81;  ///< rad, of a uniform angle (numerical)
+constexpr double kLimbBone_m = 0.2;        ///< bone length from which a joint carries a limb
+constexpr double kUnknownPlace = 1.0;      ///< m^2; variance of the prior on the root, weak (numerical)
 
 /// Bones with an end that no frame shows. (J)
 std::vector<bool> UnmeasuredBones(const SkeletonTracks& tracks, const PoseState& state) {

@@ -6,20 +6,20 @@
 
 namespace mocurate {
 
-constexpr double kUnknownAngle = 3.289868133696453;  ///< variance of a uniform angle, pi^2 / 3
+constexpr double kUnknownAngle = 3.289868133696453;  ///< rad^2; variance of a uniform angle, pi^2 / 3 (numerical)
 
-/// Standard deviation per axis, metres, of an unmeasured bone's end about its place on the skeleton in the person's
-/// size: for bones that start in the trunk (at a joint on the midline) and for others. Root mean squares over bodies of
-/// body_cc0 between its man and its woman (body_spread_test). Valid for people whose joints are placed by one rule; a
-/// skeleton with other rules (another end of the spine) differs more.
+/// Metres, standard deviation per axis of an unmeasured bone's end about its place on the skeleton in the person's
+/// size, for bones that start in the trunk (at a joint on the midline). Root mean square over bodies of body_cc0
+/// between its man and its woman. Valid for people whose joints are placed by one rule; a skeleton with other rules
+/// (another end of the spine) differs more. Source: sigma_test
 inline constexpr double kTrunkSigma = 0.0055;
-inline constexpr double kLimbSigma = 0.0025;
+inline constexpr double kLimbSigma = 0.0025;  ///< Metres, the same for other bones. Source: sigma_test
 double SpreadOfBone(const Skeleton& skeleton, int bone);
 
-/// Standard deviation per axis, radians, of joints that no evidence rotates and that are fixed in the rest pose: those
-/// that carry a bone of 20 cm or more, and wrists, ankles and necks.
+/// Radians, standard deviation per axis of joints that no evidence rotates and that are fixed in the rest pose, and
+/// that carry a bone of 20 cm or more.
 inline constexpr double kLimbRotation = 1.0;
-inline constexpr double kEndRotation = 0.3;
+inline constexpr double kEndRotation = 0.3;  ///< Radians, the same for wrists, ankles and necks.
 
 /// Covariance (F*J*6; xx xy xz yy yz zz, m^2) of joint positions from the unmeasured part of the body and from fixed
 /// joints; empty where all bones are measured: some frame of the tracks shows both ends. A tracker's points that are

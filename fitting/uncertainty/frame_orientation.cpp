@@ -11,7 +11,8 @@
 namespace mocurate {
 namespace {
 
-constexpr double kNoLever = 1e-9;  ///< of the longest lever, squared: below, the axis is that of the only bone
+/// Of the longest lever, squared: below, the axis is that of the only bone (numerical).
+constexpr double kNoLever = 1e-9;
 constexpr double kCarryingAngleSigma = 0.1;  ///< radians, standard deviation of carrying angles between people
 
 }  // namespace

@@ -6,8 +6,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kLongGap_s = 0.6;  ///< gaps beyond which people move farther than a random walk
-constexpr double kMaxInflation = 4.0;
+/// Gaps beyond which people move farther than a random walk. Source: bench_studio_fits gap=SECONDS
+constexpr double kLongGap_s = 0.6;
+constexpr double kMaxInflation = 4.0;  ///< factor on sigma, at most. Source: bench_studio_fits gap=SECONDS
 
 /// Inflation of a joint's variance, (F).
 std::vector<double> InflationOf(const SkeletonTracks& tracks, int joint) {

@@ -10,9 +10,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kReach_s = 0.25;  ///< before and after a frame
-constexpr int kMinAutocorrelationSamples = 4;
-constexpr double kByNoise = 16.3;  ///< chi square of three degrees of freedom that noise alone exceeds once in 1,000
+constexpr double kReach_s = 0.25;              ///< time before and after a frame over which residuals are averaged
+constexpr int kMinAutocorrelationSamples = 4;  ///< samples in this time, at least
+/// Chi square of three degrees of freedom that noise alone exceeds once in 1,000. Source: chi-square distribution
+constexpr double kByNoise = 16.3;
 
 /// Sums of a joint's samples up to a frame: precision, precision times departure, and count.
 struct ResidualSums {

@@ -13,10 +13,11 @@ namespace {
 constexpr double kStepReach_s = 0.12;  ///< steps within this time are averaged
 constexpr double kJointSteps = 5.0;    ///< weight of the joint's mean, in steps
 constexpr double kAllSteps = 10.0;     ///< weight of the mean of all joints against the joint's, in steps
-constexpr int kPriorSteps = 3;         ///< frames that share one prior covariance
-constexpr double kLeastKnown = 1e-4;
-constexpr double kSmallestStepFactor = 0.05;  ///< people never stand perfectly still
-constexpr double kLargestStepFactor = 4.0;
+constexpr int kPriorSteps = 3;         ///< frames that share one prior covariance (numerical)
+constexpr double kLeastKnown = 1e-4;   ///< share of a step that evidence determines, at least (numerical)
+/// Factor on the process noise, at least: people never stand perfectly still.
+constexpr double kSmallestStepFactor = 0.05;
+constexpr double kLargestStepFactor = 4.0;  ///< factor on the process noise, at most
 
 /// Steps of the solved fit relative to the process noise that it was solved with. (F*J)
 struct Steps {

@@ -8,12 +8,11 @@
 namespace mocurate {
 namespace {
 
-constexpr double kTypicalRotation = 1.0;        ///< radians from the rest pose, of hips, knees, shoulders and elbows
 constexpr double kAutocorrelationTime_s = 5.0;  ///< for which people keep a posture
 
 }  // namespace
 
-std::vector<double> TypicalRotations(const Skeleton& skeleton) { return RestPoseSigmas(skeleton, kTypicalRotation); }
+std::vector<double> TypicalRotations(const Skeleton& skeleton) { return RestPoseSigmas(skeleton, kTypicalSigma); }
 
 std::vector<double> RestInformationOfProcessNoise(const TrackWindow& whole) {
   std::vector<double> information(whole.tracks.confidence.size());

@@ -7,13 +7,13 @@
 namespace mocurate {
 namespace {
 
-constexpr double kShortest_m = 1e-3;  ///< bones between joints that coincide by definition
+/// Share of the squared length of a bone: mean square of its shortening for a uniform direction (numerical).
 constexpr double kEveryDirection = 4.0 / 3.0;
 
 /// Covariance along a bone whose end has `more` covariance than its start (m^2).
 Matrix3d AlongBone(const Vector3d& bone, const Matrix3d& more) {
   const double square = bone.squaredNorm();
-  if (square < kShortest_m * kShortest_m) return Matrix3d::Zero();
+  if (square < kShortestBone_m * kShortestBone_m) return Matrix3d::Zero();
   const Vector3d along = bone / std::sqrt(square);
   const double across = std::max(more.trace() - along.dot(more * along), 0.0) / square;  // rad^2
   const double nearer = kEveryDirection * (1.0 - std::exp(-0.5 * across * across / kEveryDirection));

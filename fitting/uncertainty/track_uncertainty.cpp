@@ -17,11 +17,13 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSmallestFactor = 0.25;  ///< tracks without noise: at least half the assumed sigma
-constexpr double kPositiveFactor = 1e-6;  ///< without that rule: covariances must be invertible
-constexpr double kSmallestShare = 0.2;    ///< of an observation's three coordinates that count as redundant, at least
+/// Factor on the variance, at least: tracks without noise have half the assumed sigma.
+constexpr double kSmallestFactor = 0.25;
+/// Factor on the variance without that rule: covariances must be invertible (numerical).
+constexpr double kPositiveFactor = 1e-6;
+constexpr double kSmallestShare = 0.2;  ///< of an observation's three coordinates that count as redundant, at least
 
-constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes
+constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes (numerical)
 
 /// Variance of a joint's rotation about the axes of its frame, rad^2.
 Vector3d RotationVariance(const PoseState& state, const FrameCovariance& of_frame, int joint) {
@@ -34,7 +36,7 @@ Vector3d RotationVariance(const PoseState& state, const FrameCovariance& of_fram
 /// limits, hinges, process noise) where every joint is seen with a sigma of 1e4 times its own, which only keeps the
 /// person in the world. At most the typical rotation of people.
 Expected<std::vector<Vector3d>> PriorVariance(const TrackWindow& whole) {
-  constexpr double kFaint = 1e-4;
+  constexpr double kFaint = 1e-4;  ///< confidence of observations without effect (numerical)
   SkeletonTracks faint = whole.tracks;
   faint.precision.clear();
   std::fill(faint.confidence.begin(), faint.confidence.end(), kFaint);
@@ -73,7 +75,7 @@ Expected<std::vector<Vector3d>> PriorVariance(const TrackWindow& whole) {
 /// The fit's process noise, without coupling positions of unobserved joints: an unobserved head that would move far if
 /// the trunk were tilted is no evidence for an upright trunk.
 ProcessNoiseScale ProcessNoiseOfObserved(const TrackWindow& whole) {
-  constexpr double kAnywhere = 1e4;
+  constexpr double kAnywhere = 1e4;  ///< factor on the process noise of unobserved joints (numerical)
   const std::size_t numbers = whole.tracks.confidence.size();
   ProcessNoiseScale noise_scale = whole.noise_scale != nullptr ? *whole.noise_scale : ProcessNoiseScale::Ones(numbers);
   const std::vector<bool> shown = whole.tracks.JointObservations();
