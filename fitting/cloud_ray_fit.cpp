@@ -10,8 +10,8 @@
 #include "core/base/text.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_rig_audit.h"
+#include "fitting/clouds/cloud_smoothing.h"
 #include "fitting/clouds/cloud_tracking.h"
-#include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/frame_finding.h"
 #include "fitting/clouds/joint_cloud_fit.h"
@@ -58,68 +58,83 @@ double HeadingOfMotion(const Motion& motion) {
   return std::atan2(front.x(), front.z());
 }
 
-Status FitFrames(const std::vector<FusedCloud>& clouds, const KeypointView& view, const std::vector<int>& joint_of,
-                 const RayAgreement& rays, const CapsuleBody& body, const FittingOptions& options, FitResult& fit) {
-  const PointCloudOptions& cloud_options = options.point_clouds;
+/// Frames with enough points, each with the rays that see the person. Poses of frames with rays start from a fit of
+/// their own, beside the frame before. Marks the joints that rays show.
+Expected<std::vector<FrameFit>> FramesWithRays(const std::vector<FusedCloud>& clouds, const KeypointView& view,
+                                               const std::vector<int>& joint_of, const RayAgreement& rays, double noise,
+                                               const CapsuleBody& body, const FittingOptions& options, PoseState& state,
+                                               FitResult& fit) {
+  std::vector<FrameFit> frames;
+  const auto joints = static_cast<std::size_t>(fit.motion.joint_count());
+  for (int f = 0; f < fit.motion.frame_count(); ++f) {
+    if (Status on = StopIfInterrupted("fit of depth views and keypoints"); !on) return Forward(on);
+    const auto at = static_cast<std::size_t>(f);
+    if (clouds[at].size() < kFewestPoints) continue;
+    frames.push_back({f, {}, 1.0, static_cast<int>(options.point_clouds.iterations)});
+    if (rays.person[at] < 0) continue;
+    FrameFit frame = frames.back();
+    frame.joints = RaysOf(view, joint_of, rays.image[at], rays.person[at], noise,
+                          options.keypoints.triangulation.min_confidence, state, f);
+    frames.back().joints = frame.joints;
+    if (f > 0) frame.held.push_back({-1, fit.motion.rate.FrameTime(1)});
+    const auto fitted = FitCloudFrame(body, clouds[at], frame, state, options.point_clouds);
+    if (!fitted) return Forward(fitted);
+    fit.iterations += fitted->iterations;
+    for (const JointObservation& seen : frame.joints)
+      fit.motion.state[at * joints + static_cast<std::size_t>(seen.joint)] = JointState::kObserved;
+  }
+  return frames;
+}
+
+Status FitFrames(const std::vector<FusedCloud>& clouds, const std::vector<double>& time_s, const KeypointView& view,
+                 const std::vector<int>& joint_of, const RayAgreement& rays, const CapsuleBody& body,
+                 const FittingOptions& options, FitResult& fit) {
+  PointCloudOptions cloud_options = options.point_clouds;
+  cloud_options.uncertainty = !fit.motion.position_cov.empty();
   const TriangulationOptions& detections = options.keypoints.triangulation;
   const double of_rays = std::max(kPixelsOfModel, std::min(rays.median_px / kMedianOfTwo, 2.0 * detections.noise));
   const Rules& rules = cloud_options.rules;
   const double noise = rules.on(FittingRule::kRayNoise) ? of_rays : detections.noise;
   PoseState state = StateOf(fit.motion, body);
+  const auto frames = FramesWithRays(clouds, view, joint_of, rays, noise, body, options, state, fit);
+  if (!frames) return Forward(frames);
+  auto uncertainty = SmoothChain(body, clouds, *frames, time_s, cloud_options, state);
+  if (!uncertainty) return Forward(uncertainty);
+
   UncertainMotion uncertain(fit.motion);
-  const bool stated = !fit.motion.position_cov.empty();
   const double scale = BodyScale(*fit.motion.skeleton, fit.motion.bone_length);
   const std::vector<double> error = BodyErrors(*fit.motion.skeleton, scale, rules);
   std::vector<double> low_coverage(clouds.size(), 0.0);  // m, of frames without rays
   std::vector<double> residual(clouds.size(), 0.0);      // m, root mean square
   std::vector<double> residuals;
   const auto joints = static_cast<std::size_t>(fit.motion.joint_count());
-  for (int f = 0; f < fit.motion.frame_count(); ++f) {
-    if (Status on = StopIfInterrupted("fit of depth views and keypoints"); !on) return on;
-    const FusedCloud& cloud = clouds[static_cast<std::size_t>(f)];
+  for (std::size_t i = 0; i < frames->size(); ++i) {
+    const int f = (*frames)[i].frame;
     const auto at = static_cast<std::size_t>(f);
-    if (cloud.size() < 100) continue;
-    const double unseen = LowCoverageSigma(cloud, cloud_options, scale);
-    if (rays.person[at] < 0) low_coverage[at] = unseen;
-    if (rays.person[at] >= 0) {
-      FrameFit frame{f, {}, 1.0, static_cast<int>(cloud_options.iterations)};
-      if (f > 0) frame.held.push_back({-1, fit.motion.rate.FrameTime(1)});
-      frame.joints =
-          RaysOf(view, joint_of, rays.image[at], rays.person[at], noise, detections.min_confidence, state, f);
-      const auto fitted = FitCloudFrame(body, cloud, frame, state, cloud_options);
-      if (!fitted) return Forward(fitted);
-      fit.iterations += fitted->iterations;
-      std::vector<JointState>& states = fit.motion.state;
-      for (const JointObservation& seen : frame.joints) {
-        states[at * joints + static_cast<std::size_t>(seen.joint)] = JointState::kObserved;
-      }
-      if (stated) {
-        frame.held.clear();
-        auto uncertainty = UncertaintyOfFrame(body, cloud, frame, fitted->sigma, state, cloud_options);
-        if (!uncertainty) return Forward(uncertainty);
-        std::vector<double> of_body = error;
-        std::vector<bool> shown;
-        for (std::size_t j = 0; j < joints; ++j) shown.push_back(states[at * joints + j] == JointState::kObserved);
-        const double factor =
-            BodyErrorFactor(ResidualOf(MatchPoints(body, state, f, cloud, cloud_options.max_distance)), rules);
-        for (std::size_t j = 0; j < joints; ++j) {
-          of_body[j] *= factor;
-          if (!shown[j]) of_body[j] = std::hypot(of_body[j], unseen);
-        }
-        const std::vector<Vector3d> body_rotation =
-            BodyRotations(*fit.motion.skeleton, fit.motion.bone_length, of_body, rules);
-        if (rules.on(FittingRule::kUnobservedFactor)) WidenGaps(shown, *uncertainty, of_body);
-        uncertain.Set(f, *uncertainty, of_body, body_rotation);
-      }
-    }
-    const std::vector<CloudMatch> matches = MatchPoints(body, state, f, cloud, cloud_options.max_distance);
+    const std::vector<CloudMatch> matches = MatchPoints(body, state, f, clouds[at], cloud_options.max_distance);
     for (const CloudMatch& match : matches) residuals.push_back(std::abs(match.distance));
     residual[at] = ResidualOf(matches);
+    const bool has_rays = rays.person[at] >= 0;
+    const double unseen = LowCoverageSigma(clouds[at], cloud_options, scale);
+    if (!has_rays) low_coverage[at] = unseen;
+    if (!cloud_options.uncertainty) continue;
+    std::vector<bool> shown;
+    std::vector<double> of_body = error;
+    const double factor = BodyErrorFactor(residual[at], rules);
+    for (std::size_t j = 0; j < joints; ++j) {
+      shown.push_back(fit.motion.state[at * joints + j] == JointState::kObserved);
+      of_body[j] *= factor;
+      if (!has_rays || !shown[j]) of_body[j] = std::hypot(of_body[j], unseen);
+    }
+    const std::vector<Vector3d> body_rotation =
+        BodyRotations(*fit.motion.skeleton, fit.motion.bone_length, of_body, rules);
+    if (rules.on(FittingRule::kUnobservedFactor)) WidenGaps(shown, (*uncertainty)[i], of_body);
+    uncertain.Set(f, (*uncertainty)[i], of_body, body_rotation);
   }
   const Motion given = std::move(fit.motion);
   fit.motion = MotionOf(state, given.skeleton, given.rate);
   fit.motion.state = given.state;
-  if (stated) uncertain.Write(fit.motion);
+  if (cloud_options.uncertainty) uncertain.Write(fit.motion);
   fit.findings.erase(std::remove_if(fit.findings.begin(), fit.findings.end(),
                                     [](const Finding& finding) {
                                       return finding.code == kLowCoverage || finding.code == kPoorlyExplained;
@@ -169,7 +184,7 @@ Expected<FitResult> FitCloudsAndRays(const Clip& clip, const KeypointView& view,
   if (used) {
     const std::optional<CapsuleBody> capsules = BodyFromRadii(bare, fit->motion.bone_length, fit->capsule_radii);
     if (!capsules) return Fail(ErrorCode::kInternal, "the body of the depth fit cannot be rebuilt", clip.id());
-    if (Status fitted = FitFrames(*clouds, view, joint_of, rays, *capsules, options, *fit); !fitted)
+    if (Status fitted = FitFrames(*clouds, clock.time_s, view, joint_of, rays, *capsules, options, *fit); !fitted)
       return Forward(fitted);
   }
   fit->motion = WithoutDetectorPoints(fit->motion, skeleton);

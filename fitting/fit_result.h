@@ -9,6 +9,7 @@
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/evidence/skeleton_tracks.h"
 #include "fitting/triangulation/keypoint_report.h"
+#include "fitting/uncertainty/pose_covariance.h"
 
 namespace mocurate {
 
@@ -29,6 +30,7 @@ struct FitResult {
   std::string termination;       ///< "converged", "iteration limit" or the solver's message
   double initial_cost = 0.0;     ///< whitened, 1/2 sum of rho(|r|^2)
   double final_cost = 0.0;
+  PoseCovariances poses;                       ///< of a fit of tracks to which depth is added; else empty
   std::string capsule_radii;                   ///< RadiiText of the body that was fitted; empty without one
   std::string track_repairs;                   ///< RepairsText of corrections of the tracks; empty without any
   std::string rig_audit;                       ///< FaultsText of the cameras; empty without faults

@@ -39,7 +39,9 @@ Expected<PersonBody> ReadBody(const StageRequest& request, const SkeletonPtr& sk
 /// Fits joint tracks and depth views of the same times.
 Expected<FitResult> FitTracksAndDepth(const Clip& clip, const SkeletonPtr& skeleton, const std::vector<double>& bones,
                                       const FittingOptions& options) {
-  const Expected<FitResult> tracks = FitTracksOfClip(clip, skeleton, bones, options);
+  FittingOptions with_poses = options;
+  with_poses.joint_tracks.poses = true;
+  const Expected<FitResult> tracks = FitTracksOfClip(clip, skeleton, bones, with_poses);
   if (!tracks) return Forward(tracks);
   const Expected<SkeletonTracks> seen = TracksOfClip(clip, skeleton, options.other_joints);
   if (!seen) return Forward(seen);

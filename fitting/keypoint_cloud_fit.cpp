@@ -330,7 +330,9 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
     return CloudsAlone(clip, WithoutDetectorPoints(body, skeleton), bone_length, options.point_clouds,
                        "no keypoint camera observes a person");
   }
-  Expected<FitResult> keypoints = FitKeypointsOnBody(clip.evidence, clip.rate, skeleton, body, bone_length, options);
+  FittingOptions with_poses = options;
+  with_poses.joint_tracks.poses = true;
+  Expected<FitResult> keypoints = FitKeypointsOnBody(clip.evidence, clip.rate, skeleton, body, bone_length, with_poses);
   if (!keypoints) {
     Error error = keypoints.error();
     error.where = clip.id() + ": " + error.where;

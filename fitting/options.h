@@ -71,6 +71,7 @@ struct JointTrackOptions {
   std::int64_t window_frames = 600;                   ///< longer clips are fitted in windows
   std::int64_t window_overlap = 60;                   ///< frames at a window's end that the next window fits again
   bool uncertainty = true;                            ///< covariance of joints, standard deviation of rotations
+  bool poses = false;  ///< FitResult::poses too, 45 KB a frame; set by fits that add depth, no option of the user
 
   void Declare(OptionVisitor& v);
 };

@@ -19,7 +19,7 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMomentsAudited = 32;             ///< moments, evenly spread over the take (numerical)
+constexpr int kMomentsAudited = 32;  ///< moments, evenly spread over the take (numerical)
 /// Takes with kMomentsAudited each; more share as many, down to kFewestMoments each (numerical).
 constexpr std::size_t kMostTakesWhole = 4;
 constexpr std::size_t kSettlingMoments = 2000;  ///< moments for the final refit of a moved camera (numerical)

@@ -133,9 +133,10 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
     outcome.sigma = RobustSigma(std::move(distances));
     const std::vector<Vector3d> before = JointsOfState(state, frame);
     const auto solve = options.solver == TrackSolver::kBanded ? SolveDense : SolveCapsulesWithCeres;
-    const auto solution =
-        solve(body, {frame, cloud, matches, share / outcome.sigma, share * options.huber_sigmas, fit.held, fit.joints},
-              state, options);
+    const auto solution = solve(
+        body,
+        {frame, cloud, matches, share / outcome.sigma, share * options.huber_sigmas, fit.held, fit.joints, fit.pose},
+        state, options);
     if (!solution) return Forward(solution);
     if (i == 0) outcome.initial_cost = solution->initial_cost;
     outcome.final_cost = solution->final_cost;

@@ -28,6 +28,7 @@ struct FrameFit {
   double widening = 1.0;                      ///< factor on max_distance in the first matching, decreasing later
   int iterations = 40;                        ///< matchings, at most
   std::vector<JointObservation> joints = {};  ///< joint positions from other modalities
+  const PoseGaussian* pose = nullptr;         ///< of other evidence, which has priors of its joints already
   double point_weight = 1.0;                  ///< factor on the weight of points: below 1 when the whole body is off
 };
 

@@ -36,6 +36,10 @@ CloudEquations::CloudEquations(const CapsuleBody& body, PoseState& state, FrameT
       options_(options),
       rest_sigmas_(RestPoseSigmas(*body.skeleton, options.rest_sigma)),
       subtree_(state.joints()) {
+  known_.assign(static_cast<std::size_t>(state.joints()), false);
+  if (terms_.pose != nullptr) {
+    for (const int j : terms_.pose->joints) known_[static_cast<std::size_t>(j)] = true;
+  }
   for (int j = 0; j < state.joints(); ++j) {
     column_.push_back(state.active(j) ? size_ : -1);
     if (state.active(j)) size_ += 3;
@@ -61,7 +65,7 @@ double CloudEquations::Cost() const {
       const Matrix3d rotation = state_.local(frame_ + neighbour.step, j).transpose() * state_.local(frame_, j);
       twice += LogMatrix(rotation).squaredNorm() / (Square(options_.rotation_process_noise) * neighbour.seconds);
     }
-    if (j == 0) continue;
+    if (j == 0 || known_[static_cast<std::size_t>(j)]) continue;
     const Eigen::Map<const Vector3d> w(std::as_const(state_).rotation(frame_, j));
     twice += w.squaredNorm() / Square(rest_sigmas_[j]);
     const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_sigmas_[j], options_);
@@ -72,6 +76,10 @@ double CloudEquations::Cost() const {
   for (const FixedNeighbourFrame& neighbour : terms_.held) {
     const Vector3d move = state_.position(frame_, 0) - state_.position(frame_ + neighbour.step, 0);
     twice += move.squaredNorm() / (Square(options_.velocity_process_noise) * neighbour.seconds);
+  }
+  if (terms_.pose != nullptr) {
+    twice +=
+        (terms_.pose->whitening.triangularView<Eigen::Lower>() * terms_.pose->Errors(state_, frame_)).squaredNorm();
   }
   return 0.5 * twice;
 }
@@ -137,7 +145,7 @@ void CloudEquations::AddPoints() {
 void CloudEquations::AddPriors() {
   for (int j = 1; j < state_.joints(); ++j) {
     const int c = column_[j];
-    if (c < 0) continue;
+    if (c < 0 || known_[static_cast<std::size_t>(j)]) continue;
     const double rest = 1.0 / Square(rest_sigmas_[j]);
     const double limit = 1.0 / Square(kCloudLimitSigma);
     const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_sigmas_[j], options_);
@@ -147,6 +155,29 @@ void CloudEquations::AddPriors() {
       matrix_(c + i, c + i) += rest + (beyond == 0.0 ? 0.0 : limit);
       gradient_[c + i] += rest * w + limit * beyond;
     }
+  }
+}
+
+void CloudEquations::AddPose() {
+  if (terms_.pose == nullptr) return;
+  const PoseGaussian& pose = *terms_.pose;
+  const Eigen::VectorXd errors = pose.Errors(state_, frame_);
+  const auto whitening = pose.whitening.triangularView<Eigen::Lower>();
+  const Eigen::VectorXd residual = whitening * errors;
+  Eigen::MatrixXd jacobian = whitening;
+  std::vector<int> columns{0};
+  for (std::size_t k = 0; k < pose.joints.size(); ++k) {
+    const auto at = PoseGaussian::At(k);
+    jacobian.middleCols<3>(at) = (jacobian.middleCols<3>(at) * pose.Derivative(errors, state_, frame_, k)).eval();
+    columns.push_back(column_[pose.joints[k]]);
+  }
+  const Eigen::MatrixXd information = jacobian.transpose() * jacobian;
+  const Eigen::VectorXd gradient = jacobian.transpose() * residual;
+  for (std::size_t b = 0; b < columns.size(); ++b) {
+    for (std::size_t a = 0; a <= b; ++a)
+      matrix_.block<3, 3>(columns[a], columns[b]) +=
+          information.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(b));
+    gradient_.segment<3>(columns[b]) += gradient.segment<3>(3 * static_cast<Eigen::Index>(b));
   }
 }
 
@@ -173,6 +204,7 @@ void CloudEquations::Linearise() {
   SumJoints();
   AddPoints();
   AddPriors();
+  AddPose();
   for (const FixedNeighbourFrame& neighbour : terms_.held) AddStep(neighbour);
 }
 

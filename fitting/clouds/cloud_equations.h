@@ -39,6 +39,7 @@ class CloudEquations {
   void Linearise();
   const Eigen::MatrixXd& matrix() const { return matrix_; }  ///< upper triangle
   const Eigen::VectorXd& gradient() const { return gradient_; }
+  const Skeleton& skeleton() const { return *body_.skeleton; }
   int column(int joint) const { return column_[joint]; }  ///< first unknown of a joint's rotation; -1: not active
 
   Eigen::VectorXd Parameters() const;
@@ -52,6 +53,7 @@ class CloudEquations {
   void SumJoints();
   void AddPoints();
   void AddPriors();
+  void AddPose();
   void AddStep(const FixedNeighbourFrame& neighbour);
 
   const CapsuleBody& body_;
@@ -61,6 +63,7 @@ class CloudEquations {
   const PointCloudOptions& options_;
   const std::vector<double> rest_sigmas_;
   int size_ = 3;
+  std::vector<bool> known_;  ///< (J) whether the pose of other evidence knows the rotation, priors included
   std::vector<int> column_;  ///< first unknown of a joint's rotation; -1: not active
   std::vector<BodyInformation> subtree_;
   Eigen::MatrixXd matrix_;

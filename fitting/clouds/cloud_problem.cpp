@@ -8,6 +8,7 @@
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_position_cost.h"
 #include "fitting/costs/joint_velocity_cost.h"
+#include "fitting/costs/pose_gaussian_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
 #include "fitting/solver/rest_sigmas.h"
@@ -47,14 +48,19 @@ CloudProblem::CloudProblem(const CapsuleBody& body, PoseState& state, const Fram
     auto* cost = new JointPositionCost(state_, frame_, seen.joint, seen.position, seen.whitening, false);
     problem_.AddResidualBlock(cost, &joint_loss_, cost->Blocks(state_));
   }
-  AddPriors(options);
+  AddPriors(terms.pose, options);
+  if (terms.pose != nullptr) {
+    auto* cost = new PoseGaussianCost(state_, frame_, *terms.pose);
+    problem_.AddResidualBlock(cost, nullptr, cost->Blocks(state_));
+  }
   for (const FixedNeighbourFrame& neighbour : terms.held) AddStep(neighbour, options);
 }
 
-void CloudProblem::AddPriors(const PointCloudOptions& options) {
+void CloudProblem::AddPriors(const PoseGaussian* pose, const PointCloudOptions& options) {
   const std::vector<double> rest_sigmas = RestPoseSigmas(*body_.skeleton, options.rest_sigma);
   for (int j = 1; j < state_.joints(); ++j) {
-    if (!state_.active(j)) continue;
+    const bool known = pose != nullptr && std::binary_search(pose->joints.begin(), pose->joints.end(), j);
+    if (!state_.active(j) || known) continue;
     problem_.AddResidualBlock(new RestPriorCost(rest_sigmas[j]), nullptr, state_.rotation(frame_, j));
     const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_sigmas[j], options);
     if (limits == nullptr) continue;

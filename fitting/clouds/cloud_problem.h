@@ -18,7 +18,7 @@ class CloudProblem {
   ceres::Problem& problem() { return problem_; }
 
  private:
-  void AddPriors(const PointCloudOptions& options);
+  void AddPriors(const PoseGaussian* pose, const PointCloudOptions& options);
   void AddStep(const FixedNeighbourFrame& neighbour, const PointCloudOptions& options);
 
   const CapsuleBody& body_;

@@ -131,14 +131,6 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
   return {};
 }
 
-/// Frames without a fit get the pose of the previous fitted one, or of the next.
-void FillFrames(int first, CloudTrack& track) {
-  for (int f = first - 1; f >= 0; --f) track.state.SetFrameParameters(f, track.state.FrameParameters(f + 1));
-  for (int f = first + 1; f < track.state.frames(); ++f) {
-    if (track.outcomes[f].iterations == 0) track.state.SetFrameParameters(f, track.state.FrameParameters(f - 1));
-  }
-}
-
 /// Cost per point of each frame, and its median.
 struct FrameCosts {
   std::vector<double> of_frame;  ///< (F), 0 for frames without a fit
@@ -269,6 +261,15 @@ Status CheckFrames(const Clip& clip) {
 
 }  // namespace
 
+void FillFrames(CloudTrack& track) {
+  int first = 0;
+  while (first + 1 < track.state.frames() && !IsFitted(track, first)) ++first;
+  for (int f = first - 1; f >= 0; --f) track.state.SetFrameParameters(f, track.state.FrameParameters(f + 1));
+  for (int f = first + 1; f < track.state.frames(); ++f) {
+    if (!IsFitted(track, f)) track.state.SetFrameParameters(f, track.state.FrameParameters(f - 1));
+  }
+}
+
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options) {
   return FuseClip(clip, options, std::numeric_limits<int>::max());
 }
@@ -314,7 +315,7 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
   if (Status followed = Follow(first, time_s, options, track); !followed) return Forward(followed);
   if (Status looked = RefitPoorFrames(time_s, options, track); !looked) return Forward(looked);
   if (Status found = RecoverLostFrames(time_s, options, track); !found) return Forward(found);
-  FillFrames(first, track);
+  FillFrames(track);
   return track;
 }
 

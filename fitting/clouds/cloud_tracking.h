@@ -18,6 +18,9 @@ struct CloudTrack {
   CloudStart start;                         ///< of the first frame with points
 };
 
+/// Frames without a fit get the pose of the previous fitted one, or of the next.
+void FillFrames(CloudTrack& track);
+
 /// The person in all frames of a clip, or in `frames` evenly spaced ones, from its depth views or else its cloud files.
 /// Errors of FuseViews and ReadPersonCloud; kInconsistent without either, for views of unequal length, and for stamps
 /// that do not increase.

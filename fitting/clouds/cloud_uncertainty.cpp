@@ -33,12 +33,31 @@ Matrix3d PositionCovariance(const CloudEquations& equations, const PoseState& st
 
 }  // namespace
 
+CloudUncertainty UncertaintyOfCovariance(const CloudEquations& equations, int frame, const Eigen::MatrixXd& covariance,
+                                         const PoseState& state, const PointCloudOptions& options) {
+  const std::vector<double> rest = RestPoseSigmas(equations.skeleton(), options.rest_sigma);
+  CloudUncertainty uncertainty;
+  for (int j = 0; j < state.joints(); ++j) {
+    uncertainty.position.push_back(PositionCovariance(equations, state, frame, j, covariance));
+    const double prior = j == 0 ? kUnknownAngle : std::min(rest[j] * rest[j], kUnknownAngle);
+    Vector3d variance = Vector3d::Constant(prior);
+    if (const int column = equations.column(j); column >= 0) {
+      const Matrix3d& jacobian = state.right_jacobian(frame, j);
+      variance = (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
+    }
+    uncertainty.prior.push_back(prior);
+    uncertainty.rotation.emplace_back(variance.cwiseMin(prior));
+  }
+  return uncertainty;
+}
+
 Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                               double sigma, PoseState& state, const PointCloudOptions& options) {
   const std::vector<CloudMatch> matches = MatchPoints(body, state, fit.frame, cloud, options.max_distance);
   const double share = fit.point_weight * PatchShare(options);
   CloudEquations equations(
-      body, state, {fit.frame, cloud, matches, share / sigma, share * options.huber_sigmas, fit.held, fit.joints},
+      body, state,
+      {fit.frame, cloud, matches, share / sigma, share * options.huber_sigmas, fit.held, fit.joints, fit.pose},
       options);
   equations.SetParameters(equations.Parameters());
   equations.Linearise();
@@ -50,20 +69,7 @@ Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const Fus
   }
   const auto size = equations.matrix().rows();
   const Eigen::MatrixXd covariance = factor.solve(Eigen::MatrixXd::Identity(size, size));
-  const std::vector<double> rest = RestPoseSigmas(*body.skeleton, options.rest_sigma);
-  CloudUncertainty uncertainty;
-  for (int j = 0; j < state.joints(); ++j) {
-    uncertainty.position.push_back(PositionCovariance(equations, state, fit.frame, j, covariance));
-    const double prior = j == 0 ? kUnknownAngle : std::min(rest[j] * rest[j], kUnknownAngle);
-    Vector3d variance = Vector3d::Constant(prior);
-    if (const int column = equations.column(j); column >= 0) {
-      const Matrix3d& jacobian = state.right_jacobian(fit.frame, j);
-      variance = (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
-    }
-    uncertainty.prior.push_back(prior);
-    uncertainty.rotation.emplace_back(variance.cwiseMin(prior));
-  }
-  return uncertainty;
+  return UncertaintyOfCovariance(equations, fit.frame, covariance, state, options);
 }
 
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "fitting/clouds/capsule_fit.h"
+#include "fitting/clouds/cloud_equations.h"
 
 namespace mocurate {
 
@@ -12,6 +13,10 @@ struct CloudUncertainty {
   std::vector<Vector3d> rotation;  ///< (J) variance about the joint's own axes, rad^2
   std::vector<double> prior;       ///< (J) prior variance of the rotation, rad^2
 };
+
+/// Of a frame whose unknowns (CloudEquations) have the covariance (n x n). Needs Update with derivatives.
+CloudUncertainty UncertaintyOfCovariance(const CloudEquations& equations, int frame, const Eigen::MatrixXd& covariance,
+                                         const PoseState& state, const PointCloudOptions& options);
 
 /// From the inverse of the Gauss-Newton matrix of the frame's terms, at the minimum in the state; points weighted with
 /// `sigma` (CapsuleFitOutcome). Does not include the difference between body and person (BodyErrors). Needs Update.

@@ -10,6 +10,7 @@
 #include "core/motion/limbs.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/cloud_match.h"
+#include "fitting/clouds/cloud_smoothing.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/frame_finding.h"
@@ -85,18 +86,35 @@ Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResu
   return shown;
 }
 
-Status AddUncertainty(CloudTrack& track, const Shown& shown, const PointCloudOptions& options, FitResult& result) {
+/// The tracked frames, fitted together (SmoothChain). The rest gets the pose of a neighbour.
+struct SmoothedTrack {
+  std::vector<FrameFit> chain;
+  std::vector<CloudUncertainty> uncertainty;  ///< of the chain's frames
+};
+
+Expected<SmoothedTrack> Smooth(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
+  SmoothedTrack smoothed;
+  for (int f = 0; f < track.state.frames(); ++f) {
+    FrameFit fit;
+    fit.frame = f;
+    if (track.outcomes[f].iterations > 0) smoothed.chain.push_back(fit);
+  }
+  auto uncertainty = SmoothChain(track.body, track.clouds, smoothed.chain, time_s, options, track.state);
+  if (!uncertainty) return Forward(uncertainty);
+  smoothed.uncertainty = *std::move(uncertainty);
+  FillFrames(track);
+  track.state.Update(0, track.state.frames(), false);
+  return smoothed;
+}
+
+void AddUncertainty(SmoothedTrack track, const Shown& shown, const PointCloudOptions& options, FitResult& result) {
   const Motion& motion = result.motion;
   UncertainMotion uncertain(motion.frame_count(), motion.joint_count());
   const std::vector<double> usual =
       BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.rules);
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    if (track.outcomes[f].iterations == 0) continue;
-    FrameFit fit;
-    fit.frame = f;
-    auto uncertainty =
-        UncertaintyOfFrame(track.body, track.clouds[f], fit, track.outcomes[f].sigma, track.state, options);
-    if (!uncertainty) return Forward(uncertainty);
+  for (std::size_t i = 0; i < track.chain.size(); ++i) {
+    const int f = track.chain[i].frame;
+    CloudUncertainty& uncertainty = track.uncertainty[i];
     std::vector<double> body_error = usual;
     const double factor = BodyErrorFactor(shown.residual[f], options.rules);
     for (double& error : body_error) error = std::hypot(factor * error, shown.error[f]);
@@ -104,11 +122,10 @@ Status AddUncertainty(CloudTrack& track, const Shown& shown, const PointCloudOpt
         BodyRotations(*motion.skeleton, motion.bone_length, body_error, options.rules);
     const auto begin = shown.joint.begin() + static_cast<std::ptrdiff_t>(f) * motion.joint_count();
     if (options.rules.on(FittingRule::kUnobservedFactor))
-      WidenGaps({begin, begin + motion.joint_count()}, *uncertainty, body_error);
-    uncertain.Set(f, *uncertainty, body_error, body_rotation);
+      WidenGaps({begin, begin + motion.joint_count()}, uncertainty, body_error);
+    uncertain.Set(f, uncertainty, body_error, body_rotation);
   }
   uncertain.Write(result.motion);
-  return {};
 }
 
 void ReportUntrackedFrames(const CloudTrack& track, FitResult& result) {
@@ -239,13 +256,13 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   auto track = TrackClouds(std::move(clouds), skeleton, bone_length.empty() ? skeleton->RestBoneLengths() : bone_length,
                            clock.time_s, options);
   if (!track) return Forward(track);
+  Expected<SmoothedTrack> smoothed = Smooth(clock.time_s, options, *track);
+  if (!smoothed) return Forward(smoothed);
   FitResult result;
   result.motion = MotionOf(track->state, track->body.skeleton, clock.rate);
   result.capsule_radii = RadiiText(track->body);
   const Shown shown = Measure(*track, options, result);
-  if (options.uncertainty) {
-    if (Status added = AddUncertainty(*track, shown, options, result); !added) return Forward(added);
-  }
+  if (options.uncertainty) AddUncertainty(*std::move(smoothed), shown, options, result);
   ReportAmbiguous(*track, result);
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);

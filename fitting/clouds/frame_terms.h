@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "fitting/clouds/cloud_match.h"
+#include "fitting/costs/pose_gaussian.h"
 
 namespace mocurate {
 
@@ -28,6 +29,7 @@ struct FrameTerms {
   double huber = 0.0;   ///< whitened distance beyond which the loss of a point is linear
   std::vector<FixedNeighbourFrame> held = {};
   std::vector<JointObservation> joints = {};
+  const PoseGaussian* pose = nullptr;  ///< of other evidence; replaces the rest pose and the limits of its joints
 };
 
 }  // namespace mocurate

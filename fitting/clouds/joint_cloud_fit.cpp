@@ -1,6 +1,6 @@
 #include "fitting/clouds/joint_cloud_fit.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -13,7 +13,6 @@
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/frame_finding.h"
 #include "fitting/clouds/uncertain_motion.h"
-#include "fitting/costs/huber.h"
 #include "fitting/stop_request.h"
 #include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/frame_orientation.h"
@@ -25,11 +24,13 @@ namespace {
 constexpr int kShownFrames = 24;
 constexpr double kMinSurfaceWeight = 0.02;  ///< weight of clouds that contradict the tracks, at least
 /// Factor on the variance of joints from a frame's information: bones and body shape come from the same noisy tracks,
-/// and their errors are common to all frames. Rotations do not need it: 80 and 97 % of them lie within one and two
-/// stated sigmas without it, 94 and 99.7 % with it. Source: bench_fit_clouds mix=1
-constexpr double kSharedErrors = 3.4;
-/// m; standard deviation of an observed joint along any axis, at least (numerical).
-constexpr double kSmallestSigma = 1e-3;
+/// and their errors are common to all frames. 73 and 96 % of the joints lie within one and two stated sigmas. Rotations
+/// do not need it. Source: bench_fit_clouds mix=1
+constexpr double kSharedErrors = 1.9;
+/// m; standard deviation of a joint's place as solved, at least (numerical).
+constexpr double kSmallestSigma = 1e-4;
+/// Factor on a variance as solved, at least: what the fit states of the place over that (numerical).
+constexpr double kSmallestScale = 0.05;
 /// Chi square of three degrees of freedom, ninth decile. Source: chi-square distribution
 constexpr double kContradictingSquare = 6.25;
 constexpr double kMaxExcessShare = 2.0;  ///< factor on the template's usual variance: more is not due to body
@@ -54,19 +55,48 @@ std::vector<bool> KnownJoints(const Motion& motion) {
   return known;
 }
 
-/// Joints of the tracks' fit with its covariance, scaled by a factor per joint (J); 0: no information.
-std::vector<JointObservation> JointObservationsOf(const Motion& motion, int frame, const std::vector<double>& factor) {
-  std::vector<JointObservation> joints;
+/// The tracks' pose of a frame. Correlations are those of its covariance as solved; the translation and each joint's
+/// rotation are scaled by the variance that is stated of the place of the root and of the joints that the rotation
+/// moves first, over that as solved, and by a factor per joint (J). Of joints that the tracks and `moving` (J) both
+/// know.
+PoseGaussian PoseOf(const FitResult& tracks, int frame, const std::vector<double>& factor,
+                    const std::vector<bool>& moving) {
+  const Motion& motion = tracks.motion;
+  const auto first = static_cast<std::size_t>(frame) * static_cast<std::size_t>(motion.joint_count());
+  const std::size_t first_solved = tracks.poses.column.size() * static_cast<std::size_t>(frame);
+  const auto scale_of = [&](int joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const double solved = std::max(tracks.poses.position[first_solved + j], 3.0 * kSmallestSigma * kSmallestSigma);
+    return factor[j] * std::max(CovarianceAt(motion.position_cov, first + j).trace() / solved, kSmallestScale);
+  };
+  PoseGaussian pose;
+  pose.translation = motion.root_translation[static_cast<std::size_t>(frame)];
+  std::vector<int> columns{0};
+  std::vector<double> scale{scale_of(0)};
   for (int j = 0; j < motion.joint_count(); ++j) {
-    if (factor[static_cast<std::size_t>(j)] <= 0.0) continue;
-    const std::size_t at = static_cast<std::size_t>(frame) * motion.joint_count() + static_cast<std::size_t>(j);
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(factor[static_cast<std::size_t>(j)] *
-                                                       CovarianceAt(motion.position_cov, at));
-    const Vector3d sigmas = axes.eigenvalues().cwiseMax(kSmallestSigma * kSmallestSigma).cwiseSqrt();
-    joints.push_back(
-        {j, motion.joints.at(frame, j), sigmas.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose()});
+    const int column = tracks.poses.column[static_cast<std::size_t>(j)];
+    if (column < 0 || !moving[static_cast<std::size_t>(j)]) continue;
+    pose.joints.push_back(j);
+    pose.rotation.push_back(motion.rotation_at(frame, j).toRotationMatrix());
+    columns.push_back(column);
+    scale.push_back(kSmallestScale);
+    for (int child = j + 1; child < motion.joint_count(); ++child) {
+      if (motion.skeleton->joints[static_cast<std::size_t>(child)].parent == j &&
+          factor[static_cast<std::size_t>(child)] > 0.0)
+        scale.back() = std::max(scale.back(), scale_of(child));
+    }
   }
-  return joints;
+  const Eigen::MatrixXd& solved = tracks.poses.frame[static_cast<std::size_t>(frame)];
+  const auto size = 3 * static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd covariance(size, size);
+  for (std::size_t a = 0; a < columns.size(); ++a) {
+    for (std::size_t b = 0; b < columns.size(); ++b) {
+      covariance.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(b)) =
+          std::sqrt(scale[a] * scale[b]) * solved.block<3, 3>(columns[a], columns[b]);
+    }
+  }
+  pose.whitening = covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(size, size));
+  return pose;
 }
 
 /// Variance of each joint of the motion per axis, mean over frames; 1 m^2 for an unknown joint. (J)
@@ -153,15 +183,11 @@ double ShapeVariance(const Skeleton& skeleton, double scale, const Rules& rules)
   return MeanMedian(squares);
 }
 
-/// Cost of a pose with points and joints, with the same weights for all poses.
+/// Cost of a pose with points and tracks, with the same weights for all poses.
 double MixedCost(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit, PoseState& state,
                  const PointCloudOptions& options) {
-  double twice = 0.0;
-  for (const JointObservation& seen : fit.joints) {
-    const Vector3d error = seen.whitening * (state.position(fit.frame, seen.joint) - seen.position);
-    twice += HuberValue(error.squaredNorm(), options.huber_sigmas);
-  }
-  return fit.point_weight * fit.point_weight * PoseCost(body, cloud, state, fit.frame, options) + 0.5 * twice;
+  const double of_tracks = 0.5 * (fit.pose->whitening * fit.pose->Errors(state, fit.frame)).squaredNorm();
+  return fit.point_weight * fit.point_weight * PoseCost(body, cloud, state, fit.frame, options) + of_tracks;
 }
 
 /// Fits from the pose in the state, and from `alone` if given; keeps the cheaper result.
@@ -230,7 +256,7 @@ void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result)
 std::vector<Vector3d> RotationsOfMeasuredBody(const Motion& motion) {
   const Skeleton& skeleton = *motion.skeleton;
   std::vector<double> variance(skeleton.joints.size(), 0.0);
-  for (int j = 1; j < skeleton.joint_count(); ++j) variance[j] = Square(SpreadOfBone(skeleton, j));
+  for (int j = 1; j < skeleton.joint_count(); ++j) variance[j] = std::pow(SpreadOfBone(skeleton, j), 2);
   std::vector<Vector3d> variances;
   for (const Matrix3d& covariance : FrameOrientationByBones(skeleton, motion.bone_length, variance))
     variances.emplace_back(covariance.diagonal());
@@ -291,7 +317,7 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
                     " of joint tracks",
                 "evidence", "fit one of them alone: fitting.method joint_tracks or point_clouds");
   }
-  if (motion.position_cov.empty()) {
+  if (motion.position_cov.empty() || tracks.poses.empty()) {
     return Fail(ErrorCode::kInconsistent, "the fit of the joint tracks has no uncertainty", "evidence",
                 "set fitting.joint_tracks.uncertainty to true");
   }
@@ -327,8 +353,8 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (clouds[f].size() < kFewestPoints) continue;
     if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
-    const FrameFit fit{
-        f, {}, 1.0, static_cast<int>(options.iterations), JointObservationsOf(motion, f, factor), *surface_weight};
+    const PoseGaussian pose = PoseOf(tracks, f, factor, moving);
+    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), {}, &pose, *surface_weight};
     const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);

@@ -254,6 +254,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     result.motion.rotation_sigma = std::move(uncertainty->rotation_sigma);
     result.motion.rotation_observed = std::move(uncertainty->rotation_observed);
     result.variance_factor = uncertainty->variance_factor;
+    result.poses = std::move(uncertainty->poses);
   }
   MeasureResiduals(tracks, joint_sigma, rejected, result);
   std::vector<bool> unseen = tracks.ObservedFrames();

@@ -105,11 +105,13 @@ class Reader {
     const int frame = of_frame.frame;
     const TwistPropagation twists(state, track, frame);
     const std::vector<Matrix6d> carrier = twists.CovarianceWith(twists, covariance);
+    if (window_.options.poses) WritePose(of_frame);
     for (int j = 0; j < state.joints(); ++j) {
       const std::size_t at = static_cast<std::size_t>(frame) * state.joints() + j;
       const auto derivative = twists.PositionDerivative(j);
       const Matrix3d position = derivative * carrier[j] * derivative.transpose();
       ToSixNumbers(position, out_.position_cov.data() + 6 * at);
+      if (window_.options.poses) out_.poses.position[at] = position.trace();
       WriteRotation(of_frame, at, j);
       if (!window_.tracks.seen(frame, j)) continue;
       const Matrix3d information = track.DataInformation(frame, j);
@@ -123,6 +125,22 @@ class Reader {
   }
 
  private:
+  /// Rows and columns of rotation vectors, turned into those of rotations in the joints' frames.
+  void WritePose(const FrameCovariance& of_frame) {
+    PoseCovariances& poses = out_.poses;
+    poses.column.clear();
+    Eigen::MatrixXd& covariance = poses.frame[static_cast<std::size_t>(of_frame.frame)];
+    covariance = of_frame.own;
+    for (int j = 0; j < window_.state.joints(); ++j) {
+      const int column = of_frame.track.column(j);
+      poses.column.push_back(column);
+      if (column < 0) continue;
+      const Matrix3d& jacobian = window_.state.right_jacobian(of_frame.frame, j);
+      covariance.middleRows<3>(column) = (jacobian * covariance.middleRows<3>(column)).eval();
+      covariance.middleCols<3>(column) = (covariance.middleCols<3>(column) * jacobian.transpose()).eval();
+    }
+  }
+
   void WriteRotation(const FrameCovariance& of_frame, std::size_t at, int joint) {
     const Vector3d& prior = prior_[at];
     Vector3d variance = prior;
@@ -248,6 +266,10 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double 
   const Expected<std::vector<Vector3d>> known = PriorVariance(whole);
   if (!known) return Forward(known);
   const std::vector<Vector3d>& prior = *known;
+  if (whole.options.poses) {
+    uncertainty.poses.frame.resize(static_cast<std::size_t>(whole.end));
+    uncertainty.poses.position.resize(numbers);
+  }
   Freedom freedom;
   Reader reader(whole, prior, uncertainty, freedom);
   Status visited = VisitCovariances(whole, [&](const FrameCovariance& covariance) { reader.Read(covariance); });

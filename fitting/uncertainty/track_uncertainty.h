@@ -4,6 +4,7 @@
 
 #include "core/motion/motion.h"
 #include "fitting/solver/track_window.h"
+#include "fitting/uncertainty/pose_covariance.h"
 
 namespace mocurate {
 
@@ -17,6 +18,7 @@ struct PoseUncertainty {
   std::vector<float> position_cov;       ///< (F*J*6) of joints in the world, xx xy xz yy yz zz, m^2
   std::vector<float> rotation_sigma;     ///< (F*J*3) rad, about the joint's own axes
   std::vector<float> rotation_observed;  ///< (F*J*3) 1 - posterior / prior variance, in [0, 1]
+  PoseCovariances poses;                 ///< only where the options want them (JointTrackOptions::poses)
   double variance_factor = 1.0;          ///< a-posteriori variance of the whitened residuals; 1: noise as assumed
 };
 

@@ -127,6 +127,7 @@ Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, cons
   const FittingOptions given = benchmarks::OptionsWithout();
   JointTrackOptions track_options = given.joint_tracks;
   track_options.solver = TrackSolver::kBanded;
+  track_options.poses = true;
   const double begin = CpuSeconds();
   const auto tracks = RepairAndFit(OnBody(take.clip.tracks, person.skeleton), take.clip.truth.rate, person.bone_length,
                                    given.repair, track_options);

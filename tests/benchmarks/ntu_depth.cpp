@@ -135,6 +135,7 @@ int main(int argc, char** argv) {
     }
     FittingOptions options;
     options.joint_tracks.solver = options.point_clouds.solver = TrackSolver::kBanded;
+    options.joint_tracks.poses = true;
     const auto given_tracks = TracksOfClip(clip, skeleton, OtherJoints::kRefuse);
     if (!given_tracks) {
       std::fprintf(stderr, "    %s\n", given_tracks.error().Message().c_str());

@@ -98,6 +98,54 @@ TEST_F(Cloud, EquationsWithObservedJointsMatchCeres) {
   ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}}, joints));
 }
 
+/// What the fit of tracks knows: the root and the joints `known`, with correlated errors.
+PoseGaussian KnownPose(const PoseState& state, int frame, std::vector<int> known) {
+  Random random(9, "known_pose");
+  PoseGaussian pose;
+  pose.joints = std::move(known);
+  pose.translation = state.position(frame, 0) + Vector3d(0.01, -0.02, 0.005);
+  for (const int j : pose.joints) {
+    const Vector3d off = 0.05 * Vector3d(random.Normal(), random.Normal(), random.Normal());
+    pose.rotation.push_back(state.local(frame, j) * ExpQuaternion(off).toRotationMatrix());
+  }
+  const Eigen::Index size = 3 + 3 * static_cast<Eigen::Index>(pose.joints.size());
+  pose.whitening = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index r = 0; r < size; ++r) {
+    for (Eigen::Index c = 0; c <= r; ++c) pose.whitening(r, c) = r == c ? 30.0 + r : 3.0 * random.Normal();
+  }
+  return pose;
+}
+
+TEST_F(Cloud, EquationsWithAKnownPoseMatchCeres) {
+  const PoseGaussian pose = KnownPose(state_, 1, {0, 1, 4, 6, 16, 18});
+  FrameTerms terms{1, cloud_, matches_, 10.0, 1.0, {{-1, 1.0 / 30.0}}, {}, &pose};
+  ExpectSameAsCeres(terms);
+}
+
+/// Without points the pose is as certain as the other evidence says: its rest pose and limits are not counted again.
+TEST_F(Cloud, WithoutPointsAKnownPoseKeepsItsCovariance) {
+  std::vector<int> moving;
+  for (int j = 0; j < state_.joints(); ++j) {
+    if (state_.active(j)) moving.push_back(j);
+  }
+  const PoseGaussian pose = KnownPose(state_, 1, moving);
+  const std::vector<CloudMatch> none;
+  CloudEquations equations(body_, state_, {1, cloud_, none, 10.0, 1.0, {}, {}, &pose}, options_);
+  const auto solution = SolveCloudEquations(equations, 100, 1e-14);
+  ASSERT_TRUE(solution.has_value());
+  EXPECT_LT(solution->final_cost, 1e-9);
+  equations.Linearise();
+  const Eigen::MatrixXd information = equations.matrix().selfadjointView<Eigen::Upper>();
+  Eigen::MatrixXd expected = pose.whitening.transpose() * pose.whitening;
+  for (std::size_t k = 0; k < moving.size(); ++k) {
+    const Matrix3d& jacobian = state_.right_jacobian(1, moving[k]);
+    const auto at = PoseGaussian::At(k);
+    expected.middleRows<3>(at) = (jacobian.transpose() * expected.middleRows<3>(at)).eval();
+    expected.middleCols<3>(at) = (expected.middleCols<3>(at) * jacobian).eval();
+  }
+  EXPECT_LT((information - expected).norm(), 1e-6 * expected.norm());
+}
+
 TEST_F(Cloud, SomePointsLieInTheLinearPartOfTheLoss) {
   int linear = 0;
   const FrameTerms terms = Terms({});

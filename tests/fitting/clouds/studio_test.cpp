@@ -73,6 +73,7 @@ class StudioClouds : public ::testing::Test {
   Expected<FitResult> FitTracks(const CloudTake& take) {
     JointTrackOptions options;
     options.solver = TrackSolver::kBanded;
+    options.poses = true;
     static const Expected<BodyFromClouds> body = BodyOfBothModalities(options);
     if (!body) return Forward(body);
     return RepairAndFit(OnBody(take.clip.tracks, body->skeleton), take.clip.truth.rate, body->bone_length,

@@ -9,6 +9,7 @@
 #include "fitting/costs/joint_position_cost.h"
 #include "fitting/costs/joint_rotation_cost.h"
 #include "fitting/costs/joint_velocity_cost.h"
+#include "fitting/costs/pose_gaussian_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
 #include "tests/fitting/jacobian_check.h"
@@ -217,6 +218,22 @@ struct TurnResidual {
     return true;
   }
 };
+
+TEST_P(CostJacobian, OfAKnownPose) {
+  PoseGaussian pose;
+  pose.joints = {0, 1, 3};
+  pose.translation = state_.position(0, 0) + Vector3d(0.1, 0.2, -0.1);
+  for (const int j : pose.joints) pose.rotation.push_back(state_.local(0, j) * ExpMatrix(Vector3d(0.3 * j, -0.2, 0.4)));
+  pose.whitening = Eigen::MatrixXd::Zero(12, 12);
+  for (int r = 0; r < 12; ++r) {
+    for (int c = 0; c <= r; ++c) pose.whitening(r, c) = r == c ? 3.0 + r : 0.1 * (r - 2 * c);
+  }
+  const PoseGaussianCost cost(state_, 0, pose);
+  const CostAt at = At(cost, cost.Blocks(state_));
+  Jacobians analytic;
+  ResidualsOf(at, &analytic);
+  EXPECT_TRUE(SameJacobians(analytic, NumericJacobians(at, 1e-4), 1e-8, "numeric"));
+}
 
 TEST_P(CostJacobian, OfRotationSmoothness) {
   const ceres::AutoDiffCostFunction<TurnResidual, 3, 3, 3> automatic(new TurnResidual);
