@@ -98,8 +98,12 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const std::vector<double
   PoseState state = StateOf(fit.motion, body);
   const auto frames = FramesWithRays(clouds, view, joint_of, rays, noise, body, options, state, fit);
   if (!frames) return Forward(frames);
-  auto uncertainty = SmoothChain(body, clouds, *frames, time_s, cloud_options, state);
-  if (!uncertainty) return Forward(uncertainty);
+  auto smoothed = SmoothChain(body, clouds, *frames, time_s, cloud_options, state);
+  if (!smoothed) return Forward(smoothed);
+  std::vector<bool> fitted(clouds.size(), false);
+  for (const FrameFit& frame : *frames) fitted[static_cast<std::size_t>(frame.frame)] = true;
+  FillFrames(fitted, state);
+  state.Update(0, state.frames(), false);
 
   UncertainMotion uncertain(fit.motion);
   const double scale = BodyScale(*fit.motion.skeleton, fit.motion.bone_length);
@@ -128,8 +132,8 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const std::vector<double
     }
     const std::vector<Vector3d> body_rotation =
         BodyRotations(*fit.motion.skeleton, fit.motion.bone_length, of_body, rules);
-    if (rules.on(FittingRule::kUnobservedFactor)) WidenGaps(shown, (*uncertainty)[i], of_body);
-    uncertain.Set(f, (*uncertainty)[i], of_body, body_rotation);
+    if (rules.on(FittingRule::kUnobservedFactor)) WidenGaps(shown, smoothed->uncertainty[i], of_body);
+    uncertain.Set(f, smoothed->uncertainty[i], of_body, body_rotation);
   }
   const Motion given = std::move(fit.motion);
   fit.motion = MotionOf(state, given.skeleton, given.rate);

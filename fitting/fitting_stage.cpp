@@ -41,7 +41,7 @@ Expected<FitResult> FitTracksAndDepth(const Clip& clip, const SkeletonPtr& skele
                                       const FittingOptions& options) {
   FittingOptions with_poses = options;
   with_poses.joint_tracks.poses = true;
-  const Expected<FitResult> tracks = FitTracksOfClip(clip, skeleton, bones, with_poses);
+  Expected<FitResult> tracks = FitTracksOfClip(clip, skeleton, bones, with_poses);
   if (!tracks) return Forward(tracks);
   const Expected<SkeletonTracks> seen = TracksOfClip(clip, skeleton, options.other_joints);
   if (!seen) return Forward(seen);
@@ -52,7 +52,7 @@ Expected<FitResult> FitTracksAndDepth(const Clip& clip, const SkeletonPtr& skele
   if (Status one = CheckOneClock(seen->time_s, depth_s, clip.rate.FrameTime(1), clip.id()); !one) return Forward(one);
   const Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options.point_clouds);
   if (!clouds) return Forward(clouds);
-  Expected<FitResult> both = FitTracksAndClouds(*tracks, *clouds, options.point_clouds);
+  Expected<FitResult> both = FitTracksAndClouds(*std::move(tracks), *clouds, options.point_clouds);
   if (both) {
     ReportRig(std::move(report), *both);
     return both;

@@ -308,7 +308,7 @@ Expected<FitResult> FitBothModalities(const Clip& clip, FitResult keypoints, con
     if (!tracked) return Forward(tracked);
     alone = std::move(*tracked);
   }
-  return FitTracksAndClouds(keypoints, paired, options, alone ? &*alone : nullptr);
+  return FitTracksAndClouds(std::move(keypoints), paired, options, alone ? &*alone : nullptr);
 }
 
 }  // namespace
@@ -331,7 +331,7 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
                        "no keypoint camera observes a person");
   }
   FittingOptions with_poses = options;
-  with_poses.joint_tracks.poses = true;
+  with_poses.joint_tracks.poses = depth;
   Expected<FitResult> keypoints = FitKeypointsOnBody(clip.evidence, clip.rate, skeleton, body, bone_length, with_poses);
   if (!keypoints) {
     Error error = keypoints.error();

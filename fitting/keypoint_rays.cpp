@@ -103,7 +103,7 @@ std::vector<JointObservation> RaysOf(const KeypointView& view, const std::vector
     if (!(depth > 0.1)) continue;
     const Vector3d on_ray = world_from_camera * view.camera.Unproject(Vector2d(point[0], point[1]), depth);
     const Vector3d along = (on_ray - view.camera.Centre()).normalized();
-    const double weight = point[2] * std::abs(view.camera.fx) / (noise_px * depth);
+    const double weight = std::sqrt(point[2]) * std::abs(view.camera.fx) / (noise_px * depth);
     rays.push_back({joint_of[k], on_ray, weight * (Matrix3d::Identity() - along * along.transpose())});
   }
   return rays;

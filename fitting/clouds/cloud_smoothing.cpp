@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kPart = 300;      ///< frames of a part (numerical)
 constexpr std::size_t kContext = 30;    ///< frames on either side that are fitted with a part (numerical)
-constexpr int kRounds = 3;              ///< matchings, at most (numerical)
+constexpr int kRounds = 10;             ///< matchings, at most (numerical)
 constexpr int kHalvings = 4;            ///< of a step that does not lower the cost (numerical)
 constexpr double kSettled = 1e-3;       ///< m; mean movement of the joints at convergence (numerical)
 constexpr double kLongestStep_s = 0.4;  ///< between neighbours that are coupled: later a limb may have any pose
@@ -45,24 +45,31 @@ class ChainPart {
     size_ = static_cast<int>(EquationsOf(0).Parameters().size());
   }
 
-  Status Solve() {
+  /// Whether the joints settled.
+  Expected<bool> Solve() {
+    double before = Cost();
     for (int round = 0; round < kRounds; ++round) {
-      if (Status on = StopIfInterrupted("fit of depth views"); !on) return on;
-      if (Status factored = Factor(); !factored) return factored;
-      const double before = Cost();
+      if (Status on = StopIfInterrupted("fit of depth views"); !on) return Forward(on);
+      if (!std::isfinite(before)) return Fail(ErrorCode::kInconsistent, "the cost is not finite", Frames());
+      if (Status factored = Factor(); !factored) return Forward(factored);
       const Eigen::VectorXd step = equations_.Solve();
       const std::vector<Eigen::VectorXd> poses = Poses();
       double share = 1.0;
       double moved = Move(poses, step, share);
-      for (int i = 0; i < kHalvings && !(Cost() < before); ++i) moved = Move(poses, step, share *= 0.5);
-      if (!(Cost() < before)) {
+      double after = Cost();
+      for (int i = 0; i < kHalvings && !(after < before); ++i) {
+        moved = Move(poses, step, share *= 0.5);
+        after = Cost();
+      }
+      if (!(after < before)) {
         Move(poses, step, 0.0);
-        return {};
+        return true;
       }
       Match();
-      if (moved < kSettled) return {};
+      if (moved < kSettled) return true;
+      before = Cost();
     }
-    return {};
+    return false;
   }
 
   /// Uncertainty of the frames [from, to) of the chain, in order, at the present poses.
@@ -78,6 +85,9 @@ class ChainPart {
   }
 
  private:
+  std::string Frames() const {
+    return "frames " + std::to_string(FrameAt(0)) + " to " + std::to_string(FrameAt(count_ - 1));
+  }
   int FrameAt(std::size_t i) const { return chain_[begin_ + i].frame; }
 
   CloudEquations EquationsOf(std::size_t i) {
@@ -106,10 +116,10 @@ class ChainPart {
     return step <= kLongestStep_s ? step : 0.0;
   }
 
-  Vector3d Turn(std::size_t i, int joint) const {
+  Vector3d RotationStep(std::size_t i, int joint) const {
     return LogMatrix(state_.local(FrameAt(i), joint).transpose() * state_.local(FrameAt(i + 1), joint));
   }
-  Vector3d Walk(std::size_t i) const { return state_.position(FrameAt(i + 1), 0) - state_.position(FrameAt(i), 0); }
+  Vector3d RootStep(std::size_t i) const { return state_.position(FrameAt(i + 1), 0) - state_.position(FrameAt(i), 0); }
 
   double Cost() {
     double cost = 0.0;
@@ -118,9 +128,9 @@ class ChainPart {
       cost += frame.Cost();
       const double step = StepAfter(i);
       if (step == 0.0) continue;
-      double square = Walk(i).squaredNorm() / Square(options_.velocity_process_noise);
+      double square = RootStep(i).squaredNorm() / Square(options_.velocity_process_noise);
       for (int j = 0; j < state_.joints(); ++j) {
-        if (frame.column(j) >= 0) square += Turn(i, j).squaredNorm() / Square(options_.rotation_process_noise);
+        if (frame.column(j) >= 0) square += RotationStep(i, j).squaredNorm() / Square(options_.rotation_process_noise);
       }
       cost += 0.5 * square / step;
     }
@@ -139,8 +149,7 @@ class ChainPart {
       if (StepAfter(i) > 0.0) AddStep(i, frame);
     }
     if (equations_.Factor(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count_) * size_))) return {};
-    return Fail(ErrorCode::kInconsistent, "the points of the depth views do not determine a pose of the body",
-                "frames " + std::to_string(FrameAt(0)) + " to " + std::to_string(FrameAt(count_ - 1)),
+    return Fail(ErrorCode::kInconsistent, "the points of the depth views do not determine a pose of the body", Frames(),
                 "check that the views show a person, and check their calibration");
   }
 
@@ -148,26 +157,26 @@ class ChainPart {
   /// JointVelocityCost.
   void AddStep(std::size_t i, const CloudEquations& frame) {
     const int block = static_cast<int>(i);
-    const double walk = 1.0 / (Square(options_.velocity_process_noise) * StepAfter(i));
-    const Vector3d way = walk * Walk(i);
-    equations_.Diagonal(block).topLeftCorner<3, 3>().diagonal().array() += walk;
-    equations_.Diagonal(block + 1).topLeftCorner<3, 3>().diagonal().array() += walk;
-    equations_.Next(block).topLeftCorner<3, 3>().diagonal().array() -= walk;
-    equations_.Gradient(block).head<3>() -= way;
-    equations_.Gradient(block + 1).head<3>() += way;
+    const double root_weight = 1.0 / (Square(options_.velocity_process_noise) * StepAfter(i));
+    const Vector3d root_gradient = root_weight * RootStep(i);
+    equations_.Diagonal(block).topLeftCorner<3, 3>().diagonal().array() += root_weight;
+    equations_.Diagonal(block + 1).topLeftCorner<3, 3>().diagonal().array() += root_weight;
+    equations_.Next(block).topLeftCorner<3, 3>().diagonal().array() -= root_weight;
+    equations_.Gradient(block).head<3>() -= root_gradient;
+    equations_.Gradient(block + 1).head<3>() += root_gradient;
     const double weight = 1.0 / (Square(options_.rotation_process_noise) * StepAfter(i));
     for (int j = 0; j < state_.joints(); ++j) {
       const int c = frame.column(j);
       if (c < 0) continue;
-      const Vector3d turn = Turn(i, j);
-      const Matrix3d inverse = RightJacobianInverse(turn);
+      const Vector3d rotation = RotationStep(i, j);
+      const Matrix3d inverse = RightJacobianInverse(rotation);
       const Matrix3d before = -inverse.transpose() * state_.right_jacobian(FrameAt(i), j);
       const Matrix3d after = inverse * state_.right_jacobian(FrameAt(i + 1), j);
       equations_.Diagonal(block).block<3, 3>(c, c).noalias() += weight * before.transpose() * before;
       equations_.Diagonal(block + 1).block<3, 3>(c, c).noalias() += weight * after.transpose() * after;
       equations_.Next(block).block<3, 3>(c, c).noalias() += weight * before.transpose() * after;
-      equations_.Gradient(block).segment<3>(c).noalias() += weight * before.transpose() * turn;
-      equations_.Gradient(block + 1).segment<3>(c).noalias() += weight * after.transpose() * turn;
+      equations_.Gradient(block).segment<3>(c).noalias() += weight * before.transpose() * rotation;
+      equations_.Gradient(block + 1).segment<3>(c).noalias() += weight * after.transpose() * rotation;
     }
   }
 
@@ -177,18 +186,20 @@ class ChainPart {
     return poses;
   }
 
-  /// Mean movement of the joints from the present poses, m.
+  /// Sets the poses plus a share of the step. Mean movement of the joints in the frame that moves most, m.
   double Move(const std::vector<Eigen::VectorXd>& poses, const Eigen::VectorXd& step, double share) {
-    double sum = 0.0;
+    double most = 0.0;
     for (std::size_t i = 0; i < count_; ++i) {
       const int f = FrameAt(i);
       std::vector<Vector3d> joints;
       for (int j = 0; j < state_.joints(); ++j) joints.push_back(state_.position(f, j));
       EquationsOf(i).SetParameters(poses[i] + share * step.segment(static_cast<Eigen::Index>(i) * size_, size_));
+      double sum = 0.0;
       for (int j = 0; j < state_.joints(); ++j)
         sum += (state_.position(f, j) - joints[static_cast<std::size_t>(j)]).norm();
+      most = std::max(most, sum / state_.joints());
     }
-    return sum / static_cast<double>(count_ * static_cast<std::size_t>(state_.joints()));
+    return most;
   }
 
   const CapsuleBody& body_;
@@ -207,20 +218,29 @@ class ChainPart {
 
 }  // namespace
 
-Expected<std::vector<CloudUncertainty>> SmoothChain(const CapsuleBody& body, const std::vector<FusedCloud>& clouds,
-                                                    const std::vector<FrameFit>& chain,
-                                                    const std::vector<double>& time_s, const PointCloudOptions& options,
-                                                    PoseState& state) {
-  std::vector<CloudUncertainty> uncertainty(chain.size());
+Expected<SmoothedChain> SmoothChain(const CapsuleBody& body, const std::vector<FusedCloud>& clouds,
+                                    const std::vector<FrameFit>& chain, const std::vector<double>& time_s,
+                                    const PointCloudOptions& options, PoseState& state) {
+  SmoothedChain smoothed{std::vector<CloudUncertainty>(chain.size()), true};
   for (std::size_t begin = 0; begin < chain.size(); begin += kPart) {
     const std::size_t end = std::min(chain.size(), begin + kPart);
-    ChainPart part(body, clouds, chain, begin - std::min(begin, kContext), std::min(chain.size(), end + kContext),
-                   time_s, options, state);
-    if (Status solved = part.Solve(); !solved) return Forward(solved);
-    if (!options.uncertainty) continue;
-    if (Status stated = part.Uncertainty(begin, end, uncertainty); !stated) return Forward(stated);
+    const std::size_t first = begin - std::min(begin, kContext);
+    std::vector<std::vector<double>> stated;  // poses of frames that the part before stated
+    for (std::size_t i = first; i < begin; ++i) stated.push_back(state.FrameParameters(chain[i].frame));
+    ChainPart part(body, clouds, chain, first, std::min(chain.size(), end + kContext), time_s, options, state);
+    const Expected<bool> settled = part.Solve();
+    if (!settled) return Forward(settled);
+    smoothed.settled = smoothed.settled && *settled;
+    if (options.uncertainty) {
+      if (Status added = part.Uncertainty(begin, end, smoothed.uncertainty); !added) return Forward(added);
+    }
+    for (std::size_t i = first; i < begin; ++i) {
+      const int f = chain[i].frame;
+      state.SetFrameParameters(f, stated[i - first]);
+      state.Update(f, f + 1, true);
+    }
   }
-  return uncertainty;
+  return smoothed;
 }
 
 }  // namespace mocurate

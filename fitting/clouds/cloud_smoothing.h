@@ -7,17 +7,21 @@
 
 namespace mocurate {
 
+/// Result of a chain.
+struct SmoothedChain {
+  std::vector<CloudUncertainty> uncertainty;  ///< of each of its frames; empty ones without options.uncertainty
+  bool settled = true;                        ///< the joints of all frames, before the matchings ended
+};
+
 /// Fits the frames of a chain together from the poses in the state: the terms of each frame (`held` and `widening` are
 /// not used), and process noise between neighbours at most 0.4 s apart. The standard deviation that weighs a frame's
 /// points is that of the first matching. Points are matched anew between steps (Gauss-Newton, block tridiagonal), until
-/// the joints settle. Writes the poses to the state. Returns the uncertainty of each frame from the same equations
-/// (selected inversion; empty without options.uncertainty): that of a smoother, no frame is taken as known. `chain`
-/// ascends in frames; `time_s` (F). Memory is bounded by parts of 300 frames, fitted with 30
-/// frames on either side. Does not include the difference between body and person (BodyErrors). Error kInconsistent if
-/// the points do not determine a pose.
-Expected<std::vector<CloudUncertainty>> SmoothChain(const CapsuleBody& body, const std::vector<FusedCloud>& clouds,
-                                                    const std::vector<FrameFit>& chain,
-                                                    const std::vector<double>& time_s, const PointCloudOptions& options,
-                                                    PoseState& state);
+/// the joints settle. Writes the poses to the state. Uncertainty is from the same equations (selected inversion): that
+/// of a smoother, no frame is taken as known. `chain` ascends in frames; `time_s` (F). Memory is bounded by parts of
+/// 300 frames, fitted with 30 frames on either side. Does not include the difference between body and person
+/// (BodyErrors). Error kInconsistent if the points do not determine a pose.
+Expected<SmoothedChain> SmoothChain(const CapsuleBody& body, const std::vector<FusedCloud>& clouds,
+                                    const std::vector<FrameFit>& chain, const std::vector<double>& time_s,
+                                    const PointCloudOptions& options, PoseState& state);
 
 }  // namespace mocurate

@@ -261,13 +261,20 @@ Status CheckFrames(const Clip& clip) {
 
 }  // namespace
 
-void FillFrames(CloudTrack& track) {
+void FillFrames(const std::vector<bool>& fitted, PoseState& state) {
+  const int frames = state.frames();
   int first = 0;
-  while (first + 1 < track.state.frames() && !IsFitted(track, first)) ++first;
-  for (int f = first - 1; f >= 0; --f) track.state.SetFrameParameters(f, track.state.FrameParameters(f + 1));
-  for (int f = first + 1; f < track.state.frames(); ++f) {
-    if (!IsFitted(track, f)) track.state.SetFrameParameters(f, track.state.FrameParameters(f - 1));
+  while (first + 1 < frames && !fitted[static_cast<std::size_t>(first)]) ++first;
+  for (int f = first - 1; f >= 0; --f) state.SetFrameParameters(f, state.FrameParameters(f + 1));
+  for (int f = first + 1; f < frames; ++f) {
+    if (!fitted[static_cast<std::size_t>(f)]) state.SetFrameParameters(f, state.FrameParameters(f - 1));
   }
+}
+
+void FillFrames(CloudTrack& track) {
+  std::vector<bool> fitted;
+  for (const CapsuleFitOutcome& outcome : track.outcomes) fitted.push_back(outcome.iterations > 0);
+  FillFrames(fitted, track.state);
 }
 
 Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOptions& options) {

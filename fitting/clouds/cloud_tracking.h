@@ -18,7 +18,8 @@ struct CloudTrack {
   CloudStart start;                         ///< of the first frame with points
 };
 
-/// Frames without a fit get the pose of the previous fitted one, or of the next.
+/// Frames that are not `fitted` (F) get the pose of the previous fitted one, or of the next.
+void FillFrames(const std::vector<bool>& fitted, PoseState& state);
 void FillFrames(CloudTrack& track);
 
 /// The person in all frames of a clip, or in `frames` evenly spaced ones, from its depth views or else its cloud files.

@@ -21,9 +21,10 @@
 namespace mocurate {
 namespace {
 
-constexpr double kObservingArea = 0.0023;  ///< m^2 of points on a joint's capsules from which it is observed
-constexpr double kOwnShare = 1.0 / 3.0;    ///< of a bone: the part that counts to the joint
-constexpr double kNotableRoom = 0.02;      ///< share of the points of floor and walls, from which a finding is written
+constexpr double kObservingArea = 0.0023;   ///< m^2 of points on a joint's capsules from which it is observed
+constexpr double kOwnShare = 1.0 / 3.0;     ///< of a bone: the part that counts to the joint
+constexpr std::size_t kFewestMatches = 30;  ///< points near the body; fewest of a frame that is fitted (numerical)
+constexpr double kNotableRoom = 0.02;       ///< share of the points of floor and walls, from which a finding is written
 /// Share of the points far from the body, from which a finding is written.
 constexpr double kNotableFar = 0.05;
 constexpr double kContradictingShare = 0.15;  ///< of the points, from which a given height is wrong
@@ -89,22 +90,29 @@ Shown Measure(const CloudTrack& track, const PointCloudOptions& options, FitResu
 /// The tracked frames, fitted together (SmoothChain). The rest gets the pose of a neighbour.
 struct SmoothedTrack {
   std::vector<FrameFit> chain;
-  std::vector<CloudUncertainty> uncertainty;  ///< of the chain's frames
+  SmoothedChain smoothed;
 };
 
+/// Frames whose points are hardly any near the body count as frames without a fit.
 Expected<SmoothedTrack> Smooth(const std::vector<double>& time_s, const PointCloudOptions& options, CloudTrack& track) {
-  SmoothedTrack smoothed;
+  SmoothedTrack result;
+  track.state.Update(0, track.state.frames(), false);
   for (int f = 0; f < track.state.frames(); ++f) {
+    if (track.outcomes[f].iterations == 0) continue;
+    if (MatchPoints(track.body, track.state, f, track.clouds[f], options.max_distance).size() < kFewestMatches) {
+      track.outcomes[f] = {};
+      continue;
+    }
     FrameFit fit;
     fit.frame = f;
-    if (track.outcomes[f].iterations > 0) smoothed.chain.push_back(fit);
+    result.chain.push_back(fit);
   }
-  auto uncertainty = SmoothChain(track.body, track.clouds, smoothed.chain, time_s, options, track.state);
-  if (!uncertainty) return Forward(uncertainty);
-  smoothed.uncertainty = *std::move(uncertainty);
+  auto smoothed = SmoothChain(track.body, track.clouds, result.chain, time_s, options, track.state);
+  if (!smoothed) return Forward(smoothed);
+  result.smoothed = *std::move(smoothed);
   FillFrames(track);
   track.state.Update(0, track.state.frames(), false);
-  return smoothed;
+  return result;
 }
 
 void AddUncertainty(SmoothedTrack track, const Shown& shown, const PointCloudOptions& options, FitResult& result) {
@@ -114,7 +122,7 @@ void AddUncertainty(SmoothedTrack track, const Shown& shown, const PointCloudOpt
       BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.rules);
   for (std::size_t i = 0; i < track.chain.size(); ++i) {
     const int f = track.chain[i].frame;
-    CloudUncertainty& uncertainty = track.uncertainty[i];
+    CloudUncertainty& uncertainty = track.smoothed.uncertainty[i];
     std::vector<double> body_error = usual;
     const double factor = BodyErrorFactor(shown.residual[f], options.rules);
     for (double& error : body_error) error = std::hypot(factor * error, shown.error[f]);
@@ -262,6 +270,7 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   result.motion = MotionOf(track->state, track->body.skeleton, clock.rate);
   result.capsule_radii = RadiiText(track->body);
   const Shown shown = Measure(*track, options, result);
+  const bool settled = smoothed->smoothed.settled;
   if (options.uncertainty) AddUncertainty(*std::move(smoothed), shown, options, result);
   ReportAmbiguous(*track, result);
   ReportContradiction(*track, result);
@@ -277,10 +286,14 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
     result.final_cost += outcome.final_cost;
     if (outcome.iterations > 0 && !outcome.converged) ++unsettled;
   }
-  result.converged = unsettled == 0;
-  result.termination = result.converged ? "converged"
-                                        : "iteration limit in " + std::to_string(unsettled) + " of " +
-                                              std::to_string(track->outcomes.size()) + " frames";
+  result.converged = unsettled == 0 && settled;
+  result.termination = "converged";
+  if (unsettled > 0) {
+    result.termination =
+        "iteration limit in " + std::to_string(unsettled) + " of " + std::to_string(track->outcomes.size()) + " frames";
+  } else if (!settled) {
+    result.termination = "iteration limit of the fit of all frames together";
+  }
   return result;
 }
 

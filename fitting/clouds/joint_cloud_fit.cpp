@@ -27,10 +27,6 @@ constexpr double kMinSurfaceWeight = 0.02;  ///< weight of clouds that contradic
 /// and their errors are common to all frames. 73 and 96 % of the joints lie within one and two stated sigmas. Rotations
 /// do not need it. Source: bench_fit_clouds mix=1
 constexpr double kSharedErrors = 1.9;
-/// m; standard deviation of a joint's place as solved, at least (numerical).
-constexpr double kSmallestSigma = 1e-4;
-/// Factor on a variance as solved, at least: what the fit states of the place over that (numerical).
-constexpr double kSmallestScale = 0.05;
 /// Chi square of three degrees of freedom, ninth decile. Source: chi-square distribution
 constexpr double kContradictingSquare = 6.25;
 constexpr double kMaxExcessShare = 2.0;  ///< factor on the template's usual variance: more is not due to body
@@ -55,47 +51,53 @@ std::vector<bool> KnownJoints(const Motion& motion) {
   return known;
 }
 
-/// The tracks' pose of a frame. Correlations are those of its covariance as solved; the translation and each joint's
-/// rotation are scaled by the variance that is stated of the place of the root and of the joints that the rotation
-/// moves first, over that as solved, and by a factor per joint (J). Of joints that the tracks and `moving` (J) both
-/// know.
-PoseGaussian PoseOf(const FitResult& tracks, int frame, const std::vector<double>& factor,
-                    const std::vector<bool>& moving) {
-  const Motion& motion = tracks.motion;
+/// What the tracks' fit knows of the pose of a frame: rotations of joints that it and `moving` (J) have. Correlations
+/// are those of its covariance as solved; standard deviations are those that the motion states, of rotations by axis,
+/// of the translation by axis of the world. `factor` (J) on the variance of a joint's place widens the rotations that
+/// move it first. Error kInconsistent where the covariance is not positive definite.
+Expected<PoseGaussian> PoseOf(const Motion& motion, const PoseCovariances& poses, int frame,
+                              const std::vector<double>& factor, const std::vector<bool>& moving) {
   const auto first = static_cast<std::size_t>(frame) * static_cast<std::size_t>(motion.joint_count());
-  const std::size_t first_solved = tracks.poses.column.size() * static_cast<std::size_t>(frame);
-  const auto scale_of = [&](int joint) {
-    const auto j = static_cast<std::size_t>(joint);
-    const double solved = std::max(tracks.poses.position[first_solved + j], 3.0 * kSmallestSigma * kSmallestSigma);
-    return factor[j] * std::max(CovarianceAt(motion.position_cov, first + j).trace() / solved, kSmallestScale);
-  };
+  const Eigen::MatrixXd& solved = poses.frame[static_cast<std::size_t>(frame)];
   PoseGaussian pose;
   pose.translation = motion.root_translation[static_cast<std::size_t>(frame)];
   std::vector<int> columns{0};
-  std::vector<double> scale{scale_of(0)};
+  std::vector<double> scale;  // of each unknown: stated over solved standard deviation
+  const Matrix3d place = CovarianceAt(motion.position_cov, first);
+  for (int i = 0; i < 3; ++i) scale.push_back(std::sqrt(std::max(factor[0], 1.0) * place(i, i) / solved(i, i)));
   for (int j = 0; j < motion.joint_count(); ++j) {
-    const int column = tracks.poses.column[static_cast<std::size_t>(j)];
+    const int column = poses.column[static_cast<std::size_t>(j)];
     if (column < 0 || !moving[static_cast<std::size_t>(j)]) continue;
     pose.joints.push_back(j);
     pose.rotation.push_back(motion.rotation_at(frame, j).toRotationMatrix());
     columns.push_back(column);
-    scale.push_back(kSmallestScale);
+    double widening = 1.0;
     for (int child = j + 1; child < motion.joint_count(); ++child) {
-      if (motion.skeleton->joints[static_cast<std::size_t>(child)].parent == j &&
-          factor[static_cast<std::size_t>(child)] > 0.0)
-        scale.back() = std::max(scale.back(), scale_of(child));
+      if (motion.skeleton->joints[static_cast<std::size_t>(child)].parent == j)
+        widening = std::max(widening, factor[static_cast<std::size_t>(child)]);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const double stated =
+          motion.rotation_sigma[3 * (first + static_cast<std::size_t>(j)) + static_cast<std::size_t>(i)];
+      scale.push_back(stated * std::sqrt(widening / solved(column + i, column + i)));
     }
   }
-  const Eigen::MatrixXd& solved = tracks.poses.frame[static_cast<std::size_t>(frame)];
-  const auto size = 3 * static_cast<Eigen::Index>(columns.size());
+  const auto size = static_cast<Eigen::Index>(scale.size());
   Eigen::MatrixXd covariance(size, size);
   for (std::size_t a = 0; a < columns.size(); ++a) {
     for (std::size_t b = 0; b < columns.size(); ++b) {
       covariance.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(b)) =
-          std::sqrt(scale[a] * scale[b]) * solved.block<3, 3>(columns[a], columns[b]);
+          solved.block<3, 3>(columns[a], columns[b]);
     }
   }
-  pose.whitening = covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(size, size));
+  const Eigen::Map<const Eigen::VectorXd> scales(scale.data(), size);
+  covariance = scales.asDiagonal() * covariance * scales.asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> root(covariance);
+  if (root.info() != Eigen::Success) {
+    return Fail(ErrorCode::kInconsistent, "the fit of the joint tracks does not determine the pose",
+                "frame " + std::to_string(frame), "fit one of them alone: fitting.method joint_tracks or point_clouds");
+  }
+  pose.whitening = root.matrixL().solve(Eigen::MatrixXd::Identity(size, size));
   return pose;
 }
 
@@ -308,8 +310,9 @@ Status CheckOneClock(const std::vector<double>& track_s, const std::vector<doubl
               clip, "give both with one clock, or fit one of them alone: fitting.method joint_tracks or point_clouds");
 }
 
-Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,
+Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<FusedCloud>& clouds,
                                        const PointCloudOptions& options, const PoseState* alone) {
+  const PoseCovariances poses = std::exchange(tracks.poses, {});
   const Motion& motion = tracks.motion;
   if (static_cast<int>(clouds.size()) != motion.frame_count()) {
     return Fail(ErrorCode::kInconsistent,
@@ -317,10 +320,12 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
                     " of joint tracks",
                 "evidence", "fit one of them alone: fitting.method joint_tracks or point_clouds");
   }
-  if (motion.position_cov.empty() || tracks.poses.empty()) {
+  if (motion.position_cov.empty()) {
     return Fail(ErrorCode::kInconsistent, "the fit of the joint tracks has no uncertainty", "evidence",
-                "set fitting.joint_tracks.uncertainty to true");
+                "set fitting.joint_tracks.uncertainty to true, and let the last of its steps free the pose");
   }
+  if (poses.empty())
+    return Fail(ErrorCode::kInternal, "the fit of the joint tracks has no pose covariances", "evidence");
   CapsuleBody body =
       CapsuleBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
   PoseState state = StateOf(motion, body);
@@ -353,8 +358,9 @@ Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vecto
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (clouds[f].size() < kFewestPoints) continue;
     if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
-    const PoseGaussian pose = PoseOf(tracks, f, factor, moving);
-    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), {}, &pose, *surface_weight};
+    const Expected<PoseGaussian> pose = PoseOf(motion, poses, f, factor, moving);
+    if (!pose) return Forward(pose);
+    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), {}, &*pose, *surface_weight};
     const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);

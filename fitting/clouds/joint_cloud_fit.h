@@ -15,15 +15,16 @@ namespace mocurate {
 inline constexpr double kNearBodyShare = 0.5;
 
 /// Fits joint tracks and depth views of one clip in one problem per frame. `tracks` is the fit of the tracks alone with
-/// its uncertainty: the initial pose, and observations of its joints with their covariances. The body shape is first
-/// fitted to all clouds (one per frame) in the tracks' poses, so that shape errors count only once. The surface weight
-/// follows from the distance between poses of the clouds alone and the tracks', beyond the tracks' uncertainty. Frames
-/// with few points, and joints that points do not reach, keep the tracks' result. Motion, uncertainty and residuals (of
-/// points) are those of the combined fit. States, and rotations of joints without capsules, are the tracks'. Findings
-/// are the tracks' and "frames_without_evidence". Error kInconsistent for another number of clouds than frames, without
-/// enough points, for tracks without uncertainty, and for a cloud far from the tracks. `alone`: poses of the clouds
-/// alone on the same skeleton and bones: a second start of every frame, for tracks with large errors.
-Expected<FitResult> FitTracksAndClouds(const FitResult& tracks, const std::vector<FusedCloud>& clouds,
+/// its uncertainty and pose covariances (JointTrackOptions::poses): the initial pose, and what is known of each frame
+/// beside its points. The body shape is first fitted to all clouds (one per frame) in the tracks' poses, so that shape
+/// errors count only once. The surface weight follows from the distance between poses of the clouds alone and the
+/// tracks', beyond the tracks' uncertainty. Frames with few points, and joints that points do not reach, keep the
+/// tracks' result. Motion, uncertainty and residuals (of points) are those of the combined fit. States, and rotations
+/// of joints without capsules, are the tracks'. Findings are the tracks' and "frames_without_depth". Error
+/// kInconsistent for another number of clouds than frames, without enough points, for tracks without uncertainty, and
+/// for a cloud far from the tracks. `alone`: poses of the clouds alone on the same skeleton and bones: a second start
+/// of every frame, for tracks with large errors.
+Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<FusedCloud>& clouds,
                                        const PointCloudOptions& options, const PoseState* alone = nullptr);
 
 /// At most 24 evenly spaced frames with enough points for a fit.

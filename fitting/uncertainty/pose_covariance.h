@@ -10,7 +10,6 @@ namespace mocurate {
 struct PoseCovariances {
   std::vector<int> column;             ///< (J) first number of a joint's rotation; -1: none
   std::vector<Eigen::MatrixXd> frame;  ///< (F) n x n
-  std::vector<double> position;        ///< (F*J) variance of the joints' places of the same matrices, three axes, m^2
 
   bool empty() const { return frame.empty(); }
 };

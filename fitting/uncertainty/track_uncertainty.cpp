@@ -111,7 +111,6 @@ class Reader {
       const auto derivative = twists.PositionDerivative(j);
       const Matrix3d position = derivative * carrier[j] * derivative.transpose();
       ToSixNumbers(position, out_.position_cov.data() + 6 * at);
-      if (window_.options.poses) out_.poses.position[at] = position.trace();
       WriteRotation(of_frame, at, j);
       if (!window_.tracks.seen(frame, j)) continue;
       const Matrix3d information = track.DataInformation(frame, j);
@@ -266,10 +265,7 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double 
   const Expected<std::vector<Vector3d>> known = PriorVariance(whole);
   if (!known) return Forward(known);
   const std::vector<Vector3d>& prior = *known;
-  if (whole.options.poses) {
-    uncertainty.poses.frame.resize(static_cast<std::size_t>(whole.end));
-    uncertainty.poses.position.resize(numbers);
-  }
+  if (whole.options.poses) uncertainty.poses.frame.resize(static_cast<std::size_t>(whole.end));
   Freedom freedom;
   Reader reader(whole, prior, uncertainty, freedom);
   Status visited = VisitCovariances(whole, [&](const FrameCovariance& covariance) { reader.Read(covariance); });

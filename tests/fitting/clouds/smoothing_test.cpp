@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "core/base/random.h"
 #include "core/motion/skeleton.h"
 
@@ -74,9 +76,10 @@ class Chain : public testing::Test {
   /// Twice: points are weighed by how far they are from the first poses.
   std::vector<CloudUncertainty> Smoothed(PoseState& state) {
     EXPECT_TRUE(SmoothChain(body_, clouds_, chain_, time_s_, options_, state));
-    auto uncertainty = SmoothChain(body_, clouds_, chain_, time_s_, options_, state);
-    EXPECT_TRUE(uncertainty) << uncertainty.error().Message();
-    return *uncertainty;
+    auto smoothed = SmoothChain(body_, clouds_, chain_, time_s_, options_, state);
+    EXPECT_TRUE(smoothed) << smoothed.error().Message();
+    EXPECT_TRUE(smoothed->settled);
+    return smoothed->uncertainty;
   }
 
   SkeletonPtr skeleton_;
@@ -124,28 +127,134 @@ TEST_F(Chain, NeighboursSayWhereAHiddenArmIs) {
   EXPECT_GT(std::sqrt(Smoothed(apart)[middle].position[wrist].trace()), 3.0 * stated);
 }
 
-TEST_F(Chain, PartsOfALongChainGiveTheUncertaintyOfTheWhole) {
-  std::vector<FusedCloud> clouds;
-  std::vector<FrameFit> chain;
-  std::vector<double> time_s;
-  constexpr int kLong = 320;  // more than a part
-  PoseState state(*skeleton_, kLong, skeleton_->RestBoneLengths(), body_.MovingJoints());
-  for (int f = 0; f < kLong; ++f) {
-    clouds.push_back(clouds_[0]);
-    time_s.push_back(f * kStep_s);
-    FrameFit fit;
-    fit.frame = f;
-    chain.push_back(fit);
-    state.SetFrameParameters(f, truth_.FrameParameters(0));
+/// Process noise between two frames, 1/2 |r|^2, written down anew.
+double StepCost(const PoseState& state, int frame, double seconds, const PointCloudOptions& options) {
+  double square = (state.position(frame + 1, 0) - state.position(frame, 0)).squaredNorm() /
+                  (options.velocity_process_noise * options.velocity_process_noise);
+  for (int j = 0; j < state.joints(); ++j) {
+    if (!state.active(j)) continue;
+    const Eigen::AngleAxisd between(state.local(frame, j).transpose() * state.local(frame + 1, j));
+    square += between.angle() * between.angle() / (options.rotation_process_noise * options.rotation_process_noise);
   }
-  const auto stated = SmoothChain(body_, clouds, chain, time_s, options_, state);
-  ASSERT_TRUE(stated) << stated.error().Message();
-  ASSERT_EQ(stated->size(), static_cast<std::size_t>(kLong));
-  for (std::size_t j = 0; j < (*stated)[0].position.size(); ++j) {
-    const double inside = (*stated)[150].position[j].trace();
-    EXPECT_NEAR((*stated)[299].position[j].trace(), inside, 0.01 * inside) << j;
-    EXPECT_NEAR((*stated)[300].position[j].trace(), inside, 0.01 * inside) << j;
+  return 0.5 * square / seconds;
+}
+
+/// Two frames: gradient and information of process noise by differences, those of the frames by CloudEquations.
+TEST_F(Chain, OfTwoFramesIsTheMinimumAndTheInverseOfDenseEquations) {
+  chain_.resize(2);
+  options_.rotation_process_noise = 0.1;
+  PoseState state = Start();
+  for (int i = 0; i < 3; ++i) (void)SmoothChain(body_, clouds_, chain_, time_s_, options_, state);
+  std::vector<double> sigma;
+  for (int f = 0; f < 2; ++f) {
+    std::vector<double> distances;
+    for (const CloudMatch& match : MatchPoints(body_, state, f, clouds_[f], options_.max_distance))
+      distances.push_back(match.distance);
+    sigma.push_back(RobustSigma(distances));
   }
+  const std::vector<CloudUncertainty> stated = Smoothed(state);
+
+  const double share = PatchShare(options_);
+  std::vector<std::vector<CloudMatch>> matches;
+  std::vector<CloudEquations> equations;
+  for (int f = 0; f < 2; ++f) matches.push_back(MatchPoints(body_, state, f, clouds_[f], options_.max_distance));
+  for (int f = 0; f < 2; ++f) {
+    equations.push_back(
+        {body_, state, {f, clouds_[f], matches[f], share / sigma[f], share * options_.huber_sigmas}, options_});
+  }
+  const Eigen::Index n = equations[0].Parameters().size();
+  Eigen::VectorXd here(2 * n);
+  here << equations[0].Parameters(), equations[1].Parameters();
+  const auto cost = [&](const Eigen::VectorXd& at) {
+    equations[0].SetParameters(at.head(n));
+    equations[1].SetParameters(at.tail(n));
+    return StepCost(state, 0, kStep_s, options_);
+  };
+  constexpr double kDifference = 1e-4;
+  Eigen::VectorXd gradient(2 * n);
+  Eigen::MatrixXd information(2 * n, 2 * n);
+  for (Eigen::Index a = 0; a < 2 * n; ++a) {
+    const Eigen::VectorXd da = kDifference * Eigen::VectorXd::Unit(2 * n, a);
+    gradient[a] = (cost(here + da) - cost(here - da)) / (2.0 * kDifference);
+    for (Eigen::Index b = 0; b <= a; ++b) {
+      const Eigen::VectorXd db = kDifference * Eigen::VectorXd::Unit(2 * n, b);
+      information(a, b) = information(b, a) =
+          (cost(here + da + db) - cost(here + da - db) - cost(here - da + db) + cost(here - da - db)) /
+          (4.0 * kDifference * kDifference);
+    }
+  }
+  cost(here);
+  for (int f = 0; f < 2; ++f) {
+    equations[f].Linearise();
+    gradient.segment(f * n, n) += equations[f].gradient();
+    information.block(f * n, f * n, n, n) += Eigen::MatrixXd(equations[f].matrix().selfadjointView<Eigen::Upper>());
+  }
+  const Eigen::MatrixXd covariance = information.inverse();
+  // What is left of a step is far below the standard deviation.
+  const Eigen::VectorXd step = (covariance * gradient).cwiseQuotient(covariance.diagonal().cwiseSqrt());
+  EXPECT_LT(step.cwiseAbs().maxCoeff(), 0.5);
+  for (int f = 0; f < 2; ++f) {
+    const CloudUncertainty dense = UncertaintyOfCovariance(
+        equations[f], f, Eigen::MatrixXd(covariance.block(f * n, f * n, n, n)), state, options_);
+    for (std::size_t j = 0; j < dense.position.size(); ++j)
+      EXPECT_NEAR(stated[f].position[j].trace(), dense.position[j].trace(), 0.1 * dense.position[j].trace()) << j;
+  }
+}
+
+/// An arm is hidden where two parts meet: its poses and their uncertainty are those of one part.
+TEST_F(Chain, PartsMeetWithoutATrace) {
+  constexpr int kLong = 330;  // more than a part
+  constexpr int kMeet = 300;
+  const auto fit = [&](int begin, int end) {
+    std::vector<FusedCloud> clouds;
+    std::vector<FrameFit> chain;
+    std::vector<double> time_s;
+    PoseState state(*skeleton_, end - begin, skeleton_->RestBoneLengths(), body_.MovingJoints());
+    for (int f = begin; f < end; ++f) {
+      const bool hidden = std::abs(f - kMeet) < 6;
+      const std::size_t of = hidden ? kFrames / 2 : 1;
+      clouds.push_back(clouds_[of]);
+      time_s.push_back(f * kStep_s);
+      chain.emplace_back();
+      chain.back().frame = f - begin;
+      state.SetFrameParameters(f - begin, truth_.FrameParameters(static_cast<int>(of)));
+    }
+    state.Update(0, end - begin, true);
+    auto smoothed = SmoothChain(body_, clouds, chain, time_s, options_, state);
+    EXPECT_TRUE(smoothed) << smoothed.error().Message();
+    return std::make_pair(state, smoothed->uncertainty);
+  };
+  const auto [parts, of_parts] = fit(0, kLong);
+  const int begin = kMeet - 100;
+  const auto [one, of_one] = fit(begin, kLong);
+  for (int f = kMeet - 20; f < kMeet + 20; ++f) {
+    for (int j = 0; j < parts.joints(); ++j) {
+      EXPECT_LT((parts.position(f, j) - one.position(f - begin, j)).norm(), 0.002) << f << " " << j;
+      const double trace = of_one[f - begin].position[j].trace();
+      EXPECT_NEAR(of_parts[f].position[j].trace(), trace, 0.05 * trace) << f << " " << j;
+    }
+  }
+}
+
+/// Points determine a pose much better than a neighbour does: frames in between add little.
+TEST_F(Chain, MoreFramesASecondAreNoSurer) {
+  const auto stated = [&](int frames, double step_s) {
+    std::vector<FusedCloud> clouds(static_cast<std::size_t>(frames), clouds_[0]);
+    std::vector<FrameFit> chain(static_cast<std::size_t>(frames));
+    std::vector<double> time_s;
+    PoseState state(*skeleton_, frames, skeleton_->RestBoneLengths(), body_.MovingJoints());
+    for (int f = 0; f < frames; ++f) {
+      chain[static_cast<std::size_t>(f)].frame = f;
+      time_s.push_back(f * step_s);
+      state.SetFrameParameters(f, truth_.FrameParameters(0));
+    }
+    state.Update(0, frames, true);
+    const auto smoothed = SmoothChain(body_, clouds, chain, time_s, options_, state);
+    EXPECT_TRUE(smoothed) << smoothed.error().Message();
+    return smoothed->uncertainty[static_cast<std::size_t>(frames / 2)].position[0].trace();
+  };
+  const double at_30 = stated(20, kStep_s);
+  EXPECT_NEAR(stated(80, 0.25 * kStep_s), at_30, 0.2 * at_30);
 }
 
 }  // namespace
