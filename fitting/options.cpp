@@ -264,8 +264,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration RigDeclaration() { return {"rig", 1, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 35, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 36, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 56, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 57, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <limits>
 #include <string>
 #include <utility>
 
-#include "core/body/bone_capsules.h"
-#include "core/motion/limbs.h"
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_problem.h"
 #include "fitting/costs/huber.h"
@@ -20,54 +18,10 @@ namespace {
 
 /// m; mean joint movement at convergence, well below the error of the body (numerical).
 constexpr double kSettled = 1e-3;
-constexpr int kWideMatchings = 4;            ///< matchings with a widened distance limit (numerical)
-constexpr int kSolverSteps = 4;              ///< steps between two matchings (numerical)
+constexpr int kSigmaRounds = 2;    ///< of a sigma that is measured: at the start and at the minimum (numerical)
+constexpr int kWideMatchings = 4;  ///< matchings with a widened distance limit (numerical)
+constexpr int kSolverSteps = 4;    ///< steps between two matchings (numerical)
 constexpr double kRelativeTolerance = 1e-4;  ///< relative change of the cost that ends a solve (numerical)
-constexpr double kComparedSigma = 0.01;      ///< m; standard deviation for comparisons: error of a capsule body
-constexpr double kAllowedOverlap = 0.05;     ///< m by which a thigh and the chest or an arm may overlap
-constexpr int kPlacesOfLeg = 5;              ///< sampled points on each capsule of a leg (numerical)
-
-/// The chest and all its descendants: neck, head and arms. (J)
-std::vector<bool> UpperBody(const Skeleton& skeleton, const Limbs& limbs) {
-  std::vector<bool> of_it(skeleton.joints.size(), false);
-  if (limbs.chest < 1) return of_it;
-  of_it[limbs.chest] = true;
-  for (int j = limbs.chest + 1; j < skeleton.joint_count(); ++j) of_it[j] = of_it[skeleton.joints[j].parent];
-  return of_it;
-}
-
-/// Cost of knees, shins and feet inside chest, head or arms. Where points do not show the legs, a fit would fold them
-/// into the upper body to explain it a little better.
-double LegsInUpperBody(const CapsuleBody& body, const PoseState& state, int frame) {
-  const Limbs limbs = LimbsOf(*body.skeleton);
-  const std::vector<bool> upper = UpperBody(*body.skeleton, limbs);
-  std::vector<std::pair<CapsuleEnds, double>> above;  // and radius
-  for (const BodyCapsule& capsule : body.capsules) {
-    if (upper[capsule.frame]) above.emplace_back(EndsOf(capsule, state, frame), capsule.radius);
-  }
-  double cost = 0.0;
-  for (const BodyCapsule& leg : body.capsules) {
-    std::optional<double> beyond;  // m from the parent joint: the upper half of a thigh is free
-    for (const Limb& limb : limbs.leg) {
-      if (limb.known() && leg.frame == limb.root)
-        beyond = 0.5 * (state.position(frame, limb.middle) - state.position(frame, limb.root)).norm();
-      if (limb.known() && (leg.frame == limb.middle || leg.frame == limb.end)) beyond = 0.0;
-    }
-    if (!beyond) continue;
-    const CapsuleEnds ends = EndsOf(leg, state, frame);
-    double deepest = 0.0;
-    for (int i = 0; i < kPlacesOfLeg; ++i) {
-      const double at = static_cast<double>(i) / (kPlacesOfLeg - 1);
-      const Vector3d place = (1.0 - at) * ends.begin + at * ends.end;
-      if ((place - state.position(frame, leg.frame)).norm() < *beyond) continue;
-      for (const auto& [segment, radius] : above)
-        deepest =
-            std::max(deepest, leg.radius - SignedDistance(segment.begin, segment.end, radius, place) - kAllowedOverlap);
-    }
-    cost += 0.5 * Square(deepest / kComparedSigma);
-  }
-  return cost;
-}
 
 ceres::Solver::Options DenseSolverOptions() {
   ceres::Solver::Options solver;
@@ -115,6 +69,18 @@ Expected<CloudSolution> SolveDense(const CapsuleBody& body, const FrameTerms& te
   return SolveCloudEquations(equations, kSolverSteps, kRelativeTolerance);
 }
 
+double SigmaOf(const std::vector<CloudMatch>& matches) {
+  std::vector<double> distances;
+  for (const CloudMatch& match : matches) distances.push_back(match.distance);
+  return RobustSigma(std::move(distances));
+}
+
+/// Cost of the points that are not matched, each at the limit of the distance.
+double CostOfUnmatched(const FrameTerms& terms, const PointCloudOptions& options) {
+  const double of_one = 0.5 * HuberValue(std::pow(terms.weight * options.max_distance, 2), terms.huber);
+  return of_one * (terms.cloud.size() - static_cast<double>(terms.matches.size()));
+}
+
 }  // namespace
 
 Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
@@ -124,40 +90,52 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
   for (const FixedNeighbourFrame& neighbour : fit.held)
     state.Update(frame + neighbour.step, frame + neighbour.step + 1, true);
   const double share = fit.point_weight * PatchShare(options);
-  for (int i = 0; i < fit.iterations && !outcome.converged; ++i) {
-    state.Update(frame, frame + 1, false);
-    const double widening = Widening(fit.widening, i);
-    const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, widening * options.max_distance);
-    std::vector<double> distances;
-    for (const CloudMatch& match : matches) distances.push_back(match.distance);
-    outcome.sigma = RobustSigma(std::move(distances));
-    const std::vector<Vector3d> before = JointsOfState(state, frame);
-    const auto solve = options.solver == TrackSolver::kBanded ? SolveDense : SolveCapsulesWithCeres;
-    const auto solution = solve(
-        body,
-        {frame, cloud, matches, share / outcome.sigma, share * options.huber_sigmas, fit.held, fit.joints, fit.pose},
-        state, options);
-    if (!solution) return Forward(solution);
-    if (i == 0) outcome.initial_cost = solution->initial_cost;
-    outcome.final_cost = solution->final_cost;
-    ++outcome.iterations;
-    state.Update(frame, frame + 1, false);
-    outcome.moved = MeanMove(before, JointsOfState(state, frame));
-    outcome.converged = widening == 1.0 && outcome.moved < kSettled;
+  const auto solve = options.solver == TrackSolver::kBanded ? SolveDense : SolveCapsulesWithCeres;
+  double sigma = fit.sigma;
+  const int rounds = fit.sigma > 0.0 ? 1 : kSigmaRounds;
+  for (int round = 0; round < rounds; ++round) {
+    outcome.converged = false;
+    double cost = std::numeric_limits<double>::infinity();  // at the matching before, of the same distance limit
+    std::vector<double> pose;                               // there
+    for (int i = 0; outcome.iterations < fit.iterations && !outcome.converged; ++i) {
+      state.Update(frame, frame + 1, false);
+      const double widening = round == 0 ? Widening(fit.widening, i) : 1.0;
+      const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, widening * options.max_distance);
+      outcome.sigma = SigmaOf(matches);
+      if (fit.sigma == 0.0 && i == 0) sigma = outcome.sigma;
+      const FrameTerms terms{frame,    cloud,      matches, share / sigma, share * options.huber_sigmas,
+                             fit.held, fit.joints, fit.pose};
+      const std::vector<Vector3d> before = JointsOfState(state, frame);
+      const std::vector<double> here = state.FrameParameters(frame);
+      const auto solution = solve(body, terms, state, options);
+      if (!solution) return Forward(solution);
+      const double next = solution->initial_cost + CostOfUnmatched(terms, options);
+      if (widening == 1.0 && next > cost) {
+        state.SetFrameParameters(frame, pose);
+        state.Update(frame, frame + 1, false);
+        outcome.converged = true;
+        break;
+      }
+      if (widening == 1.0) cost = next;
+      pose = here;
+      if (outcome.iterations == 0) outcome.initial_cost = solution->initial_cost;
+      outcome.final_cost = solution->final_cost;
+      ++outcome.iterations;
+      state.Update(frame, frame + 1, false);
+      outcome.moved = MeanMove(before, JointsOfState(state, frame));
+      outcome.converged = widening == 1.0 && outcome.moved < kSettled;
+    }
   }
   return outcome;
 }
 
-double PoseCost(const CapsuleBody& body, const FusedCloud& cloud, PoseState& state, int frame,
+double PoseCost(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit, PoseState& state,
                 const PointCloudOptions& options) {
-  const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, options.max_distance);
-  const double share = PatchShare(options);
-  const double weight = share / kComparedSigma;
-  const double huber = share * options.huber_sigmas;
-  const double cost = CloudEquations(body, state, {frame, cloud, matches, weight, huber, {}, {}}, options).Cost();
-  const double of_a_far_point = 0.5 * HuberValue(std::pow(weight * options.max_distance, 2), huber);
-  return cost + of_a_far_point * (cloud.size() - static_cast<double>(matches.size())) +
-         LegsInUpperBody(body, state, frame);
+  const std::vector<CloudMatch> matches = MatchPoints(body, state, fit.frame, cloud, options.max_distance);
+  const double share = fit.point_weight * PatchShare(options);
+  const FrameTerms terms{fit.frame, cloud,      matches, share / fit.sigma, share * options.huber_sigmas,
+                         fit.held,  fit.joints, fit.pose};
+  return CloudEquations(body, state, terms, options).Cost() + CostOfUnmatched(terms, options);
 }
 
 double MeanDistance(const CapsuleBody& body, const FusedCloud& cloud, const PoseState& state, int frame,

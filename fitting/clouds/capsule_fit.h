@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/base/error.h"
@@ -15,11 +16,14 @@ namespace mocurate {
 struct CapsuleFitOutcome {
   double initial_cost = 0.0;
   double final_cost = 0.0;
-  double sigma = 0.0;  ///< m, robust standard deviation of the distances, used to weight the points
+  double sigma = 0.0;  ///< m, robust standard deviation of the distances in the last matching
   double moved = 0.0;  ///< m, mean movement of the joints in the last matching
   int iterations = 0;  ///< number of matchings
   bool converged = false;
 };
+
+/// m; standard deviation of a point's distance where poses are compared: error of a capsule body.
+inline constexpr double kComparedSigma = 0.01;
 
 /// Settings for the fit of one frame.
 struct FrameFit {
@@ -30,10 +34,22 @@ struct FrameFit {
   std::vector<JointObservation> joints = {};  ///< joint positions from other modalities
   const PoseGaussian* pose = nullptr;         ///< of other evidence, which has priors of its joints already
   double point_weight = 1.0;                  ///< factor on the weight of points: below 1 when the whole body is off
+  double sigma = 0.0;  ///< m, of a point's distance; 0: measured at the first matching, and once more at the minimum
 };
 
-/// Fits one frame from the pose in the state. Alternates matching and solving until the joints converge. Error
-/// kInconsistent if the solver fails.
+/// Fit of a pose that is compared with others of the same cloud.
+inline FrameFit ComparedFit(int frame, std::int64_t iterations, double widening = 1.0) {
+  FrameFit fit;
+  fit.frame = frame;
+  fit.iterations = static_cast<int>(iterations);
+  fit.widening = widening;
+  fit.sigma = kComparedSigma;
+  return fit;
+}
+
+/// Fits one frame from the pose in the state: minimises PoseCost by alternating matching and solving until the joints
+/// settle, or until a matching finds a higher cost than the one before; then the pose before stays. Error kInconsistent
+/// if the solver fails.
 Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                           PoseState& state, const PointCloudOptions& options);
 
@@ -42,9 +58,10 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
 double MeanDistance(const CapsuleBody& body, const FusedCloud& cloud, const PoseState& state, int frame,
                     double max_distance);
 
-/// Cost of a pose: distances of all points weighted with one sigma (unmatched points at their limit), priors, and legs
-/// inside the upper body. Compares poses of one cloud. Needs Update.
-double PoseCost(const CapsuleBody& body, const FusedCloud& cloud, PoseState& state, int frame,
+/// Cost of the pose in the state that FitCloudFrame minimises: distances of all points (unmatched points at their
+/// limit) by the fit's sigma, priors, neighbours and other evidence. Compares poses of one cloud and one fit, whose
+/// sigma must be given. Needs Update.
+double PoseCost(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit, PoseState& state,
                 const PointCloudOptions& options);
 
 }  // namespace mocurate

@@ -187,10 +187,10 @@ class SizeSearch {
   Expected<double> CostNear(const std::vector<double>& pose, const CapsuleBody& body, const FusedCloud& cloud,
                             PoseState& state) const {
     state.SetFrameParameters(0, pose);
-    const auto fitted =
-        FitCloudFrame(body, cloud, {0, {}, 1.0, static_cast<int>(options_.iterations)}, state, options_);
+    const FrameFit fit = ComparedFit(0, options_.iterations);
+    const auto fitted = FitCloudFrame(body, cloud, fit, state, options_);
     if (!fitted) return Forward(fitted);
-    return PoseCost(body, cloud, state, 0, options_);
+    return PoseCost(body, cloud, fit, state, options_);
   }
 
   /// Fits near the given poses, with radii estimated in between.
@@ -203,14 +203,14 @@ class SizeSearch {
       if (Status on = StopIfInterrupted(kWork); !on) return Forward(on);
       if (round > 0) CalibrateRadii(clouds_, state, 0, frames, options_.max_distance, body);
       for (int f = 0; f < frames; ++f) {
-        const FrameFit fit{f, {}, 1.0, static_cast<int>(options_.iterations)};
+        const FrameFit fit = ComparedFit(f, options_.iterations);
         const auto fitted = FitCloudFrame(body, clouds_[f], fit, state, options_);
         if (!fitted) return Forward(fitted);
       }
     }
     PosedSize size{scale, 0.0, {}};
     for (int f = 0; f < frames; ++f) {
-      size.cost += PoseCost(body, clouds_[f], state, f, options_);
+      size.cost += PoseCost(body, clouds_[f], ComparedFit(f, options_.iterations), state, options_);
       size.poses.push_back(state.FrameParameters(f));
     }
     return size;

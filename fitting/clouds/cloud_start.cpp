@@ -129,7 +129,7 @@ Status RefineCandidate(const CapsuleBody& body, const FusedCloud& cloud, const F
                        const PointCloudOptions& options, PoseState& state, Candidate& candidate) {
   const auto fitted = FitCloudFrame(body, cloud, fit, state, options);
   if (!fitted) return Forward(fitted);
-  candidate.cost = PoseCost(body, cloud, state, fit.frame, options);
+  candidate.cost = PoseCost(body, cloud, fit, state, options);
   candidate.heading = HeadingOf(state, fit.frame);
   candidate.parameters = state.FrameParameters(fit.frame);
   return {};
@@ -237,7 +237,7 @@ Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud,
     return {};
   };
   for (const Round& round : kStartRounds) {
-    const FrameFit fit{frame, {}, kWidening, round.matchings};
+    const FrameFit fit = ComparedFit(frame, round.matchings, kWidening);
     if (Status refined = refine(CoarseCloud(cloud, round.points), fit); !refined) return Forward(refined);
     const auto kept = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(round.kept * candidates.size())));
     std::vector<Candidate> best(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(kept));
@@ -245,7 +245,7 @@ Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud,
     candidates = std::move(best);
   }
   candidates = Finalists(candidates);
-  const FrameFit fit{frame, {}, 1.0, static_cast<int>(options.iterations)};
+  const FrameFit fit = ComparedFit(frame, options.iterations);
   if (Status refined = refine(cloud, fit); !refined) return Forward(refined);
   if (search == StartSearch::kStancesAndLimbs) {
     const std::size_t count = options.start.facing ? 1 : candidates.size();

@@ -99,7 +99,7 @@ Status RestartAfterGap(int last, int f, const PointCloudOptions& options, CloudT
   PoseState& state = track.state;
   state.Update(last, last + 1, false);
   state.Update(f, f + 1, false);
-  const double cost = PoseCost(track.body, track.clouds[f], state, f, options);
+  const double cost = PoseCost(track.body, track.clouds[f], ComparedFit(f, options.iterations), state, options);
   PointCloudOptions about_as_before = options;
   about_as_before.start = {HeadingOf(state, last), StartPosture::kUnknown};
   const auto is_found = [&](const CloudStart& start) { return !start.off_facing && start.cost < kBetterPose * cost; };
@@ -117,7 +117,8 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
     if (Status on = StopIfInterrupted("fit of depth views"); !on) return on;
     Predict(before, last, f, time_s, options.max_distance, track);
     // Across a gap the fixed frame repeats `last`; the process noise uses the time since then.
-    const FrameFit fit{f, {{-1, time_s[f] - time_s[last]}}, 1.0, static_cast<int>(options.iterations)};
+    FrameFit fit{f, {{-1, time_s[f] - time_s[last]}}, 1.0, static_cast<int>(options.iterations)};
+    fit.sigma = track.outcomes[last].sigma;
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);
     track.outcomes[f] = *fitted;
@@ -143,7 +144,8 @@ bool IsFitted(const CloudTrack& track, int frame) {
 
 double CostPerPoint(int frame, const PointCloudOptions& options, CloudTrack& track) {
   track.state.Update(frame, frame + 1, false);
-  return PoseCost(track.body, track.clouds[frame], track.state, frame, options) / track.clouds[frame].size();
+  const FrameFit fit = ComparedFit(frame, options.iterations);
+  return PoseCost(track.body, track.clouds[frame], fit, track.state, options) / track.clouds[frame].size();
 }
 
 FrameCosts CostsOf(const PointCloudOptions& options, CloudTrack& track) {
@@ -171,13 +173,19 @@ Status RefitPoorFrames(int step, const std::vector<double>& time_s, const PointC
     if (!IsFitted(track, f) || !IsFitted(track, f + step) || costs.of_frame[f] <= kPoor * costs.median) continue;
     if (Status on = StopIfInterrupted("fit of depth views"); !on) return on;
     const std::vector<double> kept = track.state.FrameParameters(f);
+    FrameFit fit = ComparedFit(f, options.iterations);
+    fit.held = {{step, std::abs(time_s[f] - time_s[f + step])}};
+    const auto cost_here = [&] {
+      track.state.Update(f + step, f + step + 1, false);
+      track.state.Update(f, f + 1, false);
+      return PoseCost(track.body, track.clouds[f], fit, track.state, options);
+    };
+    const double cost_before = cost_here();
     track.state.SetFrameParameters(f, track.state.FrameParameters(f + step));
-    const FrameFit fit{f, {{step, std::abs(time_s[f] - time_s[f + step])}}, 1.0, static_cast<int>(options.iterations)};
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);
-    const double cost = CostPerPoint(f, options, track);
-    if (cost < kBetterPose * costs.of_frame[f]) {
-      costs.of_frame[f] = cost;
+    if (cost_here() < kBetterPose * cost_before) {
+      costs.of_frame[f] = CostPerPoint(f, options, track);
       track.outcomes[f] = *fitted;
       continue;
     }

@@ -185,25 +185,20 @@ double ShapeVariance(const Skeleton& skeleton, double scale, const Rules& rules)
   return MeanMedian(squares);
 }
 
-/// Cost of a pose with points and tracks, with the same weights for all poses.
-double MixedCost(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit, PoseState& state,
-                 const PointCloudOptions& options) {
-  const double of_tracks = 0.5 * (fit.pose->whitening * fit.pose->Errors(state, fit.frame)).squaredNorm();
-  return fit.point_weight * fit.point_weight * PoseCost(body, cloud, state, fit.frame, options) + of_tracks;
-}
-
 /// Fits from the pose in the state, and from `alone` if given; keeps the cheaper result.
 Expected<CapsuleFitOutcome> FitFromBoth(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                         PoseState& state, const PoseState* alone, const PointCloudOptions& options) {
   auto first = FitCloudFrame(body, cloud, fit, state, options);
   if (!first || alone == nullptr) return first;
-  const double cost = MixedCost(body, cloud, fit, state, options);
+  FrameFit compared = fit;
+  compared.sigma = first->sigma;
+  const double cost = PoseCost(body, cloud, compared, state, options);
   const std::vector<double> pose = state.FrameParameters(fit.frame);
   state.SetFrameParameters(fit.frame, alone->FrameParameters(fit.frame));
-  auto second = FitCloudFrame(body, cloud, fit, state, options);
+  auto second = FitCloudFrame(body, cloud, compared, state, options);
   if (!second) return second;
   second->iterations += first->iterations;
-  if (MixedCost(body, cloud, fit, state, options) < cost) return second;
+  if (PoseCost(body, cloud, compared, state, options) < cost) return second;
   state.SetFrameParameters(fit.frame, pose);
   state.Update(fit.frame, fit.frame + 1, false);
   return first;

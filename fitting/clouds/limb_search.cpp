@@ -105,8 +105,8 @@ class LimbSearcher {
   Expected<double> Search() {
     state_.Update(frame_, frame_ + 1, false);
     const std::vector<double> given = state_.FrameParameters(frame_);
-    const double cost_of_given = PoseCost(body_, cloud_, state_, frame_, options_);
-    cost_ = PoseCost(body_, coarse_, state_, frame_, options_);
+    const double cost_of_given = PoseCost(body_, cloud_, Fit(), state_, options_);
+    cost_ = PoseCost(body_, coarse_, Fit(), state_, options_);
     const std::vector<LimbJoints> limbs = LimbsOf(*body_.skeleton, state_);
     for (int round = 0; round < kRounds; ++round) {
       bool found = false;
@@ -117,9 +117,8 @@ class LimbSearcher {
       }
       if (!found) break;
     }
-    const FrameFit all{frame_, {}, 1.0, static_cast<int>(options_.iterations)};
-    if (const auto fitted = FitCloudFrame(body_, cloud_, all, state_, options_); !fitted) return Forward(fitted);
-    const double cost = PoseCost(body_, cloud_, state_, frame_, options_);
+    if (const auto fitted = FitCloudFrame(body_, cloud_, Fit(), state_, options_); !fitted) return Forward(fitted);
+    const double cost = PoseCost(body_, cloud_, Fit(), state_, options_);
     if (cost <= cost_of_given) return cost;
     state_.SetFrameParameters(frame_, given);
     state_.Update(frame_, frame_ + 1, false);
@@ -127,6 +126,8 @@ class LimbSearcher {
   }
 
  private:
+  FrameFit Fit() const { return ComparedFit(frame_, options_.iterations); }
+
   void Set(const LimbJoints& limb, const LimbPose& pose) {
     if (limb.above >= 0) Eigen::Map<Vector3d>(state_.rotation(frame_, limb.above)).setZero();
     Eigen::Map<Vector3d>(state_.rotation(frame_, limb.upper)) = pose.upper;
@@ -139,7 +140,7 @@ class LimbSearcher {
     std::vector<RankedPose> ranked;
     for (const LimbPose& pose : PosesOfLimb(*body_.skeleton, limb)) {
       Set(limb, pose);
-      ranked.push_back({PoseCost(body_, coarse_, state_, frame_, options_), state_.position(frame_, limb.end), pose});
+      ranked.push_back({PoseCost(body_, coarse_, Fit(), state_, options_), state_.position(frame_, limb.end), pose});
     }
     std::stable_sort(ranked.begin(), ranked.end(),
                      [](const RankedPose& a, const RankedPose& b) { return a.cost < b.cost; });
@@ -159,9 +160,9 @@ class LimbSearcher {
     for (const RankedPose& ranked : Ranked(limb)) {
       state_.SetFrameParameters(frame_, before);
       Set(limb, ranked.pose);
-      const auto fitted = FitCloudFrame(body_, coarse_, {frame_, {}, 1.0, kFewMatchings}, state_, options_);
+      const auto fitted = FitCloudFrame(body_, coarse_, ComparedFit(frame_, kFewMatchings), state_, options_);
       if (!fitted) return Forward(fitted);
-      const double cost = PoseCost(body_, coarse_, state_, frame_, options_);
+      const double cost = PoseCost(body_, coarse_, Fit(), state_, options_);
       if (cost >= kLessToExplain * cost_) continue;
       cost_ = cost;
       best = state_.FrameParameters(frame_);

@@ -9,34 +9,6 @@
 namespace mocurate {
 namespace {
 
-/// PoseCost of a body with these rotation vectors of hips and knees (radians), against four points on its chest.
-double CostOfLegs(const Vector3d& hip, const Vector3d& knee) {
-  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0, 1.0);
-  PoseState state(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
-  for (const char* side : {"left_", "right_"}) {
-    Eigen::Map<Vector3d>(state.rotation(0, *skeleton->FindJoint(std::string(side) + "hip"))) = hip;
-    Eigen::Map<Vector3d>(state.rotation(0, *skeleton->FindJoint(std::string(side) + "knee"))) = knee;
-  }
-  state.Update(0, 1, false);
-  FusedCloud cloud;
-  const int chest = *skeleton->FindJoint("spine3");
-  cloud.points = Eigen::Matrix3Xd(3, 4);
-  cloud.normals = Eigen::Matrix3Xd(3, 4);
-  for (int i = 0; i < 4; ++i) {
-    cloud.points.col(i) = state.position(0, chest) + Vector3d(0.03 * i, 0.05, 0.12);
-    cloud.normals.col(i) = Vector3d::UnitZ();
-  }
-  return PoseCost(body, cloud, state, 0, PointCloudOptions());
-}
-
-TEST(PoseCost, RisesWhereLegsIntersectTheUpperBody) {
-  const double standing = CostOfLegs(Vector3d::Zero(), Vector3d::Zero());
-  EXPECT_NEAR(CostOfLegs({-1.5, 0.0, 0.0}, {1.5, 0.0, 0.0}), standing, 10.0) << "seated";
-  EXPECT_NEAR(CostOfLegs({-1.9, 0.0, 0.0}, {2.4, 0.0, 0.0}), standing, 20.0) << "squatting";
-  EXPECT_GT(CostOfLegs({-3.1, 0.0, 0.0}, Vector3d::Zero()), standing + 90.0) << "thighs and shins up in the chest";
-}
-
 TEST(BodyRotations, AreErrorsOfBoneEndsOverBoneLengths) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   const std::vector<double> length = skeleton->RestBoneLengths();

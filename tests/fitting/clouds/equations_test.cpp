@@ -5,6 +5,7 @@
 
 #include "core/base/random.h"
 #include "core/motion/skeleton.h"
+#include "fitting/clouds/capsule_fit.h"
 #include "fitting/clouds/cloud_problem.h"
 #include "fitting/costs/huber.h"
 
@@ -155,6 +156,35 @@ TEST_F(Cloud, SomePointsLieInTheLinearPartOfTheLoss) {
   }
   EXPECT_GT(linear, 10);
   EXPECT_LT(linear, 400);
+}
+
+/// What is minimised between two matchings is what poses are compared by.
+TEST_F(Cloud, TheCostFallsFromMatchingToMatching) {
+  options_.solver = TrackSolver::kBanded;
+  const PoseGaussian pose = KnownPose(state_, 1, {0, 1, 4, 6, 16, 18});
+  for (const PoseGaussian* known : {static_cast<const PoseGaussian*>(nullptr), &pose}) {
+    PoseState state = state_;
+    for (int j = 0; j < state.joints(); ++j) {
+      if (state.active(j)) state.rotation(1, j)[j % 3] += 0.15;
+    }
+    FrameFit fit = ComparedFit(1, 1);
+    fit.held = {{-1, 1.0 / 30.0}};
+    fit.pose = known;
+    state.Update(0, 3, true);
+    double before = PoseCost(body_, cloud_, fit, state, options_);
+    const double first = before;
+    for (int i = 0; i < 12; ++i) {
+      ASSERT_TRUE(FitCloudFrame(body_, cloud_, fit, state, options_));
+      const double after = PoseCost(body_, cloud_, fit, state, options_);
+      EXPECT_LE(after, 1.001 * before) << "matching " << i;
+      before = after;
+    }
+    EXPECT_LT(before, 0.5 * first);
+    // All at once: never above the lowest matching.
+    fit.iterations = 40;
+    ASSERT_TRUE(FitCloudFrame(body_, cloud_, fit, state, options_));
+    EXPECT_LE(PoseCost(body_, cloud_, fit, state, options_), 1.001 * before);
+  }
 }
 
 TEST_F(Cloud, SolveLowersTheCostToAVanishingGradient) {

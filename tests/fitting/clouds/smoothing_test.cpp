@@ -236,26 +236,5 @@ TEST_F(Chain, PartsMeetWithoutATrace) {
   }
 }
 
-/// Points determine a pose much better than a neighbour does: frames in between add little.
-TEST_F(Chain, MoreFramesASecondAreNoSurer) {
-  const auto stated = [&](int frames, double step_s) {
-    std::vector<FusedCloud> clouds(static_cast<std::size_t>(frames), clouds_[0]);
-    std::vector<FrameFit> chain(static_cast<std::size_t>(frames));
-    std::vector<double> time_s;
-    PoseState state(*skeleton_, frames, skeleton_->RestBoneLengths(), body_.MovingJoints());
-    for (int f = 0; f < frames; ++f) {
-      chain[static_cast<std::size_t>(f)].frame = f;
-      time_s.push_back(f * step_s);
-      state.SetFrameParameters(f, truth_.FrameParameters(0));
-    }
-    state.Update(0, frames, true);
-    const auto smoothed = SmoothChain(body_, clouds, chain, time_s, options_, state);
-    EXPECT_TRUE(smoothed) << smoothed.error().Message();
-    return smoothed->uncertainty[static_cast<std::size_t>(frames / 2)].position[0].trace();
-  };
-  const double at_30 = stated(20, kStep_s);
-  EXPECT_NEAR(stated(80, 0.25 * kStep_s), at_30, 0.2 * at_30);
-}
-
 }  // namespace
 }  // namespace mocurate
