@@ -17,8 +17,11 @@ constexpr const char* kAuditAgain = "write it with `mocurate rig audit CONFIG -o
 constexpr const char* kNeededOfCamera[] = {"name", "files_of", "clock_s", "width",    "height",     "fx",
                                            "fy",   "cx",       "cy",      "rotation", "translation"};
 
-constexpr std::pair<const char*, RigVerdict> kRigVerdicts[] = {
-    {"kept", RigVerdict::kKept}, {"corrected", RigVerdict::kCorrected}, {"ambiguous", RigVerdict::kAmbiguous}};
+constexpr std::pair<const char*, RigVerdict> kRigVerdicts[] = {{"kept", RigVerdict::kKept},
+                                                               {"corrected", RigVerdict::kCorrected},
+                                                               {"ambiguous", RigVerdict::kAmbiguous},
+                                                               {"reported", RigVerdict::kReported},
+                                                               {"not_audited", RigVerdict::kNotAudited}};
 
 constexpr const char* kRigComment =
     "# A rig of keypoint cameras, audited by mocurate. Other takes use it: fitting.keypoints.rig: THIS_FILE\n"
@@ -27,13 +30,15 @@ constexpr const char* kRigComment =
     "forward):\n"
     "# rotation is R as a unit quaternion, translation is t in metres. width, height, fx, fy, cx, cy are pixels,\n"
     "# k1 k2 p1 p2 k3 is OpenCV's lens distortion.\n"
-    "# files_of: camera whose files have this camera's keypoints. mirrored: their x counts from the right.\n"
-    "# sides_exchanged: their left and right are exchanged. pixel_scale: their pixels are multiplied by it.\n"
+    "# files_of: camera whose files have this camera's keypoints. pixel_scale: their pixels are multiplied by\n"
+    "# it. mirrored: the x of the result counts from the right. sides_exchanged: left and right are exchanged.\n"
     "# unit_scale: the calibration's lengths were divided by it (the pose here is in metres).\n"
     "# clock_s: seconds that are added to their time stamps. moved_m, rotated_rad: from the calibrated pose.\n"
-    "# verdict: kept, corrected, or ambiguous (this camera or another one differs from its calibration).\n"
+    "# verdict: kept, corrected, ambiguous (this camera or another one differs from its calibration), reported (it\n"
+    "# differs, and the options only report that), or not_audited (the takes do not allow an audit).\n"
     "# confidence: of the correction, 0 to 1; null: nothing of it was. confidence_of: takes (from the variation\n"
-    "# between takes), or spans_of_one_take, which measures repeatability within that take and not the calibration.\n"
+    "# between takes), spans_of_one_take, which measures repeatability within that take and not the calibration, or\n"
+    "# model (a likelihood, as of a person's size). audit: the tests, and whether they correct.\n"
     "# place_covariance: uncertainty of people's positions from ambiguous poses, square metres.\n"
     "# takes: what was audited together, with the SHA-256 of the evidence and the verdicts of each take alone.\n";
 
@@ -87,8 +92,10 @@ void RigCamera::Declare(OptionVisitor& v) {
   v.Choice("verdict", verdict, {std::begin(kRigVerdicts), std::end(kRigVerdicts)}, "what the audit decided");
   v.OptionalNumber("confidence", confidence, Unit::kNone, {0.0, 1.0}, "of the correction; null: none");
   v.Choice("confidence_of", confidence_of,
-           {{"takes", ConfidenceOf::kTakes}, {"spans_of_one_take", ConfidenceOf::kSpansOfOneTake}},
-           "samples whose variation gives the confidence");
+           {{"takes", ConfidenceOf::kTakes},
+            {"spans_of_one_take", ConfidenceOf::kSpansOfOneTake},
+            {"model", ConfidenceOf::kModel}},
+           "samples whose variation gives the confidence, or model: a likelihood");
   v.Number("moved_m", moved_m, Unit::kNone, {0.0, {}}, "distance from the calibrated centre, metres");
   v.Number("rotated_rad", rotated_rad, Unit::kNone, {0.0, 4.0}, "angle from the calibrated orientation, radians");
   v.Number("clock_s", clock_s, Unit::kNone, {-1e3, 1e3}, "added to the time stamps, seconds");
@@ -129,6 +136,7 @@ void AuditedTake::Declare(OptionVisitor& v) {
 void RigFile::Declare(OptionVisitor& v) {
   v.Integer("version", version, {1.0, {}}, "of this layout");
   v.Text("config", config, "name of the configuration that was audited");
+  v.TextMap("audit", audit, "test -> off, report, correct");
   v.List("takes", takes, "takes that were audited together");
   Matrix3d& c = place_covariance;
   DeclareNumbers(v, "place_covariance", {"xx", "xy", "xz", "yy", "yz", "zz"},

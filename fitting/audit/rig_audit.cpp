@@ -48,7 +48,8 @@ class KeypointAuditor {
         options_(options),
         takes_(takes),
         other_side_(OtherSides(names)),
-        samples_(rig, take, other_side_, RigSamples::Spread(rig, take, MomentsOfTakes(takes.size()), options.triangulation.noise, takes)),
+        samples_(rig, take, other_side_,
+                 RigSamples::Spread(rig, take, MomentsOfTakes(takes.size()), options.triangulation.noise, takes)),
         model_(rig),
         given_(rig) {}
 
@@ -351,7 +352,8 @@ class KeypointAuditor {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const Camera& was = given_.camera[v][0].camera;
       if (HaveSamePose(was, parts[p].camera)) continue;
-      RigFault fault = CameraMoved(was, parts[p].camera, p == 0 ? 0 : changed, p == 0 ? changed : frames, frames);
+      RigFault fault = CameraMoved(was, parts[p].camera, options_.rig.empty() ? "its calibration" : "the rig's file",
+                                   p == 0 ? 0 : changed, p == 0 ? changed : frames, frames);
       fault.confidence = ConfidenceOfMove(samples_, parts, CostsOf(without), cost_);
       if (move_confidence_.at(v) < 1.0) {
         fault.message += "; the confidence that no other camera moved instead is " +
@@ -424,8 +426,8 @@ class KeypointAuditor {
   RigModel model_;
   RigModel given_;
   std::vector<double> cost_;
-  std::vector<double> clock_sigma_s_;   ///< by spans of the take
-  std::vector<double> clock_change_s_;  ///< see WidenClocks
+  std::vector<double> clock_sigma_s_;              ///< by spans of the take
+  std::vector<double> clock_change_s_;             ///< see WidenClocks
   std::optional<RigFault> inconsistent_;           ///< a move too far to be plausible
   std::optional<std::size_t> too_far_;             ///< its view
   std::vector<std::size_t> suspect_;               ///< views of which some have another pose than calibrated
