@@ -51,30 +51,40 @@ void DeclareNumbers(OptionVisitor& v, const char* group, const char* const (&nam
   v.EndGroup();
 }
 
-/// All that is wrong with the cameras, each with its place.
-std::vector<std::string> WrongCameras(const RigFile& rig) {
-  std::vector<std::string> problems;
+struct RigProblem {
+  std::string place, what;
+};
+
+/// All that is wrong with the cameras. `nodes`: where they are in the file of this name.
+std::vector<RigProblem> WrongCameras(const RigFile& rig, const std::vector<ConfigNode>& nodes,
+                                     const std::string& file) {
+  std::vector<RigProblem> problems;
   std::set<std::string> names, files;
   for (const RigCamera& one : rig.cameras) names.insert(one.camera.name);
   std::set<std::string> seen;
-  for (const RigCamera& one : rig.cameras) {
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    const RigCamera& one = rig.cameras[i];
     const Camera& camera = one.camera;
-    const auto wrong = [&](const std::string& what) { problems.push_back(one.place + ": " + what); };
-    if (camera.name.empty()) wrong("the camera has no name");
-    if (!seen.insert(camera.name).second) wrong("camera '" + camera.name + "' occurs twice");
+    const auto wrong = [&](const char* field, const std::string& what) {
+      const ConfigNode* node = nodes[i].Find(field);
+      const Origin& at = node == nullptr ? nodes[i].origin : node->key_origin;
+      problems.push_back({Origin{file, at.line, at.column}.Text(), what});
+    };
+    if (camera.name.empty()) wrong("name", "the camera has no name");
+    if (!seen.insert(camera.name).second) wrong("name", "camera '" + camera.name + "' occurs twice");
     if (names.count(one.files_of) == 0) {
-      wrong("files_of is '" + one.files_of + "', which is no camera of the rig");
+      wrong("files_of", "files_of is '" + one.files_of + "', which is no camera of the rig");
     } else if (!files.insert(one.files_of).second) {
-      wrong("the files of camera '" + one.files_of + "' are given to two cameras");
+      wrong("files_of", "the files of camera '" + one.files_of + "' are given to two cameras");
     }
     if (!(camera.fx > 0.0) || !(camera.fy > 0.0)) {
-      wrong("focal length " + RoundedText(camera.fx) + ", " + RoundedText(camera.fy) + " px is not positive");
+      wrong("fx", "focal length " + RoundedText(camera.fx) + ", " + RoundedText(camera.fy) + " px is not positive");
     }
     const double norm = camera.camera_from_world.rotation.norm();
     if (!(std::abs(norm - 1.0) <= kUnitQuaternion)) {
-      wrong("the rotation is no unit quaternion: its norm is " + RoundedText(norm, 6));
+      wrong("rotation", "the rotation is no unit quaternion: its norm is " + RoundedText(norm, 6));
     }
-    if (one.mirrored && camera.width == 0) wrong("a mirrored image needs a width");
+    if (one.mirrored && camera.width == 0) wrong("width", "a mirrored image needs a width");
   }
   return problems;
 }
@@ -158,11 +168,13 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
   const std::string file = DisplayPath(path);
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(path, unknown)) {
-    return Fail(ErrorCode::kNotFound, "there is no such file of an audited rig", file, kAuditAgain);
+    const bool exists = std::filesystem::exists(path, unknown);
+    return Fail(ErrorCode::kNotFound,
+                exists ? "is no file of an audited rig" : "there is no such file of an audited rig", file, kAuditAgain);
   }
   const auto malformed = [](Error error) {
     if (error.code == ErrorCode::kConfig) error.code = ErrorCode::kMalformed;
-    if (error.hint.empty()) error.hint = kAuditAgain;
+    if (error.hint.empty() && error.code == ErrorCode::kMalformed) error.hint = kAuditAgain;
     return tl::unexpected<Error>(error);
   };
   const auto node = LoadConfig(path);
@@ -180,13 +192,14 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
   auto rig = OptionsFromConfig<RigFile>(*node);
   if (!rig) return malformed(rig.error());
   const ConfigNode* cameras = node->Find("cameras");
-  std::vector<std::string> problems;
+  std::vector<RigProblem> problems;
   for (std::size_t i = 0; i < rig->cameras.size(); ++i) {
     const ConfigNode& camera = cameras->sequence[i];
     const std::string name = DisplayPath(path.filename());
     rig->cameras[i].place = Origin{name, camera.origin.line, camera.origin.column}.Text();
     for (const char* field : kNeededOfCamera) {
-      if (camera.Find(field) == nullptr) problems.push_back(rig->cameras[i].place + ": " + field + " is missing");
+      if (camera.Find(field) == nullptr)
+        problems.push_back({rig->cameras[i].place, std::string(field) + " is missing"});
     }
   }
   if (rig->cameras.size() < 2) {
@@ -195,13 +208,14 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
         "the rig has " + Counted(static_cast<long long>(rig->cameras.size()), "camera") + ", at least 2 are needed",
         file, kAuditAgain);
   }
-  if (problems.empty()) problems = WrongCameras(*rig);
+  if (problems.empty()) problems = WrongCameras(*rig, cameras->sequence, DisplayPath(path.filename()));
   if ((rig->place_covariance.diagonal().array() < 0.0).any()) {
-    problems.push_back(file + ": place_covariance has a negative variance");
+    problems.push_back({file, "place_covariance has a negative variance"});
   }
   if (problems.empty()) return rig;
+  if (problems.size() == 1) return Fail(ErrorCode::kMalformed, problems[0].what, problems[0].place, kAuditAgain);
   std::string text;
-  for (const std::string& problem : problems) text += (text.empty() ? "" : "\n") + problem;
+  for (const RigProblem& one : problems) text += (text.empty() ? "" : "\n") + one.place + ": " + one.what;
   return Fail(ErrorCode::kMalformed, text, file, kAuditAgain);
 }
 
