@@ -120,9 +120,10 @@ class KeypointAuditor {
     const bool clocks = audit.clocks != AuditAction::kOff;
     if (rig_.size() < kLeastViewsAudited) return {};
     if (samples_.count() < kFewestMoments && (moved || clocks)) {
-      return "clocks and camera poses were not audited: another view shares moving people with the view of the most "
+      return "clocks and camera poses were not audited: another view shares people with the view of the most "
              "frames at " +
-             Counted(samples_.count(), "different moment") + " (frames times people, without repeated frames), " +
+             Counted(samples_.count(), "different moment") +
+             " (frames times people; without repeated frames and takes in which nobody moves), " +
              std::to_string(kFewestMoments) + " are needed";
     }
     if (rig_.size() > kMostViewsAudited && (moved || audit.exchanged != AuditAction::kOff)) {

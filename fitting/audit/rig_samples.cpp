@@ -15,7 +15,7 @@ constexpr double kWorst_px = 120.0;  ///< cap on the error: beyond, a detection 
 constexpr int kSpans = 12;           ///< spans of a take in the report of residuals (numerical)
 /// Standard deviations of a detection: a person whose keypoints all stay so close to their medians stands still.
 constexpr double kStillSigmas = 2.0;
-constexpr double kMovingShare = 0.05;  ///< of the keypoints of a person who moves, at least, as of one arm
+constexpr double kMovingShare = 0.05;  ///< share of the keypoints of a person who moves, at least, as of one arm
 
 double CostOfSquare(double square_px, double noise_px) {
   const double worst = kWorst_px * kWorst_px;
@@ -114,6 +114,7 @@ std::vector<RigMoment> RigSamples::Spread(const std::vector<RigView>& rig, const
   }
   const std::size_t count = std::max<std::size_t>(1, takes.size());
   std::vector<std::vector<RigMoment>> of_take(count);
+  std::vector<bool> moves(count, false);
   for (std::size_t p = 0; p < take.people.size(); ++p) {
     std::vector<std::vector<RigMoment>> when(count);
     SeenPoints last;
@@ -131,12 +132,13 @@ std::vector<RigMoment> RigSamples::Spread(const std::vector<RigView>& rig, const
       for (std::size_t i = 0; i < looked_at; ++i) {
         seen.push_back(SeenAt(take.people[p], when[t][i * when[t].size() / looked_at].time_s, rig));
       }
-      if (seen.empty() || StandsStill(seen, noise_px)) continue;
+      moves[t] = moves[t] || (!seen.empty() && !StandsStill(seen, noise_px));
       of_take[t].insert(of_take[t].end(), when[t].begin(), when[t].end());
     }
   }
-  for (std::vector<RigMoment>& moments : of_take) {
-    std::stable_sort(moments.begin(), moments.end(),
+  for (std::size_t t = 0; t < count; ++t) {
+    if (!moves[t]) of_take[t].clear();
+    std::stable_sort(of_take[t].begin(), of_take[t].end(),
                      [](const RigMoment& a, const RigMoment& b) { return a.time_s < b.time_s; });
   }
   std::vector<RigMoment> some;
