@@ -169,8 +169,10 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(path, unknown)) {
     const bool exists = std::filesystem::exists(path, unknown);
-    return Fail(ErrorCode::kNotFound,
-                exists ? "is no file of an audited rig" : "there is no such file of an audited rig", file, kAuditAgain);
+    return Fail(
+        ErrorCode::kNotFound,
+        exists ? "is a folder or device, not the file of an audited rig" : "there is no such file of an audited rig",
+        file, kAuditAgain);
   }
   const auto malformed = [](Error error) {
     if (error.code == ErrorCode::kConfig) error.code = ErrorCode::kMalformed;
@@ -213,10 +215,9 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
     problems.push_back({file, "place_covariance has a negative variance"});
   }
   if (problems.empty()) return rig;
-  if (problems.size() == 1) return Fail(ErrorCode::kMalformed, problems[0].what, problems[0].place, kAuditAgain);
-  std::string text;
-  for (const RigProblem& one : problems) text += (text.empty() ? "" : "\n") + one.place + ": " + one.what;
-  return Fail(ErrorCode::kMalformed, text, file, kAuditAgain);
+  std::string text = problems[0].what;
+  for (std::size_t i = 1; i < problems.size(); ++i) text += "\n" + problems[i].place + ": " + problems[i].what;
+  return Fail(ErrorCode::kMalformed, text, problems[0].place, kAuditAgain);
 }
 
 }  // namespace mocurate

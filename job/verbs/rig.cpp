@@ -7,7 +7,6 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
-#include "fitting/audit/rig_fault.h"
 #include "fitting/options.h"
 #include "job/blas_kernels.h"
 #include "job/config_loading.h"
@@ -117,11 +116,10 @@ void PrintRig(const nlohmann::json& summary, const fs::path& output) {
     if (camera.at("mirrored").get<bool>()) line += ", mirrored";
     if (camera.at("sides_exchanged").get<bool>()) line += ", left and right exchanged";
     if (!camera.at("confidence").is_null()) {
-      for (const ConfidenceOf of : {ConfidenceOf::kTakes, ConfidenceOf::kSpansOfOneTake, ConfidenceOf::kModel}) {
-        if (camera.at("confidence_of") == Name(of)) {
-          line += "; " + ConfidenceText(camera.at("confidence").get<double>(), of);
-        }
-      }
+      const std::string of = camera.at("confidence_of").get<std::string>();
+      const std::string percent = RoundedText(100.0 * camera.at("confidence").get<double>(), 4) + " %";
+      line += of == "spans_of_one_take" ? "; repeatable to " + percent + " within this take"
+                                        : "; confidence " + percent + (of == "takes" ? " between takes" : "");
     }
     std::printf("%s\n", line.c_str());
   }
