@@ -392,7 +392,9 @@ TEST_F(Pose2Sim, AcceptsStaticTrials) {
     const auto found = TriangulatedSubject(ReadPose2Sim(folder_, trial));
     ASSERT_TRUE(found) << trial << ": " << found.error().Message();
     EXPECT_LE(found->report.median_px, 9.0);
-    EXPECT_TRUE(found->report.faults.empty()) << "one frame twelve times does not show a rig's faults";
+    EXPECT_TRUE(std::none_of(found->report.faults.begin(), found->report.faults.end(), [](const RigFault& fault) {
+      return fault.code == "camera_moved";
+    })) << "one frame twelve times does not show a moved camera";
     EXPECT_TRUE(std::any_of(found->findings.begin(), found->findings.end(),
                             [](const Finding& finding) { return finding.code == kRigNotAudited; }));
     if (trial == std::string("static_p1")) ExpectLimbs(*found, table, 0.012);
