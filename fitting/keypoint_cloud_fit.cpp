@@ -311,6 +311,11 @@ Expected<FitResult> FitBothModalities(const Clip& clip, FitResult keypoints, con
   return FitTracksAndClouds(std::move(keypoints), paired, options, alone ? &*alone : nullptr);
 }
 
+Error InClip(Error error, const Clip& clip) {
+  error.where = clip.id() + ": " + error.where;
+  return error;
+}
+
 }  // namespace
 
 Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& skeleton, const SkeletonPtr& body,
@@ -322,7 +327,7 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
   const std::vector<const KeypointView*> seeing = ViewsWithPerson(clip.evidence.keypoint_views);
   if (seeing.size() == 1 && depth) {
     const Expected<Evidence> in_rig = WithRigOf(clip.evidence, options.keypoints);
-    if (!in_rig) return Forward(in_rig);
+    if (!in_rig) return tl::unexpected<Error>(InClip(in_rig.error(), clip));
     const std::vector<const KeypointView*> one = ViewsWithPerson(in_rig->keypoint_views);
     return FitCloudsAndRays(clip, *one[0], skeleton, body, bone_length, options);
   }
@@ -333,11 +338,7 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
   FittingOptions with_poses = options;
   with_poses.joint_tracks.poses = depth;
   Expected<FitResult> keypoints = FitKeypointsOnBody(clip.evidence, clip.rate, skeleton, body, bone_length, with_poses);
-  if (!keypoints) {
-    Error error = keypoints.error();
-    error.where = clip.id() + ": " + error.where;
-    return tl::unexpected<Error>(error);
-  }
+  if (!keypoints) return tl::unexpected<Error>(InClip(keypoints.error(), clip));
   if (!depth) return KeypointsAlone(std::move(*keypoints), skeleton, "the clip has no depth images");
   DepthRigReport report;
   const Expected<Clip> audited = WithAuditedRig(given, options.point_clouds.audit, report);

@@ -182,7 +182,8 @@ void RigAuditOptions::Declare(OptionVisitor& v) {
   DeclareAction(v, "exchanged", exchanged, "cameras whose files are exchanged");
   DeclareAction(v, "unit", unit, "calibration in another unit than declared; report refuses the clip");
   v.Number("longest_clock", longest_s, Unit::kSecond, {0.0, 10.0}, "larger clock offsets are not considered");
-  v.Number("sure", sure, Unit::kNone, {0.5, 1.0}, "confidence needed for a correction");
+  v.Number("sure", sure, Unit::kNone, {0.5, 1.0},
+           "least confidence of a fault that is reported or corrected, as findings state it");
 }
 
 void KeypointAuditOptions::Declare(OptionVisitor& v) {
@@ -262,7 +263,7 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration RigDeclaration() { return {"rig", 1, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration RigDeclaration() { return {"rig", 2, "mocurate-annotate", SolverLimits()}; }
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 36, "mocurate-annotate", SolverLimits()}; }
 

@@ -124,7 +124,7 @@ struct RigAuditOptions {
   AuditAction exchanged = AuditAction::kCorrect;  ///< cameras whose files are exchanged
   AuditAction unit = AuditAction::kReport;        ///< calibration in another unit than declared
   double longest_s = 0.5;                         ///< larger clock offsets are not considered
-  double sure = 0.99;                             ///< confidence needed for a correction
+  double sure = 0.99;                             ///< least confidence of a fault (RigFault::confidence)
   Rules rules;                                    ///< not an option of the group: FittingOptions::UseRules
 
   void Declare(OptionVisitor& v);

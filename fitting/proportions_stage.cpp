@@ -160,6 +160,12 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
   std::set<std::string> points;
   SkeletonPtr tracked = *skeleton;
   std::vector<std::string> ids;
+  std::optional<RigFile> rig;
+  if (!options->keypoints.rig.empty()) {
+    Expected<RigFile> read = ReadRigFile(options->keypoints.rig);
+    if (!read) return Forward(read);
+    rig = *std::move(read);
+  }
   for (const std::string& name : ChooseProportionClips(names)) {
     Expected<Clip> clip = ReadEvidence(inputs[name]->path);
     if (!clip) return Forward(clip);
@@ -172,7 +178,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     if (options->method == FitMethod::kKeypoints || options->method == FitMethod::kKeypointsAndClouds) {
       ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
       for (const std::string& point : DetectorNames(clip->evidence.keypoint_names)) points.insert(point);
-      if (const auto in_rig = WithRigOf(clip->evidence, options->keypoints); !in_rig) return Forward(in_rig);
+      if (const Status fits = rig ? CheckRigFits(clip->evidence, *rig) : Status(); !fits) return Forward(fits);
       keypoint_clips.push_back(std::move(*clip));
       continue;
     }

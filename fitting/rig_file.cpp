@@ -17,8 +17,11 @@ constexpr const char* kAuditAgain = "write it with `mocurate rig audit CONFIG -o
 constexpr const char* kNeededOfCamera[] = {"name", "files_of", "clock_s", "width",    "height",     "fx",
                                            "fy",   "cx",       "cy",      "rotation", "translation"};
 
-constexpr std::pair<const char*, RigVerdict> kRigVerdicts[] = {
-    {"kept", RigVerdict::kKept}, {"corrected", RigVerdict::kCorrected}, {"ambiguous", RigVerdict::kAmbiguous}};
+constexpr std::pair<const char*, RigVerdict> kRigVerdicts[] = {{"kept", RigVerdict::kKept},
+                                                               {"corrected", RigVerdict::kCorrected},
+                                                               {"ambiguous", RigVerdict::kAmbiguous},
+                                                               {"reported", RigVerdict::kReported},
+                                                               {"not_audited", RigVerdict::kNotAudited}};
 
 constexpr const char* kRigComment =
     "# A rig of keypoint cameras, audited by mocurate. Other takes use it: fitting.keypoints.rig: THIS_FILE\n"
@@ -27,13 +30,15 @@ constexpr const char* kRigComment =
     "forward):\n"
     "# rotation is R as a unit quaternion, translation is t in metres. width, height, fx, fy, cx, cy are pixels,\n"
     "# k1 k2 p1 p2 k3 is OpenCV's lens distortion.\n"
-    "# files_of: camera whose files have this camera's keypoints. mirrored: their x counts from the right.\n"
-    "# sides_exchanged: their left and right are exchanged. pixel_scale: their pixels are multiplied by it.\n"
+    "# files_of: camera whose files have this camera's keypoints. pixel_scale: their pixels are multiplied by\n"
+    "# it. mirrored: the x of the result counts from the right. sides_exchanged: left and right are exchanged.\n"
     "# unit_scale: the calibration's lengths were divided by it (the pose here is in metres).\n"
     "# clock_s: seconds that are added to their time stamps. moved_m, rotated_rad: from the calibrated pose.\n"
-    "# verdict: kept, corrected, or ambiguous (this camera or another one differs from its calibration).\n"
+    "# verdict: kept, corrected, ambiguous (this camera or another one differs from its calibration), reported (it\n"
+    "# differs, and the options only report that), or not_audited (the takes do not allow an audit).\n"
     "# confidence: of the correction, 0 to 1; null: nothing of it was. confidence_of: takes (from the variation\n"
-    "# between takes), or spans_of_one_take, which measures repeatability within that take and not the calibration.\n"
+    "# between takes), spans_of_one_take, which measures repeatability within that take and not the calibration, or\n"
+    "# model (a likelihood, as of a person's size). audit: the tests, and whether they correct.\n"
     "# place_covariance: uncertainty of people's positions from ambiguous poses, square metres.\n"
     "# takes: what was audited together, with the SHA-256 of the evidence and the verdicts of each take alone.\n";
 
@@ -46,30 +51,40 @@ void DeclareNumbers(OptionVisitor& v, const char* group, const char* const (&nam
   v.EndGroup();
 }
 
-/// All that is wrong with the cameras, each with its place.
-std::vector<std::string> WrongCameras(const RigFile& rig) {
-  std::vector<std::string> problems;
+struct RigProblem {
+  std::string place, what;
+};
+
+/// All that is wrong with the cameras. `nodes`: where they are in the file of this name.
+std::vector<RigProblem> WrongCameras(const RigFile& rig, const std::vector<ConfigNode>& nodes,
+                                     const std::string& file) {
+  std::vector<RigProblem> problems;
   std::set<std::string> names, files;
   for (const RigCamera& one : rig.cameras) names.insert(one.camera.name);
   std::set<std::string> seen;
-  for (const RigCamera& one : rig.cameras) {
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    const RigCamera& one = rig.cameras[i];
     const Camera& camera = one.camera;
-    const auto wrong = [&](const std::string& what) { problems.push_back(one.place + ": " + what); };
-    if (camera.name.empty()) wrong("the camera has no name");
-    if (!seen.insert(camera.name).second) wrong("camera '" + camera.name + "' occurs twice");
+    const auto wrong = [&](const char* field, const std::string& what) {
+      const ConfigNode* node = nodes[i].Find(field);
+      const Origin& at = node == nullptr ? nodes[i].origin : node->key_origin;
+      problems.push_back({Origin{file, at.line, at.column}.Text(), what});
+    };
+    if (camera.name.empty()) wrong("name", "the camera has no name");
+    if (!seen.insert(camera.name).second) wrong("name", "camera '" + camera.name + "' occurs twice");
     if (names.count(one.files_of) == 0) {
-      wrong("files_of is '" + one.files_of + "', which is no camera of the rig");
+      wrong("files_of", "files_of is '" + one.files_of + "', which is no camera of the rig");
     } else if (!files.insert(one.files_of).second) {
-      wrong("the files of camera '" + one.files_of + "' are given to two cameras");
+      wrong("files_of", "the files of camera '" + one.files_of + "' are given to two cameras");
     }
     if (!(camera.fx > 0.0) || !(camera.fy > 0.0)) {
-      wrong("focal length " + RoundedText(camera.fx) + ", " + RoundedText(camera.fy) + " px is not positive");
+      wrong("fx", "focal length " + RoundedText(camera.fx) + ", " + RoundedText(camera.fy) + " px is not positive");
     }
     const double norm = camera.camera_from_world.rotation.norm();
     if (!(std::abs(norm - 1.0) <= kUnitQuaternion)) {
-      wrong("the rotation is no unit quaternion: its norm is " + RoundedText(norm, 6));
+      wrong("rotation", "the rotation is no unit quaternion: its norm is " + RoundedText(norm, 6));
     }
-    if (one.mirrored && camera.width == 0) wrong("a mirrored image needs a width");
+    if (one.mirrored && camera.width == 0) wrong("width", "a mirrored image needs a width");
   }
   return problems;
 }
@@ -87,8 +102,10 @@ void RigCamera::Declare(OptionVisitor& v) {
   v.Choice("verdict", verdict, {std::begin(kRigVerdicts), std::end(kRigVerdicts)}, "what the audit decided");
   v.OptionalNumber("confidence", confidence, Unit::kNone, {0.0, 1.0}, "of the correction; null: none");
   v.Choice("confidence_of", confidence_of,
-           {{"takes", ConfidenceOf::kTakes}, {"spans_of_one_take", ConfidenceOf::kSpansOfOneTake}},
-           "samples whose variation gives the confidence");
+           {{"takes", ConfidenceOf::kTakes},
+            {"spans_of_one_take", ConfidenceOf::kSpansOfOneTake},
+            {"model", ConfidenceOf::kModel}},
+           "samples whose variation gives the confidence, or model: a likelihood");
   v.Number("moved_m", moved_m, Unit::kNone, {0.0, {}}, "distance from the calibrated centre, metres");
   v.Number("rotated_rad", rotated_rad, Unit::kNone, {0.0, 4.0}, "angle from the calibrated orientation, radians");
   v.Number("clock_s", clock_s, Unit::kNone, {-1e3, 1e3}, "added to the time stamps, seconds");
@@ -129,6 +146,7 @@ void AuditedTake::Declare(OptionVisitor& v) {
 void RigFile::Declare(OptionVisitor& v) {
   v.Integer("version", version, {1.0, {}}, "of this layout");
   v.Text("config", config, "name of the configuration that was audited");
+  v.TextMap("audit", audit, "test -> off, report, correct");
   v.List("takes", takes, "takes that were audited together");
   Matrix3d& c = place_covariance;
   DeclareNumbers(v, "place_covariance", {"xx", "xy", "xz", "yy", "yz", "zz"},
@@ -150,11 +168,15 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
   const std::string file = DisplayPath(path);
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(path, unknown)) {
-    return Fail(ErrorCode::kNotFound, "there is no such file of an audited rig", file, kAuditAgain);
+    const bool exists = std::filesystem::exists(path, unknown);
+    return Fail(
+        ErrorCode::kNotFound,
+        exists ? "is a folder or device, not the file of an audited rig" : "there is no such file of an audited rig",
+        file, kAuditAgain);
   }
   const auto malformed = [](Error error) {
     if (error.code == ErrorCode::kConfig) error.code = ErrorCode::kMalformed;
-    if (error.hint.empty()) error.hint = kAuditAgain;
+    if (error.hint.empty() && error.code == ErrorCode::kMalformed) error.hint = kAuditAgain;
     return tl::unexpected<Error>(error);
   };
   const auto node = LoadConfig(path);
@@ -172,13 +194,14 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
   auto rig = OptionsFromConfig<RigFile>(*node);
   if (!rig) return malformed(rig.error());
   const ConfigNode* cameras = node->Find("cameras");
-  std::vector<std::string> problems;
+  std::vector<RigProblem> problems;
   for (std::size_t i = 0; i < rig->cameras.size(); ++i) {
     const ConfigNode& camera = cameras->sequence[i];
     const std::string name = DisplayPath(path.filename());
     rig->cameras[i].place = Origin{name, camera.origin.line, camera.origin.column}.Text();
     for (const char* field : kNeededOfCamera) {
-      if (camera.Find(field) == nullptr) problems.push_back(rig->cameras[i].place + ": " + field + " is missing");
+      if (camera.Find(field) == nullptr)
+        problems.push_back({rig->cameras[i].place, std::string(field) + " is missing"});
     }
   }
   if (rig->cameras.size() < 2) {
@@ -187,14 +210,14 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
         "the rig has " + Counted(static_cast<long long>(rig->cameras.size()), "camera") + ", at least 2 are needed",
         file, kAuditAgain);
   }
-  if (problems.empty()) problems = WrongCameras(*rig);
+  if (problems.empty()) problems = WrongCameras(*rig, cameras->sequence, DisplayPath(path.filename()));
   if ((rig->place_covariance.diagonal().array() < 0.0).any()) {
-    problems.push_back(file + ": place_covariance has a negative variance");
+    problems.push_back({file, "place_covariance has a negative variance"});
   }
   if (problems.empty()) return rig;
-  std::string text;
-  for (const std::string& problem : problems) text += (text.empty() ? "" : "\n") + problem;
-  return Fail(ErrorCode::kMalformed, text, file, kAuditAgain);
+  std::string text = problems[0].what;
+  for (std::size_t i = 1; i < problems.size(); ++i) text += "\n" + problems[i].place + ": " + problems[i].what;
+  return Fail(ErrorCode::kMalformed, text, problems[0].place, kAuditAgain);
 }
 
 }  // namespace mocurate

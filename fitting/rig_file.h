@@ -16,18 +16,20 @@ namespace mocurate {
 
 /// What the audit decided about a camera.
 enum class RigVerdict {
-  kKept,       ///< as calibrated
-  kCorrected,  ///< this camera differs from its calibration or its files, and is corrected
-  kAmbiguous,  ///< this camera or another one does: which is ambiguous; the views agree with the poses of the file
+  kKept,        ///< as calibrated
+  kCorrected,   ///< this camera differs from its calibration or its files, and is corrected
+  kAmbiguous,   ///< this camera or another one does: which is ambiguous; the views agree with the poses of the file
+  kReported,    ///< it differs, but the options only report that; as calibrated
+  kNotAudited,  ///< as calibrated, because the takes do not allow an audit
 };
-/// "kept", "corrected", "ambiguous".
+/// "kept", "corrected", "ambiguous", "reported", "not_audited".
 std::string Name(RigVerdict verdict);
 
 /// A camera of an audited rig, and how its keypoints are read.
 struct RigCamera {
   Camera camera;                 ///< pose and intrinsics as corrected
   std::string files_of;          ///< camera whose files have its keypoints; its own name unless files are exchanged
-  bool mirrored = false;         ///< x counts from the right
+  bool mirrored = false;         ///< x counts from the right of the image, after pixel_scale
   bool sides_exchanged = false;  ///< left and right are exchanged
   double pixel_scale = 1.0;      ///< factor on the pixels of the keypoints
   double unit_scale = 1.0;       ///< by which the calibration's lengths were divided; the pose is in metres
@@ -58,7 +60,8 @@ struct RigFile {
   static constexpr std::int64_t kVersion = 1;  ///< version of the format (numerical)
 
   std::int64_t version = kVersion;
-  std::string config;  ///< name of the configuration
+  std::string config;                        ///< name of the configuration
+  std::map<std::string, std::string> audit;  ///< test -> "off", "report", "correct" (fitting.keypoints.audit)
   std::vector<AuditedTake> takes;
   /// Uncertainty of people's positions where the moved camera is ambiguous: the shift that the chosen poses cause, m^2
   /// per axis and between axes. Symmetric.

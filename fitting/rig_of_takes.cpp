@@ -23,9 +23,9 @@ void AppendFrames(const KeypointView& from, double later_s, std::size_t keypoint
   const auto row = 3 * keypoints;
   for (int f = 0; f < from.frames(); ++f) {
     to.time_s.push_back(from.time_s[static_cast<std::size_t>(f)] + later_s);
-    const std::size_t first = static_cast<std::size_t>(f) * static_cast<std::size_t>(from.people) * row;
-    const std::size_t given =
-        std::min(from.values.size() - std::min(first, from.values.size()), static_cast<std::size_t>(from.people) * row);
+    const std::size_t of_frame = static_cast<std::size_t>(from.people) * row;
+    const std::size_t first = std::min(static_cast<std::size_t>(f) * of_frame, from.values.size());
+    const std::size_t given = std::min(from.values.size() - first, of_frame);
     to.values.insert(to.values.end(), from.values.begin() + static_cast<std::ptrdiff_t>(first),
                      from.values.begin() + static_cast<std::ptrdiff_t>(first + given));
     to.values.resize(to.time_s.size() * static_cast<std::size_t>(to.people) * row, 0.0);
@@ -130,6 +130,8 @@ class AuditedCameras {
     for (const RigFault& fault : report_.faults) {
       if (fault.code == "calibration_unit" && fault.corrected) unit_ = fault.value;
     }
+    for (const Finding& finding : found.findings) audited_ = audited_ && finding.code != kRigNotAudited;
+    audited_ = audited_ && views_.size() >= kLeastViewsAudited;
   }
 
   RigCamera Of(std::size_t v) const {
@@ -152,7 +154,12 @@ class AuditedCameras {
     one.unit_scale = unit_;
     const bool in_parts = report_.rig.model && report_.rig.model->camera[v].size() > 1;
     const bool ambiguous = suspect_[v] || in_parts;
-    one.verdict = ambiguous ? RigVerdict::kAmbiguous : Changed(one) ? RigVerdict::kCorrected : RigVerdict::kKept;
+    const auto reported = [&](const RigFault& fault) { return IsOfCamera(fault, v) && !fault.corrected; };
+    one.verdict = ambiguous                                                             ? RigVerdict::kAmbiguous
+                  : Changed(one)                                                        ? RigVerdict::kCorrected
+                  : std::any_of(report_.faults.begin(), report_.faults.end(), reported) ? RigVerdict::kReported
+                  : audited_                                                            ? RigVerdict::kKept
+                                                                                        : RigVerdict::kNotAudited;
     return one;
   }
 
@@ -162,23 +169,24 @@ class AuditedCameras {
            one.mirrored || one.sides_exchanged || one.pixel_scale != 1.0 || one.unit_scale != 1.0;
   }
 
-  /// The lowest confidence of the faults of a camera that were corrected; none: none were.
-  std::optional<double> ConfidenceInTake(std::size_t v) const {
-    std::optional<double> least;
+  /// Sets the lowest confidence of the faults of a camera that were corrected.
+  void SetConfidenceInTake(std::size_t v, RigCamera& camera) const {
+    const auto consider = [&](double confidence, ConfidenceOf of) {
+      if (camera.confidence && *camera.confidence <= confidence) return;
+      camera.confidence = confidence;
+      camera.confidence_of = of;
+    };
     for (const RigFault& fault : report_.faults) {
-      const bool of_it = fault.camera == views_[v].camera.name || (fault.camera.empty() && unit_ != 1.0);
-      if (!of_it || !fault.limb.empty() || !fault.corrected) continue;
-      least = std::min(least.value_or(1.0), fault.confidence);
+      const bool of_it = IsOfCamera(fault, v) || (fault.camera.empty() && unit_ != 1.0);
+      if (of_it && fault.corrected) consider(fault.confidence, fault.confidence_of);
     }
     for (const RigHypotheses& hypotheses : report_.files.applied) {
-      if (Concerns(hypotheses.alike[0], v)) least = std::min(least.value_or(1.0), hypotheses.confidence);
+      if (Concerns(hypotheses.alike[0], v)) consider(hypotheses.confidence, ConfidenceOf::kSpansOfOneTake);
     }
-    if (!least && suspect_[v]) {
-      for (const RigFault& fault : report_.faults) {
-        if (fault.code == kContradictingView) least = std::min(least.value_or(1.0), fault.confidence);
-      }
+    if (camera.confidence || !suspect_[v]) return;
+    for (const RigFault& fault : report_.faults) {
+      if (fault.code == kContradictingView) consider(fault.confidence, fault.confidence_of);
     }
-    return least;
   }
 
   /// Mean gains of the takes by the corrections of a camera: one list per kind of correction.
@@ -201,6 +209,11 @@ class AuditedCameras {
   std::size_t count() const { return views_.size(); }
 
  private:
+  /// Whether a fault is of this camera, and not of a limb.
+  bool IsOfCamera(const RigFault& fault, std::size_t v) const {
+    return fault.limb.empty() && fault.camera == views_[v].camera.name;
+  }
+
   static bool Concerns(const RigHypothesis& hypothesis, std::size_t v) {
     return hypothesis.source[v] != v ||
            std::find(hypothesis.views.begin(), hypothesis.views.end(), v) != hypothesis.views.end();
@@ -211,7 +224,16 @@ class AuditedCameras {
   std::vector<FileCorrection> files_;
   std::vector<bool> suspect_;
   double unit_ = 1.0;
+  bool audited_ = true;
 };
+
+/// Why clocks and poses were not audited; empty: they were.
+std::string WhyNotAudited(const KeypointTracks& found) {
+  for (const Finding& finding : found.findings) {
+    if (finding.code == kRigNotAudited) return finding.message;
+  }
+  return {};
+}
 
 Finding AboutTakes(const std::string& clip, const std::string& code, double value, const std::string& message) {
   Finding finding = MakeFinding(code, Severity::kWarning, value, message);
@@ -227,7 +249,7 @@ std::size_t JudgeByTakes(const std::vector<std::vector<double>>& gains, RigCamer
     if (of_takes.size() < 2) continue;
     const double confidence = ConfidenceOfSeparate(of_takes, std::vector<double>(of_takes.size(), 0.0));
     camera.confidence = std::min(camera.confidence.value_or(1.0), confidence);
-    const auto against = std::count_if(of_takes.begin(), of_takes.end(), [](double gain) { return gain <= 0.0; });
+    const auto against = std::count_if(of_takes.begin(), of_takes.end(), [](double gain) { return gain < 0.0; });
     worse = std::max(worse, static_cast<std::size_t>(against));
   }
   if (worse > 0) camera.verdict = RigVerdict::kAmbiguous;
@@ -247,7 +269,29 @@ AuditedTake AuditAlone(const TakeOfRig& take, const Skeleton& skeleton, const Ke
     const RigCamera camera = cameras.Of(v);
     alone.verdicts[camera.camera.name] = Name(camera.verdict);
   }
+  alone.not_audited = WhyNotAudited(*found);
   return alone;
+}
+
+/// What the audit found and no verdict states: faults that are only reported, and those of ambiguous cameras.
+void ReportFaults(const std::vector<RigFault>& faults, bool one_take, std::vector<Finding>& findings) {
+  for (const RigFault& fault : faults) {
+    const bool in_parts = fault.code == "camera_moved" && fault.frame_end > fault.frame_begin;
+    if (!fault.limb.empty() || (fault.corrected && fault.code != kContradictingView && !in_parts)) continue;
+    findings.push_back(FindingOf(fault));
+    if (!one_take) findings.back().message = fault.message;  // the confidence is of moments of all takes
+  }
+}
+
+std::map<std::string, std::string> ActionsOf(const KeypointAuditOptions& audit) {
+  const auto name = [](AuditAction action) {
+    return action == AuditAction::kOff ? "off" : action == AuditAction::kReport ? "report" : "correct";
+  };
+  return {{"clocks", name(audit.clocks)},
+          {"moved", name(audit.moved)},
+          {"exchanged", name(audit.exchanged)},
+          {"unit", name(audit.unit)},
+          {"sides", name(audit.sides)}};
 }
 
 }  // namespace
@@ -261,9 +305,10 @@ Expected<RigOfTakes> AuditTakes(const std::vector<TakeOfRig>& takes, const Skele
   const Expected<KeypointTracks> found = TriangulateKeypoints(*joined, skeleton, options, starts);
   if (!found) return Forward(found);
   RigOfTakes audited;
-  for (const Finding& finding : found->findings) {
-    if (finding.code == "rig_not_audited") audited.findings.push_back(finding);
-  }
+  audited.rig.audit = ActionsOf(options.audit);
+  const std::string why_not = WhyNotAudited(*found);
+  if (!why_not.empty()) audited.findings.push_back(AboutTakes("", kRigNotAudited, 0.0, why_not));
+  ReportFaults(found->report.faults, takes.size() == 1, audited.findings);
   audited.rig.place_covariance = found->report.place_covariance;
   const AuditedCameras cameras(*joined, *found);
   for (std::size_t v = 0; v < cameras.count(); ++v) {
@@ -272,8 +317,7 @@ Expected<RigOfTakes> AuditTakes(const std::vector<TakeOfRig>& takes, const Skele
     camera.confidence_of = takes.size() > 1 ? ConfidenceOf::kTakes : ConfidenceOf::kSpansOfOneTake;
     const std::size_t worse = changed ? JudgeByTakes(cameras.Gains(v, starts), camera) : 0;
     if (changed && !camera.confidence) {  // a correction that only one take shows
-      camera.confidence = cameras.ConfidenceInTake(v);
-      camera.confidence_of = ConfidenceOf::kSpansOfOneTake;
+      cameras.SetConfidenceInTake(v, camera);
     }
     if (worse > 0) {
       audited.findings.push_back(AboutTakes("", "takes_disagree", static_cast<double>(worse),
@@ -285,12 +329,21 @@ Expected<RigOfTakes> AuditTakes(const std::vector<TakeOfRig>& takes, const Skele
     }
     audited.rig.cameras.push_back(std::move(camera));
   }
+  const auto not_audited = [](const RigCamera& camera) { return camera.verdict == RigVerdict::kNotAudited; };
+  if (std::all_of(audited.rig.cameras.begin(), audited.rig.cameras.end(), not_audited)) {
+    return Fail(ErrorCode::kInconsistent,
+                why_not.empty()
+                    ? "a rig of " + Counted(static_cast<long long>(cameras.count()), "camera") +
+                          " cannot be audited, at least " + std::to_string(kLeastViewsAudited) + " are needed"
+                    : why_not,
+                takes[0].name, "audit longer takes of people who move, or several takes together");
+  }
   for (const TakeOfRig& take : takes) {
     AuditedTake alone = AuditAlone(take, skeleton, options);
     if (!alone.not_audited.empty()) {
       audited.findings.push_back(
           AboutTakes(take.name, "take_not_audited", 0.0,
-                     "the take alone gives no verdicts: " + alone.not_audited + "; it counts with the others"));
+                     "the take alone is not audited: " + alone.not_audited + "; it counts with the others"));
     }
     audited.rig.takes.push_back(std::move(alone));
   }

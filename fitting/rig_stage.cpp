@@ -40,7 +40,7 @@ nlohmann::json RigSummary(const RigOfTakes& audited) {
   for (const AuditedTake& take : audited.rig.takes) {
     takes.push_back({{"name", take.name}, {"sha256", take.sha256}, {"verdicts", take.verdicts}});
   }
-  return {{"cameras", cameras}, {"takes", takes}};
+  return {{"cameras", cameras}, {"takes", takes}, {"audit", audited.rig.audit}};
 }
 
 }  // namespace

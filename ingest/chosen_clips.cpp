@@ -30,7 +30,8 @@ bool NamesClip(const std::string& wanted, const std::string& file, const std::st
 }
 
 bool NamesClip(const std::string& wanted, const ItemSpec& item) {
-  if (wanted == item.item || wanted == item.item.substr(item.item.rfind('/') + 1)) return true;
+  if (wanted == item.item || wanted == RecordingOf(item)) return true;
+  if (wanted.compare(0, item.item.size() + 1, item.item + "#") == 0) return true;  // a clip id, with its frames
   if (wanted == item.options.value("entry_name", std::string())) return true;
   const std::string place = PlaceInFile(item);
   return std::any_of(item.inputs.begin(), item.inputs.end(), [&](const StageInput& input) {

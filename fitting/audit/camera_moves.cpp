@@ -162,8 +162,8 @@ double ConfidenceOfMove(const RigSamples& samples, const std::vector<CameraPart>
 
 std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& model, std::size_t view,
                                      const TriangulationOptions& options) {
-  if (samples.views() < kLeastViewsOfMove || samples.count() < kLeastMomentsOfPart || model.camera[view].size() > 1)
-    return {};
+  const bool few = samples.views() < kLeastViewsAudited || samples.count() < kLeastMomentsOfPart;
+  if (few || model.camera[view].size() > 1) return {};
   const ViewKeypoints seen = samples.View(model, view, 0);
   const TriangulatedTracks points = PointsWithout(samples, model, view, options);
   if (MedianErrorOfView(seen, points) <= 0.0) return {};
@@ -184,7 +184,7 @@ std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& 
 
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
                                    const TriangulationOptions& options) {
-  if (samples.views() > kMostViewsAudited) return {};
+  if (samples.views() < kLeastViewsOfMove || samples.views() > kMostViewsAudited) return {};
   std::vector<CameraMove> moves;
   for (std::size_t v = 0; v < samples.views(); ++v) {
     if (auto move = FindMoveOf(samples, model, v, options)) moves.push_back(std::move(*move));

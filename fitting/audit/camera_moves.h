@@ -25,7 +25,7 @@ struct CameraMove {
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
                                    const TriangulationOptions& options);
 
-/// FindMove for one view; without rivals.
+/// FindMove for one view, without rivals; from three cameras on.
 std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& model, std::size_t view,
                                      const TriangulationOptions& options);
 

@@ -29,14 +29,15 @@ RigFault SidesExchanged(const std::string& camera, int frames, double margin) {
   return fault;
 }
 
-RigFault CameraMoved(const Camera& was, const Camera& is, int begin, int end, int frames) {
+RigFault CameraMoved(const Camera& was, const Camera& is, const std::string& reference, int begin, int end,
+                     int frames) {
   RigFault fault;
   fault.code = "camera_moved";
   fault.camera = was.name;
   fault.value = 1e3 * (is.Centre() - was.Centre()).norm();
   const double angle = is.camera_from_world.rotation.angularDistance(was.camera_from_world.rotation);
   fault.message = "camera " + was.name + " stands " + RoundedText(fault.value, 3) + " mm and " +
-                  RoundedText(kDegrees * angle, 2) + " degrees from its calibrated pose";
+                  RoundedText(kDegrees * angle, 2) + " degrees from the pose of " + reference;
   if (begin == 0 && end == frames) return fault;
   fault.frame_begin = begin;
   fault.frame_end = end;

@@ -17,7 +17,8 @@ RigFault ClockOff(const std::string& camera, double later_s, std::optional<doubl
 /// A camera that lists left as right in all frames of a take. `margin`: log-likelihood ratio.
 RigFault SidesExchanged(const std::string& camera, int frames, double margin);
 
-/// A camera whose pose differs from its calibration, in frames [begin, end) of a take of `frames`.
-RigFault CameraMoved(const Camera& was, const Camera& is, int begin, int end, int frames);
+/// A camera whose pose differs from that of `reference` ("its calibration"), in frames [begin, end) of a take of
+/// `frames`.
+RigFault CameraMoved(const Camera& was, const Camera& is, const std::string& reference, int begin, int end, int frames);
 
 }  // namespace mocurate

@@ -48,7 +48,8 @@ class KeypointAuditor {
         options_(options),
         takes_(takes),
         other_side_(OtherSides(names)),
-        samples_(rig, take, other_side_, RigSamples::Spread(rig, take, MomentsOfTakes(takes.size()), takes)),
+        samples_(rig, take, other_side_,
+                 RigSamples::Spread(rig, take, MomentsOfTakes(takes.size()), options.triangulation.noise, takes)),
         model_(rig),
         given_(rig) {}
 
@@ -58,7 +59,7 @@ class KeypointAuditor {
     audited.not_audited = WhyNotAudited();
     if (samples_.count() == 0) return audited;
     audited.residual_px = ResidualMap(samples_, given_, take_.time_s, options_.triangulation);
-    if (rig_.size() < kLeastViewsAudited) return audited;
+    if (rig_.size() < kLeastViewsAudited || samples_.count() < kFewestMoments) return audited;
     const KeypointAuditOptions& audit = options_.audit;
     if (audit.clocks == AuditAction::kOff && audit.moved == AuditAction::kOff && audit.sides == AuditAction::kOff) {
       return audited;
@@ -119,9 +120,11 @@ class KeypointAuditor {
     const bool clocks = audit.clocks != AuditAction::kOff;
     if (rig_.size() < kLeastViewsAudited) return {};
     if (samples_.count() < kFewestMoments && (moved || clocks)) {
-      return "clocks and camera poses were not audited: the view with the most frames shares people with another view "
-             "at " +
-             Counted(samples_.count(), "moment") + ", " + std::to_string(kFewestMoments) + " are needed";
+      return "clocks and camera poses were not audited: another view shares people with the view of the most "
+             "frames at " +
+             Counted(samples_.count(), "different moment") +
+             " (frames times people; without repeated frames and takes in which nobody moves), " +
+             std::to_string(kFewestMoments) + " are needed";
     }
     if (rig_.size() > kMostViewsAudited && (moved || audit.exchanged != AuditAction::kOff)) {
       return "moved cameras and exchanged files were not audited: the rig has " + std::to_string(rig_.size()) +
@@ -208,23 +211,28 @@ class KeypointAuditor {
     return true;
   }
 
-  /// Confidence that a clock offset is not 0, by its standard deviation.
+  /// Confidence that a clock offset is not 0, by its standard deviation over spans of the take.
   double ClockConfidence(std::size_t v) const {
     return v < clock_sigma_s_.size() ? SpanConfidence(std::abs(model_.clock_s[v]) / clock_sigma_s_[v]) : 0.0;
   }
 
-  /// Whether another pose of the camera explains about as much as its clock offset.
+  /// Whether another pose of the camera explains about as much as its clock offset. Of three cameras, two do not
+  /// determine points well enough to tell whose pose it is: another pose of any camera counts.
   bool MayBeMoved(std::size_t v, const RigModel& without_clock) const {
     if (rig_.size() > kMostViewsAudited) return false;
-    const auto move = FindMoveOf(samples_, without_clock, v, options_.triangulation);
-    return move && Confidence(move->cost, cost_) < kRivalBeaten;
+    const bool any = rig_.size() < kMinOtherViews + 1;
+    for (std::size_t w = any ? 0 : v; w < (any ? rig_.size() : v + 1); ++w) {
+      const auto move = FindMoveOf(samples_, without_clock, w, options_.triangulation);
+      if (move && Confidence(move->cost, cost_) < kRivalBeaten) return true;
+    }
+    return false;
   }
 
-  /// Adds the disagreement of the other cameras to the standard deviations of the clock offsets.
+  /// Disagreement of the other cameras about the clock offsets: a part of their standard deviation, not of the
+  /// confidence.
   void WidenClocks() {
     if (model_.clock_s == given_.clock_s || clock_sigma_s_.empty()) return;
-    const std::vector<double> change = ChangeOfClocks(samples_, model_, given_, options_.triangulation);
-    for (std::size_t v = 0; v < rig_.size(); ++v) clock_sigma_s_[v] = std::hypot(clock_sigma_s_[v], change[v]);
+    clock_change_s_ = ChangeOfClocks(samples_, model_, given_, options_.triangulation);
   }
 
   bool IsSuspect(std::size_t v) const { return std::find(suspect_.begin(), suspect_.end(), v) != suspect_.end(); }
@@ -299,7 +307,9 @@ class KeypointAuditor {
     if (model_.clock_s[v] == 0.0) return;
     RigModel without = model_;
     without.clock_s[v] = 0.0;
-    const auto sigma = v < clock_sigma_s_.size() ? std::optional<double>(clock_sigma_s_[v]) : std::nullopt;
+    std::optional<double> sigma;
+    if (v < clock_sigma_s_.size()) sigma = clock_sigma_s_[v];
+    if (sigma && v < clock_change_s_.size()) sigma = std::hypot(*sigma, clock_change_s_[v]);
     RigFault fault =
         ClockOff(rig_[v].camera.camera.name, model_.clock_s[v], sigma, Sum(CostsOf(without)) / Sum(cost_) - 1.0);
     fault.confidence = ClockConfidence(v);
@@ -343,9 +353,13 @@ class KeypointAuditor {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       const Camera& was = given_.camera[v][0].camera;
       if (HaveSamePose(was, parts[p].camera)) continue;
-      RigFault fault = CameraMoved(was, parts[p].camera, p == 0 ? 0 : changed, p == 0 ? changed : frames, frames);
-      fault.confidence =
-          std::min(move_confidence_.at(v), ConfidenceOfPart(samples_, parts, p, CostsOf(without), cost_));
+      RigFault fault = CameraMoved(was, parts[p].camera, options_.rig.empty() ? "its calibration" : "the rig's file",
+                                   p == 0 ? 0 : changed, p == 0 ? changed : frames, frames);
+      fault.confidence = ConfidenceOfMove(samples_, parts, CostsOf(without), cost_);
+      if (move_confidence_.at(v) < 1.0) {
+        fault.message += "; the confidence that no other camera moved instead is " +
+                         RoundedText(100.0 * move_confidence_.at(v), 3) + " %";
+      }
       fault.corrected = options_.audit.moved == AuditAction::kCorrect;
       audited.corrected = audited.corrected || fault.corrected;
       audited.faults.push_back(std::move(fault));
@@ -413,7 +427,8 @@ class KeypointAuditor {
   RigModel model_;
   RigModel given_;
   std::vector<double> cost_;
-  std::vector<double> clock_sigma_s_;
+  std::vector<double> clock_sigma_s_;              ///< by spans of the take
+  std::vector<double> clock_change_s_;             ///< see WidenClocks
   std::optional<RigFault> inconsistent_;           ///< a move too far to be plausible
   std::optional<std::size_t> too_far_;             ///< its view
   std::vector<std::size_t> suspect_;               ///< views of which some have another pose than calibrated

@@ -61,13 +61,9 @@ std::vector<FileCorrection> JoinedCorrections(const std::vector<RigHypotheses>& 
   return joined;
 }
 
-Expected<Evidence> WithRig(Evidence evidence, const RigFile& rig) {
-  std::vector<KeypointView>& views = evidence.keypoint_views;
-  RigHypothesis exchange;
-  exchange.source.resize(views.size());
-  std::iota(exchange.source.begin(), exchange.source.end(), std::size_t{0});
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const Camera& camera = views[v].camera;
+Status CheckRigFits(const Evidence& evidence, const RigFile& rig) {
+  for (const KeypointView& view : evidence.keypoint_views) {
+    const Camera& camera = view.camera;
     const RigCamera* of_rig = CameraOfRig(rig, camera.name);
     if (of_rig == nullptr) {
       return Fail(ErrorCode::kInconsistent,
@@ -80,14 +76,22 @@ Expected<Evidence> WithRig(Evidence evidence, const RigFile& rig) {
                       SizeText(of_rig->camera),
                   of_rig->place, kAuditThisRig);
     }
-    const auto source = ViewNamed(views, of_rig->files_of);
-    if (!source) {
+    if (!ViewNamed(evidence.keypoint_views, of_rig->files_of)) {
       return Fail(ErrorCode::kInconsistent,
                   "the keypoints of camera '" + camera.name + "' are in the files of camera '" + of_rig->files_of +
                       "', which the take lacks",
                   of_rig->place, kAuditThisRig);
     }
-    exchange.source[v] = *source;
+  }
+  return {};
+}
+
+Expected<Evidence> WithRig(Evidence evidence, const RigFile& rig) {
+  if (Status fits = CheckRigFits(evidence, rig); !fits) return Forward(fits);
+  std::vector<KeypointView>& views = evidence.keypoint_views;
+  RigHypothesis exchange;
+  for (const KeypointView& view : views) {
+    exchange.source.push_back(*ViewNamed(views, CameraOfRig(rig, view.camera.name)->files_of));
   }
   views = WithHypothesis(views, evidence.keypoint_names, exchange);
   for (std::size_t v = 0; v < views.size(); ++v) {

@@ -26,6 +26,9 @@ std::vector<FileCorrection> JoinedCorrections(const std::vector<RigHypotheses>& 
 /// whose files the evidence lacks.
 Expected<Evidence> WithRig(Evidence evidence, const RigFile& rig);
 
+/// The errors of WithRig.
+Status CheckRigFits(const Evidence& evidence, const RigFile& rig);
+
 /// WithRig of `options.rig`; without one the evidence as given.
 Expected<Evidence> WithRigOf(Evidence evidence, const KeypointFitOptions& options);
 

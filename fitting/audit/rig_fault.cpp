@@ -43,7 +43,8 @@ Finding ContradictionOfRig(const RigFault& fault) {
   Finding finding = FindingOf(fault);
   finding.code = kRigContradicted;
   finding.message = "this take contradicts the audited rig that it uses: " + finding.message +
-                    "; nothing was corrected. Audit the rig again with this take: mocurate rig audit";
+                    "; nothing was corrected. Audit the rig again with this take and others of it: "
+                    "mocurate rig audit CONFIG --clip THIS_TAKE --clip ANOTHER_TAKE -o rig.yaml";
   finding.action = FindingAction::kFlagged;
   return finding;
 }

@@ -53,6 +53,8 @@ Finding FindingOf(const RigFault& fault);
 /// "repeatable to 99.92 % within this take", "confidence 99.92 %".
 std::string ConfidenceText(double confidence, ConfidenceOf of);
 
+/// Code of the finding that clocks, poses or files could not be audited.
+inline constexpr const char* kRigNotAudited = "rig_not_audited";
 /// Code of a fault that a take's own audit finds although the take uses an audited rig (RigFile).
 inline constexpr const char* kRigContradicted = "rig_contradicted";
 /// The finding of such a fault.

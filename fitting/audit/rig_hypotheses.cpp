@@ -94,8 +94,9 @@ KeypointView TransformView(KeypointView view, const std::vector<std::size_t>& ot
     double* to = view.values.data() + 3 * i;
     std::copy(from, from + 3, to);
     if (to[2] <= 0.0) continue;
-    to[0] = hypothesis.factor * (hypothesis.mirrored ? view.camera.width - to[0] : to[0]);
+    to[0] *= hypothesis.factor;
     to[1] *= hypothesis.factor;
+    if (hypothesis.mirrored) to[0] = view.camera.width - to[0];
   }
   return view;
 }

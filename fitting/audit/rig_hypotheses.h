@@ -12,7 +12,7 @@ namespace mocurate {
 struct RigHypothesis {
   std::vector<std::size_t> source;  ///< (views) camera v's detections are in the files of camera source[v]
   std::vector<std::size_t> views;   ///< views that are changed; empty where files are exchanged
-  bool mirrored = false;            ///< their x counts from the right
+  bool mirrored = false;            ///< their x counts from the right of the calibrated image, after `factor`
   bool sides = false;               ///< their left and right are exchanged, as by a detector on a mirrored image
   double factor = 1.0;              ///< factor on their pixels
 

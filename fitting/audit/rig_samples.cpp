@@ -13,22 +13,62 @@ namespace {
 
 constexpr double kWorst_px = 120.0;  ///< cap on the error: beyond, a detection is an outlier
 constexpr int kSpans = 12;           ///< spans of a take in the report of residuals (numerical)
+/// Standard deviations of a detection: a person whose keypoints all stay so close to their medians stands still.
+constexpr double kStillSigmas = 2.0;
+constexpr double kMovingShare = 0.05;  ///< share of the keypoints of a person who moves, at least, as of one arm
 
 double CostOfSquare(double square_px, double noise_px) {
   const double worst = kWorst_px * kWorst_px;
   return 3.0 * std::log1p(std::min(square_px, worst) / (4.0 * noise_px * noise_px));  // Student's t of 4 degrees
 }
 
-bool SeenByTwo(const AssociatedPerson& person, std::size_t view, std::size_t frame, const std::vector<RigView>& rig) {
-  const double time = rig[view].time_s[frame];
-  for (std::size_t other = 0; other < rig.size(); ++other) {
-    if (other == view) continue;
-    const std::vector<double>& times = rig[other].time_s;
-    const auto next = std::lower_bound(times.begin(), times.end(), time - 1e-9);
-    if (next == times.end()) continue;
-    if (person.entry[other][static_cast<std::size_t>(next - times.begin())] >= 0) return true;
+/// A person's detections in all views at a moment (V*K), pixels; zero confidence where there is none.
+struct SeenPoints {
+  std::vector<Vector2d> px;
+  std::vector<double> confidence;
+  int views = 0;  ///< with an entry of the person
+
+  bool operator==(const SeenPoints& other) const { return px == other.px && confidence == other.confidence; }
+};
+
+SeenPoints SeenAt(const AssociatedPerson& person, double time_s, const std::vector<RigView>& rig) {
+  SeenPoints seen;
+  for (std::size_t v = 0; v < rig.size(); ++v) {
+    const RigView& view = rig[v];
+    const auto next = std::lower_bound(view.time_s.begin(), view.time_s.end(), time_s - 1e-9);
+    const auto frame = static_cast<std::size_t>(next - view.time_s.begin());
+    const int entry = next == view.time_s.end() ? -1 : person.entry[v][frame];
+    seen.views += entry >= 0 ? 1 : 0;
+    for (int k = 0; k < view.keypoints; ++k) {
+      const std::size_t at = entry < 0 ? 0 : view.Point(static_cast<int>(frame), entry, k);
+      const double confidence = entry < 0 ? 0.0 : view.confidence[at];
+      const Camera& camera = view.camera.camera;
+      seen.confidence.push_back(confidence);
+      seen.px.push_back(confidence > 0.0 ? Vector2d(view.normalised[at].cwiseProduct(Vector2d(camera.fx, camera.fy)))
+                                         : Vector2d::Zero());
+    }
   }
-  return false;
+  return seen;
+}
+
+/// Whether a person keeps one posture: the errors of a detector that belong to a posture then look like those of a rig.
+bool StandsStill(const std::vector<SeenPoints>& moments, double noise_px) {
+  std::size_t still = 0, moving = 0;
+  for (std::size_t i = 0; i < moments[0].px.size(); ++i) {
+    std::vector<double> x, y, away;
+    for (const SeenPoints& seen : moments) {
+      if (seen.confidence[i] <= 0.0) continue;
+      x.push_back(seen.px[i].x());
+      y.push_back(seen.px[i].y());
+    }
+    if (2 * x.size() < moments.size()) continue;
+    const Vector2d middle(MeanMedian(x), MeanMedian(y));
+    for (const SeenPoints& seen : moments) {
+      if (seen.confidence[i] > 0.0) away.push_back((seen.px[i] - middle).norm());
+    }
+    ++(MeanMedian(away) < kStillSigmas * noise_px ? still : moving);
+  }
+  return static_cast<double>(moving) < kMovingShare * static_cast<double>(still + moving);
 }
 
 }  // namespace
@@ -52,34 +92,55 @@ std::vector<std::optional<double>> GainOfTakes(const TakeStarts& takes, const st
                                                const std::vector<double>& worse, const std::vector<double>& better) {
   const std::size_t count = std::max<std::size_t>(1, takes.size());
   std::vector<double> sum(count, 0.0), moments(count, 0.0);
+  std::vector<bool> changed(count, false);
   for (std::size_t i = 0; i < time_s.size(); ++i) {
     const std::size_t at = TakeAt(takes, time_s[i]);
+    changed[at] = changed[at] || worse[i] != better[i];
     sum[at] += worse[i] - better[i];
     moments[at] += 1.0;
   }
   std::vector<std::optional<double>> gain(count);
   for (std::size_t t = 0; t < count; ++t) {
-    if (moments[t] > 0.0) gain[t] = sum[t] / moments[t];
+    if (changed[t]) gain[t] = sum[t] / moments[t];
   }
   return gain;
 }
 
 std::vector<RigMoment> RigSamples::Spread(const std::vector<RigView>& rig, const Association& take, int most,
-                                          const TakeStarts& takes) {
+                                          double noise_px, const TakeStarts& takes) {
   std::size_t base = 0;
   for (std::size_t v = 1; v < rig.size(); ++v) {
     if (rig[v].time_s.size() > rig[base].time_s.size()) base = v;
   }
-  std::vector<RigMoment> all;
-  for (std::size_t f = 0; f < rig[base].time_s.size(); ++f) {
-    for (std::size_t p = 0; p < take.people.size(); ++p) {
-      if (take.people[p].entry[base][f] < 0 || !SeenByTwo(take.people[p], base, f, rig)) continue;
-      all.push_back({static_cast<int>(p), rig[base].time_s[f]});
-    }
-  }
   const std::size_t count = std::max<std::size_t>(1, takes.size());
   std::vector<std::vector<RigMoment>> of_take(count);
-  for (const RigMoment& moment : all) of_take[TakeAt(takes, moment.time_s)].push_back(moment);
+  std::vector<bool> moves(count, false);
+  for (std::size_t p = 0; p < take.people.size(); ++p) {
+    std::vector<std::vector<RigMoment>> when(count);
+    SeenPoints last;
+    for (std::size_t f = 0; f < rig[base].time_s.size(); ++f) {
+      const double time = rig[base].time_s[f];
+      if (take.people[p].entry[base][f] < 0) continue;
+      SeenPoints now = SeenAt(take.people[p], time, rig);
+      if (now.views < 2 || now == last) continue;
+      when[TakeAt(takes, time)].push_back({static_cast<int>(p), time});
+      last = std::move(now);
+    }
+    for (std::size_t t = 0; t < count; ++t) {
+      std::vector<SeenPoints> seen;
+      const std::size_t looked_at = std::min(when[t].size(), static_cast<std::size_t>(most));
+      for (std::size_t i = 0; i < looked_at; ++i) {
+        seen.push_back(SeenAt(take.people[p], when[t][i * when[t].size() / looked_at].time_s, rig));
+      }
+      moves[t] = moves[t] || (!seen.empty() && !StandsStill(seen, noise_px));
+      of_take[t].insert(of_take[t].end(), when[t].begin(), when[t].end());
+    }
+  }
+  for (std::size_t t = 0; t < count; ++t) {
+    if (!moves[t]) of_take[t].clear();
+    std::stable_sort(of_take[t].begin(), of_take[t].end(),
+                     [](const RigMoment& a, const RigMoment& b) { return a.time_s < b.time_s; });
+  }
   std::vector<RigMoment> some;
   for (const std::vector<RigMoment>& moments : of_take) {
     const std::size_t kept = std::min(moments.size(), static_cast<std::size_t>(most) / count);

@@ -40,7 +40,8 @@ using TakeStarts = std::vector<double>;
 /// The take of a moment; 0 for one take.
 std::size_t TakeAt(const TakeStarts& takes, double time_s);
 
-/// (takes) mean decrease of the moments' costs in each take; none for a take without moments.
+/// (takes) mean decrease of the moments' costs in each take; none for a take in which no cost changes, as where the
+/// corrected camera detects nothing.
 std::vector<std::optional<double>> GainOfTakes(const TakeStarts& takes, const std::vector<double>& time_s,
                                                const std::vector<double>& worse, const std::vector<double>& better);
 
@@ -52,9 +53,10 @@ class RigSamples {
              std::vector<RigMoment> moments);
 
   /// At most `most` moments at which at least two views observe a person, evenly spaced over the take; sorted by time.
+  /// Excluded: repeated frames, and takes in which nobody moves. `noise_px`: standard deviation of a detection.
   /// `takes`: several takes in sequence, each with its share of `most`.
   static std::vector<RigMoment> Spread(const std::vector<RigView>& rig, const Association& take, int most,
-                                       const TakeStarts& takes = {});
+                                       double noise_px, const TakeStarts& takes = {});
 
   const std::vector<RigMoment>& moments() const { return moments_; }
   int count() const { return static_cast<int>(moments_.size()); }

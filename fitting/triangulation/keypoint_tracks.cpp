@@ -250,10 +250,24 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
                                       const KeypointFitOptions& options, std::vector<RigFault> faults,
                                       const TakeStarts& takes);
 
-/// Whether a fault of the rig is one that the audit corrects, found for a take that uses an audited rig.
+/// Whether a fault of the rig is one that the file of an audited rig should have, found for a take that uses the file.
 bool ContradictsRig(const RigFault& fault, const KeypointFitOptions& options) {
-  return !options.rig.empty() && !fault.corrected && !fault.guessed && fault.code != kOnePlace &&
-         fault.confidence >= options.audit.sure;
+  return !options.rig.empty() && !fault.corrected && fault.code != kOnePlace;
+}
+
+/// That the views are those of an audited rig, and which cameras of it are ambiguous.
+Finding UsesRig(const RigFile& rig) {
+  std::string ambiguous;
+  double count = 0.0;
+  for (const RigCamera& camera : rig.cameras) {
+    if (camera.verdict != RigVerdict::kAmbiguous) continue;
+    ambiguous += (ambiguous.empty() ? "" : ", ") + camera.camera.name;
+    count += 1.0;
+  }
+  return PointsFinding("rig_used", Severity::kInfo, count,
+                       "the views have the poses, clocks and files of an audited rig" +
+                           (ambiguous.empty() ? std::string() : "; " + ambiguous + " ambiguous"),
+                       FindingAction::kKept);
 }
 
 /// Checks the triangulated person; corrects unit and order where options allow it, and triangulates again. Empty: no
@@ -385,10 +399,10 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
   for (std::size_t i = 0; i < faults.size(); ++i) {
     const bool contradicts = i < of_rig && ContradictsRig(faults[i], options);
     found.findings.push_back(contradicts ? ContradictionOfRig(faults[i]) : FindingOf(faults[i]));
-    found.report.suspect = found.report.suspect || IsAmbiguous(faults[i]);
+    found.report.suspect = found.report.suspect || contradicts || IsAmbiguous(faults[i]);
   }
   if (!audited.not_audited.empty()) {
-    found.findings.push_back(PointsFinding("rig_not_audited", Severity::kInfo, static_cast<double>(rig.size()),
+    found.findings.push_back(PointsFinding(kRigNotAudited, Severity::kInfo, static_cast<double>(rig.size()),
                                            audited.not_audited, FindingAction::kKept));
   }
   found.report.faults = std::move(faults);
@@ -423,6 +437,7 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   FileFindings files;
   Evidence as_seen = evidence;
   Matrix3d of_rig = Matrix3d::Zero();
+  std::optional<Finding> used;
   if (!options.rig.empty()) {
     const Expected<RigFile> rig = ReadRigFile(options.rig);
     if (!rig) return Forward(rig);
@@ -430,6 +445,7 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
     if (!corrected) return Forward(corrected);
     as_seen = std::move(*corrected);
     of_rig = rig->place_covariance;
+    used = UsesRig(*rig);
   }
   const std::vector<KnownLength> lengths = KnownLengths(DetectorNames(evidence.keypoint_names), skeleton);
   Status assigned = CorrectFileAssignment(as_seen, lengths, ForAuditOfRig(options), faults, files);
@@ -440,9 +456,10 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   if (!found) return found;
   found->report.files = std::move(files);
   found->report.place_covariance += of_rig;
+  if (used) found->findings.push_back(*used);
   if (wrong) {
     found->findings.push_back(PointsFinding(
-        "rig_not_audited", Severity::kInfo, static_cast<double>(as_seen.keypoint_views.size()),
+        kRigNotAudited, Severity::kInfo, static_cast<double>(as_seen.keypoint_views.size()),
         "clocks, poses and sides of cameras were not audited, because the files were exchanged", FindingAction::kKept));
   }
   return found;

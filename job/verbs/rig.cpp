@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -27,21 +29,44 @@ Expected<JobOptions> RigJobOf(const RigAuditArguments& arguments) {
   Expected<LoadedJob> job = LoadJob(arguments.config, arguments.assignments);
   if (!job) return Forward(job);
   JobOptions options = std::move(job->options);
-  const auto refused = [](const std::string& what, const char* where, const char* hint) {
+  const auto refused = [](const std::string& what, const std::string& where, const char* hint) {
     return Fail(ErrorCode::kConfig, what, where, hint);
   };
   if (!options.data.empty()) {
     return refused("the job is about several sets", "data", "name the config of one set");
   }
-  options.fitting.keypoints.rig.clear();  // the calibration is audited, not an earlier audit
+  if (!options.fitting.keypoints.rig.empty()) {
+    LogWarning("fitting.keypoints.rig is not used: the audit is of the calibration, not of an earlier audit's file");
+    options.fitting.keypoints.rig.clear();
+  }
   if (Status named = CheckNames(options, JobStage::kProportions); !named) return Forward(named);
   const FitMethod method = options.fitting.method;
   if (method != FitMethod::kKeypoints && method != FitMethod::kKeypointsAndClouds) {
-    return refused("only rigs of keypoint cameras are written to files", "fitting.method",
-                   "set keypoints or keypoints_and_clouds; a rig of depth cameras is audited in each fit, see "
-                   "fitting.point_clouds.audit");
+    const ConfigNode* fitting = job->node.Find("fitting");
+    const ConfigNode* written = fitting == nullptr ? nullptr : fitting->Find("method");
+    const std::string where = written == nullptr ? "" : written->origin.Text() + ": ";
+    return refused("only rigs of keypoint cameras are written to files; the method is " +
+                       OptionsToJson(options.fitting).at("method").get<std::string>(),
+                   where + "fitting.method",
+                   "audit a configuration of keypoints, with method keypoints or keypoints_and_clouds; depth cameras "
+                   "are audited in each fit, see fitting.point_clouds.audit");
   }
   return options;
+}
+
+/// Checks before any work that the output can be written.
+Status CheckRigOutput(const fs::path& output) {
+  std::error_code unknown;
+  if (output.empty() || fs::is_directory(output, unknown)) {
+    return Fail(ErrorCode::kUsage, output.empty() ? "the output has no name" : "the output is a folder",
+                output.empty() ? "-o" : DisplayPath(output), "name a file, as -o rig.yaml");
+  }
+  const fs::path folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
+  if (fs::is_directory(folder, unknown) && access(folder.c_str(), W_OK) == 0) return {};
+  return Fail(ErrorCode::kCannotWrite,
+              fs::is_directory(folder, unknown) ? "the folder of the output is read-only"
+                                                : "the folder of the output does not exist",
+              DisplayPath(output), "make the folder, or name another file with -o");
 }
 
 /// Evidence of the stage `ingest`, by item.
@@ -82,12 +107,19 @@ void PrintRig(const nlohmann::json& summary, const fs::path& output) {
     if (const std::string files = camera.at("files_of").get<std::string>(); files != name) {
       line += ", its keypoints are in the files of " + files;
     }
+    if (const double scale = camera.at("pixel_scale").get<double>(); scale != 1.0) {
+      line += ", pixels times " + RoundedText(scale, 3);
+    }
+    if (const double unit = camera.at("unit_scale").get<double>(); unit != 1.0) {
+      line += ", lengths of the calibration divided by " + RoundedText(unit, 4);
+    }
     if (camera.at("mirrored").get<bool>()) line += ", mirrored";
     if (camera.at("sides_exchanged").get<bool>()) line += ", left and right exchanged";
     if (!camera.at("confidence").is_null()) {
-      const bool takes = camera.at("confidence_of") == "takes";
+      const std::string of = camera.at("confidence_of").get<std::string>();
       const std::string percent = RoundedText(100.0 * camera.at("confidence").get<double>(), 4) + " %";
-      line += takes ? "; confidence " + percent + " between takes" : "; repeatable to " + percent + " within this take";
+      line += of == "spans_of_one_take" ? "; repeatable to " + percent + " within this take"
+                                        : "; confidence " + percent + (of == "takes" ? " between takes" : "");
     }
     std::printf("%s\n", line.c_str());
   }
@@ -101,6 +133,9 @@ void PrintRig(const nlohmann::json& summary, const fs::path& output) {
     if (take.at("verdicts").empty()) line = "no verdicts of its own";
     std::printf("%s alone: %s\n", take.at("name").get<std::string>().c_str(), line.empty() ? "all kept" : line.c_str());
   }
+  for (const auto& [test, action] : summary.at("audit").items()) {
+    if (action == "off") std::printf("not tested, because fitting.keypoints.audit.%s is off\n", test.c_str());
+  }
   std::printf("%s in %s\n", Counted(static_cast<long long>(takes.size()), "take").c_str(), DisplayPath(output).c_str());
 }
 
@@ -108,6 +143,7 @@ void PrintRig(const nlohmann::json& summary, const fs::path& output) {
 
 Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments) {
   ChooseBlasKernels();
+  if (Status named = CheckRigOutput(arguments.output); !named) return named;
   if (Status free = CheckOutputs({arguments.output}, {arguments.config}, arguments.force); !free) return free;
   const Expected<JobOptions> options = RigJobOf(arguments);
   if (!options) return Forward(options);

@@ -88,6 +88,7 @@ const RecordedSet kSets[] = {
     {"panoptic", "cameras/panoptic", ".*", 3},
     {"pose2sim_single", "pose2sim", "(single/.*|Calib.qca.txt)", 1},
     {"pose2sim_two", "pose2sim", "(two/.*|Calib.qca.txt)", 2},
+    {"pose2sim_both", "pose2sim", "((single|two)/.*|Calib.qca.txt)", 4},
 };
 
 INSTANTIATE_TEST_SUITE_P(RecordedSets, Reannotation, testing::ValuesIn(kSets),

@@ -94,6 +94,17 @@ TEST_F(RigVerb, WritesAFileThatOtherTakesUse) {
   EXPECT_LE(FromCache(changed.Json()), whole - 3) << "another content refits";
 }
 
+TEST_F(RigVerb, TakesAreNamedAsTheAuditNamesThem) {
+  const Result all = Audit({"-o", File("rig.yaml"), "--set", "fitting.keypoints.rig=none.yaml"});
+  ASSERT_EQ(all.exit_code, 0) << all.err << "the audit does not use a rig's file";
+  for (const auto& take : all.Json()["takes"]) {
+    const Result one = Audit({"-o", File("one.yaml"), "--force", "--clip", take["name"].get<std::string>()});
+    ASSERT_EQ(one.exit_code, 0) << take["name"] << one.err;
+    EXPECT_EQ(one.Json()["takes"].size(), 1u);
+    EXPECT_EQ(one.Json()["takes"][0]["name"], take["name"]);
+  }
+}
+
 TEST_F(RigVerb, OneTakeStatesRepeatability) {
   const Result audit = Audit({"--clip", "walk_p01_r01", "-o", File("rig.yaml")});
   ASSERT_EQ(audit.exit_code, 0) << audit.err;
@@ -137,6 +148,9 @@ TEST_F(RigVerb, UsageErrorsAreExitCode2) {
   EXPECT_EQ(Audit({"-o", File("rig.yaml")}).exit_code, 2) << "the file exists";
   EXPECT_EQ(Audit({"-o", File("rig.yaml"), "--force"}).exit_code, 0);
   EXPECT_EQ(Audit({"-o", File("b.yaml"), "--clip", "jump"}).exit_code, 2);
+  EXPECT_EQ(Audit({"-o", ""}).exit_code, 2);
+  EXPECT_EQ(Audit({"-o", folder_.path().string(), "--force"}).exit_code, 2) << "a folder";
+  EXPECT_EQ(Audit({"-o", File("no/folder/b.yaml")}).exit_code, 74);
   EXPECT_EQ(RunProgram(folder_, {"rig", "audit", "-o", File("b.yaml")}).exit_code, 2);
   EXPECT_EQ(RunProgram(folder_, {"rig", "audit", "kard", "-o", File("b.yaml")}).exit_code, 2) << "joint tracks";
   EXPECT_EQ(RunProgram(folder_, {"rig", "audit", "rendered_seq", "-o", File("b.yaml")}).exit_code, 2) << "depth views";

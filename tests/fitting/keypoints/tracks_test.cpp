@@ -391,7 +391,12 @@ TEST_F(Pose2Sim, AcceptsStaticTrials) {
   for (const auto& [trial, table] : {std::pair{"static_p1", static_adult_}, std::pair{"static_p2", child_}}) {
     const auto found = TriangulatedSubject(ReadPose2Sim(folder_, trial));
     ASSERT_TRUE(found) << trial << ": " << found.error().Message();
-    EXPECT_LE(found->report.median_px, 8.5);
+    EXPECT_LE(found->report.median_px, 9.0);
+    EXPECT_TRUE(std::none_of(found->report.faults.begin(), found->report.faults.end(), [](const RigFault& fault) {
+      return fault.code == "camera_moved";
+    })) << "one frame twelve times does not show a moved camera";
+    EXPECT_TRUE(std::any_of(found->findings.begin(), found->findings.end(),
+                            [](const Finding& finding) { return finding.code == kRigNotAudited; }));
     if (trial == std::string("static_p1")) ExpectLimbs(*found, table, 0.012);
   }
 }

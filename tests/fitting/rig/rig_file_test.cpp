@@ -7,7 +7,9 @@
 #include <cstdlib>
 
 #include "core/base/file.h"
+#include "core/base/random.h"
 #include "fitting/audit/rig_corrections.h"
+#include "fitting/audit/rig_samples.h"
 #include "fitting/rig_of_takes.h"
 #include "fitting/triangulation/keypoint_tracks.h"
 #include "tests/fitting/keypoint_faults.h"
@@ -312,6 +314,193 @@ TEST(RigOfTakes, TakesOfOtherRigsAreRefused) {
     ASSERT_FALSE(audited);
     EXPECT_EQ(audited.error().code, ErrorCode::kInconsistent);
     EXPECT_EQ(audited.error().where, "take2");
+  }
+}
+
+/// AuditTakes with one group of options changed.
+Expected<RigOfTakes> AuditedWith(const std::vector<Evidence>& evidence, const KeypointAuditOptions& audit) {
+  KeypointFitOptions options;
+  options.audit = audit;
+  return AuditTakes(TakesOf(evidence), BodyOfRigs(), options);
+}
+
+TEST(RigOfTakes, MirroredImagesOfAnotherSizeAreReadAsTheAuditFoundThem) {
+  const ScratchFolder folder;
+  StudioOptions options = FourViews(24);
+  options.rig.kind = RigKind::kHuman36m;
+  const std::vector<StudioView> takes = StudioViews(options, 2);
+  std::vector<Evidence> altered;
+  for (const StudioView& take : takes) {
+    altered.push_back(take.evidence);
+    Mirror(altered.back().keypoint_views[2]);
+    for (KeypointView& view : altered.back().keypoint_views) Enlarge(view, 0.5);
+  }
+  const auto rig = ReadRigFile(Audited(folder, altered));
+  ASSERT_TRUE(rig) << rig.error().Message();
+  EXPECT_TRUE(rig->cameras[2].mirrored);
+  EXPECT_EQ(rig->cameras[2].pixel_scale, 2.0);
+  const auto read = WithRig(altered[0], *rig);
+  ASSERT_TRUE(read) << read.error().Message();
+  const KeypointView &is = read->keypoint_views[2], &was = takes[0].evidence.keypoint_views[2];
+  for (std::size_t i = 0; i < is.values.size(); ++i) ASSERT_NEAR(is.values[i], was.values[i], 1e-9) << i;
+}
+
+TEST(RigOfTakes, ATakeWithoutDetectionsOfACameraSaysNothingAboutIt) {
+  EXPECT_EQ(GainOfTakes({0.0, 10.0}, {1.0, 2.0, 11.0, 12.0}, {3.0, 4.0, 5.0, 6.0}, {2.0, 4.0, 5.0, 6.0}),
+            (std::vector<std::optional<double>>{0.5, std::nullopt}));
+  std::vector<Evidence> takes;
+  for (const StudioView& take : TakesOfAMovedRig(3)) takes.push_back(take.evidence);
+  std::vector<double>& values = takes[2].keypoint_views[3].values;
+  std::fill(values.begin(), values.end(), 0.0);
+  const auto audited = AuditedWith(takes, {});
+  ASSERT_TRUE(audited) << audited.error().Message();
+  EXPECT_EQ(audited->rig.cameras[3].verdict, RigVerdict::kCorrected);
+  EXPECT_GE(audited->rig.cameras[3].confidence.value_or(0.0), 0.9);
+  EXPECT_EQ(FindingsOfCode(audited->findings, "takes_disagree"), 0);
+}
+
+TEST(RigOfTakes, TheConfidenceOfAUnitIsALikelihood) {
+  const ScratchFolder folder;
+  Evidence take = StudioViews(FourViews(21), 1)[0].evidence;
+  for (KeypointView& view : take.keypoint_views) view.camera.camera_from_world.translation *= 1000.0;
+  KeypointAuditOptions audit;
+  audit.unit = AuditAction::kCorrect;
+  const auto audited = AuditedWith({take}, audit);
+  ASSERT_TRUE(audited) << audited.error().Message();
+  ASSERT_TRUE(WriteFile(folder / "rig.yaml", RigText(audited->rig)));
+  const auto rig = ReadRigFile(folder / "rig.yaml");
+  ASSERT_TRUE(rig) << rig.error().Message();
+  for (const RigCamera& camera : rig->cameras) {
+    EXPECT_EQ(camera.unit_scale, 1000.0);
+    EXPECT_TRUE(camera.confidence.has_value());
+    EXPECT_EQ(camera.confidence_of, ConfidenceOf::kModel);
+  }
+}
+
+TEST(RigOfTakes, WhatCannotBeAuditedIsNotKept) {
+  const Evidence whole = StudioViews(FourViews(21), 1)[0].evidence;
+  const Evidence brief = FramesOf(whole, 0, 3);
+  Evidence two_views = whole, still = FramesOf(whole, 0, 40), equal = still;
+  two_views.keypoint_views.resize(2);
+  for (KeypointView& view : equal.keypoint_views) {  // the first frame forty times
+    const std::size_t frame = view.values.size() / 40;
+    for (std::size_t i = 0; i < view.values.size(); ++i) view.values[i] = view.values[i % frame];
+  }
+  still = Detections(Ring(4), {Swinging(1)}, 0.0);
+  Random random(5, "still");
+  for (KeypointView& view : still.keypoint_views) {  // one posture, with noise
+    const std::vector<double> frame = view.values;
+    view.values.clear();
+    view.time_s.clear();
+    for (int f = 0; f < 40; ++f) {
+      view.time_s.push_back(f / 30.0);
+      for (std::size_t i = 0; i < frame.size(); ++i) {
+        view.values.push_back(i % 3 == 2 ? frame[i] : frame[i] + 2.0 * random.Normal());
+      }
+    }
+  }
+  for (const Evidence& take : {brief, two_views, equal, still}) {
+    const auto audited = AuditedWith({take}, {});
+    ASSERT_FALSE(audited);
+    EXPECT_EQ(audited.error().code, ErrorCode::kInconsistent);
+  }
+  const auto both = AuditedWith({whole, brief}, {});
+  ASSERT_TRUE(both) << both.error().Message();
+  EXPECT_EQ(FindingsOfCode(both->findings, "take_not_audited"), 1);
+  EXPECT_FALSE(both->rig.takes[1].not_audited.empty());
+  for (const auto& [camera, verdict] : both->rig.takes[1].verdicts) EXPECT_EQ(verdict, "not_audited") << camera;
+  for (const auto& [camera, verdict] : both->rig.takes[0].verdicts) EXPECT_EQ(verdict, "kept") << camera;
+}
+
+TEST(RigOfTakes, AStillTakeOfAMovedRigIsNotCorrected) {
+  Evidence take = TakesOfAMovedRig(1)[0].evidence;
+  for (KeypointView& view : take.keypoint_views) {
+    const std::size_t frame = view.values.size() / view.time_s.size();
+    for (std::size_t i = 0; i < view.values.size(); ++i) view.values[i] = view.values[i % frame];
+  }
+  const auto found = TriangulateKeypoints(take, BodyOfRigs(), {});
+  ASSERT_TRUE(found) << found.error().Message();
+  EXPECT_TRUE(found->report.faults.empty()) << FaultsText(found->report.faults);
+  EXPECT_EQ(FindingsOfCode(found->findings, kRigNotAudited), 1);
+}
+
+TEST(RigOfTakes, ReportedFaultsAreFindingsWithAVerdict) {
+  const std::vector<StudioView> takes = TakesOfAMovedRig(2);
+  KeypointAuditOptions audit;
+  audit.moved = AuditAction::kReport;
+  audit.clocks = AuditAction::kOff;
+  const auto audited = AuditedWith({takes[0].evidence, takes[1].evidence}, audit);
+  ASSERT_TRUE(audited) << audited.error().Message();
+  const RigCamera& moved = audited->rig.cameras[3];
+  EXPECT_EQ(moved.verdict, RigVerdict::kReported);
+  EXPECT_EQ(moved.moved_m, 0.0);
+  EXPECT_EQ(FindingsOfCode(audited->findings, "camera_moved"), 1);
+  EXPECT_EQ(audited->rig.audit.at("moved"), "report");
+  EXPECT_EQ(audited->rig.audit.at("clocks"), "off");
+}
+
+TEST(RigOfTakes, AnyFaultAgainstTheFileIsAContradiction) {
+  const ScratchFolder folder;
+  const std::vector<StudioView> sound = StudioViews(FourViews(23), 2), moved = TakesOfAMovedRig(6);
+  const auto file = Audited(folder, {sound[0].evidence, sound[1].evidence});
+  for (const StudioView& take : moved) {
+    const auto found = WithFile(take.evidence, file);
+    ASSERT_TRUE(found) << found.error().Message();
+    long faults = 0;
+    for (const RigFault& fault : found->report.faults) {
+      faults += fault.limb.empty() ? 1 : 0;
+      if (fault.code == "camera_moved") {
+        EXPECT_GE(fault.confidence, KeypointAuditOptions().sure);
+      }
+    }
+    EXPECT_EQ(FindingsOfCode(found->findings, kRigContradicted), faults) << FaultsText(found->report.faults);
+    EXPECT_EQ(FindingsOfCode(found->findings, "rig_used"), 1);
+    EXPECT_EQ(found->report.suspect, faults > 0);
+  }
+}
+
+/// With three cameras the pose of a camera explains what a clock offset explains.
+TEST(RigOfTakes, ThreeCamerasGiveNoClockThatAPoseExplainsAsWell) {
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
+  const std::filesystem::path set = std::filesystem::path(data) / "pose2sim";
+  for (const char* trial : {"single", "two"}) {
+    const Evidence four = ReadPose2Sim(set, trial);
+    for (std::size_t without = 0; without < 4; ++without) {
+      Evidence three = four;
+      three.keypoint_views.erase(three.keypoint_views.begin() + static_cast<std::ptrdiff_t>(without));
+      const auto found = TriangulateKeypoints(three, BodyOfRigs(), {});
+      ASSERT_TRUE(found) << found.error().Message();
+      for (const RigFault& fault : found->report.faults) {
+        EXPECT_NE(fault.code, "camera_clock_off") << trial << " without camera " << without << ": " << fault.message;
+      }
+    }
+  }
+}
+
+/// The confidence of a recorded trial's moved camera is the number that `audit.sure` tests.
+TEST(RigOfTakes, ARecordedTrialContradictsItsCalibration) {
+  const char* data = std::getenv("MOCURATE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
+  const ScratchFolder folder;
+  const Evidence trial = ReadPose2Sim(std::filesystem::path(data) / "pose2sim", "single");
+  RigFile calibrated;
+  for (const KeypointView& view : trial.keypoint_views) {
+    RigCamera camera;
+    camera.camera = view.camera;
+    camera.files_of = view.camera.name;
+    calibrated.cameras.push_back(camera);
+  }
+  ASSERT_TRUE(WriteFile(folder / "rig.yaml", RigText(calibrated)));
+  const auto found = WithFile(trial, folder / "rig.yaml");
+  ASSERT_TRUE(found) << found.error().Message();
+  EXPECT_GE(FindingsOfCode(found->findings, kRigContradicted), 1);
+  EXPECT_EQ(FindingsOfCode(found->findings, "camera_moved"), 0);
+  EXPECT_TRUE(found->report.suspect);
+  for (const RigFault& fault : found->report.faults) {
+    if (fault.code == "camera_moved") {
+      EXPECT_GE(fault.confidence, KeypointAuditOptions().sure);
+    }
   }
 }
 
