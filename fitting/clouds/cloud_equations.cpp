@@ -27,6 +27,19 @@ Vector3d NearestOnAxis(const CapsuleEnds& ends, const Vector3d& point) {
 
 double PatchShare(double voxel_size) { return std::min(1.0, voxel_size / kBodyPatch); }
 
+std::vector<RestAndLimits> PriorsInClouds(const Skeleton& skeleton, const PoseGaussian* pose,
+                                          const PointCloudOptions& options) {
+  const std::vector<double> sigmas = RestPoseSigmas(skeleton, options.rest_sigma);
+  std::vector<RestAndLimits> priors(sigmas.size());
+  for (std::size_t j = 1; j < sigmas.size(); ++j)
+    priors[j] = {1.0 / Square(sigmas[j]), LimitsInClouds(skeleton.joints[j], sigmas[j], options)};
+  for (std::size_t k = 0; pose != nullptr && k < pose->joints.size(); ++k) {
+    RestAndLimits& prior = priors[static_cast<std::size_t>(pose->joints[k])];
+    prior = {std::max(0.0, prior.rest - pose->rest[k]), nullptr};
+  }
+  return priors;
+}
+
 CloudEquations::CloudEquations(const CapsuleBody& body, PoseState& state, FrameTerms terms,
                                const PointCloudOptions& options)
     : body_(body),
@@ -34,12 +47,8 @@ CloudEquations::CloudEquations(const CapsuleBody& body, PoseState& state, FrameT
       terms_(std::move(terms)),
       frame_(terms_.frame),
       options_(options),
-      rest_sigmas_(RestPoseSigmas(*body.skeleton, options.rest_sigma)),
+      priors_(PriorsInClouds(*body.skeleton, terms_.pose, options)),
       subtree_(state.joints()) {
-  known_.assign(static_cast<std::size_t>(state.joints()), false);
-  if (terms_.pose != nullptr) {
-    for (const int j : terms_.pose->joints) known_[static_cast<std::size_t>(j)] = true;
-  }
   for (int j = 0; j < state.joints(); ++j) {
     column_.push_back(state.active(j) ? size_ : -1);
     if (state.active(j)) size_ += 3;
@@ -65,12 +74,11 @@ double CloudEquations::Cost() const {
       const Matrix3d rotation = state_.local(frame_ + neighbour.step, j).transpose() * state_.local(frame_, j);
       twice += LogMatrix(rotation).squaredNorm() / (Square(options_.rotation_process_noise) * neighbour.seconds);
     }
-    if (j == 0 || known_[static_cast<std::size_t>(j)]) continue;
+    const RestAndLimits& prior = priors_[static_cast<std::size_t>(j)];
     const Eigen::Map<const Vector3d> w(std::as_const(state_).rotation(frame_, j));
-    twice += w.squaredNorm() / Square(rest_sigmas_[j]);
-    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_sigmas_[j], options_);
-    for (int i = 0; limits != nullptr && i < 3; ++i) {
-      twice += Square(BeyondLimit(w[i], limits->min[i], limits->max[i]) / kCloudLimitSigma);
+    twice += w.squaredNorm() * prior.rest;
+    for (int i = 0; prior.limits != nullptr && i < 3; ++i) {
+      twice += Square(BeyondLimit(w[i], prior.limits->min[i], prior.limits->max[i]) / kCloudLimitSigma);
     }
   }
   for (const FixedNeighbourFrame& neighbour : terms_.held) {
@@ -145,10 +153,9 @@ void CloudEquations::AddPoints() {
 void CloudEquations::AddPriors() {
   for (int j = 1; j < state_.joints(); ++j) {
     const int c = column_[j];
-    if (c < 0 || known_[static_cast<std::size_t>(j)]) continue;
-    const double rest = 1.0 / Square(rest_sigmas_[j]);
+    if (c < 0) continue;
+    const auto& [rest, limits] = priors_[static_cast<std::size_t>(j)];
     const double limit = 1.0 / Square(kCloudLimitSigma);
-    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_sigmas_[j], options_);
     for (int i = 0; i < 3; ++i) {
       const double w = std::as_const(state_).rotation(frame_, j)[i];
       const double beyond = limits != nullptr ? BeyondLimit(w, limits->min[i], limits->max[i]) : 0.0;

@@ -26,6 +26,17 @@ inline const JointLimits* LimitsInClouds(const Joint& joint, double rest_sigma, 
   return joint.limits && rest_sigma >= options.rest_sigma ? &*joint.limits : nullptr;
 }
 
+/// Priors of a joint's rotation vector in a depth fit.
+struct RestAndLimits {
+  double rest = 0.0;                    ///< information of the rest pose, 1/rad^2
+  const JointLimits* limits = nullptr;  ///< null: none
+};
+
+/// Of all joints but the root. Of joints whose rotation `pose` knows, the rest pose counts as far as it is not in that
+/// already; their limits are in it. (J)
+std::vector<RestAndLimits> PriorsInClouds(const Skeleton& skeleton, const PoseGaussian* pose,
+                                          const PointCloudOptions& options);
+
 /// Cost and normal equations of one frame of matched points at the parameters in a state. Sums the costs of
 /// CloudProblem without their Jacobians (BodyInformation). Unknowns: translation (3), then the rotation vector of each
 /// active joint (3), root first.
@@ -61,9 +72,8 @@ class CloudEquations {
   const FrameTerms terms_;
   const int frame_;
   const PointCloudOptions& options_;
-  const std::vector<double> rest_sigmas_;
   int size_ = 3;
-  std::vector<bool> known_;  ///< (J) whether the pose of other evidence knows the rotation, priors included
+  const std::vector<RestAndLimits> priors_;
   std::vector<int> column_;  ///< first unknown of a joint's rotation; -1: not active
   std::vector<BodyInformation> subtree_;
   Eigen::MatrixXd matrix_;

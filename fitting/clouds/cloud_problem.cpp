@@ -11,7 +11,6 @@
 #include "fitting/costs/pose_gaussian_cost.h"
 #include "fitting/costs/rest_prior_cost.h"
 #include "fitting/costs/rotation_smoothness_cost.h"
-#include "fitting/solver/rest_sigmas.h"
 
 namespace mocurate {
 namespace {
@@ -57,14 +56,16 @@ CloudProblem::CloudProblem(const CapsuleBody& body, PoseState& state, const Fram
 }
 
 void CloudProblem::AddPriors(const PoseGaussian* pose, const PointCloudOptions& options) {
-  const std::vector<double> rest_sigmas = RestPoseSigmas(*body_.skeleton, options.rest_sigma);
+  const std::vector<RestAndLimits> priors = PriorsInClouds(*body_.skeleton, pose, options);
   for (int j = 1; j < state_.joints(); ++j) {
-    const bool known = pose != nullptr && std::binary_search(pose->joints.begin(), pose->joints.end(), j);
-    if (!state_.active(j) || known) continue;
-    problem_.AddResidualBlock(new RestPriorCost(rest_sigmas[j]), nullptr, state_.rotation(frame_, j));
-    const JointLimits* limits = LimitsInClouds(body_.skeleton->joints[j], rest_sigmas[j], options);
-    if (limits == nullptr) continue;
-    problem_.AddResidualBlock(new JointLimitCost(*limits, kCloudLimitSigma), nullptr, state_.rotation(frame_, j));
+    const RestAndLimits& prior = priors[static_cast<std::size_t>(j)];
+    if (!state_.active(j)) continue;
+    if (prior.rest > 0.0) {
+      const double sigma = 1.0 / std::sqrt(prior.rest);
+      problem_.AddResidualBlock(new RestPriorCost(sigma), nullptr, state_.rotation(frame_, j));
+    }
+    if (prior.limits == nullptr) continue;
+    problem_.AddResidualBlock(new JointLimitCost(*prior.limits, kCloudLimitSigma), nullptr, state_.rotation(frame_, j));
   }
 }
 

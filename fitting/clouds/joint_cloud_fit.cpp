@@ -13,6 +13,7 @@
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/frame_finding.h"
 #include "fitting/clouds/uncertain_motion.h"
+#include "fitting/costs/huber.h"
 #include "fitting/stop_request.h"
 #include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/frame_orientation.h"
@@ -70,6 +71,7 @@ Expected<PoseGaussian> PoseOf(const Motion& motion, const PoseCovariances& poses
     if (column < 0 || !moving[static_cast<std::size_t>(j)]) continue;
     pose.joints.push_back(j);
     pose.rotation.push_back(motion.rotation_at(frame, j).toRotationMatrix());
+    pose.rest.push_back(1.0 / Square(poses.rest_sigma[static_cast<std::size_t>(j)]));
     columns.push_back(column);
     double widening = 1.0;
     for (int child = j + 1; child < motion.joint_count(); ++child) {

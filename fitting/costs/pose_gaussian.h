@@ -14,6 +14,7 @@ struct PoseGaussian {
   std::vector<int> joints;         ///< K joints whose rotation it knows, ascending
   Vector3d translation;            ///< m, world
   std::vector<Matrix3d> rotation;  ///< (K) parent_from_joint
+  std::vector<double> rest;        ///< (K) information of the rest pose in it, 1/rad^2
   Eigen::MatrixXd whitening;       ///< W, (3 + 3 K)^2, lower triangle
 
   Eigen::Index size() const { return whitening.rows(); }

@@ -10,6 +10,7 @@ namespace mocurate {
 struct PoseCovariances {
   std::vector<int> column;             ///< (J) first number of a joint's rotation; -1: none
   std::vector<Eigen::MatrixXd> frame;  ///< (F) n x n
+  std::vector<double> rest_sigma;      ///< (J) rad, of the rest pose that they count as known
 
   bool empty() const { return frame.empty(); }
 };

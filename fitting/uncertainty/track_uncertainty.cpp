@@ -265,7 +265,10 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double 
   const Expected<std::vector<Vector3d>> known = PriorVariance(whole);
   if (!known) return Forward(known);
   const std::vector<Vector3d>& prior = *known;
-  if (whole.options.poses) uncertainty.poses.frame.resize(static_cast<std::size_t>(whole.end));
+  if (whole.options.poses) {
+    uncertainty.poses.frame.resize(static_cast<std::size_t>(whole.end));
+    uncertainty.poses.rest_sigma = *whole.rest_sigmas;
+  }
   Freedom freedom;
   Reader reader(whole, prior, uncertainty, freedom);
   Status visited = VisitCovariances(whole, [&](const FrameCovariance& covariance) { reader.Read(covariance); });

@@ -100,7 +100,7 @@ TEST_F(Cloud, EquationsWithObservedJointsMatchCeres) {
 }
 
 /// What the fit of tracks knows: the root and the joints `known`, with correlated errors.
-PoseGaussian KnownPose(const PoseState& state, int frame, std::vector<int> known) {
+PoseGaussian KnownPose(const PoseState& state, int frame, std::vector<int> known, double rest = 0.1) {
   Random random(9, "known_pose");
   PoseGaussian pose;
   pose.joints = std::move(known);
@@ -108,6 +108,7 @@ PoseGaussian KnownPose(const PoseState& state, int frame, std::vector<int> known
   for (const int j : pose.joints) {
     const Vector3d off = 0.05 * Vector3d(random.Normal(), random.Normal(), random.Normal());
     pose.rotation.push_back(state.local(frame, j) * ExpQuaternion(off).toRotationMatrix());
+    pose.rest.push_back(rest);
   }
   const Eigen::Index size = 3 + 3 * static_cast<Eigen::Index>(pose.joints.size());
   pose.whitening = Eigen::MatrixXd::Zero(size, size);
@@ -129,7 +130,7 @@ TEST_F(Cloud, WithoutPointsAKnownPoseKeepsItsCovariance) {
   for (int j = 0; j < state_.joints(); ++j) {
     if (state_.active(j)) moving.push_back(j);
   }
-  const PoseGaussian pose = KnownPose(state_, 1, moving);
+  const PoseGaussian pose = KnownPose(state_, 1, moving, 1e6);  // more than the rest pose of depth fits
   const std::vector<CloudMatch> none;
   CloudEquations equations(body_, state_, {1, cloud_, none, 10.0, 1.0, {}, {}, &pose}, options_);
   const auto solution = SolveCloudEquations(equations, 100, 1e-14);
