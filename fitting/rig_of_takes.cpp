@@ -15,7 +15,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kBetweenTakes_s = 10.0;   ///< from the end of a take to the next; nobody is followed across it
+constexpr double kBetweenTakes_s = 10.0;   ///< from the end of a take to the next; no person is tracked across it
 constexpr double kSameCalibration = 1e-9;  ///< share; difference of two copies of a calibration (numerical)
 
 /// Frames of a view as the entries of a view of more people.

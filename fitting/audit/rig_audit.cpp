@@ -123,7 +123,7 @@ class KeypointAuditor {
       return "clocks and camera poses were not audited: another view shares people with the view of the most "
              "frames at " +
              Counted(samples_.count(), "different moment") +
-             " (frames times people; without repeated frames and takes in which nobody moves), " +
+             " (frames times people; without repeated frames and takes without movement), " +
              std::to_string(kFewestMoments) + " are needed";
     }
     if (rig_.size() > kMostViewsAudited && (moved || audit.exchanged != AuditAction::kOff)) {

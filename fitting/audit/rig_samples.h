@@ -53,7 +53,7 @@ class RigSamples {
              std::vector<RigMoment> moments);
 
   /// At most `most` moments at which at least two views observe a person, evenly spaced over the take; sorted by time.
-  /// Excluded: repeated frames, and takes in which nobody moves. `noise_px`: standard deviation of a detection.
+  /// Excluded: repeated frames, and takes without movement. `noise_px`: standard deviation of a detection.
   /// `takes`: several takes in sequence, each with its share of `most`.
   static std::vector<RigMoment> Spread(const std::vector<RigView>& rig, const Association& take, int most,
                                        double noise_px, const TakeStarts& takes = {});
