@@ -102,7 +102,9 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
       const double widening = round == 0 ? Widening(fit.widening, i) : 1.0;
       const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, widening * options.max_distance);
       outcome.sigma = SigmaOf(matches);
-      if (fit.sigma == 0.0 && i == 0) sigma = outcome.sigma;
+      // Far starts: points weigh by how far they still are.
+      if (widening > 1.0 || (fit.sigma == 0.0 && i == 0)) sigma = outcome.sigma;
+      if (widening == 1.0 && fit.sigma > 0.0) sigma = fit.sigma;
       const FrameTerms terms{frame,    cloud,      matches, share / sigma, share * options.huber_sigmas,
                              fit.held, fit.joints, fit.pose};
       const std::vector<Vector3d> before = JointsOfState(state, frame);

@@ -34,7 +34,9 @@ struct FrameFit {
   std::vector<JointObservation> joints = {};  ///< joint positions from other modalities
   const PoseGaussian* pose = nullptr;         ///< of other evidence, which has priors of its joints already
   double point_weight = 1.0;                  ///< factor on the weight of points: below 1 when the whole body is off
-  double sigma = 0.0;  ///< m, of a point's distance; 0: measured at the first matching, and once more at the minimum
+  /// m, of a point's distance where the distance limit is not widened; 0: measured at the first matching, and once more
+  /// at the minimum. With a widened limit it is measured at every matching.
+  double sigma = 0.0;
 };
 
 /// Fit of a pose that is compared with others of the same cloud.

@@ -79,9 +79,9 @@ TEST_F(DepthProportions, UseTheReadableClipsAndReportTheOthers) {
   EXPECT_EQ(measured->findings[1].clip, clips_[2].id());
   EXPECT_THAT(measured->findings[1].message, HasSubstr("1000 times too long"));
   const double scale = measured->summary["scale"];
-  EXPECT_NEAR(scale, kTaller, 0.15) << "of the one frame of a person who stands";
+  EXPECT_NEAR(scale, kTaller, 0.06);
   const double knee = measured->summary["bone_length_m"]["left_knee"];
-  EXPECT_NEAR(knee / (*LoadSkeleton("smpl24"))->RestBoneLengths()[4], kTaller, 0.15);
+  EXPECT_NEAR(knee / (*LoadSkeleton("smpl24"))->RestBoneLengths()[4], kTaller, 0.06);
   EXPECT_EQ(measured->summary["body_shape"].size(), static_cast<std::size_t>(kShapeComponents));
 }
 
