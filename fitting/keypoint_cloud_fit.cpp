@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,7 +13,6 @@
 #include "fitting/audit/rig_corrections.h"
 #include "fitting/cloud_ray_fit.h"
 #include "fitting/clouds/cloud_rig_audit.h"
-#include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/clouds/modality_alignment.h"
@@ -31,8 +29,7 @@ constexpr double kHalfPerson = 0.5;        ///< m, from the middle of a person t
 constexpr double kFarthestMove = 0.3;      ///< m; farther apart are two people, or two world frames
 constexpr double kMaxRotation = 0.25;      ///< rad; larger rotations are of two people, or two world frames
 constexpr double kMinModalityGain = 0.08;  ///< of the loss; below, no finding
-constexpr double kUnsure = 0.012;     ///< m, stated sigma of joints; above, the depth-only pose is tried as a start
-constexpr double kMillimetres = 1e3;  ///< number of millimetres in a metre (numerical)
+constexpr double kMillimetres = 1e3;       ///< number of millimetres in a metre (numerical)
 
 Finding ModalityFinding(const char* code, double value, std::string message, FindingAction action) {
   Finding finding;
@@ -213,40 +210,6 @@ ModalityVerdict JudgeModalities(const ModalityAlignment& alignment, double step_
   return verdict;
 }
 
-/// Standard deviation per axis that a motion states of joints with keypoints, root mean square over the frames. Other
-/// joints vary between bodies and do not matter for camera poses.
-double StatedSigma(const Motion& motion, const std::vector<int>& frames) {
-  double sum = 0.0;
-  double count = 0.0;
-  const auto joints = static_cast<std::size_t>(motion.joint_count());
-  for (const int f : frames) {
-    for (std::size_t j = 0; j < joints; ++j) {
-      const std::size_t at = static_cast<std::size_t>(f) * joints + j;
-      if (motion.state[at] == JointState::kInferred) continue;
-      const float* c = motion.position_cov.data() + 6 * at;
-      sum += (static_cast<double>(c[0]) + c[3] + c[5]) / 3.0;
-      count += 1.0;
-    }
-  }
-  return std::sqrt(sum / std::max(count, 1.0));
-}
-
-/// Poses of the clouds alone, starting with the keypoints' heading: a second start where keypoints are uncertain. Empty
-/// where tracking fails; error kInterrupted.
-Expected<std::optional<PoseState>> TrackAlone(const Motion& motion, const std::vector<FusedCloud>& clouds, int first,
-                                              PointCloudOptions options) {
-  if (!options.start.facing) {
-    const Vector3d front = motion.rotation_at(first, 0) * Vector3d::UnitZ();
-    options.start.facing = std::atan2(front.x(), front.z());
-  }
-  std::vector<double> time_s;
-  for (int f = 0; f < motion.frame_count(); ++f) time_s.push_back(motion.rate.FrameTime(f));
-  Expected<CloudTrack> track = TrackClouds(clouds, motion.skeleton, motion.bone_length, time_s, options);
-  if (!track && track.error().code == ErrorCode::kInterrupted) return Forward(track);
-  if (!track) return std::optional<PoseState>();
-  return std::optional<PoseState>(std::move(track->state));
-}
-
 Expected<FitResult> KeypointsAlone(FitResult keypoints, const SkeletonPtr& skeleton, std::string why) {
   keypoints.motion = WithoutDetectorPoints(keypoints.motion, skeleton);
   keypoints.findings.push_back(ModalityFinding(kModalityMissing, keypoints.motion.frame_count(),
@@ -288,10 +251,10 @@ Expected<FitResult> FitBothModalities(const Clip& clip, FitResult keypoints, con
   const Motion& motion = keypoints.motion;
   const CapsuleBody body =
       CapsuleBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.capsule_radius_scale);
-  const ModalityAlignment alignment =
-      AlignModalities(body, StateOf(motion, body), paired, shown, step, options.audit.longest_s, options.max_distance);
+  const ModalityAlignment alignment = AlignModalities(body, StateOf(motion, body), KnownJoints(motion), paired, shown,
+                                                      step, options.audit.longest_s, options.max_distance);
   if (Status one = CheckOnePerson(alignment, options.audit, clip.id()); !one) return Forward(one);
-  const double sigma = StatedSigma(motion, shown);
+  const double sigma = StatedSigma(motion, shown, false);
   const ModalityVerdict verdict = JudgeModalities(alignment, step, sigma, options.audit);
   if (verdict.delay) {
     pairing = PairFrames(keypoints.motion, cloud_s, verdict.taken.late_s);
@@ -302,13 +265,7 @@ Expected<FitResult> FitBothModalities(const Clip& clip, FitResult keypoints, con
   }
   ShiftInTime(pairing.shift_s, keypoints.motion);
   keypoints.findings.insert(keypoints.findings.end(), verdict.findings.begin(), verdict.findings.end());
-  std::optional<PoseState> alone;
-  if (sigma > kUnsure && options.rules.on(FittingRule::kSecondStart)) {
-    Expected<std::optional<PoseState>> tracked = TrackAlone(keypoints.motion, paired, shown.front(), options);
-    if (!tracked) return Forward(tracked);
-    alone = std::move(*tracked);
-  }
-  return FitTracksAndClouds(std::move(keypoints), paired, options, alone ? &*alone : nullptr);
+  return FitTracksAndClouds(std::move(keypoints), paired, options);
 }
 
 Error InClip(Error error, const Clip& clip) {

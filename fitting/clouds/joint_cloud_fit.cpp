@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "core/base/text.h"
 #include "core/geometry/symmetric.h"
 #include "fitting/clouds/capsule_offsets.h"
+#include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/frame_finding.h"
 #include "fitting/clouds/uncertain_motion.h"
@@ -34,22 +36,13 @@ constexpr double kMaxExcessShare = 2.0;  ///< factor on the template's usual var
                                          ///< shape
 constexpr double kClear = 4.0;           ///< factor on a joint's variance from which the modalities disagree
 
+constexpr double kUnsure = 0.012;  ///< m, stated sigma of joints; above, the depth-only pose is tried as a start
+/// m, the same for all joints, those without keypoints included: a limb is in no colour image. Source:
+/// bench_fit_keypoints_clouds 24 15 4242 (8 to 17 mm with all limbs in an image, 181 to 186 mm without legs)
+constexpr double kUnseenLimb = 0.05;
+
 Matrix3d CovarianceAt(const std::vector<float>& values, std::size_t at) {
   return FromSixNumbers(values.data() + 6 * at);
-}
-
-/// Joints with an observation at or below them in any frame. The fit of the tracks has no information about the others.
-/// (J)
-std::vector<bool> KnownJoints(const Motion& motion) {
-  const auto joints = static_cast<std::size_t>(motion.joint_count());
-  std::vector<bool> known(joints, motion.state.empty());
-  for (std::size_t at = 0; at < motion.state.size(); ++at) {
-    if (motion.state[at] != JointState::kInferred) known[at % joints] = true;
-  }
-  for (std::size_t j = joints - 1; j > 0; --j) {
-    if (known[j]) known[static_cast<std::size_t>(motion.skeleton->joints[j].parent)] = true;
-  }
-  return known;
 }
 
 /// What the tracks' fit knows of the pose of a frame: rotations of joints that it and `moving` (J) have. Correlations
@@ -180,6 +173,24 @@ std::vector<double> VarianceInflation(const Motion& motion, const std::vector<Fu
   return factor;
 }
 
+/// Poses of the clouds alone, tracked from the tracks' heading. None where the tracks are certain, or where tracking
+/// fails; error kInterrupted.
+Expected<std::optional<PoseState>> SecondStart(const Motion& motion, const std::vector<FusedCloud>& clouds,
+                                               const std::vector<int>& shown, PointCloudOptions options) {
+  const bool unsure = StatedSigma(motion, shown, false) > kUnsure || StatedSigma(motion, shown, true) > kUnseenLimb;
+  if (!unsure || !options.rules.on(FittingRule::kSecondStart)) return std::optional<PoseState>();
+  if (!options.start.facing) {
+    const Vector3d front = motion.rotation_at(shown.front(), 0) * Vector3d::UnitZ();
+    options.start.facing = std::atan2(front.x(), front.z());
+  }
+  std::vector<double> time_s;
+  for (int f = 0; f < motion.frame_count(); ++f) time_s.push_back(motion.rate.FrameTime(f));
+  Expected<CloudTrack> track = TrackClouds(clouds, motion.skeleton, motion.bone_length, time_s, options);
+  if (!track && track.error().code == ErrorCode::kInterrupted) return Forward(track);
+  if (!track) return std::optional<PoseState>();
+  return std::optional<PoseState>(std::move(track->state));
+}
+
 /// Median squared distance between joints of the template body and of the person's.
 double ShapeVariance(const Skeleton& skeleton, double scale, const Rules& rules) {
   std::vector<double> squares;
@@ -264,6 +275,34 @@ std::vector<Vector3d> RotationsOfMeasuredBody(const Motion& motion) {
 
 }  // namespace
 
+double StatedSigma(const Motion& motion, const std::vector<int>& frames, bool all) {
+  double sum = 0.0;
+  double count = 0.0;
+  const auto joints = static_cast<std::size_t>(motion.joint_count());
+  for (const int f : frames) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const std::size_t at = static_cast<std::size_t>(f) * joints + j;
+      if (!all && motion.state[at] == JointState::kInferred) continue;
+      const float* c = motion.position_cov.data() + 6 * at;
+      sum += (static_cast<double>(c[0]) + c[3] + c[5]) / 3.0;
+      count += 1.0;
+    }
+  }
+  return std::sqrt(sum / std::max(count, 1.0));
+}
+
+std::vector<bool> KnownJoints(const Motion& motion) {
+  const auto joints = static_cast<std::size_t>(motion.joint_count());
+  std::vector<bool> known(joints, motion.state.empty());
+  for (std::size_t at = 0; at < motion.state.size(); ++at) {
+    if (motion.state[at] != JointState::kInferred) known[at % joints] = true;
+  }
+  for (std::size_t j = joints - 1; j > 0; --j) {
+    if (known[j]) known[static_cast<std::size_t>(motion.skeleton->joints[j].parent)] = true;
+  }
+  return known;
+}
+
 std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds) {
   std::vector<int> with_points;
   for (std::size_t f = 0; f < clouds.size(); ++f) {
@@ -308,7 +347,7 @@ Status CheckOneClock(const std::vector<double>& track_s, const std::vector<doubl
 }
 
 Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<FusedCloud>& clouds,
-                                       const PointCloudOptions& options, const PoseState* alone) {
+                                       const PointCloudOptions& options) {
   const PoseCovariances poses = std::exchange(tracks.poses, {});
   const Motion& motion = tracks.motion;
   if (static_cast<int>(clouds.size()) != motion.frame_count()) {
@@ -332,6 +371,9 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
                 "depth views", "check depth_unit, cameras and masks, or set fitting.method to joint_tracks");
   }
   if (Status one = CheckBothShowOne(motion, clouds, shown, body, state, options); !one) return Forward(one);
+  const Expected<std::optional<PoseState>> second = SecondStart(motion, clouds, shown, options);
+  if (!second) return Forward(second);
+  const PoseState* alone = *second ? &**second : nullptr;
   const std::vector<bool> known = KnownJoints(motion);
   const double unknown =
       FitCapsuleOffsets(clouds, state, shown, options.max_distance, MeanVariance(motion, shown, known), body);

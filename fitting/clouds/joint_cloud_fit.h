@@ -22,10 +22,18 @@ inline constexpr double kNearBodyShare = 0.5;
 /// tracks' result. Motion, uncertainty and residuals (of points) are those of the combined fit. States, and rotations
 /// of joints without capsules, are the tracks'. Findings are the tracks' and "frames_without_depth". Error
 /// kInconsistent for another number of clouds than frames, without enough points, for tracks without uncertainty, and
-/// for a cloud far from the tracks. `alone`: poses of the clouds alone on the same skeleton and bones: a second start
-/// of every frame, for tracks with large errors.
+/// for a cloud far from the tracks. Where the tracks are uncertain, or show nothing of a limb, the clouds are also
+/// tracked alone, from the tracks' facing: a second start of every frame.
 Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<FusedCloud>& clouds,
-                                       const PointCloudOptions& options, const PoseState* alone = nullptr);
+                                       const PointCloudOptions& options);
+
+/// Joints with an observation at or below them in any frame. The fit of the tracks has no information about the others.
+/// (J)
+std::vector<bool> KnownJoints(const Motion& motion);
+
+/// Standard deviation per axis that a motion states, root mean square over the frames: of joints with keypoints, or of
+/// all. Joints without keypoints do not matter for camera poses.
+double StatedSigma(const Motion& motion, const std::vector<int>& frames, bool all);
 
 /// At most 24 evenly spaced frames with enough points for a fit.
 std::vector<int> ShownFrames(const std::vector<FusedCloud>& clouds);

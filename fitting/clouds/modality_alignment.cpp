@@ -43,9 +43,9 @@ double MeanExtent(const Eigen::Matrix3Xd& points) {
 
 class Aligner {
  public:
-  Aligner(const CapsuleBody& body, const PoseState& state, const std::vector<FusedCloud>& clouds,
-          const std::vector<int>& frames, double step_s)
-      : body_(body), state_(state), clouds_(clouds), frames_(frames), step_s_(step_s) {
+  Aligner(const CapsuleBody& body, const PoseState& state, const std::vector<bool>& known,
+          const std::vector<FusedCloud>& clouds, const std::vector<int>& frames, double step_s)
+      : body_(body), state_(state), known_(known), clouds_(clouds), frames_(frames), step_s_(step_s) {
     for (const int f : frames_) centre_ += JointsAt(f).rowwise().mean() / static_cast<double>(frames_.size());
   }
 
@@ -72,10 +72,14 @@ class Aligner {
       const FusedCloud cloud = Moved(clouds_[static_cast<std::size_t>(f)], Transform(placement));
       const std::vector<CloudMatch> matches = MatchPoints(body_, state_, *shown, cloud, reach);
       all += cloud.size();
-      near += static_cast<double>(matches.size());
       loss += cloud.size() - static_cast<double>(matches.size());
       const double rest = placement.late_s - step_s_ * (f - *shown);
       for (const CloudMatch& match : matches) {
+        if (!Known(match)) {
+          all -= 1.0;
+          continue;
+        }
+        near += 1.0;
         const double r = match.distance + rest * Across(match, *shown, cloud).speed;
         loss += r * r / (r * r + kAlignmentScale * kAlignmentScale);
       }
@@ -93,6 +97,7 @@ class Aligner {
       const FusedCloud cloud = Moved(clouds_[static_cast<std::size_t>(f)], Transform(placement));
       const double rest = placement.late_s - step_s_ * (f - *shown);
       for (const CloudMatch& match : MatchPoints(body_, state_, *shown, cloud, reach)) {
+        if (!Known(match)) continue;
         const Surface at = Across(match, *shown, cloud);
         const double r = match.distance + rest * at.speed;
         const double weight =
@@ -127,6 +132,10 @@ class Aligner {
     double speed = 0.0;  ///< m/s by which the point's distance grows per second of delay
   };
 
+  bool Known(const CloudMatch& match) const {
+    return known_[static_cast<std::size_t>(body_.capsules[match.capsule].end_joint)];
+  }
+
   /// The frame of the poses nearest to the time that a cloud shows.
   std::optional<int> Shown(int frame, double late_s) const {
     const int shown = frame - static_cast<int>(std::lround(late_s / step_s_));
@@ -155,6 +164,7 @@ class Aligner {
 
   const CapsuleBody& body_;
   const PoseState& state_;
+  const std::vector<bool>& known_;
   const std::vector<FusedCloud>& clouds_;
   const std::vector<int>& frames_;
   double step_s_;
@@ -189,10 +199,10 @@ FusedCloud Moved(const FusedCloud& cloud, const RigidTransform& transform) {
   return moved;
 }
 
-ModalityAlignment AlignModalities(const CapsuleBody& body, const PoseState& state,
+ModalityAlignment AlignModalities(const CapsuleBody& body, const PoseState& state, const std::vector<bool>& known,
                                   const std::vector<FusedCloud>& clouds, const std::vector<int>& frames, double step_s,
                                   double longest_s, double reach) {
-  const Aligner aligner(body, state, clouds, frames, step_s);
+  const Aligner aligner(body, state, known, clouds, frames, step_s);
   ModalityAlignment found;
   if (frames.empty()) return found;
   std::vector<double> apart[3], far, sizes;

@@ -32,9 +32,10 @@ struct ModalityAlignment {
 };
 
 /// Registers the clouds (one per frame, empty without points) to the body in the state's poses: point to capsule,
-/// robust, over all `frames`. Estimates a rigid motion of the clouds, a delay, and both. `step_s`: between frames;
-/// `longest_s`: limit of the delay; `reach`: m. Needs Update of all frames.
-ModalityAlignment AlignModalities(const CapsuleBody& body, const PoseState& state,
+/// robust, over all `frames`. Points near limbs that are not `known` (J) do not count. Estimates a rigid motion of the
+/// clouds, a delay, and both. `step_s`: between frames; `longest_s`: limit of the delay; `reach`: m. Needs Update of
+/// all frames.
+ModalityAlignment AlignModalities(const CapsuleBody& body, const PoseState& state, const std::vector<bool>& known,
                                   const std::vector<FusedCloud>& clouds, const std::vector<int>& frames, double step_s,
                                   double longest_s, double reach);
 

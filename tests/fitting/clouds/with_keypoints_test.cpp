@@ -174,6 +174,40 @@ TEST_F(MixedTakes, EquallyAccurateModalitiesGainATenth) {
   EXPECT_LT(of.both.rotation_deg(), 0.98 * std::min(of.keypoints.rotation_deg(), of.clouds.rotation_deg()));
 }
 
+/// Seated people before a desk: no colour image shows a leg, depth does.
+TEST_F(MixedTakes, DepthAloneTellsWhereALimbIsThatNoColourCameraShows) {
+  MixedTakeOptions mixed;
+  mixed.rig.kind = RigKind::kRing;
+  mixed.rig.cameras = mixed.views = 4;
+  Scores of;
+  for (const std::size_t i : {0, 3}) {
+    Clip clip = ClipOf(i, mixed);
+    const std::vector<std::string>& names = clip.evidence.keypoint_names;
+    for (KeypointView& view : clip.evidence.keypoint_views) {
+      for (std::size_t at = 0; at < view.values.size(); at += 3) {
+        const std::string& name = names[(at / 3) % names.size()];
+        for (const char* leg : {"knee", "ankle", "toe", "heel"}) {
+          if (name.find(leg) != std::string::npos) view.values[at + 2] = 0.0;
+        }
+      }
+    }
+    const auto both = Both(clip);
+    ASSERT_TRUE(both) << both.error().Message();
+    of.both.Add(*both, (*takes_)[i].clip);
+    const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton_, body_, bones_, options_);
+    ASSERT_TRUE(keypoints) << keypoints.error().Message();
+    of.keypoints.Add(*keypoints, (*takes_)[i].clip);
+    PointCloudOptions cloud_options = options_.point_clouds;
+    cloud_options.start.facing = (*takes_)[i].reported_heading;
+    const auto clouds = FitClouds(clip, in_clouds_, cloud_bones_, cloud_options);
+    ASSERT_TRUE(clouds) << clouds.error().Message();
+    of.clouds.Add(*clouds, (*takes_)[i].clip);
+    EXPECT_EQ(Find(*both, kModalitiesApart), nullptr) << "a leg that no camera shows is no evidence for the rig";
+  }
+  EXPECT_LT(of.both.joint_mm(), 0.3 * of.keypoints.joint_mm());
+  EXPECT_LT(of.both.joint_mm(), 0.9 * of.clouds.joint_mm());
+}
+
 TEST_F(MixedTakes, ReportAndCorrectADisplacedDepthRig) {
   MixedTakeOptions mixed = Noisy();
   const auto right = Both(ClipOf(0, mixed));
