@@ -267,6 +267,6 @@ StageDeclaration RigDeclaration() { return {"rig", 2, "mocurate-annotate", Solve
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 36, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 57, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 58, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -18,6 +18,7 @@ namespace {
 
 /// m; mean joint movement at convergence, well below the error of the body (numerical).
 constexpr double kSettled = 1e-3;
+constexpr double kRise = 1e-3;     ///< of the cost, that a new matching may bring (numerical)
 constexpr int kSigmaRounds = 2;    ///< of a sigma that is measured: at the start and at the minimum (numerical)
 constexpr int kWideMatchings = 4;  ///< matchings with a widened distance limit (numerical)
 constexpr int kSolverSteps = 4;    ///< steps between two matchings (numerical)
@@ -112,7 +113,7 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
       const auto solution = solve(body, terms, state, options);
       if (!solution) return Forward(solution);
       const double next = solution->initial_cost + CostOfUnmatched(terms, options);
-      if (widening == 1.0 && next > cost) {
+      if (widening == 1.0 && next > (1.0 + kRise) * cost) {
         state.SetFrameParameters(frame, pose);
         state.Update(frame, frame + 1, false);
         outcome.converged = true;

@@ -42,6 +42,12 @@ FitResult FitRepaired(const PlayedTake& take, const RepairOptions& repair = {}) 
   return std::move(*fit);
 }
 
+RepairOptions WithCoincidentLimbs() {
+  RepairOptions repair;
+  repair.coincident_limbs = true;
+  return repair;
+}
+
 std::vector<Finding> OfCode(const FitResult& fit, const std::string& code) {
   std::vector<Finding> found;
   for (const Finding& finding : fit.findings) {
@@ -192,7 +198,7 @@ void MergeArms(PlayedTake& take, int begin, int end) {
 TEST(Repair, MarksALimbThatMovedToTheOtherAsMissing) {
   PlayedTake take = TurningTake(90);
   MergeArms(take, 30, 60);
-  const FitResult fit = FitRepaired(take);
+  const FitResult fit = FitRepaired(take, WithCoincidentLimbs());
   const std::vector<Finding> findings = OfCode(fit, "coincident_limbs");
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].severity, Severity::kWarning);
@@ -212,7 +218,7 @@ TEST(Repair, MarksBothCoincidentLimbsAsMissingWhereTheMovedOneIsUnknown) {
   MergeArms(take, 30, 60);
   for (int f = 15; f < 30; ++f) Hide(take.tracks, f, 8);
   for (int f = 60; f < 75; ++f) Hide(take.tracks, f, 8);
-  const FitResult fit = FitRepaired(take);
+  const FitResult fit = FitRepaired(take, WithCoincidentLimbs());
   ASSERT_EQ(OfCode(fit, "coincident_limbs").size(), 1u);
   for (const int joint : {4, 5, 7}) EXPECT_NE(StateAt(fit, 45, joint), JointState::kObserved) << joint;
 }
@@ -220,7 +226,7 @@ TEST(Repair, MarksBothCoincidentLimbsAsMissingWhereTheMovedOneIsUnknown) {
 TEST(Repair, OnlyReportsLimbsThatCoincideMostOfTheTime) {
   PlayedTake take = TurningTake(90);
   MergeArms(take, 0, 90);
-  const FitResult fit = FitRepaired(take);
+  const FitResult fit = FitRepaired(take, WithCoincidentLimbs());
   ASSERT_EQ(OfCode(fit, "coincident_limbs").size(), 1u);
   EXPECT_EQ(OfCode(fit, "coincident_limbs")[0].action, FindingAction::kFlagged);
   EXPECT_EQ(StateAt(fit, 45, 8), JointState::kObserved);
@@ -244,7 +250,7 @@ TEST(Repair, LimbsNearEachOtherAreNotCoincident) {
 TEST(Repair, LimbsThatPassEachOtherAreNotCoincident) {
   PlayedTake take = TurningTake(90);
   MergeArms(take, 40, 44);
-  EXPECT_TRUE(OfCode(FitRepaired(take), "coincident_limbs").empty());
+  EXPECT_TRUE(OfCode(FitRepaired(take, WithCoincidentLimbs()), "coincident_limbs").empty());
 }
 
 TEST(Repair, MarksRepeatedValuesAsMissing) {
