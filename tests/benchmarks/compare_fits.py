@@ -3,10 +3,12 @@
 
     compare_fits.py BEFORE.jsonl AFTER.jsonl
     compare_fits.py CLIPS.jsonl clouds tracks_and_clouds
+    compare_fits.py CLIPS.jsonl
 
 The files are written by a fit benchmark with MOCURATE_CLIPS=FILE; those of two versions with the same arguments. Prints
 a Markdown table: mean of each figure before and after, the mean difference with its 95 % interval (bootstrap over
-persons with all of their clips), and in how many clips the figure rose and fell. Exit code 1 where the clips or the
+persons with all of their clips), and in how many clips the figure rose and fell. Of one file alone: each figure's mean
+over all commands with the interval over persons, e.g. coverage of bodies of several seeds. Exit code 1 where the clips or the
 commands differ."""
 import json
 import sys
@@ -43,7 +45,28 @@ def of_fit(lines, fit):
     return {(command, "", clip): line for (command, name, clip), line in lines.items() if name == fit}
 
 
+def person(line):
+    """Numbers of persons are those of their seed, which is in the command."""
+    return f"{line['command']} {line['person']}"
+
+
+def print_means(lines):
+    print("| fit | figure | clips | persons | mean | 95 % |")
+    print("|---|---|---|---|---|---|")
+    for fit in sorted({fit for _, fit, _ in lines}):
+        of = [line for (_, name, _), line in lines.items() if name == fit]
+        for figure in of[0]["figures"]:
+            kept = [line for line in of if figure in line["figures"]]
+            values = np.array([line["figures"][figure] for line in kept])
+            persons = np.array([person(line) for line in kept])
+            low, high = interval(persons, values)
+            print(f"| {fit} | {figure} | {len(kept)} | {len(np.unique(persons))} | {values.mean():.4g} "
+                  f"| {low:.4g}, {high:.4g} |")
+
+
 def main():
+    if len(sys.argv) == 2:
+        return print_means(read(sys.argv[1]))
     if len(sys.argv) == 3:
         before, after = read(sys.argv[1]), read(sys.argv[2])
     elif len(sys.argv) == 4:
