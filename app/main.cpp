@@ -103,6 +103,7 @@ int Run(int argc, char** argv) {
   app.fallthrough();
   app.footer(kFooter);
   AddRun(app, common, verb);
+  AddPlan(app, common, verb);
   AddFit(app, common, verb);
   AddRig(app, common, verb);
   AddExport(app, common, verb);

@@ -24,11 +24,20 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
   run->add_option("--data", arguments->data, "NAME=PATH: your copy of a set, in a run over several; may be repeated")
       ->allow_extra_args(false);
   run->add_flag("-n,--dry-run", arguments->dry_run, "show what would run and what the cache has, run nothing");
+  auto* plan = run->add_option("--plan", arguments->plan, "run one task of a plan (mocurate plan) instead");
+  run->add_option("--task", arguments->task, "which task of the plan, from 0")->needs(plan);
+  run->add_option("--scratch", arguments->scratch,
+                  "folder on a disk of this node for outputs until they are complete (default: in the cache)")
+      ->needs(plan);
   run->footer(
       "Examples:\n  mocurate run\n  mocurate run kard -o runs/kard\n"
       "  mocurate run kard --set ingest.path=/data/my_kinect --to assemble\n  mocurate run my.yaml\n"
       "  mocurate run reannotate/kard --set report.videos=false   # videos can take longer than the fits");
-  run->callback([&common, &verb, arguments] { verb = [&common, arguments] { return RunVerb(common, *arguments); }; });
+  run->callback([&common, &verb, arguments] {
+    verb = [&common, arguments] {
+      return arguments->plan.empty() ? RunVerb(common, *arguments) : TaskVerb(common, *arguments);
+    };
+  });
 }
 
 }  // namespace mocurate

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+
+#include "core/base/error.h"
+
 namespace mocurate {
 
 /// Makes this process and its workers use the kernels that the CPU can run; call it before any of them loads BLAS.
@@ -7,5 +11,15 @@ namespace mocurate {
 /// Debian 12's 0.3.21 does so on Intel's Emerald Rapids, 32 instead of 150 GF/s of one sgemm thread. Then it sets
 /// OPENBLAS_CORETYPE; a set variable and a recognised CPU are left alone.
 void ChooseBlasKernels();
+
+/// OpenBLAS's name for the kernels that it takes here; empty where it does not tell.
+std::string BlasKernels();
+
+/// The instruction set extensions that libraries choose their code by: "avx512", "avx2" or "baseline".
+std::string Instructions();
+
+/// Makes this process and its workers compute as on the machine of a plan: the same kernels of OpenBLAS and of torch.
+/// Error kMissingOnHost where this CPU cannot.
+Status PinKernels(const std::string& blas_kernels, const std::string& instructions);
 
 }  // namespace mocurate

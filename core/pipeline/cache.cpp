@@ -29,7 +29,25 @@ void Touch(const fs::path& record) {
   utimensat(AT_FDCWD, record.c_str(), nullptr, 0);
 }
 
-/// Moves a file or folder to `target` on the same file system. A folder that is there already has the same content.
+/// Copies a file or folder to a name beside `target` that no other process uses, whole and on the disk.
+Expected<fs::path> CopyBeside(const fs::path& from, const fs::path& target) {
+  std::string folder = (target.parent_path() / ".copy-XXXXXX").native();
+  std::error_code problem;
+  if (mkdtemp(folder.data()) == nullptr) problem.assign(errno, std::generic_category());
+  const fs::path copy = fs::path(folder) / target.filename();
+  if (!problem) fs::copy(from, copy, fs::copy_options::recursive, problem);
+  if (!problem) {
+    if (Status synced = SyncContent(copy); !synced) return Forward(synced);
+    return copy;
+  }
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  return Fail(ErrorCode::kCannotWrite, "artifact cannot be copied into the cache: " + problem.message(),
+              DisplayPath(target), "free some space or choose another cache with MOCURATE_CACHE");
+}
+
+/// Moves a file or folder to `target`, from another file system by way of a copy beside it. A folder that is there
+/// already has the same content.
 Status MoveTo(const fs::path& temporary, const fs::path& target) {
   std::error_code problem;
   if (fs::is_directory(temporary, problem) && fs::exists(target, problem)) {
@@ -40,6 +58,15 @@ Status MoveTo(const fs::path& temporary, const fs::path& target) {
   }
   fs::rename(temporary, target, problem);
   if (!problem) return {};
+  if (problem == std::errc::cross_device_link) {
+    const Expected<fs::path> copy = CopyBeside(temporary, target);
+    if (!copy) return Forward(copy);
+    problem.clear();
+    fs::rename(*copy, target, problem);
+    std::error_code ignored;
+    fs::remove_all(copy->parent_path(), ignored);
+    if (!problem) return {};
+  }
   return Fail(ErrorCode::kCannotWrite, "artifact cannot be moved into the cache: " + problem.message(),
               DisplayPath(target));
 }
@@ -86,8 +113,12 @@ std::string Cache::Key(const StageDeclaration& stage, const ItemSpec& spec) {
 }
 
 std::optional<Cache::Entry> Cache::Find(const std::string& key) const {
-  const fs::path file = RecordPath(folder_, key);
+  fs::path file = RecordPath(folder_, key);
   std::optional<CacheRecord> record = ReadRecord(file);
+  if (!record) {
+    file = OldRecordPath(folder_, key);
+    record = ReadRecord(file);
+  }
   if (!record || record->key != key) return std::nullopt;
   Entry entry{std::move(record->outcome), {}, record->sha256};
   if (!record->artifact.empty()) {

@@ -26,6 +26,8 @@ std::string ExtensionOf(const fs::path& artifact) {
   return ".bin";
 }
 
+constexpr std::size_t kKeyDigits = 64;  ///< of a SHA-256
+
 std::vector<fs::path> Sorted(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code problem;
@@ -39,11 +41,22 @@ std::vector<fs::path> Sorted(const fs::path& folder) {
 }  // namespace
 
 fs::path RecordPath(const fs::path& cache, const std::string& key) {
+  return cache / "objects" / key.substr(0, 2) / key.substr(2, 2) / (key.substr(4) + ".json");
+}
+
+fs::path OldRecordPath(const fs::path& cache, const std::string& key) {
   return cache / "objects" / key.substr(0, 2) / (key.substr(2) + ".json");
 }
 
+std::string KeyOfRecord(const fs::path& record) {
+  const fs::path folder = record.parent_path();
+  const std::string name = record.stem().string();
+  if (name.size() == kKeyDigits - 2) return folder.filename().string() + name;
+  return folder.parent_path().filename().string() + folder.filename().string() + name;
+}
+
 std::string ArtifactName(const std::string& key, const std::string& sha256, const fs::path& artifact) {
-  return key.substr(2) + "-" + sha256.substr(0, 8) + ExtensionOf(artifact);
+  return key.substr(4) + "-" + sha256.substr(0, 8) + ExtensionOf(artifact);
 }
 
 fs::path RecordOf(const fs::path& artifact) {
@@ -89,7 +102,13 @@ std::string RecordText(const CacheRecord& record) {
 
 void ForEachObject(const fs::path& cache, const std::function<void(const fs::path&)>& visit) {
   for (const fs::path& folder : Sorted(cache / "objects")) {
-    for (const fs::path& entry : Sorted(folder)) visit(entry);
+    for (const fs::path& entry : Sorted(folder)) {
+      if (entry.filename().native().size() > 2) {
+        visit(entry);  // of a cache with one level
+        continue;
+      }
+      for (const fs::path& object : Sorted(entry)) visit(object);
+    }
   }
 }
 

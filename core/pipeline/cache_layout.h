@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// Record of an artifact in the cache: `objects/ab/<rest of the key>.json`.
+/// Record of an artifact in the cache: `objects/ab/cd/<rest of the key>.json`.
 struct CacheRecord {
   std::string key;
   StageOutcome outcome;
@@ -21,6 +21,12 @@ struct CacheRecord {
 };
 
 std::filesystem::path RecordPath(const std::filesystem::path& cache, const std::string& key);
+
+/// The record of a cache with one level of folders, which is still read.
+std::filesystem::path OldRecordPath(const std::filesystem::path& cache, const std::string& key);
+
+/// Key of a record's file, from its place: the content may be damaged.
+std::string KeyOfRecord(const std::filesystem::path& record);
 
 /// Empty when there is none or it cannot be read.
 std::optional<CacheRecord> ReadRecord(const std::filesystem::path& file);
@@ -39,7 +45,7 @@ bool IsObject(const std::filesystem::path& cache, const std::filesystem::path& p
 /// Removes an artifact and its record: the item is made again when it is next asked for.
 void DropObject(const std::filesystem::path& artifact);
 
-/// Calls `visit` for every file or folder right below objects/??/; order is that of the names.
+/// Calls `visit` for every file or folder of the objects/??/??/; order is that of the names.
 void ForEachObject(const std::filesystem::path& cache, const std::function<void(const std::filesystem::path&)>& visit);
 
 }  // namespace mocurate

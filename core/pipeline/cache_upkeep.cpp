@@ -25,10 +25,7 @@ bool UnusedFor(const fs::path& path, double days) {
   return age_s >= days * kSecondsPerDay;
 }
 
-/// Key of a record file, from its name: its content may be damaged.
-std::string KeyOf(const fs::path& record) { return record.parent_path().filename().string() + record.stem().string(); }
-
-/// A record is `<62 digits>.json`; artifacts have a dash after the digits.
+/// A record is `<digits>.json`; artifacts have a dash after the digits.
 bool IsRecord(const fs::path& entry) {
   return entry.extension() == ".json" && entry.filename().native().find('-') == std::string::npos;
 }
@@ -59,12 +56,12 @@ std::vector<std::string> Cache::Verify() const {
   ForEachObject(folder_, [&](const fs::path& entry) {
     if (!IsRecord(entry)) return;
     const std::optional<CacheRecord> record = ReadRecord(entry);
-    bool agrees = record && record->key == KeyOf(entry);
+    bool agrees = record && record->key == KeyOfRecord(entry);
     if (agrees && !record->artifact.empty()) {
       const Expected<Content> content = ContentOf(entry.parent_path() / record->artifact);
       agrees = content && content->sha256 == record->sha256 && content->bytes == record->bytes;
     }
-    if (!agrees) wrong.push_back(KeyOf(entry));
+    if (!agrees) wrong.push_back(KeyOfRecord(entry));
   });
   return wrong;
 }

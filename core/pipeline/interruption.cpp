@@ -7,7 +7,8 @@
 namespace mocurate {
 namespace {
 
-constexpr int kSignals[] = {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ};
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGUSR1, SIGPIPE, SIGXFSZ};
+constexpr int kHandled = 3;  ///< the first; the others are ignored
 
 volatile std::sig_atomic_t interruptions = 0;
 volatile std::sig_atomic_t last_signal = 0;
@@ -22,10 +23,10 @@ void OnSignal(int signal) {
 
 Interruption::Interruption() {
   interruptions = 0;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 5; ++i) {
     struct sigaction action {};
     sigemptyset(&action.sa_mask);
-    if (i < 2) {
+    if (i < kHandled) {
       action.sa_handler = OnSignal;  // no SA_RESTART: poll() shall return at once
     } else {
       action.sa_handler = SIG_IGN;
@@ -35,11 +36,16 @@ Interruption::Interruption() {
 }
 
 Interruption::~Interruption() {
-  for (int i = 0; i < 4; ++i) sigaction(kSignals[i], &saved_[i], nullptr);
+  for (int i = 0; i < 5; ++i) sigaction(kSignals[i], &saved_[i], nullptr);
 }
 
 int Interruption::Count() { return interruptions; }
 
-const char* Interruption::SignalName() { return last_signal == SIGTERM ? "SIGTERM" : "SIGINT"; }
+const char* Interruption::SignalName() {
+  if (last_signal == SIGUSR1) return "SIGUSR1";
+  return last_signal == SIGTERM ? "SIGTERM" : "SIGINT";
+}
+
+bool Interruption::OutOfTime() { return last_signal == SIGUSR1; }
 
 }  // namespace mocurate

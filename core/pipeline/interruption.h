@@ -4,8 +4,9 @@
 
 namespace mocurate {
 
-/// While it lives, SIGINT and SIGTERM are counted instead of ending the program (the third ends it at once), and a
-/// closed pipe or a file size limit is an error of the write, not a death. One at a time.
+/// While it lives, SIGINT, SIGTERM and SIGUSR1 (a batch system's warning that time is nearly up) are counted instead of
+/// ending the program (the third ends it at once), and a closed pipe or a file size limit is an error of the write, not
+/// a death. One at a time.
 class Interruption {
  public:
   Interruption();
@@ -15,9 +16,11 @@ class Interruption {
 
   static int Count();
   static const char* SignalName();
+  /// The last signal was the batch system's warning.
+  static bool OutOfTime();
 
  private:
-  struct sigaction saved_[4];
+  struct sigaction saved_[5];
 };
 
 }  // namespace mocurate

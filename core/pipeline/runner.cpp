@@ -22,13 +22,13 @@ Expected<RunnerOptions> Resolved(RunnerOptions options) {
   if (options.jobs < 0) {
     return Fail(ErrorCode::kUsage, "jobs is " + std::to_string(options.jobs), "--jobs", "0 means one per core");
   }
-  if (options.run_folder.empty() && !options.dry_run) {
+  if (options.run_folder.empty() && (!options.dry_run || options.plan)) {
     return Fail(ErrorCode::kUsage, "no run folder is named", {}, "name one with -o DIR");
   }
   if (options.cache_folder.empty()) options.cache_folder = DefaultCacheFolder();
   if (options.jobs == 0) options.jobs = AvailableCores();
   std::error_code problem;
-  for (fs::path* folder : {&options.run_folder, &options.cache_folder, &options.worker_folder}) {
+  for (fs::path* folder : {&options.run_folder, &options.cache_folder, &options.worker_folder, &options.node_folder}) {
     if (!folder->empty()) *folder = fs::absolute(*folder, problem);
   }
   return options;
@@ -76,6 +76,10 @@ struct Runner::Impl : RunnerState {
   Expected<StageReport> Execute(const StageDeclaration& stage, std::vector<ItemSpec> items);
   Status MakeAgain(const fs::path& artifact);
   Status TryAgain(const StageDeclaration& stage, const StageRun& first, StageReport& report);
+  Expected<StageReport> LookUp(const StageDeclaration& stage, std::vector<ItemSpec> items);
+  Expected<StageReport> Gather(const StageDeclaration& stage, std::vector<ItemSpec> items);
+
+  bool gathered = false;  ///< the plan's stage has been reached
 };
 
 /// One stage; an item that fails on a damaged input from the cache is repeated after that input is made again.
@@ -125,6 +129,50 @@ Status Runner::Impl::TryAgain(const StageDeclaration& stage, const StageRun& fir
   return {};
 }
 
+/// A stage of a job of which another one is planned.
+Expected<StageReport> Runner::Impl::LookUp(const StageDeclaration& stage, std::vector<ItemSpec> items) {
+  if (stage.name == options.plan->stage) return Gather(stage, std::move(items));
+  StageReport found = StageRun(*this, stage, items).PlanStage();
+  const std::size_t missing = items.size() - static_cast<std::size_t>(found.from_cache);
+  if (gathered || missing == 0) return found;
+  if (missing > options.plan->most) {
+    return Fail(ErrorCode::kInconsistent,
+                "stage " + stage.name + " has no result for " + std::to_string(missing) + " of " +
+                    Counted(static_cast<long long>(items.size()), "item") + ", which stage " + options.plan->stage +
+                    " needs",
+                "plan", "plan and run it first: --stage " + stage.name);
+  }
+  return Execute(stage, std::move(items));
+}
+
+/// Hands the missing items of the planned stage over.
+Expected<StageReport> Runner::Impl::Gather(const StageDeclaration& stage, std::vector<ItemSpec> items) {
+  gathered = true;
+  StageRun lookup(*this, stage, std::move(items));
+  StageReport found = lookup.PlanStage();
+  std::vector<ItemSpec> missing;
+  for (std::size_t i = 0; i < lookup.items().size(); ++i) {
+    const bool hashed = found.items[i].outcome.kind != OutcomeKind::kRefused || found.items[i].from_cache;
+    if (!found.items[i].from_cache && hashed) missing.push_back(lookup.items()[i]);
+  }
+  double seconds = 0.0;
+  if (const std::size_t pilot = std::min(options.plan->pilot, missing.size()); pilot > 0) {
+    std::vector<ItemSpec> chosen, others;
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+      const bool in_pilot = i * pilot / missing.size() != (i + 1) * pilot / missing.size();
+      (in_pilot ? chosen : others).push_back(std::move(missing[i]));
+    }
+    const int at_once = std::min(options.jobs, static_cast<int>(chosen.size()));
+    const auto executed = Execute(stage, std::move(chosen));
+    if (!executed) return executed;
+    LogInfo(Summary(*executed));
+    seconds = executed->seconds * at_once / static_cast<double>(executed->items.size());
+    missing = std::move(others);
+  }
+  if (Status taken = options.plan->take(stage, std::move(missing), seconds); !taken) return Forward(taken);
+  return found;
+}
+
 Runner::Runner(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Runner::~Runner() {
@@ -135,13 +183,16 @@ Expected<std::unique_ptr<Runner>> Runner::Make(const RunnerOptions& options) {
   const Expected<RunnerOptions> resolved = Resolved(options);
   if (!resolved) return Forward(resolved);
   auto impl = std::make_unique<Impl>(*resolved);
-  if (!options.dry_run) {
-    Expected<FileLock> lock = LockRunFolder(resolved->run_folder);
-    if (!lock) return Forward(lock);
-    impl->lock = *std::move(lock);
+  if (!options.dry_run || options.plan) {
+    if (options.task_journal.empty()) {
+      Expected<FileLock> lock = LockRunFolder(resolved->run_folder);
+      if (!lock) return Forward(lock);
+      impl->lock = *std::move(lock);
+    }
     // Before the journal: where there is one, a signal ends the run as documented.
     impl->interruption = std::make_unique<Interruption>();
-    Expected<Journal> journal = Journal::Open(resolved->run_folder / "journal.jsonl");
+    Expected<Journal> journal =
+        Journal::Open(options.task_journal.empty() ? resolved->run_folder / "journal.jsonl" : options.task_journal);
     if (!journal) return Forward(journal);
     impl->journal = *std::move(journal);
   }
@@ -151,8 +202,9 @@ Expected<std::unique_ptr<Runner>> Runner::Make(const RunnerOptions& options) {
 Expected<StageReport> Runner::Run(const StageDeclaration& stage, std::vector<ItemSpec> items,
                                   const std::string& branch) {
   const bool dry_run = impl_->options.dry_run;
-  Expected<StageReport> report =
-      dry_run ? StageRun(*impl_, stage, std::move(items)).PlanStage() : impl_->Execute(stage, std::move(items));
+  Expected<StageReport> report = impl_->options.plan ? impl_->LookUp(stage, std::move(items))
+                                 : dry_run           ? StageRun(*impl_, stage, std::move(items)).PlanStage()
+                                                     : impl_->Execute(stage, std::move(items));
   if (!report) return report;
   report->branch = branch;
   if (!dry_run) LogInfo(Summary(*report));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,23 @@ namespace mocurate {
 /// Cores that this process may use.
 int AvailableCores();
 
+struct ItemSpec {
+  std::string item;
+  nlohmann::json options;
+  std::vector<StageInput> inputs;  ///< sha256 may be empty for source files: the runner hashes them
+};
+
+/// What `mocurate plan` asks of a runner: earlier stages are served from the cache, or executed where at most `most` of
+/// their items are missing; of `stage` the missing items are gathered, later ones are only looked up.
+struct PlanRequest {
+  std::string stage;
+  std::size_t most = 32;
+  std::size_t pilot = 0;  ///< missing items of the stage that are executed at once, to know how long they take
+  /// Called once per run of the stage with its other missing items, whose inputs have their hashes, and the mean
+  /// seconds of the pilot's; 0 without one.
+  std::function<Status(const StageDeclaration& stage, std::vector<ItemSpec> missing, double seconds)> take;
+};
+
 struct RunnerOptions {
   std::filesystem::path run_folder;     ///< journal.jsonl, curation_log.jsonl, lock
   std::filesystem::path cache_folder;   ///< empty: $MOCURATE_CACHE, else ${XDG_CACHE_HOME:-~/.cache}/mocurate
@@ -24,12 +42,10 @@ struct RunnerOptions {
   std::optional<double> item_timeout_s;            ///< instead of the stages' own limits
   std::optional<std::uint64_t> item_memory_bytes;  ///< instead of the stages' own limits
   double time_factor = 1.0;                        ///< the stages' own time limits are this many times as long
-};
-
-struct ItemSpec {
-  std::string item;
-  nlohmann::json options;
-  std::vector<StageInput> inputs;  ///< sha256 may be empty for source files: the runner hashes them
+  std::filesystem::path node_folder;               ///< for outputs until they are in the cache; empty: in the cache
+  std::filesystem::path task_journal;  ///< of a task of a plan: instead of journal.jsonl, and the run folder is not
+                                       ///< locked; inputs in the cache may appear late
+  std::optional<PlanRequest> plan;     ///< with dry_run
 };
 
 /// Item after its stage.
@@ -91,7 +107,8 @@ class Runner {
 
   /// Errors: kInterrupted after SIGINT/SIGTERM (items in flight are finished first), kCannotWrite, kMissingOnHost,
   /// kInternal. Failing items are in the report, not errors. With dry_run nothing is executed: `from_cache` lists the
-  /// items that would be served; later stages whose inputs are unknown report zero items. `branch` names one of several
+  /// items that would be served; later stages whose inputs are unknown report zero items. With a plan: kInconsistent
+  /// where an earlier stage lacks too many items. `branch` names one of several
   /// runs of a stage in messages.
   Expected<StageReport> Run(const StageDeclaration& stage, std::vector<ItemSpec> items, const std::string& branch = {});
 

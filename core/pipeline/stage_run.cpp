@@ -1,5 +1,7 @@
 #include "core/pipeline/stage_run.h"
 
+#include <thread>
+
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
@@ -14,6 +16,9 @@ using nlohmann::json;
 
 /// Items are looked up in slices of this length while workers are waiting for answers to be read.
 constexpr std::chrono::milliseconds kSlice{20};
+/// NFS clients may keep a missing name for this long (default acdirmax).
+constexpr std::chrono::seconds kLatestInput{60};
+constexpr std::chrono::milliseconds kAskAgain{500};
 
 /// Refusals that depend on the machine's files, not on the content behind the key, are not cached.
 bool MayBeCached(const StageOutcome& outcome) {
@@ -92,6 +97,7 @@ Expected<StageReport> StageRun::Execute() {
 }
 
 StageReport StageRun::PlanStage() {
+  looked_up_ = true;
   for (std::size_t i = 0; i < items_.size(); ++i) {
     if (!HashInputs(i)) continue;
     std::optional<Cache::Entry> entry = state_.cache.Find(Cache::Key(stage_, items_[i]));
@@ -112,6 +118,7 @@ bool StageRun::Working() const {
 /// Looks items up, in their order, until every worker has something to do.
 void StageRun::PrepareItems() {
   const Clock::time_point begin = Clock::now();
+  const bool waits = !state_.options.task_journal.empty();
   while (next_ < items_.size() && ready_.size() < static_cast<std::size_t>(state_.options.jobs) && !fatal_) {
     if (Interruption::Count() > 0 || (Clock::now() - begin > kSlice && Working())) return;
     const std::size_t index = next_++;
@@ -120,6 +127,7 @@ void StageRun::PrepareItems() {
     if (std::optional<Cache::Entry> entry = FindWhole(key)) {
       Record(index, key, Served(items_[index].item, *std::move(entry)), 0.0);
     } else {
+      if (waits) WaitForInputs(items_[index]);
       Task task;
       task.index = index;
       task.key = std::move(key);
@@ -138,6 +146,20 @@ std::optional<Cache::Entry> StageRun::FindWhole(const std::string& key) const {
   LogWarning("cache: " + DisplayPath(entry->artifact) + " does not hold the bytes that were recorded: made again");
   DropObject(entry->artifact);
   return std::nullopt;
+}
+
+/// On a file system shared by nodes an artifact may appear late. Listing its folder makes this node ask again.
+void StageRun::WaitForInputs(const ItemSpec& spec) {
+  const Clock::time_point begin = Clock::now();
+  for (const StageInput& input : spec.inputs) {
+    std::error_code problem;
+    while (IsObject(state_.options.cache_folder, input.path) && !fs::exists(input.path, problem) &&
+           Clock::now() - begin < kLatestInput && Interruption::Count() == 0) {
+      for (fs::directory_iterator it(input.path.parent_path(), problem), end; !problem && it != end;)
+        it.increment(problem);
+      std::this_thread::sleep_for(kAskAgain);
+    }
+  }
 }
 
 /// False, and the item is refused, when a source cannot be read.
@@ -160,7 +182,7 @@ bool StageRun::HashInputs(std::size_t index) {
 
 void StageRun::Dispatch(Seat& seat, Task task) {
   if (!state_.workspace) {
-    Expected<Workspace> workspace = Workspace::Make(state_.options.cache_folder);
+    Expected<Workspace> workspace = Workspace::Make(state_.options.cache_folder, state_.options.node_folder);
     if (!workspace) return GiveUp(workspace.error());
     state_.workspace = *std::move(workspace);
   }
@@ -220,7 +242,7 @@ void StageRun::Record(std::size_t index, const std::string& key, ItemResult resu
   const StageOutcome& outcome = result.outcome;
   const bool failed = IsFailure(outcome.kind);
   progress_.Count(!result.from_cache, failed);
-  if (!state_.options.dry_run) {
+  if (!looked_up_) {
     json entry = {{"stage", stage_.name},
                   {"item", result.item},
                   {"key", key},

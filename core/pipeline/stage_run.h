@@ -78,6 +78,7 @@ class StageRun {
   // Items
   void PrepareItems();
   bool HashInputs(std::size_t index);
+  void WaitForInputs(const ItemSpec& spec);
   std::optional<Cache::Entry> FindWhole(const std::string& key) const;
   void Dispatch(Seat& seat, Task task);
   void Finish(Seat& seat, StageOutcome outcome);
@@ -113,8 +114,10 @@ class StageRun {
   std::vector<std::unique_ptr<Seat>> seats_;
   std::filesystem::path program_;
   int failed_starts_ = 0;
-  std::optional<Error> fatal_;  ///< set: nothing new is begun
-  bool abandoned_ = false;      ///< second signal: nothing is waited for either
+  std::optional<Error> fatal_;               ///< set: nothing new is begun
+  bool looked_up_ = false;                   ///< nothing is executed, and the journal has no line of it
+  std::optional<Clock::time_point> warned_;  ///< when the batch system said that time is nearly up
+  bool abandoned_ = false;                   ///< second signal: nothing is waited for either
 };
 
 }  // namespace mocurate

@@ -19,6 +19,8 @@ using nlohmann::json;
 constexpr int kTick_ms = 100;
 constexpr int kStartsTried = 3;
 constexpr std::chrono::seconds kLongestStart{120};
+/// From a batch system's warning to the end of the items in work; the warning comes 90 s before the kill.
+constexpr std::chrono::seconds kLongestFarewell{60};
 constexpr int kCannotExecute = 127;  // what the dynamic linker and the shell end with
 
 fs::path OwnFolder() {
@@ -209,11 +211,13 @@ void StageRun::CheckLimits(Seat& seat) {
   if (!seat.verdict.empty()) seat.worker->Signal(SIGKILL);
 }
 
-/// First signal: finish running items (workers are notified, so that long items may save and stop). Second: stop now.
+/// First signal: finish running items (workers are notified, so that long items may save and stop). Second,
+/// or a minute after a batch system's warning: stop now.
 void StageRun::HandleSignals() {
   const int count = Interruption::Count();
   if (count > 0) GiveUp(Interrupted());
-  if (count > 1) abandoned_ = true;
+  if (count > 0 && Interruption::OutOfTime() && !warned_) warned_ = Clock::now();
+  if (count > 1 || (warned_ && Clock::now() - *warned_ > kLongestFarewell)) abandoned_ = true;
   if (!fatal_) return;
   for (const std::unique_ptr<Seat>& seat : seats_) {
     if (abandoned_) {

@@ -48,6 +48,7 @@ std::vector<std::string> WorkerEnvironment() {
   for (const char* name : {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"}) values[name] = "1";
   values["GLOG_minloglevel"] = "2";
   values["LC_ALL"] = "C";
+  values["HDF5_USE_FILE_LOCKING"] = "FALSE";  // files of the cache are complete when they appear; NFS may have no locks
   values["MOCURATE_RUNNER_PID"] = std::to_string(getpid());
   std::vector<std::string> entries;
   for (const auto& [name, value] : values) entries.push_back(name + "=" + value);

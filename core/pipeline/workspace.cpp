@@ -16,6 +16,12 @@ namespace fs = std::filesystem;
 constexpr const char* kLockName = ".lock";
 constexpr int kTries = 100;
 
+std::string HostName() {
+  char host[256] = {};
+  gethostname(host, sizeof(host) - 1);
+  return host[0] != '\0' ? host : "host";
+}
+
 /// Removes the folders of runners that are gone. Call with the lock of `tmp` held.
 void Sweep(const fs::path& tmp) {
   std::error_code problem;
@@ -29,8 +35,9 @@ void Sweep(const fs::path& tmp) {
 
 }  // namespace
 
-Expected<Workspace> Workspace::Make(const fs::path& cache_folder) {
-  const fs::path tmp = cache_folder / "tmp";
+Expected<Workspace> Workspace::Make(const fs::path& cache_folder, const fs::path& node_folder) {
+  // No lock and no removal where other nodes write.
+  const fs::path tmp = node_folder.empty() ? cache_folder / "tmp" / HostName() : node_folder / "mocurate";
   if (Status made = MakeFolder(tmp); !made) return Forward(made);
   const Expected<FileLock> sweeping = FileLock::Take(tmp / kLockName);
   if (!sweeping) return Forward(sweeping);
@@ -72,9 +79,8 @@ Expected<Workspace::Scratch> Workspace::ScratchOf(const std::string& key) {
     if (!made && tries_left == 0) return Forward(made);
     if (!made) continue;
     Expected<std::optional<FileLock>> lock = FileLock::TryTake(scratch.folder / kLockName);
-    if (!lock && tries_left == 0) return Forward(lock);
-    if (!lock) continue;
-    if (lock->has_value()) {
+    if (!lock && tries_left > 0) continue;
+    if (lock && lock->has_value()) {
       scratch.lock = std::move(*lock);
       return scratch;
     }

@@ -9,13 +9,14 @@
 
 namespace mocurate {
 
-/// Where one runner lets workers write, inside the cache so that a finished artifact moves in by a rename:
-/// `tmp/<runner>/<n>/` for outputs (gone with the runner; what killed runners left is removed at the start) and
-/// `scratch/<key>/` for what shall survive kills.
+/// Where one runner lets workers write. Outputs lie in `tmp/<host>/<runner>/<n>/` of the cache, from where a finished
+/// artifact moves in by a rename, or below a folder of the node. They are gone with the runner; what killed runners of
+/// this host left is removed at the start. `scratch/<key>/` of the cache is for what shall survive kills.
 class Workspace {
  public:
   /// Error kCannotWrite.
-  static Expected<Workspace> Make(const std::filesystem::path& cache_folder);
+  /// `node_folder`: for outputs, on a disk of this node; empty: in the cache.
+  static Expected<Workspace> Make(const std::filesystem::path& cache_folder, const std::filesystem::path& node_folder);
   Workspace(Workspace&&) = default;
   Workspace& operator=(Workspace&&) = default;
   ~Workspace();
@@ -29,7 +30,8 @@ class Workspace {
     /// Whether an item left files in it.
     bool HoldsFiles() const;
   };
-  /// The scratch folder of a key. When another process works on the same key, a private folder instead.
+  /// The scratch folder of a key. When another process works on the same key, or the file system has no locks, a
+  /// private folder instead.
   Expected<Scratch> ScratchOf(const std::string& key);
   /// Removes it, while its lock is still held.
   void Discard(const Scratch& scratch);

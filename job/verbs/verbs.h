@@ -28,6 +28,21 @@ struct RunArguments {
   bool dry_run = false;
   std::vector<std::string> data;  ///< NAME=PATH of sets, in a run over several
   double budget = 1.0;            ///< trains this many times longer than the config says
+  std::filesystem::path plan;     ///< file of a plan, of which one task runs; or empty
+  std::optional<std::size_t> task;
+  std::filesystem::path scratch;  ///< folder on a disk of this node for outputs until they are complete; or empty
+};
+
+struct PlanArguments {
+  std::filesystem::path config;
+  std::vector<std::string> assignments;
+  std::string stage;
+  std::optional<std::filesystem::path> output;  ///< run folder; absent: runs/NAME
+  std::optional<std::size_t> tasks;
+  double task_minutes = 10.0;
+  std::size_t leftovers = 32;  ///< missing items of earlier stages that are executed at once, at most
+  int cores = 1;               ///< of a task
+  int jobs = 0;                ///< of the pilot
 };
 
 struct FitArguments {
@@ -246,6 +261,9 @@ struct SetsOfRun {
 };
 
 Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun* sets = nullptr);
+Status PlanVerb(CommonArguments& common, const PlanArguments& arguments);
+/// One task of a plan.
+Status TaskVerb(CommonArguments& common, const RunArguments& arguments);
 Status FitVerb(CommonArguments& common, const FitArguments& arguments);
 Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments);
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);

@@ -42,7 +42,7 @@ fs::path RecordOf(const ScratchFolder& folder, const std::string& item) {
     const nlohmann::json entry = nlohmann::json::parse(line);
     if (entry["stage"] != "train" || entry["item"] != item) continue;
     const std::string key = entry["key"];
-    return folder / ("cache/objects/" + key.substr(0, 2) + "/" + key.substr(2) + ".json");
+    return folder / ("cache/objects/" + key.substr(0, 2) + "/" + key.substr(2, 2) + "/" + key.substr(4) + ".json");
   }
   return {};
 }

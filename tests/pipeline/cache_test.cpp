@@ -70,10 +70,38 @@ TEST_F(CacheOfArtifacts, AMissingOrTruncatedArtifactIsNotServed) {
 
 TEST_F(CacheOfArtifacts, ABrokenRecordIsNotServed) {
   ASSERT_TRUE(Put(one, "bytes"));
-  const fs::path record = cache.folder() / "objects" / one.substr(0, 2) / (one.substr(2) + ".json");
+  const fs::path record = cache.folder() / "objects" / one.substr(0, 2) / one.substr(2, 2) / (one.substr(4) + ".json");
   ASSERT_TRUE(WriteFile(record, "{\"key\": 3"));
   EXPECT_FALSE(cache.Find(one));
   EXPECT_EQ(cache.Verify(), std::vector<std::string>{one});
+}
+
+TEST_F(CacheOfArtifacts, OneWithOneLevelOfFoldersIsStillRead) {
+  const fs::path artifact = Put(one, "bytes")->artifact;
+  const fs::path old = cache.folder() / "objects" / one.substr(0, 2);
+  const std::string name = one.substr(2, 2) + artifact.filename().string();
+  fs::rename(artifact, old / name);
+  const fs::path record = old / one.substr(2, 2) / (one.substr(4) + ".json");
+  nlohmann::json text = nlohmann::json::parse(*ReadFile(record));
+  text["artifact"] = name;
+  ASSERT_TRUE(WriteFile(old / (one.substr(2) + ".json"), text.dump()));
+  fs::remove(record);
+  const auto found = cache.Find(one);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(ReadFile(found->artifact), "bytes");
+  EXPECT_EQ(cache.Stat().objects, 1u);
+  EXPECT_TRUE(cache.Verify().empty());
+}
+
+TEST_F(CacheOfArtifacts, TakesOutputsFromAnotherFileSystem) {
+  std::string other = "/dev/shm/mocurate-XXXXXX";
+  if (mkdtemp(other.data()) == nullptr) GTEST_SKIP() << "no /dev/shm";
+  ASSERT_TRUE(WriteFile(fs::path(other) / "artifact", "far bytes"));
+  const auto entry = cache.Put(one, fs::path(other) / "artifact", {});
+  fs::remove_all(other);
+  ASSERT_TRUE(entry) << entry.error().Message();
+  EXPECT_EQ(ReadFile(entry->artifact), "far bytes");
+  EXPECT_EQ(std::distance(fs::directory_iterator(entry->artifact.parent_path()), {}), 2) << "and its record";
 }
 
 TEST_F(CacheOfArtifacts, VerifyFindsAnArtifactWhoseBytesChanged) {

@@ -252,7 +252,9 @@ TEST_F(Faults, FilesKeptByARefusedItemAreNotRemoved) {
 }
 
 TEST_F(Faults, OutputsOfKilledRunsAreClearedAway) {
-  const fs::path tmp = options.cache_folder / "tmp";
+  char host[256] = {};
+  gethostname(host, sizeof(host) - 1);
+  const fs::path tmp = options.cache_folder / "tmp" / host;
   const pid_t pid = Fork([&] { return ExitOf(Stage("hang"), {Item("x")}); });
   ASSERT_TRUE(Eventually([&] {
     std::error_code missing;

@@ -132,7 +132,7 @@ TEST_F(TwoStages, TwoProcessesMayRaceForTheSameItems) {
 TEST_F(TwoStages, TwoProcessesMayTakeAndDiscardOneScratchFolder) {
   const auto racer = [&] {
     return Fork([&] {
-      auto workspace = Workspace::Make(options.cache_folder);
+      auto workspace = Workspace::Make(options.cache_folder, {});
       for (int round = 0; workspace && round < 2000; ++round) {
         const auto scratch = workspace->ScratchOf("key");
         if (!scratch || !WriteFile(scratch->folder / "state", "x")) return 1;

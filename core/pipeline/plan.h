@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/pipeline/runner.h"
+
+namespace mocurate {
+
+/// What all tasks of a plan share.
+struct PlanHead {
+  StageDeclaration stage;
+  std::string program;                 ///< version of mocurate
+  std::string config;                  ///< the run's configuration as given, for messages
+  std::string config_sha256;           ///< of the resolved configuration
+  std::vector<std::string> arguments;  ///< of `mocurate run` with that configuration
+  std::string blas_kernels;            ///< OpenBLAS's name for the kernels it takes where the plan was made; or empty
+  std::string instructions;            ///< "avx512", "avx2" or "baseline": what a node needs
+  std::filesystem::path cache;
+  std::optional<double> item_timeout_s;  ///< as of RunnerOptions
+  std::optional<std::uint64_t> item_memory_bytes;
+  std::size_t items = 0;
+  std::size_t tasks = 0;
+};
+
+/// The missing items of one stage, cut into tasks. JSON with a line per item; its first line has the offsets of two
+/// indices (items, options) of fixed width, so that a task reads its own items alone, however many there are.
+class Plan {
+ public:
+  /// Writes `items`, whose inputs have their hashes; task k has the items from ends[k - 1] to ends[k]. `head.items` and
+  /// `head.tasks` follow from them. Error kCannotWrite.
+  static Status Write(const std::filesystem::path& file, PlanHead head, const std::vector<ItemSpec>& items,
+                      const std::vector<std::size_t>& ends);
+
+  /// Reads the head. Error kNotFound, kUnreadable, kMalformed (not a plan), kUnsupported (another version of plans).
+  static Expected<Plan> Open(const std::filesystem::path& file);
+
+  const PlanHead& head() const { return head_; }
+  /// Items of task k. Error kUsage beyond the last task, kMalformed.
+  Expected<std::vector<ItemSpec>> Task(std::size_t task) const;
+
+ private:
+  std::filesystem::path file_;
+  PlanHead head_;
+  std::uint64_t item_index_ = 0;    ///< offsets in the file
+  std::uint64_t option_index_ = 0;  ///< likewise
+  std::uint64_t task_index_ = 0;    ///< likewise
+};
+
+/// Ends of tasks of about equal cost: task k has the items from ends[k - 1] to ends[k]. At most `tasks`, none empty.
+std::vector<std::size_t> CutByCost(const std::vector<double>& costs, std::size_t tasks);
+
+}  // namespace mocurate

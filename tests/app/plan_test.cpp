@@ -1,0 +1,130 @@
+// Stages cut into tasks: the same bytes as a plain run, nothing done twice, and clear refusals.
+
+#include <gtest/gtest.h>
+
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::FromCache;
+using program::ReadText;
+using program::Result;
+using program::RunProgram;
+using program::SmallJob;
+using program::WriteText;
+
+/// A folder with a capture, and the arguments of a run over it.
+class Plans : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new ScratchFolder;
+    const std::vector<std::string> made = SmallJob(*folder_, "made");
+    ASSERT_EQ(RunProgram(*folder_, made).exit_code, 0);
+    fs::copy(*folder_ / "made/capture", *folder_ / "capture");
+    plain_ = RunProgram(*folder_, Run("plain"), "plain_cache");
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static std::vector<std::string> Arguments(const std::string& verb, const std::string& run) {
+    std::vector<std::string> arguments = SmallJob(*folder_, run);
+    arguments.front() = verb;
+    if (verb == "plan") arguments.erase(arguments.begin() + 3, arguments.begin() + 5);  // --to
+    arguments.insert(arguments.end(), {"--set", "ingest.path=" + (*folder_ / "capture").native(), "--json"});
+    return arguments;
+  }
+  static std::vector<std::string> Run(const std::string& run) { return Arguments("run", run); }
+  static std::vector<std::string> PlanOf(const std::string& run, const std::string& stage, const std::string& tasks) {
+    std::vector<std::string> arguments = Arguments("plan", run);
+    arguments.insert(arguments.end(), {"--stage", stage, "--tasks", tasks});
+    return arguments;
+  }
+  static std::vector<std::string> Task(const std::string& run, const std::string& stage, std::size_t task) {
+    return {"run",   "--plan", (*folder_ / run / "plan" / (stage + ".json")).native(), "--task", std::to_string(task),
+            "--json"};
+  }
+
+  static ScratchFolder* folder_;
+  static Result plain_;
+};
+
+ScratchFolder* Plans::folder_ = nullptr;
+Result Plans::plain_;
+
+/// Slow: each task is a program that starts its workers.
+TEST_F(Plans, AnyNumberOfTasksGivesTheBytesOfAPlainRun) {
+  ASSERT_EQ(plain_.exit_code, 0) << plain_.err;
+  for (const char* tasks : {"1", "3", "7"}) {
+    const std::string run = std::string("of") + tasks, cache = run + "_cache";
+    const bool all = run == "of3";  // else the few items of other stages are left to the plan of the next
+    for (const char* stage : {"ingest", "proportions", "fitting", "canon"}) {
+      if (!all && stage != std::string("ingest") && stage != std::string("fitting")) continue;
+      const Result plan = RunProgram(*folder_, PlanOf(run, stage, tasks), cache);
+      ASSERT_EQ(plan.exit_code, 0) << stage << ": " << plan.err;
+      const auto count = plan.Json()["tasks"].get<std::size_t>();
+      EXPECT_LE(count, std::stoul(tasks));
+      for (std::size_t k = 0; k < count; ++k) {
+        std::vector<std::string> task = Task(run, stage, k);
+        task.insert(task.end(), {"--scratch", (*folder_ / "scratch").native()});
+        const Result done = RunProgram(*folder_, task, cache);
+        ASSERT_EQ(done.exit_code, 0) << done.err;
+        EXPECT_EQ(done.Json()["from_cache"], 0);
+      }
+      if (!all) continue;
+      const Result again = RunProgram(*folder_, PlanOf(run, stage, tasks), cache);
+      ASSERT_EQ(again.exit_code, 0) << again.err;
+      EXPECT_EQ(again.Json()["tasks"], 0);
+    }
+    const Result whole = RunProgram(*folder_, Run(run), cache);
+    ASSERT_EQ(whole.exit_code, 0) << whole.err;
+    for (const auto& stage : whole.Json()["stages"]) {
+      const std::string name = stage["stage"];
+      if (name == "ingest" || name == "proportions" || name == "fitting" || (all && name == "canon")) {
+        EXPECT_EQ(stage["from_cache"], stage["items"]) << name;
+      }
+    }
+    EXPECT_EQ(ReadText(*folder_ / run / "dataset.h5"), ReadText(*folder_ / "plain/dataset.h5")) << tasks;
+    EXPECT_EQ(ReadText(*folder_ / run / "curation_log.jsonl"), ReadText(*folder_ / "plain/curation_log.jsonl"));
+  }
+}
+
+TEST_F(Plans, RefusalsHaveTheirCodes) {
+  std::vector<std::string> too_early = PlanOf("r", "fitting", "2");
+  too_early.insert(too_early.end(), {"--leftovers", "1"});
+  EXPECT_EQ(RunProgram(*folder_, too_early, "r_cache").exit_code, 3) << "ingest is not done";
+  EXPECT_EQ(RunProgram(*folder_, PlanOf("r", "report", "2"), "r_cache").exit_code, 2) << "no item per clip";
+  ASSERT_EQ(RunProgram(*folder_, PlanOf("r", "ingest", "2"), "r_cache").exit_code, 0);
+  const fs::path plan = *folder_ / "r/plan/ingest.json";
+  EXPECT_EQ(RunProgram(*folder_, Task("r", "ingest", 2), "r_cache").exit_code, 2) << "beyond the last task";
+  EXPECT_EQ(RunProgram(*folder_, {"run", "--plan", plan.native()}, "r_cache").exit_code, 2) << "which task?";
+  EXPECT_EQ(RunProgram(*folder_, {"run", "--plan", (*folder_ / "none").native(), "--task", "0"}).exit_code, 3);
+  const std::string text = ReadText(plan);
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string other = text;
+    other.replace(other.find(from), from.size(), to);
+    WriteText(plan, other);
+    return RunProgram(*folder_, Task("r", "ingest", 0), "r_cache").exit_code;
+  };
+  EXPECT_EQ(with("\"stage_version\":", "\"stage_version\":9"), 3) << "another version of the stage";
+  EXPECT_EQ(with("\"config_sha256\":\"", "\"config_sha256\":\"0"), 3) << "another configuration";
+  EXPECT_EQ(with("\"instructions\":\"", "\"instructions\":\"future_"), 4) << "a better CPU";
+  WriteText(plan, text);
+  WriteText(*folder_ / "r/plan/ingest/0.claim", "another_host 1\n");
+  EXPECT_EQ(RunProgram(*folder_, Task("r", "ingest", 0), "r_cache").exit_code, 2) << "at work elsewhere";
+  fs::last_write_time(*folder_ / "r/plan/ingest/0.claim", fs::file_time_type::clock::now() - std::chrono::minutes(5));
+  EXPECT_EQ(RunProgram(*folder_, Task("r", "ingest", 0), "r_cache").exit_code, 0) << "its host has died";
+  EXPECT_FALSE(fs::exists(*folder_ / "r/plan/ingest/0.claim"));
+}
+
+TEST_F(Plans, APilotGivesTheNumberOfTasks) {
+  std::vector<std::string> arguments = Arguments("plan", "pilot");
+  arguments.insert(arguments.end(), {"--stage", "ingest"});
+  const Result plan = RunProgram(*folder_, arguments, "pilot_cache");
+  ASSERT_EQ(plan.exit_code, 0) << plan.err;
+  EXPECT_LE(plan.Json()["tasks"], 1) << "seconds of work";
+  EXPECT_TRUE(fs::exists(*folder_ / "pilot/journal.jsonl"));
+}
+
+}  // namespace
+}  // namespace mocurate
