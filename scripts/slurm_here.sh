@@ -129,7 +129,8 @@ SchedulerParameters=batch_sched_delay=0
 SlurmdParameters=config_overrides
 END
 for ((i = 1; i <= nodes; i++)); do
-  echo "NodeName=node$i NodeHostname=$host NodeAddr=127.0.0.1 Port=$((port + i)) CPUs=2 Sockets=1 CoresPerSocket=2 ThreadsPerCore=1 RealMemory=$memory State=UNKNOWN" >>"$folder/slurm.conf"
+  echo "NodeName=node$i NodeHostname=$host NodeAddr=127.0.0.1 Port=$((port + i)) State=UNKNOWN" \
+    "CPUs=2 Sockets=1 CoresPerSocket=2 ThreadsPerCore=1 RealMemory=$memory" >>"$folder/slurm.conf"
 done
 echo "PartitionName=debug Nodes=ALL Default=YES MaxTime=INFINITE OverSubscribe=YES:2 State=UP" >>"$folder/slurm.conf"
 echo "CgroupAutomount=no" >"$folder/cgroup.conf"
