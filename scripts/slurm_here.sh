@@ -97,6 +97,7 @@ if [ -z "$port" ]; then
 fi
 
 host=$(hostname -s) user=$(id -un)
+# A requeued job becomes eligible cred_expire + 1 seconds later: 11 s here, 121 s by Slurm's default.
 memory=$(awk '/^MemTotal/ {print int($2 / 1024)}' /proc/meminfo)
 cat >"$folder/slurm.conf" <<END
 ClusterName=here
@@ -105,7 +106,7 @@ SlurmctldPort=$port
 SlurmUser=$user
 SlurmdUser=$user
 AuthType=auth/munge
-AuthInfo=socket=$folder/run/munge.socket
+AuthInfo=socket=$folder/run/munge.socket,cred_expire=10
 StateSaveLocation=$folder/state
 SlurmdSpoolDir=$folder/spool/%n
 SlurmctldPidFile=$folder/run/slurmctld.pid
