@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages that mocurate needs and that are missing. Usage: scripts/install.sh [programs|tests|develop]
+# Installs the Debian 12 packages that mocurate needs and that are missing. Usage: scripts/install.sh [programs|tests|develop|slurm]
 set -euo pipefail
 what=${1:-programs}
 
@@ -10,13 +10,15 @@ programs=(g++ cmake ninja-build ccache mold pkg-config git ca-certificates xz-ut
 tests=(libgtest-dev libgmock-dev python3 python3-h5py python3-numpy python3-scipy hdf5-tools chromium locales procps binutils libblas3
   libassimp-dev mount)
 develop=(libbenchmark-dev clang-format clang-tidy clang libclang-rt-14-dev python3-torch)
+slurm=(slurm-wlm munge)
 
 wanted=("${programs[@]}")
 case $what in
   programs) ;;
   tests) wanted+=("${tests[@]}") ;;
   develop) wanted+=("${tests[@]}" "${develop[@]}") ;;
-  *) echo "install.sh: '$what' is not one of programs, tests, develop" >&2; exit 2 ;;
+  slurm) wanted+=("${slurm[@]}") ;;
+  *) echo "install.sh: '$what' is not one of programs, tests, develop, slurm" >&2; exit 2 ;;
 esac
 
 missing=()
