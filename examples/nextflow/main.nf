@@ -1,0 +1,11 @@
+// nextflow run main.nf --plan runs/kard/plan/fitting.json, after mocurate plan; one stage after the other
+process task {
+  errorStrategy { task.exitStatus == 75 ? 'retry' : 'finish' }
+  maxRetries 2
+  input: val k
+  script: "mocurate run --plan ${file(params.plan)} --task $k"
+}
+workflow {
+  tasks = new groovy.json.JsonSlurper().parse(file(params.plan)).head.tasks
+  if (tasks > 0) Channel.of(0..tasks - 1) | flatten | task
+}
