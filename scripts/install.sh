@@ -8,7 +8,7 @@ programs=(g++ cmake ninja-build ccache mold pkg-config git ca-certificates xz-ut
   libhdf5-dev libzip-dev libpng-dev libceres-dev libsuitesparse-dev libopen3d-dev libopencv-dev libtorch-dev
   libopenblas-dev libopenblas0-pthread libnanoflann-dev)
 tests=(libgtest-dev libgmock-dev python3 python3-h5py python3-numpy python3-scipy hdf5-tools chromium locales procps binutils libblas3
-  libassimp-dev mount)
+  libassimp-dev mount parallel snakemake)
 develop=(libbenchmark-dev clang-format clang-tidy clang libclang-rt-14-dev python3-torch)
 slurm=(slurm-wlm munge)
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -124,6 +126,30 @@ TEST_F(Plans, APilotGivesTheNumberOfTasks) {
   ASSERT_EQ(plan.exit_code, 0) << plan.err;
   EXPECT_LE(plan.Json()["tasks"], 1) << "seconds of work";
   EXPECT_TRUE(fs::exists(*folder_ / "pilot/journal.jsonl"));
+}
+
+/// Slow: 18 programs each. Nextflow is not in Debian, and a cluster of Kubernetes is not at hand: those two are not
+/// run.
+TEST_F(Plans, ExamplesForOtherEnginesGiveTheBytesOfAPlainRun) {
+  ASSERT_EQ(plain_.exit_code, 0) << plain_.err;
+  std::vector<std::string> show = Arguments("plan", "shown");
+  show.erase(show.begin(), show.begin() + 5);  // plan -o RUN --jobs 2
+  show.pop_back();                             // --json
+  show.insert(show.begin(), {"config", "show"});
+  const Result config = RunProgram(*folder_, show);
+  ASSERT_EQ(config.exit_code, 0) << config.err;
+  WriteText(*folder_ / "small.yaml", config.out);
+  const auto engine = [](const std::string& name, const std::string& command) {
+    const std::string line = "cd '" + folder_->path().native() +
+                             "' && PATH='" MOCURATE_BINARY_FOLDER "':\"$PATH\" MOCURATE_CACHE=" + name +
+                             "_cache HOME=$PWD " + command + " > " + name + ".log 2>&1";
+    EXPECT_EQ(std::system(line.c_str()), 0) << ReadText(*folder_ / (name + ".log"));
+    EXPECT_EQ(ReadText(*folder_ / name / "dataset.h5"), ReadText(*folder_ / "plain/dataset.h5")) << name;
+  };
+  const std::string examples = MOCURATE_SOURCE_FOLDER "/examples/";
+  engine("parallel", "sh " + examples + "gnu_parallel/run.sh small.yaml parallel 2");
+  engine("snakemake",
+         "snakemake -q -s " + examples + "snakemake/Snakefile -j 2 --config job=small.yaml run=snakemake tasks=2");
 }
 
 }  // namespace
