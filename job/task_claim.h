@@ -11,7 +11,7 @@
 namespace mocurate {
 
 /// A file that says which process works on a task, on file systems without locks. Its time is renewed every 20 s; a
-/// claim of another host that is 90 s old, or of a process of this host that is gone, counts as left by a dead one.
+/// claim that is 90 s old, or of a process of this host that is gone, counts as left by a dead one.
 class TaskClaim {
  public:
   /// Error kUsage where another process holds it, kCannotWrite.

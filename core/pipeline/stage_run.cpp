@@ -148,13 +148,15 @@ std::optional<Cache::Entry> StageRun::FindWhole(const std::string& key) const {
   return std::nullopt;
 }
 
-/// On a file system shared by nodes an artifact may appear late. Listing its folder makes this node ask again.
+/// On a file system shared by nodes an artifact may appear late; a stage waits for all of its inputs a minute. Listing
+/// its folder makes this node ask again.
 void StageRun::WaitForInputs(const ItemSpec& spec) {
-  const Clock::time_point begin = Clock::now();
   for (const StageInput& input : spec.inputs) {
     std::error_code problem;
     while (IsObject(state_.options.cache_folder, input.path) && !fs::exists(input.path, problem) &&
-           Clock::now() - begin < kLatestInput && Interruption::Count() == 0) {
+           Interruption::Count() == 0) {
+      if (!waiting_since_) waiting_since_ = Clock::now();
+      if (Clock::now() - *waiting_since_ > kLatestInput) return;
       for (fs::directory_iterator it(input.path.parent_path(), problem), end; !problem && it != end;)
         it.increment(problem);
       std::this_thread::sleep_for(kAskAgain);

@@ -114,10 +114,11 @@ class StageRun {
   std::vector<std::unique_ptr<Seat>> seats_;
   std::filesystem::path program_;
   int failed_starts_ = 0;
-  std::optional<Error> fatal_;               ///< set: nothing new is begun
-  bool looked_up_ = false;                   ///< nothing is executed, and the journal has no line of it
-  std::optional<Clock::time_point> warned_;  ///< when the batch system said that time is nearly up
-  bool abandoned_ = false;                   ///< second signal: nothing is waited for either
+  std::optional<Error> fatal_;                      ///< set: nothing new is begun
+  bool looked_up_ = false;                          ///< nothing is executed, and the journal has no line of it
+  std::optional<Clock::time_point> waiting_since_;  ///< for inputs that appear late
+  std::optional<Clock::time_point> warned_;         ///< when the batch system said that time is nearly up
+  bool abandoned_ = false;                          ///< second signal: nothing is waited for either
 };
 
 }  // namespace mocurate
