@@ -9,7 +9,8 @@ void AddPlan(CLI::App& app, CommonArguments& common, std::function<Status()>& ve
   auto arguments = std::make_shared<PlanArguments>();
   CLI::App* plan = app.add_subcommand("plan", "Cut the missing items of a stage into tasks for several machines");
   plan->add_option("config", arguments->config, "YAML file, or the name of a job, as of mocurate run");
-  plan->add_option("--stage", arguments->stage, "ingest, truth, proportions, fitting or canon; earlier ones are done")
+  plan->add_option("--stage", arguments->stage,
+                   "ingest, truth, proportions, fitting, level or canon; earlier ones are done")
       ->required();
   plan->add_option("-o,--output", arguments->output,
                    "run folder (default runs/NAME); the plan is plan/STAGE.json there");

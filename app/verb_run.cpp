@@ -23,8 +23,10 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
       ->check(CLI::Range(0.001, 1e6));
   run->add_option("--data", arguments->data, "NAME=PATH: your copy of a set, in a run over several; may be repeated")
       ->allow_extra_args(false);
-  run->add_flag("-n,--dry-run", arguments->dry_run, "show what would run and what the cache has, run nothing");
-  auto* plan = run->add_option("--plan", arguments->plan, "run one task of a plan (mocurate plan) instead");
+  auto* dry_run =
+      run->add_flag("-n,--dry-run", arguments->dry_run, "show what would run and what the cache has, run nothing");
+  auto* plan =
+      run->add_option("--plan", arguments->plan, "run one task of a plan (mocurate plan) instead")->excludes(dry_run);
   run->add_option("--task", arguments->task, "which task of the plan, from 0")->needs(plan);
   run->add_option("--scratch", arguments->scratch,
                   "folder on a disk of this node for outputs until they are complete (default: in the cache)")

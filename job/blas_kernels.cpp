@@ -83,6 +83,12 @@ Status PinKernels(const std::string& blas_kernels, const std::string& instructio
                 "plan", "choose nodes with " + instructions + ", or plan on one of these nodes");
   }
   if (!blas_kernels.empty()) setenv(kVariable, blas_kernels.c_str(), 1);
+  if (const std::string here = BlasKernels(); here != blas_kernels) {
+    return Fail(ErrorCode::kMissingOnHost,
+                "the plan was made with OpenBLAS's kernels '" + blas_kernels + "', here they are '" + here +
+                    "': results would have other bytes",
+                "plan", "choose nodes with the same OpenBLAS (libopenblas0-pthread), or plan on one of these nodes");
+  }
   setenv("ATEN_CPU_CAPABILITY", instructions == kInstructionLevels[0] ? "default" : instructions.c_str(), 1);
   return {};
 }

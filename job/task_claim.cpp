@@ -46,7 +46,9 @@ bool Alive(const fs::path& file, const std::string& text) {
   std::string host;
   pid_t process = 0;
   words >> host >> process;
-  if (host == Host() && process > 0 && kill(process, 0) != 0 && errno == ESRCH) return false;
+  // In a container that started again, the number is our own.
+  const bool here = host == Host() && process > 0;
+  if (here && (process == getpid() || (kill(process, 0) != 0 && errno == ESRCH))) return false;
   struct stat renewed {};
   return stat(file.c_str(), &renewed) == 0 && NowBeside(file) - renewed.st_mtim.tv_sec < kDead_s;
 }
@@ -61,8 +63,8 @@ Expected<std::unique_ptr<TaskClaim>> TaskClaim::Take(const fs::path& file) {
     if (descriptor >= 0) {
       const bool written = write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
       const int problem = errno;
+      if (written) return std::unique_ptr<TaskClaim>(new TaskClaim(file, descriptor));
       close(descriptor);
-      if (written) return std::unique_ptr<TaskClaim>(new TaskClaim(file));
       unlink(file.c_str());
       errno = problem;
     }
@@ -70,23 +72,31 @@ Expected<std::unique_ptr<TaskClaim>> TaskClaim::Take(const fs::path& file) {
       return Fail(ErrorCode::kCannotWrite, std::string("the task cannot be claimed: ") + std::strerror(errno),
                   DisplayPath(file), "free some space or make the folder writable");
     }
+    struct stat judged {};
+    if (stat(file.c_str(), &judged) != 0) continue;  // just given up
     const std::string holder = ReadFile(file).value_or("");
     if (Alive(file, holder)) {
       return Fail(ErrorCode::kUsage, "another process works on this task: " + std::string(Trim(holder)),
                   DisplayPath(file), "wait for it to end; a claim that is not renewed for 90 s is taken over");
     }
-    // Under a name of our own: of two that find it dead, one removes it.
-    const fs::path away = file.native() + "." + std::to_string(getpid());
-    if (rename(file.c_str(), away.c_str()) == 0) unlink(away.c_str());
+    // Another process that found it dead as well may have claimed the task since: its claim is put back.
+    const fs::path away = file.native() + "." + Host() + "." + std::to_string(getpid());
+    if (rename(file.c_str(), away.c_str()) != 0) continue;
+    struct stat taken {};
+    if (stat(away.c_str(), &taken) == 0 && taken.st_ino != judged.st_ino && link(away.c_str(), file.c_str()) != 0) {
+      return Fail(ErrorCode::kUsage, "other processes claim this task at the same time", DisplayPath(file),
+                  "start it again when they have ended");
+    }
+    unlink(away.c_str());
   }
   return Fail(ErrorCode::kUsage, "other processes claim this task at the same time", DisplayPath(file),
               "start it again when they have ended");
 }
 
-TaskClaim::TaskClaim(fs::path file) : file_(std::move(file)) {
+TaskClaim::TaskClaim(fs::path file, int descriptor) : file_(std::move(file)), descriptor_(descriptor) {
   renewal_ = std::thread([this] {
     std::unique_lock<std::mutex> lock(mutex_);
-    while (!ended_.wait_for(lock, kRenewal, [this] { return end_; })) utimensat(AT_FDCWD, file_.c_str(), nullptr, 0);
+    while (!ended_.wait_for(lock, kRenewal, [this] { return end_; })) futimens(descriptor_, nullptr);
   });
 }
 
@@ -97,7 +107,12 @@ TaskClaim::~TaskClaim() {
   }
   ended_.notify_all();
   renewal_.join();
-  unlink(file_.c_str());
+  // A process that was suspended may have lost its claim.
+  struct stat ours {};
+  struct stat there {};
+  if (fstat(descriptor_, &ours) == 0 && stat(file_.c_str(), &there) == 0 && ours.st_ino == there.st_ino)
+    unlink(file_.c_str());
+  close(descriptor_);
 }
 
 }  // namespace mocurate

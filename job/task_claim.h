@@ -21,9 +21,10 @@ class TaskClaim {
   TaskClaim& operator=(const TaskClaim&) = delete;
 
  private:
-  explicit TaskClaim(std::filesystem::path file);
+  TaskClaim(std::filesystem::path file, int descriptor);
 
   std::filesystem::path file_;
+  int descriptor_ = -1;  ///< of the claim
   std::mutex mutex_;
   std::condition_variable ended_;
   bool end_ = false;

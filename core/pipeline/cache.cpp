@@ -36,12 +36,11 @@ Expected<fs::path> CopyBeside(const fs::path& from, const fs::path& target) {
   if (mkdtemp(folder.data()) == nullptr) problem.assign(errno, std::generic_category());
   const fs::path copy = fs::path(folder) / target.filename();
   if (!problem) fs::copy(from, copy, fs::copy_options::recursive, problem);
-  if (!problem) {
-    if (Status synced = SyncContent(copy); !synced) return Forward(synced);
-    return copy;
-  }
+  const Status synced = problem ? Status() : SyncContent(copy);
+  if (!problem && synced) return copy;
   std::error_code ignored;
   fs::remove_all(folder, ignored);
+  if (!synced) return Forward(synced);
   return Fail(ErrorCode::kCannotWrite, "artifact cannot be copied into the cache: " + problem.message(),
               DisplayPath(target), "free some space or choose another cache with MOCURATE_CACHE");
 }

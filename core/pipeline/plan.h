@@ -16,9 +16,9 @@ namespace mocurate {
 struct PlanHead {
   StageDeclaration stage;
   std::string program;                 ///< version of mocurate
-  std::string config;                  ///< the run's configuration as given, for messages
+  std::string config;                  ///< name of the run's configuration, or its absolute path
   std::string config_sha256;           ///< of the resolved configuration
-  std::vector<std::string> arguments;  ///< of `mocurate run` with that configuration
+  std::vector<std::string> arguments;  ///< KEY=VALUE of that configuration
   std::string blas_kernels;            ///< OpenBLAS's name for the kernels it takes where the plan was made; or empty
   std::string instructions;            ///< "avx512", "avx2" or "baseline": what a node needs
   std::filesystem::path cache;

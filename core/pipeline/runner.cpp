@@ -96,10 +96,15 @@ Expected<StageReport> Runner::Impl::Execute(const StageDeclaration& stage, std::
 
 /// Deletes an artifact and runs its item again. An artifact that this runner does not know stays missing.
 Status Runner::Impl::MakeAgain(const fs::path& artifact) {
+  const std::optional<Origins::Origin> origin = origins.Of(artifact);
+  if (!origin) {
+    // Of an earlier stage that this task of a plan does not know; others may see its bytes well.
+    if (!options.task_journal.empty()) return {};
+    DropObject(artifact);
+    return {};
+  }
   LogWarning("cache: " + DisplayPath(artifact) + " does not hold the bytes that were recorded: made again");
   DropObject(artifact);
-  const std::optional<Origins::Origin> origin = origins.Of(artifact);
-  if (!origin) return {};
   const Expected<StageReport> made = Execute(origin->stage, {origin->spec});
   return made ? Status() : Forward(made);
 }
@@ -125,6 +130,7 @@ Status Runner::Impl::TryAgain(const StageDeclaration& stage, const StageRun& fir
   report.refused += again->refused;
   report.crashed += again->crashed;
   report.from_cache += again->from_cache;
+  report.unrecorded += again->unrecorded;
   report.seconds += again->seconds;
   return {};
 }

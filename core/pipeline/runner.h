@@ -62,6 +62,7 @@ struct StageReport {
   std::string branch;             ///< which of several runs of the stage this is, in words; empty when there is one
   std::vector<ItemResult> items;  ///< in the order of the specs
   int done = 0, suspect = 0, excluded = 0, refused = 0, crashed = 0, from_cache = 0;
+  int unrecorded = 0;  ///< refused for this machine's files or options: not in the cache, tried again by the next run
   double seconds = 0.0;
 
   /// "canon", or with a branch "canon (raw tracks)".

@@ -35,6 +35,7 @@ void Count(StageReport& report, const ItemResult& result) {
   report.refused += result.outcome.kind == OutcomeKind::kRefused ? 1 : 0;
   report.crashed += result.outcome.kind == OutcomeKind::kCrashed ? 1 : 0;
   report.from_cache += result.from_cache ? 1 : 0;
+  report.unrecorded += result.outcome.kind == OutcomeKind::kRefused && !MayBeCached(result.outcome) ? 1 : 0;
 }
 
 ItemResult Served(const std::string& item, Cache::Entry entry) {

@@ -63,6 +63,7 @@ std::vector<std::string> WorkerEnvironment() {
   // Ctrl-C reaches the whole process group; the worker installs its own handlers once it runs.
   signal(SIGINT, SIG_IGN);
   signal(SIGTERM, SIG_IGN);
+  signal(SIGUSR1, SIG_IGN);  // a batch system's warning is the runner's
   signal(SIGPIPE, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);

@@ -47,6 +47,7 @@ const std::map<std::string, PlannedStage>& PlannedStages() {
       {"truth", {TruthDeclaration, JobStage::kIngest}},
       {"proportions", {ProportionsDeclaration, JobStage::kProportions}},
       {"fitting", {FittingDeclaration, JobStage::kFitting}},
+      {"level", {LevelDeclaration, JobStage::kCanon}},
       {"canon", {CanonDeclaration, JobStage::kCanon}}};
   return stages;
 }
@@ -108,7 +109,11 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
   ChooseBlasKernels();
   const Expected<PlannedStage> stage = StageNamed(arguments.stage);
   if (!stage) return Forward(stage);
-  auto job = LoadJob(arguments.config, arguments.assignments);
+  // As tasks load it, from wherever they start.
+  std::error_code problem;
+  const fs::path config =
+      fs::is_regular_file(arguments.config, problem) ? fs::absolute(arguments.config) : arguments.config;
+  auto job = LoadJob(config, arguments.assignments);
   if (!job) return Forward(job);
   if (!job->options.data.empty()) {
     return Fail(ErrorCode::kUnsupported, "a run over several sets is not planned as a whole",
@@ -133,7 +138,12 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
   request.stage = arguments.stage;
   request.most = arguments.leftovers;
   request.pilot = arguments.tasks || known_seconds > 0.0 ? 0 : kPilot;
+  bool reached = false;
   request.take = [&](const StageDeclaration&, std::vector<ItemSpec> items, double pilot) -> Status {
+    reached = true;
+    for (ItemSpec& item : items) {
+      for (StageInput& input : item.inputs) input.path = fs::absolute(input.path);
+    }
     std::move(items.begin(), items.end(), std::back_inserter(missing));
     if (pilot > 0.0) seconds = pilot;
     return {};
@@ -148,6 +158,14 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
   if (!looked_up) return Forward(looked_up);
   if (!ended) return ended;
 
+  if (!reached) {
+    return Fail(ErrorCode::kUsage, "this job has no item of stage " + arguments.stage, "--stage",
+                job->options.ingest.path.empty()
+                    ? "a synthetic capture is made by mocurate run --to ingest; give it as "
+                      "ingest.path"
+                    : "see which stages it has: mocurate run --dry-run");
+  }
+
   const std::vector<double> costs = CostsOf(missing);
   const double whole = seconds * static_cast<double>(missing.size()) / std::max(1, arguments.cores);
   std::size_t tasks = arguments.tasks.value_or(
@@ -156,9 +174,7 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
   PlanHead head;
   head.stage = stage->declaration();
   head.program = std::string(Version());
-  std::error_code problem;
-  head.config = fs::is_regular_file(arguments.config, problem) ? fs::absolute(arguments.config).native()
-                                                               : arguments.config.native();
+  head.config = config.native();
   head.config_sha256 = ConfigHash(job->options);
   head.arguments = arguments.assignments;
   head.blas_kernels = BlasKernels();
@@ -167,7 +183,9 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
   head.item_timeout_s = runner_options.item_timeout_s;
   head.item_memory_bytes = runner_options.item_memory_bytes;
   const fs::path file = fs::absolute(*folder / "plan" / (arguments.stage + ".json"));
-  if (Status made = MakeFolder(file.parent_path()); !made) return made;
+  for (const fs::path& needed : {file.parent_path(), head.cache}) {
+    if (Status made = MakeFolder(needed); !made) return made;
+  }
   if (Status written = Plan::Write(file, head, missing, ends); !written) return written;
   if (common.json) {
     common.answered = true;
@@ -196,7 +214,9 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
   const Expected<Plan> plan = Plan::Open(arguments.plan);
   if (!plan) return Forward(plan);
   const PlanHead& head = plan->head();
-  const std::string again = "plan again: mocurate plan " + head.config + " --stage " + head.stage.name;
+  std::string again = "plan again: mocurate plan " + head.config + " --stage " + head.stage.name;
+  for (const std::string& assignment : head.arguments) again += " --set '" + assignment + "'";
+  again += " -o " + DisplayPath(fs::absolute(arguments.plan).parent_path().parent_path());
   const Expected<PlannedStage> stage = StageNamed(head.stage.name);
   if (!stage) return Forward(stage);
   if (const int version = stage->declaration().version; version != head.stage.version) {
@@ -211,6 +231,10 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
     return Fail(ErrorCode::kInconsistent, "the configuration has changed since the plan was made", head.config, again);
   }
   if (Status pinned = PinKernels(head.blas_kernels, head.instructions); !pinned) return pinned;
+  if (std::error_code missing; !fs::is_directory(head.cache, missing)) {
+    return Fail(ErrorCode::kNotFound, "the plan's cache is not there", DisplayPath(head.cache),
+                "mount it there on this node, or " + again);
+  }
   Expected<std::vector<ItemSpec>> items = plan->Task(*arguments.task);
   if (!items) return Forward(items);
 
@@ -247,11 +271,12 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
                             .dump(1)
                             .c_str());
   }
-  if (report->crashed == 0) return {};
+  if (report->crashed + report->unrecorded == 0) return {};
   return Fail(ErrorCode::kTooManyFailures,
               std::to_string(report->crashed) + " of " + Counted(static_cast<long long>(report->items.size()), "item") +
-                  " crashed",
-              DisplayPath(options.task_journal), "run the task again");
+                  " crashed, " + std::to_string(report->unrecorded) + " found a file missing or unreadable",
+              DisplayPath(options.task_journal),
+              "the journal has the reasons; make the files visible on this node and run the task again");
 }
 
 }  // namespace mocurate
