@@ -1,5 +1,5 @@
 // nextflow run main.nf --plan runs/kard/plan/fitting.json, after mocurate plan; one stage after the other
-process task {
+process runTask {
   errorStrategy { task.exitStatus == 75 ? 'retry' : 'finish' }
   maxRetries 2
   input: val k
@@ -7,5 +7,5 @@ process task {
 }
 workflow {
   tasks = new groovy.json.JsonSlurper().parse(file(params.plan)).head.tasks
-  if (tasks > 0) Channel.of(0..tasks - 1) | flatten | task
+  if (tasks > 0) Channel.of(0..tasks - 1) | flatten | runTask
 }

@@ -59,10 +59,10 @@ keep sbatch_array_parsable sbatch --parsable -o /dev/null --array=0-9%2 short.sh
 keep sbatch_no_partition sbatch -p nowhere short.sh
 keep sbatch_array_too_large sbatch --array=0-1001 short.sh
 keep sbatch_array_malformed sbatch --array=5-x short.sh
-keep sbatch_account_unchecked sbatch -A nobodys -o /dev/null short.sh
+keep sbatch_account_unchecked sbatch -A other_lab -o /dev/null short.sh
 echo "PartitionName=closed Nodes=ALL AllowAccounts=lab" >>"$SLURM_CONF"
 scontrol reconfigure
-keep sbatch_account_pending sbatch -p closed -A nobodys short.sh
+keep sbatch_account_pending sbatch -p closed -A other_lab short.sh
 keep sbatch_too_many_cpus sbatch -n 99 short.sh
 keep sbatch_too_much_memory sbatch --mem=9999G short.sh
 keep sbatch_bad_time sbatch --time=soon short.sh
@@ -80,7 +80,7 @@ scancel -u "$(id -un)"
 # Clusters that refuse at once what no node or account can run.
 echo "EnforcePartLimits=ALL" >>"$SLURM_CONF"
 scontrol reconfigure
-keep sbatch_enforced_account sbatch -p closed -A nobodys short.sh
+keep sbatch_enforced_account sbatch -p closed -A other_lab short.sh
 keep sbatch_enforced_too_many_cpus sbatch -n 99 short.sh
 sed -i '/^EnforcePartLimits/d; /^PartitionName=closed/d' "$SLURM_CONF"
 scontrol reconfigure
