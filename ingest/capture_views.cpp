@@ -30,7 +30,7 @@ Status GroupViews(const SourceOptions& source, std::vector<ItemSpec>& items) {
       together.inputs.push_back(inputs.front());
       depth.insert(depth.end(), inputs.begin() + 1, inputs.end());
       if (together.options.contains("known_issue") || !view->second.options.contains("known_issue")) continue;
-      together.options["known_issue"] = view->second.options["known_issue"];
+      together.options.Set("known_issue", view->second.options.at("known_issue"));
     }
     together.inputs.insert(together.inputs.end(), depth.begin(), depth.end());
     items.push_back(std::move(together));

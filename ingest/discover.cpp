@@ -115,7 +115,7 @@ std::string StemOf(const std::string& name) { return std::filesystem::path(name)
 /// The item of one of several people in a file.
 ItemSpec OfBody(ItemSpec item, const SourceOptions& source, const std::string& name, int body) {
   if (const Expected<NamedFile> named = ReadName(source, name, body)) item.item = named->item();
-  item.options["body"] = body;
+  item.options.Set("body", body);
   return item;
 }
 
@@ -141,14 +141,14 @@ std::vector<ItemSpec> OfArrays(const ItemSpec& item, const SourceOptions& source
   for (const ArrayClip& clip : clips) {
     ItemSpec one = item;
     one.item += RecordingSuffix(clip.id);
-    one.options["array"] = clip.id;
+    one.options.Set("array", clip.id);
     if (!clip.label.empty() && !one.options.contains("label_override")) {
       const Expected<std::string> label = LabelOf(source, clip.label, file.name + clip.id);
       if (!label) {
         excluded.push_back(SkippedFile(file.name + clip.id, source, true, label.error()));
         continue;
       }
-      one.options["label_override"] = *label;
+      one.options.Set("label_override", *label);
     }
     if (clip.joints == wanted) {
       items.push_back(std::move(one));
@@ -246,7 +246,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   const bool has_depth = has_truth || (source.views.multi_view && !source.depth_files.empty());
   std::optional<DepthFiles> depth_files;
   if (has_depth) depth_files.emplace(files, *depth_pattern, *pattern);
-  const nlohmann::json stage_options = OptionsToJson(source);
+  const ItemOptions stage_options = OptionsToJson(source);
   for (const FolderFile& file : files) {
     if (only && only->count(file.name) == 0) continue;
     names.push_back(file.name);
@@ -305,8 +305,8 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
         exclude(SkippedFile(file.name, source, true, label.error()));
         continue;
       }
-      item.options["label_override"] = *label;
-      if (*label != row->second) item.options["label_text"] = row->second;
+      item.options.Set("label_override", *label);
+      if (*label != row->second) item.options.Set("label_text", row->second);
     }
     if (Status added = gathered->AddInputs(file.name, named->fields, item); !added) {
       const bool missing = added.error().code == ErrorCode::kNotFound;
@@ -320,11 +320,11 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
         continue;
       }
     }
-    if (issue && source.known_issues == KnownIssueAction::kReport) item.options["known_issue"] = TextOf(*issue);
+    if (issue && source.known_issues == KnownIssueAction::kReport) item.options.Set("known_issue", TextOf(*issue));
     if (const IndexedSequence* annotated = babel->Find(file.name)) {
-      item.options["annotation"] = EncodeBabel({annotated->sequence});
+      item.options.Set("annotation", EncodeBabel({annotated->sequence}));
       const auto role = source.annotation_roles.find(annotated->file);
-      if (role != source.annotation_roles.end()) item.options["annotation_role"] = role->second;
+      if (role != source.annotation_roles.end()) item.options.Set("annotation_role", role->second);
     }
     if (has_truth) discovery.truth.push_back(item);
     if (depth_files) depth_files->AddTo(named->fields, item);

@@ -21,7 +21,7 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
   if (!entries) return Forward(entries);
   Discovery discovery;
   std::set<std::string> recordings;
-  const nlohmann::json stage_options = OptionsToJson(source);
+  const ItemOptions stage_options = OptionsToJson(source);
   for (std::size_t i = 0; i < entries->size(); ++i) {
     const ContainerEntry& entry = (*entries)[i];
     const Expected<NamedFile> named = ReadName(source, entry.name);
@@ -44,16 +44,16 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
     // Clips of a dataset keep their ids: several may be spans of one recording.
     const std::string name = driver.stored ? entry.name : named->item();
     ItemSpec item{name, stage_options, {{"source", source.container, path, ""}}};
-    item.options["entry"] = i;
-    item.options["entry_name"] = entry.name;
-    if (entry.frames > 0) item.options["most_frames"] = entry.frames;
+    item.options.Set("entry", i);
+    item.options.Set("entry_name", entry.name);
+    if (entry.frames > 0) item.options.Set("most_frames", entry.frames);
     if (!entry.label.empty()) {
       const Expected<std::string> label = LabelOf(source, entry.label, entry.name);
       if (!label) {
         discovery.excluded.push_back(SkippedFile(entry.name, source, true, label.error()));
         continue;
       }
-      item.options["label_override"] = *label;
+      item.options.Set("label_override", *label);
     }
     discovery.items.push_back(std::move(item));
   }

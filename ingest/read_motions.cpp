@@ -175,7 +175,7 @@ class LabelAssignment {
 /// Why the first item that cannot be read is none; nothing where all can.
 std::optional<Error> FirstUnreadable(const std::vector<ItemSpec>& items) {
   for (const ItemSpec& item : items) {
-    const Expected<ReadItem> one = ReadSourceItem({"motions", item.item, item.options, item.inputs, {}, {}});
+    const Expected<ReadItem> one = ReadSourceItem({"motions", item.item, item.options.Whole(), item.inputs, {}, {}});
     if (!one) return one.error();
     if (!HasArtifact(one->outcome.kind)) return one->outcome.error;
   }
@@ -247,7 +247,7 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
   std::set<std::string> names;
   for (std::size_t i = 0; i < discovery->items.size(); ++i) {
     const ItemSpec& item = discovery->items[i];
-    StageRequest request{"motions", item.item, item.options, item.inputs, {}, {}};
+    StageRequest request{"motions", item.item, item.options.Whole(), item.inputs, {}, {}};
     Expected<ReadItem> one = ReadSourceItem(request);
     if (one && !HasArtifact(one->outcome.kind)) one = tl::unexpected<Error>(one->outcome.error);
     Status taken = one ? GiveMotion(options.ingest.source, one->clip) : Forward(one);

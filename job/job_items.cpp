@@ -236,7 +236,7 @@ StageInput SkeletonInput(const std::string& name_or_path) {
   return {"skeleton", name_or_path, name_or_path, Sha256Hex(content)};
 }
 
-std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, const nlohmann::json& options) {
+std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, const ItemOptions& options) {
   ItemSpec item{"duplicates", options, {}};
   for (const ClipRecord& clip : clips) {
     if (ItemHasArtifact(clip.evidence)) item.inputs.push_back(InputFrom("evidence", clip.evidence));
@@ -293,7 +293,7 @@ std::vector<Finding> NoteExcludedFromSet(const ItemResult& assembled, std::vecto
 }
 
 std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, BodyOf body_of,
-                                      const nlohmann::json& options) {
+                                      const ItemOptions& options) {
   std::map<std::string, std::map<std::string, const ClipRecord*>> bodies;
   for (const ClipRecord& clip : clips) {
     if (ItemHasArtifact(clip.evidence)) bodies[clip.body(body_of)][clip.item] = &clip;
@@ -314,7 +314,7 @@ std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, Body
 }
 
 FitItems FittingItems(std::vector<ClipRecord>& clips, BodyOf body_of, const std::map<std::string, ItemResult>& bodies,
-                      const nlohmann::json& options) {
+                      const ItemOptions& options) {
   FitItems fits;
   for (ClipRecord& clip : clips) {
     if (!ItemHasArtifact(clip.evidence)) continue;
@@ -335,7 +335,7 @@ FitItems FittingItems(std::vector<ClipRecord>& clips, BodyOf body_of, const std:
   return fits;
 }
 
-FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const nlohmann::json& options) {
+FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const ItemOptions& options) {
   FitItems given;
   for (ClipRecord& clip : clips) {
     if (!ItemHasArtifact(clip.evidence)) continue;

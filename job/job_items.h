@@ -92,7 +92,7 @@ StageInput InputFrom(const char* role, const ItemResult& item);
 StageInput SkeletonInput(const std::string& name_or_path);
 
 /// All evidence as one item of the search for duplicates; nothing with fewer than two clips.
-std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, const nlohmann::json& options);
+std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, const ItemOptions& options);
 
 /// Adds that stage's findings to the clips, and removes the artifact of clips to exclude.
 void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips);
@@ -103,8 +103,7 @@ std::vector<Finding> NoteExcludedFromSet(const ItemResult& assembled, std::vecto
 
 /// One item per person, or per recording of a person, with the evidence of at most 30 of their clips, chosen by hash of
 /// the clip ids, so that other clips hardly change the choice.
-std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, BodyOf body_of,
-                                      const nlohmann::json& options);
+std::vector<ItemSpec> ProportionItems(const std::vector<ClipRecord>& clips, BodyOf body_of, const ItemOptions& options);
 
 /// Items of the stage `fitting`, and the clip of each.
 struct FitItems {
@@ -114,10 +113,10 @@ struct FitItems {
 
 /// One item per clip with evidence; a clip whose body has no proportions is refused here, with the reason.
 FitItems FittingItems(std::vector<ClipRecord>& clips, BodyOf body_of, const std::map<std::string, ItemResult>& bodies,
-                      const nlohmann::json& options);
+                      const ItemOptions& options);
 
 /// One item per clip with a motion that is passed through.
-FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const nlohmann::json& options);
+FitItems GivenMotionItems(std::vector<ClipRecord>& clips, const ItemOptions& options);
 
 /// Truth of a capture: the .h5 files of a folder, or one file; none for an empty path. Error kNotFound.
 Expected<std::vector<StageInput>> TruthInputs(const std::filesystem::path& truth);

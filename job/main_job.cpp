@@ -192,7 +192,7 @@ class MainJob {
     }
     FittingOptions of_clips = options_.fitting;
     of_clips.keypoints.rig.clear();
-    const nlohmann::json options = OptionsToJson(of_clips);
+    const ItemOptions options = OptionsToJson(of_clips);
     FitItems fits = Fits() ? FittingItems(clips_, options_.proportions.body_of, persons_, options)
                            : GivenMotionItems(clips_, options);
     AddRig(fits.items);
@@ -252,7 +252,7 @@ class MainJob {
     of_clips.review.clear();
     of_clips.trim.spans.clear();
     of_clips.trim.by_example.examples.clear();
-    const nlohmann::json options = OptionsToJson(of_clips);
+    const ItemOptions options = OptionsToJson(of_clips);
     std::vector<ItemSpec> items;
     std::vector<ClipRecord*> records;
     for (ClipRecord& clip : clips_) {

@@ -92,8 +92,9 @@ std::vector<ItemSpec> ClipPageItems(const std::vector<const ClipRecord*>& clips,
 
 std::vector<ItemSpec> ClipVideoItems(const std::vector<const ClipRecord*>& clips) {
   std::vector<ItemSpec> items;
+  const ItemOptions options = OptionsToJson(ClipVideoOptions());
   for (const ClipRecord* clip : clips) {
-    items.push_back({clip->item, OptionsToJson(ClipVideoOptions()), {}});
+    items.push_back({clip->item, options, {}});
     AddDrawing(*clip, true, items.back());
   }
   return items;

@@ -41,6 +41,8 @@ Expected<std::optional<FileLock>> FileLock::Try(const std::filesystem::path& pat
     } while (result != 0 && errno == EINTR);
     if (result != 0) {
       if (errno == EWOULDBLOCK) return std::optional<FileLock>();
+      // File systems shared by nodes may be mounted without locks: then nothing tells two runs apart.
+      if (errno == ENOLCK || errno == ENOSYS || errno == EOPNOTSUPP) return std::optional<FileLock>(std::move(lock));
       return CannotLock(path, errno);
     }
     if (StillThere(file, path)) return std::optional<FileLock>(std::move(lock));

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -11,8 +10,7 @@
 
 namespace mocurate {
 
-/// How the artifacts of one runner were made, so that a damaged one can be made again. Options that items of a stage
-/// share are stored once.
+/// How the artifacts of one runner were made, so that a damaged one can be made again.
 class Origins {
  public:
   struct Origin {
@@ -26,12 +24,9 @@ class Origins {
  private:
   struct Known {
     std::size_t stage = 0;  ///< in stages_
-    std::string item;
-    const std::string* options = nullptr;  ///< canonical text, in options_
-    std::vector<StageInput> inputs;
+    ItemSpec spec;
   };
   std::vector<StageDeclaration> stages_;
-  std::set<std::string> options_;
   std::map<std::string, Known> known_;  ///< by path
 };
 

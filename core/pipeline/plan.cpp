@@ -160,7 +160,7 @@ Status Plan::Write(const fs::path& file, PlanHead head, const std::vector<ItemSp
     add(first_line(0, 0, 0));
     add("\"items\": [\n");
     for (std::size_t i = 0; i < items.size(); ++i) {
-      const auto [place, is_new] = known.emplace(CanonicalText(items[i].options), options.size());
+      const auto [place, is_new] = known.emplace(CanonicalText(items[i].options.Whole()), options.size());
       if (is_new) options.push_back(place->first);
       item_at.push_back(offset);
       add(CanonicalText(ItemJson(items[i], place->second)) + (i + 1 < items.size() ? ",\n" : "\n"));

@@ -77,9 +77,10 @@ struct Runner::Impl : RunnerState {
   Status MakeAgain(const fs::path& artifact);
   Status TryAgain(const StageDeclaration& stage, const StageRun& first, StageReport& report);
   Expected<StageReport> LookUp(const StageDeclaration& stage, std::vector<ItemSpec> items);
-  Expected<StageReport> Gather(const StageDeclaration& stage, std::vector<ItemSpec> items);
+  Expected<StageReport> Gather(const StageDeclaration& stage, const StageRun& lookup, StageReport found,
+                               const std::vector<std::size_t>& places);
 
-  bool gathered = false;  ///< the plan's stage has been reached
+  std::string gathered;  ///< the stage that is planned; empty before it
 };
 
 /// One stage; an item that fails on a damaged input from the cache is repeated after that input is made again.
@@ -137,32 +138,55 @@ Status Runner::Impl::TryAgain(const StageDeclaration& stage, const StageRun& fir
 
 /// A stage of a job of which another one is planned.
 Expected<StageReport> Runner::Impl::LookUp(const StageDeclaration& stage, std::vector<ItemSpec> items) {
-  if (stage.name == options.plan->stage) return Gather(stage, std::move(items));
-  StageReport found = StageRun(*this, stage, items).PlanStage();
-  const std::size_t missing = items.size() - static_cast<std::size_t>(found.from_cache);
-  if (gathered || missing == 0) return found;
-  if (missing > options.plan->most) {
-    return Fail(ErrorCode::kInconsistent,
-                "stage " + stage.name + " has no result for " + std::to_string(missing) + " of " +
-                    Counted(static_cast<long long>(items.size()), "item") + ", which stage " + options.plan->stage +
-                    " needs",
-                "plan", "plan and run it first: --stage " + stage.name);
+  const PlanRequest& plan = *options.plan;
+  StageRun lookup(*this, stage, std::move(items));
+  StageReport found = lookup.PlanStage();
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < found.items.size(); ++i) {
+    const bool unreadable = found.items[i].outcome.kind == OutcomeKind::kRefused;
+    if (!found.items[i].from_cache && !unreadable) missing.push_back(i);
   }
-  return Execute(stage, std::move(items));
+  const bool given_up = plan.given_up.count(stage.name) > 0;
+  const bool wanted = !given_up && std::count(plan.stages.begin(), plan.stages.end(), stage.name) > 0;
+  const bool first = gathered.empty() && wanted && (!missing.empty() || plan.stages.size() == 1);
+  if (first || gathered == stage.name) return Gather(stage, lookup, std::move(found), missing);
+  if (!gathered.empty() || missing.empty()) return found;
+  const std::string lack = "stage " + stage.name + " has no result for " + std::to_string(missing.size()) + " of " +
+                           Counted(static_cast<long long>(found.items.size()), "item");
+  if (given_up) {
+    if (static_cast<double>(missing.size()) <= plan.tolerated * static_cast<double>(found.items.size())) {
+      for (const std::size_t i : missing) {
+        found.items[i].outcome.kind = OutcomeKind::kCrashed;
+        found.items[i].outcome.error = {ErrorCode::kTooManyFailures, "no task made it", stage.name, {}};
+      }
+      return found;
+    }
+    return Fail(ErrorCode::kTooManyFailures, lack + " after three attempts", "plan",
+                "the journals in plan/" + stage.name +
+                    " have the reasons; to go on without them, raise "
+                    "tolerated_failures");
+  }
+  if (missing.size() > plan.most) {
+    return Fail(ErrorCode::kInconsistent, lack + ", which stage " + plan.stages.front() + " needs", "plan",
+                "plan and run it first: --stage " + stage.name);
+  }
+  std::vector<ItemSpec> left;
+  for (const std::size_t i : missing) left.push_back(lookup.items()[i]);
+  Expected<StageReport> made = Execute(stage, std::move(left));
+  if (!made) return made;
+  for (std::size_t i = 0; i < missing.size(); ++i) found.items[missing[i]] = std::move(made->items[i]);
+  return found;
 }
 
 /// Hands the missing items of the planned stage over.
-Expected<StageReport> Runner::Impl::Gather(const StageDeclaration& stage, std::vector<ItemSpec> items) {
-  gathered = true;
-  StageRun lookup(*this, stage, std::move(items));
-  StageReport found = lookup.PlanStage();
+Expected<StageReport> Runner::Impl::Gather(const StageDeclaration& stage, const StageRun& lookup, StageReport found,
+                                           const std::vector<std::size_t>& places) {
+  gathered = stage.name;
   std::vector<ItemSpec> missing;
-  for (std::size_t i = 0; i < lookup.items().size(); ++i) {
-    const bool hashed = found.items[i].outcome.kind != OutcomeKind::kRefused || found.items[i].from_cache;
-    if (!found.items[i].from_cache && hashed) missing.push_back(lookup.items()[i]);
-  }
+  for (const std::size_t i : places) missing.push_back(lookup.items()[i]);
   double seconds = 0.0;
-  if (const std::size_t pilot = std::min(options.plan->pilot, missing.size()); pilot > 0) {
+  const std::size_t wanted = options.plan->pilot ? options.plan->pilot(stage.name) : 0;
+  if (const std::size_t pilot = std::min(wanted, missing.size()); pilot > 0) {
     std::vector<ItemSpec> chosen, others;
     for (std::size_t i = 0; i < missing.size(); ++i) {
       const bool in_pilot = i * pilot / missing.size() != (i + 1) * pilot / missing.size();

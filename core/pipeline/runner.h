@@ -4,9 +4,11 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "core/pipeline/item_options.h"
 #include "core/pipeline/stage.h"
 
 namespace mocurate {
@@ -16,16 +18,19 @@ int AvailableCores();
 
 struct ItemSpec {
   std::string item;
-  nlohmann::json options;
+  ItemOptions options;
   std::vector<StageInput> inputs;  ///< sha256 may be empty for source files: the runner hashes them
 };
 
-/// What `mocurate plan` asks of a runner: earlier stages are served from the cache, or executed where at most `most` of
-/// their items are missing; of `stage` the missing items are gathered, later ones are only looked up.
+/// What a plan asks of a runner: of the first of `stages` that lacks items they are gathered; of a single one even
+/// where none is missing. Earlier stages are served from the cache, later ones only looked up.
 struct PlanRequest {
-  std::string stage;
-  std::size_t most = 32;
-  std::size_t pilot = 0;  ///< missing items of the stage that are executed at once, to know how long they take
+  std::vector<std::string> stages;
+  std::size_t most = 32;           ///< missing items of each earlier stage that are executed at once, at most
+  std::set<std::string> given_up;  ///< stages whose missing items are left out, up to the share `tolerated` of all
+  double tolerated = 0.0;
+  /// Number of missing items of a stage that are executed at once, to know how long they take; empty: none.
+  std::function<std::size_t(const std::string& stage)> pilot;
   /// Called once per run of the stage with its other missing items, whose inputs have their hashes, and the mean
   /// seconds of the pilot's; 0 without one.
   std::function<Status(const StageDeclaration& stage, std::vector<ItemSpec> missing, double seconds)> take;
@@ -109,8 +114,8 @@ class Runner {
   /// Errors: kInterrupted after SIGINT/SIGTERM (items in flight are finished first), kCannotWrite, kMissingOnHost,
   /// kInternal. Failing items are in the report, not errors. With dry_run nothing is executed: `from_cache` lists the
   /// items that would be served; later stages whose inputs are unknown report zero items. With a plan: kInconsistent
-  /// where an earlier stage lacks too many items. `branch` names one of several
-  /// runs of a stage in messages.
+  /// where an earlier stage lacks too many items, kTooManyFailures where one that was given up does. `branch` names one
+  /// of several runs of a stage in messages.
   Expected<StageReport> Run(const StageDeclaration& stage, std::vector<ItemSpec> items, const std::string& branch = {});
 
   const RunnerOptions& options() const;

@@ -198,8 +198,9 @@ void StageRun::Dispatch(Seat& seat, Task task) {
   task.start = Clock::now();
   const ItemSpec& spec = items_[task.index];
   const int side_by_side = std::max(1, std::min(state_.options.jobs, static_cast<int>(items_.size())));
-  seat.worker->Send(ToJson(StageRequest{stage_.name, spec.item, spec.options, spec.inputs, task.folder / "artifact",
-                                        task.scratch.folder, std::max(1, state_.options.jobs / side_by_side)}));
+  seat.worker->Send(
+      ToJson(StageRequest{stage_.name, spec.item, spec.options.Whole(), spec.inputs, task.folder / "artifact",
+                          task.scratch.folder, std::max(1, state_.options.jobs / side_by_side)}));
   seat.task = std::move(task);
 }
 

@@ -163,7 +163,7 @@ void Inspector::AddItem(const ItemSpec& item) {
   StageRequest request;
   request.stage = "ingest";
   request.item = item.item;
-  request.options = item.options;
+  request.options = item.options.Whole();
   request.inputs = item.inputs;
   for (StageInput& input : request.inputs) {
     if (input.role == "depth") input.sha256 = "not read";  // an inspection reports nothing about images

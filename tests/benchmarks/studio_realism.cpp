@@ -127,7 +127,7 @@ std::map<std::string, Figures> Measured(const std::string& declaration, std::vec
   for (const ItemSpec& item : discovery->items) {
     const auto named = ReadName(options->source, item.inputs.at(0).name);
     if (!named || wanted.count(named->label) == 0 || figures[named->label].clips >= most) continue;
-    const StageRequest request{"ingest", item.item, item.options, item.inputs, scratch / "clip.h5", scratch};
+    const StageRequest request{"ingest", item.item, item.options.Whole(), item.inputs, scratch / "clip.h5", scratch};
     if (const auto outcome = IngestStage(request); !outcome) continue;
     const auto clip = ReadEvidence(request.output);
     if (!clip) continue;

@@ -20,7 +20,7 @@ inline std::vector<ItemResult> RunAll(const IngestOptions& options) {
     StageRequest request;
     request.stage = "ingest";
     request.item = item.item;
-    request.options = item.options;
+    request.options = item.options.Whole();
     request.inputs = item.inputs;
     request.output = SharedScratch("run.h5");
     std::filesystem::remove(request.output);
@@ -47,7 +47,7 @@ struct SourceRun {
     folder = FreshFolder("source_run_" + std::to_string(runs++));
     for (std::size_t i = 0; discovery && i < discovery->items.size(); ++i) {
       const ItemSpec& item = discovery->items[i];
-      outcomes.push_back(IngestStage({"ingest", item.item, item.options, item.inputs, Artifact(i), {}}));
+      outcomes.push_back(IngestStage({"ingest", item.item, item.options.Whole(), item.inputs, Artifact(i), {}}));
     }
   }
   SourceRun(const SourceRun&) = delete;

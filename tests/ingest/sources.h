@@ -91,7 +91,7 @@ inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
   StageRequest request;
   request.stage = "ingest";
   request.item = item.item;
-  request.options = item.options;
+  request.options = item.options.Whole();
   request.inputs = item.inputs;
   request.output = SharedScratch("ingest_" + name + ".h5");
   std::filesystem::remove(request.output);

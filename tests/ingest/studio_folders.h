@@ -72,7 +72,7 @@ class Layouts : public ::testing::Test {
     EXPECT_TRUE(discovery) << discovery.error().Message();
     EXPECT_TRUE(discovery->excluded.empty());
     for (const ItemSpec& item : discovery->items) {
-      const StageRequest request{"ingest", item.item, item.options, item.inputs, folder / "clip.h5", folder};
+      const StageRequest request{"ingest", item.item, item.options.Whole(), item.inputs, folder / "clip.h5", folder};
       const auto outcome = IngestStage(request);
       EXPECT_TRUE(outcome) << outcome.error().Message();
       if (!outcome) continue;

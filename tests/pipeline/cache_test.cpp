@@ -175,8 +175,8 @@ TEST_F(CacheOfArtifacts, TheKeyDependsOnStageVersionItemOptionsAndContentsOnly) 
     keys.push_back(Cache::Key(Stage("canon", 2), changed));
   };
   other([](ItemSpec& s) { s.item = "clip2"; });
-  other([](ItemSpec& s) { s.options["rate_hz"] = 30.000001; });
-  other([](ItemSpec& s) { s.options["more"] = nullptr; });
+  other([](ItemSpec& s) { s.options.Set("rate_hz", 30.000001); });
+  other([](ItemSpec& s) { s.options.Set("more", nullptr); });
   other([](ItemSpec& s) { s.inputs[0].role = "proportions"; });
   other([](ItemSpec& s) { s.inputs[0].name = "f"; });
   other([](ItemSpec& s) { s.inputs[0].sha256 = "12"; });

@@ -150,17 +150,30 @@ class Planning : public Runs {
  protected:
   Expected<StageReport> PlanOf(const std::string& stage, const std::vector<ItemSpec>& first, std::size_t pilot = 0) {
     options.dry_run = true;
-    options.plan = PlanRequest{stage, 1, pilot, [this](const StageDeclaration&, std::vector<ItemSpec> items, double s) {
-                                 missing = std::move(items);
-                                 seconds = s;
-                                 return Status();
-                               }};
+    request.stages = {stage};
+    request.most = 1;
+    request.pilot = [pilot](const std::string&) { return pilot; };
+    return Ask(stage, first);
+  }
+
+  /// `stage`: the last.
+  Expected<StageReport> Ask(const std::string& stage, const std::vector<ItemSpec>& first) {
+    options.dry_run = true;
+    request.take = [this](const StageDeclaration& of, std::vector<ItemSpec> items, double s) {
+      taken = of.name;
+      missing = std::move(items);
+      seconds = s;
+      return Status();
+    };
+    options.plan = request;
     const Expected<std::unique_ptr<Runner>> runner = Runner::Make(options);
     if (!runner) return Forward(runner);
     if (auto before = (*runner)->Run(Stage("upper"), first); !before || stage == "upper") return before;
     return (*runner)->Run(Stage(stage), Many(3, {}));
   }
 
+  PlanRequest request;
+  std::string taken;
   std::vector<ItemSpec> missing;
   double seconds = 0.0;
 };
@@ -181,6 +194,23 @@ TEST_F(Planning, GathersMissingItemsAndRunsFewLeftoversOfEarlierStages) {
   EXPECT_EQ(missing.size(), 3u);
   ASSERT_TRUE(PlanOf("upper", items));
   EXPECT_EQ(missing.size(), 0u);
+}
+
+TEST_F(Planning, OfSeveralStagesTheFirstThatLacksItemsIsPlanned) {
+  const std::vector<ItemSpec> items = {Over("a", Source("a", "1")), Over("b", Source("b", "2"))};
+  request.stages = {"upper", "progress"};
+  ASSERT_TRUE(Ask("progress", items));
+  EXPECT_EQ(taken, "upper");
+  EXPECT_EQ(missing.size(), 2u);
+  request.given_up = {"upper"};
+  request.tolerated = 0.9;
+  const auto too_many = Ask("progress", items);
+  ASSERT_FALSE(too_many);
+  EXPECT_EQ(too_many.error().code, ErrorCode::kTooManyFailures);
+  request.tolerated = 1.0;
+  ASSERT_TRUE(Ask("progress", items)) << "all of its items may be left out";
+  EXPECT_EQ(taken, "progress");
+  EXPECT_EQ(missing.size(), 3u);
 }
 
 TEST_F(Planning, APilotMeasuresHowLongItemsTake) {

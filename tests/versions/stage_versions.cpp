@@ -78,7 +78,7 @@ ItemResult StageVersions::Judge(const StageDeclaration& stage, const std::string
   }
   const nlohmann::json now = {{"stage", stage.name},
                               {"version", stage.version},
-                              {"options", item.options},
+                              {"options", item.options.Whole()},
                               {"made_from", Versions(made_from)},
                               {"record", {{"outcome", OutcomeRecord(result.outcome)}, {"artifact", *artifact}}}};
   const auto text = ReadFile(RecordFile(name));

@@ -245,7 +245,7 @@ TEST_F(CloudFilesOfStudio, StagesIngestMeasureAndFit) {
   ASSERT_EQ(discovery->items.size(), 1u);
   const ItemSpec& item = discovery->items[0];
   const std::filesystem::path evidence = FolderOfClouds() / "evidence.h5";
-  const auto ingested = IngestStage({"ingest", item.item, item.options, item.inputs, evidence, {}});
+  const auto ingested = IngestStage({"ingest", item.item, item.options.Whole(), item.inputs, evidence, {}});
   ASSERT_TRUE(ingested) << ingested.error().Message();
   const auto clip = ReadEvidence(evidence);
   ASSERT_TRUE(clip) << clip.error().Message();

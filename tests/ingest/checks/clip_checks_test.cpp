@@ -134,7 +134,7 @@ TEST_F(RecordedSets, ListedMsrAction3dSkeletonsAreFoundByTheirBlankFrames) {
     EXPECT_TRUE(item.options.contains("known_issue"));
     StageRequest request;
     request.item = item.item;
-    request.options = item.options;
+    request.options = item.options.Whole();
     request.inputs = item.inputs;
     request.output = FreshFolder("listed") / "clip.h5";
     const auto outcome = IngestStage(request);
@@ -264,7 +264,7 @@ TEST(ClipChecks, ExcludeDroppedClipsWithValueAndLimit) {
   StageRequest request;
   const ItemSpec item = Discover(options)->items.at(0);
   request.item = item.item;
-  request.options = item.options;
+  request.options = item.options.Whole();
   request.inputs = item.inputs;
   request.output = FreshFolder("hangs_out") / "clip.h5";
   auto outcome = IngestStage(request);

@@ -64,7 +64,7 @@ class Arrays : public ChangedFiles {
     StageRequest request;
     request.stage = "ingest";
     request.item = item.item;
-    request.options = item.options;
+    request.options = item.options.Whole();
     request.inputs = item.inputs;
     request.output = folder_ / "clip.h5";
     reports.run = IngestStage(request);

@@ -52,7 +52,7 @@ class Studio : public ::testing::Test {
     EXPECT_TRUE(discovery) << discovery.error().Message();
     EXPECT_TRUE(discovery->excluded.empty());
     for (const ItemSpec& item : discovery->items) {
-      const StageRequest request{"ingest", item.item, item.options, item.inputs, folder_ / "clip.h5", folder_};
+      const StageRequest request{"ingest", item.item, item.options.Whole(), item.inputs, folder_ / "clip.h5", folder_};
       const auto outcome = IngestStage(request);
       EXPECT_TRUE(outcome) << outcome.error().Message();
       for (const Finding& finding : outcome->findings) {
