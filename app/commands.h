@@ -10,6 +10,7 @@ namespace mocurate {
 /// Each function adds a subcommand with its options and help; parsing it sets `verb`.
 void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
 void AddPlan(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
+void AddJobs(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
 void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
 void AddRig(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
 void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);

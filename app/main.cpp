@@ -104,6 +104,7 @@ int Run(int argc, char** argv) {
   app.footer(kFooter);
   AddRun(app, common, verb);
   AddPlan(app, common, verb);
+  AddJobs(app, common, verb);
   AddFit(app, common, verb);
   AddRig(app, common, verb);
   AddExport(app, common, verb);

@@ -13,6 +13,35 @@ void PipelineOptions::Declare(OptionVisitor& v) {
                    "GiB for fitting, no limit for stages of the whole set");
 }
 
+void SlurmResources::Declare(OptionVisitor& v) {
+  v.Text("partition", partition, "partition; empty: the cluster's default");
+  v.OptionalNumber("time", time_s, Unit::kSecond, {120.0, {}},
+                   "time limit, e.g. 30 min; null: of tasks three times the estimate and 10 min, else the partition's");
+  v.OptionalNumber("memory", memory_bytes, Unit::kByte, {1.0, {}}, "memory, e.g. 4 GB; null: the partition's");
+  v.Integer("cores", cores, {1, 1024}, "cores, and worker processes");
+}
+
+void SlurmOptions::Declare(OptionVisitor& v) {
+  v.Text("account", account, "account that is charged; empty: yours");
+  tasks.Declare(v);
+  v.Group("last", last, "the job that assembles, trains, scores and reports; empty partition: as of the tasks");
+  v.Number("task_time", task_time_s, Unit::kSecond, {0.01, {}}, "a stage is cut into tasks of about this length");
+  v.Integer("pilot", pilot, {0, 10000},
+            "items executed between stages before a stage is cut for the first time, to know how long they take; 0: "
+            "without any times, a stage is one task");
+  v.Integer("at_once", at_once, {0, 100000}, "tasks that run at the same time, at most; 0: no limit");
+  v.Integer("most_tasks", most_tasks, {0, 1000000},
+            "tasks of a stage, at most; 0: what scontrol show config allows (MaxArraySize, MaxJobCount)");
+  v.Text("scratch", scratch, "folder on a disk of the node for unfinished outputs, as shell text, e.g. $TMPDIR");
+  v.Texts("prologue", prologue, "lines of shell before each job, e.g. module load hdf5");
+  v.Texts("sbatch", sbatch, "further options of sbatch, e.g. --qos=low");
+  v.Text("program", program,
+         "how jobs call mocurate, as shell text, e.g. apptainer exec /shared/mocurate.sif mocurate; empty: this "
+         "program by its path");
+  v.Choice("submit_from", submit_from, {{"compute", SubmitFrom::kCompute}, {"login", SubmitFrom::kLogin}},
+           "compute: a job between stages submits the next one; login: mocurate run waits and does it");
+}
+
 void DataSetOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "name of the set's folder data/NAME and of its part of the table");
   v.Text("job", job, "config that makes its dataset: a name in configs/, or a path relative to the working folder");
@@ -103,6 +132,9 @@ void JobOptions::Declare(OptionVisitor& v) {
   v.Group("report", report, "the page of the run");
   v.Group("reproduce", reproduce, "item of a paper that the job reproduces");
   v.Group("pipeline", pipeline, "time and memory limits of a work item");
+  v.Choice("executor", executor, {{"local", Executor::kLocal}, {"slurm", Executor::kSlurm}},
+           "where stages with an item per clip run: on this machine, or as arrays of Slurm (mocurate run --executor)");
+  v.Group("slurm", slurm, "what jobs of Slurm ask for; does not change results");
 }
 
 Status ResolveDataSets(std::vector<DataSetOptions>& sets) {

@@ -92,6 +92,39 @@ struct ReproduceOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Where the tasks of a run are executed.
+enum class Executor { kLocal, kSlurm };
+/// Where jobs of Slurm are submitted after the first: in jobs, or by the waiting front end.
+enum class SubmitFrom { kCompute, kLogin };
+
+/// What a job asks Slurm for; absent values leave it to the cluster.
+struct SlurmResources {
+  std::string partition;
+  std::optional<double> time_s;
+  std::optional<double> memory_bytes;
+  std::int64_t cores = 1;
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Settings of `executor: slurm`; they do not change results.
+struct SlurmOptions {
+  std::string account;
+  SlurmResources tasks{};  ///< of each task of an array, and of the jobs between stages
+  SlurmResources last{};   ///< of the job that assembles, trains and scores; empty partition: that of the tasks
+  double task_time_s = 600.0;
+  std::int64_t pilot = 32;      ///< items executed before a stage is cut for the first time, to know how long they take
+  std::int64_t at_once = 0;     ///< tasks of an array that run at the same time; 0: no limit
+  std::int64_t most_tasks = 0;  ///< of an array; 0: what the cluster allows
+  std::string scratch;          ///< shell text, e.g. "$TMPDIR"
+  std::vector<std::string> prologue;
+  std::vector<std::string> sbatch;  ///< further options
+  std::string program;              ///< shell text; empty: this program
+  SubmitFrom submit_from = SubmitFrom::kCompute;
+
+  void Declare(OptionVisitor& v);
+};
+
 /// A whole job, as in a config file: one group per stage, in order.
 struct JobOptions {
   std::string name = "run";
@@ -115,6 +148,8 @@ struct JobOptions {
   ReportOptions report;
   ReproduceOptions reproduce;
   PipelineOptions pipeline;
+  Executor executor = Executor::kLocal;
+  SlurmOptions slurm;
 
   void Declare(OptionVisitor& v);
 };

@@ -93,6 +93,11 @@ Expected<std::unique_ptr<TaskClaim>> TaskClaim::Take(const fs::path& file) {
               "start it again when they have ended");
 }
 
+bool TaskClaim::Held(const fs::path& file) {
+  const auto holder = ReadFile(file);
+  return holder && Alive(file, *holder);
+}
+
 TaskClaim::TaskClaim(fs::path file, int descriptor) : file_(std::move(file)), descriptor_(descriptor) {
   renewal_ = std::thread([this] {
     std::unique_lock<std::mutex> lock(mutex_);

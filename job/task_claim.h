@@ -16,6 +16,8 @@ class TaskClaim {
  public:
   /// Error kUsage where another process holds it, kCannotWrite.
   static Expected<std::unique_ptr<TaskClaim>> Take(const std::filesystem::path& file);
+  /// Whether a file is a claim of a process that may still work.
+  static bool Held(const std::filesystem::path& file);
   ~TaskClaim();
   TaskClaim(const TaskClaim&) = delete;
   TaskClaim& operator=(const TaskClaim&) = delete;

@@ -235,12 +235,15 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun
   ChooseBlasKernels();
   auto job = LoadJob(arguments.config, arguments.assignments);
   if (!job) return Forward(job);
+  if (!arguments.executor.empty())
+    job->options.executor = arguments.executor == "slurm" ? Executor::kSlurm : Executor::kLocal;
   const auto last = JobStageFromName(arguments.to.empty() ? "report" : arguments.to);
   if (!last) return Forward(last);
   if (Status given = TakeData(arguments.data, job->options); !given) return given;
   if (Status sets = ResolveDataSets(job->options.data); !sets) return sets;
   if (Status named = CheckNames(job->options, *last); !named) return named;
 
+  if (job->options.executor == Executor::kSlurm && !arguments.dry_run) return SlurmRunVerb(common, arguments, *job);
   if (!job->options.data.empty()) return RunSetsVerb(common, arguments, *job, *last, sets_of_run);
   if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
   const auto folder = RunFolder(arguments.output, job->options.name);

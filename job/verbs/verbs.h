@@ -11,6 +11,8 @@
 
 namespace mocurate {
 
+struct LoadedJob;
+
 /// Options of every verb. With `json` the result is one JSON document on stdout; logs always go to stderr.
 struct CommonArguments {
   bool json = false;
@@ -31,6 +33,14 @@ struct RunArguments {
   std::filesystem::path plan;     ///< file of a plan, of which one task runs; or empty
   std::optional<std::size_t> task;
   std::filesystem::path scratch;  ///< folder on a disk of this node for outputs until they are complete; or empty
+  std::string executor;           ///< local or slurm, instead of the configuration's; empty: as there
+  bool no_wait = false;           ///< do not follow the jobs of Slurm
+};
+
+struct JobsArguments {
+  std::filesystem::path run;
+  bool next = false;  ///< plan and submit the next stage
+  bool last = false;  ///< do the stages after the arrays
 };
 
 struct PlanArguments {
@@ -264,6 +274,9 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun
 Status PlanVerb(CommonArguments& common, const PlanArguments& arguments);
 /// One task of a plan.
 Status TaskVerb(CommonArguments& common, const RunArguments& arguments);
+/// A run whose stages are arrays of Slurm: submits the first job, and follows until the run ends.
+Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, const LoadedJob& job);
+Status JobsVerb(CommonArguments& common, const JobsArguments& arguments);
 Status FitVerb(CommonArguments& common, const FitArguments& arguments);
 Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments);
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);

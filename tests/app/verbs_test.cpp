@@ -50,9 +50,10 @@ TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
   EXPECT_EQ(RunProgram(folder, {"run", "--wings"}).exit_code, 2);
   EXPECT_EQ(RunProgram(folder, {}).exit_code, 2);
   EXPECT_THAT(RunProgram(folder, {"runn"}).err, HasSubstr("there is no verb 'runn' (did you mean 'mocurate run'?)"));
-  EXPECT_THAT(RunProgram(folder, {"fly"}).err,
-              HasSubstr("the verbs are: run, plan, fit, rig, export, generate, draw, reproduce, eval, audit, review, "
-                        "survey, dataset, inspect, synthesize, config, doctor, cache"));
+  EXPECT_THAT(
+      RunProgram(folder, {"fly"}).err,
+      HasSubstr("the verbs are: run, plan, jobs, fit, rig, export, generate, draw, reproduce, eval, audit, review, "
+                "survey, dataset, inspect, synthesize, config, doctor, cache"));
   EXPECT_THAT(RunProgram(folder, {"kard.yaml"}).err, HasSubstr("did you mean 'mocurate run kard.yaml'?"));
   EXPECT_THAT(RunProgram(folder, {"run", "--to", "asemble"}).err, HasSubstr("did you mean 'assemble'?"));
   const Result stage = RunProgram(folder, {"run", "--to", "heaven", "-o", (folder / "r").string()});

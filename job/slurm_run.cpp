@@ -1,0 +1,420 @@
+#include "job/slurm_run.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "core/pipeline/cache_layout.h"
+#include "core/pipeline/content.h"
+#include "core/pipeline/journal.h"
+#include "core/pipeline/wire.h"
+#include "job/stage_plan.h"
+#include "job/task_claim.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kAttempts = 3;                      ///< arrays of a stage that complete nothing: the first and two more
+constexpr double kSpare = 3.0, kSpare_s = 600.0;  ///< time asked for a task: estimate times this, and this
+constexpr std::chrono::seconds kLatest{60};       ///< an artifact may appear on other nodes so late
+constexpr std::chrono::seconds kClaims{180};      ///< a dead task's claim is held for half of this
+constexpr std::chrono::seconds kPause{5};
+constexpr std::time_t kAskEvery_s = 60;
+
+const char* Name(SlurmKind kind) {
+  return kind == SlurmKind::kArray ? "array" : kind == SlurmKind::kStep ? "step" : "last";
+}
+
+std::string Quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::vector<json> Lines(const fs::path& file) {
+  std::vector<json> lines;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    Expected<json> value = FromCanonicalText(line);
+    if (value && value->is_object()) lines.push_back(*std::move(value));  // a full disk may have cut one short
+  }
+  return lines;
+}
+
+Status AddLine(const fs::path& file, json line) {
+  Expected<Journal> journal = Journal::Open(file);
+  if (!journal) return Forward(journal);
+  return journal->Add(std::move(line));
+}
+
+/// Directives of a script, and what precedes its command.
+std::string ScriptHead(const std::string& name, const fs::path& log, const SlurmOptions& options,
+                       const SlurmResources& wanted, const std::optional<double>& time_s, const std::string& more,
+                       const SlurmSettings& settings) {
+  std::string output = log.native();
+  for (std::size_t at = 0; (at = output.find('%', at)) != std::string::npos; at += 2) output.insert(at, "%");
+  output += name + (more.empty() ? "-%j.log" : "-%A_%a.log");
+  std::string text = "#!/bin/bash\n#SBATCH --job-name=mocurate-" + name + "\n#SBATCH --output=\"" + output +
+                     "\"\n#SBATCH --open-mode=append\n" + more;
+  const std::string partition = wanted.partition.empty() ? options.tasks.partition : wanted.partition;
+  if (!partition.empty()) text += "#SBATCH --partition=" + partition + "\n";
+  if (!options.account.empty()) text += "#SBATCH --account=" + options.account + "\n";
+  if (time_s) text += "#SBATCH --time=" + SlurmTime(*time_s) + "\n";
+  if (wanted.memory_bytes)
+    text +=
+        "#SBATCH --mem=" + std::to_string(static_cast<long long>(std::ceil(*wanted.memory_bytes / 1048576.0))) + "M\n";
+  text += "#SBATCH --ntasks=1\n#SBATCH --cpus-per-task=" + std::to_string(wanted.cores) + "\n";
+  for (const std::string& option : options.sbatch) text += "#SBATCH " + option + "\n";
+  text += "export MOCURATE_CACHE=" + Quoted(settings.cache.native()) + "\n";
+  for (const std::string& line : options.prologue) text += line + "\n";
+  return text;
+}
+
+bool WhollyThere(const Cache::Entry& entry) {
+  if (entry.artifact.empty()) return true;
+  const Expected<Content> content = ContentOf(entry.artifact);
+  return content && content->sha256 == entry.sha256;
+}
+
+double SecondsOf(const json& line) {
+  std::tm parts{};
+  std::istringstream text(line.value("time", ""));
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0;
+  double second = 0.0;
+  if (std::sscanf(text.str().c_str(), "%d-%d-%dT%d:%d:%lf", &year, &month, &day, &hour, &minute, &second) != 6)
+    return 0.0;
+  parts.tm_year = year - 1900;
+  parts.tm_mon = month - 1;
+  parts.tm_mday = day;
+  parts.tm_hour = hour;
+  parts.tm_min = minute;
+  return static_cast<double>(timegm(&parts)) + second;
+}
+
+}  // namespace
+
+Expected<SlurmRun> SlurmRun::Begin(const fs::path& folder, SlurmSettings settings) {
+  SlurmRun run;
+  std::error_code problem;
+  run.folder_ = fs::absolute(folder, problem);
+  run.settings_ = std::move(settings);
+  const fs::path own = run.folder_ / "slurm";
+  if (Status made = MakeFolder(own / "logs"); !made) return Forward(made);
+  fs::remove(own / "outcome.json", problem);
+  fs::remove(own / "queue.txt", problem);
+  const SlurmSettings& kept = run.settings_;
+  const json value = {{"config", kept.config},  {"assignments", kept.assignments},     {"to", kept.to},
+                      {"budget", kept.budget},  {"config_sha256", kept.config_sha256}, {"cache", kept.cache.native()},
+                      {"program", kept.program}};
+  if (Status written = WriteFile(own / "run.json", value.dump(1) + "\n"); !written) return Forward(written);
+  if (Status noted = AddLine(own / "jobs.jsonl", {{"kind", "start"}}); !noted) return Forward(noted);
+  return run;
+}
+
+Expected<SlurmRun> SlurmRun::Open(const fs::path& folder) {
+  SlurmRun run;
+  std::error_code problem;
+  run.folder_ = fs::absolute(folder, problem);
+  const fs::path file = run.folder_ / "slurm" / "run.json";
+  if (!fs::exists(file, problem)) {
+    return Fail(ErrorCode::kNotFound, "this is no run on Slurm", DisplayPath(folder),
+                "start one: mocurate run CONFIG --executor slurm -o " + DisplayPath(folder));
+  }
+  const auto text = ReadFile(file);
+  if (!text) return Forward(text);
+  try {
+    const json value = json::parse(*text);
+    SlurmSettings& settings = run.settings_;
+    settings.config = value.at("config").get<std::string>();
+    settings.assignments = value.at("assignments").get<std::vector<std::string>>();
+    settings.to = value.at("to").get<std::string>();
+    settings.budget = value.at("budget").get<double>();
+    settings.config_sha256 = value.at("config_sha256").get<std::string>();
+    settings.cache = value.at("cache").get<std::string>();
+    settings.program = value.at("program").get<std::string>();
+  } catch (const json::exception& wrong) {
+    return Fail(ErrorCode::kMalformed, wrong.what(), DisplayPath(file), "start the run again: mocurate run");
+  }
+  return run;
+}
+
+std::vector<SubmittedJob> SlurmRun::Jobs() const {
+  std::vector<SubmittedJob> jobs;
+  for (const json& line : Lines(folder_ / "slurm" / "jobs.jsonl")) {
+    const std::string kind = line.value("kind", "");
+    if (kind == "start") jobs.clear();
+    if (!line.contains("job")) continue;
+    SubmittedJob job;
+    job.id = line.value("job", "");
+    job.kind = kind == "array" ? SlurmKind::kArray : kind == "last" ? SlurmKind::kLast : SlurmKind::kStep;
+    job.stage = line.value("stage", "");
+    job.tasks = line.value("tasks", std::size_t{0});
+    job.items = line.value("items", std::size_t{0});
+    if (line.contains("time_s")) job.time_s = line.value("time_s", 0.0);
+    if (line.contains("memory_bytes")) job.memory_bytes = line.value("memory_bytes", 0.0);
+    job.cores = line.value("cores", 1);
+    jobs.push_back(std::move(job));
+  }
+  return jobs;
+}
+
+std::optional<SlurmOutcome> SlurmRun::Outcome() const {
+  const auto text = ReadFile(folder_ / "slurm" / "outcome.json");
+  if (!text) return std::nullopt;
+  const json value = json::parse(*text, nullptr, false);
+  if (!value.is_object()) return std::nullopt;
+  return SlurmOutcome{value.value("exit_code", 0), value.value("message", "")};
+}
+
+Status SlurmRun::End(const Status& outcome) const {
+  const ExitCode code = outcome ? ExitCode::kDone : ExitCodeOf(outcome.error().code);
+  const json value = {{"exit_code", static_cast<int>(code)},
+                      {"message", outcome ? std::string() : outcome.error().Message()}};
+  const Status written = WriteFile(folder_ / "slurm" / "outcome.json", value.dump(1) + "\n");
+  return outcome ? written : outcome;
+}
+
+fs::path SlurmRun::Log(const SubmittedJob& job, std::size_t task) const {
+  const fs::path logs = folder_ / "slurm" / "logs";
+  if (job.kind == SlurmKind::kArray) return logs / (job.stage + "-" + job.id + "_" + std::to_string(task) + ".log");
+  return logs / (std::string(Name(job.kind)) + "-" + job.id + ".log");
+}
+
+/// Writes the script, submits it and notes the job.
+Expected<SubmittedJob> SlurmRun::Submit(SubmittedJob job, const std::string& script, const std::string& after) const {
+  const std::string name = job.kind == SlurmKind::kArray ? job.stage : Name(job.kind);
+  const fs::path file = folder_ / "slurm" / (name + ".sh");
+  if (Status written = WriteFile(file, script); !written) return Forward(written);
+  Expected<std::string> id = SubmitToSlurm(file, after);
+  if (!id) return Forward(id);
+  job.id = *std::move(id);
+  json line = {{"kind", Name(job.kind)}, {"job", job.id}, {"cores", job.cores}};
+  if (job.kind == SlurmKind::kArray) {
+    line["stage"] = job.stage;
+    line["tasks"] = job.tasks;
+    line["items"] = job.items;
+  }
+  if (job.time_s) line["time_s"] = *job.time_s;
+  if (job.memory_bytes) line["memory_bytes"] = *job.memory_bytes;
+  if (Status noted = AddLine(folder_ / "slurm" / "jobs.jsonl", std::move(line)); !noted) return Forward(noted);
+  return job;
+}
+
+Expected<SubmittedJob> SlurmRun::SubmitStep(const LoadedJob& job, const std::string& after) const {
+  const SlurmOptions& options = job.options.slurm;
+  SubmittedJob step;
+  step.kind = SlurmKind::kStep;
+  step.time_s = options.tasks.time_s;
+  step.memory_bytes = options.tasks.memory_bytes;
+  step.cores = static_cast<int>(options.tasks.cores);
+  const std::string script =
+      ScriptHead("step", folder_ / "slurm" / "logs/", options, options.tasks, step.time_s, "", settings_) + "exec " +
+      settings_.program + " jobs " + Quoted(folder_.native()) + " --next\n";
+  return Submit(std::move(step), script, after);
+}
+
+Expected<SubmittedJob> SlurmRun::SubmitLast(const LoadedJob& job) const {
+  const SlurmOptions& options = job.options.slurm;
+  SubmittedJob last;
+  last.kind = SlurmKind::kLast;
+  last.time_s = options.last.time_s;
+  last.memory_bytes = options.last.memory_bytes;
+  last.cores = static_cast<int>(options.last.cores);
+  const std::string script =
+      ScriptHead("last", folder_ / "slurm" / "logs/", options, options.last, last.time_s, "", settings_) + "exec " +
+      settings_.program + " jobs " + Quoted(folder_.native()) + " --last\n";
+  return Submit(std::move(last), script, "");
+}
+
+Expected<SubmittedJob> SlurmRun::SubmitArray(const LoadedJob& job, const std::string& stage, std::size_t items,
+                                             std::size_t tasks, double seconds, const fs::path& plan) const {
+  const SlurmOptions& options = job.options.slurm;
+  SubmittedJob array;
+  array.kind = SlurmKind::kArray;
+  array.stage = stage;
+  array.tasks = tasks;
+  array.items = items;
+  array.time_s = options.tasks.time_s;
+  if (!array.time_s && seconds > 0.0)
+    array.time_s = 60.0 * std::ceil((kSpare * seconds / static_cast<double>(tasks) + kSpare_s) / 60.0);
+  array.memory_bytes = options.tasks.memory_bytes;
+  array.cores = static_cast<int>(options.tasks.cores);
+  const std::string cap = options.at_once > 0 ? "%" + std::to_string(options.at_once) : std::string();
+  // A lost node's tasks are planned again, so Slurm need not requeue them: two of the same would run side by side.
+  const std::string more =
+      "#SBATCH --array=0-" + std::to_string(tasks - 1) + cap + "\n#SBATCH --no-requeue\n#SBATCH --signal=B:USR1@90\n";
+  std::string script =
+      ScriptHead(stage, folder_ / "slurm" / "logs/", options, options.tasks, array.time_s, more, settings_) + "exec " +
+      settings_.program + " run --plan " + Quoted(plan.native()) + " --task \"$SLURM_ARRAY_TASK_ID\" --jobs " +
+      std::to_string(array.cores);
+  if (!options.scratch.empty()) script += " --scratch \"" + options.scratch + "\"";
+  return Submit(std::move(array), script + "\n", "");
+}
+
+/// Opens and hashes what an array made. What is not seen or not whole is looked at again for a minute; then it counts
+/// as missing.
+Status SlurmRun::Verify(const SubmittedJob& array) const {
+  const auto begin = std::chrono::steady_clock::now();
+  const fs::path claims = folder_ / "plan" / array.stage;
+  const auto held = [&claims] {
+    std::error_code none;
+    for (fs::directory_iterator it(claims, none), end; !none && it != end; it.increment(none)) {
+      if (it->path().extension() == ".claim" && TaskClaim::Held(it->path())) return true;
+    }
+    return false;
+  };
+  while (held() && std::chrono::steady_clock::now() - begin < kClaims) std::this_thread::sleep_for(kPause);
+
+  const Expected<Plan> plan = Plan::Open(folder_ / "plan" / (array.stage + ".json"));
+  if (!plan) return Forward(plan);
+  const Cache cache(settings_.cache);
+  std::vector<TaskReport> tasks = Tasks(array, std::nullopt);
+  std::chrono::steady_clock::time_point first_look = std::chrono::steady_clock::now();
+  for (std::size_t k = 0; k < plan->head().tasks && k < tasks.size(); ++k) {
+    const Expected<std::vector<ItemSpec>> items = plan->Task(k);
+    if (!items) return Forward(items);
+    for (const ItemSpec& item : *items) {
+      const std::string key = Cache::Key(plan->head().stage, item);
+      while (true) {
+        const std::optional<Cache::Entry> entry = cache.Find(key);
+        const bool expected = entry || tasks[k].state == TaskState::kDone;
+        if (!expected || (entry && WhollyThere(*entry))) break;
+        if (std::chrono::steady_clock::now() - first_look > kLatest) {
+          if (entry) {
+            LogWarning("cache: " + DisplayPath(entry->artifact) +
+                       " does not hold the bytes that were recorded: made again");
+            DropObject(entry->artifact);
+          }
+          break;
+        }
+        // Listing a folder makes this node ask the file server again.
+        std::error_code none;
+        for (fs::directory_iterator it(RecordPath(settings_.cache, key).parent_path(), none), end; !none && it != end;)
+          it.increment(none);
+        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+      }
+    }
+  }
+  return {};
+}
+
+Expected<SubmittedJob> SlurmRun::Next(const LoadedJob& job) const {
+  std::vector<SubmittedJob> arrays;
+  for (SubmittedJob& submitted : Jobs()) {
+    if (submitted.kind == SlurmKind::kArray) arrays.push_back(std::move(submitted));
+  }
+  if (!arrays.empty()) {
+    if (Status verified = Verify(arrays.back()); !verified) return Forward(verified);
+  }
+  const Expected<SlurmLimits> limits = AskSlurmLimits();
+  if (!limits) return Forward(limits);
+  const SlurmOptions& options = job.options.slurm;
+  PlanSettings settings;
+  settings.config = settings_.config;
+  settings.assignments = settings_.assignments;
+  settings.folder = folder_;
+  settings.stages = PlannedStageNames();
+  settings.task_minutes = options.task_time_s / 60.0;
+  settings.pilot = static_cast<std::size_t>(options.pilot);
+  // MaxJobCount bounds the jobs of all users: the rest is left to them.
+  settings.most_tasks = std::max<std::size_t>(1, std::min(limits->array_size - 1, limits->jobs / 2));
+  if (options.most_tasks > 0)
+    settings.most_tasks = std::min(settings.most_tasks, static_cast<std::size_t>(options.most_tasks));
+  settings.tolerated = job.options.tolerated_failures;
+  settings.cores = settings.jobs = static_cast<int>(options.tasks.cores);
+  settings.quiet = true;
+  while (true) {
+    const Expected<MadePlan> plan = MakePlan(job, settings);
+    if (!plan) return Forward(plan);
+    if (plan->stage.empty()) return SubmitLast(job);
+    if (plan->items == 0) continue;  // the pilot made them all
+    int idle = 0;                    // arrays after which as many items were missing as before
+    for (auto array = arrays.rbegin(); array != arrays.rend() && array->stage == plan->stage; ++array) {
+      if (array->items == plan->items) ++idle;
+      if (array->items != plan->items) break;
+    }
+    if (idle >= kAttempts) {
+      settings.given_up.insert(plan->stage);
+      continue;
+    }
+    Expected<SubmittedJob> array = SubmitArray(job, plan->stage, plan->items, plan->tasks, plan->seconds, plan->file);
+    if (!array || options.submit_from == SubmitFrom::kLogin) return array;
+    const Expected<SubmittedJob> step = SubmitStep(job, array->id);
+    if (!step) return Forward(step);
+    return array;
+  }
+}
+
+std::vector<TaskReport> SlurmRun::Tasks(const SubmittedJob& array, const std::optional<std::string>& queue) const {
+  std::set<std::string> queued;
+  if (queue) {
+    for (const QueuedJob& job : ParseQueue(*queue)) {
+      if (job.id == array.id) queued.insert(job.task);
+    }
+  }
+  std::vector<TaskReport> tasks(array.tasks);
+  const fs::path folder = folder_ / "plan" / array.stage;
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
+    TaskReport& task = tasks[k];
+    bool begun = false, ended = false;
+    double began = 0.0, peak = 0.0;
+    for (const json& line : Lines(folder / (std::to_string(k) + ".jsonl"))) {
+      if (!line.contains("task")) {
+        if (begun) peak = std::max(peak, line.value("peak_memory_bytes", 0.0));
+        continue;
+      }
+      if (line.value("job", "") != array.id) continue;
+      if (line.value("event", "") == "begun") {
+        begun = true;
+        ended = false;
+        began = SecondsOf(line);
+      } else {
+        ended = true;
+        task.exit_code = line.value("exit_code", 0);
+        task.message = line.value("message", "");
+        task.seconds = SecondsOf(line) - began;
+        task.memory_bytes = peak * line.value("workers", 1);
+      }
+    }
+    const std::string name = std::to_string(k);
+    if (ended) {
+      task.state = task.exit_code == 0 ? TaskState::kDone : TaskState::kFailed;
+    } else if (begun) {
+      task.state = TaskClaim::Held(folder / (name + ".claim")) ? TaskState::kRunning : TaskState::kLost;
+    } else if (queue && queued.count(name) == 0) {
+      task.state = TaskState::kLost;
+    }
+  }
+  return tasks;
+}
+
+Expected<std::string> SlurmRun::Queue() const {
+  const fs::path file = folder_ / "slurm" / "queue.txt";
+  struct stat asked {};
+  if (stat(file.c_str(), &asked) == 0 && std::time(nullptr) - asked.st_mtim.tv_sec < kAskEvery_s) return ReadFile(file);
+  std::vector<std::string> ids;
+  for (const SubmittedJob& job : Jobs()) ids.push_back(job.id);
+  // Earlier arrays have ended: a step follows an array.
+  if (ids.size() > 4) ids.erase(ids.begin(), ids.end() - 4);
+  Expected<std::string> text = ids.empty() ? Expected<std::string>(std::string()) : AskQueue(ids);
+  if (!text) return text;
+  if (Status written = WriteFile(file, *text); !written) return Forward(written);
+  return text;
+}
+
+}  // namespace mocurate

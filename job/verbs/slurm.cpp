@@ -1,0 +1,403 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
+#include "core/pipeline/interruption.h"
+#include "core/pipeline/runner.h"
+#include "job/blas_kernels.h"
+#include "job/job_checks.h"
+#include "job/run_folder.h"
+#include "job/slurm_run.h"
+#include "job/stage_plan.h"
+#include "job/verbs/verbs.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::seconds kLook{2};         ///< between looks at the files of a run
+constexpr std::chrono::seconds kLookAtMany{30};  ///< likewise, for arrays of many tasks
+constexpr std::size_t kMany = 50;
+constexpr std::size_t kLogLines = 5;
+constexpr double kSparing = 4.0;  ///< asked memory or time above this many times the used is worth a word
+
+struct Counts {
+  std::size_t waiting = 0, running = 0, done = 0, failed = 0, lost = 0;
+};
+
+Counts CountsOf(const std::vector<TaskReport>& tasks) {
+  Counts counts;
+  for (const TaskReport& task : tasks) {
+    counts.waiting += task.state == TaskState::kWaiting ? 1 : 0;
+    counts.running += task.state == TaskState::kRunning ? 1 : 0;
+    counts.done += task.state == TaskState::kDone ? 1 : 0;
+    counts.failed += task.state == TaskState::kFailed ? 1 : 0;
+    counts.lost += task.state == TaskState::kLost ? 1 : 0;
+  }
+  return counts;
+}
+
+std::string MinutesText(double seconds) { return RoundedText(seconds / 60.0, 2) + " min"; }
+std::string MegabytesText(double bytes) { return RoundedText(bytes / 1048576.0, 3) + " MB"; }
+
+std::string TitleOf(const SubmittedJob& job) {
+  if (job.kind == SlurmKind::kArray) return job.stage;
+  return job.kind == SlurmKind::kStep ? "(next stage)" : "(last stages)";
+}
+
+std::string ActiveIds(const std::string& queue) {
+  std::string ids;
+  std::string last;
+  for (const QueuedJob& job : ParseQueue(queue)) {
+    if (job.id != last && (" " + ids + " ").find(" " + job.id + " ") == std::string::npos)
+      ids += (ids.empty() ? "" : " ") + job.id;
+    last = job.id;
+  }
+  return ids;
+}
+
+/// The last lines of a log.
+std::vector<std::string> LastLines(const fs::path& file) {
+  const std::string text = ReadFile(file).value_or("");
+  std::vector<std::string> lines;
+  for (const std::string_view line : SplitText(text, '\n')) {
+    if (!Trim(line).empty()) lines.emplace_back(Trim(line));
+  }
+  if (lines.size() > kLogLines) lines.erase(lines.begin(), lines.end() - static_cast<std::ptrdiff_t>(kLogLines));
+  return lines;
+}
+
+std::string ToFollow(const fs::path& folder) { return "mocurate jobs " + DisplayPath(folder); }
+
+ErrorCode CodeOfExit(int exit_code) {
+  switch (static_cast<ExitCode>(exit_code)) {
+    case ExitCode::kTooManyFailures:
+      return ErrorCode::kTooManyFailures;
+    case ExitCode::kUsage:
+      return ErrorCode::kUsage;
+    case ExitCode::kInputUnusable:
+      return ErrorCode::kInconsistent;
+    case ExitCode::kMissingOnHost:
+      return ErrorCode::kMissingOnHost;
+    case ExitCode::kCannotWrite:
+      return ErrorCode::kCannotWrite;
+    case ExitCode::kInterrupted:
+      return ErrorCode::kInterrupted;
+    default:
+      return ErrorCode::kInternal;
+  }
+}
+
+/// Waits until an array has ended or, without one, the run; says what changes. Signals leave the jobs as they are.
+class Follower {
+ public:
+  explicit Follower(const SlurmRun& run) : run_(run) {}
+
+  /// True when the last array has ended before the run (submit_from: login).
+  Expected<bool> Wait(bool for_array) {
+    const Interruption interruption;
+    while (true) {
+      if (run_.Outcome()) return false;
+      const std::vector<SubmittedJob> jobs = run_.Jobs();
+      const Expected<std::string> queue = run_.Queue();
+      if (queue) {
+        asked_in_vain_ = 0;
+      } else if (++asked_in_vain_ == 1) {
+        LogWarning(queue.error().Message());
+      }
+      const std::string active = queue ? ActiveIds(*queue) : std::string();
+      const std::optional<std::string> lines = queue ? std::optional<std::string>(*queue) : std::nullopt;
+      std::size_t tasks = 0;
+      if (!jobs.empty() && jobs.back().kind == SlurmKind::kArray) tasks = jobs.back().tasks;
+      for (auto job = jobs.rbegin(); job != jobs.rend(); ++job) {
+        if (job->kind != SlurmKind::kArray) continue;
+        tasks = job->tasks;
+        // The queue may be a minute older than the array.
+        const Counts counts = CountsOf(run_.Tasks(*job, std::nullopt));
+        Say(job->stage + ": " + std::to_string(counts.done) + " of " +
+            Counted(static_cast<long long>(job->tasks), "task") + " done, " + std::to_string(counts.running) +
+            " running" +
+            (counts.failed + counts.lost > 0 ? ", " + std::to_string(counts.failed + counts.lost) + " failed"
+                                             : std::string()));
+        const bool ended = counts.waiting + counts.running == 0;
+        if (for_array && job == jobs.rbegin() && (ended || (queue && Gone(active)))) return true;
+        break;
+      }
+      if (!jobs.empty() && jobs.back().kind == SlurmKind::kLast) Say("last stages: job " + jobs.back().id);
+      if (!for_array && queue && Gone(active) && !run_.Outcome()) {
+        const fs::path log = jobs.empty() ? fs::path() : run_.Log(jobs.back());
+        return Fail(ErrorCode::kInterrupted, "no job of the run is queued any more, and it has not ended",
+                    DisplayPath(log), "the log may say why; run the same command again to continue");
+      }
+      for (auto left = tasks > kMany ? kLookAtMany : kLook; left.count() > 0; --left) {
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+        if (Interruption::Count() == 0) continue;
+        const auto now = run_.Queue();
+        const std::string ids = now ? ActiveIds(*now) : std::string();
+        return Fail(ErrorCode::kInterrupted, "stopped following; the jobs of the run go on", DisplayPath(run_.folder()),
+                    "see how they do: " + ToFollow(run_.folder()) +
+                        "; follow again: the same command; cancel: scancel " + (ids.empty() ? "IDS" : ids));
+      }
+    }
+  }
+
+ private:
+  void Say(const std::string& text) {
+    if (text != said_) LogInfo(text);
+    said_ = text;
+  }
+
+  /// Whether two answers of the queue, a minute apart, name no job of the run.
+  bool Gone(const std::string& active) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!active.empty()) gone_since_.reset();
+    if (active.empty() && !gone_since_) gone_since_ = now;
+    return gone_since_ && now - *gone_since_ > std::chrono::seconds(75);
+  }
+
+  const SlurmRun& run_;
+  std::string said_;
+  int asked_in_vain_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> gone_since_;
+};
+
+/// The path of this program, for jobs.
+std::string ThisProgram() {
+  std::error_code problem;
+  const fs::path program = fs::read_symlink("/proc/self/exe", problem);
+  std::string quoted = "'";
+  for (const char c : program.native()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+nlohmann::json JobJson(const SubmittedJob& job, const std::vector<TaskReport>& tasks) {
+  nlohmann::json value = {{"job", job.id}, {"stage", TitleOf(job)}, {"cores", job.cores}};
+  if (job.time_s) value["asked_s"] = *job.time_s;
+  if (job.memory_bytes) value["asked_bytes"] = *job.memory_bytes;
+  if (job.kind != SlurmKind::kArray) return value;
+  const Counts counts = CountsOf(tasks);
+  value.update({{"tasks", job.tasks},
+                {"items", job.items},
+                {"waiting", counts.waiting},
+                {"running", counts.running},
+                {"done", counts.done},
+                {"failed", counts.failed},
+                {"lost", counts.lost}});
+  double seconds = 0.0, bytes = 0.0;
+  for (const TaskReport& task : tasks) {
+    seconds = std::max(seconds, task.seconds);
+    bytes = std::max(bytes, task.memory_bytes);
+  }
+  value["used_s"] = seconds;
+  value["used_bytes"] = bytes;
+  return value;
+}
+
+/// What a stage's tasks used, and what to ask for instead.
+void PrintUse(const SlurmRun& run, const SubmittedJob& job, const std::vector<TaskReport>& tasks, double wished_s) {
+  double longest = 0.0, bytes = 0.0, whole = 0.0;
+  std::size_t measured = 0;
+  for (const TaskReport& task : tasks) {
+    longest = std::max(longest, task.seconds);
+    bytes = std::max(bytes, task.memory_bytes);
+    whole += task.seconds;
+    measured += task.seconds > 0.0 ? 1 : 0;
+  }
+  if (measured > 0) {
+    std::printf("  %s: asked %s, %s; used at most %s, %s\n", job.stage.c_str(),
+                job.time_s ? MinutesText(*job.time_s).c_str() : "no time",
+                job.memory_bytes ? MegabytesText(*job.memory_bytes).c_str() : "no memory", MinutesText(longest).c_str(),
+                MegabytesText(bytes).c_str());
+    const auto fitting = static_cast<std::size_t>(std::max(1.0, std::ceil(whole / wished_s)));
+    if (measured == tasks.size() && job.tasks > 1 && (fitting * 2 < job.tasks || fitting > job.tasks * 2))
+      std::printf("    tasks of %s would be %zu, not %zu\n", MinutesText(wished_s).c_str(), fitting, job.tasks);
+    if (job.memory_bytes && bytes > 0.0 && *job.memory_bytes > kSparing * bytes)
+      std::printf("    --set slurm.memory='%s' would do\n", MegabytesText(2.0 * bytes).c_str());
+    if (job.time_s && *job.time_s > kSparing * longest + 1800.0)
+      std::printf("    --set slurm.time='%s' would do\n", MinutesText(2.0 * longest + 600.0).c_str());
+  }
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
+    if (tasks[k].state != TaskState::kFailed && tasks[k].state != TaskState::kLost) continue;
+    std::printf(
+        "  task %zu of %s %s%s\n    %s\n", k, job.stage.c_str(),
+        tasks[k].state == TaskState::kLost ? "ended without a word"
+                                           : ("ended with exit code " + std::to_string(tasks[k].exit_code)).c_str(),
+        tasks[k].message.empty() ? "" : (": " + tasks[k].message).c_str(), DisplayPath(run.Log(job, k)).c_str());
+    for (const std::string& line : LastLines(run.Log(job, k))) std::printf("      | %s\n", line.c_str());
+  }
+}
+
+Status ShowJobs(CommonArguments& common, const SlurmRun& run, double wished_s) {
+  const std::vector<SubmittedJob> jobs = run.Jobs();
+  const Expected<std::string> queue = run.Queue();
+  if (!queue) LogWarning(queue.error().Message());
+  const std::optional<std::string> lines = queue ? std::optional<std::string>(*queue) : std::nullopt;
+  const std::optional<SlurmOutcome> outcome = run.Outcome();
+  const std::string active = lines && !outcome ? ActiveIds(*lines) : std::string();
+  nlohmann::json shown = nlohmann::json::array();
+  if (!common.json)
+    std::printf("%-14s %10s %7s %7s %7s %8s %8s %7s\n", "stage", "job", "items", "tasks", "done", "running", "waiting",
+                "failed");
+  const auto tasks_of = [&](const SubmittedJob& job) {
+    if (job.kind != SlurmKind::kArray) return std::vector<TaskReport>();
+    const bool ended = outcome || (&job != &jobs.back() && &job != &jobs[jobs.size() - 2]);
+    // The answer of the queue may be older than the last array.
+    return run.Tasks(job, ended ? std::optional<std::string>(std::string()) : std::nullopt);
+  };
+  for (const SubmittedJob& job : jobs) {
+    const std::vector<TaskReport> tasks = tasks_of(job);
+    if (common.json) {
+      shown.push_back(JobJson(job, tasks));
+      continue;
+    }
+    if (job.kind == SlurmKind::kArray) {
+      const Counts counts = CountsOf(tasks);
+      std::printf("%-14s %10s %7zu %7zu %7zu %8zu %8zu %7zu\n", job.stage.c_str(), job.id.c_str(), job.items, job.tasks,
+                  counts.done, counts.running, counts.waiting, counts.failed + counts.lost);
+    } else if (&job == &jobs.back()) {
+      std::printf("%-14s %10s\n", TitleOf(job).c_str(), job.id.c_str());
+    }
+  }
+  if (common.json) {
+    common.answered = true;
+    nlohmann::json value = {{"run", DisplayPath(run.folder())}, {"jobs", shown}, {"queued", active}};
+    if (outcome) value["outcome"] = {{"exit_code", outcome->exit_code}, {"message", outcome->message}};
+    std::printf("%s\n", value.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    return {};
+  }
+  for (const SubmittedJob& job : jobs) {
+    if (job.kind == SlurmKind::kArray) PrintUse(run, job, tasks_of(job), wished_s);
+  }
+  if (lines && !outcome) {
+    std::map<std::string, std::size_t> reasons;
+    for (const QueuedJob& job : ParseQueue(*lines)) {
+      if (job.state == "PENDING" && job.reason != "None" && job.reason != "Dependency") ++reasons[job.reason];
+    }
+    for (const auto& [reason, count] : reasons) std::printf("  %zu waiting for: %s\n", count, reason.c_str());
+  }
+  if (outcome) {
+    std::printf("the run has ended%s\n", outcome->exit_code == 0 ? "" : (": " + outcome->message).c_str());
+  } else if (!active.empty()) {
+    std::printf("queued: %s; to cancel: scancel %s\n", active.c_str(), active.c_str());
+  } else if (lines) {
+    std::printf("no job is queued; to go on: mocurate run with the same arguments\n");
+  }
+  if (!jobs.empty() && !outcome && jobs.back().kind != SlurmKind::kArray) {
+    for (const std::string& line : LastLines(run.Log(jobs.back()))) std::printf("  | %s\n", line.c_str());
+  }
+  return {};
+}
+
+/// What the last job does: the whole run, with what the arrays made in the cache.
+Status RunLast(CommonArguments& common, const SlurmRun& run, int cores) {
+  RunArguments arguments;
+  arguments.config = run.settings().config;
+  arguments.output = run.folder();
+  arguments.assignments = run.settings().assignments;
+  arguments.to = run.settings().to;
+  arguments.budget = run.settings().budget;
+  arguments.executor = "local";
+  arguments.jobs = cores;
+  return run.End(RunVerb(common, arguments));
+}
+
+}  // namespace
+
+Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, const LoadedJob& job) {
+  if (!job.options.data.empty()) {
+    return Fail(ErrorCode::kUnsupported, "a run over several sets cannot be handed to Slurm as a whole", "executor",
+                "run each set with a configuration of its own");
+  }
+  if (const Expected<SlurmLimits> there = AskSlurmLimits(); !there) return Forward(there);
+  const auto folder = RunFolder(arguments.output, job.options.name);
+  if (!folder) return Forward(folder);
+  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  std::error_code problem;
+  SlurmSettings settings;
+  const bool is_file = fs::is_regular_file(arguments.config, problem);
+  const fs::path config = is_file ? fs::absolute(arguments.config) : arguments.config;
+  settings.config = config.native();
+  settings.assignments = arguments.assignments;
+  settings.to = arguments.to;
+  settings.budget = arguments.budget;
+  settings.config_sha256 = ConfigHash(job.options);
+  settings.cache = fs::absolute(DefaultCacheFolder());
+  settings.program = job.options.slurm.program.empty() ? ThisProgram() : job.options.slurm.program;
+
+  const bool login = job.options.slurm.submit_from == SubmitFrom::kLogin;
+  Expected<SlurmRun> run = SlurmRun::Open(*folder);
+  std::string active;
+  if (run && !run->Outcome()) {
+    const Expected<std::string> queue = run->Queue();
+    if (!queue) return Forward(queue);
+    active = ActiveIds(*queue);
+    if (!active.empty() && run->settings().config_sha256 != settings.config_sha256) {
+      return Fail(ErrorCode::kUsage, "jobs of this run with another configuration are queued: " + active,
+                  DisplayPath(*folder), "wait for them, cancel them (scancel " + active + "), or name another folder");
+    }
+    if (!active.empty()) LogInfo("jobs of this run are queued, and followed: " + active);
+  }
+  const bool fresh = active.empty();
+  if (fresh) {
+    run = SlurmRun::Begin(*folder, std::move(settings));
+    if (!run) return Forward(run);
+    const Expected<SubmittedJob> first = login ? run->Next(job) : run->SubmitStep(job);
+    if (!first) return run->End(Forward(first));
+    LogInfo("job " + first->id + " is submitted; see how it does: " + ToFollow(run->folder()));
+  }
+  if (arguments.no_wait && !login) return {};
+  Follower follower(*run);
+  while (true) {
+    const Expected<bool> array_ended = follower.Wait(login);
+    if (!array_ended) return Forward(array_ended);
+    if (!*array_ended) break;
+    const Expected<SubmittedJob> next = run->Next(job);
+    if (!next) return run->End(Forward(next));
+  }
+  const std::optional<SlurmOutcome> outcome = run->Outcome();
+  const std::vector<SubmittedJob> jobs = run->Jobs();
+  const std::string log = jobs.empty() ? std::string() : DisplayPath(run->Log(jobs.back()));
+  if (common.json) {
+    common.answered = true;
+    std::printf("%s\n", nlohmann::json({{"run", DisplayPath(run->folder())},
+                                        {"exit_code", outcome->exit_code},
+                                        {"message", outcome->message},
+                                        {"log", log}})
+                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+                            .c_str());
+  } else if (!common.quiet && outcome->exit_code == 0) {
+    for (const std::string& line : LastLines(log)) std::printf("%s\n", line.c_str());
+  }
+  if (outcome->exit_code == 0) return {};
+  return Fail(CodeOfExit(outcome->exit_code), outcome->message, DisplayPath(run->folder()),
+              "log: " + log + "; more: " + ToFollow(run->folder()));
+}
+
+Status JobsVerb(CommonArguments& common, const JobsArguments& arguments) {
+  const Expected<SlurmRun> run = SlurmRun::Open(arguments.run);
+  if (!run) return Forward(run);
+  auto job = LoadJob(run->settings().config, run->settings().assignments);
+  if (!job) return arguments.next || arguments.last ? run->End(Forward(job)) : Forward(job);
+  if (!arguments.next && !arguments.last) return ShowJobs(common, *run, job->options.slurm.task_time_s);
+  if (ConfigHash(job->options) != run->settings().config_sha256) {
+    return run->End(Fail(ErrorCode::kInconsistent, "the configuration has changed since the run was submitted",
+                         run->settings().config, "submit it again: mocurate run"));
+  }
+  ChooseBlasKernels();
+  if (arguments.last) return RunLast(common, *run, static_cast<int>(job->options.slurm.last.cores));
+  const Expected<SubmittedJob> next = run->Next(*job);
+  if (!next) return run->End(Forward(next));
+  LogInfo("submitted: " + TitleOf(*next) + ", job " + next->id);
+  return {};
+}
+
+}  // namespace mocurate

@@ -1,0 +1,208 @@
+// A run as arrays of Slurm. tests/app/slurm_shim stands for Slurm's programs, with its recorded texts;
+// scripts/test_slurm.sh does the same with real daemons.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <sstream>
+
+#include "job/slurm.h"
+#include "tests/app/program.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+using program::ReadText;
+using program::Result;
+using program::RunProgram;
+using program::SmallJob;
+using program::Surroundings;
+using program::WriteText;
+
+const fs::path kRecorded = MOCURATE_SOURCE_FOLDER "/tests/data/slurm";
+
+std::string Recorded(const std::string& name) { return ReadText(kRecorded / (name + ".txt")); }
+
+TEST(SlurmTexts, LimitsOfTheCluster) {
+  const SlurmLimits limits = ParseSlurmLimits(Recorded("config"));
+  EXPECT_EQ(limits.array_size, 1001u);
+  EXPECT_EQ(limits.jobs, 10000u);
+  EXPECT_EQ(ParseSlurmLimits("MaxArraySize = 40001\n").array_size, 40001u);
+  EXPECT_EQ(ParseSlurmLimits("MaxArraySize = 0\nnothing").array_size, 1001u);
+}
+
+TEST(SlurmTexts, NumbersOfJobs) {
+  for (const char* name : {"sbatch_parsable", "sbatch_array_parsable"}) {
+    const auto id = ParseSubmission(0, Recorded(name));
+    ASSERT_TRUE(id) << id.error().Message();
+    EXPECT_EQ(*id, std::string(Recorded(name), 0, Recorded(name).find('\n')));
+  }
+  EXPECT_EQ(ParseSubmission(0, "sbatch: Job runs on all nodes\n12;cluster\n").value_or(""), "12");
+  EXPECT_FALSE(ParseSubmission(0, ""));
+}
+
+TEST(SlurmTexts, RefusalsNameTheOption) {
+  const std::pair<const char*, const char*> options[] = {
+      {"sbatch_no_partition", "slurm.partition"},       {"sbatch_enforced_account", "slurm.account"},
+      {"sbatch_too_much_memory", "slurm.memory"},       {"sbatch_bad_time", "slurm.time"},
+      {"sbatch_enforced_too_many_cpus", "slurm.cores"}, {"sbatch_array_too_large", "slurm.most_tasks"},
+      {"sbatch_unknown_option", "slurm.sbatch"}};
+  for (const auto& [name, option] : options) {
+    const auto id = ParseSubmission(1, Recorded(name));
+    ASSERT_FALSE(id) << name;
+    EXPECT_EQ(id.error().code, ErrorCode::kConfig) << name;
+    EXPECT_EQ(id.error().where, option) << name;
+  }
+  EXPECT_EQ(ParseSubmission(1, Recorded("sbatch_no_controller")).error().code, ErrorCode::kMissingOnHost);
+  EXPECT_EQ(ParseSubmission(1, "").error().code, ErrorCode::kMissingOnHost);
+}
+
+TEST(SlurmTexts, TheQueue) {
+  const std::vector<QueuedJob> running = ParseQueue(Recorded("squeue_array_running_expanded"));
+  ASSERT_EQ(running.size(), 10u);
+  EXPECT_EQ(running[0].id, "11");
+  EXPECT_EQ(running[0].task, "3");
+  EXPECT_EQ(running[0].state, "PENDING");
+  EXPECT_EQ(running[0].reason, "Resources");
+  EXPECT_EQ(running[9].node, "node1");
+  EXPECT_TRUE(ParseQueue(Recorded("squeue_unknown_job")).empty());
+  EXPECT_TRUE(ParseQueue("").empty());
+  for (const auto& file : fs::directory_iterator(kRecorded)) ParseQueue(ReadText(file.path()));
+}
+
+TEST(SlurmTexts, Times) {
+  EXPECT_EQ(SlurmTime(61.0), "0-00:01:01");
+  EXPECT_EQ(SlurmTime(2.0 * 86400.0 + 3.0 * 3600.0 + 0.5), "2-03:00:01");
+}
+
+/// A capture, the arguments of a run over it, and programs that stand for Slurm's.
+class SlurmRuns : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new ScratchFolder;
+    ASSERT_EQ(RunProgram(*folder_, SmallJob(*folder_, "made")).exit_code, 0);
+    fs::copy(*folder_ / "made/capture", *folder_ / "capture");
+    plain_ = RunProgram(*folder_, Arguments("plain"), "plain_cache");
+    ASSERT_EQ(plain_.exit_code, 0) << plain_.err;
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static std::vector<std::string> Arguments(const std::string& run, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = SmallJob(*folder_, run);
+    arguments.insert(arguments.end(), {"--set", "ingest.path=" + (*folder_ / "capture").native()});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  static std::vector<std::string> OnSlurm(const std::string& run, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments =
+        Arguments(run, {"--executor", "slurm", "--set", "slurm.task_time=0.1 s", "--set", "slurm.pilot=2"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  /// Runs with the programs that stand for Slurm's in PATH. `refusal`: name of a recorded text that sbatch answers
+  /// with.
+  static Result Run(const std::vector<std::string>& arguments, const std::string& run,
+                    const std::string& refusal = {}) {
+    Surroundings surroundings;
+    surroundings.cache = run + "_cache";
+    surroundings.before_start = [run, refusal] {
+      const fs::path state = *folder_ / (run + "_shim");
+      fs::create_directories(state);
+      setenv("SHIM", state.c_str(), 1);
+      setenv("SHIM_RECORDED", kRecorded.c_str(), 1);
+      setenv("SHIM_REFUSE", refusal.c_str(), 1);
+      setenv("PATH", (MOCURATE_SOURCE_FOLDER "/tests/app/slurm_shim:" + std::string(getenv("PATH"))).c_str(), 1);
+    };
+    return RunProgram(*folder_, arguments, surroundings);
+  }
+
+  static std::string Logs(const std::string& run) {
+    std::ostringstream text;
+    std::error_code none;
+    for (fs::directory_iterator it(*folder_ / run / "slurm/logs", none), end; !none && it != end; it.increment(none))
+      text << it->path().filename().native() << ": " << ReadText(it->path()) << "\n";
+    return text.str();
+  }
+
+  static void ExpectPlainBytes(const std::string& run) {
+    EXPECT_EQ(ReadText(*folder_ / run / "dataset.h5"), ReadText(*folder_ / "plain/dataset.h5")) << Logs(run);
+    EXPECT_EQ(ReadText(*folder_ / run / "curation_log.jsonl"), ReadText(*folder_ / "plain/curation_log.jsonl"));
+  }
+
+  static ScratchFolder* folder_;
+  static Result plain_;
+};
+
+ScratchFolder* SlurmRuns::folder_ = nullptr;
+Result SlurmRuns::plain_;
+
+/// Slow: some twenty programs.
+TEST_F(SlurmRuns, ArraysGiveTheBytesOfAPlainRun) {
+  const std::vector<std::string> scratch = {"--set", "slurm.scratch=$SHIM/scratch", "--set",
+                                            "slurm.prologue=[\"mkdir -p $SHIM/scratch\"]"};
+  std::vector<std::string> left = OnSlurm("arrays", scratch);
+  left.push_back("--no-wait");
+  const Result submitted = Run(left, "arrays");
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.err;
+  const std::vector<std::string> ask = {"jobs", (*folder_ / "arrays").native(), "--json"};
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(Run(ask, "arrays").exit_code, 0);
+  const std::string asked = ReadText(*folder_ / "arrays_shim/squeue_calls");
+  EXPECT_LE(std::count(asked.begin(), asked.end(), '\n'), 1) << "once a minute";
+  const Result joined = Run(OnSlurm("arrays", scratch), "arrays");
+  ASSERT_EQ(joined.exit_code, 0) << joined.err << Logs("arrays");
+  ExpectPlainBytes("arrays");
+  const nlohmann::json shown = Run(ask, "arrays").Json();
+  EXPECT_EQ(shown["outcome"]["exit_code"], 0);
+  std::size_t arrays = 0;
+  for (const auto& job : shown["jobs"]) {
+    if (!job.contains("tasks")) continue;
+    ++arrays;
+    EXPECT_EQ(job["done"], job["tasks"]) << job;
+    EXPECT_GT(job["used_bytes"], 0.0);
+  }
+  EXPECT_GE(arrays, 3u) << shown;
+  EXPECT_EQ(Run({"jobs", (*folder_ / "arrays").native()}, "arrays").exit_code, 0);
+
+  const Result again = Run(OnSlurm("arrays", scratch), "arrays");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const nlohmann::json in_the_end = Run(ask, "arrays").Json();
+  EXPECT_GT(in_the_end["jobs"].size(), 0u);
+  for (const auto& job : in_the_end["jobs"]) EXPECT_FALSE(job.contains("tasks")) << "nothing was missing: " << job;
+}
+
+/// Slow: likewise.
+TEST_F(SlurmRuns, ATaskThatCannotWorkIsTriedThreeTimes) {
+  const Result ran =
+      Run(OnSlurm("broken", {"--set", "slurm.prologue=[\"[ -z \\\"$SLURM_ARRAY_TASK_ID\\\" ] || exit 9\"]"}), "broken");
+  EXPECT_EQ(ran.exit_code, 1) << ran.err << Logs("broken");
+  const Result jobs = Run({"jobs", (*folder_ / "broken").native(), "--json"}, "broken");
+  const nlohmann::json shown = jobs.Json();
+  std::size_t arrays = 0;
+  for (const auto& job : shown["jobs"]) {
+    if (!job.contains("tasks")) continue;
+    ++arrays;
+    EXPECT_EQ(job["lost"], job["tasks"]) << job;
+  }
+  EXPECT_EQ(arrays, 3u) << jobs.out;
+  EXPECT_FALSE(fs::exists(*folder_ / "broken/dataset.h5"));
+  // Corrected, it goes on with what is there; here the front end submits everything.
+  const Result repaired = Run(OnSlurm("broken", {"--set", "slurm.submit_from=login"}), "broken");
+  EXPECT_EQ(repaired.exit_code, 0) << repaired.err << Logs("broken");
+  ExpectPlainBytes("broken");
+}
+
+TEST_F(SlurmRuns, RefusalsHaveTheirCodes) {
+  EXPECT_EQ(Run(OnSlurm("refused"), "refused", "sbatch_no_partition").exit_code, 2);
+  EXPECT_EQ(Run(OnSlurm("refused"), "refused", "sbatch_no_controller").exit_code, 4);
+  Surroundings without;
+  without.before_start = [] { setenv("PATH", "/nowhere", 1); };
+  EXPECT_EQ(RunProgram(*folder_, OnSlurm("refused"), without).exit_code, 4) << "no Slurm on this machine";
+  EXPECT_EQ(Run({"jobs", (*folder_ / "plain").native()}, "refused").exit_code, 3) << "no run on Slurm";
+  EXPECT_EQ(Run(OnSlurm("refused", {"--set", "slurm.time=1 s"}), "refused").exit_code, 2) << "too short for USR1@90";
+}
+
+}  // namespace
+}  // namespace mocurate
