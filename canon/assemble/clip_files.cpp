@@ -1,10 +1,29 @@
 #include "canon/assemble/clip_files.h"
 
 #include "core/store/dataset_writer.h"
+#include "core/store/fields.h"
 
 namespace mocurate {
+namespace {
+
+/// Files come sorted by item, so clips of a person are rarely further apart than this many persons.
+constexpr std::size_t kSkeletons = 256;
+
+}  // namespace
 
 bool HasFrames(const Clip& clip) { return !clip.motion->joints.empty(); }
+
+/// Clips of one person have equal skeletons, each from its own file: one of them is kept.
+SkeletonPtr ClipFiles::Shared(SkeletonPtr skeleton) {
+  if (!skeleton) return skeleton;
+  for (const SkeletonPtr& known : skeletons_) {
+    const bool may_be = known->joints.size() == skeleton->joints.size() && SameRestOffsets(*known, *skeleton);
+    if (may_be && store::SameSkeleton(*known, *skeleton)) return known;
+  }
+  skeletons_.push_front(skeleton);
+  if (skeletons_.size() > kSkeletons) skeletons_.pop_back();
+  return skeleton;
+}
 
 Status ClipFiles::Add(const StageInput& input, Dataset& set) {
   const auto clips = DatasetClips::Open(input.path, DatasetClips::Check::kNone);
@@ -20,6 +39,8 @@ Status ClipFiles::Add(const StageInput& input, Dataset& set) {
   }
   for (std::size_t row = 0; row < part->clips.size(); ++row) {
     Clip& clip = part->clips[row];
+    clip.motion->skeleton = Shared(std::move(clip.motion->skeleton));
+    clip.motion->rotation_reference = Shared(std::move(clip.motion->rotation_reference));
     items_[clip.id()] = input.name;
     places_[clip.id()] = {files_.size(), row, clips->OptionalFields(row)};
     set.clips.push_back(std::move(clip));

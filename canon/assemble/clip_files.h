@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -41,7 +42,9 @@ class ClipFiles {
   };
 
   Expected<const DatasetClips*> Opened(std::size_t file);
+  SkeletonPtr Shared(SkeletonPtr skeleton);
 
+  std::deque<SkeletonPtr> skeletons_;  ///< different ones of the files read last
   std::vector<std::filesystem::path> files_;
   std::map<std::string, Place> places_;  ///< by clip id
   std::map<std::string, std::string> items_;

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # What plans and tasks cost: 432 clips of KARD as a plain run, and by mocurate plan and one task a stage; then the fitting
 # stage as two tasks one after the other and side by side, with one worker each. Each pair is repeated; ratios of wall times.
-# Usage: tests/benchmarks/plan_tasks.sh PROGRAM FOLDER [REPEATS]   (KARD lies in $MOCURATE_DATA/kard)
+# Usage: tests/benchmarks/plan_tasks.sh PROGRAM FOLDER [REPEATS]   (KARD lies in $MOCURATE_DATA/kinect/kard)
 set -euo pipefail
 program=$(realpath "$1") folder=$2 repeats=${3:-2}
-data=${MOCURATE_DATA:?set MOCURATE_DATA to the folder that has kard}/kard
+: "${MOCURATE_DATA:?set it to the folder that has kinect/kard}"
 mkdir -p "$folder"
 cd "$folder"
 export MOCURATE_CACHE=
 clock() { date +%s.%N; }
 ratio() { awk -v a="$1" -v b="$2" 'BEGIN {printf "%.3f", a / b}'; }
-job() { local verb=$1; shift; "$program" "$verb" kard --set ingest.path="$data" -q "$@"; }
+job() { local verb=$1; shift; "$program" "$verb" kard -q "$@"; }
 stages() {  # RUN TASKS STAGE ...
   local run=$1 tasks=$2 stage
   shift 2

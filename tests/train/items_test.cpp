@@ -47,7 +47,7 @@ TEST(TrainItems, GeneratorsTakeLongestAndStartFirstAndEachSeedIsAnItem) {
   for (const TrainItem& item : ItemsOf(Several())) {
     names.push_back(item.spec.item);
     rows.push_back(item.row);
-    const auto network = OptionsFromJson<NetworkOptions>(item.spec.options);
+    const auto network = OptionsFromJson<NetworkOptions>(item.spec.options.Whole());
     ASSERT_TRUE(network) << network.error().Message();
     EXPECT_EQ(item.spec.item, network->name + "/" + std::to_string(network->seed()));
     EXPECT_EQ(item.spec.inputs.at(0).name, item.network == 1 ? "unfitted" : "dataset");

@@ -102,7 +102,7 @@ TEST_F(RecordedViews, ReadRenderedStillsAsOneFrameClipsWithGroundTruth) {
     ASSERT_EQ(ingested.clip.evidence.depth_views.size(), 3u);
     const auto folder = FreshFolder("still_truth");
     const StageRequest request{
-        "truth", discovery->truth[i].item, discovery->truth[i].options, discovery->truth[i].inputs, folder / "truth.h5",
+        "truth", discovery->truth[i].item, discovery->truth[i].options.Whole(), discovery->truth[i].inputs, folder / "truth.h5",
         folder};
     const auto outcome = TruthStage(request);
     ASSERT_TRUE(outcome) << outcome.error().Message();

@@ -51,7 +51,7 @@ TEST_F(RenderedSequence, ProjectsTheGroundTruthIntoEveryView) {
   ASSERT_TRUE(ingested.outcome);
   StageRequest request;
   request.item = discovery->truth[0].item;
-  request.options = discovery->truth[0].options;
+  request.options = discovery->truth[0].options.Whole();
   request.inputs = discovery->truth[0].inputs;
   request.output = SharedScratch("truth.h5");
   const auto outcome = TruthStage(request);
