@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
@@ -62,7 +63,8 @@ Status AddLine(const fs::path& file, json line) {
   return journal->Add(std::move(line));
 }
 
-/// Directives of a script, and what precedes its command.
+/// Directives of a script, and what precedes its command. A lost node's tasks are planned again, so Slurm need not
+/// requeue them: two of the same would run side by side.
 std::string ScriptHead(const std::string& name, const fs::path& log, const SlurmOptions& options,
                        const SlurmResources& wanted, const std::optional<double>& time_s, const std::string& more,
                        const SlurmSettings& settings) {
@@ -70,7 +72,7 @@ std::string ScriptHead(const std::string& name, const fs::path& log, const Slurm
   for (std::size_t at = 0; (at = output.find('%', at)) != std::string::npos; at += 2) output.insert(at, "%");
   output += name + (more.empty() ? "-%j.log" : "-%A_%a.log");
   std::string text = "#!/bin/bash\n#SBATCH --job-name=mocurate-" + name + "\n#SBATCH --output=\"" + output +
-                     "\"\n#SBATCH --open-mode=append\n" + more;
+                     "\"\n#SBATCH --open-mode=append\n#SBATCH --no-requeue\n" + more;
   const std::string partition = wanted.partition.empty() ? options.tasks.partition : wanted.partition;
   if (!partition.empty()) text += "#SBATCH --partition=" + partition + "\n";
   if (!options.account.empty()) text += "#SBATCH --account=" + options.account + "\n";
@@ -118,8 +120,13 @@ Expected<SlurmRun> SlurmRun::Begin(const fs::path& folder, SlurmSettings setting
   fs::remove(own / "outcome.json", problem);
   fs::remove(own / "queue.txt", problem);
   const SlurmSettings& kept = run.settings_;
-  const json value = {{"config", kept.config},  {"assignments", kept.assignments},     {"to", kept.to},
-                      {"budget", kept.budget},  {"config_sha256", kept.config_sha256}, {"cache", kept.cache.native()},
+  const json value = {{"config", kept.config},
+                      {"assignments", kept.assignments},
+                      {"to", kept.to},
+                      {"budget", kept.budget},
+                      {"config_sha256", kept.config_sha256},
+                      {"cache", kept.cache.native()},
+                      {"working_folder", kept.working_folder.native()},
                       {"program", kept.program}};
   if (Status written = WriteFile(own / "run.json", value.dump(1) + "\n"); !written) return Forward(written);
   if (Status noted = AddLine(own / "jobs.jsonl", {{"kind", "start"}}); !noted) return Forward(noted);
@@ -146,6 +153,7 @@ Expected<SlurmRun> SlurmRun::Open(const fs::path& folder) {
     settings.budget = value.at("budget").get<double>();
     settings.config_sha256 = value.at("config_sha256").get<std::string>();
     settings.cache = value.at("cache").get<std::string>();
+    settings.working_folder = value.at("working_folder").get<std::string>();
     settings.program = value.at("program").get<std::string>();
   } catch (const json::exception& wrong) {
     return Fail(ErrorCode::kMalformed, wrong.what(), DisplayPath(file), "start the run again: mocurate run");
@@ -212,6 +220,8 @@ Expected<SubmittedJob> SlurmRun::Submit(SubmittedJob job, const std::string& scr
   if (job.time_s) line["time_s"] = *job.time_s;
   if (job.memory_bytes) line["memory_bytes"] = *job.memory_bytes;
   if (Status noted = AddLine(folder_ / "slurm" / "jobs.jsonl", std::move(line)); !noted) return Forward(noted);
+  std::error_code none;
+  fs::remove(folder_ / "slurm" / "queue.txt", none);  // it does not know this job
   return job;
 }
 
@@ -255,9 +265,7 @@ Expected<SubmittedJob> SlurmRun::SubmitArray(const LoadedJob& job, const std::st
   array.memory_bytes = options.tasks.memory_bytes;
   array.cores = static_cast<int>(options.tasks.cores);
   const std::string cap = options.at_once > 0 ? "%" + std::to_string(options.at_once) : std::string();
-  // A lost node's tasks are planned again, so Slurm need not requeue them: two of the same would run side by side.
-  const std::string more =
-      "#SBATCH --array=0-" + std::to_string(tasks - 1) + cap + "\n#SBATCH --no-requeue\n#SBATCH --signal=B:USR1@90\n";
+  const std::string more = "#SBATCH --array=0-" + std::to_string(tasks - 1) + cap + "\n#SBATCH --signal=B:USR1@90\n";
   std::string script =
       ScriptHead(stage, folder_ / "slurm" / "logs/", options, options.tasks, array.time_s, more, settings_) + "exec " +
       settings_.program + " run --plan " + Quoted(plan.native()) + " --task \"$SLURM_ARRAY_TASK_ID\" --jobs " +
@@ -269,48 +277,59 @@ Expected<SubmittedJob> SlurmRun::SubmitArray(const LoadedJob& job, const std::st
 /// Opens and hashes what an array made. What is not seen or not whole is looked at again for a minute; then it counts
 /// as missing.
 Status SlurmRun::Verify(const SubmittedJob& array) const {
-  const auto begin = std::chrono::steady_clock::now();
-  const fs::path claims = folder_ / "plan" / array.stage;
-  const auto held = [&claims] {
-    std::error_code none;
-    for (fs::directory_iterator it(claims, none), end; !none && it != end; it.increment(none)) {
-      if (it->path().extension() == ".claim" && TaskClaim::Held(it->path())) return true;
-    }
-    return false;
-  };
-  while (held() && std::chrono::steady_clock::now() - begin < kClaims) std::this_thread::sleep_for(kPause);
-
   const Expected<Plan> plan = Plan::Open(folder_ / "plan" / (array.stage + ".json"));
   if (!plan) return Forward(plan);
   const Cache cache(settings_.cache);
-  std::vector<TaskReport> tasks = Tasks(array, std::nullopt);
-  std::chrono::steady_clock::time_point first_look = std::chrono::steady_clock::now();
+  const std::vector<TaskReport> tasks = Tasks(array, std::nullopt);
+  std::vector<std::string> doubtful;  // keys
+  const auto whole = [&cache](const std::string& key) {
+    const std::optional<Cache::Entry> entry = cache.Find(key);
+    return entry && WhollyThere(*entry);
+  };
   for (std::size_t k = 0; k < plan->head().tasks && k < tasks.size(); ++k) {
     const Expected<std::vector<ItemSpec>> items = plan->Task(k);
     if (!items) return Forward(items);
     for (const ItemSpec& item : *items) {
-      const std::string key = Cache::Key(plan->head().stage, item);
-      while (true) {
-        const std::optional<Cache::Entry> entry = cache.Find(key);
-        const bool expected = entry || tasks[k].state == TaskState::kDone;
-        if (!expected || (entry && WhollyThere(*entry))) break;
-        if (std::chrono::steady_clock::now() - first_look > kLatest) {
-          if (entry) {
-            LogWarning("cache: " + DisplayPath(entry->artifact) +
-                       " does not hold the bytes that were recorded: made again");
-            DropObject(entry->artifact);
-          }
-          break;
-        }
-        // Listing a folder makes this node ask the file server again.
-        std::error_code none;
-        for (fs::directory_iterator it(RecordPath(settings_.cache, key).parent_path(), none), end; !none && it != end;)
-          it.increment(none);
-        std::this_thread::sleep_for(std::chrono::milliseconds(500));
-      }
+      std::string key = Cache::Key(plan->head().stage, item);
+      const bool expected = tasks[k].state == TaskState::kDone || cache.Find(key);
+      if (expected && !whole(key)) doubtful.push_back(std::move(key));
     }
   }
+  const auto begin = std::chrono::steady_clock::now();
+  while (!doubtful.empty() && std::chrono::steady_clock::now() - begin < kLatest) {
+    std::this_thread::sleep_for(kPause);
+    std::vector<std::string> left;
+    for (std::string& key : doubtful) {
+      // Listing a folder makes this node ask the file server again.
+      std::error_code none;
+      for (fs::directory_iterator it(RecordPath(settings_.cache, key).parent_path(), none), end; !none && it != end;)
+        it.increment(none);
+      if (!whole(key)) left.push_back(std::move(key));
+    }
+    doubtful = std::move(left);
+  }
+  for (const std::string& key : doubtful) {
+    const std::optional<Cache::Entry> entry = cache.Find(key);
+    if (!entry) continue;
+    LogWarning("cache: " + DisplayPath(entry->artifact) + " does not hold the bytes that were recorded: made again");
+    DropObject(entry->artifact);
+  }
   return {};
+}
+
+/// A dead task's claim is held for a while.
+void SlurmRun::WaitForClaims() const {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto held = [this] {
+    for (const std::string& stage : PlannedStageNames()) {
+      std::error_code none;
+      for (fs::directory_iterator it(folder_ / "plan" / stage, none), end; !none && it != end; it.increment(none)) {
+        if (it->path().extension() == ".claim" && TaskClaim::Held(it->path())) return true;
+      }
+    }
+    return false;
+  };
+  while (held() && std::chrono::steady_clock::now() - begin < kClaims) std::this_thread::sleep_for(kPause);
 }
 
 Expected<SubmittedJob> SlurmRun::Next(const LoadedJob& job) const {
@@ -318,21 +337,28 @@ Expected<SubmittedJob> SlurmRun::Next(const LoadedJob& job) const {
   for (SubmittedJob& submitted : Jobs()) {
     if (submitted.kind == SlurmKind::kArray) arrays.push_back(std::move(submitted));
   }
+  const auto claim = TaskClaim::Take(folder_ / "slurm" / "step.claim");
+  if (!claim) return Forward(claim);
+  WaitForClaims();
   if (!arrays.empty()) {
     if (Status verified = Verify(arrays.back()); !verified) return Forward(verified);
   }
-  const Expected<SlurmLimits> limits = AskSlurmLimits();
-  if (!limits) return Forward(limits);
+  // A controller that does not answer now may do so when it is asked to submit.
+  const SlurmLimits limits = AskSlurmLimits().value_or(SlurmLimits());
   const SlurmOptions& options = job.options.slurm;
   PlanSettings settings;
   settings.config = settings_.config;
   settings.assignments = settings_.assignments;
   settings.folder = folder_;
-  settings.stages = PlannedStageNames();
+  const auto last = JobStageFromName(settings_.to.empty() ? "report" : settings_.to);
+  if (!last) return Forward(last);
+  for (const std::string& name : PlannedStageNames()) {
+    if (StageNamed(name)->of <= *last) settings.stages.push_back(name);
+  }
   settings.task_minutes = options.task_time_s / 60.0;
   settings.pilot = static_cast<std::size_t>(options.pilot);
   // MaxJobCount bounds the jobs of all users: the rest is left to them.
-  settings.most_tasks = std::max<std::size_t>(1, std::min(limits->array_size - 1, limits->jobs / 2));
+  settings.most_tasks = std::max<std::size_t>(1, std::min(limits.array_size - 1, limits.jobs / 2));
   if (options.most_tasks > 0)
     settings.most_tasks = std::min(settings.most_tasks, static_cast<std::size_t>(options.most_tasks));
   settings.tolerated = job.options.tolerated_failures;
@@ -343,11 +369,16 @@ Expected<SubmittedJob> SlurmRun::Next(const LoadedJob& job) const {
     if (!plan) return Forward(plan);
     if (plan->stage.empty()) return SubmitLast(job);
     if (plan->items == 0) continue;  // the pilot made them all
-    int idle = 0;                    // arrays after which as many items were missing as before
-    for (auto array = arrays.rbegin(); array != arrays.rend() && array->stage == plan->stage; ++array) {
-      if (array->items == plan->items) ++idle;
-      if (array->items != plan->items) break;
+    // Arrays of the stage since one of them completed an item.
+    int idle = 0;
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (const SubmittedJob& array : arrays) {
+      if (array.stage != plan->stage) continue;
+      if (array.items < least) idle = 0;
+      least = std::min(least, array.items);
+      ++idle;
     }
+    if (plan->items < least) idle = 0;
     if (idle >= kAttempts) {
       settings.given_up.insert(plan->stage);
       continue;
@@ -412,7 +443,10 @@ Expected<std::string> SlurmRun::Queue() const {
   // Earlier arrays have ended: a step follows an array.
   if (ids.size() > 4) ids.erase(ids.begin(), ids.end() - 4);
   Expected<std::string> text = ids.empty() ? Expected<std::string>(std::string()) : AskQueue(ids);
-  if (!text) return text;
+  if (!text) {
+    if (Status noted = WriteFile(file, ""); !noted) return Forward(noted);
+    return text;
+  }
   if (Status written = WriteFile(file, *text); !written) return Forward(written);
   return text;
 }

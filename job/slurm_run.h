@@ -20,7 +20,8 @@ struct SlurmSettings {
   double budget = 1.0;
   std::string config_sha256;
   std::filesystem::path cache;
-  std::string program;  ///< shell text
+  std::filesystem::path working_folder;  ///< that relative paths start from
+  std::string program;                   ///< shell text
 };
 
 enum class SlurmKind {
@@ -75,7 +76,8 @@ class SlurmRun {
   /// The first job: a step. Error of SubmitToSlurm.
   Expected<SubmittedJob> SubmitStep(const LoadedJob& job, const std::string& after = {}) const;
   /// Verifies what the last array made, plans the next stage that lacks items and submits its array and, with
-  /// `submit_from: compute`, the step after it; when none lacks any, the last job.
+  /// `submit_from: compute`, the step after it; when none lacks any, the last job. Error kUsage while another
+  /// process does the same.
   Expected<SubmittedJob> Next(const LoadedJob& job) const;
 
   /// The tasks of an array. `queue`: lines of AskQueue; absent: not asked.
@@ -91,6 +93,7 @@ class SlurmRun {
   Expected<SubmittedJob> SubmitLast(const LoadedJob& job) const;
   Expected<SubmittedJob> Submit(SubmittedJob job, const std::string& script, const std::string& after) const;
   Status Verify(const SubmittedJob& array) const;
+  void WaitForClaims() const;
 
   std::filesystem::path folder_;
   SlurmSettings settings_;

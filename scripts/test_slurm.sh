@@ -33,7 +33,7 @@ same() {
 }
 # Items of stage $2 that run $1 executed and finished, over all journals: each is one line.
 executed() {
-  cat "run_$1/journal.jsonl" "run_$1/plan/$2"/*.jsonl 2>/dev/null |
+  { cat "run_$1/journal.jsonl" "run_$1/plan/$2"/*.jsonl 2>/dev/null || true; } |
     awk -v stage="\"stage\":\"$2\"" 'index($0, stage) && /"from_cache":false/ && /"outcome":"(done|suspect)"/' | wc -l
 }
 once() {
@@ -107,7 +107,8 @@ for scenario in $scenarios; do
       on_slurm refused --set slurm.partition=nowhere || status=$?
       [ $status -eq 2 ] || { echo "FAILED: exit code $status for an unknown partition" >&2; exit 1; }
       status=0
-      PATH=/bin on_slurm refused || status=$?
+      PATH=/nowhere on_slurm refused || status=$?
+      [ $status -eq 4 ] || { echo "FAILED: exit code $status without Slurm in PATH" >&2; exit 1; }
       echo "ok: refusals"
       ;;
     *) echo "unknown scenario $scenario" >&2; exit 2 ;;

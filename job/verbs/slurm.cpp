@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -105,6 +106,7 @@ class Follower {
   /// True when the last array has ended before the run (submit_from: login).
   Expected<bool> Wait(bool for_array) {
     const Interruption interruption;
+    gone_since_.reset();
     while (true) {
       if (run_.Outcome()) return false;
       const std::vector<SubmittedJob> jobs = run_.Jobs();
@@ -116,6 +118,7 @@ class Follower {
       }
       const std::string active = queue ? ActiveIds(*queue) : std::string();
       const std::optional<std::string> lines = queue ? std::optional<std::string>(*queue) : std::nullopt;
+      const bool awaits_array = for_array && !jobs.empty() && jobs.back().kind == SlurmKind::kArray;
       std::size_t tasks = 0;
       if (!jobs.empty() && jobs.back().kind == SlurmKind::kArray) tasks = jobs.back().tasks;
       for (auto job = jobs.rbegin(); job != jobs.rend(); ++job) {
@@ -129,11 +132,11 @@ class Follower {
             (counts.failed + counts.lost > 0 ? ", " + std::to_string(counts.failed + counts.lost) + " failed"
                                              : std::string()));
         const bool ended = counts.waiting + counts.running == 0;
-        if (for_array && job == jobs.rbegin() && (ended || (queue && Gone(active)))) return true;
+        if (awaits_array && (ended || (queue && Gone(active)))) return true;
         break;
       }
       if (!jobs.empty() && jobs.back().kind == SlurmKind::kLast) Say("last stages: job " + jobs.back().id);
-      if (!for_array && queue && Gone(active) && !run_.Outcome()) {
+      if (!awaits_array && queue && Gone(active) && !run_.Outcome()) {
         const fs::path log = jobs.empty() ? fs::path() : run_.Log(jobs.back());
         return Fail(ErrorCode::kInterrupted, "no job of the run is queued any more, and it has not ended",
                     DisplayPath(log), "the log may say why; run the same command again to continue");
@@ -331,17 +334,25 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
   settings.budget = arguments.budget;
   settings.config_sha256 = ConfigHash(job.options);
   settings.cache = fs::absolute(DefaultCacheFolder());
+  settings.working_folder = fs::current_path(problem);
   settings.program = job.options.slurm.program.empty() ? ThisProgram() : job.options.slurm.program;
 
   const bool login = job.options.slurm.submit_from == SubmitFrom::kLogin;
   Expected<SlurmRun> run = SlurmRun::Open(*folder);
   std::string active;
-  if (run && !run->Outcome()) {
+  if (run) {
+    fs::remove(run->folder() / "slurm" / "queue.txt", problem);  // jobs may have been cancelled since
     const Expected<std::string> queue = run->Queue();
     if (!queue) return Forward(queue);
     active = ActiveIds(*queue);
-    if (!active.empty() && run->settings().config_sha256 != settings.config_sha256) {
-      return Fail(ErrorCode::kUsage, "jobs of this run with another configuration are queued: " + active,
+    if (!active.empty() && run->Outcome() && run->Outcome()->exit_code != 0) {
+      return Fail(ErrorCode::kUsage, "the run has ended, but jobs of it are still queued: " + active,
+                  DisplayPath(*folder), "wait for them, or cancel them: scancel " + active);
+    }
+    if (run->Outcome()) active.clear();
+    if (!active.empty() && (run->settings().config_sha256 != settings.config_sha256 ||
+                            run->settings().to != settings.to || run->settings().budget != settings.budget)) {
+      return Fail(ErrorCode::kUsage, "jobs of this run with other arguments are queued: " + active,
                   DisplayPath(*folder), "wait for them, cancel them (scancel " + active + "), or name another folder");
     }
     if (!active.empty()) LogInfo("jobs of this run are queued, and followed: " + active);
@@ -385,6 +396,9 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
 Status JobsVerb(CommonArguments& common, const JobsArguments& arguments) {
   const Expected<SlurmRun> run = SlurmRun::Open(arguments.run);
   if (!run) return Forward(run);
+  std::error_code problem;
+  setenv("MOCURATE_CACHE", run->settings().cache.c_str(), 1);
+  fs::current_path(run->settings().working_folder, problem);
   auto job = LoadJob(run->settings().config, run->settings().assignments);
   if (!job) return arguments.next || arguments.last ? run->End(Forward(job)) : Forward(job);
   if (!arguments.next && !arguments.last) return ShowJobs(common, *run, job->options.slurm.task_time_s);
@@ -395,6 +409,8 @@ Status JobsVerb(CommonArguments& common, const JobsArguments& arguments) {
   ChooseBlasKernels();
   if (arguments.last) return RunLast(common, *run, static_cast<int>(job->options.slurm.last.cores));
   const Expected<SubmittedJob> next = run->Next(*job);
+  // Another process that is at work goes on.
+  if (!next && next.error().code == ErrorCode::kUsage) return Forward(next);
   if (!next) return run->End(Forward(next));
   LogInfo("submitted: " + TitleOf(*next) + ", job " + next->id);
   return {};

@@ -101,9 +101,12 @@ TEST_F(RecordedViews, ReadRenderedStillsAsOneFrameClipsWithGroundTruth) {
     labels.insert(ingested.clip.label);
     ASSERT_EQ(ingested.clip.evidence.depth_views.size(), 3u);
     const auto folder = FreshFolder("still_truth");
-    const StageRequest request{
-        "truth", discovery->truth[i].item, discovery->truth[i].options.Whole(), discovery->truth[i].inputs, folder / "truth.h5",
-        folder};
+    const StageRequest request{"truth",
+                               discovery->truth[i].item,
+                               discovery->truth[i].options.Whole(),
+                               discovery->truth[i].inputs,
+                               folder / "truth.h5",
+                               folder};
     const auto outcome = TruthStage(request);
     ASSERT_TRUE(outcome) << outcome.error().Message();
     const auto truth = ReadTruth(request.output);

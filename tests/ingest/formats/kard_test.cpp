@@ -26,7 +26,8 @@ TEST_F(Kard, HasFourHundredThirtyTwoClipsOfEightPeople) {
   EXPECT_EQ(discovery->excluded[0].item, "screen");  // image coordinates of some clips: skipped and reported
   EXPECT_EQ(discovery->items[0].item, "kard/s01/a01_s01_e01");
   EXPECT_EQ(discovery->items[0].inputs[0].name, "a01_s01_e01_realworld.txt");
-  EXPECT_EQ(discovery->items[0].options.Whole().dump().find(TestData()), std::string::npos) << "options contain the folder";
+  EXPECT_EQ(discovery->items[0].options.Whole().dump().find(TestData()), std::string::npos)
+      << "options contain the folder";
 }
 
 TEST_F(Kard, IsReadInMetresAndRightHanded) {
