@@ -60,6 +60,12 @@ tl::unexpected<Error> NotAnswered(const std::string& asked, std::string_view tex
 
 }  // namespace
 
+std::string ShellQuoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 std::string SlurmTime(double seconds) {
   const auto whole = static_cast<long long>(std::ceil(seconds));
   char text[64];

@@ -34,6 +34,9 @@ std::vector<QueuedJob> ParseQueue(std::string_view text);
 /// the cluster refuses; kMissingOnHost: the controller does not answer, or refuses for another reason.
 Expected<std::string> ParseSubmission(int exit_status, std::string_view text);
 
+/// One word of a shell.
+std::string ShellQuoted(const std::string& text);
+
 /// "1-02:03:04", as sbatch --time takes it.
 std::string SlurmTime(double seconds);
 

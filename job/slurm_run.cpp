@@ -9,9 +9,7 @@
 #include <ctime>
 #include <fstream>
 #include <limits>
-#include <map>
 #include <set>
-#include <sstream>
 #include <thread>
 
 #include "core/base/file.h"
@@ -36,15 +34,10 @@ constexpr std::chrono::seconds kLatest{60};       ///< an artifact may appear on
 constexpr std::chrono::seconds kClaims{180};      ///< a dead task's claim is held for half of this
 constexpr std::chrono::seconds kPause{5};
 constexpr std::time_t kAskEvery_s = 60;
+constexpr char kNoAnswer = '!';  ///< first byte of queue.txt when squeue failed; its reason follows
 
 const char* Name(SlurmKind kind) {
   return kind == SlurmKind::kArray ? "array" : kind == SlurmKind::kStep ? "step" : "last";
-}
-
-std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
 }
 
 std::vector<json> Lines(const fs::path& file) {
@@ -82,7 +75,7 @@ std::string ScriptHead(const std::string& name, const fs::path& log, const Slurm
         "#SBATCH --mem=" + std::to_string(static_cast<long long>(std::ceil(*wanted.memory_bytes / 1048576.0))) + "M\n";
   text += "#SBATCH --ntasks=1\n#SBATCH --cpus-per-task=" + std::to_string(wanted.cores) + "\n";
   for (const std::string& option : options.sbatch) text += "#SBATCH " + option + "\n";
-  text += "export MOCURATE_CACHE=" + Quoted(settings.cache.native()) + "\n";
+  text += "export MOCURATE_CACHE=" + ShellQuoted(settings.cache.native()) + "\n";
   for (const std::string& line : options.prologue) text += line + "\n";
   return text;
 }
@@ -95,11 +88,10 @@ bool WhollyThere(const Cache::Entry& entry) {
 
 double SecondsOf(const json& line) {
   std::tm parts{};
-  std::istringstream text(line.value("time", ""));
+  const std::string text = line.value("time", "");
   int year = 0, month = 0, day = 0, hour = 0, minute = 0;
   double second = 0.0;
-  if (std::sscanf(text.str().c_str(), "%d-%d-%dT%d:%d:%lf", &year, &month, &day, &hour, &minute, &second) != 6)
-    return 0.0;
+  if (std::sscanf(text.c_str(), "%d-%d-%dT%d:%d:%lf", &year, &month, &day, &hour, &minute, &second) != 6) return 0.0;
   parts.tm_year = year - 1900;
   parts.tm_mon = month - 1;
   parts.tm_mday = day;
@@ -226,29 +218,21 @@ Expected<SubmittedJob> SlurmRun::Submit(SubmittedJob job, const std::string& scr
 }
 
 Expected<SubmittedJob> SlurmRun::SubmitStep(const LoadedJob& job, const std::string& after) const {
-  const SlurmOptions& options = job.options.slurm;
-  SubmittedJob step;
-  step.kind = SlurmKind::kStep;
-  step.time_s = options.tasks.time_s;
-  step.memory_bytes = options.tasks.memory_bytes;
-  step.cores = static_cast<int>(options.tasks.cores);
-  const std::string script =
-      ScriptHead("step", folder_ / "slurm" / "logs/", options, options.tasks, step.time_s, "", settings_) + "exec " +
-      settings_.program + " jobs " + Quoted(folder_.native()) + " --next\n";
-  return Submit(std::move(step), script, after);
+  return SubmitSingle(job, SlurmKind::kStep, job.options.slurm.tasks, after);
 }
 
-Expected<SubmittedJob> SlurmRun::SubmitLast(const LoadedJob& job) const {
-  const SlurmOptions& options = job.options.slurm;
-  SubmittedJob last;
-  last.kind = SlurmKind::kLast;
-  last.time_s = options.last.time_s;
-  last.memory_bytes = options.last.memory_bytes;
-  last.cores = static_cast<int>(options.last.cores);
+Expected<SubmittedJob> SlurmRun::SubmitSingle(const LoadedJob& job, SlurmKind kind, const SlurmResources& wanted,
+                                              const std::string& after) const {
+  SubmittedJob single;
+  single.kind = kind;
+  single.time_s = wanted.time_s;
+  single.memory_bytes = wanted.memory_bytes;
+  single.cores = static_cast<int>(wanted.cores);
   const std::string script =
-      ScriptHead("last", folder_ / "slurm" / "logs/", options, options.last, last.time_s, "", settings_) + "exec " +
-      settings_.program + " jobs " + Quoted(folder_.native()) + " --last\n";
-  return Submit(std::move(last), script, "");
+      ScriptHead(Name(kind), folder_ / "slurm" / "logs/", job.options.slurm, wanted, single.time_s, "", settings_) +
+      "exec " + settings_.program + " jobs " + ShellQuoted(folder_.native()) +
+      (kind == SlurmKind::kStep ? " --next\n" : " --last\n");
+  return Submit(std::move(single), script, after);
 }
 
 Expected<SubmittedJob> SlurmRun::SubmitArray(const LoadedJob& job, const std::string& stage, std::size_t items,
@@ -268,7 +252,7 @@ Expected<SubmittedJob> SlurmRun::SubmitArray(const LoadedJob& job, const std::st
   const std::string more = "#SBATCH --array=0-" + std::to_string(tasks - 1) + cap + "\n#SBATCH --signal=B:USR1@90\n";
   std::string script =
       ScriptHead(stage, folder_ / "slurm" / "logs/", options, options.tasks, array.time_s, more, settings_) + "exec " +
-      settings_.program + " run --plan " + Quoted(plan.native()) + " --task \"$SLURM_ARRAY_TASK_ID\" --jobs " +
+      settings_.program + " run --plan " + ShellQuoted(plan.native()) + " --task \"$SLURM_ARRAY_TASK_ID\" --jobs " +
       std::to_string(array.cores);
   if (!options.scratch.empty()) script += " --scratch \"" + options.scratch + "\"";
   return Submit(std::move(array), script + "\n", "");
@@ -367,7 +351,7 @@ Expected<SubmittedJob> SlurmRun::Next(const LoadedJob& job) const {
   while (true) {
     const Expected<MadePlan> plan = MakePlan(job, settings);
     if (!plan) return Forward(plan);
-    if (plan->stage.empty()) return SubmitLast(job);
+    if (plan->stage.empty()) return SubmitSingle(job, SlurmKind::kLast, options.last, "");
     if (plan->items == 0) continue;  // the pilot made them all
     // Arrays of the stage since one of them completed an item.
     int idle = 0;
@@ -437,17 +421,21 @@ std::vector<TaskReport> SlurmRun::Tasks(const SubmittedJob& array, const std::op
 Expected<std::string> SlurmRun::Queue() const {
   const fs::path file = folder_ / "slurm" / "queue.txt";
   struct stat asked {};
-  if (stat(file.c_str(), &asked) == 0 && std::time(nullptr) - asked.st_mtim.tv_sec < kAskEvery_s) return ReadFile(file);
-  std::vector<std::string> ids;
-  for (const SubmittedJob& job : Jobs()) ids.push_back(job.id);
-  // Earlier arrays have ended: a step follows an array.
-  if (ids.size() > 4) ids.erase(ids.begin(), ids.end() - 4);
-  Expected<std::string> text = ids.empty() ? Expected<std::string>(std::string()) : AskQueue(ids);
-  if (!text) {
-    if (Status noted = WriteFile(file, ""); !noted) return Forward(noted);
-    return text;
+  Expected<std::string> text;
+  if (stat(file.c_str(), &asked) == 0 && std::time(nullptr) - asked.st_mtim.tv_sec < kAskEvery_s) {
+    text = ReadFile(file);
+  } else {
+    std::vector<std::string> ids;
+    for (const SubmittedJob& job : Jobs()) ids.push_back(job.id);
+    // Earlier arrays have ended: a step follows an array.
+    if (ids.size() > 4) ids.erase(ids.begin(), ids.end() - 4);
+    if (!ids.empty()) text = AskQueue(ids);
+    if (!text) text = kNoAnswer + text.error().what;
+    if (Status written = WriteFile(file, *text); !written) return Forward(written);
   }
-  if (Status written = WriteFile(file, *text); !written) return Forward(written);
+  // No answer is not an empty queue.
+  if (text && !text->empty() && text->front() == kNoAnswer)
+    return Fail(ErrorCode::kMissingOnHost, text->substr(1), "executor: slurm", "asked again in a minute");
   return text;
 }
 

@@ -90,7 +90,8 @@ class SlurmRun {
  private:
   Expected<SubmittedJob> SubmitArray(const LoadedJob& job, const std::string& stage, std::size_t items,
                                      std::size_t tasks, double seconds, const std::filesystem::path& plan) const;
-  Expected<SubmittedJob> SubmitLast(const LoadedJob& job) const;
+  Expected<SubmittedJob> SubmitSingle(const LoadedJob& job, SlurmKind kind, const SlurmResources& wanted,
+                                      const std::string& after) const;
   Expected<SubmittedJob> Submit(SubmittedJob job, const std::string& script, const std::string& after) const;
   Status Verify(const SubmittedJob& array) const;
   void WaitForClaims() const;

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -55,13 +53,12 @@ std::string TitleOf(const SubmittedJob& job) {
   return job.kind == SlurmKind::kStep ? "(next stage)" : "(last stages)";
 }
 
+/// The jobs that wait or run; what is completing has ended.
 std::string ActiveIds(const std::string& queue) {
   std::string ids;
-  std::string last;
   for (const QueuedJob& job : ParseQueue(queue)) {
-    if (job.id != last && (" " + ids + " ").find(" " + job.id + " ") == std::string::npos)
+    if (job.state != "COMPLETING" && (" " + ids + " ").find(" " + job.id + " ") == std::string::npos)
       ids += (ids.empty() ? "" : " ") + job.id;
-    last = job.id;
   }
   return ids;
 }
@@ -173,15 +170,6 @@ class Follower {
   std::optional<std::chrono::steady_clock::time_point> gone_since_;
 };
 
-/// The path of this program, for jobs.
-std::string ThisProgram() {
-  std::error_code problem;
-  const fs::path program = fs::read_symlink("/proc/self/exe", problem);
-  std::string quoted = "'";
-  for (const char c : program.native()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 nlohmann::json JobJson(const SubmittedJob& job, const std::vector<TaskReport>& tasks) {
   nlohmann::json value = {{"job", job.id}, {"stage", TitleOf(job)}, {"cores", job.cores}};
   if (job.time_s) value["asked_s"] = *job.time_s;
@@ -272,7 +260,8 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run, double wished_s) {
   }
   if (common.json) {
     common.answered = true;
-    nlohmann::json value = {{"run", DisplayPath(run.folder())}, {"jobs", shown}, {"queued", active}};
+    nlohmann::json value = {{"run", DisplayPath(run.folder())}, {"jobs", shown}, {"queued", nullptr}};
+    if (lines) value["queued"] = active;
     if (outcome) value["outcome"] = {{"exit_code", outcome->exit_code}, {"message", outcome->message}};
     std::printf("%s\n", value.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     return {};
@@ -335,7 +324,8 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
   settings.config_sha256 = ConfigHash(job.options);
   settings.cache = fs::absolute(DefaultCacheFolder());
   settings.working_folder = fs::current_path(problem);
-  settings.program = job.options.slurm.program.empty() ? ThisProgram() : job.options.slurm.program;
+  settings.program = job.options.slurm.program;
+  if (settings.program.empty()) settings.program = ShellQuoted(fs::read_symlink("/proc/self/exe", problem).native());
 
   const bool login = job.options.slurm.submit_from == SubmitFrom::kLogin;
   Expected<SlurmRun> run = SlurmRun::Open(*folder);
@@ -350,8 +340,9 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
                   DisplayPath(*folder), "wait for them, or cancel them: scancel " + active);
     }
     if (run->Outcome()) active.clear();
-    if (!active.empty() && (run->settings().config_sha256 != settings.config_sha256 ||
-                            run->settings().to != settings.to || run->settings().budget != settings.budget)) {
+    if (!active.empty() &&
+        (run->settings().config_sha256 != settings.config_sha256 || run->settings().to != settings.to ||
+         run->settings().budget != settings.budget || run->settings().cache != settings.cache)) {
       return Fail(ErrorCode::kUsage, "jobs of this run with other arguments are queued: " + active,
                   DisplayPath(*folder), "wait for them, cancel them (scancel " + active + "), or name another folder");
     }

@@ -166,6 +166,15 @@ TEST_F(SlurmRuns, ArraysGiveTheBytesOfAPlainRun) {
   EXPECT_GE(arrays, 3u) << shown;
   EXPECT_EQ(Run({"jobs", (*folder_ / "arrays").native()}, "arrays").exit_code, 0);
 
+  fs::remove(*folder_ / "arrays/slurm/queue.txt");
+  WriteText(*folder_ / "arrays_shim/down", "");
+  for (int i = 0; i < 2; ++i) {
+    const Result down = Run(ask, "arrays");
+    EXPECT_EQ(down.exit_code, 0);
+    EXPECT_EQ(down.Json()["queued"], nullptr) << "no answer is not an empty queue";
+  }
+  fs::remove(*folder_ / "arrays_shim/down");
+
   const Result again = Run(OnSlurm("arrays", scratch), "arrays");
   ASSERT_EQ(again.exit_code, 0) << again.err;
   const nlohmann::json in_the_end = Run(ask, "arrays").Json();

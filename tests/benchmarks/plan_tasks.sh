@@ -9,6 +9,7 @@ mkdir -p "$folder"
 cd "$folder"
 export MOCURATE_CACHE=
 clock() { date +%s.%N; }
+minus() { awk -v a="$1" -v b="$2" 'BEGIN {printf "%.2f", a - b}'; }
 ratio() { awk -v a="$1" -v b="$2" 'BEGIN {printf "%.3f", a / b}'; }
 job() { local verb=$1; shift; "$program" "$verb" kard -q "$@"; }
 stages() {  # RUN TASKS STAGE ...
@@ -28,7 +29,7 @@ for ((i = 1; i <= repeats; i++)); do
   MOCURATE_CACHE=$PWD/cache_tasks job run --to assemble -o tasks
   c=$(clock)
   cmp plain/dataset.h5 tasks/dataset.h5
-  echo "plan and tasks / plain: $(ratio "$(echo "$c - $b" | bc)" "$(echo "$b - $a" | bc)")  ($(echo "$b - $a" | bc) s plain)"
+  echo "plan and tasks / plain: $(ratio "$(minus $c $b)" "$(minus $b $a)")  ($(minus $b $a) s plain)"
 done
 for ((i = 1; i <= repeats; i++)); do
   rm -rf one two cache_one cache_two
@@ -44,5 +45,5 @@ for ((i = 1; i <= repeats; i++)); do
   for k in 0 1; do "$program" run --plan two/plan/fitting.json --task $k --jobs 1 -q & done
   wait
   c=$(clock)
-  echo "two tasks one after the other / side by side: $(ratio "$(echo "$b - $a" | bc)" "$(echo "$c - $b" | bc)")"
+  echo "two tasks one after the other / side by side: $(ratio "$(minus $b $a)" "$(minus $c $b)")"
 done
