@@ -45,7 +45,7 @@ class ClipFiles {
   SkeletonPtr Shared(SkeletonPtr skeleton);
 
   std::deque<SkeletonPtr> skeletons_;  ///< different ones of the files read last
-  std::vector<std::filesystem::path> files_;
+  std::vector<PathText> files_;
   std::map<std::string, Place> places_;  ///< by clip id
   std::map<std::string, std::string> items_;
   std::optional<std::pair<std::size_t, DatasetClips>> opened_;  ///< the file read last, checked in full

@@ -66,6 +66,7 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
     dataset.skeleton = *built_in;
   }
   std::vector<Clip> kept;
+  std::map<SkeletonPtr, SkeletonPtr> united;  // clips that share a skeleton share it afterwards
   for (Clip& clip : dataset.clips) {
     Motion& motion = *clip.motion;
     if (!SameTree(*dataset.skeleton, *motion.skeleton)) {
@@ -82,7 +83,9 @@ void UniteSkeletons(Dataset& dataset, std::vector<Finding>& findings) {
       continue;
     }
     const bool shared = dataset.joints_only || SameRestOffsets(*motion.skeleton, *dataset.skeleton);
-    motion.skeleton = shared ? dataset.skeleton : WithRestOffsetsOf(*dataset.skeleton, *motion.skeleton);
+    SkeletonPtr& own = united[motion.skeleton];
+    if (!own) own = shared ? dataset.skeleton : WithRestOffsetsOf(*dataset.skeleton, *motion.skeleton);
+    motion.skeleton = own;
     motion.rotation_reference = shared ? nullptr : dataset.skeleton;
     kept.push_back(std::move(clip));
   }

@@ -1,7 +1,10 @@
 #include "core/store/dataset_clips.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <string_view>
+#include <utility>
 
 #include "core/base/renamed.h"
 #include "core/base/sha256.h"
@@ -42,8 +45,12 @@ Array RowsOf(const Array& array, const std::vector<std::size_t>& rows) {
 
 /// Bit of an optional field of /frames in /clips/field_mask; -1 for others.
 int MaskBit(const std::string& path) {
+  constexpr std::string_view kFrames = "/frames/";
+  if (path.rfind(kFrames, 0) != 0) return -1;
   for (std::size_t bit = 0; bit < store::kOptionalFrameFields.size(); ++bit) {
-    if (path == std::string("/frames/") + store::kOptionalFrameFields[bit]) return static_cast<int>(bit);
+    if (path.compare(kFrames.size(), std::string::npos, store::kOptionalFrameFields[bit]) == 0) {
+      return static_cast<int>(bit);
+    }
   }
   return -1;
 }
@@ -56,6 +63,7 @@ struct DatasetClips::File {
   std::map<std::string, std::vector<std::uint64_t>> frame_fields;  ///< path -> shape
   SkeletonPtr skeleton;
   AxisConvention axes;
+  std::optional<std::pair<std::size_t, Content>> first;  ///< valid clip with its row: files of one clip are read once
 
   std::string Where(const std::string& field) const { return store::Where(reader.file(), field); }
   Expected<Content> OneClip(std::size_t row) const;
@@ -69,7 +77,7 @@ struct DatasetClips::File {
 Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Check check) {
   Expected<Hdf5Reader> reader = Hdf5Reader::Open(path);
   if (!reader) return Forward(reader);
-  auto file = std::make_shared<File>(File{std::move(*reader), {}, {}, {}, {}});
+  auto file = std::make_shared<File>(File{std::move(*reader), {}, {}, {}, {}, {}});
   if (Status schema = store::CheckSchemaName(store::DatasetSchema(), file->reader); !schema) return Forward(schema);
   std::map<std::string, std::string> lines;
   for (const std::string& name : file->reader.GroupsBelow("/splits")) file->content.splits.insert(name);
@@ -120,13 +128,15 @@ Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Che
   const std::size_t rows = file->content.fields.at("/clips/id").rows();
   if (rows > 0) {
     Expected<Content> first = file->OneClip(0);
-    for (std::size_t row = 1; row < rows && !first; ++row) {
-      if (Expected<Content> next = file->OneClip(row)) first = std::move(next);
+    std::size_t row = 0;
+    while (!first && row + 1 < rows) {
+      if (Expected<Content> next = file->OneClip(++row)) first = std::move(next);
     }
     if (!first) return Forward(first);
     auto skeleton = std::make_shared<Skeleton>(store::UnpackSkeleton(*first, ""));
     if (Status sound = store::CheckSkeleton(*skeleton, ErrorCode::kMalformed, path, ""); !sound) return Forward(sound);
     file->skeleton = std::move(skeleton);
+    file->first.emplace(row, *std::move(first));
   }
   return DatasetClips(std::move(file));
 }
@@ -219,9 +229,9 @@ Expected<std::string> DatasetClips::MotionSha256(std::size_t row) const {
 }
 
 bool DatasetClips::File::HasField(std::size_t row, const std::string& path) const {
+  if (frame_fields.count(path) == 0) return false;
   const int bit = MaskBit(path);
-  const std::uint8_t mask = content.Values<std::uint8_t>("/clips/field_mask")[row];
-  return frame_fields.count(path) > 0 && (bit < 0 || (mask & (1u << bit)) != 0);
+  return bit < 0 || (content.Values<std::uint8_t>("/clips/field_mask")[row] & (1u << bit)) != 0;
 }
 
 Status DatasetClips::File::CheckIdsAndSplits() const {
@@ -310,11 +320,15 @@ Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
 }
 
 Expected<Clip> DatasetClips::Read(std::size_t row) const {
+  const auto unpacked = [this](const Content& one) {
+    Clip clip = std::move(store::UnpackClips(one)[0]);
+    clip.motion = std::move(store::UnpackMotions(one, "", file_->skeleton)[0]);
+    return clip;
+  };
+  if (file_->first && file_->first->first == row) return unpacked(file_->first->second);
   const Expected<Content> one = file_->OneClip(row);
   if (!one) return Forward(one);
-  Clip clip = std::move(store::UnpackClips(*one)[0]);
-  clip.motion = std::move(store::UnpackMotions(*one, "", file_->skeleton)[0]);
-  return clip;
+  return unpacked(*one);
 }
 
 }  // namespace mocurate

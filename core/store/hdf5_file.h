@@ -76,7 +76,10 @@ class Hdf5Reader {
   Expected<std::vector<std::string>> ReadVariableTexts(hid_t dataset, std::uint64_t count,
                                                        const std::string& path) const;
 
+  std::string WhereOf(const std::string& path) const { return shown_ + path; }
+
   std::filesystem::path path_;
+  std::string shown_;  ///< Where(path_, "")
   std::uint64_t bytes_ = 0;
   Hdf5Id id_;
 };

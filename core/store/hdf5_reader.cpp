@@ -107,6 +107,7 @@ Expected<Hdf5Reader> Hdf5Reader::Open(const std::filesystem::path& file) {
   }
   Hdf5Reader reader;
   reader.path_ = file;
+  reader.shown_ = Where(file, "");
   reader.bytes_ = std::filesystem::file_size(file, failure);
   if (failure) return Fail(ErrorCode::kUnreadable, failure.message(), DisplayPath(file));
   const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -143,7 +144,7 @@ Expected<Array> Hdf5Reader::Read(const std::string& path, FieldType type) const 
 }
 
 Expected<Array> Hdf5Reader::ReadDataset(const std::string& path, FieldType type) const {
-  const std::string where = Where(path_, path);
+  const std::string where = WhereOf(path);
   const Hdf5Id dataset(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.ok()) return Fail(ErrorCode::kMalformed, "cannot be opened as a dataset: " + Reason(), where);
   const Hdf5Id stored_type(H5Dget_type(dataset.get()), H5Tclose);
@@ -183,7 +184,7 @@ Expected<Array> Hdf5Reader::ReadDataset(const std::string& path, FieldType type)
 
 Status Hdf5Reader::CheckStorage(hid_t dataset, std::uint64_t count, std::uint64_t element_size,
                                 const std::string& path) const {
-  const std::string where = Where(path_, path);
+  const std::string where = WhereOf(path);
   const auto needed = Product({count}, element_size);
   const std::uint64_t stored = H5Dget_storage_size(dataset);
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
@@ -227,14 +228,14 @@ Expected<std::vector<std::string>> Hdf5Reader::ReadTexts(hid_t dataset, hid_t ty
   const std::size_t size = H5Tget_size(type);
   std::vector<char> bytes(count * size);
   if (count > 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
-    return Fail(ErrorCode::kMalformed, "texts cannot be read: " + Reason(), Where(path_, path));
+    return Fail(ErrorCode::kMalformed, "texts cannot be read: " + Reason(), WhereOf(path));
   }
   std::vector<std::string> texts;
   texts.reserve(count);
   for (std::uint64_t i = 0; i < count; ++i) {
     auto text = Unpad(bytes.data() + i * size, size, H5Tget_strpad(type));
     if (!text) {
-      return Fail(ErrorCode::kMalformed, "text " + std::to_string(i) + " has a zero byte inside", Where(path_, path));
+      return Fail(ErrorCode::kMalformed, "text " + std::to_string(i) + " has a zero byte inside", WhereOf(path));
     }
     texts.push_back(std::move(*text));
   }
@@ -261,18 +262,18 @@ Expected<std::vector<std::string>> Hdf5Reader::ReadVariableTexts(hid_t dataset, 
     }
     char* text = nullptr;
     if (H5Dread(dataset, type.get(), memory.get(), space.get(), H5P_DEFAULT, &text) < 0) {
-      return Fail(ErrorCode::kMalformed, "texts cannot be read: " + Reason(), Where(path_, path));
+      return Fail(ErrorCode::kMalformed, "texts cannot be read: " + Reason(), WhereOf(path));
     }
     texts.emplace_back(text == nullptr ? "" : text);
     FreeVariable(type.get(), memory.get(), &text);
     total += texts.back().size();
-    if (total > bytes_) return Fail(ErrorCode::kMalformed, "texts are longer than the file", Where(path_, path));
+    if (total > bytes_) return Fail(ErrorCode::kMalformed, "texts are longer than the file", WhereOf(path));
   }
   return texts;
 }
 
 Expected<Array> Hdf5Reader::ReadAttribute(const std::string& path, FieldType type) const {
-  const std::string where = Where(path_, path);
+  const std::string where = WhereOf(path);
   const Hdf5Id attribute(H5Aopen_by_name(id_.get(), "/", path.c_str() + 2, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   const Hdf5Id stored_type(attribute.ok() ? H5Aget_type(attribute.get()) : -1, H5Tclose);
   const Hdf5Id space(attribute.ok() ? H5Aget_space(attribute.get()) : -1, H5Sclose);

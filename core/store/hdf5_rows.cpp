@@ -27,7 +27,7 @@ auto WithNumber(FieldType type, const Work& work) {
 
 Expected<std::vector<std::uint64_t>> Hdf5Reader::ShapeOfRows(const std::string& path, FieldType type) const {
   SilenceHdf5();
-  const std::string where = Where(path_, path);
+  const std::string where = WhereOf(path);
   const Hdf5Id dataset(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.ok()) return Fail(ErrorCode::kMalformed, "cannot be opened as a dataset", where);
   const Hdf5Id space(H5Dget_space(dataset.get()), H5Sclose);
@@ -57,7 +57,7 @@ Expected<Array> Hdf5Reader::ReadRows(const std::string& path, FieldType type, st
                                      std::uint64_t count) const {
   const auto shape = ShapeOfRows(path, type);
   if (!shape) return Forward(shape);
-  const std::string where = Where(path_, path);
+  const std::string where = WhereOf(path);
   if (first > shape->front() || count > shape->front() - first) {
     return Fail(
         ErrorCode::kMalformed,

@@ -10,6 +10,7 @@
 
 #include "canon/options.h"
 #include "canon/stages.h"
+#include "canon/values/skeletons.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
 #include "tests/canon/moving_clips.h"
@@ -147,6 +148,22 @@ TEST(Assemble, PeopleKeepTheDirectionsOfTheirOwnBodies) {
       << "the set has the built-in skeleton, not one person's";
   EXPECT_EQ(set.dataset->clips[0].motion->skeleton->joints[torso].rest_offset, own->joints[torso].rest_offset);
   EXPECT_EQ(set.dataset->clips[2].motion->skeleton->joints[torso].rest_offset, skeleton->joints[torso].rest_offset);
+}
+
+/// A set of 100,000 clips of 50 people has 50 skeletons in memory.
+TEST(Assemble, ClipsThatShareASkeletonShareItInTheSet) {
+  const SkeletonPtr skeleton = Skeleton15(), own = Spread(skeleton, BoneOf(*skeleton, false));
+  Dataset set;
+  for (const SkeletonPtr& body : {own, skeleton, own, skeleton, skeleton}) {
+    set.clips.emplace_back().motion = Standing(body, FrameRate{30, 1});
+  }
+  std::vector<Finding> findings;
+  UniteSkeletons(set, findings);
+  ASSERT_EQ(set.clips.size(), 5u);
+  EXPECT_EQ(set.clips[0].motion->skeleton, set.clips[2].motion->skeleton);
+  EXPECT_NE(set.clips[0].motion->skeleton, set.clips[1].motion->skeleton);
+  EXPECT_EQ(set.clips[1].motion->skeleton, set.clips[4].motion->skeleton);
+  EXPECT_EQ(set.clips[2].motion->rotation_reference, set.skeleton);
 }
 
 /// Fits of people on one skeleton: rotations refer to its rest pose, whatever the bones' directions.
