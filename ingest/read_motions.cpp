@@ -297,10 +297,10 @@ Expected<StageOutcome> MotionsStage(const StageRequest& request) {
   }
   if (sources.empty()) return Fail(ErrorCode::kInternal, "no input with the role 'source'", request.item);
   // The folder is what remains of a path without the name below it.
-  const std::string path = sources.front()->path.string(), name = sources.front()->name;
+  const std::string path = sources.front()->path.native(), name = sources.front()->name;
   const bool below = path.size() > name.size() && path.compare(path.size() - name.size(), name.size(), name) == 0;
   options->ingest.path = sources.size() == 1 || !below
-                             ? sources.front()->path
+                             ? std::filesystem::path(path)
                              : std::filesystem::path(path.substr(0, path.size() - name.size()));
   Expected<ReadMotions> read = ReadAllMotions(*options, labels);
   if (!read) return Forward(read);

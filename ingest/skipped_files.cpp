@@ -86,7 +86,7 @@ ItemResult RefusedFile(const std::string& item, const char* code, const Error& w
 void AddSourceHash(const std::filesystem::path& file, ItemResult& result) {
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(file, unknown)) return;
-  if (const Expected<std::string> sha256 = Sha256OfFile(file)) result.outcome.summary["source_sha256"] = *sha256;
+  if (const Expected<std::string> sha256 = Sha256OfFile(file)) result.summary.Set("source_sha256", *sha256);
 }
 
 ItemResult SkippedFolder(const std::string& folder, std::size_t files, bool named_so, const SourceOptions& source) {

@@ -16,7 +16,7 @@ namespace {
 
 /// Names by which a table of spans may refer to a clip: its item (source/person/recording), the recording, its id.
 std::vector<std::string> NamesOf(const ClipRecord& clip) {
-  const nlohmann::json& summary = clip.evidence.outcome.summary;
+  const nlohmann::json summary = clip.evidence.summary;
   return {clip.item, summary.value("recording", clip.item.substr(clip.item.rfind('/') + 1)),
           summary.value("clip", clip.item)};
 }
@@ -26,7 +26,7 @@ std::vector<std::string> NamesOf(const ClipRecord& clip) {
 std::vector<Finding> UnmatchedDropLabels(const CanonOptions& options, const std::vector<ItemResult>& items) {
   std::set<std::string> known;
   for (const ItemResult& item : items) {
-    for (const auto& label : item.outcome.summary.value("labels", std::vector<std::string>())) known.insert(label);
+    for (const auto& label : item.summary.value("labels", std::vector<std::string>())) known.insert(label);
   }
   std::vector<Finding> findings;
   if (known.empty()) return findings;
@@ -161,7 +161,7 @@ Expected<std::vector<StageInput>> ExampleInputs(const CanonOptions& options, con
   std::vector<StageInput> inputs = {{kExamplesRole, DisplayPath(table), table, ""}};
   std::vector<std::string> names;
   for (const ClipRecord& clip : clips) {
-    const nlohmann::json& summary = clip.evidence.outcome.summary;
+    const nlohmann::json summary = clip.evidence.summary;
     const double rate = summary.value("rate_hz", 0.0), first = summary.value("first_frame", 0.0);
     const ListedSpan* marked = nullptr;
     for (const std::string& name : NamesOf(clip)) {
@@ -206,7 +206,7 @@ Expected<std::vector<StageInput>> ExampleInputs(const CanonOptions& options, con
 }
 
 std::string FloorGroup(const ClipRecord& clip, LevelOf of) {
-  const auto named = [&](const char* field) { return clip.evidence.outcome.summary.value(field, std::string()); };
+  const auto named = [&](const char* field) { return clip.evidence.summary.value(field, std::string()); };
   const std::string person = named("person");
   switch (of) {
     case LevelOf::kSet:

@@ -28,13 +28,11 @@ nlohmann::json LineOf(const ClipRecord& clip) {
   nlohmann::json line = {{"clip", clip.item}, {"decision", Decision(clip)}};
   if (clip.has_error_finding()) line["suspect"] = true;
   if (clip.replaces_rotations()) line["replaces_rotations"] = true;
-  if (const auto source = clip.evidence.outcome.summary.find("source_sha256");
-      source != clip.evidence.outcome.summary.end()) {
-    line["source_sha256"] = *source;
-  }
+  const nlohmann::json evidence = clip.evidence.summary;
+  if (const auto source = evidence.find("source_sha256"); source != evidence.end()) line["source_sha256"] = *source;
   for (const char* field : {"label", "label_text"}) {  // name of the rule that set the label, if any
-    if (!clip.evidence.outcome.summary.contains("label_text")) break;
-    line[field] = clip.evidence.outcome.summary.value(field, std::string());
+    if (!evidence.contains("label_text")) break;
+    line[field] = evidence.value(field, std::string());
   }
   if (!clip.evidence.sha256.empty()) line["evidence_sha256"] = clip.evidence.sha256;
   if (!clip.motion.sha256.empty()) line["motion_sha256"] = clip.motion.sha256;
@@ -45,7 +43,7 @@ nlohmann::json LineOf(const ClipRecord& clip) {
     line["reason"] = stage->outcome.error.Message();
     if (const Finding* rule = RuleOf(clip, *stage)) {
       line["value"] = nlohmann::json(*rule).at("value");
-      if (stage->outcome.summary.contains("threshold")) line["threshold"] = stage->outcome.summary["threshold"];
+      if (stage->summary.contains("threshold")) line["threshold"] = stage->summary.at("threshold");
     }
   }
   nlohmann::json findings = nlohmann::json::array();

@@ -109,16 +109,16 @@ class EvaluationRun {
         continue;
       }
       const bool of_test = keys_[i] == "reference_test" || keys_[i] == kRealTest;
-      if (of_test && item.outcome.summary.value("no_parts", false)) {
+      if (of_test && item.summary.value("no_parts", false)) {
         Warn("", "no_test_part",
              "the real motions have no split, so there is no test part and no FID_test; give a dataset with a split");
         continue;
       }
       features_[keys_[i]] = item;
-      if (keys_[i] == "reference") result_.real_clips = item.outcome.summary.value("clips", 0.0);
+      if (keys_[i] == "reference") result_.real_clips = item.summary.value("clips", 0.0);
       if (keys_[i] != "reference_test") {
         result_.features[keys_[i] == "reference" ? kReal : keys_[i]] = item.artifact;
-        WarnOfMotions(keys_[i] == "reference" ? kReal : keys_[i], item.outcome.summary);
+        WarnOfMotions(keys_[i] == "reference" ? kReal : keys_[i], item.summary);
       }
     }
     if (ReadAgain()) return {};
@@ -219,7 +219,7 @@ class EvaluationRun {
         result_.failed[names[i]] = item.outcome.error;
         continue;
       }
-      nlohmann::json row = item.outcome.summary;
+      nlohmann::json row = item.summary;
       for (const nlohmann::json& warning : row.at("warnings")) result_.warnings.push_back(warning);
       row.erase("warnings");
       if (evaluation_.extractor.body == BodyRule::kMeanShape) NoteOfBody(row);
@@ -234,7 +234,7 @@ class EvaluationRun {
   void NoteOfBody(nlohmann::json& row) {
     row["assumed"].push_back("own_bones_without_smpl_files");
     const std::string name = row.at("name").get<std::string>();
-    if (!features_.at(name).outcome.summary.value("rotations", false)) return;
+    if (!features_.at(name).summary.value("rotations", false)) return;
     Warn(name, "smpl_files_missing",
          "the protocol scores joints of SMPL's mean body for motions with rotations. Its files are missing, so "
          "joints are scored as given; see `mocurate doctor --protocol NAME`");
@@ -302,8 +302,8 @@ class EvaluationRun {
     for (std::size_t i = 0; i < report->items.size(); ++i) {
       if (report->items[i].artifact.empty()) continue;
       const auto& [a, b] = pairs[i];
-      result_.comparisons.push_back({{"a", a}, {"b", b}, {"metrics", report->items[i].outcome.summary}});
-      NoteNoise(a, b, report->items[i].outcome.summary);
+      result_.comparisons.push_back({{"a", a}, {"b", b}, {"metrics", report->items[i].summary}});
+      NoteNoise(a, b, report->items[i].summary);
     }
     return {};
   }

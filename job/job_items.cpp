@@ -38,7 +38,7 @@ std::string ClipRecord::ended_at() const {
 }
 
 std::string ClipRecord::body(BodyOf body_of) const {
-  const std::string recording = evidence.outcome.summary.value("recording", std::string());
+  const std::string recording = evidence.summary.value("recording", std::string());
   return body_of == BodyOf::kPerson || recording.empty() ? person() : person() + "/" + recording;
 }
 
@@ -62,7 +62,7 @@ bool ClipRecord::suspect() const {
 }
 
 bool ClipRecord::replaces_rotations() const {
-  return rotations && ItemHasArtifact(motion) && motion.outcome.summary.value("method", "none") != "none";
+  return rotations && ItemHasArtifact(motion) && motion.summary.value("method", std::string("none")) != "none";
 }
 
 std::string ClipRecord::reason() const {
@@ -157,7 +157,7 @@ namespace {
 /// Adds the hash of a clip's file, where the stage failed before it recorded it; for several files the hash of their
 /// hashes, one per line, in the stage's order.
 void AddHashOfSource(const ItemSpec& spec, ItemResult& failed) {
-  if (failed.outcome.summary.contains("source_sha256")) return;
+  if (failed.summary.contains("source_sha256")) return;
   std::string hashes;
   std::size_t files = 0;
   for (const StageInput& input : spec.inputs) {
@@ -166,7 +166,7 @@ void AddHashOfSource(const ItemSpec& spec, ItemResult& failed) {
     if (!sha256) return;
     hashes += (files++ > 0 ? "\n" : "") + *sha256;
   }
-  if (files > 0) failed.outcome.summary["source_sha256"] = files == 1 ? hashes : Sha256Hex(hashes);
+  if (files > 0) failed.summary.Set("source_sha256", files == 1 ? hashes : Sha256Hex(hashes));
 }
 
 /// Whether the files of clips contain rotations; a dataset or MotionSet is opened once to find out.
@@ -189,7 +189,7 @@ class RecordedRotations {
 
 }  // namespace
 
-std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std::vector<ItemResult>& ingested,
+std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, std::vector<ItemResult> ingested,
                                   std::vector<ItemResult> excluded) {
   std::vector<ClipRecord> clips;
   clips.reserve(ingested.size() + excluded.size());
@@ -197,7 +197,7 @@ std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std:
   for (std::size_t i = 0; i < ingested.size(); ++i) {
     ClipRecord clip;
     clip.item = ingested[i].item;
-    clip.evidence = ingested[i];
+    clip.evidence = std::move(ingested[i]);
     clip.format = specs[i].options.value("format", std::string());
     clip.rotations = has_rotations(specs[i]);
     if (IsFailure(clip.evidence.outcome.kind)) AddHashOfSource(specs[i], clip.evidence);
@@ -246,33 +246,33 @@ std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, con
 }
 
 void NoteDuplicates(const ItemResult& found, std::vector<ClipRecord>& clips) {
-  const nlohmann::json items = found.outcome.summary.value("items", nlohmann::json::array());
-  const nlohmann::json dropped = found.outcome.summary.value("dropped", nlohmann::json::object());
+  const nlohmann::json items = found.summary.value("items", nlohmann::json::array());
+  const nlohmann::json dropped = found.summary.value("dropped", nlohmann::json::object());
   std::map<std::string, ClipRecord*> by_item;
   for (ClipRecord& clip : clips) by_item[clip.item] = &clip;
   for (std::size_t i = 0; i < items.size() && i < found.outcome.findings.size(); ++i) {
     const auto record = by_item.find(items[i].get<std::string>());
     if (record == by_item.end()) continue;
-    StageOutcome& outcome = record->second->evidence.outcome;
+    Outcome& outcome = record->second->evidence.outcome;
     const Finding& finding = found.outcome.findings[i];
     outcome.findings.push_back(finding);
     if (finding.action != FindingAction::kDropped || !ItemHasArtifact(record->second->evidence)) continue;
     record->second->evidence.artifact.clear();
     outcome.kind = OutcomeKind::kExcluded;
-    outcome.summary["threshold"] = dropped.value(record->first, 0.0);
+    record->second->evidence.summary.Set("threshold", dropped.value(record->first, 0.0));
     outcome.error = Error{ErrorCode::kInconsistent, finding.message, record->first,
                           "ingest.source.checks." + finding.code + ".action: report keeps such clips"};
   }
 }
 
 std::vector<Finding> NoteExcludedFromSet(const ItemResult& assembled, std::vector<ClipRecord>& clips) {
-  const nlohmann::json excluded = assembled.outcome.summary.value("excluded", nlohmann::json::object());
+  const nlohmann::json excluded = assembled.summary.value("excluded", nlohmann::json::object());
   std::vector<Finding> of_set = assembled.outcome.findings;
   std::vector<ItemResult> whole;
   for (ClipRecord& clip : clips) {
     const auto item = excluded.find(clip.item);
     if (item == excluded.end()) continue;
-    StageOutcome& outcome = clip.assembled.outcome;
+    Outcome& outcome = clip.assembled.outcome;
     for (const std::size_t i : item->at("findings").get<std::vector<std::size_t>>()) {
       outcome.findings.push_back(assembled.outcome.findings.at(i));
       of_set[i].code.clear();
@@ -280,7 +280,7 @@ std::vector<Finding> NoteExcludedFromSet(const ItemResult& assembled, std::vecto
     if (!item->value("whole", false)) continue;
     clip.assembled.item = clip.item;
     outcome.kind = OutcomeKind::kExcluded;
-    if (item->contains("threshold")) outcome.summary["threshold"] = item->at("threshold");
+    if (item->contains("threshold")) clip.assembled.summary.Set("threshold", item->at("threshold"));
     outcome.error =
         Error{ErrorCode::kInconsistent, outcome.findings.back().message, clip.item, item->value("hint", std::string())};
     whole.push_back(clip.assembled);
@@ -325,6 +325,7 @@ FitItems FittingItems(std::vector<ClipRecord>& clips, BodyOf body_of, const std:
           Error{ErrorCode::kInconsistent, "the person is not declared", clip.item, "set ingest.source.person"};
     } else if (!ItemHasArtifact(body->second)) {
       clip.motion.outcome = body->second.outcome;
+      clip.motion.summary = body->second.summary;
     } else {
       ItemSpec item{clip.item, options, {InputFrom("evidence", clip.evidence), InputFrom("proportions", body->second)}};
       item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
@@ -378,7 +379,7 @@ Status NoteFitErrors(const ItemResult& scored, std::vector<ClipRecord>& clips) {
   const nlohmann::json errors = nlohmann::json::parse(*text, nullptr, false);
   if (!errors.is_object() || !errors.contains("per_clip")) return {};
   for (ClipRecord& clip : clips) {
-    const auto error = errors.at("per_clip").find(clip.evidence.outcome.summary.value("clip", std::string()));
+    const auto error = errors.at("per_clip").find(clip.evidence.summary.value("clip", std::string()));
     if (error == errors.at("per_clip").end()) continue;
     const auto mm = error->find("joint_mm");
     if (mm != error->end() && mm->is_number()) clip.joint_error_mm = mm->get<double>();

@@ -35,7 +35,7 @@ struct ClipRecord {
   bool rotations = false;                ///< its file holds rotations
   std::optional<double> joint_error_mm;  ///< mean distance of the fitted joints from the truth, where there is one
 
-  std::string person() const { return evidence.outcome.summary.value("person", std::string()); }
+  std::string person() const { return evidence.summary.value("person", std::string()); }
   /// Item of the stage `proportions` with the clip's body.
   std::string body(BodyOf body_of) const;
   /// Whether it is in the dataset, up to the stages that have run.
@@ -78,7 +78,7 @@ Finding ComparisonDropped(const std::string& why);
 void LogExcluded(const std::vector<ItemResult>& files);
 
 /// The clips after the stage `ingest`: of its items, and of excluded files.
-std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, const std::vector<ItemResult>& ingested,
+std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, std::vector<ItemResult> ingested,
                                   std::vector<ItemResult> excluded);
 
 /// The metrics with notes of training, audit and missing networks.

@@ -73,7 +73,9 @@ class MainJob {
       return Forward(done);
     }
     CountClips(clips_, result_);
-    return result_;
+    result_.clips = std::move(clips_);
+    result_.bodies = std::move(persons_);
+    return std::move(result_);
   }
 
  private:
@@ -142,7 +144,7 @@ class MainJob {
     auto report = runs_.Run(IngestDeclaration(), std::move(discovery->items));
     if (!report) return Forward(report);
     AddSetFindings(FindSetContradictions(options_.ingest.source, report->items));
-    clips_ = RecordsOf(specs, report->items, std::move(discovery->excluded));
+    clips_ = RecordsOf(specs, std::move(report->items), std::move(discovery->excluded));
     if (!discovery->truth.empty()) {
       const auto truth = runs_.Run(TruthDeclaration(), std::move(discovery->truth));
       if (!truth) return Forward(truth);
@@ -179,9 +181,9 @@ class MainJob {
     std::vector<ItemSpec> items = ProportionItems(clips_, options_.proportions.body_of, OptionsToJson(options));
     AddRig(items);
     AddInput(SkeletonInput(options_.proportions.skeleton), items);
-    const auto report = runs_.Run(ProportionsDeclaration(), std::move(items));
+    auto report = runs_.Run(ProportionsDeclaration(), std::move(items));
     if (!report) return Forward(report);
-    for (const ItemResult& item : report->items) persons_[item.item] = item;
+    for (ItemResult& item : report->items) persons_[item.item] = std::move(item);
     return {};
   }
 
@@ -197,9 +199,9 @@ class MainJob {
                            : GivenMotionItems(clips_, options);
     AddRig(fits.items);
     AddInput(SkeletonInput(options_.fitting.skeleton), fits.items);
-    const auto report = runs_.Run(FittingDeclaration(), std::move(fits.items));
+    auto report = runs_.Run(FittingDeclaration(), std::move(fits.items));
     if (!report) return Forward(report);
-    for (std::size_t i = 0; i < report->items.size(); ++i) fits.clips[i]->motion = report->items[i];
+    for (std::size_t i = 0; i < report->items.size(); ++i) fits.clips[i]->motion = std::move(report->items[i]);
     return {};
   }
 
@@ -208,7 +210,7 @@ class MainJob {
     if (!item) return {};
     const auto scored = runs_.One(FitErrorDeclaration(), *std::move(item));
     if (!scored) return Forward(scored);
-    result_.fit_error = scored->outcome.summary;
+    result_.fit_error = scored->summary;
     return scored->artifact.empty() ? Status() : NoteFitErrors(*scored, clips_);
   }
 
@@ -273,10 +275,12 @@ class MainJob {
     }
     auto report = runs_.Run(CanonDeclaration(), std::move(items), branch);
     if (!report) return Forward(report);
-    for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->*to = report->items[i];
+    if (to == &ClipRecord::canonical) {
+      AddSetFindings(UnmatchedDropLabels(options_.canon, report->items));
+      LogSpansOutside(report->items);
+    }
+    for (std::size_t i = 0; i < report->items.size(); ++i) records[i]->*to = std::move(report->items[i]);
     if (to != &ClipRecord::canonical) return {};
-    AddSetFindings(UnmatchedDropLabels(options_.canon, report->items));
-    LogSpansOutside(report->items);
     auto unmatched = UnmatchedSpans(options_.canon, clips_);
     if (!unmatched) return Forward(unmatched);
     AddSetFindings(*unmatched);
@@ -311,7 +315,7 @@ class MainJob {
     if (!dataset) return Forward(dataset);
     AddSetFindings(NoteExcludedFromSet(*dataset, clips_));
     dataset_ = *dataset;
-    result_.dataset_clips = dataset_.outcome.summary.value("clips", std::size_t{0});
+    result_.dataset_clips = dataset_.summary.value("clips", std::size_t{0});
     if (unfitted_) {
       const auto baseline = AssembleFrom("baseline", &ClipRecord::baseline, kRawBranch);
       const ExitCode fault = baseline ? ExitCode::kDone : ExitCodeOf(baseline.error().code);
@@ -331,7 +335,7 @@ class MainJob {
     AddReview(kReviewRole, item);
     const auto audit = runs_.One(AuditDeclaration(), std::move(item));
     if (!audit) return Forward(audit);
-    result_.audit = audit->outcome.summary;
+    result_.audit = audit->summary;
     return {};
   }
 

@@ -9,6 +9,7 @@
 
 #include "core/pipeline/runner.h"
 #include "job/clip_counts.h"
+#include "job/job_items.h"
 #include "job/job_options.h"
 #include "job/job_stage.h"
 
@@ -35,7 +36,9 @@ struct JobResult {
   std::vector<Finding> set_findings;  ///< about the set as a whole: contradicted declarations, splits, rates
   nlohmann::json pages = nlohmann::json::object();  ///< pages of clips, by item
   std::optional<Error> unevaluated;                 ///< why there is no table, although networks were to be scored
-  std::vector<StageReport> stages;
+  std::vector<StageCounts> stages;
+  std::vector<ClipRecord> clips;
+  std::map<std::string, ItemResult> bodies;  ///< of the stage proportions, by item
 };
 
 /// ingest -> proportions -> fitting -> canon -> assemble -> audit -> train -> evaluate -> report, each over the

@@ -186,7 +186,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
     ScoreOptions score;
     score.name = recogniser_tests[i].network->checkpoint.name;
     score.metrics = options.evaluate.metrics();
-    if (!recogniser_tests[i].denoised) result["labels"] = item.outcome.summary.at("classes");
+    if (!recogniser_tests[i].denoised) result["labels"] = item.summary.at("classes");
     const std::string name = "score/" + score.name + (recogniser_tests[i].denoised ? " on denoised" : "");
     items.push_back({name, OptionsToJson(score), {InputFrom("row", item)}});
     scored.push_back(recogniser_tests[i]);
@@ -195,7 +195,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
   if (!scores) return Forward(scores);
   for (std::size_t i = 0; i < scores->items.size(); ++i) {
     if (scores->items[i].artifact.empty()) continue;
-    AddScore(scored[i], scores->items[i].outcome.summary, recognisers[NetworkOf(options, *scored[i].network).name]);
+    AddScore(scored[i], scores->items[i].summary, recognisers[NetworkOf(options, *scored[i].network).name]);
   }
   return recognisers;
 }

@@ -25,9 +25,7 @@ std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips,
   for (const ClipRecord& clip : clips) {
     if (!clip.motion.artifact.empty()) fitted.push_back(&clip);
   }
-  const auto residual = [](const ClipRecord* clip) {
-    return clip->motion.outcome.summary.value("residual_rms_mm", 0.0);
-  };
+  const auto residual = [](const ClipRecord* clip) { return clip->motion.summary.value("residual_rms_mm", 0.0); };
   std::sort(fitted.begin(), fitted.end(), [&](const ClipRecord* a, const ClipRecord* b) {
     return residual(a) != residual(b) ? residual(a) < residual(b) : a->item < b->item;
   });
@@ -100,8 +98,8 @@ std::vector<ItemSpec> ClipVideoItems(const std::vector<const ClipRecord*>& clips
   return items;
 }
 
-nlohmann::json StageSummary(const StageReport& stage) {
-  return {{"stage", stage.stage},     {"branch", stage.branch},   {"items", stage.items.size()},
+nlohmann::json StageSummary(const StageCounts& stage) {
+  return {{"stage", stage.stage},     {"branch", stage.branch},   {"items", stage.total},
           {"done", stage.done},       {"suspect", stage.suspect}, {"excluded", stage.excluded},
           {"refused", stage.refused}, {"crashed", stage.crashed}};
 }
@@ -110,9 +108,9 @@ nlohmann::json ClipSummary(const ClipRecord& clip) {
   nlohmann::json summary = {{"item", clip.item},
                             {"kept", clip.kept()},
                             {"suspect", clip.suspect()},
-                            {"ingest", clip.evidence.outcome.summary},
-                            {"fitting", clip.motion.outcome.summary},
-                            {"canon", clip.canonical.outcome.summary},
+                            {"ingest", clip.evidence.summary},
+                            {"fitting", clip.motion.summary},
+                            {"canon", clip.canonical.summary},
                             {"findings", nlohmann::json::array()}};
   if (clip.joint_error_mm) summary["joint_error_mm"] = *clip.joint_error_mm;
   for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical, &clip.assembled}) {
@@ -154,14 +152,14 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
   if (const auto& error = result.unevaluated) {
     run["unevaluated"] = {{"code", Name(error->code)}, {"message", error->Message()}};
   }
-  for (const StageReport& stage : result.stages) run["stages"].push_back(StageSummary(stage));
+  for (const StageCounts& stage : result.stages) run["stages"].push_back(StageSummary(stage));
   run["replaces_rotations"] =
       std::count_if(reported.clips.begin(), reported.clips.end(), std::mem_fn(&ClipRecord::replaces_rotations));
   for (const ClipRecord& clip : reported.clips) {
     if (!clip.folder()) run["clips"].push_back(ClipSummary(clip));
     if (clip.folder()) run["findings"].push_back(clip.evidence.outcome.findings.back());
   }
-  for (const auto& [person, item] : reported.persons) run["persons"][person] = item.outcome.summary;
+  for (const auto& [person, item] : reported.persons) run["persons"][person] = item.summary;
   return run;
 }
 

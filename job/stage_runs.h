@@ -8,15 +8,15 @@
 
 namespace mocurate {
 
-/// Runs the stages of a job one after the other and keeps what they report.
+/// Runs the stages of a job one after the other and keeps their counts.
 class StageRuns {
  public:
-  StageRuns(Runner& runner, std::vector<StageReport>& reports) : runner_(runner), reports_(reports) {}
+  StageRuns(Runner& runner, std::vector<StageCounts>& counts) : runner_(runner), counts_(counts) {}
 
   Expected<StageReport> Run(const StageDeclaration& stage, std::vector<ItemSpec> items,
                             const std::string& branch = {}) {
     auto report = runner_.Run(stage, std::move(items), branch);
-    if (report) reports_.push_back(*report);
+    if (report) counts_.push_back(*report);
     return report;
   }
 
@@ -36,7 +36,7 @@ class StageRuns {
 
  private:
   Runner& runner_;
-  std::vector<StageReport>& reports_;
+  std::vector<StageCounts>& counts_;
 };
 
 }  // namespace mocurate

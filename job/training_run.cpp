@@ -92,7 +92,7 @@ class TrainingRun {
     const auto report = (*runner)->Run(TrainCostDeclaration(), std::move(specs));
     if (!report) return Forward(report);
     for (const ItemResult& item : report->items) {
-      const nlohmann::json& cost = item.outcome.summary;
+      const nlohmann::json cost = item.summary;
       if (item.artifact.empty()) {
         place_.result.untrained[item.item] = item.outcome.error;
         continue;
@@ -188,7 +188,7 @@ class TrainingRun {
         continue;
       }
       trained_.networks.push_back({run[i].network, run[i].row, InputFrom("network", item)});
-      place_.result.training[item.item] = item.outcome.summary;
+      place_.result.training[item.item] = item.summary;
       if (Status copied = CopyCheckpoint(item); !copied) return copied;
     }
     return {};

@@ -102,7 +102,7 @@ std::string Cache::Key(const StageDeclaration& stage, const ItemSpec& spec) {
   AddPart(hasher, stage.name);
   AddPart(hasher, std::to_string(stage.version));
   AddPart(hasher, spec.item);
-  AddPart(hasher, CanonicalText(spec.options.Whole()));
+  AddPart(hasher, spec.options.Text());
   for (const StageInput& input : spec.inputs) {
     AddPart(hasher, input.role);
     AddPart(hasher, input.name);

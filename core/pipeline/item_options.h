@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "core/pipeline/wire.h"
+
 namespace mocurate {
 
 /// Options of one item: those of its stage, which copies share, and its own, which precede them. A run holds 100,000
@@ -13,15 +15,18 @@ class ItemOptions {
  public:
   ItemOptions() : ItemOptions(nlohmann::json::object()) {}
   ItemOptions(nlohmann::json::initializer_list_t shared) : ItemOptions(nlohmann::json(shared)) {}
-  ItemOptions(nlohmann::json shared) : shared_(std::make_shared<const nlohmann::json>(std::move(shared))) {}
+  ItemOptions(nlohmann::json shared) {
+    std::string text = CanonicalText(shared);
+    shared_ = std::make_shared<const Shared>(Shared{std::move(shared), std::move(text)});
+  }
 
   /// Sets an option of this item alone.
   void Set(const std::string& name, nlohmann::json value) { own_[name] = std::move(value); }
 
-  bool contains(const std::string& name) const { return own_.contains(name) || shared_->contains(name); }
+  bool contains(const std::string& name) const { return own_.contains(name) || shared_->options.contains(name); }
   const nlohmann::json& at(const std::string& name) const {
     const auto own = own_.find(name);
-    return own != own_.end() ? *own : shared_->at(name);
+    return own != own_.end() ? *own : shared_->options.at(name);
   }
   template <class T>
   T value(const std::string& name, const T& otherwise) const {
@@ -30,13 +35,20 @@ class ItemOptions {
 
   /// All of them, in one object.
   nlohmann::json Whole() const {
-    nlohmann::json whole = *shared_;
+    nlohmann::json whole = shared_->options;
     whole.update(own_);
     return whole;
   }
 
+  /// CanonicalText of all of them.
+  std::string Text() const { return own_.empty() ? shared_->text : CanonicalText(Whole()); }
+
  private:
-  std::shared_ptr<const nlohmann::json> shared_;
+  struct Shared {
+    nlohmann::json options;
+    std::string text;
+  };
+  std::shared_ptr<const Shared> shared_;
   nlohmann::json own_ = nlohmann::json::object();
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -24,7 +25,9 @@ class Origins {
  private:
   struct Known {
     std::size_t stage = 0;  ///< in stages_
-    ItemSpec spec;
+    std::string item;
+    ItemOptions options;
+    std::vector<std::uint8_t> inputs;  ///< packed: a run holds 100,000 items of each stage
   };
   std::vector<StageDeclaration> stages_;
   std::map<std::string, Known> known_;  ///< by path

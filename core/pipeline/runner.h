@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "core/pipeline/item_options.h"
+#include "core/pipeline/item_summary.h"
+#include "core/pipeline/path_text.h"
 #include "core/pipeline/stage.h"
 
 namespace mocurate {
@@ -56,22 +58,27 @@ struct RunnerOptions {
 /// Item after its stage.
 struct ItemResult {
   std::string item;
-  StageOutcome outcome;
-  std::filesystem::path artifact;  ///< in the cache; empty without one
-  std::string sha256;              ///< of the artifact's content
+  Outcome outcome;
+  PathText artifact;   ///< in the cache; empty without one
+  std::string sha256;  ///< of the artifact's content
   bool from_cache = false;
+  ItemSummary summary;  ///< of the stage's outcome
 };
 
-struct StageReport {
+struct StageCounts {
   std::string stage;
-  std::string branch;             ///< which of several runs of the stage this is, in words; empty when there is one
-  std::vector<ItemResult> items;  ///< in the order of the specs
+  std::string branch;     ///< which of several runs of the stage this is, in words; empty when there is one
+  std::size_t total = 0;  ///< items
   int done = 0, suspect = 0, excluded = 0, refused = 0, crashed = 0, from_cache = 0;
   int unrecorded = 0;  ///< refused for this machine's files or options: not in the cache, tried again by the next run
   double seconds = 0.0;
 
   /// "canon", or with a branch "canon (raw tracks)".
   std::string title() const { return branch.empty() ? stage : stage + " (" + branch + ")"; }
+};
+
+struct StageReport : StageCounts {
+  std::vector<ItemResult> items;  ///< in the order of the specs
 };
 
 /// Content-addressed cache: key -> artifact bytes + outcome. Visible entries are complete.

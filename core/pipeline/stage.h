@@ -11,15 +11,16 @@
 
 #include "core/base/error.h"
 #include "core/base/finding.h"
+#include "core/pipeline/path_text.h"
 
 namespace mocurate {
 
 /// One file a stage reads. `role` is its purpose ("evidence", "proportions", "dataset", "source").
 struct StageInput {
   std::string role;
-  std::string name;            ///< stable text (clip id, relative file name); part of the cache key
-  std::filesystem::path path;  ///< where it lies now; never part of the key
-  std::string sha256;          ///< content; the key
+  std::string name;    ///< stable text (clip id, relative file name); part of the cache key
+  PathText path;       ///< where it lies now; never part of the key
+  std::string sha256;  ///< content; the key
 };
 
 /// One item of work, resolved: what a worker gets.
@@ -45,11 +46,15 @@ inline bool HasArtifact(OutcomeKind kind) { return kind == OutcomeKind::kDone ||
 inline bool IsFailure(OutcomeKind kind) { return kind == OutcomeKind::kRefused || kind == OutcomeKind::kCrashed; }
 
 /// What became of an item. All but kCrashed are cached, with their reason.
-struct StageOutcome {
+struct Outcome {
   OutcomeKind kind = OutcomeKind::kDone;
   std::vector<Finding> findings;
-  nlohmann::json summary = nlohmann::json::object();  ///< figures for report and log; must not hold times
   Error error;  ///< why there is no artifact; with kExcluded the last finding names the rule
+};
+
+/// The same as a stage returns it.
+struct StageOutcome : Outcome {
+  nlohmann::json summary = nlohmann::json::object();  ///< figures for report and log; must not hold times
 };
 
 /// The work itself: a pure function of the request. An Error return is kRefused with that error, except kCannotWrite,

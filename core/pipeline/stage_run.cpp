@@ -21,7 +21,7 @@ constexpr std::chrono::seconds kLatestInput{60};
 constexpr std::chrono::milliseconds kAskAgain{500};
 
 /// Refusals that depend on the machine's files, not on the content behind the key, are not cached.
-bool MayBeCached(const StageOutcome& outcome) {
+bool MayBeCached(const Outcome& outcome) {
   if (outcome.kind == OutcomeKind::kCrashed) return false;
   return outcome.kind != OutcomeKind::kRefused ||
          (outcome.error.code != ErrorCode::kNotFound && outcome.error.code != ErrorCode::kUnreadable &&
@@ -39,7 +39,8 @@ void Count(StageReport& report, const ItemResult& result) {
 }
 
 ItemResult Served(const std::string& item, Cache::Entry entry) {
-  return {item, std::move(entry.outcome), std::move(entry.artifact), std::move(entry.sha256), true};
+  ItemSummary summary = entry.outcome.summary;
+  return {item, std::move(entry.outcome), std::move(entry.artifact), std::move(entry.sha256), true, std::move(summary)};
 }
 
 /// Whether an object of the cache holds the bytes that its record declares.
@@ -66,6 +67,7 @@ StageRun::StageRun(RunnerState& state, const StageDeclaration& stage, std::vecto
       defer_damaged_(defer_damaged),
       progress_(stage.name, items_.size(), !state.options.quiet && !state.options.dry_run) {
   report_.stage = stage.name;
+  report_.total = items_.size();
   report_.items.resize(items_.size());
   for (std::size_t i = 0; i < items_.size(); ++i) report_.items[i].item = items_[i].item;
 }
@@ -158,7 +160,7 @@ void StageRun::WaitForInputs(const ItemSpec& spec) {
            Interruption::Count() == 0) {
       if (!waiting_since_) waiting_since_ = Clock::now();
       if (Clock::now() - *waiting_since_ > kLatestInput) return;
-      for (fs::directory_iterator it(input.path.parent_path(), problem), end; !problem && it != end;)
+      for (fs::directory_iterator it(fs::path(input.path).parent_path(), problem), end; !problem && it != end;)
         it.increment(problem);
       std::this_thread::sleep_for(kAskAgain);
     }
@@ -174,7 +176,7 @@ bool StageRun::HashInputs(std::size_t index) {
       input.sha256 = *std::move(sha256);
       continue;
     }
-    ItemResult refused{items_[index].item, {}, {}, {}, false};
+    ItemResult refused{items_[index].item, {}, {}, {}, false, {}};
     refused.outcome.kind = OutcomeKind::kRefused;
     refused.outcome.error = sha256.error();
     Record(index, "", std::move(refused), 0.0);
@@ -198,9 +200,15 @@ void StageRun::Dispatch(Seat& seat, Task task) {
   task.start = Clock::now();
   const ItemSpec& spec = items_[task.index];
   const int side_by_side = std::max(1, std::min(state_.options.jobs, static_cast<int>(items_.size())));
-  seat.worker->Send(
-      ToJson(StageRequest{stage_.name, spec.item, spec.options.Whole(), spec.inputs, task.folder / "artifact",
-                          task.scratch.folder, std::max(1, state_.options.jobs / side_by_side)}));
+  json request = ToJson(StageRequest{stage_.name,
+                                     spec.item,
+                                     spec.options.Whole(),
+                                     {},
+                                     task.folder / "artifact",
+                                     task.scratch.folder,
+                                     std::max(1, state_.options.jobs / side_by_side)});
+  request["inputs"] = ToJson(spec.inputs);  // of a stage over the whole set there are many: no further copy
+  seat.worker->Send(request);
   seat.task = std::move(task);
 }
 
@@ -215,7 +223,7 @@ void StageRun::Finish(Seat& seat, StageOutcome outcome) {
     outcome.kind = OutcomeKind::kCrashed;
     outcome.error = {ErrorCode::kInternal, "stage " + stage_.name + " wrote no artifact", items_[task.index].item, {}};
   }
-  ItemResult result{items_[task.index].item, {}, {}, {}, false};
+  ItemResult result{items_[task.index].item, {}, {}, {}, false, outcome.summary};
   const bool crashed = outcome.kind == OutcomeKind::kCrashed;
   const bool damaged = IsFailure(outcome.kind) && !DamagedInputs(state_, items_[task.index]).empty();
   if (damaged && defer_damaged_) {
@@ -243,7 +251,7 @@ Expected<Cache::Entry> StageRun::Keep(const Task& task, const StageOutcome& outc
 
 void StageRun::Record(std::size_t index, const std::string& key, ItemResult result, double seconds,
                       std::uint64_t peak_memory) {
-  const StageOutcome& outcome = result.outcome;
+  const Outcome& outcome = result.outcome;
   const bool failed = IsFailure(outcome.kind);
   progress_.Count(!result.from_cache, failed);
   if (!looked_up_) {

@@ -1,5 +1,6 @@
 #include "core/pipeline/wire.h"
 
+#include <algorithm>
 #include <cstdint>
 
 #include "core/base/renamed.h"
@@ -92,6 +93,26 @@ auto Guarded(const char* thing, const Read& read) -> Expected<decltype(read())> 
   }
 }
 
+bool IsPlain(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = text[i] == '%' ? 0 : SequenceLength(text, i);
+    if (length == 0) return false;
+    i += length;
+  }
+  return true;
+}
+
+/// Whether no string or key needs an escape. A request may have 100,000 inputs, which are not copied then.
+bool IsPlain(const json& value) {
+  if (value.is_string()) return IsPlain(std::string_view(value.get_ref<const std::string&>()));
+  if (value.is_array()) return std::all_of(value.begin(), value.end(), [](const json& part) { return IsPlain(part); });
+  if (!value.is_object()) return true;
+  for (const auto& [key, element] : value.items()) {
+    if (!IsPlain(std::string_view(key)) || !IsPlain(element)) return false;
+  }
+  return true;
+}
+
 OutcomeKind KindFromName(const std::string& name) {
   for (const OutcomeKind kind :
        {OutcomeKind::kDone, OutcomeKind::kSuspect, OutcomeKind::kExcluded, OutcomeKind::kRefused}) {
@@ -109,9 +130,20 @@ Error ReadError(const json& value) {
                value.value("number", 0.0)};
 }
 
+std::vector<StageInput> ReadInputs(const json& list) {
+  std::vector<StageInput> inputs;
+  for (const json& input : list) {
+    inputs.push_back({input.at("role").get<std::string>(), input.at("name").get<std::string>(),
+                      input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
+  }
+  return inputs;
+}
+
 }  // namespace
 
-std::string CanonicalText(const json& value) { return WithStrings(value, Escape).dump(); }
+std::string CanonicalText(const json& value) {
+  return IsPlain(value) ? value.dump() : WithStrings(value, Escape).dump();
+}
 
 Expected<json> FromCanonicalText(std::string_view text) {
   const json parsed = json::parse(text.begin(), text.end(), nullptr, false);
@@ -134,16 +166,20 @@ json ToJson(const StageOutcome& outcome) {
   return value;
 }
 
-json ToJson(const StageRequest& request) {
-  json inputs = json::array();
-  for (const StageInput& input : request.inputs) {
-    inputs.push_back(
+json ToJson(const std::vector<StageInput>& inputs) {
+  json list = json::array();
+  for (const StageInput& input : inputs) {
+    list.push_back(
         {{"role", input.role}, {"name", input.name}, {"path", input.path.native()}, {"sha256", input.sha256}});
   }
+  return list;
+}
+
+json ToJson(const StageRequest& request) {
   return {{"stage", request.stage},
           {"item", request.item},
           {"options", request.options},
-          {"inputs", std::move(inputs)},
+          {"inputs", ToJson(request.inputs)},
           {"output", request.output.native()},
           {"scratch", request.scratch.native()},
           {"threads", request.threads}};
@@ -164,16 +200,17 @@ Expected<StageOutcome> OutcomeFromJson(const json& value) {
   });
 }
 
+Expected<std::vector<StageInput>> InputsFromJson(const json& value) {
+  return Guarded("list of inputs", [&] { return ReadInputs(value); });
+}
+
 Expected<StageRequest> RequestFromJson(const json& value) {
   return Guarded("request", [&] {
     StageRequest request;
     request.stage = value.at("stage").get<std::string>();
     request.item = value.at("item").get<std::string>();
     request.options = value.at("options");
-    for (const json& input : value.at("inputs")) {
-      request.inputs.push_back({input.at("role").get<std::string>(), input.at("name").get<std::string>(),
-                                input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
-    }
+    request.inputs = ReadInputs(value.at("inputs"));
     request.output = value.at("output").get<std::string>();
     request.scratch = value.at("scratch").get<std::string>();
     request.threads = value.at("threads").get<int>();
@@ -187,7 +224,7 @@ std::string Frame(const json& message) {
   std::string frame;
   frame.reserve(kHeader + text.size());
   for (int shift = 0; shift < 32; shift += 8) frame += static_cast<char>((size >> shift) & 0xFF);
-  return frame + text;
+  return frame += text;
 }
 
 Expected<std::optional<json>> TakeMessage(std::string& buffer) {
@@ -201,6 +238,7 @@ Expected<std::optional<json>> TakeMessage(std::string& buffer) {
   if (buffer.size() < kHeader + size) return std::optional<json>();
   Expected<json> message = FromCanonicalText(std::string_view(buffer).substr(kHeader, size));
   buffer.erase(0, kHeader + size);
+  if (buffer.empty()) buffer.shrink_to_fit();
   if (!message) return Forward(message);
   return std::optional<json>(*std::move(message));
 }

@@ -123,8 +123,9 @@ json Answer(const StageFunction& stage, const StageRequest& request) {
   }
 }
 
-json AnswerTo(const std::map<std::string, StageFunction>& stages, const json& message) {
+json AnswerTo(const std::map<std::string, StageFunction>& stages, json message) {
   const Expected<StageRequest> request = RequestFromJson(message);
+  message = nullptr;  // the stage needs the memory: there may be 100,000 inputs
   if (!request) return {{"fatal", ToJson(Error{ErrorCode::kInternal, request.error().what, "worker", {}})}};
   const auto stage = stages.find(request->stage);
   if (stage == stages.end()) {
@@ -138,13 +139,13 @@ int Serve(Channel& channel, const std::map<std::string, StageFunction>& stages) 
   for (const auto& stage : stages) names.push_back(stage.first);
   if (!channel.Send({{"hello", names}})) return static_cast<int>(ExitCode::kBug);
   while (true) {
-    const Expected<std::optional<json>> message = channel.Receive();
+    Expected<std::optional<json>> message = channel.Receive();
     if (!message) {
       Log(LogLevel::kError, message.error().Message());
       return static_cast<int>(ExitCode::kBug);
     }
     if (!message->has_value()) return static_cast<int>(ExitCode::kDone);
-    if (!channel.Send(AnswerTo(stages, **message))) return static_cast<int>(ExitCode::kBug);
+    if (!channel.Send(AnswerTo(stages, **std::move(message)))) return static_cast<int>(ExitCode::kBug);
   }
 }
 

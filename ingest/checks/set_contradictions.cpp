@@ -23,9 +23,8 @@ struct Votes {
 std::map<std::string, Votes> CountVotes(const std::vector<ItemResult>& clips) {
   std::map<std::string, Votes> all;
   for (const ItemResult& clip : clips) {
-    const auto shown = clip.outcome.summary.find("shown");
-    if (shown == clip.outcome.summary.end()) continue;
-    for (const auto& [code, said] : shown->items()) {
+    const nlohmann::json shown = clip.summary.value("shown", nlohmann::json::object());
+    for (const auto& [code, said] : shown.items()) {
       Votes& votes = all[code];
       const double weight = said.value("weight", 0.0);
       ++votes.decided;
@@ -55,11 +54,11 @@ std::optional<Finding> RateOfAll(const std::vector<ItemResult>& clips, const Sou
   RateDenials denials;
   std::string first;
   for (const ItemResult& clip : clips) {
-    if (!clip.outcome.summary.contains("rate_hz")) continue;
+    if (!clip.summary.contains("rate_hz")) continue;
     ++denials.clips;
     for (const Finding& finding : clip.outcome.findings) {
       if (finding.code != "rate_suspect") continue;
-      denials.Add(clip.outcome.summary.at("rate_hz"), finding.value);
+      denials.Add(clip.summary.value("rate_hz", 0.0), finding.value);
       if (first.empty()) first = finding.message;
     }
   }
@@ -88,8 +87,7 @@ void AddSetFinding(const Finding& of_the_set, bool refuse, std::vector<ItemResul
       continue;
     }
     own.action = FindingAction::kRefused;
-    clip.outcome.summary["threshold"] =
-        own.code == "rate_suspect" ? 1.0 / static_cast<double>(kLeastDenials) : kAgreement;
+    clip.summary.Set("threshold", own.code == "rate_suspect" ? 1.0 / static_cast<double>(kLeastDenials) : kAgreement);
     clip.outcome.kind = OutcomeKind::kRefused;
     clip.outcome.error = Error{ErrorCode::kInconsistent, own.message, clip.item,
                                "set ingest.source.on_contradiction: flag to keep such clips"};

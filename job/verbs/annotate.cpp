@@ -148,11 +148,11 @@ Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments) {
   if (Status copied = CopyWhole(page->artifact, arguments.output); !copied) return copied;
   if (common.json) {
     common.answered = true;
-    nlohmann::json answer = page->outcome.summary;
+    nlohmann::json answer = page->summary;
     answer["page"] = DisplayPath(arguments.output);
     std::printf("%s\n", answer.dump(1).c_str());
   } else if (!common.quiet) {
-    PrintPage(arguments, page->outcome.summary);
+    PrintPage(arguments, page->summary);
   }
   return {};
 }

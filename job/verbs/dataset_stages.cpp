@@ -31,7 +31,7 @@ Expected<std::unique_ptr<DatasetStages>> DatasetStages::Make(const CommonArgumen
 }
 
 Expected<ItemResult> DatasetStages::One(const StageDeclaration& stage, ItemSpec item) {
-  return StageRuns(*runner_, reports_).One(stage, std::move(item));
+  return StageRuns(*runner_, counts_).One(stage, std::move(item));
 }
 
 }  // namespace mocurate

@@ -29,7 +29,7 @@ class DatasetStages {
 
   TemporaryFolder scratch_;
   std::unique_ptr<Runner> runner_;
-  std::vector<StageReport> reports_;
+  std::vector<StageCounts> counts_;
 };
 
 }  // namespace mocurate

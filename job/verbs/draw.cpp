@@ -100,10 +100,10 @@ Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
     if (Status made = MakeFolder(folder); !made) return made;
   }
   if (Status copied = CopyWhole(drawn->artifact, arguments.output); !copied) return copied;
-  for (const nlohmann::json& without : drawn->outcome.summary.value("without", nlohmann::json::array())) {
+  for (const nlohmann::json& without : drawn->summary.value("without", nlohmann::json::array())) {
     LogWarning(without.get<std::string>() + " has no motion with the selected labels or clips");
   }
-  const long long rows = drawn->outcome.summary.value("rows", 0LL);
+  const long long rows = drawn->summary.value("rows", 0LL);
   if (common.json) {
     common.answered = true;
     std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)}, {"rows", rows}}).dump(1).c_str());

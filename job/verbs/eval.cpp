@@ -252,8 +252,8 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   if (Status made = MakeFolder(settings.run_folder); !made) return made;
   auto runner = Runner::Make(settings);
   if (!runner) return Forward(runner);
-  std::vector<StageReport> reports;
-  StageRuns runs(**runner, reports);
+  std::vector<StageCounts> counts;
+  StageRuns runs(**runner, counts);
 
   std::vector<std::pair<NamedFiles, MotionFiles>> sets;
   std::set<std::string> taken = {"Real", "Real-test", "reference", "reference_test"};

@@ -182,13 +182,13 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
 }
 
 /// The fits of a run as one dataset, sorted by id.
-Expected<Dataset> CollectFits(const StageReport& fits, const std::vector<std::string>& label_order) {
+Expected<Dataset> CollectFits(const std::vector<ClipRecord>& clips, const std::vector<std::string>& label_order) {
   Dataset whole;
   whole.created_by = CreatedBy();
   whole.recipe = "mocurate fit";
-  for (const ItemResult& item : fits.items) {
-    if (item.artifact.empty()) continue;
-    Expected<Dataset> part = ReadDataset(item.artifact);
+  for (const ClipRecord& clip : clips) {
+    if (!IsFitted(clip)) continue;
+    Expected<Dataset> part = ReadDataset(clip.motion.artifact);
     if (!part) return Forward(part);
     whole.skeleton = part->skeleton;
     whole.joints_only = part->joints_only;
@@ -206,13 +206,12 @@ Expected<Dataset> CollectFits(const StageReport& fits, const std::vector<std::st
 std::vector<Error> Failures(const JobResult& result) {
   std::vector<Error> failures;
   std::set<std::string> reported;
-  for (const StageReport& stage : result.stages) {
-    for (const ItemResult& item : stage.items) {
-      if (!item.artifact.empty() || item.outcome.error.what.empty()) continue;
-      Error error = item.outcome.error;
-      if (error.where.empty()) error.where = item.item;
-      if (reported.insert(error.Message()).second) failures.push_back(std::move(error));
-    }
+  for (const ClipRecord& clip : result.clips) {
+    const ItemResult* ended = clip.ended();
+    if (ended == nullptr || ended->outcome.error.what.empty()) continue;
+    Error error = ended->outcome.error;
+    if (error.where.empty()) error.where = clip.item;
+    if (reported.insert(error.Message()).second) failures.push_back(std::move(error));
   }
   if (failures.empty()) failures.push_back({ErrorCode::kInconsistent, "no clip could be fitted", "", ""});
   return failures;
@@ -256,23 +255,20 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   if (!runner) return Forward(runner);
   const Expected<JobResult> result = RunMainJob(*options, JobStage::kFitting, **runner, arguments.clips);
   if (!result) return Forward(result);
-  const auto fits = std::find_if(result->stages.begin(), result->stages.end(),
-                                 [](const StageReport& stage) { return stage.stage == "fitting"; });
-  const bool any =
-      fits != result->stages.end() && std::any_of(fits->items.begin(), fits->items.end(),
-                                                  [](const ItemResult& item) { return !item.artifact.empty(); });
-  if (!any) return tl::unexpected<Error>(FirstFailure(*result));
-  const Expected<Dataset> whole = CollectFits(*fits, options->assemble.label_order);
+  if (std::none_of(result->clips.begin(), result->clips.end(), IsFitted)) {
+    return tl::unexpected<Error>(FirstFailure(*result));
+  }
+  const Expected<Dataset> whole = CollectFits(result->clips, options->assemble.label_order);
   if (!whole) return Forward(whole);
   if (Status written = WriteDataset(*whole, arguments.output); !written) return written;
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", AnswerOf(*result, *fits, arguments.output)
-                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
-                            .c_str());
+    std::printf(
+        "%s\n",
+        AnswerOf(*result, arguments.output).dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   } else {
-    for (const ItemResult& item : fits->items) {
-      if (!item.artifact.empty()) PrintFit(*result, item);
+    for (const ClipRecord& clip : result->clips) {
+      if (IsFitted(clip)) PrintFit(clip);
     }
     PrintSharedBodies(*result);
     std::printf("%s in %s\n", Counted(static_cast<long long>(whole->clips.size()), "clip").c_str(),

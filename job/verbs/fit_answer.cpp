@@ -12,16 +12,10 @@ namespace mocurate {
 namespace {
 
 /// Findings of ingest about the clip, then those of its fit.
-std::vector<Finding> FindingsOf(const JobResult& result, const ItemResult& fit) {
+std::vector<Finding> FindingsOf(const ClipRecord& clip) {
   std::vector<Finding> findings;
-  for (const StageReport& stage : result.stages) {
-    if (stage.stage != "ingest") continue;
-    for (const ItemResult& item : stage.items) {
-      if (item.item == fit.item && item.sha256 != fit.sha256)
-        findings.insert(findings.end(), item.outcome.findings.begin(), item.outcome.findings.end());
-    }
-  }
-  findings.insert(findings.end(), fit.outcome.findings.begin(), fit.outcome.findings.end());
+  if (clip.evidence.sha256 != clip.motion.sha256) findings = clip.evidence.outcome.findings;
+  findings.insert(findings.end(), clip.motion.outcome.findings.begin(), clip.motion.outcome.findings.end());
   return findings;
 }
 
@@ -43,21 +37,20 @@ void PrintRepairs(const ItemResult& item) {
 /// Clips fitted as one body: the body's name and their number, for several clips.
 std::map<std::string, int> SharedBodies(const JobResult& result) {
   std::map<std::string, int> shared;
-  for (const StageReport& stage : result.stages) {
-    if (stage.stage != "proportions") continue;
-    for (const ItemResult& item : stage.items) {
-      const int clips = item.outcome.summary.value("clips", 0);
-      if (clips > 1) shared[item.item] = clips;
-    }
+  for (const auto& [body, item] : result.bodies) {
+    const int clips = item.summary.value("clips", 0);
+    if (clips > 1) shared[body] = clips;
   }
   return shared;
 }
 
 }  // namespace
 
-void PrintFit(const JobResult& result, const ItemResult& item) {
-  const nlohmann::json& fit = item.outcome.summary;
-  std::printf("%s\n", item.item.c_str());
+bool IsFitted(const ClipRecord& clip) { return !clip.motion.artifact.empty(); }
+
+void PrintFit(const ClipRecord& clip) {
+  const nlohmann::json fit = clip.motion.summary;
+  std::printf("%s\n", clip.item.c_str());
   const auto number = [](const nlohmann::json& from, const char* key) {
     return from.is_object() && from.contains(key) && from[key].is_number() ? from[key].get<double>() : 0.0;
   };
@@ -82,8 +75,8 @@ void PrintFit(const JobResult& result, const ItemResult& item) {
         number(contacts, "largest_shift_mm"), contacts.value("joint", "").c_str(), contacts.value("frame", 0),
         number(contacts, "largest_turn_deg"));
   }
-  PrintRepairs(item);
-  for (const Finding& finding : FindingsOf(result, item)) {
+  PrintRepairs(clip.motion);
+  for (const Finding& finding : FindingsOf(clip)) {
     if (finding.severity == Severity::kInfo) continue;
     const char* mark = finding.severity == Severity::kError ? "error: " : "";
     std::printf("  %s%s: %s\n", mark, finding.code.c_str(), finding.message.c_str());
@@ -97,20 +90,21 @@ void PrintSharedBodies(const JobResult& result) {
   }
 }
 
-nlohmann::json AnswerOf(const JobResult& result, const StageReport& fits, const std::filesystem::path& output) {
+nlohmann::json AnswerOf(const JobResult& result, const std::filesystem::path& output) {
   nlohmann::json clips = nlohmann::json::array();
-  for (const ItemResult& item : fits.items) {
+  for (const ClipRecord& clip : result.clips) {
+    if (clip.motion.item.empty()) continue;
     nlohmann::json findings = nlohmann::json::array();
-    for (const Finding& finding : FindingsOf(result, item)) {
+    for (const Finding& finding : FindingsOf(clip)) {
       findings.push_back({{"code", finding.code},
                           {"severity", std::string(Name(finding.severity))},
                           {"message", finding.message},
                           {"value", finding.value}});
     }
-    clips.push_back({{"clip", item.item},
-                     {"fitted", !item.artifact.empty()},
-                     {"error", item.artifact.empty() ? item.outcome.error.Message() : std::string()},
-                     {"fit", item.outcome.summary},
+    clips.push_back({{"clip", clip.item},
+                     {"fitted", IsFitted(clip)},
+                     {"error", IsFitted(clip) ? std::string() : clip.motion.outcome.error.Message()},
+                     {"fit", clip.motion.summary},
                      {"findings", findings}});
   }
   return {{"output", DisplayPath(output)},

@@ -7,13 +7,15 @@
 
 namespace mocurate {
 
+bool IsFitted(const ClipRecord& clip);
+
 /// Prints a fitted clip: residuals, changes, findings.
-void PrintFit(const JobResult& result, const ItemResult& item);
+void PrintFit(const ClipRecord& clip);
 
 /// Prints the bodies shared by several clips.
 void PrintSharedBodies(const JobResult& result);
 
 /// {"output", "clips": [{"clip", "fitted", "error", "fit", "findings"}], "shared_bodies": {body: clips}, "failed"}
-nlohmann::json AnswerOf(const JobResult& result, const StageReport& fits, const std::filesystem::path& output);
+nlohmann::json AnswerOf(const JobResult& result, const std::filesystem::path& output);
 
 }  // namespace mocurate

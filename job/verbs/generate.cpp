@@ -400,10 +400,10 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   settings.log_failures = false;
   auto runner = Runner::Make(settings);
   if (!runner) return Forward(runner);
-  std::vector<StageReport> reports;
-  const auto generated = StageRuns(**runner, reports).One(GenerateDeclaration(), std::move(item));
+  std::vector<StageCounts> counts;
+  const auto generated = StageRuns(**runner, counts).One(GenerateDeclaration(), std::move(item));
   if (!generated) return Forward(generated);
-  asked = generated->outcome.summary.value("motions", asked);
+  asked = generated->summary.value("motions", asked);
   if (Status copied = CopyWhole(generated->artifact, arguments.output); !copied) return copied;
   int meshes = 0;
   if (!arguments.mesh.empty()) {

@@ -72,24 +72,19 @@ Status CheckRigOutput(const fs::path& output) {
 /// Evidence of the stage `ingest`, by item.
 std::vector<StageInput> EvidenceOf(const JobResult& result) {
   std::vector<StageInput> evidence;
-  for (const StageReport& stage : result.stages) {
-    if (stage.stage != "ingest") continue;
-    for (const ItemResult& item : stage.items) {
-      if (!item.artifact.empty()) evidence.push_back(InputFrom("evidence", item));
-    }
+  for (const ClipRecord& clip : result.clips) {
+    if (!clip.evidence.artifact.empty()) evidence.push_back(InputFrom("evidence", clip.evidence));
   }
   return evidence;
 }
 
 /// Why the first clip could not be read.
 Error WhyNoEvidence(const JobResult& result, const JobOptions& options) {
-  for (const StageReport& stage : result.stages) {
-    for (const ItemResult& item : stage.items) {
-      if (!item.artifact.empty() || item.outcome.error.what.empty()) continue;
-      Error error = item.outcome.error;
-      if (error.where.empty()) error.where = item.item;
-      return error;
-    }
+  for (const ClipRecord& clip : result.clips) {
+    if (clip.ended() == nullptr || clip.ended()->outcome.error.what.empty()) continue;
+    Error error = clip.ended()->outcome.error;
+    if (error.where.empty()) error.where = clip.item;
+    return error;
   }
   return {ErrorCode::kInconsistent, "no take could be read", DisplayPath(options.ingest.path), ""};
 }
@@ -163,8 +158,8 @@ Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments)
   ItemSpec item{"rig", OptionsToJson(of_rig), EvidenceOf(*result)};
   if (item.inputs.empty()) return tl::unexpected<Error>(WhyNoEvidence(*result, *options));
   item.inputs.push_back(SkeletonInput(options->fitting.skeleton));
-  std::vector<StageReport> reports;
-  const Expected<ItemResult> rig = StageRuns(**runner, reports).One(RigDeclaration(), std::move(item));
+  std::vector<StageCounts> counts;
+  const Expected<ItemResult> rig = StageRuns(**runner, counts).One(RigDeclaration(), std::move(item));
   if (!rig) return Forward(rig);
   if (Status copied = CopyWhole(rig->artifact, arguments.output); !copied) return copied;
   for (const Finding& finding : rig->outcome.findings) {
@@ -172,12 +167,12 @@ Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments)
   }
   if (common.json) {
     common.answered = true;
-    nlohmann::json answer = rig->outcome.summary;
+    nlohmann::json answer = rig->summary;
     answer["rig"] = DisplayPath(arguments.output);
     answer["findings"] = rig->outcome.findings;
     std::printf("%s\n", answer.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   } else if (!common.quiet) {
-    PrintRig(rig->outcome.summary, arguments.output);
+    PrintRig(rig->summary, arguments.output);
   }
   if (result->counts.failed == 0) return {};
   Error error = WhyNoEvidence(*result, *options);

@@ -54,16 +54,16 @@ void PrintFigures(const JobResult& result) {
 
 int Executed(const JobResult& result) {
   int count = 0;
-  for (const StageReport& stage : result.stages) count += static_cast<int>(stage.items.size()) - stage.from_cache;
+  for (const StageCounts& stage : result.stages) count += static_cast<int>(stage.total) - stage.from_cache;
   return count;
 }
 
 void PrintResult(const JobResult& result, double seconds) {
-  for (const StageReport& stage : result.stages) {
+  for (const StageCounts& stage : result.stages) {
     std::printf(
         "%-24s %5zu %-6s%5d done  %4d suspect  %4d excluded  %4d refused  %4d crashed  %5d from cache  %7.1f s\n",
-        stage.title().c_str(), stage.items.size(), stage.items.size() == 1 ? "item" : "items", stage.done,
-        stage.suspect, stage.excluded, stage.refused, stage.crashed, stage.from_cache, stage.seconds);
+        stage.title().c_str(), stage.total, stage.total == 1 ? "item" : "items", stage.done, stage.suspect,
+        stage.excluded, stage.refused, stage.crashed, stage.from_cache, stage.seconds);
   }
   std::printf("%s, %.1f s\n", ClipsText(result.counts).c_str(), seconds);
   for (const auto& [code, count] : result.findings) {
@@ -83,9 +83,9 @@ void PrintResult(const JobResult& result, double seconds) {
 
 void PrintPlan(const JobResult& result, JobStage last) {
   std::printf("dry run: nothing is run and nothing is written\n");
-  for (const StageReport& stage : result.stages) {
-    if (stage.items.empty()) continue;  // of inputs that do not exist yet
-    const auto all = static_cast<int>(stage.items.size());
+  for (const StageCounts& stage : result.stages) {
+    if (stage.total == 0) continue;  // of inputs that do not exist yet
+    const auto all = static_cast<int>(stage.total);
     std::printf("%-24s %s from the cache, %d would run\n", stage.title().c_str(),
                 Counted(stage.from_cache, "item").c_str(), all - stage.from_cache);
   }

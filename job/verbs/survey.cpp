@@ -168,7 +168,7 @@ Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& argume
   if (!made) return Forward(made);
   if (Status folder = MakeFolder(arguments.output); !folder) return folder;
   if (Status copied = CopyWhole(made->artifact, page); !copied) return copied;
-  const nlohmann::json& summary = made->outcome.summary;
+  const nlohmann::json summary = made->summary;
   if (Status written = WriteFile(key, SurveyJsonText(summary.at("key"))); !written) return written;
   for (const nlohmann::json& note : summary.at("notes")) LogWarning(note.get<std::string>());
   if (common.json) {

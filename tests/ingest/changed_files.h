@@ -35,12 +35,16 @@ class ChangedFiles : public WrittenFormats {
   static StageOutcome RunOne(const IngestOptions& options) {
     const std::vector<ItemResult> clips = RunAll(options);
     EXPECT_EQ(clips.size(), 1u);
-    return clips.empty() ? StageOutcome() : clips[0].outcome;
+    StageOutcome outcome;
+    if (clips.empty()) return outcome;
+    static_cast<Outcome&>(outcome) = clips[0].outcome;
+    outcome.summary = clips[0].summary;
+    return outcome;
   }
 };
 
 /// Findings of one code, in order.
-inline std::vector<Finding> FindingsOf(const StageOutcome& outcome, const std::string& code) {
+inline std::vector<Finding> FindingsOf(const Outcome& outcome, const std::string& code) {
   std::vector<Finding> findings;
   for (const Finding& finding : outcome.findings) {
     if (finding.code == code) findings.push_back(finding);

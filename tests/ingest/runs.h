@@ -27,10 +27,12 @@ inline std::vector<ItemResult> RunAll(const IngestOptions& options) {
     ItemResult result;
     result.item = item.item;
     auto outcome = IngestStage(request);
-    if (outcome)
+    if (outcome) {
+      result.summary = outcome->summary;
       result.outcome = *std::move(outcome);
-    else
+    } else {
       ADD_FAILURE() << outcome.error().Message();
+    }
     results.push_back(std::move(result));
   }
   return results;
@@ -75,7 +77,7 @@ class RecordedSets : public ::testing::Test {
 };
 
 /// Codes of the findings of severity error.
-inline std::vector<std::string> ErrorCodes(const StageOutcome& outcome) {
+inline std::vector<std::string> ErrorCodes(const Outcome& outcome) {
   std::vector<std::string> codes;
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) codes.push_back(finding.code);

@@ -32,7 +32,7 @@ inline std::map<std::string, Motion> TruthOf(const std::filesystem::path& folder
   return all;
 }
 
-inline std::map<std::string, std::string> BytesOf(const std::filesystem::path& folder) {
+inline std::map<std::string, std::string> BytesBelow(const std::filesystem::path& folder) {
   std::map<std::string, std::string> bytes;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file())

@@ -95,7 +95,7 @@ TEST_F(Faults, AnItemExcludedByARuleIsNotAFailureAndIsCachedWithItsRule) {
     EXPECT_EQ(report->excluded, 1);
     EXPECT_EQ(report->refused + report->crashed + report->done, 0);
     EXPECT_EQ(report->from_cache, from_cache);
-    const StageOutcome& outcome = report->items[0].outcome;
+    const Outcome& outcome = report->items[0].outcome;
     EXPECT_EQ(outcome.kind, OutcomeKind::kExcluded);
     EXPECT_FALSE(IsFailure(outcome.kind));
     EXPECT_EQ(outcome.findings.at(0).code, "too_short");

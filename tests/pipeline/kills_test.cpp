@@ -115,7 +115,7 @@ TEST_F(Kills, ALongItemSavesItsStateAndContinuesFromThere) {
   const auto report = Run(Stage("patient"), {Item("training")});
   ASSERT_TRUE(report);
   EXPECT_EQ(report->done, 1);
-  EXPECT_GT(report->items[0].outcome.summary["begin"].get<int>(), 5);
+  EXPECT_GT(report->items[0].summary.at("begin").get<int>(), 5);
   EXPECT_TRUE(fs::is_empty(options.cache_folder / "scratch"));
 }
 

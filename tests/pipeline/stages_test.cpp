@@ -48,12 +48,12 @@ TEST_F(TwoStages, RunOnceAndAreThenServedFromTheCache) {
   EXPECT_EQ(first->executed_upper(), 3);
   EXPECT_EQ(first->upper.done, 3);
   EXPECT_EQ(Bytes(first->upper.items[1]), "CLIP B!");
-  EXPECT_EQ(first->upper.items[1].outcome.summary["bytes"], 7);
+  EXPECT_EQ(first->upper.items[1].summary.at("bytes"), 7);
   const auto again = RunBoth();
   ASSERT_TRUE(again);
   EXPECT_EQ(again->executed_upper(), 0);
   EXPECT_EQ(again->executed_sum(), 0);
-  EXPECT_EQ(again->upper.items[1].outcome.summary["bytes"], 7);
+  EXPECT_EQ(again->upper.items[1].summary.at("bytes"), 7);
   EXPECT_EQ(Bytes(again->sum.items[0]), Bytes(first->sum.items[0]));
 }
 
@@ -201,7 +201,7 @@ TEST_F(TwoStages, AFolderCanBeInputAndArtifact) {
   const auto made = Run(Stage("folder"), {Item("set")});
   ASSERT_TRUE(made) << made.error().Message();
   ASSERT_EQ(made->done, 1);
-  EXPECT_EQ(ReadFile(made->items[0].artifact / "sub" / "b").value(), "setsub/b");
+  EXPECT_EQ(ReadFile(fs::path(made->items[0].artifact) / "sub" / "b").value(), "setsub/b");
   EXPECT_EQ(Run(Stage("folder"), {Item("set")})->from_cache, 1);
   const ItemSpec over = Over("clip", made->items[0].artifact);
   EXPECT_EQ(Run(Stage("environment"), {over})->from_cache, 0);

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "core/pipeline/runner.h"
+
 namespace mocurate {
 namespace {
 
@@ -78,8 +82,36 @@ TEST(Wire, RequestsAndOutcomesKeepAllTheirParts) {
   EXPECT_EQ(read->findings, outcome.findings);
   EXPECT_EQ(read->summary, outcome.summary);
   EXPECT_EQ(read->error, outcome.error);
+  const auto inputs = InputsFromJson(ToJson(request.inputs));
+  ASSERT_TRUE(inputs);
+  EXPECT_EQ(ToJson(*inputs), ToJson(request.inputs));
+  EXPECT_FALSE(InputsFromJson({{{"role", "evidence"}}}));
   EXPECT_FALSE(OutcomeFromJson({{"kind", 3}}));
   EXPECT_FALSE(RequestFromJson({{"stage", "x"}}));
+}
+
+TEST(ItemSummaries, KeepWhatTheyAreGiven) {
+  EXPECT_EQ(ItemSummary().Unpacked(), nlohmann::json::object());
+  const nlohmann::json figures = {
+      {"clip", "kard/s1\xff"}, {"rms_mm", 0.1}, {"frames", 30}, {"bones", {{"knee", -1e-13}}}, {"none", nullptr}};
+  ItemSummary summary = figures;
+  const ItemSummary copy = summary;
+  summary.Set("threshold", 2.5);
+  EXPECT_EQ(summary.value("threshold", 0.0), 2.5);
+  EXPECT_EQ(copy.Unpacked(), figures) << "copies share what neither has changed";
+  EXPECT_EQ(copy.at("clip"), "kard/s1\xff");
+  EXPECT_EQ(copy.value("person", std::string("p")), "p");
+  EXPECT_FALSE(copy == summary);
+  summary.Set("rms_mm", std::nan(""));
+  EXPECT_TRUE(std::isnan(summary.value("rms_mm", 0.0)));
+}
+
+TEST(ItemsOptions, TheirTextIsThatOfAllOfThem) {
+  ItemOptions options = {{"b", 1}, {"a", "\xff"}};
+  EXPECT_EQ(options.Text(), CanonicalText(options.Whole()));
+  options.Set("b", 2);
+  EXPECT_EQ(options.Whole(), nlohmann::json({{"b", 2}, {"a", "\xff"}}));
+  EXPECT_EQ(options.Text(), CanonicalText(options.Whole()));
 }
 
 }  // namespace

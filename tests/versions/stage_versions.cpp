@@ -18,10 +18,10 @@ nlohmann::json Versions(const std::vector<StageDeclaration>& stages) {
   return versions;
 }
 
-nlohmann::json OutcomeRecord(const StageOutcome& outcome) {
+nlohmann::json OutcomeRecord(const ItemResult& result) {
   nlohmann::json findings = nlohmann::json::array();
-  for (const Finding& finding : outcome.findings) findings.push_back(finding);
-  return RecordJson({{"kind", Name(outcome.kind)}, {"summary", outcome.summary}, {"findings", findings}});
+  for (const Finding& finding : result.outcome.findings) findings.push_back(finding);
+  return RecordJson({{"kind", Name(result.outcome.kind)}, {"summary", result.summary}, {"findings", findings}});
 }
 
 std::string Listed(const std::vector<std::string>& differences) {
@@ -80,7 +80,7 @@ ItemResult StageVersions::Judge(const StageDeclaration& stage, const std::string
                               {"version", stage.version},
                               {"options", item.options.Whole()},
                               {"made_from", Versions(made_from)},
-                              {"record", {{"outcome", OutcomeRecord(result.outcome)}, {"artifact", *artifact}}}};
+                              {"record", {{"outcome", OutcomeRecord(result)}, {"artifact", *artifact}}}};
   const auto text = ReadFile(RecordFile(name));
   const nlohmann::json recorded = text ? nlohmann::json::parse(*text) : nlohmann::json();
   const bool same_version = recorded.is_object() && recorded["version"] == now["version"];

@@ -122,7 +122,7 @@ TEST(BadInput, ReportsOrRefusesAFileNameThatDoesNotMatch) {
   EXPECT_EQ(discovery->excluded[1].item, "deeper");
   EXPECT_EQ(discovery->excluded[1].outcome.findings.at(0).code, "folder_not_read");
   EXPECT_EQ(discovery->excluded[1].outcome.findings.at(0).value, 1.0);
-  const StageOutcome passed_over = discovery->excluded[0].outcome;
+  const Outcome passed_over = discovery->excluded[0].outcome;
   EXPECT_EQ(passed_over.kind, OutcomeKind::kExcluded);
   ASSERT_EQ(passed_over.findings.size(), 1u);
   EXPECT_EQ(passed_over.findings[0].clip, "notes.txt");

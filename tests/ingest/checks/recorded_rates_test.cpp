@@ -36,7 +36,7 @@ TEST_F(RecordedRates, UseTheDeclaredRateAndReportContradictoryFiles) {
   ASSERT_GT(clips.size(), 50u);
   EXPECT_EQ(CountCode(clips, "rate_contradiction"), clips.size());
   EXPECT_EQ(CountCode(clips, "rate_suspect"), 0u) << "the declared rate is true";
-  for (const ItemResult& clip : clips) EXPECT_EQ(clip.outcome.summary.at("rate_hz"), 30.0);
+  for (const ItemResult& clip : clips) EXPECT_EQ(clip.summary.at("rate_hz"), 30.0);
   const auto set_findings = FindSetContradictions(options.source, clips);
   ASSERT_EQ(set_findings.size(), 1u);
   EXPECT_EQ(set_findings[0].code, "rate_contradiction");

@@ -76,7 +76,7 @@ TEST(GroupedFiles, AreRefusedWhenNoneCanBeRead) {
   ASSERT_EQ(beside->items.size(), 1u);
   EXPECT_EQ(beside->items[0].inputs.at(0).name, "dance/body3DScene_1.json");
   ASSERT_EQ(beside->excluded.size(), 1u);
-  const StageOutcome& band = beside->excluded[0].outcome;
+  const Outcome& band = beside->excluded[0].outcome;
   EXPECT_EQ(band.findings.at(0).code, "unreadable_file");
   EXPECT_EQ(band.error.where, "band/body3DScene_1.json");
 }

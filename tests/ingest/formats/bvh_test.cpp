@@ -48,7 +48,7 @@ double BvhJointError(const Motion& motion, const Bvh& bvh, const Matrix3d& metre
   return worst;
 }
 
-Motion Only(const IngestOptions& options, const std::string& name, StageOutcome* outcome = nullptr) {
+Motion Only(const IngestOptions& options, const std::string& name, Outcome* outcome = nullptr) {
   const auto discovery = Discover(options);
   if (!discovery) ADD_FAILURE() << discovery.error().Message();
   const Ingested ingested = RunIngest(discovery->items.at(0), name);
@@ -99,7 +99,7 @@ TEST(BvhSource, FlagsOrRefusesASlidingBone) {
     return kStill + "1 80 3 0 0 0  10 0 0 0 0 0  -10 0 0 0 0 0\n" + kStill + "9 80 3 0 0 0  " + slide +
            " 0 0 0 0 0  -10 0 0 0 0 0\n";
   };
-  StageOutcome outcome;
+  Outcome outcome;
   Only(SmallSource("slides", rows("10.1")), "slides", &outcome);
   ASSERT_EQ(outcome.findings.size(), 1u);
   EXPECT_EQ(outcome.findings[0].code, "bone_slides");
@@ -114,7 +114,7 @@ TEST(BvhSource, ReportsARateThatContradictsTheDeclaration) {
       kStill + "1 80 3 0 0 0  10 0 0 0 0 0  -10 0 0 0 0 0\n" + kStill + "1 80 3 0 0 0  10 0 0 0 0 0  -10 0 0 0 0 0\n";
   IngestOptions options = SmallSource("rate", rows);
   options.source.rate_hz = 60.0;
-  StageOutcome outcome;
+  Outcome outcome;
   EXPECT_EQ(Only(options, "rate", &outcome).rate, (FrameRate{60, 1})) << "the declared rate is used";
   ASSERT_GE(outcome.findings.size(), 1u);
   EXPECT_EQ(outcome.findings[0].code, "rate_contradiction");
@@ -217,7 +217,7 @@ TEST(BvhSource, FlagsAMirroredPersonOnAnUndeclaredSkeleton) {
   options.source.skeleton = "";
   for (const bool mirrored : {false, true}) {
     options.source.axes = mirrored ? "-x +y +z" : "+x +y +z";
-    StageOutcome outcome;
+    Outcome outcome;
     Only(options, "mirrored", &outcome);
     EXPECT_EQ(outcome.kind, mirrored ? OutcomeKind::kSuspect : OutcomeKind::kDone);
     ASSERT_EQ(outcome.findings.size(), mirrored ? 1u : 0u);

@@ -62,7 +62,7 @@ ErrorCode RefusalCode(const IngestOptions& options, const std::string& name) {
   return status ? ErrorCode::kInternal : status.error().code;
 }
 
-Finding FindingOf(const StageOutcome& outcome, const std::string& code) {
+Finding FindingOf(const Outcome& outcome, const std::string& code) {
   for (const Finding& finding : outcome.findings) {
     if (finding.code == code) return finding;
   }

@@ -34,7 +34,7 @@ class DepthBeside : public Layouts {
     return RunIngest(discovery->items.at(0), "depth_beside");
   }
 
-  static std::vector<std::string> Codes(const StageOutcome& outcome) {
+  static std::vector<std::string> Codes(const Outcome& outcome) {
     std::vector<std::string> codes;
     for (const Finding& finding : outcome.findings) codes.push_back(finding.code);
     return codes;

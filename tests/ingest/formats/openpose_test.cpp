@@ -30,7 +30,7 @@ const ItemSpec* Find(const Discovery& discovery, const std::string& item) {
   return nullptr;
 }
 
-std::vector<std::string> CodesOfOutcome(const StageOutcome& outcome) {
+std::vector<std::string> CodesOfOutcome(const Outcome& outcome) {
   std::vector<std::string> codes;
   for (const Finding& finding : outcome.findings) codes.push_back(finding.code);
   return codes;

@@ -63,7 +63,7 @@ TEST_F(PhspdInspection, ReportsSmplInMetresAndCompanionFiles) {
     EXPECT_EQ(inspection.at("format"), "phspd_pose");
     ASSERT_EQ(inspection.at("clips").size(), clips.size());
     for (std::size_t i = 0; i < clips.size(); ++i) {
-      EXPECT_EQ(Value(inspection.at("clips")[i], "frames"), clips[i].outcome.summary.at("frames"));
+      EXPECT_EQ(Value(inspection.at("clips")[i], "frames"), clips[i].summary.at("frames"));
       EXPECT_EQ(Value(inspection.at("clips")[i], "skeleton"), "smpl24");
       EXPECT_EQ(inspection.at("clips")[i].at("units").at("from"), "declared");
     }

@@ -144,7 +144,7 @@ std::string FindingLine(const Finding& finding) {
          std::to_string(finding.frame_end) + " " + finding.joint + " " + Number(finding.value);
 }
 
-void AddOutcome(const std::string& item, const Expected<StageOutcome>& outcome, const fs::path& artifact,
+void AddOutcome(const std::string& item, const Expected<Outcome>& outcome, const fs::path& artifact,
                 const fs::path& folder, Book& book) {
   if (!outcome) {
     book.Add("run " + item + " error " + std::string(Name(outcome.error().code)) + " at " +

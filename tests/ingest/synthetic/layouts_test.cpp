@@ -331,9 +331,9 @@ TEST_F(Layouts, TheSameSeedGivesTheSameBytesForAnyNumberOfJobs) {
     ASSERT_TRUE(WriteStudioLayout(options, again, 3));
     options.seed = 2;
     ASSERT_TRUE(WriteStudioLayout(options, other, 1));
-    const auto first = BytesOf(folder);
-    EXPECT_EQ(first, BytesOf(again));
-    EXPECT_NE(first, BytesOf(other));
+    const auto first = BytesBelow(folder);
+    EXPECT_EQ(first, BytesBelow(again));
+    EXPECT_NE(first, BytesBelow(other));
     for (const fs::path& path : {again, other}) fs::remove_all(path);
   }
 }
@@ -344,7 +344,7 @@ TEST_F(Layouts, ANonEmptyFolderIsNotOverwritten) {
   const auto counts = WriteStudioLayout(Perfect(StudioLayout::kKard), folder, 1);
   ASSERT_FALSE(counts);
   EXPECT_EQ(counts.error().code, ErrorCode::kCannotWrite);
-  EXPECT_EQ(BytesOf(folder).size(), 1u);
+  EXPECT_EQ(BytesBelow(folder).size(), 1u);
 }
 
 TEST_F(Layouts, AnUnknownActionIsReportedWithTheNearestOne) {
