@@ -24,6 +24,9 @@ void SlurmResources::Declare(OptionVisitor& v) {
 void SlurmOptions::Declare(OptionVisitor& v) {
   v.Text("account", account, "account that is charged; empty: yours");
   tasks.Declare(v);
+  v.Group("step", step,
+          "the jobs between stages, which verify, look for duplicates in the whole set and plan; empty partition: as "
+          "of the tasks");
   v.Group("last", last, "the job that assembles, trains, scores and reports; empty partition: as of the tasks");
   v.Number("task_time", task_time_s, Unit::kSecond, {0.01, {}}, "a stage is cut into tasks of about this length");
   v.Integer("pilot", pilot, {0, 10000},

@@ -110,7 +110,8 @@ struct SlurmResources {
 /// Settings of `executor: slurm`; they do not change results.
 struct SlurmOptions {
   std::string account;
-  SlurmResources tasks{};  ///< of each task of an array, and of the jobs between stages
+  SlurmResources tasks{};  ///< of each task of an array
+  SlurmResources step{};   ///< of the jobs between stages; empty partition: that of the tasks
   SlurmResources last{};   ///< of the job that assembles, trains and scores; empty partition: that of the tasks
   double task_time_s = 600.0;
   std::int64_t pilot = 32;      ///< items executed before a stage is cut for the first time, to know how long they take

@@ -51,7 +51,10 @@ std::string LastLine(std::string_view text) {
   return last.empty() ? "no answer" : last;
 }
 
-bool NoController(std::string_view text) { return Contains(text, "Unable to contact slurm controller"); }
+/// The controller is away or busy. It may have taken the job all the same: a task is done once, whoever calls it.
+bool NoController(std::string_view text) {
+  return Contains(text, "Unable to contact slurm controller") || Contains(text, "Socket timed out");
+}
 
 tl::unexpected<Error> NotAnswered(const std::string& asked, std::string_view text) {
   return Fail(ErrorCode::kMissingOnHost, asked + ": " + LastLine(text), "executor: slurm",

@@ -218,7 +218,7 @@ Expected<SubmittedJob> SlurmRun::Submit(SubmittedJob job, const std::string& scr
 }
 
 Expected<SubmittedJob> SlurmRun::SubmitStep(const LoadedJob& job, const std::string& after) const {
-  return SubmitSingle(job, SlurmKind::kStep, job.options.slurm.tasks, after);
+  return SubmitSingle(job, SlurmKind::kStep, job.options.slurm.step, after);
 }
 
 Expected<SubmittedJob> SlurmRun::SubmitSingle(const LoadedJob& job, SlurmKind kind, const SlurmResources& wanted,
@@ -232,7 +232,13 @@ Expected<SubmittedJob> SlurmRun::SubmitSingle(const LoadedJob& job, SlurmKind ki
       ScriptHead(Name(kind), folder_ / "slurm" / "logs/", job.options.slurm, wanted, single.time_s, "", settings_) +
       "exec " + settings_.program + " jobs " + ShellQuoted(folder_.native()) +
       (kind == SlurmKind::kStep ? " --next\n" : " --last\n");
-  return Submit(std::move(single), script, after);
+  Expected<SubmittedJob> submitted = Submit(std::move(single), script, after);
+  if (submitted) return submitted;
+  Error error = submitted.error();
+  const std::set<std::string> own = {"slurm.memory", "slurm.time", "slurm.cores"};
+  if (own.count(error.where) > 0 || (error.where == "slurm.partition" && !wanted.partition.empty()))
+    error.where.insert(std::string("slurm.").size(), std::string(Name(kind)) + ".");
+  return tl::unexpected<Error>(error);
 }
 
 Expected<SubmittedJob> SlurmRun::SubmitArray(const LoadedJob& job, const std::string& stage, std::size_t items,
@@ -346,7 +352,8 @@ Expected<SubmittedJob> SlurmRun::Next(const LoadedJob& job) const {
   if (options.most_tasks > 0)
     settings.most_tasks = std::min(settings.most_tasks, static_cast<std::size_t>(options.most_tasks));
   settings.tolerated = job.options.tolerated_failures;
-  settings.cores = settings.jobs = static_cast<int>(options.tasks.cores);
+  settings.cores = static_cast<int>(options.tasks.cores);
+  settings.jobs = static_cast<int>(options.step.cores);
   settings.quiet = true;
   while (true) {
     const Expected<MadePlan> plan = MakePlan(job, settings);
@@ -367,11 +374,16 @@ Expected<SubmittedJob> SlurmRun::Next(const LoadedJob& job) const {
       settings.given_up.insert(plan->stage);
       continue;
     }
-    Expected<SubmittedJob> array = SubmitArray(job, plan->stage, plan->items, plan->tasks, plan->seconds, plan->file);
+    // What was left may have been ended by its time limit: each further array asks for twice as much.
+    const double seconds = std::ldexp(plan->seconds, idle);
+    Expected<SubmittedJob> array = SubmitArray(job, plan->stage, plan->items, plan->tasks, seconds, plan->file);
     if (!array || options.submit_from == SubmitFrom::kLogin) return array;
     const Expected<SubmittedJob> step = SubmitStep(job, array->id);
-    if (!step) return Forward(step);
-    return array;
+    if (step) return array;
+    Error error = step.error();
+    error.hint += (error.hint.empty() ? "" : "; ") + std::string("array ") + array->id +
+                  " runs all the same: when it has ended, run the same command again";
+    return tl::unexpected<Error>(error);
   }
 }
 

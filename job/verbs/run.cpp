@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
@@ -14,6 +15,7 @@
 #include "job/main_job.h"
 #include "job/run_file.h"
 #include "job/run_folder.h"
+#include "job/slurm_run.h"
 #include "job/verbs/paper_items.h"
 #include "job/verbs/run_text.h"
 #include "job/verbs/verbs.h"
@@ -23,10 +25,10 @@ namespace {
 
 nlohmann::json StagesJson(const JobResult& result) {
   nlohmann::json stages = nlohmann::json::array();
-  for (const StageReport& stage : result.stages) {
+  for (const StageCounts& stage : result.stages) {
     stages.push_back({{"stage", stage.stage},
                       {"branch", stage.branch},
-                      {"items", stage.items.size()},
+                      {"items", stage.total},
                       {"done", stage.done},
                       {"suspect", stage.suspect},
                       {"excluded", stage.excluded},
@@ -250,6 +252,9 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun
   if (!folder) return Forward(folder);
   if (Status ours = CheckRunFolder(*folder); !ours) return ours;
   const RunnerOptions options = RunnerOptionsOf(common, arguments, job->options, *folder);
+  const bool in_job = std::getenv("SLURM_JOB_ID") != nullptr;
+  if (const auto on_slurm = SlurmRun::Open(*folder); on_slurm && !on_slurm->Outcome() && !in_job)
+    LogWarning("jobs of Slurm may be at work on this run: mocurate jobs " + DisplayPath(*folder));
   if (!arguments.dry_run) {
     LogDuration(job->options, *last);
     if (Status made = MakeFolder(options.run_folder); !made) return made;

@@ -46,7 +46,7 @@ Counts CountsOf(const std::vector<TaskReport>& tasks) {
 }
 
 std::string MinutesText(double seconds) { return RoundedText(seconds / 60.0, 2) + " min"; }
-std::string MegabytesText(double bytes) { return RoundedText(bytes / 1048576.0, 3) + " MB"; }
+std::string MegabytesText(double bytes) { return RoundedText(bytes / 1e6, 3) + " MB"; }
 
 std::string TitleOf(const SubmittedJob& job) {
   if (job.kind == SlurmKind::kArray) return job.stage;
@@ -118,7 +118,8 @@ class Follower {
       const bool awaits_array = for_array && !jobs.empty() && jobs.back().kind == SlurmKind::kArray;
       std::size_t tasks = 0;
       if (!jobs.empty() && jobs.back().kind == SlurmKind::kArray) tasks = jobs.back().tasks;
-      for (auto job = jobs.rbegin(); job != jobs.rend(); ++job) {
+      const bool last = !jobs.empty() && jobs.back().kind == SlurmKind::kLast;
+      for (auto job = jobs.rbegin(); !last && job != jobs.rend(); ++job) {
         if (job->kind != SlurmKind::kArray) continue;
         tasks = job->tasks;
         // The queue may be a minute older than the array.
@@ -132,7 +133,7 @@ class Follower {
         if (awaits_array && (ended || (queue && Gone(active)))) return true;
         break;
       }
-      if (!jobs.empty() && jobs.back().kind == SlurmKind::kLast) Say("last stages: job " + jobs.back().id);
+      if (last) Say("last stages: job " + jobs.back().id);
       if (!awaits_array && queue && Gone(active) && !run_.Outcome()) {
         const fs::path log = jobs.empty() ? fs::path() : run_.Log(jobs.back());
         return Fail(ErrorCode::kInterrupted, "no job of the run is queued any more, and it has not ended",
@@ -143,9 +144,13 @@ class Follower {
         if (Interruption::Count() == 0) continue;
         const auto now = run_.Queue();
         const std::string ids = now ? ActiveIds(*now) : std::string();
-        return Fail(ErrorCode::kInterrupted, "stopped following; the jobs of the run go on", DisplayPath(run_.folder()),
-                    "see how they do: " + ToFollow(run_.folder()) +
-                        "; follow again: the same command; cancel: scancel " + (ids.empty() ? "IDS" : ids));
+        const bool none = now && ids.empty();
+        return Fail(ErrorCode::kInterrupted,
+                    none ? "stopped following; no job of the run is queued now"
+                         : "stopped following; the jobs of the run go on",
+                    DisplayPath(run_.folder()),
+                    "see how they do: " + ToFollow(run_.folder()) + "; follow again: the same command" +
+                        (ids.empty() ? std::string() : "; cancel: scancel " + ids));
       }
     }
   }
@@ -193,8 +198,14 @@ nlohmann::json JobJson(const SubmittedJob& job, const std::vector<TaskReport>& t
   return value;
 }
 
-/// What a stage's tasks used, and what to ask for instead.
-void PrintUse(const SlurmRun& run, const SubmittedJob& job, const std::vector<TaskReport>& tasks, double wished_s) {
+/// The most that any task of the run used.
+struct Use {
+  double seconds = 0.0, bytes = 0.0;
+};
+
+/// What a stage's tasks used, and how many of them there should be.
+void PrintUse(const SlurmRun& run, const SubmittedJob& job, const std::vector<TaskReport>& tasks, double wished_s,
+              Use& most) {
   double longest = 0.0, bytes = 0.0, whole = 0.0;
   std::size_t measured = 0;
   for (const TaskReport& task : tasks) {
@@ -211,10 +222,7 @@ void PrintUse(const SlurmRun& run, const SubmittedJob& job, const std::vector<Ta
     const auto fitting = static_cast<std::size_t>(std::max(1.0, std::ceil(whole / wished_s)));
     if (measured == tasks.size() && job.tasks > 1 && (fitting * 2 < job.tasks || fitting > job.tasks * 2))
       std::printf("    tasks of %s would be %zu, not %zu\n", MinutesText(wished_s).c_str(), fitting, job.tasks);
-    if (job.memory_bytes && bytes > 0.0 && *job.memory_bytes > kSparing * bytes)
-      std::printf("    --set slurm.memory='%s' would do\n", MegabytesText(2.0 * bytes).c_str());
-    if (job.time_s && *job.time_s > kSparing * longest + 1800.0)
-      std::printf("    --set slurm.time='%s' would do\n", MinutesText(2.0 * longest + 600.0).c_str());
+    most = {std::max(most.seconds, longest), std::max(most.bytes, bytes)};
   }
   for (std::size_t k = 0; k < tasks.size(); ++k) {
     if (tasks[k].state != TaskState::kFailed && tasks[k].state != TaskState::kLost) continue;
@@ -227,7 +235,15 @@ void PrintUse(const SlurmRun& run, const SubmittedJob& job, const std::vector<Ta
   }
 }
 
-Status ShowJobs(CommonArguments& common, const SlurmRun& run, double wished_s) {
+/// What to ask for instead.
+void PrintSuggestions(const std::optional<double>& memory_bytes, const std::optional<double>& time_s, const Use& most) {
+  if (most.bytes > 0.0 && (!memory_bytes || *memory_bytes > kSparing * most.bytes))
+    std::printf("  --set slurm.memory='%s' would do\n", MegabytesText(2.0 * most.bytes).c_str());
+  if (most.seconds > 0.0 && time_s && *time_s > kSparing * most.seconds + 1800.0)
+    std::printf("  --set slurm.time='%s' would do\n", MinutesText(2.0 * most.seconds + 600.0).c_str());
+}
+
+Status ShowJobs(CommonArguments& common, const SlurmRun& run, const SlurmOptions& options) {
   const std::vector<SubmittedJob> jobs = run.Jobs();
   const Expected<std::string> queue = run.Queue();
   if (!queue) LogWarning(queue.error().Message());
@@ -266,9 +282,11 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run, double wished_s) {
     std::printf("%s\n", value.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     return {};
   }
+  Use most;
   for (const SubmittedJob& job : jobs) {
-    if (job.kind == SlurmKind::kArray) PrintUse(run, job, tasks_of(job), wished_s);
+    if (job.kind == SlurmKind::kArray) PrintUse(run, job, tasks_of(job), options.task_time_s, most);
   }
+  PrintSuggestions(options.tasks.memory_bytes, options.tasks.time_s, most);
   if (lines && !outcome) {
     std::map<std::string, std::size_t> reasons;
     for (const QueuedJob& job : ParseQueue(*lines)) {
@@ -299,7 +317,9 @@ Status RunLast(CommonArguments& common, const SlurmRun& run, int cores) {
   arguments.budget = run.settings().budget;
   arguments.executor = "local";
   arguments.jobs = cores;
-  return run.End(RunVerb(common, arguments));
+  const Status done = RunVerb(common, arguments);
+  std::fflush(stdout);  // who follows reads the log as soon as the run has ended
+  return run.End(done);
 }
 
 }  // namespace
@@ -387,12 +407,16 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
 Status JobsVerb(CommonArguments& common, const JobsArguments& arguments) {
   const Expected<SlurmRun> run = SlurmRun::Open(arguments.run);
   if (!run) return Forward(run);
+  if ((arguments.next || arguments.last) && run->Outcome()) {
+    return Fail(ErrorCode::kUsage, "the run has ended", DisplayPath(run->folder()),
+                "to do what is missing: mocurate run with the same arguments");
+  }
   std::error_code problem;
   setenv("MOCURATE_CACHE", run->settings().cache.c_str(), 1);
   fs::current_path(run->settings().working_folder, problem);
   auto job = LoadJob(run->settings().config, run->settings().assignments);
   if (!job) return arguments.next || arguments.last ? run->End(Forward(job)) : Forward(job);
-  if (!arguments.next && !arguments.last) return ShowJobs(common, *run, job->options.slurm.task_time_s);
+  if (!arguments.next && !arguments.last) return ShowJobs(common, *run, job->options.slurm);
   if (ConfigHash(job->options) != run->settings().config_sha256) {
     return run->End(Fail(ErrorCode::kInconsistent, "the configuration has changed since the run was submitted",
                          run->settings().config, "submit it again: mocurate run"));

@@ -166,6 +166,10 @@ TEST_F(SlurmRuns, ArraysGiveTheBytesOfAPlainRun) {
   EXPECT_GE(arrays, 3u) << shown;
   EXPECT_EQ(Run({"jobs", (*folder_ / "arrays").native()}, "arrays").exit_code, 0);
 
+  const std::string ended = ReadText(*folder_ / "arrays/slurm/outcome.json");
+  EXPECT_EQ(Run({"jobs", (*folder_ / "arrays").native(), "--next"}, "arrays").exit_code, 2) << "the run has ended";
+  EXPECT_EQ(ReadText(*folder_ / "arrays/slurm/outcome.json"), ended);
+
   fs::remove(*folder_ / "arrays/slurm/queue.txt");
   WriteText(*folder_ / "arrays_shim/down", "");
   for (int i = 0; i < 2; ++i) {
@@ -205,6 +209,10 @@ TEST_F(SlurmRuns, ATaskThatCannotWorkIsTriedThreeTimes) {
 
 TEST_F(SlurmRuns, RefusalsHaveTheirCodes) {
   EXPECT_EQ(Run(OnSlurm("refused"), "refused", "sbatch_no_partition").exit_code, 2);
+  const Result own =
+      Run(OnSlurm("refused", {"--json", "--set", "slurm.step.memory=9 TB"}), "refused", "sbatch_too_much_memory");
+  EXPECT_EQ(own.exit_code, 2);
+  EXPECT_EQ(own.Json()["error"]["where"], "slurm.step.memory") << own.out;
   EXPECT_EQ(Run(OnSlurm("refused"), "refused", "sbatch_no_controller").exit_code, 4);
   Surroundings without;
   without.before_start = [] { setenv("PATH", "/nowhere", 1); };
