@@ -30,7 +30,7 @@ class Origins {
     std::vector<std::uint8_t> inputs;  ///< packed: a run holds 100,000 items of each stage
   };
   std::vector<StageDeclaration> stages_;
-  std::map<std::string, Known> known_;  ///< by path
+  std::map<std::string, Known> known_;  ///< by name of the artifact's file, which holds most of its key
 };
 
 }  // namespace mocurate

@@ -219,12 +219,12 @@ Expected<StageRequest> RequestFromJson(const json& value) {
 }
 
 std::string Frame(const json& message) {
-  const std::string text = CanonicalText(message);
-  const auto size = static_cast<std::uint32_t>(text.size());
-  std::string frame;
-  frame.reserve(kHeader + text.size());
-  for (int shift = 0; shift < 32; shift += 8) frame += static_cast<char>((size >> shift) & 0xFF);
-  return frame += text;
+  std::string frame = CanonicalText(message);
+  const auto size = static_cast<std::uint32_t>(frame.size());
+  char header[kHeader];
+  for (std::size_t i = 0; i < kHeader; ++i) header[i] = static_cast<char>((size >> (8 * i)) & 0xFF);
+  frame.insert(0, header, kHeader);
+  return frame;
 }
 
 Expected<std::optional<json>> TakeMessage(std::string& buffer) {

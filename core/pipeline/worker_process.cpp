@@ -133,7 +133,12 @@ void WorkerProcess::Close(int& file) {
 }
 
 void WorkerProcess::Send(const nlohmann::json& message) {
-  outgoing_ += Frame(message);
+  std::string frame = Frame(message);
+  if (outgoing_.empty()) {
+    outgoing_ = std::move(frame);
+  } else {
+    outgoing_ += frame;
+  }
   WriteStdin();
 }
 
@@ -151,6 +156,7 @@ void WorkerProcess::WriteStdin() {
     if (count <= 0) return;
     outgoing_.erase(0, static_cast<std::size_t>(count));
   }
+  if (outgoing_.empty()) outgoing_.shrink_to_fit();  // a request over a whole set is tens of megabytes
 }
 
 void WorkerProcess::ReadStderr() {
