@@ -63,7 +63,8 @@ class MainJob {
     for (const auto& [stage, step] : steps) {
       if (stage > last_) break;
       Status done = (this->*step)();
-      if (stage <= JobStage::kAssemble && !DryRun() && !clips_.empty()) {
+      const bool decided = stage == std::min(last_, JobStage::kAssemble);
+      if ((decided || !done) && stage <= JobStage::kAssemble && !DryRun() && !clips_.empty()) {
         const Status logged = WriteCurationLog(clips_, outputs_.Place("curation_log.jsonl"));
         if (!logged) return Forward(logged);
       }
