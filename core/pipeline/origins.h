@@ -27,7 +27,7 @@ class Origins {
     std::size_t stage = 0;  ///< in stages_
     std::string item;
     ItemOptions options;
-    std::vector<std::uint8_t> inputs;  ///< packed: a run holds 100,000 items of each stage
+    std::vector<std::vector<std::uint8_t>> inputs;  ///< each packed: a run holds 100,000 items of each stage
   };
   std::vector<StageDeclaration> stages_;
   std::map<std::string, Known> known_;  ///< by name of the artifact's file, which holds most of its key
