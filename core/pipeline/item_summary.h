@@ -14,8 +14,8 @@ inline std::vector<std::uint8_t> Packed(const nlohmann::json& value) {
   return {packed.begin(), packed.end()};
 }
 
-/// Figures about an item: an object of JSON that is kept packed, which copies share. A run holds some 100,000 of them,
-/// and as a tree each would take ten times the memory. Each access unpacks it.
+/// Figures about an item: an object of JSON that is kept packed, which copies share. A run holds some 100,000 of them;
+/// as trees they take several times the memory. Each access unpacks it.
 class ItemSummary {
  public:
   ItemSummary() = default;  ///< an empty object

@@ -57,6 +57,26 @@ TEST_F(TwoStages, RunOnceAndAreThenServedFromTheCache) {
   EXPECT_EQ(Bytes(again->sum.items[0]), Bytes(first->sum.items[0]));
 }
 
+/// With the options and inputs that it was first made with, which the runner keeps packed.
+TEST_F(TwoStages, AnArtifactThatDisappearsIsMadeAgain) {
+  const Expected<std::unique_ptr<Runner>> runner = Runner::Make(options);
+  ASSERT_TRUE(runner) << runner.error().Message();
+  ItemSpec lower = Over("a", folder / "a", upper_options);
+  lower.options.Set("suffix", "?\xff");
+  lower.inputs.push_back({"source", "beside", folder / "b", {}});
+  const auto upper = (*runner)->Run(Stage("upper"), {lower, Over("c", folder / "c", upper_options)});
+  ASSERT_TRUE(upper) << upper.error().Message();
+  const std::string bytes = Bytes(upper->items[0]);
+  EXPECT_EQ(bytes, "CLIP A?\xff");
+  ASSERT_TRUE(fs::remove(upper->items[0].artifact));
+  ItemSpec set = Item("set", sum_options);
+  for (const ItemResult& clip : upper->items) set.inputs.push_back({"clip", clip.item, clip.artifact, clip.sha256});
+  const auto sum = (*runner)->Run(Stage("sum"), {set});
+  ASSERT_TRUE(sum) << sum.error().Message();
+  EXPECT_EQ(sum->done, 1) << sum->items[0].outcome.error.Message();
+  EXPECT_EQ(Bytes(upper->items[0]), bytes);
+}
+
 TEST_F(TwoStages, AnOptionOfTheLaterStageDoesNotRerunTheEarlierOne) {
   ASSERT_TRUE(RunBoth());
   sum_options["factor"] = 2;
