@@ -5,29 +5,32 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
-#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "core/formats/amass.h"
 #include "core/formats/bvh.h"
+#include "core/formats/expmap_table.h"
+#include "core/formats/humanact12_pickle.h"
 #include "core/formats/npy.h"
 #include "core/formats/ntu_skeleton.h"
 #include "core/formats/openpose.h"
 #include "core/formats/panoptic_bodies.h"
+#include "core/formats/phspd_text.h"
+#include "core/formats/png.h"
 #include "core/formats/vibe_pickle.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
-#include "tests/app/program.h"
 
 /// Small sets of many formats, in which some frames show nobody. Each builder writes its files into a folder and
 /// returns the configuration of a job that reads them. The people are the studio's.
 namespace mocurate::variants {
 
 namespace fs = std::filesystem;
-using program::ReadText;
-using program::WriteText;
 
 /// For each frame whether the person is seen.
 using Seen = std::vector<bool>;
@@ -41,17 +44,20 @@ inline Seen Without(int frames, const std::vector<std::pair<int, int>>& spans) {
   return seen;
 }
 
-/// The folder that `mocurate synthesize` writes with these options, made once per process.
-inline const fs::path& Studio(const std::string& layout, const std::vector<std::string>& options) {
-  static const ScratchFolder folder;
-  static std::map<std::string, fs::path> made;
-  const auto [at, fresh] = made.try_emplace(layout, folder / layout);
-  if (!fresh) return at->second;
-  std::vector<std::string> arguments = {"synthesize", "--layout", layout, "-o", at->second.string(), "--seed", "7"};
-  for (const std::string& option : options) arguments.insert(arguments.end(), {"--set", option});
-  const program::Result result = program::RunProgram(folder, arguments);
-  EXPECT_EQ(result.exit_code, 0) << layout << ": " << result.err;
-  return at->second;
+/// The folder that `mocurate synthesize` writes with these options, made once per process. Each test program defines
+/// it.
+const fs::path& Studio(const std::string& layout, const std::vector<std::string>& options);
+
+inline std::string Contents(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+inline void Place(const fs::path& path, const std::string& bytes) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << bytes;
 }
 
 /// A tracker that hardly errs.
@@ -157,7 +163,7 @@ inline std::string ZeroTable(const fs::path& folder, const Seen& seen) {
       text += Row(seen[static_cast<std::size_t>(f)] ? Vector3d(motion.joints.at(f, j)) : Vector3d::Zero());
     text += "\n";
   }
-  WriteText(folder / "walk.txt", text);
+  Place(folder / "walk.txt", text);
   return Job(folder, "smpl24",
              {"format: joint_table", "files: \"{clip}.txt\"", "units: m", "axes: \"+x +y +z\"", "rate: 30 Hz",
               "skeleton: smpl24", "layout: \"24*(x y z)\"", "missing: zero", "person: p", "label: \"\"",
@@ -174,7 +180,7 @@ inline std::string NumberedTable(const fs::path& folder, const Seen& seen, int f
     for (int j = 0; j < motion.joint_count(); ++j) text += Row(motion.joints.at(f, j));
     text += "\n";
   }
-  WriteText(folder / "walk.txt", text);
+  Place(folder / "walk.txt", text);
   return Job(folder, "smpl24",
              {"format: joint_table", "files: \"{clip}.txt\"", "units: m", "axes: \"+x +y +z\"", "rate: 30 Hz",
               "skeleton: smpl24", "layout: \"frame 24*(x y z)\"", "person: p", "label: \"\"",
@@ -191,7 +197,7 @@ inline NtuSkeleton NtuTake(int frames, int camera = 2) {
   for (const auto& entry : fs::directory_iterator(studio / "nturgb+d_skeletons")) {
     const std::string name = entry.path().filename().string();
     if (name.find("C" + Digits(camera, 3)) == std::string::npos) continue;
-    const auto whole = ParseNtuSkeleton(ReadText(entry.path()), name);
+    const auto whole = ParseNtuSkeleton(Contents(entry.path()), name);
     EXPECT_TRUE(whole) << whole.error().Message();
     for (int f = 0; whole && f < frames; ++f) {
       take.frames.push_back(
@@ -208,7 +214,7 @@ inline std::string NtuFile(const fs::path& folder, const Seen& seen) {
   for (std::size_t f = 0; f < seen.size(); ++f) {
     if (!seen[f]) take.frames[f].clear();
   }
-  WriteText(folder / "S001C002P001R001A023.skeleton", WriteNtuSkeleton(take));
+  Place(folder / "S001C002P001R001A023.skeleton", WriteNtuSkeleton(take));
   return JobOf("ntu", folder, "ntu25");
 }
 
@@ -235,7 +241,7 @@ inline std::string KinectTable(const fs::path& folder, const Seen& seen, const s
       text += "," + std::to_string(joint.x_m) + "," + std::to_string(joint.y_m) + "," + std::to_string(joint.z_m);
     text += "\n";
   }
-  WriteText(folder / "walk.csv", text);
+  Place(folder / "walk.csv", text);
   return Job(folder, "ntu25",
              {"format: joint_table", "files: \"{clip}.csv\"", "units: m", "axes: \"-x +y -z\"", "rate: 30 Hz",
               "skeleton: ntu25", "layout: \"" + layout + "\"", "person: p", "label: \"\"",
@@ -291,7 +297,7 @@ inline std::vector<std::string> BvhSource(const std::string& files) {
 }
 
 inline std::string BvhFile(const fs::path& folder, const Seen& seen) {
-  WriteText(folder / "walk.bvh", BvhText(Take(static_cast<int>(seen.size())), seen));
+  Place(folder / "walk.bvh", BvhText(Take(static_cast<int>(seen.size())), seen));
   std::vector<std::string> source = BvhSource("{clip}.bvh");
   source.insert(source.end(), {"person: p", "label: \"\""});
   return Job(folder, "", source, kGiven);
@@ -329,7 +335,7 @@ inline std::vector<std::string> AmassSource(const std::string& files) {
 }
 
 inline std::string AmassFile(const fs::path& folder, const Seen& seen) {
-  WriteText(folder / "walk_poses.npz", AmassBytes(Take(static_cast<int>(seen.size())), seen));
+  Place(folder / "walk_poses.npz", AmassBytes(Take(static_cast<int>(seen.size())), seen));
   std::vector<std::string> source = AmassSource("{take}_poses.npz");
   source.insert(source.end(), {"person: p", "label: \"\""});
   return Job(folder, "smpl24", source, kGiven);
@@ -339,7 +345,7 @@ inline std::string AmassFile(const fs::path& folder, const Seen& seen) {
 /// MOCURATE_DATA.
 inline std::string AmcFile(const fs::path& folder, const Seen& seen) {
   const fs::path recorded = fs::path(std::getenv("MOCURATE_DATA")) / "cmu/asf_amc";
-  const std::string text = ReadText(recorded / "01_01.amc");
+  const std::string text = Contents(recorded / "01_01.amc");
   std::istringstream lines(text);
   std::string out, line;
   int frame = -1;  // of the recording; its numbers are lines of digits
@@ -355,34 +361,47 @@ inline std::string AmcFile(const fs::path& folder, const Seen& seen) {
     }
     out += line + "\n";
   }
-  WriteText(folder / "01.asf", ReadText(recorded / "01.asf"));
-  WriteText(folder / "01_01.amc", out);
+  Place(folder / "01.asf", Contents(recorded / "01.asf"));
+  Place(folder / "01_01.amc", out);
   return JobOf("cmu_amc", folder, "cmu31", {}, kGiven);
 }
 
-/// VIBE's track of one person; `frame_ids` pass over frames that show nobody.
-inline std::string VibeFile(const fs::path& folder, const Seen& seen) {
-  const Motion motion = Take(static_cast<int>(seen.size()));
-  const Quaterniond half_turn(0.0, 1.0, 0.0, 0.0);
+/// VIBE's track of a video of the studio; `frame_ids` pass over frames that show nobody.
+inline VibeTrack TrackOfVibe(const Seen& seen) {
+  const fs::path& studio = Studio("ntu_vibe", SteadyTracker({"actions=[hand_waving]", "subjects=1", "clips=1"}));
   VibeTrack track;
-  track.id = 1;
-  track.joints = 49;
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    if (!seen[static_cast<std::size_t>(f)]) continue;
-    ++track.frames;
-    track.frame_ids.push_back(f);
-    for (int j = 0; j < 24; ++j) {
-      const Quaterniond local = motion.rotation_at(f, j);
-      const Vector3d vector = LogQuaternion(j == 0 ? half_turn * local : local);
-      track.pose.insert(track.pose.end(), vector.data(), vector.data() + 3);
+  for (const auto& entry : fs::directory_iterator(studio / "ntu13")) {
+    if (entry.path().extension() != ".pkl") continue;
+    const auto whole = ParseVibeTracks(Contents(entry.path()), "take.pkl");
+    EXPECT_TRUE(whole) << whole.error().Message();
+    if (!whole) continue;
+    const VibeTrack& from = whole->at(0);
+    track.id = 1;
+    track.joints = from.joints;
+    const int length = static_cast<int>(from.frames);
+    for (int f = 0; f < static_cast<int>(seen.size()); ++f) {
+      if (!seen[static_cast<std::size_t>(f)]) continue;
+      ++track.frames;
+      track.frame_ids.push_back(f);
+      for (const auto field : {&VibeTrack::pose, &VibeTrack::joints3d, &VibeTrack::betas, &VibeTrack::original_camera,
+                               &VibeTrack::predicted_camera, &VibeTrack::boxes}) {
+        const auto width = static_cast<std::ptrdiff_t>((from.*field).size() / from.frames);
+        const auto row = (from.*field).begin() + width * ToAndFro(f, length);
+        (track.*field).insert((track.*field).end(), row, row + width);
+      }
     }
-    for (int k = 0; k < 49; ++k)
-      track.joints3d.insert(track.joints3d.end(), {0.01 * k, k == 8 ? 0.0 : 0.02 * k - 0.5, 0.001 * f});
-    track.original_camera.insert(track.original_camera.end(), {0.7, 0.9, 0.0, -0.2});
   }
-  const auto bytes = EncodeVibeTracks({track}, "take.pkl");
+  return track;
+}
+
+inline std::string VibeBytes(const Seen& seen) {
+  const auto bytes = EncodeVibeTracks({TrackOfVibe(seen)}, "take.pkl");
   EXPECT_TRUE(bytes) << bytes.error().Message();
-  WriteText(folder / "take.pkl", bytes ? *bytes : std::string());
+  return bytes ? *bytes : std::string();
+}
+
+inline std::string VibeFile(const fs::path& folder, const Seen& seen) {
+  Place(folder / "take.pkl", VibeBytes(seen));
   return Job(folder, "smpl24",
              {"format: vibe_tracks", "files: \"{take}.pkl\"", "skeleton: smpl24", "axes: \"+x -y -z\"", "rate: 30 Hz",
               "track: \"1\"", "person: p", "label: \"\""},
@@ -409,7 +428,7 @@ inline std::vector<std::string> ArraySource(const std::string& files) {
 }
 
 inline std::string ArrayFile(const fs::path& folder, const Seen& seen) {
-  WriteText(folder / "walk.npy", ArrayBytes(Take(static_cast<int>(seen.size())), seen));
+  Place(folder / "walk.npy", ArrayBytes(Take(static_cast<int>(seen.size())), seen));
   std::vector<std::string> source = ArraySource("{clip}.npy");
   source.insert(source.end(), {"person: p", "label: \"\""});
   return Job(folder, "smpl24", source);
@@ -451,9 +470,9 @@ inline std::string OpenPoseFiles(const fs::path& folder, const Seen& seen, const
     const bool other = c == numbers.camera;
     for (int f = other ? numbers.late : 0; f < static_cast<int>(seen.size()); ++f) {
       const std::string of = camera + "_json/" + camera + ".";
-      WriteText(folder / "walk_p01_r01" / (of + Digits(f + (other ? numbers.first : 0), 4) + ".json"),
-                seen[static_cast<std::size_t>(f)] ? ReadText(take / (of + Digits(ToAndFro(f, length), 4) + ".json"))
-                                                  : WriteOpenPose(OpenPoseFrame()));
+      Place(folder / "walk_p01_r01" / (of + Digits(f + (other ? numbers.first : 0), 4) + ".json"),
+            seen[static_cast<std::size_t>(f)] ? Contents(take / (of + Digits(ToAndFro(f, length), 4) + ".json"))
+                                              : WriteOpenPose(OpenPoseFrame()));
     }
   }
   fs::copy_file(KeypointStudio() / "openpose/calib.json", folder / "calib.json");
@@ -491,9 +510,10 @@ inline std::string PanopticFiles(const fs::path& folder, const Seen& seen) {
     nlohmann::json scene = {{"version", 0.7}, {"univTime", 1000.0 + 100.0 * f / 3.0}, {"fpsType", "hd_29_97"}};
     scene["bodies"] = nlohmann::json::array();
     if (seen[static_cast<std::size_t>(f)]) scene["bodies"].push_back(body);
-    WriteText(folder / "walk" / ("body3DScene_" + Digits(f, 8) + ".json"), scene.dump());
+    Place(folder / "walk" / ("body3DScene_" + Digits(f, 8) + ".json"), scene.dump());
   }
-  return JobOf("panoptic", folder, "smpl24", {"rate: 30 Hz", "subjects: 1", "person: p"});
+  return JobOf("panoptic", folder, "ntu14", {"rate: 30 Hz", "subjects: 1", "person: p"},
+               "fitting: {method: joint_tracks, other_joints: exclude}\n");
 }
 
 /// PLY files of points along the bones, at 30 Hz; frames that show nobody have no file.
@@ -515,14 +535,162 @@ inline std::string CloudFiles(const fs::path& folder, const Seen& seen) {
         }
       }
     }
-    WriteText(folder / "walk" / ("scan_" + std::to_string(f) + ".ply"),
-              "ply\nformat ascii 1.0\nelement vertex " + std::to_string(count) +
-                  "\nproperty float x\nproperty float y\nproperty float z\nend_header\n" + rows);
+    Place(folder / "walk" / ("scan_" + std::to_string(f) + ".ply"),
+          "ply\nformat ascii 1.0\nelement vertex " + std::to_string(count) +
+              "\nproperty float x\nproperty float y\nproperty float z\nend_header\n" + rows);
   }
   return Job(folder, "smpl24",
              {"format: clouds", "files: \"{recording}/scan_{frame}.ply\"", "units: m", "axes: \"+x +y +z\"",
               "rate: 30 Hz", "person: p", "recording: \"{recording}\"", "label: \"\""},
              "fitting: {method: point_clouds, point_clouds: {solver: banded}}\n");
+}
+
+// Formats that are read, and that no variant above needs.
+
+/// PHSPD's pose.txt: rows with the number of their frame; frames that show nobody have none. y down.
+inline std::string PhspdFile(const fs::path& folder, const Seen& seen) {
+  const Motion motion = Take(static_cast<int>(seen.size()));
+  PhspdPose pose;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    if (!seen[static_cast<std::size_t>(f)]) continue;
+    pose.frame.push_back(100 + f);
+    for (int j = 0; j < kPhspdJoints; ++j) {
+      const Vector3d at = motion.joints.at(f, j);
+      pose.position_m.insert(pose.position_m.end(), {at.x(), -at.y(), -at.z()});
+    }
+  }
+  Place(folder / "pose/subject01_group1_time1/pose.txt", WritePhspdPose(pose));
+  return JobOf("phspd", folder, "smpl24", {"rate: 30 Hz"});
+}
+
+/// Exponential maps of the CMU set; rows of frames that show nobody are damaged.
+inline std::string ExpmapFile(const fs::path& folder, const Seen& seen) {
+  ExpmapTable table;
+  table.frames = static_cast<int>(seen.size());
+  table.joints = 38;
+  for (int f = 0; f < table.frames; ++f) {
+    table.root.insert(table.root.end(), {0.1 * f, 17.0, 0.3 * f});
+    for (int k = 0; k < table.joints; ++k) {
+      const double swing = k == 0 ? 0.0 : 0.1 * std::sin(0.1 * f + k);
+      table.rotation_rad.insert(table.rotation_rad.end(), {swing, 0.5 * swing, 0.2 * swing});
+    }
+  }
+  std::string text = WriteExpmapTable(table);
+  std::size_t row = 0;
+  for (const bool whole : seen) {
+    if (!whole) text.insert(row, "x");
+    row = text.find('\n', row) + 1;
+  }
+  Place(folder / "train/walking/walking_1.txt", text);
+  return JobOf("cmu_expmap", folder, "cmu31", {"rate: 30 Hz"}, kGiven);
+}
+
+/// VIBE's output of a video of UESTC; `frame_ids` pass over frames that show nobody.
+inline std::string UestcFile(const fs::path& folder, const Seen& seen, const std::string& rule = "uestc_corrected") {
+  Place(folder / "a0_d0_p001_c1_color/vibe_output.pkl", VibeBytes(seen));
+  return JobOf("uestc_vibe", folder, "smpl24", {"people: {rule: " + rule + "}"}, kGiven);
+}
+
+/// ACTOR's pickle of HumanAct12, NaN where nobody is seen. y down.
+inline std::string HumanAct12File(const fs::path& folder, const Seen& seen) {
+  const Motion motion = Take(static_cast<int>(seen.size()));
+  const Quaterniond half_turn(0.0, 1.0, 0.0, 0.0);
+  HumanAct12Clip clip;
+  clip.frames = seen.size();
+  clip.label = 1;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    const bool whole = seen[static_cast<std::size_t>(f)];
+    for (int j = 0; j < 24; ++j) {
+      const Quaterniond local = motion.rotation_at(f, j);
+      const Vector3d vector = LogQuaternion(j == 0 ? half_turn * local : local);
+      const Vector3d at = half_turn * Vector3d(motion.joints.at(f, j));
+      for (int k = 0; k < 3; ++k) {
+        clip.poses.push_back(whole ? vector[k] : std::nan(""));
+        clip.joints.push_back(whole ? at[k] : std::nan(""));
+      }
+    }
+  }
+  const auto bytes = EncodeHumanAct12Pickle({clip}, "humanact12poses.pkl");
+  EXPECT_TRUE(bytes) << bytes.error().Message();
+  Place(folder / "humanact12poses.pkl", bytes ? *bytes : std::string());
+  return JobOf("humanact12_poses", folder, "humanact12", {"rate: 30 Hz"}, kGiven);
+}
+
+/// A dataset of one clip; frames that show nobody are stored as inferred.
+inline std::string StoredFile(const fs::path& folder, const Seen& seen) {
+  Dataset set;
+  set.created_by = "a test";
+  Clip clip;
+  clip.motion = Take(static_cast<int>(seen.size()));
+  set.skeleton = clip.motion->skeleton;
+  clip.rate = clip.motion->rate;
+  clip.identity = {"made", "p", "take", "", "", "", 0, static_cast<int>(seen.size())};
+  clip.label = "walk";
+  set.labels = {"walk"};
+  for (const bool whole : seen)
+    clip.motion->state.insert(clip.motion->state.end(), set.skeleton->joints.size(),
+                              whole ? JointState::kObserved : JointState::kInferred);
+  set.clips.push_back(std::move(clip));
+  fs::create_directories(folder);
+  const Status written = WriteDataset(set, folder / "set.h5");
+  EXPECT_TRUE(written) << written.error().Message();
+  return Job(folder, "",
+             {"format: motions", "container: set.h5", "axes: \"+x +y +z\"", "person: \"{person}\"",
+              "files: \"{source}/{person}/{recording}#{begin}-{end}\"", "recording: \"{recording}\"", "label: \"\""},
+             kGiven);
+}
+
+/// A person's size of depth in front of nothing, which differs a little in every frame.
+inline std::string DepthBytes(int frame) {
+  DepthImage image{64, 48, std::vector<std::uint16_t>(64 * 48, 0)};
+  for (int v = 8; v < 44; ++v) {
+    for (int u = 24; u < 40; ++u)
+      image.values[static_cast<std::size_t>(64 * v + u)] = static_cast<std::uint16_t>(2500 + 3 * (u + frame) % 50);
+  }
+  const auto png = EncodePng(image);
+  EXPECT_TRUE(png) << png.error().Message();
+  return png ? *png : std::string();
+}
+
+/// Depth images of two cameras, without those of frames that show nobody.
+inline std::string DepthViewFiles(const fs::path& folder, const Seen& seen) {
+  nlohmann::json rig = {{"units", "metre"}, {"convention", "x_cam = R X_world + t, x right, y down, z forward"}};
+  for (const char* camera : {"a", "b"}) {
+    const double side = camera[0] == 'a' ? 1.0 : -1.0;
+    rig["cameras"].push_back({{"name", camera},
+                              {"size", {64, 48}},
+                              {"K", {{60.0, 0.0, 32.0}, {0.0, 60.0, 24.0}, {0.0, 0.0, 1.0}}},
+                              {"dist_k1k2p1p2k3", {0.0, 0.0, 0.0, 0.0, 0.0}},
+                              {"R", {{side, 0.0, 0.0}, {0.0, -1.0, 0.0}, {0.0, 0.0, -side}}},
+                              {"t", {0.0, 1.0, 2.5}}});
+    for (std::size_t f = 0; f < seen.size(); ++f) {
+      if (seen[f])
+        Place(folder / "walk" / (std::string(camera) + "_" + Digits(static_cast<int>(f), 4) + ".png"),
+              DepthBytes(static_cast<int>(f)));
+    }
+  }
+  Place(folder / "calib.json", rig.dump());
+  return Job(folder, "smpl24",
+             {"format: depth_views", "files: \"{recording}/{camera}_{frame}.png\"", "calibration: [calib.json]",
+              "axes: \"+x +y +z\"", "rate: 30 Hz", "person: p", "recording: \"{recording}\"", "label: \"\""});
+}
+
+/// The same with the JSON of a depth sequence, which states the number of frames.
+inline std::string DepthSequenceFiles(const fs::path& folder, const Seen& seen) {
+  nlohmann::json sequence = {{"fps", 30}, {"frames", seen.size()}, {"labels", nlohmann::json::array()}};
+  for (const char* view : {"d1", "d2"}) {
+    sequence["views"][view] = {{"R_p_to_d", {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}},
+                               {"t_m", {view[1] == '1' ? 0.0 : 0.4, 0.0, 0.0}},
+                               {"fx_fy_cx_cy", {60.0, 60.0, 32.0, 24.0}},
+                               {"size", {64, 48}}};
+    for (std::size_t f = 0; f < seen.size(); ++f) {
+      if (seen[f])
+        Place(folder / "depth" / (std::string(view) + "_" + Digits(static_cast<int>(f), 4) + ".png"),
+              DepthBytes(static_cast<int>(f)));
+    }
+  }
+  Place(folder / "seq_p.json", sequence.dump());
+  return JobOf("rendered_seq", folder, "smpl24");
 }
 
 }  // namespace mocurate::variants
