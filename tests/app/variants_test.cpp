@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/formats/pickle_writer.h"
 #include "tests/app/variants.h"
 #include "tests/support/partly_seen_files.h"
 
@@ -452,6 +453,45 @@ TEST_F(Padding, RepeatsOfTheLastPoseAreCut) {
   const Result repeated = Eval(Padded(false));
   ASSERT_EQ(repeated.exit_code, 0) << repeated.err;
   EXPECT_TRUE(Warns(repeated, "padding_cut", 10)) << repeated.out;
+}
+
+/// MDM's results.npy of the motions, with the frames of each that count.
+std::string MdmFile(const NpyArray& motions, std::size_t length, const std::vector<double>& lengths) {
+  NpyArray njct = motions;
+  njct.shape = {motions.shape[0], 24, 3, length};
+  for (std::size_t i = 0; i < motions.values.size(); ++i) {
+    const std::size_t motion = i / (72 * length), frame = i / 72 % length, number = i % 72;
+    njct.values[(motion * 72 + number) * length + frame] = motions.values[i];
+  }
+  NpyArray counts;
+  counts.dtype = "<i8";
+  counts.shape = {lengths.size()};
+  counts.values = lengths;
+  PickleWriter writer;
+  writer.BeginDict();
+  writer.Text("motion");
+  writer.Array(njct);
+  writer.Text("lengths");
+  writer.Array(counts);
+  writer.End();
+  std::string header = "{'descr': '|O', 'fortran_order': False, 'shape': (), }";
+  header += std::string(117 - header.size(), ' ') + "\n";
+  return std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header + writer.Finish("results.npy").value();
+}
+
+// MDM's results.npy: repeats within the stated lengths are cut; with true lengths nothing is left to cut.
+TEST_F(Padding, MdmResultsAreCutBeyondTheirLengthsAndWithinThem) {
+  std::vector<double> lengths(kMotions, static_cast<double>(kLength));
+  Place(folder_ / "results.npy", MdmFile(Padded(false), kLength, lengths));
+  const Result whole = EvalOf(folder_ / "results.npy");
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_TRUE(Warns(whole, "padding_cut", 10)) << whole.out;
+  for (std::size_t m = 0; m < kMotions; m += 2) lengths[m] = static_cast<double>(kCutTo);
+  Place(folder_ / "results.npy", MdmFile(Padded(false), kLength, lengths));
+  const Result stated = EvalOf(folder_ / "results.npy");
+  ASSERT_EQ(stated.exit_code, 0) << stated.err;
+  EXPECT_TRUE(Warnings(stated, "padding_cut").empty()) << stated.out;
+  EXPECT_NEAR(Jerk(stated), Jerk(whole), 1e-9);
 }
 
 // Fewer than five equal frames at the end are a person who stands still.
