@@ -39,6 +39,13 @@ void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& 
       ->allow_extra_args(false);
   verb_export->add_option("--split", arguments->split,
                           "split to write (default: all; amass_babel contains only one, the first)");
+  verb_export
+      ->add_option_function<std::string>(
+          "--inferred", [arguments](const std::string& choice) { arguments->keep_inferred = choice == "keep"; },
+          "frames in gaps without an observation, in layouts that do not carry states: refuse the clip (default), or "
+          "keep them")
+      ->check(CLI::IsMember({"refuse", "keep"}))
+      ->type_name("CHOICE");
   verb_export->add_flag("--force", arguments->force, "overwrite files, and write into a folder that is not empty");
   verb_export->footer(
       "Each folder contains source.yaml, with which mocurate can read it (docs/exports.md).\n\n"

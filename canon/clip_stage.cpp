@@ -14,6 +14,7 @@
 #include "canon/trim/trim.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/motion/gaps.h"
 #include "core/motion/operations.h"
 #include "core/motion/tracks.h"
 #include "core/store/store.h"
@@ -34,7 +35,7 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
   if (!clip->evidence.tracks) {
     return Fail(ErrorCode::kInconsistent, "the clip has no joint tracks", tracked->name);
   }
-  auto motion = MotionFromTracks(*clip->evidence.tracks, *skeleton, clip->rate);
+  auto motion = MotionFromTracks(*clip->evidence.tracks, *skeleton, clip->rate, MaxGapOf(*clip));
   if (!motion) return Forward(motion);
   clip->motion = std::move(*motion);
   return clip;
@@ -97,6 +98,21 @@ std::string WhatIsMissing(const TrimOptions& options) {
   return options.rule == TrimRule::kTriples
              ? "no two labelled segments touch, nor a '" + options.triples.transition + "' between them"
              : "no span";
+}
+
+/// A cut of which no frame was observed, or a sample of two actions with such frames: its parts would not be whole.
+std::optional<Finding> Unobserved(const Clip& clip, TrimRule rule) {
+  const std::vector<bool> inferred = InferredFrames(*clip.motion);
+  const auto count = static_cast<int>(std::count(inferred.begin(), inferred.end(), true));
+  if (count == 0 || (rule != TrimRule::kTriples && count < clip.motion->frame_count())) return std::nullopt;
+  Finding finding;
+  finding.clip = clip.id();
+  finding.code = "frames_inferred";
+  finding.frame_end = clip.motion->frame_count();
+  finding.value = count;
+  finding.message = Counted(count, "frame") + " of the clip lie in gaps longer than ingest.source.max_gap";
+  finding.action = FindingAction::kDropped;
+  return finding;
 }
 
 using Examples = std::map<std::string, std::vector<Motion>>;
@@ -173,6 +189,10 @@ Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, const Exam
   if (!cuts) return Forward(cuts);
   std::vector<Clip> faced;
   for (Clip& cut : *cuts) {
+    if (auto unobserved = Unobserved(cut, options.trim.rule)) {
+      findings.push_back(*std::move(unobserved));
+      continue;
+    }
     if (const auto anchor = AnchorFrame(options.facing, cut); !anchor && options.facing.rule != FacingRule::kNone) {
       findings.push_back(NoAnchor(cut, anchor.error()));
       continue;

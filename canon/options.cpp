@@ -242,7 +242,7 @@ void AuditOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration LevelDeclaration() { return {"level", 3, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration CanonDeclaration() { return {"canon", 18, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration CanonDeclaration() { return {"canon", 19, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration AssembleDeclaration() { return {"assemble", 14, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration AuditDeclaration() { return {"audit", 4, "mocurate-annotate", WholeSetLimits()}; }
 

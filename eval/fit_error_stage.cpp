@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "core/base/file.h"
+#include "core/motion/operations.h"
 #include "core/store/store.h"
 #include "eval/metrics/fit_error.h"
 #include "eval/stages.h"
@@ -34,6 +35,19 @@ Expected<Inputs> ReadInputs(const StageRequest& request) {
     }
   }
   return inputs;
+}
+
+/// The truth of a fitted clip: of the same id, or of the recording whose unobserved ends were cut.
+std::optional<Motion> TruthOf(const Clip& fitted, const std::map<std::string, Motion>& truth) {
+  const std::string id = fitted.id();
+  if (const auto same = truth.find(id); same != truth.end()) return same->second;
+  const std::string recording = id.substr(0, id.rfind('#') + 1);
+  const auto whole = truth.lower_bound(recording);
+  if (whole == truth.end() || whole->first.compare(0, recording.size(), recording) != 0) return std::nullopt;
+  Clip of_truth;
+  of_truth.motion = whole->second;
+  const Expected<Clip> cut = Cut(of_truth, fitted.identity.begin_frame, fitted.identity.end_frame);
+  return cut ? cut->motion : std::nullopt;
 }
 
 nlohmann::json FitErrorJson(const FitError& error) {
@@ -70,11 +84,11 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
   FitError total;
   std::optional<Error> first_error;
   for (const auto& [id, fitted] : inputs->fits) {
-    const auto truth = inputs->truth.find(id);
-    if (truth == inputs->truth.end()) continue;
+    const std::optional<Motion> truth = TruthOf(fitted, inputs->truth);
+    if (!truth) continue;
     const auto evidence = inputs->evidence.find(id);
-    const auto error = CompareWithTruth(
-        fitted, evidence == inputs->evidence.end() ? Evidence() : evidence->second.evidence, truth->second);
+    const auto error =
+        CompareWithTruth(fitted, evidence == inputs->evidence.end() ? Evidence() : evidence->second.evidence, *truth);
     if (!error) {
       per_clip[id] = {{"error", error.error().Message()}};
       if (!first_error) first_error = error.error();

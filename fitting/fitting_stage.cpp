@@ -4,6 +4,7 @@
 #include "core/base/file.h"
 #include "core/base/version.h"
 #include "core/body/capsule_body.h"
+#include "core/motion/gaps.h"
 #include "core/store/store.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/cloud_tracking.h"
@@ -146,6 +147,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   Expected<Clip> clip = ReadEvidence(evidence->path, &dataset.findings);
   if (!clip) return Forward(clip);
   ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
+  options->joint_tracks.max_gap_s = MaxGapOf(*clip);
   const bool no_depth = SurfaceTimes(clip->evidence).empty();
   if (no_depth && options->without_depth == WithoutDepth::kTracks && options->method == FitMethod::kJointsAndClouds) {
     options->method = FitMethod::kJointTracks;
@@ -159,6 +161,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   }
   if (Status explained = CheckExplained(*fit, clip->id()); !explained) return Forward(explained);
   if (Status counted = CountFromNamed(*options, fit->motion); !counted) return Forward(counted);
+  if (options->method != FitMethod::kNone) MarkShortGaps(options->joint_tracks.max_gap_s, fit->motion);
 
   std::optional<SlidingRemoval> removal;
   if (options->contacts.remove_sliding) {

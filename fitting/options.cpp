@@ -87,7 +87,6 @@ void JointTrackOptions::Declare(OptionVisitor& v) {
            "standard deviation of a shin or forearm out of its hinge plane, as the sine of the angle");
   v.Number("bone_sigma", bone_sigma, Unit::kMetre, {1e-4, 1.0},
            "standard deviation of a free bone from its prior length");
-  v.Number("max_gap", max_gap_s, Unit::kSecond, {1e-3, 1e4}, "frames further apart are not coupled by process noise");
   v.List("steps", steps, "solver steps, in order, from a closed-form pose; none: that pose is the fit");
   v.Integer("window_frames", window_frames, {10, 100000}, "longer clips are fitted in windows of this length");
   v.Integer("window_overlap", window_overlap, {1, 10000},
@@ -267,6 +266,6 @@ StageDeclaration RigDeclaration() { return {"rig", 2, "mocurate-annotate", Solve
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 36, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 58, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 59, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -8,6 +8,7 @@
 #include "ingest/checks/clip_checks.h"
 #include "ingest/checks/frozen_views.h"
 #include "ingest/formats/driver.h"
+#include "ingest/gap_rule.h"
 #include "ingest/inspect/comparison.h"
 #include "ingest/read_motions.h"
 #include "ingest/sources/array_clips.h"
@@ -135,7 +136,6 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
   if (!source.skeleton.empty()) clip.provenance["source_skeleton"] = source.skeleton;
   if (!named.style.empty()) clip.provenance["style"] = named.style;
   if (!named.performance.empty()) clip.provenance["performance"] = named.performance;
-  for (Finding& finding : ingested.findings) finding.clip = clip.id();
 }
 
 nlohmann::json Summary(const Clip& clip, const std::string& style) {
@@ -189,7 +189,8 @@ Expected<std::vector<ViewFile>> ReadViewFiles(const SourceOptions& source, const
 }
 
 /// No artifact: the last finding names the rule.
-StageOutcome Excluded(const DroppedClip& dropped, const std::string& name, StageOutcome outcome) {
+StageOutcome Excluded(const DroppedClip& dropped, const std::string& name, const std::string& way_out,
+                      StageOutcome outcome) {
   Finding rule = dropped.finding;
   rule.clip = outcome.findings.empty() ? name : outcome.findings.front().clip;
   const auto at = std::find(outcome.findings.begin(), outcome.findings.end(), rule);
@@ -197,8 +198,7 @@ StageOutcome Excluded(const DroppedClip& dropped, const std::string& name, Stage
   outcome.findings.push_back(rule);
   outcome.kind = OutcomeKind::kExcluded;
   outcome.summary["threshold"] = dropped.threshold;
-  outcome.error = Error{ErrorCode::kInconsistent, rule.message, name,
-                        "ingest.source.checks." + rule.code + ".action: report keeps such clips"};
+  outcome.error = Error{ErrorCode::kInconsistent, rule.message, name, way_out};
   return outcome;
 }
 
@@ -272,6 +272,9 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   Complete(*source, *named, gathered ? named->identity.recording : name,
            ingested->content.empty() ? read : ingested->content, *ingested);
   if (!facts.label_text.empty()) ingested->clip.provenance["label_text"] = facts.label_text;
+  const std::optional<Finding> missing = dropped ? std::nullopt : ApplyGapRule(*source, *ingested);
+  if (missing) ingested->findings.push_back(*missing);
+  for (Finding& finding : ingested->findings) finding.clip = ingested->clip.id();
 
   StageOutcome outcome;
   outcome.findings = ingested->findings;
@@ -281,7 +284,15 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   for (const auto& [code, shown] : ingested->shown) {
     outcome.summary["shown"][code] = {{"contradicts", shown.contradicts}, {"weight", shown.weight}};
   }
-  if (dropped) return ReadItem{std::move(ingested->clip), Excluded(*dropped, input->name, std::move(outcome))};
+  if (dropped) {
+    const std::string way_out = "ingest.source.checks." + dropped->finding.code + ".action: report keeps such clips";
+    return ReadItem{std::move(ingested->clip), Excluded(*dropped, input->name, way_out, std::move(outcome))};
+  }
+  if (missing) {
+    return ReadItem{std::move(ingested->clip),
+                    Excluded({*missing, missing->limit}, input->name,
+                             "a larger ingest.source.max_missing keeps such clips", std::move(outcome))};
+  }
   for (const Finding& finding : outcome.findings) {
     if (finding.severity == Severity::kError) outcome.kind = OutcomeKind::kSuspect;
     if (finding.action != FindingAction::kRefused) continue;

@@ -140,6 +140,12 @@ void SourceOptions::Declare(OptionVisitor& v) {
       "action for clips on those lists");
   v.Text("frames_in_name", frames_in_name,
          "first and last frame in the file name, e.g. '{first}-{last}'; a longer clip is a finding");
+  v.Number("max_gap", max_gap_s, Unit::kSecond, {0.0, 600.0},
+           "longest gap without an observation that may be interpolated; frames of a longer one are inferred: nothing "
+           "is trained on them or scored");
+  v.Number("max_missing", max_missing, Unit::kNone, {0.0, 1.0},
+           "clips with a larger share of frames without an observation, between the first and the last one, are "
+           "excluded");
   v.Group("checks", checks, "limits and actions of the checks of a clip");
 }
 
@@ -161,7 +167,7 @@ void PeopleOptions::Declare(OptionVisitor& v) {
   v.Bool("stitch", stitch,
          "join tracks of one person under several ids: lost and found again with the same bones, or interleaved");
   v.Bool("false_tracks", false_tracks, "exclude false tracks: short, frozen, furniture, a second body in one place");
-  v.Number("max_gap", max_gap_s, Unit::kSecond, {0.0, 600.0}, "longest time over which ids are joined");
+  v.Number("max_lost", max_lost_s, Unit::kSecond, {0.0, 600.0}, "longest time over which ids are joined");
   v.Number("max_speed", max_speed, Unit::kMetrePerSecond, {0.0, 100.0},
            "largest speed of a person between two joined tracks");
   v.Number("max_signature", max_signature, Unit::kNone, {0.0, 10.0},
@@ -211,8 +217,8 @@ void MotionsOptions::Declare(OptionVisitor& v) {
           "classes; a motion without a label gets the class that its file or folder name begins with");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 42, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration MotionsDeclaration() { return {"motions", 4, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 43, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration MotionsDeclaration() { return {"motions", 5, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 8, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }

@@ -57,7 +57,7 @@ struct PeopleOptions {
   std::vector<double> start_px{480.0, 270.0};
   bool stitch = true;
   bool false_tracks = true;
-  double max_gap_s = 2.0;
+  double max_lost_s = 2.0;
   double max_speed = 3.0;
   double max_signature = 0.12;
 
@@ -143,6 +143,8 @@ struct SourceOptions {
   KnownIssueAction known_issues = KnownIssueAction::kReport;
   std::string frames_in_name;  ///< "{first}-{last}": frames that the name speaks of, both ends included
   OnContradiction on_contradiction = OnContradiction::kFlag;
+  double max_gap_s = 0.5;    ///< kMaxGap_s (core/motion/gaps.h)
+  double max_missing = 0.5;  ///< share of the frames between the first and the last observation
   CheckOptions checks;
 
   void Declare(OptionVisitor& v);

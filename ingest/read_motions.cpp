@@ -9,6 +9,7 @@
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/formats/npy.h"
+#include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/tracks.h"
 #include "ingest/discover.h"
@@ -25,7 +26,7 @@ Status GiveMotion(const SourceOptions& source, Clip& clip) {
   }
   const Expected<SkeletonPtr> skeleton = LoadSkeleton(source.skeleton);
   if (!skeleton) return Forward(skeleton);
-  Expected<Motion> motion = MotionFromTracks(*clip.evidence.tracks, *skeleton, clip.rate);
+  Expected<Motion> motion = MotionFromTracks(*clip.evidence.tracks, *skeleton, clip.rate, MaxGapOf(clip));
   if (!motion) return Forward(motion);
   clip.motion = std::move(*motion);
   return {};

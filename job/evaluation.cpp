@@ -139,6 +139,11 @@ class EvaluationRun {
   void WarnOfMotions(const std::string& row, const nlohmann::json& summary) {
     const auto count = [&](const char* key) { return summary.value(key, 0LL); };
     const std::string frames = Counted(count("frames"), "frame");
+    if (count("with_inferred") > 0) {
+      Warn(row, "inferred_frames",
+           Counted(count("inferred_frames"), "frame") + " of " + Counted(count("with_inferred"), "motion") +
+               " lie in gaps without an observation: the longest stretch without them is scored");
+    }
     if (count("longer") > 0) {
       Warn(row, "longer_than_window",
            Counted(count("longer"), "motion") + " longer than the " + frames +

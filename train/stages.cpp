@@ -170,6 +170,13 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
   if (Status written = WriteCheckpoint(*checkpoint, request.output); !written) return Forward(written);
   StageOutcome outcome;
   outcome.summary = SummaryOf(*checkpoint, input->options);
+  if (input->set.shortened > 0) {
+    outcome.findings.push_back(
+        MakeFinding("inferred_frames", Severity::kWarning, input->set.inferred_frames,
+                    Counted(input->set.inferred_frames, "frame") + " of " + Counted(input->set.shortened, "clip") +
+                        " lie in gaps without an observation: the longest stretch without them is trained on",
+                    FindingAction::kDropped));
+  }
   if (seconds_before > 0.0) outcome.summary["seconds_before"] = seconds_before;
   return outcome;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/geometry/symmetric.h"
+#include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
@@ -175,6 +176,19 @@ Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame) {
   cut.segments = CutSegments(clip.segments, span.begin_s, span.end_s);
   CutIdentity(span, cut);
   return cut;
+}
+
+Expected<std::optional<Clip>> WithoutInferred(const Clip& clip) {
+  if (!clip.motion || clip.motion->state.empty()) return std::optional<Clip>();
+  const FrameRun run = LongestRunWithoutInferred(*clip.motion);
+  if (run.frames() == clip.motion->frame_count()) return std::optional<Clip>();
+  if (run.frames() == 0) {
+    return Fail(ErrorCode::kInconsistent, "every frame of the clip is inferred: nobody observed it", clip.id(),
+                "leave the clip out: mocurate dataset subset");
+  }
+  Expected<Clip> cut = Cut(clip, run.begin, run.end);
+  if (!cut) return Forward(cut);
+  return std::optional<Clip>(*std::move(cut));
 }
 
 void RotateCovariances(const Matrix3d& map, std::vector<float>& covariances) {

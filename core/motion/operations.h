@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "core/motion/clip.h"
 
 namespace mocurate {
@@ -10,6 +12,10 @@ namespace mocurate {
 /// Frames [begin, end). Segments are cut and shifted, empty ones dropped; identity spans move along; all evidence keeps
 /// one clock, of which frame `begin` is the zero. Error kUsage if the span is empty or outside.
 Expected<Clip> Cut(const Clip& clip, int begin_frame, int end_frame);
+
+/// The longest stretch of a clip's motion without frames that are inferred throughout (gaps.h); nothing where there are
+/// no such frames. Error kInconsistent: all of them are.
+Expected<std::optional<Clip>> WithoutInferred(const Clip& clip);
 
 /// To another rate by time: rotations by slerp, positions linearly, covariances and states from the nearer frame; the
 /// first frame stays, the last is the last one not after the old last frame. Same rate gives the same values exactly.

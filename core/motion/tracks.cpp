@@ -1,5 +1,6 @@
 #include "core/motion/tracks.h"
 
+#include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
@@ -7,14 +8,18 @@ namespace {
 
 /// Copies track k to joint j; between observed frames positions are linear in time, beyond the ends they are constant.
 /// False if the point is never observed.
-bool CopyTrack(const JointTracks& tracks, int k, int j, Motion& motion) {
+bool CopyTrack(const JointTracks& tracks, int k, int j, double max_gap_s, Motion& motion) {
   const int frames = motion.frame_count();
   const int points = static_cast<int>(tracks.names.size());
   std::vector<int> seen;
+  std::vector<bool> observed;
   for (int f = 0; f < frames; ++f) {
-    if (tracks.confidence[static_cast<std::size_t>(f) * points + k] > 0.0) seen.push_back(f);
+    observed.push_back(tracks.confidence[static_cast<std::size_t>(f) * points + k] > 0.0);
+    if (observed.back()) seen.push_back(f);
   }
   if (seen.empty()) return false;
+  const std::vector<JointState> states = GapStates(observed, tracks.time_s, motion.rate.FrameTime(1), max_gap_s);
+  for (int f = 0; f < frames; ++f) motion.state[static_cast<std::size_t>(f) * motion.joint_count() + j] = states[f];
   std::size_t next = 0;
   for (int f = 0; f < frames; ++f) {
     while (next < seen.size() && seen[next] < f) ++next;
@@ -22,7 +27,6 @@ bool CopyTrack(const JointTracks& tracks, int k, int j, Motion& motion) {
       motion.joints.at(f, j) = tracks.positions.at(f, k);
       continue;
     }
-    motion.state[static_cast<std::size_t>(f) * motion.joint_count() + j] = JointState::kInterpolated;
     if (next == 0 || next == seen.size()) {
       motion.joints.at(f, j) = tracks.positions.at(next == 0 ? seen.front() : seen.back(), k);
       continue;
@@ -37,14 +41,15 @@ bool CopyTrack(const JointTracks& tracks, int k, int j, Motion& motion) {
 
 }  // namespace
 
-Expected<Motion> MotionFromTracks(const JointTracks& tracks, const SkeletonPtr& skeleton, FrameRate rate) {
+Expected<Motion> MotionFromTracks(const JointTracks& tracks, const SkeletonPtr& skeleton, FrameRate rate,
+                                  double max_gap_s) {
   const int frames = tracks.positions.frames;
   Motion motion = MakeJointsOnly(skeleton, rate, JointPositions(frames, skeleton->joint_count()));
   motion.state.assign(static_cast<std::size_t>(frames) * skeleton->joint_count(), JointState::kObserved);
   std::vector<bool> found(skeleton->joint_count(), false);
   for (std::size_t k = 0; k < tracks.names.size(); ++k) {
     if (const auto joint = skeleton->FindJoint(tracks.names[k])) {
-      found[*joint] = CopyTrack(tracks, static_cast<int>(k), *joint, motion);
+      found[*joint] = CopyTrack(tracks, static_cast<int>(k), *joint, max_gap_s, motion);
     }
   }
   const auto hips = skeleton->Hips();

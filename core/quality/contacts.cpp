@@ -41,20 +41,6 @@ std::vector<int> FootJoints(const Skeleton& skeleton) {
   return feet;
 }
 
-std::vector<FrameRun> RunsWhere(const std::vector<bool>& flags, bool value) {
-  std::vector<FrameRun> runs;
-  const int count = static_cast<int>(flags.size());
-  for (int f = 0; f < count; ++f) {
-    if (flags[f] != value) continue;
-    if (!runs.empty() && runs.back().end == f) {
-      ++runs.back().end;
-    } else {
-      runs.push_back({f, f + 1});
-    }
-  }
-  return runs;
-}
-
 std::vector<bool> JointContacts(const Motion& motion, int joint, const ContactLimits& limits) {
   std::vector<bool> standing(motion.frame_count(), false);
   const double ceiling = FloorUnderJoint(motion, joint) + limits.height;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/motion/motion.h"
+#include "core/motion/gaps.h"
 
 namespace mocurate {
 
@@ -13,15 +13,6 @@ struct ContactLimits {
   double speed = 0.6;       ///< m/s; a faster joint is not in contact
   double min_time_s = 0.1;  ///< shorter contacts are dropped, shorter gaps are closed
 };
-
-/// Half-open runs [begin, end) of frames.
-struct FrameRun {
-  int begin = 0;
-  int end = 0;
-};
-
-/// The runs in which `flags` are `value`, in order.
-std::vector<FrameRun> RunsWhere(const std::vector<bool>& flags, bool value);
 
 /// The joint of each leg that is lowest in the rest of the limb: its tip, else its ankle. Empty for a skeleton without
 /// legs.

@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "core/motion/action_parts.h"
 #include "core/motion/limbs.h"
+#include "core/motion/operations.h"
 #include "core/pipeline/worker.h"
 #include "core/quality/contacts.h"
 #include "core/quality/measures.h"
@@ -222,6 +223,27 @@ class FeaturesRun {
   FeatureSet set_;
 };
 
+/// Clips that lost frames which nobody observed.
+struct InferredCut {
+  int clips = 0;
+  int frames = 0;
+};
+
+/// Of each motion with inferred frames the longest stretch without them is scored.
+Expected<InferredCut> CutInferred(Dataset& dataset) {
+  InferredCut lost;
+  for (Clip& clip : dataset.clips) {
+    Expected<std::optional<Clip>> shorter = WithoutInferred(clip);
+    if (!shorter) return Forward(shorter);
+    if (!*shorter) continue;
+    ++lost.clips;
+    lost.frames += clip.motion->frame_count() - (*shorter)->motion->frame_count();
+    (*shorter)->identity = clip.identity;  // motions are known by it
+    clip = **std::move(shorter);
+  }
+  return lost;
+}
+
 Expected<StageOutcome> Features(const OpenGenerator& open_generator, const StageRequest& request) {
   const auto options = OptionsFromJson<FeaturesOptions>(request.options, "features");
   if (!options) return Forward(options);
@@ -233,8 +255,10 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   auto extractor = Extractor::Open(options->extractor, weights->path);
   if (!extractor) return Forward(extractor);
   if (options->frames > 0) extractor->rules.frames = static_cast<int>(options->frames);
-  const auto dataset = ReadDataset(motions->path);
+  auto dataset = ReadDataset(motions->path);
   if (!dataset) return Forward(dataset);
+  const Expected<InferredCut> inferred = CutInferred(*dataset);
+  if (!inferred) return Forward(inferred);
   FeaturesRun run(*options, *extractor, request.threads);
   Status done;
   if (const StageInput* generator = InputOf(request, "generator")) {
@@ -262,6 +286,8 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
                      {"classes", extractor->options.classes},
                      {"unlabelled", std::count(run.set().label.begin(), run.set().label.end(), -1)},
                      {"frames", extractor->rules.frames},
+                     {"with_inferred", inferred->clips},
+                     {"inferred_frames", inferred->frames},
                      {"is_training_set", !trained_on.empty() && trained_on == motions->sha256}};
   const auto lengths = [&](auto counts) {
     return std::count_if(dataset->clips.begin(), dataset->clips.end(),

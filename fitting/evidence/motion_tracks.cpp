@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/motion/gaps.h"
 #include "core/motion/operations.h"
 #include "fitting/evidence/tracker_points.h"
 
@@ -45,15 +46,23 @@ JointTracks TracksOfSkeleton(const JointTracks& tracks, const Skeleton& skeleton
   return kept;
 }
 
-/// Interpolated samples are no evidence; the fit interpolates itself.
-bool IsBridged(const Motion& motion, int frame, int joint) {
-  const std::size_t at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(motion.joint_count()) +
-                         static_cast<std::size_t>(joint);
-  return !motion.state.empty() && motion.state[at] == JointState::kInterpolated;
+/// (F*J) Samples of the motion that are evidence: not interpolated ones, which the fit interpolates itself, nor frames
+/// that are inferred throughout. Inferred joints of other frames are, where the motion states how uncertain they are.
+std::vector<bool> EvidenceOf(const Motion& motion) {
+  const auto joints = static_cast<std::size_t>(motion.joint_count());
+  std::vector<bool> evidence(joints * static_cast<std::size_t>(motion.frame_count()), true);
+  const std::vector<bool> inferred = InferredFrames(motion);
+  const bool uncertain = !motion.rotation_sigma.empty() || !motion.position_cov.empty();
+  for (std::size_t at = 0; at < motion.state.size(); ++at) {
+    const bool is_inferred = inferred[at / joints] || (motion.state[at] == JointState::kInferred && !uncertain);
+    evidence[at] = !is_inferred && motion.state[at] != JointState::kInterpolated;
+  }
+  return evidence;
 }
 
 /// World rotations of the motion's joints `common`; none for end joints, whose rotation in a motion is arbitrary.
-void AddRotations(const Motion& motion, const std::vector<int>& common, JointTracks& tracks) {
+void AddRotations(const Motion& motion, const std::vector<int>& common, const std::vector<bool>& evidence,
+                  JointTracks& tracks) {
   const Skeleton& skeleton = *motion.skeleton;
   const std::vector<std::vector<int>> children = skeleton.Children();
   std::vector<Quaterniond> world(skeleton.joints.size());
@@ -64,7 +73,8 @@ void AddRotations(const Motion& motion, const std::vector<int>& common, JointTra
     }
     for (const int joint : common) {
       tracks.rotation.push_back(world[joint]);
-      const bool none = children[joint].empty() || IsBridged(motion, f, joint);
+      const std::size_t at = static_cast<std::size_t>(f) * skeleton.joints.size() + static_cast<std::size_t>(joint);
+      const bool none = children[joint].empty() || !evidence[at];
       tracks.rotation_confidence.push_back(none ? 0.0 : 1.0);
     }
   }
@@ -88,14 +98,17 @@ Expected<JointTracks> TracksOfMotion(const Motion& motion, const Skeleton& skele
   }
   tracks.positions = JointPositions(motion.frame_count(), static_cast<int>(common.size()));
   tracks.confidence.assign(tracks.positions.xyz.size() / 3, 1.0);
+  const std::vector<bool> evidence = EvidenceOf(motion);
   for (int f = 0; f < motion.frame_count(); ++f) {
     tracks.time_s.push_back(motion.rate.FrameTime(f));
     for (int k = 0; k < tracks.positions.joints; ++k) {
       tracks.positions.at(f, k) = motion.joints.at(f, common[k]);
-      if (IsBridged(motion, f, common[k])) tracks.confidence[static_cast<std::size_t>(f) * common.size() + k] = 0.0;
+      const std::size_t at = static_cast<std::size_t>(f) * motion.skeleton->joints.size();
+      if (!evidence[at + static_cast<std::size_t>(common[k])])
+        tracks.confidence[static_cast<std::size_t>(f) * common.size() + k] = 0.0;
     }
   }
-  if (!motion.joints_only()) AddRotations(motion, common, tracks);
+  if (!motion.joints_only()) AddRotations(motion, common, evidence, tracks);
   return tracks;
 }
 

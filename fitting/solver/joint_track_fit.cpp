@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "core/base/median.h"
 #include "core/base/text.h"
+#include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
 #include "fitting/contacts/standing_feet.h"
 #include "fitting/evidence/noise.h"
@@ -89,25 +89,15 @@ double ProcessNoiseWidening(const NoiseEstimate& noise) {
   return noise.white > 0.0 ? std::clamp(std::sqrt(noise.sigma / noise.white), 1.0, 3.0) : 1.0;
 }
 
-/// Observed where observed; else interpolated within `reach_s` of an observation, else inferred.
-std::vector<JointState> StatesOf(const SkeletonTracks& tracks, double reach_s) {
-  std::vector<JointState> states(tracks.confidence.size(), JointState::kInferred);
+/// States of each joint by GapStates. (F*J)
+std::vector<JointState> StatesOf(const SkeletonTracks& tracks, double frame_s, double max_gap_s) {
+  std::vector<JointState> states(tracks.confidence.size());
   const auto joints = static_cast<std::size_t>(tracks.joints());
+  std::vector<bool> observed(static_cast<std::size_t>(tracks.frames()));
   for (int j = 0; j < tracks.joints(); ++j) {
-    const auto mark = [&](int begin, int end, int step) {
-      double seen_s = -std::numeric_limits<double>::infinity();
-      for (int f = begin; f != end; f += step) {
-        JointState& state = states[static_cast<std::size_t>(f) * joints + static_cast<std::size_t>(j)];
-        if (tracks.seen(f, j)) {
-          state = JointState::kObserved;
-          seen_s = tracks.time_s[f];
-        } else if (std::abs(tracks.time_s[f] - seen_s) <= reach_s) {
-          state = JointState::kInterpolated;
-        }
-      }
-    };
-    mark(0, tracks.frames(), 1);
-    mark(tracks.frames() - 1, -1, -1);
+    for (int f = 0; f < tracks.frames(); ++f) observed[static_cast<std::size_t>(f)] = tracks.seen(f, j);
+    const std::vector<JointState> of_joint = GapStates(observed, tracks.time_s, frame_s, max_gap_s);
+    for (std::size_t f = 0; f < of_joint.size(); ++f) states[f * joints + static_cast<std::size_t>(j)] = of_joint[f];
   }
   return states;
 }
@@ -240,7 +230,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   state.Update(0, state.frames(), false);
   result.findings = std::move(disagreements);
   result.motion = MotionOf(state, tracks.skeleton, rate);
-  result.motion.state = StatesOf(tracks, options.max_gap_s);
+  result.motion.state = StatesOf(tracks, rate.FrameTime(1), options.max_gap_s);
   // From positions and priors alone. The offsets of recorded frames are estimated from the same pose; taking them as
   // known would understate the uncertainty of the mean twist. Without steps there is no uncertainty.
   whole.rotations = nullptr;

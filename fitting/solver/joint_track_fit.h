@@ -21,8 +21,7 @@ enum class Bones { kFixed, kFree };
 /// (ProcessNoiseWidening), and refitted per joint and time by steps that request it (RefitProcessNoise). F frames of
 /// `given` at `rate`; `bone_length` (J, metres). Joints whose rotation moves no observed joint stay in the rest pose.
 /// Samples that jump away and back are rejected first (RejectOutliers). States: observed where observed and not
-/// rejected, else interpolated within max_gap_s of an observation, else inferred. Error kInconsistent if the solver
-/// fails.
+/// rejected, else by GapStates with max_gap_s. Error kInconsistent if the solver fails.
 Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate& rate,
                                    const std::vector<double>& bone_length, Bones bones,
                                    const JointTrackOptions& options);

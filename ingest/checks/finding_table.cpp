@@ -171,6 +171,9 @@ const std::vector<FindingKind>& FindingKinds() {
       {"bone_slides", "warning", "a bone of a BVH changes its length; value: metres"},
       // Content.
       {"no_joint_seen", "warning; error for all frames", "frames without a valid joint; value: frames"},
+      {"unobserved_ends", "info", "frames before the first and after the last observation, cut; value: frames"},
+      {"long_gap", "warning", "a gap longer than `max_gap`: its frames are inferred; value: seconds"},
+      {"mostly_missing", "error", "a clip with more than `max_missing` of its frames missing; value: the share"},
       {"many_missing", "warning", "more than a fifth of the samples are missing; value: their share"},
       {"inferred_joints", "info; warning above 0.3", "joints that the sensor inferred; value: their share"},
       {"layout_unknown", "warning", "a table whose joint order is unknown; value: roughness"},

@@ -144,7 +144,7 @@ Expected<Motion> PoseTree(const Amass& amass) {
   for (std::size_t f = 0; f < amass.frames; ++f)
     pelvis.push_back(Eigen::Map<const Vector3d>(&amass.translation_m[3 * f]));
   const FrameRate rate = FrameRate::FromHz(amass.rate_hz > 0.0 ? amass.rate_hz : 1.0);
-  const auto bridged = BridgeFrames(amass.damaged, static_cast<int>(amass.frames), rate.hz(), "");
+  const auto bridged = BridgeFrames(amass.damaged, static_cast<int>(amass.frames), "");
   if (bridged) Bridge(*bridged, (*skeleton)->joint_count(), pelvis, *local);
   return MakeMotion(*skeleton, rate, std::move(pelvis), std::move(*local), {});
 }

@@ -5,12 +5,12 @@
 #include "core/formats/largest_number.h"
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
+#include "core/motion/tracks.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/array_estimate.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/array_clips.h"
-#include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/mapped_file.h"
 
 namespace mocurate {
@@ -82,32 +82,6 @@ JointTracks TracksOfArray(const NpyArray& array, std::size_t wide, const FileOrd
     }
   }
   return tracks;
-}
-
-/// Joints-only motion; missing points are interpolated from the nearest whole frames.
-Motion Bridged(const JointTracks& tracks, const std::vector<DamagedFrame>& bridged, const SkeletonPtr& skeleton,
-               const FrameRate& rate) {
-  JointPositions positions = tracks.positions;
-  const auto seen = [&](int frame, int joint) {
-    return tracks.confidence[static_cast<std::size_t>(frame) * skeleton->joints.size() + joint] > 0.0;
-  };
-  for (const DamagedFrame& at : bridged) {
-    for (int j = 0; j < positions.joints; ++j) {
-      if (seen(at.frame, j)) continue;
-      positions.at(at.frame, j) =
-          (1.0 - at.share) * Vector3d(positions.at(at.before, j)) + at.share * Vector3d(positions.at(at.after, j));
-    }
-  }
-  Motion motion = MakeJointsOnly(skeleton, rate, std::move(positions));
-  std::vector<Finding> none;
-  MarkBridged(bridged, motion, none);
-  for (const DamagedFrame& at : bridged) {
-    for (int j = 0; j < motion.joint_count(); ++j) {
-      if (!seen(at.frame, j)) continue;
-      motion.state[static_cast<std::size_t>(at.frame) * skeleton->joints.size() + j] = JointState::kObserved;
-    }
-  }
-  return motion;
 }
 
 /// Action2Motion's raw outputs, root translation and a rotation vector per joint, as positions by its released
@@ -198,15 +172,19 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
       static_cast<std::ptrdiff_t>(tracks.confidence.size())) {
     return NoValidSamples(array->values.size(), file.name);
   }
-  const auto bridged = BridgeFrames(damaged.frames, frames, *source.rate_hz, file.name);
-  if (bridged && order->joint.size() == (*skeleton)->joints.size()) {
-    ingested.clip.motion = Bridged(tracks, *bridged, *skeleton, ingested.clip.rate);
-    for (Finding& finding : ingested.findings) finding.action = FindingAction::kInterpolated;
-    return ingested;
+  if (order->joint.size() == (*skeleton)->joints.size()) {
+    // A joints-only motion needs every joint in every frame: missing points are interpolated and marked.
+    Expected<Motion> motion = MotionFromTracks(tracks, *skeleton, ingested.clip.rate, source.max_gap_s);
+    if (motion) {
+      if (damaged.frames.empty()) motion->state.clear();
+      ingested.clip.motion = *std::move(motion);
+      for (Finding& finding : ingested.findings) finding.action = FindingAction::kInterpolated;
+      return ingested;
+    }
   }
   for (Finding& finding : ingested.findings) finding.action = FindingAction::kMissing;
   NoteEmptyFrames(tracks, ingested.findings);
-  ingested.clip.evidence.tracks = std::move(tracks);  // a joints-only motion would need every joint in every frame
+  ingested.clip.evidence.tracks = std::move(tracks);  // a joint that is never observed
   return ingested;
 }
 

@@ -1,5 +1,6 @@
 // Tracks of VIBE: files with a video's tracks, one of which is the person, and the videos of UESTC's cache.
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/base/file.h"
@@ -173,6 +174,17 @@ Expected<UestcPerson> ChosenPerson(const SourceFile& file, bool by_name) {
               keys.empty() ? "it has none: no person was found in the video" : "its tracks are " + keys);
 }
 
+/// Rows that a track lacks are interpolated; the released cache does not mark them.
+void MarkFilled(const std::vector<char>& filled, Motion& motion) {
+  if (std::count(filled.begin(), filled.end(), 1) == 0) return;
+  motion.state.clear();
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    const bool is_filled = filled[static_cast<std::size_t>(f)] != 0;
+    motion.state.insert(motion.state.end(), static_cast<std::size_t>(motion.joint_count()),
+                        is_filled ? JointState::kInterpolated : JointState::kObserved);
+  }
+}
+
 /// The clip of the chosen person.
 Expected<IngestedClip> ClipOfPerson(const UestcPerson& person, const SourceFile& file,
                                     const Quaterniond& world_from_file) {
@@ -181,6 +193,7 @@ Expected<IngestedClip> ClipOfPerson(const UestcPerson& person, const SourceFile&
   Expected<IngestedClip> ingested = MotionOf(person.track, file.source, world_from_file, *shift, file.name);
   if (!ingested) return ingested;
   ingested->findings.insert(ingested->findings.end(), person.findings.begin(), person.findings.end());
+  if (file.source.people.rule != TrackRule::kUestcReleased) MarkFilled(person.interpolated, *ingested->clip.motion);
   std::string ids;
   for (const std::int64_t id : person.chosen) ids += (ids.empty() ? "" : "+") + std::to_string(id);
   if (!ids.empty()) ingested->clip.provenance["tracks"] = ids;

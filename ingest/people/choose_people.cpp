@@ -184,7 +184,7 @@ std::vector<PersonTrack> JoinIds(std::vector<PersonTrack> tracks, const PeopleOp
                                  const std::vector<int>& parents, const std::vector<double>& time_s,
                                  std::vector<Finding>& findings) {
   if (!StitchesIds(options)) return tracks;
-  const StitchOptions limits{options.max_gap_s, options.max_speed, StitchOptions().slack, options.max_signature};
+  const StitchOptions limits{options.max_lost_s, options.max_speed, StitchOptions().slack, options.max_signature};
   return StitchTracks(std::move(tracks), parents, time_s, limits, findings);
 }
 

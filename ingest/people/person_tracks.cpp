@@ -190,7 +190,7 @@ std::vector<PersonTrack> StitchTracks(std::vector<PersonTrack> tracks, const std
       const double distance = (CentreOf(to, 0) - CentreOf(from, from.frames.size() - 1)).norm();
       const double signature =
           SignatureDistance(signatures[static_cast<std::size_t>(i)], signatures[static_cast<std::size_t>(k)]);
-      if (gap > options.max_gap_s || distance > reach || signature > options.max_signature) continue;
+      if (gap > options.max_lost_s || distance > reach || signature > options.max_signature) continue;
       costs[static_cast<std::size_t>(i) * static_cast<std::size_t>(count) + static_cast<std::size_t>(k)] =
           distance / reach + signature / options.max_signature;
     }

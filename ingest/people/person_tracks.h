@@ -38,7 +38,7 @@ std::vector<double> BoneSignature(const PersonTrack& track, const std::vector<in
 double SignatureDistance(const std::vector<double>& a, const std::vector<double>& b);
 
 struct StitchOptions {
-  double max_gap_s = 2.0;       ///< longest time that a person may be lost
+  double max_lost_s = 2.0;      ///< longest time that a person may be lost
   double max_speed = 3.0;       ///< m/s, of a person in the gap, at most
   double slack = 0.4;           ///< metres on top of it
   double max_signature = 0.12;  ///< of SignatureDistance: bones of one person

@@ -147,7 +147,7 @@ void AppendRow(const VibeTrack& piece, std::size_t row, UestcRule rule, UestcPer
   ++track.frames;
 }
 
-void NoteFilled(UestcPerson& person) {
+void NoteFilled(UestcRule rule, UestcPerson& person) {
   const std::vector<char>& filled = person.interpolated;
   for (std::size_t f = 0; f < filled.size(); ++f) {
     if (filled[f] == 0) continue;
@@ -155,7 +155,8 @@ void NoteFilled(UestcPerson& person) {
     while (f < filled.size() && filled[f] != 0) ++f;
     Finding finding =
         FrameFinding("frames_filled", static_cast<int>(begin), static_cast<int>(f), "", static_cast<double>(f - begin),
-                     std::to_string(f - begin) + " frames without the person are interpolated");
+                     std::to_string(f - begin) + " frames without the person are interpolated" +
+                         (rule == UestcRule::kPublished ? ", as released, however long the gap" : ""));
     finding.severity = Severity::kInfo;
     finding.action = FindingAction::kInterpolated;
     person.findings.push_back(std::move(finding));
@@ -216,7 +217,7 @@ Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, con
         std::remove_if(remaining.begin(), remaining.end(), [&](std::size_t i) { return Begin(tracks[i]) <= end; }),
         remaining.end());
   }
-  NoteFilled(person);
+  NoteFilled(rule, person);
   return person;
 }
 
@@ -236,7 +237,7 @@ UestcPerson JoinVibeTracks(const std::vector<const VibeTrack*>& tracks, UestcRul
   std::stable_sort(rows.begin(), rows.end(),
                    [](const Row& a, const Row& b) { return a.track->frame_ids[a.row] < b.track->frame_ids[b.row]; });
   for (const Row& row : rows) AppendRow(*row.track, row.row, rule, person);
-  NoteFilled(person);
+  NoteFilled(rule, person);
   return person;
 }
 

@@ -7,29 +7,18 @@
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
-namespace {
 
-constexpr double kLongestGap_s = 0.5;
-
-}  // namespace
-
-Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged, int frames, double rate_hz,
-                                                 const std::string& name) {
+Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged, int frames, const std::string& name) {
   std::vector<DamagedFrame> bridged;
-  const auto longest = static_cast<std::size_t>(std::max(1.0, std::floor(kLongestGap_s * rate_hz)));
+  if (frames > 0 && static_cast<int>(damaged.size()) >= frames) {
+    return Fail(ErrorCode::kInconsistent, "none of " + Counted(frames, "frame") + " has valid values", name,
+                "repair the file, or leave it out", Reason::kNoValidSamples);
+  }
   for (std::size_t at = 0; at < damaged.size();) {
     std::size_t end = at + 1;
     while (end < damaged.size() && damaged[end] == damaged[end - 1] + 1) ++end;
     const int first = damaged[at], last = damaged[end - 1];
     const bool from = first > 0, to = last + 1 < frames;
-    if ((!from && !to) || end - at > longest) {
-      return Fail(ErrorCode::kInconsistent,
-                  Counted(static_cast<long long>(end - at), "frame") + " in a row, from frame " +
-                      std::to_string(first) + ", have no valid values",
-                  name,
-                  "a motion needs every frame, and at most " + std::to_string(longest) +
-                      " in a row are interpolated: repair the file, or leave it out");
-    }
     for (int f = first; f <= last; ++f) {
       const int before = from ? first - 1 : last + 1, after = to ? last + 1 : first - 1;
       const double share = before < after ? static_cast<double>(f - before) / (after - before) : 0.0;
@@ -78,7 +67,7 @@ Status AddMotion(const std::vector<int>& damaged, const SkeletonPtr& skeleton, c
                  std::vector<Vector3d> root, std::vector<Quaterniond> rotation, const std::string& name,
                  IngestedClip& ingested) {
   const FrameRate rate = ingested.clip.rate;
-  const auto bridged = BridgeFrames(damaged, static_cast<int>(root.size()), rate.hz(), name);
+  const auto bridged = BridgeFrames(damaged, static_cast<int>(root.size()), name);
   if (!bridged) return Forward(bridged);
   const auto joints = static_cast<std::size_t>(skeleton->joint_count());
   Bridge(*bridged, skeleton->joint_count(), root, rotation);

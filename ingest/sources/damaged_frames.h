@@ -19,10 +19,9 @@ struct DamagedFrame {
   double share = 0.0;
 };
 
-/// How damaged frames are interpolated from their neighbours, at most half a second in a row. `damaged`: rising, below
-/// `frames`. Error kInconsistent at "name": a longer gap, or no whole frame.
-Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged, int frames, double rate_hz,
-                                                 const std::string& name);
+/// How damaged frames are filled from their neighbours, however many there are in a row: which of them count, the gap
+/// rule decides (ingest/gap_rule.h). `damaged`: rising, below `frames`. Error kInconsistent at "name": no whole frame.
+Expected<std::vector<DamagedFrame>> BridgeFrames(const std::vector<int>& damaged, int frames, const std::string& name);
 
 /// Fills these frames of a motion's parameters, `root` (F) and `rotation` (F*joints): rotations by slerp between the
 /// whole frames before and after, the root linearly.

@@ -6,6 +6,7 @@
 #include "canon/exports/layout.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/motion/gaps.h"
 #include "job/verbs/export_clips.h"
 #include "job/verbs/output_checks.h"
 #include "job/verbs/verbs.h"
@@ -121,15 +122,33 @@ Status WriteFiles(const std::vector<ExportedFile>& files, const fs::path& folder
   return {};
 }
 
+/// A layout without states does not show which frames nobody observed. Error kInconsistent.
+Status CheckInferred(const Clip& clip, const Layout& layout, bool keep) {
+  if (keep || layout.Carries(ClipContent::kStates)) return {};
+  const std::vector<FrameRun> runs = RunsWhere(InferredFrames(*clip.motion), true);
+  if (runs.empty()) return {};
+  int frames = 0;
+  for (const FrameRun& run : runs) frames += run.frames();
+  return Fail(ErrorCode::kInconsistent,
+              Counted(frames, "frame") + " of " + std::to_string(clip.motion->frame_count()) + ", from frame " +
+                  std::to_string(runs.front().begin) + ", lie in gaps without an observation, which layout " +
+                  std::string(layout.name) + " cannot mark",
+              clip.id(), "use --inferred keep, or --layout npz, which holds the states of frames");
+}
+
 /// Exports clip by clip. Errors of writing; a clip that cannot be read or exported is refused and does not stop the
 /// others.
-Status ExportClips(const ClipsToExport& clips, const Layout& layout, const ExportPlace& place, Exported& exported) {
+Status ExportClips(const ClipsToExport& clips, const Layout& layout, const ExportPlace& place, bool keep_inferred,
+                   Exported& exported) {
   const std::unique_ptr<LayoutWriter> writer = layout.make(clips.set);
   NotCarried lost(layout);
   for (std::size_t position = 0; position < clips.set.ids.size(); ++position) {
     const std::string& id = clips.set.ids[position];
     const Expected<Clip> clip = clips.read(position);
-    Expected<std::vector<ExportedFile>> files = clip ? writer->Add(position, *clip) : Forward(clip);
+    const Status marked = clip ? CheckInferred(*clip, layout, keep_inferred) : Status();
+    Expected<std::vector<ExportedFile>> files = !clip    ? Forward(clip)
+                                                : marked ? writer->Add(position, *clip)
+                                                         : Forward(marked);
     if (!files) {
       exported.refused.push_back({id, files.error()});
       continue;
@@ -220,7 +239,7 @@ Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
   if (Status rotations = CheckRotations(*clips, layout, arguments); !rotations) return rotations;
   Exported exported;
   exported.refused = std::move(clips->refused);
-  if (Status written = ExportClips(*clips, layout, *place, exported); !written) return written;
+  if (Status written = ExportClips(*clips, layout, *place, arguments.keep_inferred, exported); !written) return written;
   const std::size_t others = place->file.empty() ? OtherFilesIn(place->folder, exported.written) : 0;
   if (others > 0) {
     exported.notes.push_back(Counted(static_cast<long long>(others), "other file") +

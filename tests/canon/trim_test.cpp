@@ -173,7 +173,7 @@ TEST(Tracks, MissingObservationsAreInterpolatedAndMarkedAndNeverRead) {
   tracks.positions.at(1, 2) = Vector3d(std::nan(""), 1e9, 0);
   tracks.positions.at(2, 2) = Vector3d(2, 0, 0);
   tracks.confidence[skeleton->joint_count() + 2] = 0.0;
-  const auto motion = MotionFromTracks(tracks, skeleton, FrameRate{1, 1});
+  const auto motion = MotionFromTracks(tracks, skeleton, FrameRate{1, 1}, 10.0);
   ASSERT_TRUE(motion) << motion.error().Message();
   EXPECT_EQ(Vector3d(motion->joints.at(1, 2)), Vector3d(1, 0, 0));
   EXPECT_EQ(motion->state[skeleton->joint_count() + 2], JointState::kInterpolated);
@@ -185,7 +185,7 @@ TEST(Tracks, AJointThatNoPersonTracksIsNamed) {
   tracks.positions = JointPositions(2, 1);
   tracks.time_s = {0, 1};
   tracks.confidence = {1, 1};
-  const auto motion = MotionFromTracks(tracks, Skeleton15(), FrameRate{1, 1});
+  const auto motion = MotionFromTracks(tracks, Skeleton15(), FrameRate{1, 1}, 10.0);
   ASSERT_FALSE(motion);
   EXPECT_THAT(motion.error().what, HasSubstr("left_knee"));
 }

@@ -5,6 +5,8 @@
 
 #include "core/base/file.h"
 #include "core/base/median.h"
+#include "core/motion/gaps.h"
+#include "core/motion/operations.h"
 #include "core/store/dataset_clips.h"
 
 namespace mocurate {
@@ -59,9 +61,16 @@ class Packing {
   }
 
   /// `where`: the file, for errors.
-  Status Add(const Clip& clip, const std::string& where) {
+  Status Add(const Clip& given, const std::string& where) {
+    const Expected<std::optional<Clip>> shorter = WithoutInferred(given);
+    if (!shorter) return Forward(shorter);
+    const Clip& clip = *shorter ? **shorter : given;
+    if (*shorter) {
+      ++set_.shortened;
+      set_.inferred_frames += given.motion->frame_count() - clip.motion->frame_count();
+    }
     TrainingSet::Clip packed;
-    packed.id = clip.id();
+    packed.id = given.id();
     packed.person = clip.identity.person;
     for (std::size_t i = 0; i < set_.labels.size(); ++i) {
       if (set_.labels[i] == clip.label) packed.label = static_cast<int>(i);

@@ -33,7 +33,10 @@ TrainingSet HeadersOf(const Dataset& set) {
 }
 
 /// Appends the windows of a clip.
-Status AddWindows(const Clip& clip, const NetworkOptions& network, WindowPart part, std::vector<ClipWindow>& windows) {
+Status AddWindows(const Clip& given, const NetworkOptions& network, WindowPart part, std::vector<ClipWindow>& windows) {
+  const Expected<std::optional<Clip>> shorter = WithoutInferred(given);
+  if (!shorter) return Forward(shorter);
+  const Clip& clip = *shorter ? **shorter : given;
   const int all = clip.motion->frame_count(), frames = static_cast<int>(network.data.frames);
   if (all < frames) {
     const bool one_length = network.actor.coders == ActorCoders::kFullyConnected;
