@@ -165,10 +165,11 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
   if (const StageInput* first = InputOf(request, "start_from")) control.start_from = first->path;
   double seconds_before = 0.0;
   control.resumed = [&](double seconds) { seconds_before = seconds; };
+  StageOutcome outcome;
+  control.report = [&](Finding finding) { outcome.findings.push_back(std::move(finding)); };
   const Expected<Checkpoint> checkpoint = TrainNetwork(input->set, input->options, control);
   if (!checkpoint) return Forward(checkpoint);
   if (Status written = WriteCheckpoint(*checkpoint, request.output); !written) return Forward(written);
-  StageOutcome outcome;
   outcome.summary = SummaryOf(*checkpoint, input->options);
   if (input->set.shortened > 0) {
     outcome.findings.push_back(

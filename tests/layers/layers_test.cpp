@@ -191,6 +191,20 @@ TEST(Layers, EveryIncludeIsAllowed) {
   EXPECT_GT(files, 50u) << "the source tree was not found";
 }
 
+/// What a stage has to say about a clip or the set is a finding, which the job prints and keeps.
+bool PrintsWarnings(const std::string& text) {
+  return std::regex_search(text, std::regex("LogWarning|LogLevel::k(Warning|Error)|stderr|std::cerr"));
+}
+
+TEST(Layers, NoStagePrintsWarnings) {
+  for (const std::string& path : SourceFiles()) {
+    const std::string top = path.substr(0, path.find('/'));
+    if (top == "core" || top == "job" || top == "app") continue;
+    EXPECT_FALSE(PrintsWarnings(ReadText(kRoot / path))) << path << ": report a finding instead";
+  }
+  EXPECT_TRUE(PrintsWarnings("  LogWarning(\"a clip is odd\");"));
+}
+
 TEST(Layers, EveryLinkIsAllowed) {
   for (const char* top : {"core", "ingest", "fitting", "canon", "train", "eval", "report"}) {
     const std::string text = ReadText(kRoot / top / "CMakeLists.txt");

@@ -12,7 +12,6 @@
 #include <numeric>
 
 #include "core/base/file.h"
-#include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
@@ -186,7 +185,10 @@ class Training {
       Expected<Checkpoint> stored = ReadCheckpoint(file, state_.kind);
       if (!stored && file == control_.start) return Forward(stored);
       if (!stored) {
-        LogWarning("training restarts: " + stored.error().Message());
+        control_.report(MakeFinding("training_restarted", Severity::kWarning, 0.0,
+                                    "training starts anew, as its saved state cannot be read: " +
+                                        stored.error().Message(),
+                                    FindingAction::kDropped));
         continue;
       }
       if (!SameTraining(*stored) || (End() > 0 && stored->step > End())) continue;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/finding.h"
 #include "core/skin/skin.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/data/training_set.h"
@@ -25,6 +26,7 @@ struct TrainingControl {
   std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
   std::function<void(double)> resumed = [](double) {
   };  ///< called with the seconds of the earlier runs of this training
+  std::function<void(Finding)> report = [](Finding) {};  ///< receives findings about the training
 };
 
 /// Trains one network. Generators train `iterations` steps on the training part. Recognisers train epochs on it less a
