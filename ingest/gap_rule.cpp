@@ -12,17 +12,13 @@
 namespace mocurate {
 namespace {
 
-/// Findings of frames that were cut go; the others count from the first frame that is kept.
+/// Findings count from the first frame that is kept; those of frames that were cut become findings of the clip.
 void MoveFindings(const FrameRun& kept, std::vector<Finding>& findings) {
-  const auto outside = [&](const Finding& finding) {
-    return finding.frame_end > finding.frame_begin &&
-           (finding.frame_end <= kept.begin || finding.frame_begin >= kept.end);
-  };
-  findings.erase(std::remove_if(findings.begin(), findings.end(), outside), findings.end());
   for (Finding& finding : findings) {
     if (finding.frame_end <= finding.frame_begin) continue;
     finding.frame_begin = std::max(finding.frame_begin, kept.begin) - kept.begin;
     finding.frame_end = std::min(finding.frame_end, kept.end) - kept.begin;
+    if (finding.frame_end <= finding.frame_begin) finding.frame_begin = finding.frame_end = 0;
   }
 }
 

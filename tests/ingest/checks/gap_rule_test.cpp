@@ -84,7 +84,8 @@ TEST(GapRule, CutsUnobservedEndsOfEveryKindOfEvidence) {
     ASSERT_NE(FindingOf("unobserved_ends", ingested), nullptr);
     EXPECT_EQ(FindingOf("unobserved_ends", ingested)->value, 12.0);
     EXPECT_NE(FindingOf("whole", ingested), nullptr);
-    EXPECT_EQ(FindingOf("cut", ingested), nullptr);
+    ASSERT_NE(FindingOf("cut", ingested), nullptr);
+    EXPECT_EQ(FindingOf("cut", ingested)->frame_end, 0) << "of the clip";
     ASSERT_NE(FindingOf("moved", ingested), nullptr);
     EXPECT_EQ(FindingOf("moved", ingested)->frame_begin, 0);
     EXPECT_EQ(FindingOf("moved", ingested)->frame_end, 3);

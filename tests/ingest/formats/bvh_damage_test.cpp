@@ -1,5 +1,6 @@
 // BVH files with one defect: an inspection and a run report the cause without its consequences.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -97,20 +98,29 @@ TEST_F(DamagedBvh, RefusesAFileWhoseRowsMayBeSplitOrJoined) {
   }
 }
 
-TEST_F(DamagedBvh, DoesNotReportAReplacedFirstFrameAsFrozen) {
+TEST_F(DamagedBvh, CutsADamagedFirstFrame) {
+  const int frames = Ingest(Take()).clip.motion->frame_count();
   const Ingested damaged = Ingest(WithRow(0, [](const std::string& row) { return "x" + row; }));
   ASSERT_TRUE(damaged.outcome) << damaged.outcome.error().Message();
-  ASSERT_EQ(damaged.outcome->findings.size(), 1u);
+  ASSERT_EQ(damaged.outcome->findings.size(), 2u);
   EXPECT_EQ(damaged.outcome->findings[0].code, "not_a_number");
+  EXPECT_EQ(damaged.outcome->findings[1].code, "unobserved_ends");
+  EXPECT_EQ(damaged.clip.motion->frame_count(), frames - 1);
+  EXPECT_EQ(damaged.clip.identity.begin_frame, 1);
 }
 
-TEST_F(DamagedBvh, RefusesToInterpolateMoreThanHalfASecond) {
+TEST_F(DamagedBvh, InfersMoreThanHalfASecond) {
   std::string text = Take();
   for (int f = kFrame; f < kFrame + 16; ++f) text[RowOf(text, f).first] = 'x';
-  const Ingested refused = Ingest(text);
-  ExpectError(refused.outcome, ErrorCode::kInconsistent, kTake);
-  EXPECT_THAT(refused.outcome.error().what, AllOf(HasSubstr("16 "), HasSubstr(" 40")))
-      << "number of frames, first frame";
+  const Ingested inferred = Ingest(text);
+  ASSERT_TRUE(inferred.outcome) << inferred.outcome.error().Message();
+  const Motion& motion = *inferred.clip.motion;
+  for (const int f : {kFrame, kFrame + 15})
+    EXPECT_EQ(motion.state.at(static_cast<std::size_t>(f * motion.joint_count())), JointState::kInferred);
+  const auto& findings = inferred.outcome->findings;
+  EXPECT_TRUE(std::any_of(findings.begin(), findings.end(), [](const Finding& finding) {
+    return finding.code == "long_gap" && finding.frame_begin == kFrame && finding.frame_end == kFrame + 16;
+  }));
 }
 
 TEST_F(DamagedBvh, KeepsCompleteRowsOfATruncatedFileAndReportsTheRest) {
