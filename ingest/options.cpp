@@ -48,10 +48,13 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Texts("joints", joints, "joint names in the order of the file; '-' skips a joint");
   v.Integer("rows_per_frame", rows_per_frame, {0.0, 1e4},
             "joint_table: rows per frame; 0: one row per joint, or with `layout` one row per frame");
-  v.Texts("columns", columns, "joint_table: numbers of one joint: x, y, z, confidence, skip");
+  v.Texts("columns", columns,
+          "joint_table: numbers of one joint: x, y, z, confidence, skip, and, where each row has them, frame or "
+          "time_s, time_ms, time_us, time_100ns, time_ns");
   v.Text("layout", layout,
          "joint_table: all numbers of a frame instead of `columns`, e.g. 'frame 11*(rotation rotation_confidence x y z "
-         "confidence) 4*(x y z confidence)'");
+         "confidence) 4*(x y z confidence)'. `frame` is the number of the frame; time_s, time_ms, time_us, time_100ns "
+         "or time_ns its time, by which frames are laid out and which states the rate");
   v.Text("end_word", end_word, "joint_table: word on the line that ends the table, if any");
   v.Choice("damaged_rows", damaged_rows, {{"refuse", DamagedRows::kRefuse}, {"report", DamagedRows::kReport}},
            "damaged rows (wrong length, no numbers, truncated last frame, frame count that contradicts the rows): "
@@ -105,6 +108,10 @@ void SourceOptions::Declare(OptionVisitor& v) {
             {"camera_to_world", CameraPose::kCameraToWorld}},
            "convention of rotation and translation in calibrations whose format does not declare it");
   v.TextMap("cameras", cameras, "{camera} of the file names -> camera name in the calibration, where they differ");
+  v.TextMap("first_frame", first_frame,
+            "camera -> number of its frame at the moment when the cameras that are not named here begin (less than its "
+            "first one where it begins later). openpose, depth_views: {camera} of the file names, and the number of "
+            "the file; ntu_skeleton with views.multi_view: `view`, and frames counted from 1");
   v.Text("keypoints", keypoints,
          "openpose: order of the detector's points: BODY_25, BODY_25B, COCO_17, COCO_18, or measured by bone lengths");
   v.Integer("subjects", subjects, {1.0, 26.0},

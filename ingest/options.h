@@ -99,7 +99,7 @@ struct SourceOptions {
   std::string skeleton;
   std::vector<std::string> joints;                  ///< names in the order of the file; "-" is passed over
   std::int64_t rows_per_frame = 0;                  ///< joint_table; see RowsPerFrame
-  std::vector<std::string> columns{"x", "y", "z"};  ///< joint_table, per joint: x y z confidence skip
+  std::vector<std::string> columns{"x", "y", "z"};  ///< joint_table, per joint: x y z confidence frame time_ms skip
   std::string layout;    ///< joint_table, instead of `columns`: all numbers of a frame, as ParseJointLayout reads them
   std::string end_word;  ///< joint_table: line that closes the table, where there is one
   std::map<std::string, std::string> bodies;  ///< ntu_skeleton: label text -> people in the file, "2"; others have one
@@ -123,6 +123,7 @@ struct SourceOptions {
   std::vector<std::string> calibration;  ///< openpose, depth_views: below the folder; {camera}: one per camera
   CameraPose camera_pose = CameraPose::kMeasured;  ///< openpose, depth_views
   std::map<std::string, std::string> cameras;      ///< {camera} of a file's name -> the calibration's name for it
+  std::map<std::string, std::string> first_frame;  ///< camera -> its frame when the others begin
   std::string keypoints = "measured";              ///< openpose: a layout's name, or "measured"
   std::int64_t subjects = 1;                       ///< openpose, panoptic: people of a recording, a clip each
 
@@ -202,6 +203,9 @@ inline constexpr const char* kFillIn = "FILL_IN";
 
 /// The numbers of a frame of a joint table: `layout`, or `columns` for each of the joints. Error kConfig.
 Expected<JointLayout> TableLayout(const SourceOptions& source);
+
+/// Whether a joint table has a column of times, which states the rate. False for a broken layout.
+bool HasTimes(const SourceOptions& source);
 
 /// Rows of one frame of a joint table: as declared, else one with `layout` and one per joint with `columns`.
 int RowsPerFrame(const SourceOptions& source);

@@ -61,6 +61,15 @@ Status CheckFilledIn(const SourceOptions& s) {
     problems.Add(OptionPlace(option), "'" + *text + "' is still to be filled in",
                  "the files do not declare it: take it from the set's documentation");
   }
+  std::string columns;
+  for (const std::string& column : s.columns) columns += column + " ";
+  for (const auto& [option, text] : {std::pair{"layout", s.layout}, std::pair{"columns", columns}}) {
+    if (text.find(kFillIn) == std::string::npos) continue;
+    problems.Add(
+        OptionPlace(option), "'" + text + "' is still to be filled in",
+        "write `frame` where the column counts frames, its unit where it is a clock (time_s, time_ms, time_us, "
+        "time_100ns, time_ns), or `skip`");
+  }
   for (const std::string& file : s.calibration) {
     if (!open(file)) continue;
     problems.Add(OptionPlace("calibration"), "'" + file + "' is still to be filled in",
@@ -159,7 +168,7 @@ Status CheckSource(const SourceOptions& s) {
                 "write where its x, y and z point, e.g. axes: '+x +y +z' (right-handed, y up, a person faces +z)");
   }
   if (Status units = CheckSourceUnits(s); !units) return units;
-  if (!driver.states_rate && !s.rate_hz) {
+  if (!driver.states_rate && !s.rate_hz && !HasTimes(s)) {
     return Fail(ErrorCode::kConfig,
                 "source '" + s.name + "' does not declare its frame rate, and " + s.format + " files do not either",
                 OptionPlace("rate"), "write e.g. `rate: 30 Hz`");

@@ -44,6 +44,9 @@ enum class Reason {
   kNoValidSamples,  ///< no joint is observed in any frame
   kPersonMissing,   ///< a file holds fewer people than are declared
   kOtherTree,       ///< joints that are not those of the declared skeleton
+  kOtherLayout,     ///< numbers that are not what the declaration says
+  kOtherRate,       ///< times of another rate than the declared one; `number` is it, Hz
+  kViewNumbering,   ///< cameras that are numbered apart; `number` is the offset, frames
 };
 
 /// One failure: `what` names the value and the broken rule, `where` the place (file:line:column or dataset

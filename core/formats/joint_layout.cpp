@@ -7,13 +7,15 @@
 
 #include "core/base/text.h"
 #include "core/formats/line_reader.h"
+#include "core/formats/row_counter.h"
 
 namespace mocurate {
 namespace {
 
 constexpr int kMostNumbers = 100000;  // of one frame
-constexpr std::array<const char*, 8> kWords = {"x",     "y",   "z", "confidence", "rotation", "rotation_confidence",
-                                               "frame", "skip"};
+constexpr std::array<const char*, 13> kWords = {
+    "x",       "y",       "z",          "confidence", "rotation", "rotation_confidence", "frame", "time_s",
+    "time_ms", "time_us", "time_100ns", "time_ns",    "skip"};
 
 int Width(JointColumn column) { return column == JointColumn::kRotation ? 9 : 1; }
 
@@ -25,6 +27,13 @@ int Width(const JointGroup& group) {
 
 bool Has(const JointGroup& group, JointColumn column) {
   return std::find(group.columns.begin(), group.columns.end(), column) != group.columns.end();
+}
+
+bool IsTime(JointColumn column) { return column >= JointColumn::kTimeS && column <= JointColumn::kTimeNs; }
+bool IsCounter(JointColumn column) { return column == JointColumn::kFrame || IsTime(column); }
+
+const ClockUnit& UnitOfTime(JointColumn column) {
+  return ClockUnits()[static_cast<std::size_t>(column) - static_cast<std::size_t>(JointColumn::kTimeS)];
 }
 
 bool Has(const JointLayout& layout, JointColumn column) {
@@ -55,7 +64,8 @@ Expected<JointColumn> ColumnOf(const std::string& word, const std::string& where
   const auto nearest = Nearest(word, std::vector<std::string>(kWords.begin(), kWords.end()));
   return Fail(ErrorCode::kConfig, "'" + Shown(word) + "' is not a column of a joint", where,
               nearest ? "did you mean '" + *nearest + "'?"
-                      : "columns are x y z confidence rotation rotation_confidence frame skip");
+                      : "columns are x y z confidence rotation rotation_confidence frame time_s time_ms time_us "
+                        "time_100ns time_ns skip");
 }
 
 Status CheckGroup(const JointGroup& group, const std::string& where) {
@@ -71,14 +81,16 @@ Status CheckGroup(const JointGroup& group, const std::string& where) {
       return Fail(ErrorCode::kConfig,
                   std::string("a joint has '") + kWords[static_cast<std::size_t>(column)] + "' twice", where);
     }
-    const bool of_joint = column != JointColumn::kFrame && column != JointColumn::kSkip;
+    const bool of_joint = !IsCounter(column) && column != JointColumn::kSkip;
     if (of_joint && coordinates == 0) {
       return Fail(ErrorCode::kConfig,
                   std::string("'") + kWords[static_cast<std::size_t>(column)] + "' is in a group without x, y, z",
                   where);
     }
-    if (column == JointColumn::kFrame && (coordinates != 0 || group.count != 1)) {
-      return Fail(ErrorCode::kConfig, "'frame' appears once, outside of the joints", where);
+    if (IsCounter(column) && coordinates == 0 && group.count != 1) {
+      return Fail(ErrorCode::kConfig,
+                  std::string("'") + kWords[static_cast<std::size_t>(column)] + "' appears once outside of the joints",
+                  where);
     }
   }
   return {};
@@ -104,9 +116,16 @@ std::vector<std::string> ColumnNames(const JointLayout& layout, int columns) {
   return names;
 }
 
-/// Where the numbers of one frame go.
-void PlaceFrame(const JointLayout& layout, const double* from, int frame, JointRows& rows) {
+/// Where the numbers of one frame go. False where its joints repeat the frame's number or time, and it differs.
+bool PlaceFrame(const JointLayout& layout, const double* from, int frame, JointRows& rows) {
   std::size_t joint = static_cast<std::size_t>(frame) * static_cast<std::size_t>(rows.joints);
+  bool one = true, counted = false;
+  const auto count = [&](double number) {
+    double& counter = rows.counter[static_cast<std::size_t>(frame)];
+    one = one && (!counted || number == counter || std::isnan(number) || std::isnan(counter));
+    counter = number;
+    counted = true;
+  };
   for (const JointGroup& group : layout.groups) {
     for (int i = 0; i < group.count; ++i) {
       for (const JointColumn column : group.columns) {
@@ -126,7 +145,12 @@ void PlaceFrame(const JointLayout& layout, const double* from, int frame, JointR
             rows.rotation_confidence[joint] = *from;
             break;
           case JointColumn::kFrame:
-            rows.frame_number[static_cast<std::size_t>(frame)] = *from;
+          case JointColumn::kTimeS:
+          case JointColumn::kTimeMs:
+          case JointColumn::kTimeUs:
+          case JointColumn::kTime100ns:
+          case JointColumn::kTimeNs:
+            count(*from);
             break;
           case JointColumn::kSkip:
             break;
@@ -136,11 +160,12 @@ void PlaceFrame(const JointLayout& layout, const double* from, int frame, JointR
       if (group.IsJoint()) ++joint;
     }
   }
+  return one;
 }
 
 void CheckFrameNumbers(JointRows& rows, const std::string& name) {
-  for (std::size_t f = 1; f < rows.frame_number.size(); ++f) {
-    const double number = rows.frame_number[f], before = rows.frame_number[f - 1];
+  for (std::size_t f = 1; f < rows.counter.size(); ++f) {
+    const double number = rows.counter[f], before = rows.counter[f - 1];
     if (std::isnan(number) || std::isnan(before) || number == before + 1.0) continue;
     Finding finding;
     finding.code = "frame_number";
@@ -154,66 +179,128 @@ void CheckFrameNumbers(JointRows& rows, const std::string& name) {
   }
 }
 
-/// The frame index of each row by its frame number. Empty where no number is skipped, where the numbers do not grow by
-/// whole steps, or where more are skipped than a recording would lose.
-std::vector<int> PlacesByNumber(const JointRows& rows) {
-  constexpr double kLongestGap = 10000.0;  // frames; a recording of minutes has some thousands
-  std::vector<int> places;
-  if (rows.frame_number.empty() || std::isnan(rows.frame_number[0])) return places;  // damaged: nothing to count from
-  double last = 0.0;
-  for (std::size_t f = 0; f < rows.frame_number.size(); ++f) {
-    const double number = std::isnan(rows.frame_number[f]) ? last + 1.0 : rows.frame_number[f];  // of a damaged row
-    const double step = f == 0 ? 1.0 : number - last;
-    if (!(step >= 1.0) || step != std::floor(step) || step > kLongestGap) return {};
-    places.push_back(f == 0 ? 0 : places.back() + static_cast<int>(step));
-    if (places.back() >= rows.frames + static_cast<int>(kLongestGap)) return {};
-    last = number;
-  }
-  const bool gaps = !places.empty() && places.back() + 1 > rows.frames;
-  return gaps ? places : std::vector<int>();
-}
-
 /// (frames, width) values of rows at their places among `frames`, NaN between.
 void Spread(const std::vector<int>& places, int frames, std::vector<double>& values) {
   if (values.empty()) return;
   const std::size_t width = values.size() / places.size();
   std::vector<double> spread(static_cast<std::size_t>(frames) * width, std::nan(""));
   for (std::size_t f = 0; f < places.size(); ++f) {
+    if (places[f] < 0) continue;
     std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(f * width), width,
                 spread.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(places[f]) * width));
   }
   values = std::move(spread);
 }
 
-/// Inserts missing frames for skipped frame numbers, so that later frames keep their time.
-void KeepGaps(JointRows& rows) {
-  const std::vector<int> places = PlacesByNumber(rows);
-  if (places.empty()) return;
-  const auto placed = [&](int frame) {
-    return frame < static_cast<int>(places.size()) ? places[static_cast<std::size_t>(frame)] : places.back() + 1;
+/// Brings findings from rows to frames. A row without a frame is where the one before it is.
+void MoveFindings(const RowPlaces& places, std::vector<Finding>& findings) {
+  std::vector<int> frame_of;
+  for (const int place : places.place) frame_of.push_back(place >= 0 ? place : frame_of.back());
+  const auto placed = [&](int row) {
+    return row < static_cast<int>(frame_of.size()) ? frame_of[static_cast<std::size_t>(row)] : places.frames();
   };
-  for (Finding& finding : rows.findings) {
+  for (Finding& finding : findings) {
     const bool any = finding.frame_end > finding.frame_begin;
     finding.frame_begin = placed(finding.frame_begin);
     finding.frame_end = any ? placed(finding.frame_end - 1) + 1 : finding.frame_begin;
   }
-  for (std::size_t f = 1; f < places.size(); ++f) {
-    const int skipped = places[f] - places[f - 1] - 1;
-    if (skipped == 0) continue;
-    Finding finding;
-    finding.code = "time_gap";
-    finding.frame_begin = places[f - 1] + 1;
-    finding.frame_end = places[f];
-    finding.value = skipped;
-    finding.message = Counted(skipped, "frame") + " without a row: " + FormatDouble(rows.frame_number[f - 1]) +
-                      " is followed by " + FormatDouble(rows.frame_number[f]);
-    finding.action = FindingAction::kDropped;
-    rows.findings.push_back(std::move(finding));
+}
+
+/// Rows that stand at the time of the one before hold the same moment again.
+void ReportStillRows(const RowPlaces& places, const std::string& name, JointRows& rows) {
+  const auto still = std::count(places.place.begin(), places.place.end(), -1);
+  if (still == 0) return;
+  const auto first = std::find(places.place.begin(), places.place.end(), -1);
+  const auto row = static_cast<std::size_t>(first - places.place.begin());
+  Finding finding;
+  finding.code = "frame_number";
+  finding.frame_begin = places.place[row - 1];
+  finding.frame_end = finding.frame_begin + 1;
+  finding.value = static_cast<double>(still);
+  finding.message = name + ": " + Counted(still, "row") + (still == 1 ? " stands" : " stand") +
+                    " at the time of the row before; the first is row " + std::to_string(row + 1) + ", " +
+                    FormatDouble(rows.counter[row]) + ": not used";
+  finding.action = FindingAction::kDropped;
+  rows.findings.push_back(std::move(finding));
+}
+
+/// Inserts missing frames for skipped numbers or times, so that later frames keep their time.
+void KeepGaps(const RowPlaces& places, const std::string& name, JointRows& rows) {
+  MoveFindings(places, rows.findings);
+  ReportStillRows(places, name, rows);
+  std::size_t before = 0;
+  for (std::size_t f = 1; f < places.place.size(); ++f) {
+    if (places.place[f] < 0) continue;
+    const int skipped = places.place[f] - places.place[before] - 1;
+    if (skipped > 0) {
+      Finding finding;
+      finding.code = "time_gap";
+      finding.frame_begin = places.place[before] + 1;
+      finding.frame_end = places.place[f];
+      finding.value = skipped;
+      finding.message = Counted(skipped, "frame") + " without a row: " + FormatDouble(rows.counter[before]) +
+                        " is followed by " + FormatDouble(rows.counter[f]);
+      finding.action = FindingAction::kDropped;
+      rows.findings.push_back(std::move(finding));
+    }
+    before = f;
   }
-  rows.frames = places.back() + 1;
+  rows.frames = places.frames();
   for (std::vector<double>* values :
-       {&rows.position, &rows.confidence, &rows.rotation, &rows.rotation_confidence, &rows.frame_number})
-    Spread(places, rows.frames, *values);
+       {&rows.position, &rows.confidence, &rows.rotation, &rows.rotation_confidence, &rows.counter})
+    Spread(places.place, rows.frames, *values);
+}
+
+/// The first column of a frame that counts it; -1: none.
+int CounterColumn(const JointLayout& layout) {
+  int at = 0;
+  for (const JointGroup& group : layout.groups) {
+    for (const JointColumn column : group.columns) {
+      if (IsCounter(column)) return at;
+      at += Width(column);
+    }
+    at += (group.count - 1) * Width(group);
+  }
+  return -1;
+}
+
+/// Refuses a clock that is declared to count frames, and a time in another unit than the header names.
+Status CheckCounter(const JointRows& rows, JointColumn column, const std::string& header, double rate_hz,
+                    const std::string& name) {
+  const CounterName named = CounterNameOf(header);
+  const std::string called = header.empty() ? "" : ", '" + Shown(header) + "' in the header,";
+  if (IsTime(column)) {
+    const ClockUnit& unit = UnitOfTime(column);
+    if (named.unit == nullptr || named.unit->seconds == unit.seconds) return {};
+    return Fail(ErrorCode::kInconsistent,
+                "the column of times" + called + " is declared in " + unit.name + ", but named in " + named.unit->name,
+                name, std::string("declare time_") + named.unit->name);
+  }
+  const CounterEstimate estimate = EstimateCounter(rows.counter, named);
+  if (!IsClock(estimate, named, rate_hz)) return {};
+  const std::string unit = estimate.units.size() == 1 ? estimate.units[0].name : "ms";
+  return Fail(ErrorCode::kInconsistent,
+              "the column declared as `frame`" + called + " is a clock, by its " + estimate.words, name,
+              "declare it as a time in its unit, e.g. time_" + unit + ", or as `skip` where rows follow one another");
+}
+
+/// Lays the rows out by their numbers or times.
+Status LayOut(const JointLayout& layout, const std::vector<std::string>& header, double rate_hz,
+              const std::string& name, JointRows& rows) {
+  const JointColumn column = layout.Counter();
+  if (column == JointColumn::kSkip) return {};
+  const auto at = static_cast<std::size_t>(CounterColumn(layout));
+  const std::string called = at < header.size() ? header[at] : "";
+  if (Status counter = CheckCounter(rows, column, called, rate_hz, name); !counter) return counter;
+  const Expected<RowPlaces> places =
+      IsTime(column) ? PlacesByClock(rows.counter, name) : PlacesByNumber(rows.counter, 1.0, name);
+  if (!places) return Forward(places);
+  if (places->step > 0.0) rows.hz = 1.0 / (places->step * UnitOfTime(column).seconds);
+  const bool gaps = !places->place.empty() && places->frames() > rows.frames;
+  const bool still = std::count(places->place.begin(), places->place.end(), -1) > 0;
+  if (gaps || still) KeepGaps(*places, name, rows);
+  if (column == JointColumn::kFrame) CheckFrameNumbers(rows, name);
+  return {};
 }
 
 }  // namespace
@@ -226,6 +313,16 @@ int JointLayout::Joints() const {
   return joints;
 }
 
+JointColumn JointLayout::Counter() const {
+  for (const JointGroup& group : groups) {
+    const auto counter = std::find_if(group.columns.begin(), group.columns.end(), IsCounter);
+    if (counter != group.columns.end()) return *counter;
+  }
+  return JointColumn::kSkip;
+}
+
+bool JointLayout::has_time() const { return IsTime(Counter()); }
+
 int JointLayout::NumbersPerFrame() const {
   int numbers = 0;
   for (const JointGroup& group : groups) numbers += group.count * Width(group);
@@ -236,6 +333,7 @@ Expected<JointLayout> ParseJointLayout(std::string_view text, const std::string&
   const std::vector<std::string> tokens = Tokens(text);
   JointLayout layout;
   long long numbers = 0;
+  int counters = 0;
   for (std::size_t at = 0; at < tokens.size();) {
     JointGroup group;
     if (const std::optional<long long> count = ParseInteger(tokens[at])) {
@@ -259,16 +357,21 @@ Expected<JointLayout> ParseJointLayout(std::string_view text, const std::string&
     }
     ++at;
     if (Status checked = CheckGroup(group, where); !checked) return Forward(checked);
+    if (std::any_of(group.columns.begin(), group.columns.end(), IsCounter)) ++counters;
     numbers += static_cast<long long>(group.count) * Width(group);
     if (numbers > kMostNumbers) return Fail(ErrorCode::kConfig, "a frame of more than 100000 numbers", where);
     layout.groups.push_back(std::move(group));
   }
   if (layout.Joints() == 0) return Fail(ErrorCode::kConfig, "the layout has no joint", where, "as in 15*(x y z)");
+  if (counters > 1) {
+    return Fail(ErrorCode::kConfig, "the layout counts the frames in several columns", where,
+                "declare one of them as `frame` or a time, and the others as `skip`");
+  }
   return layout;
 }
 
 Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& layout, JointTableLayout table,
-                                   const std::string& name) {
+                                   const std::string& name, double rate_hz) {
   const int numbers = layout.NumbersPerFrame();
   if (table.rows_per_frame < 1 || numbers < 1 || numbers % table.rows_per_frame != 0) {
     return Fail(ErrorCode::kUsage,
@@ -291,12 +394,15 @@ Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& la
   if (Has(layout, JointColumn::kConfidence)) rows.confidence.resize(joints, 1.0);
   if (Has(layout, JointColumn::kRotation)) rows.rotation.resize(joints * 9);
   if (Has(layout, JointColumn::kRotationConfidence)) rows.rotation_confidence.resize(joints);
-  if (Has(layout, JointColumn::kFrame)) rows.frame_number.resize(frames);
+  if (layout.Counter() != JointColumn::kSkip) rows.counter.resize(frames);
   for (int f = 0; f < rows.frames; ++f) {
-    PlaceFrame(layout, &read->values[static_cast<std::size_t>(f) * static_cast<std::size_t>(numbers)], f, rows);
+    const double* values = &read->values[static_cast<std::size_t>(f) * static_cast<std::size_t>(numbers)];
+    if (PlaceFrame(layout, values, f, rows)) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "the rows of frame " + std::to_string(f) + " repeat different numbers or times of it", name,
+                "a row is lost or repeated: compare the file with its source, or correct rows_per_frame");
   }
-  KeepGaps(rows);
-  CheckFrameNumbers(rows, name);
+  if (Status laid = LayOut(layout, read->names, rate_hz, name, rows); !laid) return Forward(laid);
   return rows;
 }
 

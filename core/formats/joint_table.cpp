@@ -32,6 +32,20 @@ char OtherSeparator(std::string_view line) {
   return 0;
 }
 
+/// The cells of a line of a header, between commas, tabs or blanks.
+std::vector<std::string> HeaderNames(std::string_view line) {
+  if (!line.empty() && (line[0] == '#' || line[0] == '%')) line.remove_prefix(1);
+  const char separator = line.find(',') != std::string_view::npos ? ',' : '\t';
+  const bool blanks = line.find(separator) == std::string_view::npos;
+  std::vector<std::string> names;
+  for (std::string_view cell : blanks ? SplitBlanks(line) : SplitText(line, separator)) {
+    cell = Trim(cell);
+    if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+    names.emplace_back(cell);
+  }
+  return names;
+}
+
 /// Whether a number that is not finite is "nan", "-NaN", "nan(ind)": not "inf", nor digits beyond a double.
 bool IsNanWord(std::string_view text) {
   const std::size_t first = text.find_first_not_of("+-");
@@ -153,6 +167,7 @@ class JointTableParser {
       table_.findings.back().frame_end = 0;
       table_.findings.back().severity = Severity::kInfo;
       table_.findings.back().action = FindingAction::kExcluded;
+      table_.names = HeaderNames(text);
       return {};
     }
     if (table_.columns == 0) table_.columns = row.numbers;
@@ -294,6 +309,8 @@ class JointTableParser {
       table_.findings.back().severity = Severity::kError;
     }
     if (frames > std::numeric_limits<int>::max()) return Fail(ErrorCode::kUnsupported, "too many frames", name_);
+    if (!table_.names.empty() && table_.names.back().empty()) table_.names.pop_back();  // behind a last separator
+    if (static_cast<int>(table_.names.size()) != table_.columns) table_.names.clear();
     Report("not_a_number", not_finite_, " (if it means a missing joint, declare `missing: nan`)");
     Report("number_too_large", too_large_, "");
     table_.frames = static_cast<int>(frames);

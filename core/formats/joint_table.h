@@ -29,8 +29,9 @@ struct JointTable {
   int frames = 0;
   int rows_per_frame = 0;
   int columns = 0;
-  std::vector<double> values;  ///< NaN: not a finite number, or a damaged frame
-  int rows_left_over = 0;      ///< with DamagedRows::kReport: after the last complete frame
+  std::vector<double> values;      ///< NaN: not a finite number, or a damaged frame
+  std::vector<std::string> names;  ///< (columns) of the last line of a header; empty: none, or of other columns
+  int rows_left_over = 0;          ///< with DamagedRows::kReport: after the last complete frame
   std::vector<Finding>
       findings;  ///< with DamagedRows::kReport: "row_length", "not_a_number", "number_too_large", "cut_off"
 

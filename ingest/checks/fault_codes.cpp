@@ -14,6 +14,9 @@ std::string FaultCode(const Error& error, std::string_view format) {
   if (error.reason == Reason::kNoValidSamples) return "no_joint_seen";
   if (error.reason == Reason::kPersonMissing) return "people_missing";
   if (error.reason == Reason::kOtherTree) return "joints_contradiction";
+  if (error.reason == Reason::kOtherLayout) return "layout_contradiction";
+  if (error.reason == Reason::kOtherRate) return "rate_contradiction";
+  if (error.reason == Reason::kViewNumbering) return "view_numbering";
   const bool layout = format == "joint_table" || format == "npy";
   return error.code == ErrorCode::kInconsistent && layout ? "layout_contradiction" : "malformed";
 }

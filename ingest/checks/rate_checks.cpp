@@ -13,12 +13,8 @@ namespace {
 constexpr double kLeastLikely = 5.0, kMostLikely = 500.0;  // Hz
 constexpr double kSame = 0.005;                            // of a rate that was rounded
 
-/// Rates at which cameras and trackers run.
-bool IsUsual(double hz) {
-  constexpr std::array<double, 22> kUsual = {10, 12, 12.5, 15,  20,  24,  25,  30,  48,  50,  60,
-                                             75, 90, 100,  120, 144, 150, 200, 240, 250, 300, 500};
-  return std::any_of(kUsual.begin(), kUsual.end(), [&](double usual) { return std::abs(hz / usual - 1.0) < kSame; });
-}
+constexpr std::array<double, 22> kUsual = {10, 12, 12.5, 15,  20,  24,  25,  30,  48,  50,  60,
+                                           75, 90, 100,  120, 144, 150, 200, 240, 250, 300, 500};
 
 struct NamedRate {
   double hz;
@@ -28,6 +24,12 @@ struct NamedRate {
 std::string RateText(double value) { return RoundedText(value, 6); }
 
 }  // namespace
+
+std::optional<double> NearestUsualRate(double hz) {
+  const auto* usual =
+      std::find_if(kUsual.begin(), kUsual.end(), [&](double rate) { return std::abs(hz / rate - 1.0) < kSame; });
+  return usual == kUsual.end() ? std::nullopt : std::optional<double>(*usual);
+}
 
 std::optional<Finding> CheckStatedRate(double hz, RateUnit word, const std::string& place) {
   if (!(hz > 0.0) || (hz > kSlowestRecorded_hz && hz <= kFastestRecorded_hz)) return std::nullopt;
@@ -39,8 +41,9 @@ std::optional<Finding> CheckStatedRate(double hz, RateUnit word, const std::stri
        {1e6 / written, "microseconds per frame"},
        {seconds ? 1e-3 / written : 1e3 * written, seconds ? "seconds per 1000 frames" : "frames per millisecond"}}};
   const auto likely = [](const NamedRate& reading) { return reading.hz >= kLeastLikely && reading.hz <= kMostLikely; };
-  const auto* best = std::find_if(readings.begin(), readings.end(),
-                                  [&](const NamedRate& reading) { return likely(reading) && IsUsual(reading.hz); });
+  const auto* best = std::find_if(readings.begin(), readings.end(), [&](const NamedRate& reading) {
+    return likely(reading) && NearestUsualRate(reading.hz);
+  });
   if (best == readings.end()) best = std::find_if(readings.begin(), readings.end(), likely);
   Finding finding = MakeFinding("rate_implausible", Severity::kError, hz, "");
   finding.message = place + ": " + (seconds ? "Frame Time: " : "") + RateText(written) +

@@ -5,6 +5,7 @@
 #include "core/base/text.h"
 #include "core/formats/joint_layout.h"
 #include "core/quality/tracked_points.h"
+#include "ingest/checks/rate_checks.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/table_rows.h"
@@ -13,11 +14,12 @@ namespace mocurate {
 namespace {
 
 void CheckColumns(const SourceOptions& s, ProblemList& problems) {
-  const std::vector<std::string> known = {"x", "y", "z", "confidence", "skip"};
+  const std::vector<std::string> known = {"x",      "y",       "z",       "confidence", "skip",   "frame",
+                                          "time_s", "time_ms", "time_us", "time_100ns", "time_ns"};
   for (const std::string& column : s.columns) {
     if (std::find(known.begin(), known.end(), column) != known.end()) continue;
     problems.Add("ingest.source.columns", "unknown column '" + column + "'",
-                 "columns are x, y, z, confidence and skip");
+                 "columns are x, y, z, confidence, skip, frame, time_s, time_ms, time_us, time_100ns and time_ns");
   }
   for (const char* needed : {"x", "y", "z"}) {
     if (std::count(s.columns.begin(), s.columns.end(), needed) == 1) continue;
@@ -127,7 +129,34 @@ std::vector<std::string> TakeNamed(const std::vector<std::string>& joints, Joint
   return names;
 }
 
-/// Rows of numbers -> evidence tracks in metres and canonical axes. A left-handed source is mirrored by its axes only.
+/// The declared rate, or that of the times. Error kInconsistent where they differ, or where neither is there.
+Expected<FrameRate> RateOfRows(const SourceFile& file, const JointRows& rows, IngestedClip& ingested) {
+  constexpr double kSame = 0.01, kOfAStep = 0.2;  // relative; of one step more or less among those of the file
+  const std::optional<double>& declared = file.source.rate_hz;
+  if (rows.hz == 0.0) {
+    if (declared) return FrameRate::FromHz(*declared);
+    return Fail(ErrorCode::kInconsistent, "a table of one time has no rate", file.name, "declare ingest.source.rate");
+  }
+  const double hz = NearestUsualRate(rows.hz).value_or(rows.hz);
+  if (!declared) {
+    return RateOfFile(file.source, hz, ingested,
+                      CheckStatedRate(hz, RateUnit::kFramesPerSecond, file.name + ": column of times"));
+  }
+  const double slack = kSame + kOfAStep / std::max(1, rows.frames - 1);
+  if (std::abs(rows.hz / *declared - 1.0) <= slack) return FrameRate::FromHz(*declared);
+  Error error{ErrorCode::kInconsistent,
+              "the times of the rows are of " + RoundedText(rows.hz, 5) + " Hz, the source declares " +
+                  RoundedText(*declared, 5) + " Hz",
+              file.name,
+              "correct ingest.source.rate, or remove it to take that of the times; where these are wrong, correct "
+              "their unit in ingest.source.layout, or declare their column as `skip`"};
+  error.reason = Reason::kOtherRate;
+  error.number = rows.hz;
+  return tl::unexpected<Error>(std::move(error));
+}
+
+/// Rows of numbers -> evidence tracks in metres and canonical axes. Times lay the frames out (core/formats). A
+/// left-handed source is mirrored by its axes only.
 Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
@@ -137,7 +166,9 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
 
   IngestedClip ingested;
   ingested.findings = std::move(rows->findings);
-  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
+  const Expected<FrameRate> rate = RateOfRows(file, *rows, ingested);
+  if (!rate) return Forward(rate);
+  ingested.clip.rate = *rate;
   JointTracks tracks;
   tracks.names = TakeNamed(source.joints, *rows);
   tracks.positions = JointPositions(rows->frames, rows->joints);
@@ -190,18 +221,15 @@ Expected<JointLayout> TableLayout(const SourceOptions& s) {
   ProblemList problems;
   CheckColumns(s, problems);
   if (Status known = problems.Result(); !known) return Forward(known);
-  JointGroup group;
-  group.count = static_cast<int>(s.joints.size());
-  for (const std::string& column : s.columns) {
-    group.columns.push_back(column == "x"            ? JointColumn::kX
-                            : column == "y"          ? JointColumn::kY
-                            : column == "z"          ? JointColumn::kZ
-                            : column == "confidence" ? JointColumn::kConfidence
-                                                     : JointColumn::kSkip);
-  }
-  JointLayout layout;
-  layout.groups.push_back(std::move(group));
-  return layout;
+  std::string words;
+  for (const std::string& column : s.columns) words += " " + column;
+  return ParseJointLayout(std::to_string(s.joints.size()) + "*(" + words + ")", "ingest.source.columns");
+}
+
+bool HasTimes(const SourceOptions& s) {
+  const bool table = s.format == "joint_table" && !(s.layout.empty() && s.joints.empty());
+  const Expected<JointLayout> layout = table ? TableLayout(s) : JointLayout();
+  return layout && layout->has_time();
 }
 
 const FormatDriver& JointTableFormat() {

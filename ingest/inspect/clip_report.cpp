@@ -14,6 +14,7 @@ namespace {
 constexpr double kManyMissing = 0.2;   // share of missing samples worth a warning
 constexpr double kRateReported = 0.6;  // least confidence of a measured rate that is reported as a value
 constexpr double kSetSure = 0.5;       // files of a set may have been thinned out
+constexpr double kClockSure = 0.9;     // of a column that steps as a clock does
 
 /// A declared text, with what was measured beside it; without one the measured one.
 Reported<std::string> DeclaredText(const std::string& text, const std::string& who, const Measured& measured) {
@@ -45,7 +46,8 @@ Reported<double> ReportedRate(const RawClip& clip, const std::optional<SourceOpt
   if (source && source->rate_hz) {
     rate = Report(source->rate_hz, Provenance::kDeclared, 1.0, "declared by the source '" + source->name + "'");
   } else if (clip.rate_hz) {
-    rate = Report(clip.rate_hz, Provenance::kDeclared, 1.0, clip.rate_evidence);
+    rate = Report(clip.rate_hz, clip.rate_measured ? Provenance::kMeasured : Provenance::kDeclared,
+                  clip.rate_measured ? kClockSure : 1.0, clip.rate_evidence);
   } else if (clip.set_rate_hz > 0.0 && measure.Allows(clip.set_rate_hz)) {
     rate = Report<double>(clip.set_rate_hz, Provenance::kDeclared, kSetSure,
                           JoinedText(clip.set_evidence, "the file holds no times"));

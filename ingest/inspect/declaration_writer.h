@@ -41,6 +41,11 @@ class DeclarationWriter {
     }
     Line(line);
   }
+  /// What was measured. `open`: how to fill in the part of it that is not known, FILL_IN; empty: all is known.
+  void Measured(const std::string& key, const std::string& value, const std::string& how, const std::string& open) {
+    if (!open.empty()) out_.unknown.push_back(key);
+    Value(key, value, "measured: " + how + (open.empty() ? "" : "; " + std::string(kFillIn) + " is " + open));
+  }
   /// What must be declared and is not known.
   void Unknown(const std::string& key, const std::string& why) {
     out_.unknown.push_back(key);

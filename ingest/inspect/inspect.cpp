@@ -35,7 +35,7 @@ constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
 
 /// A fault that several files meet, as motions do their skeleton's, is reported once.
 void AddError(const Error& error, const std::string& file, const std::string& code, std::vector<Finding>& findings) {
-  Finding finding = FindingAt(error.where.empty() ? file : error.where, code, Severity::kError, 0.0,
+  Finding finding = FindingAt(error.where.empty() ? file : error.where, code, Severity::kError, error.number,
                               error.what + (error.hint.empty() ? "" : " (" + error.hint + ")"));
   if (std::find(findings.begin(), findings.end(), finding) == findings.end()) findings.push_back(std::move(finding));
 }
@@ -381,9 +381,7 @@ void Inspector::Refuse(const FolderFile& file, FileKind kind, const Error& error
     if (code != ErrorCode::kUnsupported) reasons_[error.what].push_back(file.name);
     return;
   }
-  const std::size_t before = findings().size();
   AddError(error, file.name, CodeOf(error, kind), findings());
-  if (error.reason == Reason::kCount && findings().size() > before) findings().back().value = error.number;
 }
 
 /// What stands beside clips does not make them mixed.

@@ -34,6 +34,7 @@ struct RawClip {
   std::optional<double> rate_hz;        ///< where the file says it
   std::optional<Finding> rate_finding;  ///< why that is none, where no source declares one
   std::string rate_evidence;            ///< where it says it, or what is known besides the file
+  bool rate_measured = false;           ///< by a column that only its values show to be a clock
   std::vector<double> frame_numbers;    ///< (frames) where the file counts its frames, rising; empty: one after another
   double set_rate_hz = 0.0;             ///< where only the set that the file is of tells it
   std::string set_evidence;

@@ -41,8 +41,7 @@ Expected<RawClip> BestLayout(const JointTable& rows, const std::string& name) {
                 "the tracker lost the person: leave the file out", Reason::kNoValidSamples);
   }
   const std::optional<RowLayout> counted = CountedLayout(rows);
-  const std::vector<RowLayout> layouts =
-      counted ? std::vector<RowLayout>{*counted} : PossibleLayouts(rows.frames, rows.columns);
+  const std::vector<RowLayout> layouts = counted ? std::vector<RowLayout>{*counted} : PossibleLayouts(rows);
   if (std::optional<RawClip> known = KnownLayout(rows, layouts)) return std::move(*known);
   const bool joint_a_row = rows.columns == 3 || rows.columns == 4;
   if (std::optional<RawClip> cut = joint_a_row ? TruncatedLayout(rows) : std::nullopt) return std::move(*cut);

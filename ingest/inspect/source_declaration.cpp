@@ -75,6 +75,27 @@ std::optional<double> UsualRate(double measured) {
   return std::nullopt;
 }
 
+/// The most frequent text of a fact, of those that leave nothing to fill in where there are any, and a clip with it.
+std::pair<std::string, const InspectedClip*> UsualFact(const ClipConsensus& source, const char* key) {
+  std::map<std::string, std::size_t> counts;
+  std::pair<std::string, const InspectedClip*> usual{"", nullptr};
+  const auto open = [](const std::string& text) { return text.find(kFillIn) != std::string::npos; };
+  for (const InspectedClip* clip : source.clips()) {
+    const std::string text = clip->Fact(key);
+    if (text.empty()) continue;
+    const std::size_t count = ++counts[text];
+    const bool better = open(text) == open(usual.first) ? count > counts[usual.first] : !open(text);
+    if (usual.second == nullptr || better) usual = {text, clip};
+  }
+  return usual;
+}
+
+/// Whether the tables of a source have a column of times.
+bool HasClock(const ClipConsensus& source) {
+  return UsualFact(source, "layout").first.find("time_") != std::string::npos ||
+         UsualFact(source, "columns").first.find("time_") != std::string::npos;
+}
+
 void WriteRate(const ClipConsensus& source, const std::string& format, DeclarationWriter& writer) {
   const Vote<double> rate = source.Ask(&InspectedClip::rate_hz);
   if (!rate.value) {
@@ -84,6 +105,7 @@ void WriteRate(const ClipConsensus& source, const std::string& format, Declarati
   const std::string hz = FormatDouble(*rate.value) + " Hz";
   if (rate.from == Provenance::kMeasured) {
     const std::optional<double> usual = UsualRate(*rate.value);
+    if (!usual && HasClock(source)) return writer.Comment("rate: by the times of each file, " + rate.comment);
     if (!usual) return writer.Unknown("rate", rate.comment);  // near, but no rate to divide times by
     return writer.Value("rate", FormatDouble(*usual) + " Hz",
                         "the usual rate that is nearest; " + rate.comment + ", " + hz);
@@ -169,17 +191,17 @@ void WriteFittedSkeleton(const ClipConsensus& source, const std::string& format,
 }
 
 void WriteTable(const ClipConsensus& source, DeclarationWriter& writer) {
-  const auto fact = [&](const char* key) {
-    for (const std::string& text : source.Facts(key)) {
-      if (!text.empty()) return text;
-    }
-    return std::string();
-  };
-  const std::string how = source.ClearestSkeleton().frames.evidence;
-  if (const std::string layout = fact("layout"); !layout.empty()) {
-    writer.Value("layout", Quoted(layout), "measured: " + how);
-  } else {
-    writer.Value("columns", "[" + fact("columns") + "]", "measured: " + how);
+  const auto fact = [&](const char* key) { return UsualFact(source, key).first; };
+  for (const char* option : {"layout", "columns"}) {
+    const auto [text, clip] = UsualFact(source, option);
+    if (clip == nullptr) continue;
+    const bool layout = option == std::string("layout");
+    writer.Measured(option, layout ? Quoted(text) : "[" + text + "]", clip->frames.evidence,
+                    text.find(kFillIn) != std::string::npos
+                        ? "`frame` where the column counts frames, or its unit where it is a clock: "
+                          "time_s, time_ms, time_us, time_100ns, time_ns; the findings have its steps"
+                        : "");
+    break;
   }
   const auto unsure = std::find_if(source.clips().begin(), source.clips().end(),
                                    [](const InspectedClip* clip) { return !clip->missing_share.value; });

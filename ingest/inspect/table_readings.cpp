@@ -6,6 +6,8 @@
 
 #include "core/base/median.h"
 #include "core/base/text.h"
+#include "core/formats/row_counter.h"
+#include "ingest/checks/rate_checks.h"
 
 namespace mocurate {
 namespace {
@@ -41,22 +43,22 @@ bool HasConfidences(const JointTable& rows, const RowLayout& layout) {
   return true;
 }
 
-/// How a source would declare the layout.
-void AddLayoutFacts(const RowLayout& layout, bool confidences, RawClip& clip) {
+/// How a source would declare the layout; `leading`: words of the columns before the joints.
+void AddLayoutFacts(const RowLayout& layout, const std::vector<std::string>& leading, bool confidences, RawClip& clip) {
   if (!layout.x_columns.empty()) {
     clip.facts.emplace_back("layout", kCad60);
     return;
   }
   const std::string fourth = layout.columns_per_joint != 4 ? "" : confidences ? "confidence" : "skip";
-  if (layout.rows_per_frame > 1) {
-    std::string columns;
-    for (int c = 0; c < layout.first_column; ++c) columns += "skip, ";
-    clip.facts.emplace_back("columns", columns + "x, y, z" + (fourth.empty() ? "" : ", " + fourth));
+  const bool joint_a_row = layout.rows_per_frame > 1;
+  std::string before;
+  for (const std::string& word : leading) before += word + (joint_a_row ? ", " : " ");
+  if (joint_a_row) {
+    clip.facts.emplace_back("columns", before + "x, y, z" + (fourth.empty() ? "" : ", " + fourth));
     return;
   }
-  clip.facts.emplace_back("layout", std::string(layout.first_column > 0 ? "frame " : "") +
-                                        std::to_string(layout.joints) + "*(x y z" +
-                                        (fourth.empty() ? "" : " " + fourth) + ")");
+  clip.facts.emplace_back(
+      "layout", before + std::to_string(layout.joints) + "*(x y z" + (fourth.empty() ? "" : " " + fourth) + ")");
 }
 
 /// Joints whose confidence is 0 are missing in CAD-60's layout; of other tables nothing says that the fourth number is
@@ -90,21 +92,81 @@ void CountMissing(const JointTable& rows, const RowLayout& layout, bool confiden
                           "declare; a source does (`columns`, `least_confidence`)";
 }
 
-/// The leading numbers, where they count the frames: whole, rising, mostly by one (by more, they are times).
-std::vector<double> FrameNumbers(const JointTable& rows, const RowLayout& layout) {
-  const bool leads = layout.rows_per_frame == 1 && (layout.first_column == 1 || !layout.x_columns.empty());
-  if (!leads) return {};
-  std::vector<double> numbers;
-  int by_one = 0;
-  for (int f = 0; f < rows.frames; ++f) {
-    const double number = rows.at(f, 0, 0);
-    if (!std::isfinite(number) || number != std::floor(number)) return {};
-    if (f > 0 && number <= numbers.back()) return {};
-    if (f > 0 && number == numbers.back() + 1.0) ++by_one;
-    numbers.push_back(number);
+/// A column before the joints.
+struct LeadingColumn {
+  std::vector<double> values;  ///< (frames)
+  CounterEstimate estimate;
+  std::string header;
+};
+
+std::vector<LeadingColumn> LeadingColumns(const JointTable& rows, const RowLayout& layout) {
+  std::vector<LeadingColumn> columns(static_cast<std::size_t>(layout.x_columns.empty() ? layout.first_column : 1));
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    for (int row = 0; row < rows.frames; row += layout.rows_per_frame)
+      columns[c].values.push_back(rows.at(row, 0, static_cast<int>(c)));
+    if (c < rows.names.size()) columns[c].header = rows.names[c];
+    columns[c].estimate = EstimateCounter(columns[c].values, CounterNameOf(columns[c].header));
   }
-  if (2 * by_one < rows.frames - 1) return {};
+  return columns;
+}
+
+/// The column that lays out the frames: a clock, else numbers of frames, else one that may be either; null: none.
+const LeadingColumn* CounterOf(const std::vector<LeadingColumn>& columns) {
+  for (const Counter counter : {Counter::kTime, Counter::kFrames, Counter::kAmbiguous}) {
+    for (const LeadingColumn& column : columns) {
+      if (column.estimate.counter == counter) return &column;
+    }
+  }
+  return nullptr;
+}
+
+/// The numbers of the frames, or their places by the clock; empty where there are none.
+std::vector<double> FrameNumbersOf(const LeadingColumn& column) {
+  const std::vector<double>& values = column.values;
+  if (column.estimate.counter == Counter::kFrames) {
+    const auto falls = std::adjacent_find(values.begin(), values.end(), [](double a, double b) { return !(b > a); });
+    return falls == values.end() && !std::isnan(values[0]) ? values : std::vector<double>();
+  }
+  const Expected<RowPlaces> places = PlacesByClock(values, "");
+  if (!places) return {};
+  std::vector<double> numbers;
+  for (const int place : places->place) numbers.push_back(place >= 0 ? place : numbers.back());
   return numbers;
+}
+
+/// What the leading columns say of frames and rate. Returns their words in a layout.
+std::vector<std::string> FollowCounter(const JointTable& rows, const RowLayout& layout, RawClip& clip) {
+  const std::vector<LeadingColumn> columns = LeadingColumns(rows, layout);
+  const LeadingColumn* counter = CounterOf(columns);
+  std::vector<std::string> words(columns.size(), "skip");
+  const bool known = !layout.x_columns.empty();  // the first column counts frames
+  if (counter == nullptr || (known && counter->estimate.counter != Counter::kFrames)) return words;
+  const CounterEstimate& estimate = counter->estimate;
+  std::string& word = words[static_cast<std::size_t>(counter - columns.data())];
+  const std::string called =
+      counter->header.empty() ? "the first column" : "the column '" + counter->header + "' of the header";
+  if (estimate.counter == Counter::kAmbiguous) {
+    word = kFillIn;
+    clip.remarks.push_back(MakeFinding("layout_ambiguous", Severity::kWarning, estimate.step,
+                                       called + " may count frames or be a clock (" + estimate.words + "; usual step " +
+                                           FormatDouble(estimate.step) +
+                                           "): declare it as `frame`, or as a time in its unit (time_s, time_ms, "
+                                           "time_us, time_100ns, time_ns)"));
+    return words;
+  }
+  clip.frame_numbers = FrameNumbersOf(*counter);
+  if (estimate.counter == Counter::kFrames) {
+    word = "frame";
+    return words;
+  }
+  const ClockUnit& unit = estimate.units[0];
+  word = std::string("time_") + unit.name;
+  const double hz = 1.0 / (estimate.step * unit.seconds);
+  clip.rate_hz = NearestUsualRate(hz).value_or(std::round(1000.0 * hz) / 1000.0);
+  clip.rate_evidence = called + " is a clock: " + estimate.words;
+  clip.rate_finding = CheckStatedRate(*clip.rate_hz, RateUnit::kFramesPerSecond, called);
+  clip.rate_measured = counter->header.empty();
+  return words;
 }
 
 /// Frames that the numbers skip.
@@ -162,6 +224,17 @@ bool CountsJoints(const JointTable& rows, int joints) {
   return true;
 }
 
+/// Columns up to the last of the first ones that a header names as frames or times; 0: none.
+int NamedLeading(const std::vector<std::string>& names) {
+  constexpr std::size_t kFirst = 4;
+  int leading = 0;
+  for (std::size_t c = 0; c < std::min(kFirst, names.size()); ++c) {
+    const CounterName name = CounterNameOf(names[c]);
+    if (name.time || name.frame) leading = static_cast<int>(c) + 1;
+  }
+  return leading;
+}
+
 bool IsKnownCount(int joints) {
   const std::vector<JointOrder>& orders = KnownJointOrders();
   return std::any_of(orders.begin(), orders.end(),
@@ -191,11 +264,11 @@ RawClip ReadRows(const JointTable& rows, const RowLayout& layout) {
       clip.confidence[at] = 1.0;
     }
   }
-  clip.frame_numbers = FrameNumbers(rows, layout);
+  const std::vector<std::string> leading = FollowCounter(rows, layout, clip);
   ReportGaps(clip);
-  clip.layout_evidence = layout.words;
+  clip.layout_evidence = layout.words + (clip.rate_hz ? "; " + clip.rate_evidence : "");
   const bool confidences = HasConfidences(rows, layout);
-  AddLayoutFacts(layout, confidences, clip);
+  AddLayoutFacts(layout, leading, confidences, clip);
   CountMissing(rows, layout, confidences, clip);
   return clip;
 }
@@ -205,16 +278,19 @@ std::string RowWords(int rows, int joints, int columns) {
          " frames of " + std::to_string(joints) + " joints, one a row";
 }
 
-std::vector<RowLayout> PossibleLayouts(int rows, int columns) {
+std::vector<RowLayout> PossibleLayouts(const JointTable& rows) {
+  const int columns = rows.columns;
   std::vector<RowLayout> layouts;
   if (columns == 171) layouts.push_back(Cad60RowLayout());
   if (columns == 3 || columns == 4) {
     for (int joints = kFewestTableJoints; joints <= kMostTableJoints; ++joints) {
-      if (rows % joints == 0) layouts.push_back({joints, joints, 0, columns, {}, RowWords(rows, joints, columns)});
+      if (rows.frames % joints == 0)
+        layouts.push_back({joints, joints, 0, columns, {}, RowWords(rows.frames, joints, columns)});
     }
     return layouts;
   }
-  for (const int leading : {0, 1}) {
+  const int named = NamedLeading(rows.names);
+  for (const int leading : named > 0 ? std::vector<int>{named} : std::vector<int>{0, 1}) {
     for (const int per_joint : {3, 4}) {
       const int rest = columns - leading;
       const int joints = rest / per_joint;
@@ -226,7 +302,9 @@ std::vector<RowLayout> PossibleLayouts(int rows, int columns) {
                          {},
                          "rows of " + std::to_string(columns) + " numbers: one frame of " + std::to_string(joints) +
                              " joints with " + std::to_string(per_joint) + " each" +
-                             (leading > 0 ? " after one leading number" : "")});
+                             (leading == 0   ? ""
+                              : leading == 1 ? " after one leading number"
+                                             : " after " + std::to_string(leading) + " leading numbers")});
     }
   }
   return layouts;

@@ -27,8 +27,8 @@ RawClip ReadRows(const JointTable& rows, const RowLayout& layout);
 /// "1290 rows of 3 numbers = 86 frames of 15 joints, one a row".
 std::string RowWords(int rows, int joints, int columns);
 
-/// Every way to read the table that its counts allow.
-std::vector<RowLayout> PossibleLayouts(int rows, int columns);
+/// Every way to read the table that its counts allow, and the header where it names a column of frames or times.
+std::vector<RowLayout> PossibleLayouts(const JointTable& rows);
 
 /// Rows of one joint each behind numbers that count the frames, or frames and joints; nothing of other tables.
 std::optional<RowLayout> CountedLayout(const JointTable& rows);

@@ -60,7 +60,7 @@ Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view 
   table.allow_nan = source.missing == MissingValue::kNan;
   table.damaged_rows = source.damaged_rows;
   table.end_word = source.end_word;
-  Expected<JointRows> rows = ParseJointRows(bytes, *layout, table, name);
+  Expected<JointRows> rows = ParseJointRows(bytes, *layout, table, name, source.rate_hz.value_or(0.0));
   if (!rows || rows->rows_left_over == 0) return rows;
   // A file that is cut off is a body up to its end; after a lost or repeated row, joints get wrong names.
   if (EndsAsBody(*rows, source)) return rows;

@@ -38,7 +38,8 @@ TEST(JointLayout, AssignsAMeaningToEachNumber) {
 TEST(JointLayout, RejectsInvalidDeclarations) {
   for (const char* text :
        {"15*(x y zz)", "15*(x y)", "15*(x y z", "15(x y z)", "15*(x y z x)", "frame", "", "confidence 2*(x y z)",
-        "3*(frame) 2*(x y z)", "0*(x y z)", "99999*(x y z)", "2*() 1*(x y z)", "2*(x y z confidenc)"}) {
+        "3*(frame) 2*(x y z)", "frame time_ms 2*(x y z)", "2*(time_s) 2*(x y z)", "time 2*(x y z)", "0*(x y z)",
+        "99999*(x y z)", "2*() 1*(x y z)", "2*(x y z confidenc)"}) {
     ExpectError(ParseJointLayout(text, "layout"), ErrorCode::kConfig, "layout");
   }
 }
@@ -56,7 +57,7 @@ TEST(JointRows, AssignNumbersByTheDeclaration) {
       "a.txt");
   ASSERT_TRUE(rows) << rows.error().Message();
   EXPECT_EQ(rows->frames, 2);
-  EXPECT_THAT(rows->frame_number, ElementsAre(7, 8));
+  EXPECT_THAT(rows->counter, ElementsAre(7, 8));
   EXPECT_THAT(rows->position, ElementsAre(10, 20, 30, 40, 50, 60, 11, 21, 31, 41, 51, 61));
   EXPECT_THAT(rows->confidence, ElementsAre(1, 0, 1, 1));
   EXPECT_THAT(rows->rotation_confidence, ElementsAre(0.5, 0, 0, 0));
@@ -138,6 +139,67 @@ TEST(JointRows, KeepAndReportFrameNumbersThatDoNotIncrease) {
   }
 }
 
+TEST(JointRows, LayFramesOutByTheirTimes) {
+  const std::pair<const char*, double> units[] = {
+      {"time_s", 1.0}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_100ns", 1e-7}, {"time_ns", 1e-9}};
+  for (const auto& [word, seconds] : units) {
+    std::string text;
+    for (const int frame : {0, 1, 2, 3, 6, 7, 8, 9}) {
+      text += FormatDouble(1e3 + frame / 30.0 / seconds) + ",1,2," + std::to_string(frame) + "\n";
+    }
+    const auto rows = ParseJointRows(text, Layout(std::string(word) + " 1*(x y z)"), LayoutRows(1), "a");
+    ASSERT_TRUE(rows) << rows.error().Message();
+    EXPECT_NEAR(rows->hz, 30.0, 0.01) << word;
+    ASSERT_EQ(rows->frames, 10) << word;
+    ASSERT_EQ(rows->findings.size(), 1u);
+    EXPECT_EQ(rows->findings[0].code, "time_gap");
+    EXPECT_EQ(rows->findings[0].frame_begin, 4);
+    EXPECT_EQ(rows->findings[0].value, 2);
+    EXPECT_TRUE(std::isnan(rows->position[4 * 3]));
+    EXPECT_EQ(rows->position[6 * 3 + 2], 6.0);
+  }
+}
+
+TEST(JointRows, RefuseTimesThatFallAndPassOverThoseThatStandStill) {
+  const JointLayout layout = Layout("time_ms 1*(x y z)");
+  ExpectError(ParseJointRows("0,1,2,3\n33,1,2,3\n10,1,2,3\n", layout, LayoutRows(1), "a"), ErrorCode::kInconsistent,
+              "a");
+  const auto still = ParseJointRows("0,1,2,3\n33,1,2,4\n33,1,2,5\n67,1,2,6\n", layout, LayoutRows(1), "a");
+  ASSERT_TRUE(still);
+  EXPECT_EQ(still->frames, 3);
+  EXPECT_EQ(still->position[8], 6.0);
+  ASSERT_EQ(still->findings.size(), 1u);
+  EXPECT_EQ(still->findings[0].code, "frame_number");
+  EXPECT_EQ(still->findings[0].value, 1.0);
+  EXPECT_EQ(still->findings[0].action, FindingAction::kDropped);
+}
+
+TEST(JointRows, RefuseAClockThatIsDeclaredToCountFrames) {
+  const JointLayout layout = Layout("frame 1*(x y z)");
+  const auto parse = [&](const std::string& text, double rate_hz) {
+    return ParseJointRows(text, layout, LayoutRows(1, DamagedRows::kReport), "a", rate_hz);
+  };
+  const std::string varies = "0,1,2,3\n33,1,2,3\n67,1,2,3\n100,1,2,3\n133,1,2,3\n167,1,2,3\n200,1,2,3\n";
+  const std::string equal = "0,1,2,3\n33,1,2,3\n66,1,2,3\n99,1,2,3\n132,1,2,3\n165,1,2,3\n";
+  ExpectError(parse(varies, 0.0), ErrorCode::kInconsistent, "a");
+  ExpectError(parse(equal, 30.0), ErrorCode::kInconsistent, "a");
+  ExpectError(parse("timestamp,x,y,z\n" + equal, 0.0), ErrorCode::kInconsistent, "a");
+  EXPECT_EQ(parse("frame,x,y,z\n1,1,2,3\n6,1,2,3\n11,1,2,3\n", 30.0)->frames, 11) << "every fifth frame";
+  ExpectError(
+      ParseJointRows("time_us,x,y,z\n" + equal, Layout("time_ms 1*(x y z)"), LayoutRows(1, DamagedRows::kReport), "a"),
+      ErrorCode::kInconsistent, "a");
+}
+
+TEST(JointRows, ReadANumberThatEachJointRepeats) {
+  const JointLayout layout = Layout("2*(frame skip x y z)");
+  const auto rows = ParseJointRows("4,0,1,2,3\n4,1,1,2,4\n6,0,1,2,5\n6,1,1,2,6\n", layout, LayoutRows(2), "a");
+  ASSERT_TRUE(rows) << rows.error().Message();
+  EXPECT_EQ(rows->frames, 3);
+  EXPECT_EQ(rows->position[2 * 6 + 2], 5.0);
+  ExpectError(ParseJointRows("4,0,1,2,3\n5,0,1,2,5\n5,1,1,2,6\n6,0,1,2,6\n", layout, LayoutRows(2), "a"),
+              ErrorCode::kInconsistent, "a");
+}
+
 TEST(JointRows, ReportTheLineOfEveryDamagedField) {
   ExpectEveryDamagedWordIsNamed(
       "1,1,2,3\n2,4,5,6\n",
@@ -189,7 +251,7 @@ TEST(KinectSets, ReadWholeBodyRotationsOfCad60) {
   if (folder.empty()) GTEST_SKIP() << "CAD-60 data not found";
   for (const auto& path : FilesEndingIn(folder, ".txt")) {
     const JointRows rows = ParseJointRows(Bytes(path), Layout(kCad60), LayoutRows(1), path.string()).value();
-    EXPECT_EQ(rows.frame_number[0], 1.0);
+    EXPECT_EQ(rows.counter[0], 1.0);
     for (const double confidence : rows.confidence) EXPECT_TRUE(confidence == 0 || confidence == 1);
     for (std::size_t i = 0; i < rows.rotation_confidence.size(); ++i) {
       if (rows.rotation_confidence[i] == 0) continue;
