@@ -27,12 +27,12 @@ struct Amc {
   std::vector<AmcBone> bones;  ///< root first where it has one
   int channel_count = 0;
   int frames = 0;
-  std::vector<int> frame_numbers;     ///< (frames) as written: not always 1, 2, 3
+  std::vector<int> frame_numbers;     ///< (frames) as written: not always 1, 2, 3; of a frame that is skipped too
   std::vector<double> values;         ///< (frames, channel_count); 0 where the bone is missing in that frame
   std::vector<std::uint8_t> present;  ///< (frames, bones)
-  std::vector<int> damaged;           ///< with kReport, rising: frames with a row that is damaged or missing, no pose
-  std::vector<Finding> findings;      ///< "frame_number", "bone_missing"; with kReport "row_length", "cut_off",
-                                      ///< "number_too_large", "bone_unknown", "bone_twice"
+  std::vector<int> damaged;           ///< rising: frames without a pose, skipped or, with kReport, damaged
+  std::vector<Finding> findings;      ///< "frame_number", "time_gap", "bone_missing"; with kReport "row_length",
+                                      ///< "cut_off", "number_too_large", "bone_unknown", "bone_twice"
 
   double value(int frame, int channel) const {
     return values[static_cast<std::size_t>(frame) * static_cast<std::size_t>(channel_count) +
@@ -54,8 +54,9 @@ struct AmcOptions {
 /// unknown name is an error. Error kMalformed "name:line" names frame and bone. Faults: an unknown keyword or bone; a
 /// bone twice in a frame; a row whose length is not the dof; a number that is not finite; a frame number that is not
 /// whole; a frame without a bone that most frames have; a last frame without the last bone of the frame before it (cut
-/// off). With kReport a damaged frame keeps its place, is listed in `damaged` and reported. A last frame that is cut
-/// off is dropped, with one finding. A bone that is missing in most frames is reported once.
+/// off). Numbers that are skipped leave damaged frames (LeaveAmcGaps). With kReport a damaged frame keeps its place, is
+/// listed in `damaged` and reported. A last frame that is cut off is dropped, with one finding. A bone that is missing
+/// in most frames is reported once.
 Expected<Amc> ParseAmc(std::string_view bytes, const AmcOptions& options, const std::string& name);
 
 std::string WriteAmc(const Amc& amc);

@@ -1,7 +1,10 @@
 #include "core/formats/amc_missing.h"
 
+#include <algorithm>
+
 #include "core/base/text.h"
 #include "core/formats/line_reader.h"
+#include "core/formats/row_counter.h"
 
 namespace mocurate {
 namespace {
@@ -66,6 +69,68 @@ Status CheckMissingBones(const std::vector<int>& frame_lines, bool reports, cons
   amc.damaged.clear();
   for (std::size_t f = 0; f < frames; ++f) {
     if (damaged[f] != 0) amc.damaged.push_back(static_cast<int>(f));
+  }
+  return {};
+}
+
+Status LeaveAmcGaps(const std::string& name, Amc& amc) {
+  const std::vector<int> numbers = amc.frame_numbers;
+  int least = 0;
+  for (std::size_t f = 1; f < numbers.size(); ++f) {
+    const int step = numbers[f] - numbers[f - 1];
+    if (step < 1) return {};
+    least = least == 0 ? step : std::min(least, step);
+  }
+  if (least == 0) return {};
+  const Expected<RowPlaces> places = PlacesByNumber({numbers.begin(), numbers.end()}, least, name);
+  if (!places) return Forward(places);
+  if (places->place.empty() || places->every_row()) return {};
+  const auto frames = static_cast<std::size_t>(places->frames()), rows = numbers.size();
+  const auto channels = static_cast<std::size_t>(amc.channel_count), bones = amc.bones.size();
+  const auto at = [&](std::size_t row) { return static_cast<std::size_t>(places->place[row]); };
+  std::vector<double> values(frames * channels, 0.0);
+  std::vector<std::uint8_t> present(frames * bones, 0), missing(frames, 1);
+  amc.frame_numbers.resize(frames);
+  for (std::size_t f = 0; f < frames; ++f) amc.frame_numbers[f] = numbers[0] + static_cast<int>(f) * least;
+  for (std::size_t row = 0; row < rows; ++row) {
+    missing[at(row)] = 0;
+    std::copy_n(amc.values.begin() + static_cast<std::ptrdiff_t>(row * channels), channels,
+                values.begin() + static_cast<std::ptrdiff_t>(at(row) * channels));
+    std::copy_n(amc.present.begin() + static_cast<std::ptrdiff_t>(row * bones), bones,
+                present.begin() + static_cast<std::ptrdiff_t>(at(row) * bones));
+  }
+  for (const int row : amc.damaged) missing[at(static_cast<std::size_t>(row))] = 1;
+  const auto is_gap = [&](const Finding& finding) {
+    const auto row = static_cast<std::size_t>(finding.frame_begin);
+    return finding.code == "frame_number" && row > 0 && row < rows && at(row) > at(row - 1) + 1;
+  };
+  amc.findings.erase(std::remove_if(amc.findings.begin(), amc.findings.end(), is_gap), amc.findings.end());
+  const auto placed = [&](int row) {
+    return row < static_cast<int>(rows) ? places->place[static_cast<std::size_t>(row)] : places->frames();
+  };
+  for (Finding& finding : amc.findings) {
+    const bool any = finding.frame_end > finding.frame_begin;
+    finding.frame_begin = placed(finding.frame_begin);
+    finding.frame_end = any ? placed(finding.frame_end - 1) + 1 : finding.frame_begin;
+  }
+  for (std::size_t row = 1; row < rows && amc.findings.size() < kMostAmcFindings; ++row) {
+    const auto skipped = static_cast<long long>(at(row) - at(row - 1)) - 1;
+    if (skipped == 0) continue;
+    Finding& finding = amc.findings.emplace_back();
+    finding.code = "time_gap";
+    finding.frame_begin = places->place[row - 1] + 1;
+    finding.frame_end = places->place[row];
+    finding.value = static_cast<double>(skipped);
+    finding.message = name + ": " + Counted(skipped, "frame") + " without a pose: number " +
+                      std::to_string(numbers[row - 1]) + " is followed by " + std::to_string(numbers[row]);
+    finding.action = FindingAction::kDropped;
+  }
+  amc.frames = static_cast<int>(frames);
+  amc.values = std::move(values);
+  amc.present = std::move(present);
+  amc.damaged.clear();
+  for (std::size_t f = 0; f < frames; ++f) {
+    if (missing[f] != 0) amc.damaged.push_back(static_cast<int>(f));
   }
   return {};
 }

@@ -14,4 +14,9 @@ inline constexpr std::size_t kMostAmcFindings = 200;  ///< of one file
 /// kMalformed "name:line" for the first damaged frame where damage is not to be reported.
 Status CheckMissingBones(const std::vector<int>& frame_lines, bool reports, const std::string& name, Amc& amc);
 
+/// Inserts a damaged frame for each number that is skipped, so that later frames keep their time: "time_gap" replaces
+/// "frame_number" there. Numbers that step by more than one throughout, or fall, are left as they are. Error
+/// kInconsistent at "name" where more than 10000 are skipped.
+Status LeaveAmcGaps(const std::string& name, Amc& amc);
+
 }  // namespace mocurate

@@ -56,6 +56,7 @@ class AmcParser {
     if (misread_ && 2 * amc_.damaged.size() > static_cast<std::size_t>(amc_.frames))
       return tl::unexpected<Error>(*std::move(misread_));
     if (Status missing = CheckMissingBones(frame_lines_, Reports(), name_, amc_); !missing) return Forward(missing);
+    if (Status gaps = LeaveAmcGaps(name_, amc_); !gaps) return Forward(gaps);
     return std::move(amc_);
   }
 

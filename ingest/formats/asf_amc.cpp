@@ -246,8 +246,13 @@ void AddPositions(const Asf& asf, const Amc& amc, RawClip& clip) {
     }
   }
   if (!amc.damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
-  for (const int f : amc.damaged)
+  const std::ptrdiff_t numbers = static_cast<std::ptrdiff_t>(clip.joints) * 3;
+  for (const int f : amc.damaged) {
     std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
+    // The path of the root is looked at without confidences.
+    const auto here = clip.positions.xyz.begin() + f * numbers;
+    if (f > 0) std::copy_n(here - numbers, numbers, here);
+  }
   FollowTree(parents, "hierarchy of the skeleton file", clip);
   if (const auto path = CheckRootPath(clip.positions, clip.points)) clip.remarks.push_back(*path);
 }

@@ -6,6 +6,7 @@
 #include "core/formats/babel.h"
 #include "core/formats/expmap_table.h"
 #include "core/formats/opensim_table.h"
+#include "core/formats/row_counter.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/checks/angle_checks.h"
 #include "ingest/inspect/read_raw.h"
@@ -103,18 +104,17 @@ Expected<RawFile> ReadRawOpenSim(const FileBytes& file) {
   RawClip clip;
   clip.format = "opensim_table";
   clip.frames = table->rows();
-  if (clip.frames > 1 && table->time_s.back() > table->time_s.front()) {
-    const double rate = (clip.frames - 1) / (table->time_s.back() - table->time_s.front());
-    clip.rate_hz = std::round(rate * 1000.0) / 1000.0;
+  const Expected<RowPlaces> places = PlacesByClock(table->time_s, file.name);
+  if (!places) return Forward(places);
+  if (places->step > 0.0) {
+    clip.rate_hz = std::round(1000.0 / places->step) / 1000.0;
     clip.rate_evidence = "column time of the file";
-    double longest = 0.0;
-    for (std::size_t i = 1; i < table->time_s.size(); ++i) {
-      longest = std::max(longest, table->time_s[i] - table->time_s[i - 1]);
-    }
-    if (longest * rate > 1.5) {
-      clip.remarks.push_back(MakeFinding("time_gap", Severity::kWarning, longest,
-                                         "the longest step between rows is " + FormatDouble(longest) +
-                                             " s, the mean one " + FormatDouble(std::round(1e6 / rate) / 1e6) + " s"));
+    for (const int place : places->place) clip.frame_numbers.push_back(place);
+    const int skipped = places->frames() - clip.frames;
+    if (skipped > 0) {
+      clip.remarks.push_back(MakeFinding("time_gap", Severity::kWarning, skipped,
+                                         Counted(skipped, "frame") + " of those of column time have no row, at " +
+                                             FormatDouble(*clip.rate_hz) + " Hz"));
     }
   }
   clip.layout_evidence = std::to_string(table->labels.size()) + " columns beside time";

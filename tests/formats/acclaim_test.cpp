@@ -276,6 +276,31 @@ TEST(Amc, KeepsAndReportsFrameNumbersThatJump) {
   EXPECT_EQ(amc->findings[0].code, "frame_number");
 }
 
+TEST(Amc, LeavesDamagedFramesForNumbersThatAreSkipped) {
+  const Asf asf = Arm();
+  const Amc two = Wave(kWave, asf).value();
+  Amc four = two;
+  four.frames = 4;
+  four.frame_numbers = {1, 2, 5, 6};
+  four.values.insert(four.values.end(), two.values.begin(), two.values.end());
+  four.present.insert(four.present.end(), two.present.begin(), two.present.end());
+  const auto amc = Wave(WriteAmc(four), asf);
+  ASSERT_TRUE(amc) << amc.error().Message();
+  EXPECT_EQ(amc->frames, 6);
+  EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_THAT(amc->damaged, ElementsAre(2, 3));
+  EXPECT_EQ(amc->value(4, 0), two.value(0, 0));
+  EXPECT_FALSE(amc->has(2, 0));
+  ASSERT_EQ(amc->findings.size(), 1u);
+  EXPECT_EQ(amc->findings[0].code, "time_gap");
+  EXPECT_EQ(amc->findings[0].frame_begin, 2);
+  EXPECT_EQ(amc->findings[0].frame_end, 4);
+  four.frame_numbers = {1, 2, 3, 40000};
+  ExpectError(Wave(WriteAmc(four), asf), ErrorCode::kInconsistent, "wave.amc");
+  four.frame_numbers = {1, 5, 9, 13};
+  EXPECT_EQ(Wave(WriteAmc(four), asf)->frames, 4) << "a count in steps of four";
+}
+
 TEST(Amc, TakesTheBonesFromTheFirstFrameWithoutASkeleton) {
   const auto amc = ParseAmc(kWave, {}, "wave.amc");
   ASSERT_TRUE(amc) << amc.error().Message();
