@@ -1,17 +1,21 @@
 #include "ingest/capture_views.h"
 
 #include <map>
+#include <set>
 #include <string>
 
 #include "ingest/sources/source_file.h"
+#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 
 Status GroupViews(const SourceOptions& source, std::vector<ItemSpec>& items) {
   std::map<std::string, std::map<std::string, ItemSpec>> captures;  // by item, then by view
+  std::set<std::string> cameras;
   for (ItemSpec& item : items) {
     const Expected<NamedFile> named = ReadName(source, item.inputs[0].name);
     if (!named) return Forward(named);
+    cameras.insert(named->identity.view);
     std::map<std::string, ItemSpec>& views = captures[item.item];
     const auto [at, added] = views.emplace(named->identity.view, item);
     if (added) continue;
@@ -20,6 +24,7 @@ Status GroupViews(const SourceOptions& source, std::vector<ItemSpec>& items) {
                     "' seen by '" + named->identity.view + "'",
                 "ingest.source.recording", "use more fields of the name in `recording` or `view`");
   }
+  if (Status known = CheckFirstFrames(source, cameras); !known) return known;
   items.clear();
   for (auto& [name, views] : captures) {
     ItemSpec together = views.begin()->second;

@@ -6,6 +6,7 @@
 #include "core/base/text.h"
 #include "core/formats/openpose.h"
 #include "ingest/formats/driver.h"
+#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {
@@ -63,6 +64,7 @@ Status CheckGrouped(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare the camera poses",
                 "ingest.source.calibration", "e.g. 'Calib.toml', or [intri.yml, extri.yml]");
   }
+  if (Status first = CheckFirstFrames(s); !first) return first;
   const Expected<NamePattern> depth = NamePattern::Parse(s.depth_files, "ingest.source.depth_files");
   if (!depth) return Forward(depth);
   const std::vector<std::string> of_depth = depth->FieldNames();
@@ -118,6 +120,7 @@ Expected<GroupedFiles> GroupedFiles::Of(const SourceOptions& source, const NameP
     }
   }
   std::map<NameFields, std::string> first;
+  std::set<std::string> cameras;
   for (const FolderFile& file : files) {
     const auto matches = [&](const NamePattern& companion) { return companion.Match(file.name).has_value(); };
     if (std::any_of(gathered.calibrations_.begin(), gathered.calibrations_.end(), matches) ||
@@ -126,16 +129,20 @@ Expected<GroupedFiles> GroupedFiles::Of(const SourceOptions& source, const NameP
       continue;
     }
     if (const auto of_depth = depth ? depth->Match(file.name) : std::nullopt) {
+      cameras.insert(of_depth->at("camera"));
       gathered.depth_[Only(gathered.depth_fields_, *of_depth)].push_back(&file);
       gathered.others_.insert(file.name);
       continue;
     }
     const std::optional<NameFields> fields = pattern.Match(file.name);
     if (!fields) continue;
+    if (const auto camera = fields->find("camera"); camera != fields->end()) cameras.insert(camera->second);
     const auto [clip, fresh] = first.emplace(OfClip(*fields), file.name);
     if (!fresh) gathered.others_.insert(file.name);
     gathered.clips_[clip->second].push_back(&file);
   }
+  if (gathered.clips_.empty()) return gathered;
+  if (Status known = CheckFirstFrames(source, cameras); !known) return Forward(known);
   return gathered;
 }
 

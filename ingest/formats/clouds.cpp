@@ -8,6 +8,7 @@
 #include "ingest/grouped_files.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/frame_files.h"
+#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {
@@ -30,9 +31,9 @@ Expected<IngestedClip> ReadCloudsClip(const SourceFile& file) {
   const Expected<SourceFrame> axes = FrameOf(file.source);
   if (!axes) return Forward(axes);
   const double metres = *MetresPerUnit(file.source.units);
-  const auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.depth_files);
+  auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.depth_files);
   if (!cameras) return Forward(cameras);
-  const Expected<FrameSpan> span = SpanOf(*cameras, file.name);
+  const Expected<FrameSpan> span = MatchViews(file, *cameras);
   if (!span) return Forward(span);
   const FilesOfCamera& files = cameras->begin()->second;
   IngestedClip ingested;

@@ -2,6 +2,7 @@
 #include "ingest/grouped_files.h"
 #include "ingest/sources/depth_header.h"
 #include "ingest/sources/rig_calibration.h"
+#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {
@@ -26,16 +27,18 @@ Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file) {
   if (!rig) return Forward(rig);
   ingested.findings = rig->findings;
   ingested.content = rig->content;
-  const auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.depth_files);
+  auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.depth_files);
   if (!cameras) return Forward(cameras);
-  const auto masks = SortByCamera(file.source.mask_files, "ingest.source.mask_files", file.depth_files);
+  auto masks = SortByCamera(file.source.mask_files, "ingest.source.mask_files", file.depth_files);
   if (!masks) return Forward(masks);
-  const Expected<FrameSpan> span = SpanOf(*cameras, file.name);
+  const auto partners = PartnersOf(file, *rig, *cameras, ingested.findings);
+  if (!partners) return Forward(partners);
+  KeepPartners(*partners, *cameras);
+  KeepPartners(*partners, *masks);
+  const Expected<FrameSpan> span = MatchViews(file, *cameras, nullptr, &*masks);
   if (!span) return Forward(span);
   Clip& clip = ingested.clip;
   clip.rate = FrameRate::FromHz(*file.source.rate_hz);
-  const auto partners = PartnersOf(file, *rig, *cameras, ingested.findings);
-  if (!partners) return Forward(partners);
   for (const auto& [name, camera] : *partners) {
     DepthView view;
     view.camera = *camera;
@@ -74,7 +77,7 @@ const FormatDriver& DepthViewsFormat() {
     d.unit = UnitOf::kCalibration;
     d.grouped_by = {"camera"};
     d.check = CheckGrouped;
-    d.options = {"calibration", "camera_pose", "cameras", "mask_files", "depth_unit"};
+    d.options = {"calibration", "camera_pose", "cameras", "first_frame", "mask_files", "depth_unit"};
     d.to_clip = ReadDepthViewsClip;
     return d;
   }();

@@ -8,6 +8,7 @@
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/ntu_people.h"
+#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {
@@ -16,6 +17,10 @@ constexpr long long kMostBodiesTogether = 3;
 
 Status CheckViews(const SourceOptions& s) {
   const ViewOptions& views = s.views;
+  if (!views.multi_view && !s.first_frame.empty()) {
+    return Fail(ErrorCode::kConfig, "files of one camera each have no common first frame", "ingest.source.first_frame",
+                "set views: {multi_view: true}, or remove first_frame");
+  }
   if (!views.multi_view) {
     if (s.depth_files.empty()) return {};
     return Fail(ErrorCode::kConfig, "depth images need clips that group their views", "ingest.source.depth_files",
@@ -44,6 +49,7 @@ Status CheckViews(const SourceOptions& s) {
 
 Status CheckNtu(const SourceOptions& source) {
   if (Status bodies = CheckBodies(source); !bodies) return bodies;
+  if (Status first = CheckFirstFrames(source); !first) return first;
   if (ByBoxes(source.people.rule)) {
     return Fail(ErrorCode::kConfig, "UESTC's rule needs bounding boxes in an image, which ntu_skeleton lacks",
                 "ingest.source.people.rule", "motion, official, presence or nearest");
@@ -202,7 +208,7 @@ const FormatDriver& NtuSkeletonFormat() {
     d.unit = UnitOf::kMetres;
     d.zeros = "; set to missing";
     d.check = CheckNtu;
-    d.options = {"bodies", "people", "views", "inferred_confidence", "depth_files", "depth_unit"};
+    d.options = {"bodies", "people", "views", "first_frame", "inferred_confidence", "depth_files", "depth_unit"};
     d.sniff = IsNtu;
     d.read_raw = NtuIn;
     d.to_clip = ReadNtuSkeletonClip;

@@ -8,13 +8,15 @@
 #include "core/quality/tracked_points.h"
 #include "ingest/people/merge_views.h"
 #include "ingest/sources/ntu_people.h"
+#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {
 
 constexpr double kLeastCovered = 0.9;  // of the reference's frames: a camera that covers less does not shorten the clip
 constexpr double kOtherFocal = 0.05;   // relative
-constexpr double kOtherCentre = 15.0;  // pixels
+constexpr long long kMostFirst = 1000000;  // of frames, of a declared first one
+constexpr double kOtherCentre = 15.0;      // pixels
 
 /// The data of one camera.
 struct Sensor {
@@ -210,6 +212,10 @@ Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
       ingested.findings.insert(ingested.findings.end(), findings->begin(), findings->end());
     }
     cameras.push_back({view.view, static_cast<int>(skeleton->frames.size()), std::move(people->chosen)});
+    if (const std::optional<long long> first = FirstFrameOf(source, view.view)) {
+      cameras.back().first = static_cast<int>(std::clamp(*first - 1, -kMostFirst, kMostFirst));
+      cameras.back().declared = true;
+    }
     sensors.push_back({&view, std::move(*skeleton), {}});
   }
   NoteMissing(source, sensors, ingested.findings);

@@ -9,6 +9,7 @@
 #include "ingest/inspect/keypoint_layout_estimate.h"
 #include "ingest/sources/depth_beside.h"
 #include "ingest/sources/frame_files.h"
+#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {
@@ -191,15 +192,16 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   if (!rig) return Forward(rig);
   ingested.findings = rig->findings;
   ingested.content = rig->content;
-  const auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.frame_files);
+  auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.frame_files);
   if (!cameras) return Forward(cameras);
-  const auto depth = HasDepthBeside(file.source)
-                         ? SortByCamera(file.source.depth_files, "ingest.source.depth_files", file.depth_files)
-                         : Expected<std::map<std::string, FilesOfCamera>>();
+  auto depth = HasDepthBeside(file.source)
+                   ? SortByCamera(file.source.depth_files, "ingest.source.depth_files", file.depth_files)
+                   : Expected<std::map<std::string, FilesOfCamera>>();
   if (!depth) return Forward(depth);
   const auto partners = PartnersOf(file, *rig, *cameras, ingested.findings, *depth);
   if (!partners) return Forward(partners);
-  const Expected<FrameSpan> span = SpanOfBoth(*cameras, *depth, file.name);
+  KeepPartners(*partners, *cameras);
+  const Expected<FrameSpan> span = MatchViews(file, *cameras, &*depth);
   if (!span) return Forward(span);
   std::vector<ViewFrames> views;
   PointsNotSeen unseen;
@@ -249,7 +251,8 @@ const FormatDriver& OpenPoseFormat() {
     d.unit = UnitOf::kCalibration;
     d.grouped_by = {"camera", "frame"};
     d.check = CheckGrouped;
-    d.options = {"calibration", "camera_pose", "cameras", "keypoints", "subjects", "depth_files", "depth_unit"};
+    d.options = {"calibration", "camera_pose", "cameras",     "first_frame",
+                 "keypoints",   "subjects",    "depth_files", "depth_unit"};
     d.to_clip = ReadOpenPoseClip;
     return d;
   }();

@@ -5,6 +5,7 @@
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
 #include "ingest/sources/frame_files.h"
+#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {
@@ -43,9 +44,9 @@ double ClockRate(const std::vector<PanopticBodies>& frames) {
 Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
   const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
   if (!axes) return Forward(axes);
-  const auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.frame_files);
+  auto cameras = SortByCamera(file.source.files, "ingest.source.files", file.frame_files);
   if (!cameras) return Forward(cameras);
-  const Expected<FrameSpan> span = SpanOf(*cameras, file.name);
+  const Expected<FrameSpan> span = MatchViews(file, *cameras);
   if (!span) return Forward(span);
   IngestedClip ingested;
   std::vector<PanopticBodies> frames(static_cast<std::size_t>(span->frames));

@@ -7,6 +7,7 @@
 #include "ingest/inspect/file_names.h"
 #include "ingest/inspect/keypoint_layout_estimate.h"
 #include "ingest/inspect/read_raw.h"
+#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {
@@ -86,6 +87,30 @@ std::map<std::string, std::vector<Finding>> RawSequences::FrozenFolders() const 
   return frozen;
 }
 
+std::map<std::string, std::vector<Finding>> RawSequences::ApartFolders() const {
+  std::map<std::string, ViewNumbers> recordings;      // by the folder that the views lie in
+  std::map<std::string, std::string> folder_of_view;  // views are named by their folder, or by the names of the files
+  for (const auto& [name, folder] : folders_) {
+    if (folder.keypoints.empty()) continue;
+    const bool one = folder.frames.sequences().size() == 1;
+    for (const auto& [key, sequence] : folder.frames.sequences()) {
+      const std::string view = one ? name : key;
+      for (const auto& [number, file] : sequence.files) recordings[one ? FolderOf(name) : name][view].insert(number);
+      folder_of_view[view] = name;
+    }
+  }
+  std::map<std::string, std::vector<Finding>> apart;
+  for (const auto& [recording, views] : recordings) {
+    for (const ApartView& view : FindApartViews(views)) {
+      apart[folder_of_view.at(view.camera)].push_back(MakeFinding(
+          "view_numbering", Severity::kWarning, static_cast<double>(view.offset()),
+          view.Words() + ": a run refuses them as views of one recording; ingest.source.first_frame says which number "
+                         "of the camera is the first moment of the others"));
+    }
+  }
+  return apart;
+}
+
 Status RawSequences::AddOpenCv(const FileBytes& file) {
   folders_[FolderOf(file.name)].storages.emplace_back(file.name, std::string(file.bytes));
   return {};
@@ -120,10 +145,11 @@ std::map<std::string, RawFile> RawSequences::Finish(bool of_folder) const {
     }
   }
   std::map<std::string, RawFile> files;
-  std::map<std::string, std::vector<Finding>> frozen = FrozenFolders();
+  std::map<std::string, std::vector<Finding>> frozen = FrozenFolders(), apart = ApartFolders();
   for (const auto& [name, folder] : folders_) {
     RawFile file;
     for (const Finding& finding : frozen[name]) file.remarks.push_back(finding);
+    for (const Finding& finding : apart[name]) file.remarks.push_back(finding);
     if (!folder.keypoints.empty()) {
       file.clips.push_back(ReadRawKeypoints(folder.keypoints, everybody[FolderOf(name)]));
       std::vector<ImagePoses> poses;

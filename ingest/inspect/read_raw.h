@@ -104,6 +104,8 @@ class RawSequences {
   };
   /// "frozen_view" by folder, of cameras side by side.
   std::map<std::string, std::vector<Finding>> FrozenFolders() const;
+  /// "view_numbering" by folder, of cameras side by side, or in one folder.
+  std::map<std::string, std::vector<Finding>> ApartFolders() const;
   std::vector<const FrameNames*> FramesBeside(const std::string& name) const;
 
   std::map<std::string, Folder> folders_;

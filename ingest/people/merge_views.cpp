@@ -25,14 +25,14 @@ struct Scene {
   TrackedPoints view() const { return {positions, confidence, time_s}; }
 };
 
-/// People `order[slot]` (-1: none) in the slots.
-Scene SceneOf(const CameraPeople& camera, const std::vector<int>& order, double rate_hz) {
+/// People `order[slot]` (-1: none) in the slots; frame `first` is at time 0.
+Scene SceneOf(const CameraPeople& camera, const std::vector<int>& order, double rate_hz, int first = 0) {
   Scene scene;
   const int joints = camera.people.front().positions.joints;
   const auto slots = static_cast<int>(order.size());
   scene.positions = JointPositions(camera.frames, slots * joints);
   scene.confidence.assign(static_cast<std::size_t>(camera.frames) * slots * joints, 0.0);
-  for (int f = 0; f < camera.frames; ++f) scene.time_s.push_back(f / rate_hz);
+  for (int f = 0; f < camera.frames; ++f) scene.time_s.push_back((f - first) / rate_hz);
   for (int slot = 0; slot < slots; ++slot) {
     const int own = order[static_cast<std::size_t>(slot)];
     if (own < 0) continue;
@@ -61,19 +61,20 @@ struct Pair {
   std::vector<int> order;
 };
 
-Pair AlignPair(const CameraPeople& a, const CameraPeople& b, std::size_t slots, double rate_hz,
-               const PlaceOptions& options) {
+/// Offsets of clocks are looked for within `most_offset_s` of what is declared; the result's is between the frames 0.
+Pair AlignPair(const CameraPeople& a, const CameraPeople& b, std::size_t slots, double rate_hz, double most_offset_s) {
   Pair best;
-  const Scene of_a = SceneOf(a, InOrder(a, slots), rate_hz);
+  const Scene of_a = SceneOf(a, InOrder(a, slots), rate_hz, a.first);
   std::vector<int> order = InOrder(b, slots);
   std::sort(order.begin(), order.end());
   do {
-    const Scene of_b = SceneOf(b, order, rate_hz);
-    std::optional<ViewAlignment> found = AlignViews(of_a.view(), of_b.view(), options.max_offset_s);
+    const Scene of_b = SceneOf(b, order, rate_hz, b.first);
+    std::optional<ViewAlignment> found = AlignViews(of_a.view(), of_b.view(), most_offset_s);
     if (!found || (best.alignment && best.alignment->median <= found->median)) continue;
     best.alignment = found;
     best.order = order;
   } while (std::next_permutation(order.begin(), order.end()));
+  if (best.alignment) best.alignment->offset_s += (a.first - b.first) / rate_hz;
   return best;
 }
 
@@ -94,8 +95,38 @@ std::string WhyNot(const Pair& pair, const PlaceOptions& options) {
          DigitsOfMillimetres(options.max_disagreement);
 }
 
-void NoteUsed(const CameraPeople& camera, const std::string& reference, const ViewAlignment& view, double rate_hz,
-              const PlaceOptions& options, std::vector<Finding>& findings) {
+/// A camera that recorded another time than the others, as an error; nothing where it did not. `pair`: how b fits a.
+std::optional<Error> FindApartClocks(const CameraPeople& a, const CameraPeople& b, const Pair& pair, std::size_t slots,
+                                     double rate_hz, const PlaceOptions& options, const std::string& where) {
+  if (a.declared || b.declared) return std::nullopt;
+  Pair fits = pair;
+  if (!Agrees(pair, options)) {
+    fits = AlignPair(a, b, slots, rate_hz, std::max(a.frames, b.frames) / rate_hz);
+    if (!Agrees(fits, options) || !fits.alignment->offset_known) return std::nullopt;
+  }
+  const double offset = fits.alignment->offset_s * rate_hz;  // frames of a at which b begins
+  const double shared = std::min<double>(a.frames, offset + b.frames) - std::max(0.0, offset);
+  const bool late = std::abs(fits.alignment->offset_s) > options.max_offset_s;
+  if (!late && 2.0 * shared >= std::min(a.frames, b.frames)) return std::nullopt;
+  const bool later = offset > 0.0;
+  const auto frames = std::llround(std::abs(offset));
+  Error error{ErrorCode::kInconsistent,
+              "camera '" + b.view + "' began " + Digits(std::abs(fits.alignment->offset_s)) + " s (" +
+                  std::to_string(frames) + " frames) " + (later ? "after" : "before") + " '" + a.view +
+                  "': they share " + std::to_string(std::llround(std::max(0.0, shared))) + " of " +
+                  std::to_string(std::min(a.frames, b.frames)) + " frames",
+              where,
+              "write ingest.source.first_frame: {" + b.view + ": " + std::to_string(later ? 1 - frames : 1 + frames) +
+                  "}, or raise ingest.source.views.max_offset, or take a camera out"};
+  error.reason = Reason::kViewNumbering;
+  error.number = static_cast<double>(later ? frames : -frames);
+  return error;
+}
+
+/// `declared_s`: the offset that is declared.
+void NoteUsed(const CameraPeople& camera, const std::string& reference, ViewAlignment view, double declared_s,
+              double rate_hz, const PlaceOptions& options, std::vector<Finding>& findings) {
+  view.offset_s -= declared_s;
   const double ms = 1e3 * view.offset_s;
   if (!view.offset_known) {
     NoteCapture(findings, "clock_offset_unknown", Severity::kInfo, 1e3 * view.offset_sigma_s,
@@ -148,12 +179,17 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
                 "the trackers lost the person: leave it out");
   }
   std::vector<int> friends(cameras.size(), 0);
+  std::vector<std::vector<std::size_t>> apart(cameras.size());
   std::string contradictions;
   bool any = false;
   for (std::size_t x = 0; x < seeing.size(); ++x) {
     for (std::size_t y = x + 1; y < seeing.size(); ++y) {
       const std::size_t i = seeing[x], k = seeing[y];
-      const Pair pair = AlignPair(cameras[i], cameras[k], slots, rate_hz, options);
+      const Pair pair = AlignPair(cameras[i], cameras[k], slots, rate_hz, options.max_offset_s);
+      if (FindApartClocks(cameras[i], cameras[k], pair, slots, rate_hz, options, where)) {
+        apart[i].push_back(k);
+        apart[k].push_back(i);
+      }
       if (Agrees(pair, options)) {
         any = true;
         ++friends[i], ++friends[k];
@@ -162,6 +198,15 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
                           WhyNot(pair, options);
       }
     }
+  }
+  // The camera that is apart from most others; of two the second.
+  const auto odd =
+      std::max_element(apart.rbegin(), apart.rend(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  if (!odd->empty()) {
+    const CameraPeople &other = cameras[odd->front()], &own = cameras[static_cast<std::size_t>(apart.rend() - odd) - 1];
+    const Pair pair = AlignPair(other, own, slots, rate_hz, options.max_offset_s);
+    if (auto error = FindApartClocks(other, own, pair, slots, rate_hz, options, where))
+      return tl::unexpected<Error>(*std::move(error));
   }
   if (!any && !contradictions.empty()) {
     return Fail(ErrorCode::kInconsistent, "the cameras do not show the same (" + contradictions + ")", where,
@@ -182,7 +227,7 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
       view.slots = InOrder(reference, slots);
       continue;
     }
-    const Pair pair = AlignPair(reference, cameras[i], slots, rate_hz, options);
+    const Pair pair = AlignPair(reference, cameras[i], slots, rate_hz, options.max_offset_s);
     if (!Agrees(pair, options)) {
       NoteCapture(placed.findings, "view_excluded", Severity::kWarning,
                   pair.alignment ? 1e3 * pair.alignment->median : 0.0,
@@ -193,7 +238,8 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
     view.used = true;
     view.alignment = *pair.alignment;
     view.slots = pair.order;
-    NoteUsed(cameras[i], reference.view, view.alignment, rate_hz, options, placed.findings);
+    NoteUsed(cameras[i], reference.view, view.alignment, (reference.first - cameras[i].first) / rate_hz, rate_hz,
+             options, placed.findings);
   }
   return placed;
 }

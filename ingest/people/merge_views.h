@@ -14,6 +14,8 @@ struct CameraPeople {
   std::string view;
   int frames = 0;
   std::vector<PersonTrack> people;
+  int first = 0;          ///< frame at the moment of frame 0 of the others, where it is declared
+  bool declared = false;  ///< it is
 };
 
 /// What became of a camera.
@@ -42,7 +44,9 @@ void NoteCapture(std::vector<Finding>& findings, const char* code, Severity seve
 
 /// Aligns the cameras pair by pair (people of two cameras in the order that fits best, at most three each). The
 /// reference is the camera that agrees with most others, the first of equal ones; what does not agree with it is left
-/// out. Error kInconsistent: no person is observed at all, or cameras contradict each other and no two agree.
+/// out. Error kInconsistent: no person is observed at all, or cameras contradict each other and no two agree;
+/// Reason::kViewNumbering: a camera agrees with another only beyond `max_offset_s`, or they share less than half of the
+/// shorter recording, and neither is declared.
 Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const PlaceOptions& options, double rate_hz,
                                  const std::string& where);
 

@@ -9,28 +9,7 @@ namespace {
 
 constexpr const char* kMissing = "depth_images_missing";
 
-std::string Numbers(const FrameSpan& span) {
-  return std::to_string(span.first) + " to " + std::to_string(span.first + span.frames - 1);
-}
-
 }  // namespace
-
-Expected<FrameSpan> SpanOfBoth(const std::map<std::string, FilesOfCamera>& keypoints,
-                               const std::map<std::string, FilesOfCamera>& depth, const std::string& name) {
-  const Expected<FrameSpan> seen = SpanOf(keypoints, name);
-  if (!seen || depth.empty()) return seen;
-  const Expected<FrameSpan> images = SpanOf(depth, name);
-  if (!images) return images;
-  const long long first = std::min(seen->first, images->first);
-  const long long end = std::max(seen->first + seen->frames, images->first + images->frames);
-  if (end - first >= static_cast<long long>(seen->frames) + images->frames) {
-    return Fail(
-        ErrorCode::kInconsistent,
-        "keypoints are numbered " + Numbers(*seen) + ", depth images " + Numbers(*images) + ": they share no frame",
-        name, "number both alike; see {frame} of ingest.source.files and depth_files");
-  }
-  return FrameSpan{first, static_cast<int>(end - first)};
-}
 
 Status AddDepthBeside(const SourceFile& file, const Rig& rig, const std::map<std::string, FilesOfCamera>& depth,
                       const std::map<std::string, FilesOfCamera>& keypoints, const FrameSpan& span,

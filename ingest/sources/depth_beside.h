@@ -7,11 +7,6 @@
 
 namespace mocurate {
 
-/// The frames that keypoints and depth images span together; both have the same numbering. Error kInconsistent, with
-/// both ranges, where they share no frame.
-Expected<FrameSpan> SpanOfBoth(const std::map<std::string, FilesOfCamera>& keypoints,
-                               const std::map<std::string, FilesOfCamera>& depth, const std::string& name);
-
 /// Adds depth views to a clip of keypoints, one image per frame of the span. A frame without an image of a camera has
 /// an empty name and counts in a finding "depth_images_missing", as does a clip without any image. Errors of
 /// PartnersOf, SetImageSize and AddDepthImage.

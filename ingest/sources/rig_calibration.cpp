@@ -269,6 +269,14 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
   return partners;
 }
 
+void KeepPartners(const Partners& partners, std::map<std::string, FilesOfCamera>& cameras) {
+  std::map<std::string, FilesOfCamera> kept;
+  for (const auto& [camera, calibrated] : partners) {
+    if (const auto files = cameras.find(camera); files != cameras.end()) kept.insert(std::move(*files));
+  }
+  cameras = std::move(kept);
+}
+
 Finding CameraFinding(const std::string& code, double value, const std::string& message, FindingAction action) {
   return MakeFinding(code, Severity::kWarning, value, message, action);
 }

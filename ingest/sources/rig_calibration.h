@@ -48,6 +48,9 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
                               const std::map<std::string, FilesOfCamera>& cameras, std::vector<Finding>& findings,
                               const std::map<std::string, FilesOfCamera>& others = {});
 
+/// Takes the files of other cameras out.
+void KeepPartners(const Partners& partners, std::map<std::string, FilesOfCamera>& cameras);
+
 /// A finding about a camera with missing files or images.
 Finding CameraFinding(const std::string& code, double value, const std::string& message, FindingAction action);
 

@@ -10,6 +10,7 @@
 #include "core/base/random.h"
 #include "core/formats/ntu_skeleton.h"
 #include "core/formats/png.h"
+#include "ingest/checks/fault_codes.h"
 #include "ingest/synthetic/body_points.h"
 #include "ingest/synthetic/rigs.h"
 #include "tests/formats/expect_error.h"
@@ -233,6 +234,38 @@ TEST_F(NtuViews, ExcludeAViewOfAnotherPerformance) {
   EXPECT_THAT(Found(ingested, "view_excluded"), SizeIs(1));
   EXPECT_EQ(ingested.clip.provenance.at("view.C002"), "excluded");
   EXPECT_LT(ErrorOf(ingested.clip), 0.01);
+}
+
+TEST_F(NtuViews, RefuseACameraThatBeganLateUnlessItIsDeclared) {
+  StudioOptions options = Throw();
+  options.actions = {"throw", "walk"};
+  Write(options);
+  for (int camera = 1; camera <= 3; ++camera) {
+    for (const auto& entry : fs::directory_iterator(folder / "nturgb+d_skeletons")) {
+      const std::string name = entry.path().filename().string();
+      if (name.find("A007") == std::string::npos) fs::remove(entry.path());
+    }
+  }
+  NtuSkeleton late = Read(FileOf(2));
+  const auto lost = static_cast<std::ptrdiff_t>(std::min<std::size_t>(40, late.frames.size() / 2));
+  ASSERT_GT(lost, 31) << "more than views.max_offset";
+  late.frames.erase(late.frames.begin(), late.frames.begin() + lost);
+  Put(FileOf(2), late);
+  const mocurate::Ingested apart = Run();
+  ASSERT_FALSE(apart.outcome);
+  EXPECT_EQ(FaultCode(apart.outcome.error(), "ntu_skeleton"), "view_numbering");
+  EXPECT_NEAR(apart.outcome.error().number, static_cast<double>(lost), 1.0);
+  const auto discovery =
+      Discover(Declared("ntu_views", {"ingest.path=" + folder.string(),
+                                      "ingest.source.first_frame={C002: " + std::to_string(1 - lost) + "}"}));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const mocurate::Ingested declared = RunIngest(discovery->items.at(0), "views");
+  ASSERT_TRUE(declared.outcome) << declared.outcome.error().Message();
+  EXPECT_EQ(declared.clip.provenance.at("view.C002"), "used");
+  EXPECT_NEAR(std::stod(declared.clip.provenance.at("view.C002.offset_ms")), 1e3 * static_cast<double>(lost) / 30.0,
+              5.0);
+  EXPECT_THAT(Found(declared, "clock_offset"), IsEmpty()) << "nothing beside what is declared";
+  EXPECT_LT(ErrorOf(declared.clip), 0.01);
 }
 
 TEST_F(NtuViews, MatchTwoPeopleAcrossCameras) {
