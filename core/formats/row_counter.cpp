@@ -223,11 +223,11 @@ CounterEstimate EstimateCounter(const std::vector<double>& values, const Counter
   const double usual = MiddleStep(steps);
   double regular = 0.0;
   estimate.equal = true;
-  const double rounding = 1e-6 * usual + 1e-15 * largest;
+  const double rounding = whole ? 0.0 : 1e-6 * usual + 1e-15 * largest;  // of decimals
   for (const double step : steps) {
-    const double off = std::abs(step - usual * std::max(1.0, std::round(step / usual)));
-    estimate.equal = estimate.equal && off <= rounding;
-    regular += off <= kJitter * usual ? 1.0 : 0.0;
+    const auto off = [&](double of) { return std::abs(step - of * std::max(1.0, std::round(step / of))); };
+    estimate.equal = estimate.equal && off(usual) <= rounding;
+    regular += off(estimate.step) <= kJitter * estimate.step ? 1.0 : 0.0;
   }
   estimate.units = UnitsBetween(estimate.step, kSlowest_hz, kFastest_hz);
   const bool by_one = whole && usual == 1.0;

@@ -16,6 +16,7 @@ constexpr double kVeryLate_s = 0.05;    // a warning
 constexpr double kAgree = 0.1;          // metres
 constexpr double kCauchySpread = 0.05;  // metres, of Cauchy weights
 constexpr int kMergeTurns = 8;
+constexpr double kFarBetter = 0.5;  // of the distance between joints, for an offset beyond the limit
 
 /// All people of a camera side by side, frame by frame.
 struct Scene {
@@ -99,15 +100,15 @@ std::string WhyNot(const Pair& pair, const PlaceOptions& options) {
 std::optional<Error> FindApartClocks(const CameraPeople& a, const CameraPeople& b, const Pair& pair, std::size_t slots,
                                      double rate_hz, const PlaceOptions& options, const std::string& where) {
   if (a.declared || b.declared) return std::nullopt;
-  Pair fits = pair;
-  if (!Agrees(pair, options)) {
-    fits = AlignPair(a, b, slots, rate_hz, std::max(a.frames, b.frames) / rate_hz);
-    if (!Agrees(fits, options) || !fits.alignment->offset_known) return std::nullopt;
-  }
+  const Pair far = AlignPair(a, b, slots, rate_hz, std::max(a.frames, b.frames) / rate_hz);
+  const bool beyond = Agrees(far, options) && far.alignment->offset_known &&
+                      std::abs(far.alignment->offset_s) > options.max_offset_s &&
+                      (!Agrees(pair, options) || far.alignment->median < kFarBetter * pair.alignment->median);
+  if (!beyond && !Agrees(pair, options)) return std::nullopt;
+  const Pair& fits = beyond ? far : pair;
   const double offset = fits.alignment->offset_s * rate_hz;  // frames of a at which b begins
   const double shared = std::min<double>(a.frames, offset + b.frames) - std::max(0.0, offset);
-  const bool late = std::abs(fits.alignment->offset_s) > options.max_offset_s;
-  if (!late && 2.0 * shared >= std::min(a.frames, b.frames)) return std::nullopt;
+  if (!beyond && 2.0 * shared >= std::min(a.frames, b.frames)) return std::nullopt;
   const bool later = offset > 0.0;
   const auto frames = std::llround(std::abs(offset));
   Error error{ErrorCode::kInconsistent,

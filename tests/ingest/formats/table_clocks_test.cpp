@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <functional>
+
 #include "core/base/text.h"
 #include "ingest/checks/fault_codes.h"
 #include "ingest/inspect/source_declaration.h"

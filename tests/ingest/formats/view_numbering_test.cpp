@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "ingest/checks/fault_codes.h"
 #include "ingest/inspect/inspect.h"
 #include "ingest/sources/view_numbers.h"
@@ -18,28 +21,31 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-std::set<long long> Numbers(long long begin, long long end, long long step = 1) {
+std::set<long long> NumberRange(long long begin, long long end, long long step = 1) {
   std::set<long long> numbers;
   for (long long n = begin; n < end; n += step) numbers.insert(n);
   return numbers;
 }
 
 TEST(ViewNumbers, AreComparedWithThoseOfMostCameras) {
-  const auto apart = FindApartViews({{"a", Numbers(440, 470)}, {"b", Numbers(0, 30)}, {"c", Numbers(0, 28)}});
+  const auto apart =
+      FindApartViews({{"a", NumberRange(440, 470)}, {"b", NumberRange(0, 30)}, {"c", NumberRange(0, 28)}});
   ASSERT_THAT(apart, SizeIs(1));
   EXPECT_EQ(apart[0].camera, "a");
   EXPECT_EQ(apart[0].other, "b");
   EXPECT_EQ(apart[0].offset(), 440);
   EXPECT_EQ(apart[0].shared, 0u);
   EXPECT_EQ(apart[0].shorter, 30u);
-  EXPECT_THAT(FindApartViews({{"a", Numbers(0, 30)}, {"b", Numbers(16, 46)}}), SizeIs(1));
-  EXPECT_THAT(FindApartViews({{"a", Numbers(0, 30)}, {"b", Numbers(15, 45)}}), IsEmpty());
-  EXPECT_THAT(FindApartViews({{"a", Numbers(0, 30)}, {"b", Numbers(10, 40)}, {"c", Numbers(20, 50)}}), IsEmpty())
+  EXPECT_THAT(FindApartViews({{"a", NumberRange(0, 30)}, {"b", NumberRange(16, 46)}}), SizeIs(1));
+  EXPECT_THAT(FindApartViews({{"a", NumberRange(0, 30)}, {"b", NumberRange(15, 45)}}), IsEmpty());
+  EXPECT_THAT(FindApartViews({{"a", NumberRange(0, 30)}, {"b", NumberRange(10, 40)}, {"c", NumberRange(20, 50)}}),
+              IsEmpty())
       << "together through b";
-  EXPECT_THAT(FindApartViews({{"a", Numbers(0, 300)}, {"b", Numbers(0, 300, 8)}}), IsEmpty()) << "a slower camera";
-  EXPECT_THAT(FindApartViews({{"a", Numbers(0, 30)}, {"b", {}}}), IsEmpty());
-  EXPECT_THAT(FindApartViews({{"a", Numbers(0, 30)}, {"b", Numbers(20, 50)}}, {"b"}), IsEmpty()) << "declared";
-  EXPECT_THAT(FindApartViews({{"a", Numbers(0, 30)}, {"b", Numbers(40, 70)}}, {"b"}), SizeIs(1));
+  EXPECT_THAT(FindApartViews({{"a", NumberRange(0, 300)}, {"b", NumberRange(0, 300, 8)}}), IsEmpty())
+      << "a slower camera";
+  EXPECT_THAT(FindApartViews({{"a", NumberRange(0, 30)}, {"b", {}}}), IsEmpty());
+  EXPECT_THAT(FindApartViews({{"a", NumberRange(0, 30)}, {"b", NumberRange(20, 50)}}, {"b"}), IsEmpty()) << "declared";
+  EXPECT_THAT(FindApartViews({{"a", NumberRange(0, 30)}, {"b", NumberRange(40, 70)}}, {"b"}), SizeIs(1));
 }
 
 class Numbering : public Layouts {
