@@ -119,6 +119,14 @@ ItemSpec OfBody(ItemSpec item, const SourceOptions& source, const std::string& n
   return item;
 }
 
+std::optional<Error> FirstAmbiguous(const SourceOptions& source, const NamePattern& pattern,
+                                    const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (auto ambiguous = AmbiguousName(source, pattern, name)) return ambiguous;
+  }
+  return std::nullopt;
+}
+
 /// Whether a folder lies in one that is named like the recording of a clip: what is there are parts of it.
 bool BelongsToClip(const std::string& folder, const std::vector<ItemSpec>& items) {
   std::set<std::string> recordings;
@@ -271,9 +279,11 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     }
     const Expected<NamedFile> named = ReadName(source, file.name);
     if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
+    const std::optional<Error> ambiguous = FirstAmbiguous(source, *pattern, gathered->NamesOf(file.name));
     if (!named) {
       recordings.insert(StemOf(file.name));  // excluded anyway
-      exclude(SkippedFile(file.name, source, matches, named.error()));
+      exclude(ambiguous ? RefusedFile(file.name, kNameAmbiguous, *ambiguous)
+                        : SkippedFile(file.name, source, matches, named.error()));
       continue;
     }
     const std::string recording = source.views.multi_view ? StemOf(file.name) : named->identity.recording;
@@ -287,6 +297,10 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     if (issue && source.known_issues == KnownIssueAction::kDrop) {
       exclude(ExcludedFile(named->item(), file.name, "known_issue", TextOf(*issue),
                            "ingest.source.known_issues: report keeps such clips"));
+      continue;
+    }
+    if (ambiguous) {
+      exclude(RefusedFile(file.name, kNameAmbiguous, *ambiguous));
       continue;
     }
     if (!file.problem.empty() && gathered->empty()) {
@@ -328,6 +342,7 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
     }
     if (has_truth) discovery.truth.push_back(item);
     if (depth_files) depth_files->AddTo(named->fields, item);
+    discovery.performers.insert(named->performer);
     for (int body = 1; body <= named->bodies; ++body) {
       const Expected<NamedFile> own = ReadName(source, file.name, body);
       discovery.persons.insert(own ? own->identity.person : named->identity.person);
@@ -349,7 +364,6 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));
   NoteUnmatched(source, recordings, discovery.findings);
   NotePassedOver(source, passed_over, discovery.findings);
-  NoteAmbiguous(source, *pattern, names, discovery.findings);
   if (!babel->Unused().empty()) discovery.excluded.push_back(WithoutMotion(*babel, source.annotations));
   if (source.views.multi_view) {
     if (Status together = GroupViews(source, discovery.items); !together) return Forward(together);

@@ -14,6 +14,9 @@ namespace mocurate {
 /// Code of the finding about a folder whose files lie where the pattern does not look: no clip.
 inline constexpr const char* kFolderNotRead = "folder_not_read";
 
+/// Code of the finding about a name that fits the pattern in two ways: the file is refused.
+inline constexpr const char* kNameAmbiguous = "name_ambiguous";
+
 /// Code of the finding about an array of another number of joints than the source's.
 inline constexpr const char* kOtherJoints = "other_joints";
 
@@ -24,10 +27,11 @@ inline constexpr const char* kOtherJoints = "other_joints";
 struct Discovery {
   std::vector<ItemSpec> items;  ///< sorted by item
   std::vector<ItemResult> excluded;
-  std::set<std::string> persons;  ///< who performs in the items
-  std::set<std::string> styles;   ///< of the items, "" for those without
-  std::vector<Finding> findings;  ///< about the declaration: names in it that nothing has
-  std::vector<ItemSpec> truth;    ///< items for the stage `truth`, when the source knows its truth
+  std::set<std::string> persons;     ///< who performs in the items
+  std::set<std::string> performers;  ///< the same as ingest.source.roles names them: without {body}
+  std::set<std::string> styles;      ///< of the items, "" for those without
+  std::vector<Finding> findings;     ///< about the declaration: names in it that nothing has
+  std::vector<ItemSpec> truth;       ///< items for the stage `truth`, when the source knows its truth
 };
 
 /// Lists files; reads names, of the contents only those of ingest.source.annotations and a few beginnings: where these

@@ -19,6 +19,8 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
   }
   const Expected<std::vector<ContainerEntry>> entries = driver.entries(source, options.path);
   if (!entries) return Forward(entries);
+  const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
+  if (!pattern) return Forward(pattern);
   Discovery discovery;
   std::set<std::string> recordings;
   const ItemOptions stage_options = OptionsToJson(source);
@@ -26,8 +28,10 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
     const ContainerEntry& entry = (*entries)[i];
     const Expected<NamedFile> named = ReadName(source, entry.name);
     if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
-    if (!named) {
-      discovery.excluded.push_back(SkippedFile(entry.name, source, true, named.error()));
+    const std::optional<Error> ambiguous = AmbiguousName(source, *pattern, entry.name);
+    if (!named || ambiguous) {
+      discovery.excluded.push_back(ambiguous ? RefusedFile(entry.name, kNameAmbiguous, *ambiguous)
+                                             : SkippedFile(entry.name, source, true, named.error()));
       continue;
     }
     recordings.insert(named->identity.recording);
@@ -55,6 +59,9 @@ Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
       }
       item.options.Set("label_override", *label);
     }
+    discovery.persons.insert(named->identity.person);
+    discovery.performers.insert(named->performer);
+    if (!driver.stored) discovery.styles.insert(named->style);  // a stored clip has its own
     discovery.items.push_back(std::move(item));
   }
   if (discovery.items.empty()) {

@@ -44,34 +44,6 @@ void NotePassedOver(const SourceOptions& source, const std::vector<std::string>&
                                  FindingAction::kExcluded));
 }
 
-void NoteAmbiguous(const SourceOptions& source, const NamePattern& pattern, const std::vector<std::string>& names,
-                   std::vector<Finding>& findings) {
-  Finding finding;
-  for (const std::string& name : names) {
-    const std::optional<NameFields> read = pattern.Match(name);
-    const std::optional<NameFields> other = read ? pattern.OtherMatch(name) : std::nullopt;
-    if (!other) continue;
-    const auto listed = [&](const NameFields& fields) {
-      return source.labels.count(FillFields(source.label, fields)) != 0;
-    };
-    if (listed(*read) && !listed(*other)) continue;  // `labels` says which is meant
-    for (const std::string& text : {source.person, source.label, source.session, source.view, source.style}) {
-      if (FillFields(text, *read) == FillFields(text, *other)) continue;
-      finding.value += 1.0;
-      if (finding.message.empty())
-        finding.message = "'" + name + "' is read as '" + FillFields(text, *read) + "' by '" + text +
-                          "', and could be '" + FillFields(text, *other) + "'";
-      break;
-    }
-  }
-  if (finding.message.empty()) return;
-  finding.code = "name_ambiguous";
-  finding.message += ": " + Counted(static_cast<long long>(finding.value), "name") + " may be read by '" +
-                     source.files +
-                     "' in several ways; give a field its width, e.g. {person:3}, or write what stands between";
-  findings.push_back(std::move(finding));
-}
-
 Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& items) {
   const FormatDriver& declared = DriverOf(source.format);
   const FormatDriver* other = nullptr;

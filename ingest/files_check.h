@@ -7,7 +7,6 @@
 #include "core/base/finding.h"
 #include "core/pipeline/runner.h"
 #include "ingest/options.h"
-#include "ingest/sources/pattern.h"
 
 namespace mocurate {
 
@@ -25,11 +24,6 @@ bool EndsAsMotion(const SourceOptions& source, const std::string& name);
 
 /// A finding "name_mismatch" about such files that `other_files: ignore` passes over.
 void NotePassedOver(const SourceOptions& source, const std::vector<std::string>& names, std::vector<Finding>& findings);
-
-/// A finding "name_ambiguous" about names whose fields may be cut in another way, which would name another person,
-/// label, session, view or style. Where `labels` lists the label as read and not the other, it says which is meant.
-void NoteAmbiguous(const SourceOptions& source, const NamePattern& pattern, const std::vector<std::string>& names,
-                   std::vector<Finding>& findings);
 
 /// Looks at the beginnings of up to three files. Error kConfig where all of them are of one other known format than
 /// ingest.source.format, which it names.

@@ -148,6 +148,14 @@ Expected<GroupedFiles> GroupedFiles::Of(const SourceOptions& source, const NameP
 
 bool GroupedFiles::BelongsToOtherClip(const std::string& name) const { return others_.count(name) != 0; }
 
+std::vector<std::string> GroupedFiles::NamesOf(const std::string& first) const {
+  const auto clip = clips_.find(first);
+  if (clip == clips_.end()) return {first};
+  std::vector<std::string> names;
+  for (const FolderFile* file : clip->second) names.push_back(file->name);
+  return names;
+}
+
 std::vector<const FolderFile*> GroupedFiles::Companions(const NamePattern& pattern, const NameFields& fields) const {
   std::vector<const FolderFile*> found;
   const NameFields clip = OfClip(fields);

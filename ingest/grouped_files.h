@@ -26,6 +26,8 @@ class GroupedFiles {
   bool empty() const { return clips_.empty(); }
   /// A file of a clip that is named by another one, a calibration, a mask or a depth image.
   bool BelongsToOtherClip(const std::string& name) const;
+  /// The names of the files of the clip that `first` names: itself alone, of other sources.
+  std::vector<std::string> NamesOf(const std::string& first) const;
   /// Replaces the inputs of the clip that `first` names: its files (role "source"; depth images, masks and clouds
   /// "depth"), and what calibrates its cameras (role "calibration"). Files that cannot be read are left to be missed.
   /// Error kUnreadable where all of them are such, or the calibration is; kNotFound naming the calibration.

@@ -109,7 +109,8 @@ Error NothingFound(const IngestOptions& options, const Discovery& discovery, con
     const std::vector<Finding>& findings = file.outcome.findings;
     return file.outcome.kind == OutcomeKind::kRefused &&
            (file.outcome.error.code != ErrorCode::kInconsistent ||
-            (!findings.empty() && findings.front().code == "label_unknown"));
+            (!findings.empty() &&
+             (findings.front().code == "label_unknown" || findings.front().code == kNameAmbiguous)));
   });
   if (failed != discovery.excluded.end()) {
     return {ErrorCode::kNotFound, "no file can be read; the first: " + failed->outcome.error.Message(), where, ""};

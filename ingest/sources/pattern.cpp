@@ -69,26 +69,25 @@ Expected<NamePattern> NamePattern::Parse(const std::string& text, const std::str
 std::optional<NameFields> NamePattern::Match(std::string_view name) const {
   NameFields fields;
   int budget = kMatchBudget;
-  if (!MatchFrom(0, name, fields, budget)) return std::nullopt;
+  if (!MatchFrom(0, name, fields, budget, {})) return std::nullopt;
   return fields;
 }
 
-std::optional<NameFields> NamePattern::OtherMatch(std::string_view name) const {
-  const std::optional<NameFields> first = Match(name);
+std::optional<NameFields> NamePattern::OtherMatch(std::string_view name, const FieldTest& differ) const {
   NameFields fields;
   int budget = kMatchBudget;
-  if (!first || !MatchFrom(0, name, fields, budget, &*first)) return std::nullopt;
+  if (!MatchFrom(0, name, fields, budget, differ)) return std::nullopt;
   return fields;
 }
 
 bool NamePattern::MatchFrom(std::size_t part, std::string_view rest, NameFields& fields, int& budget,
-                            const NameFields* other_than) const {
-  if (part == parts_.size()) return rest.empty() && (other_than == nullptr || fields != *other_than);
+                            const FieldTest& accepted) const {
+  if (part == parts_.size()) return rest.empty() && (!accepted || accepted(fields));
   if (--budget < 0) return false;
   const Part& p = parts_[part];
   if (!p.is_field) {
     return rest.substr(0, p.text.size()) == p.text &&
-           MatchFrom(part + 1, rest.substr(p.text.size()), fields, budget, other_than);
+           MatchFrom(part + 1, rest.substr(p.text.size()), fields, budget, accepted);
   }
   const std::size_t slash = std::min(rest.find('/'), rest.size());
   const std::size_t first = p.width > 0 ? p.width : 1;
@@ -102,13 +101,13 @@ bool NamePattern::MatchFrom(std::size_t part, std::string_view rest, NameFields&
     if (before && *before != value) continue;
     if (p.folder && length != slash) continue;
     fields[p.text] = value;
-    if (MatchFrom(part + 1, rest.substr(p.folder ? length + 1 : length), fields, budget, other_than)) return true;
+    if (MatchFrom(part + 1, rest.substr(p.folder ? length + 1 : length), fields, budget, accepted)) return true;
   }
   if (before)
     fields[p.text] = *before;
   else
     fields.erase(p.text);
-  return p.folder && MatchFrom(part + 1, rest, fields, budget, other_than);
+  return p.folder && MatchFrom(part + 1, rest, fields, budget, accepted);
 }
 
 std::vector<std::string> NamePattern::FieldNames() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -23,9 +24,10 @@ class NamePattern {
   /// The fields of a name; empty when it does not match.
   std::optional<NameFields> Match(std::string_view name) const;
 
-  /// Another way to match the name; empty where there is one only. "old_female_punch" with "{person}_{pose}" has person
-  /// `old` by Match and `old_female` by this.
-  std::optional<NameFields> OtherMatch(std::string_view name) const;
+  /// Another way to match the name, whose fields `differ`; empty where there is none. "old_female_punch" with
+  /// "{person}_{pose}" has person `old` by Match and `old_female` by this.
+  using FieldTest = std::function<bool(const NameFields&)>;
+  std::optional<NameFields> OtherMatch(std::string_view name, const FieldTest& differ) const;
 
   /// Number of folders in the pattern: with the optional ones, and without.
   int depth() const { return depth_; }
@@ -40,9 +42,9 @@ class NamePattern {
     std::size_t width = 0;  ///< of a field; 0: any
     bool folder = false;    ///< with its '/', and optional
   };
-  /// Whether the parts from `part` on match `rest`, with other fields than `other_than`.
+  /// Whether the parts from `part` on match `rest`, with fields that `accepted` holds of, if given.
   bool MatchFrom(std::size_t part, std::string_view rest, NameFields& fields, int& budget,
-                 const NameFields* other_than = nullptr) const;
+                 const FieldTest& accepted) const;
   std::vector<Part> parts_;
   std::string text_;
   int depth_ = 0;

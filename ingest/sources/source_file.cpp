@@ -93,6 +93,56 @@ std::string PerformanceOf(const SourceOptions& source, const std::vector<std::st
 
 std::string NamedFile::item() const { return identity.source + "/" + identity.person + "/" + identity.recording; }
 
+namespace {
+
+/// What the declaration makes of a name's fields: two ways to read a name that agree in all of it are one.
+std::vector<std::string> MadeOf(const SourceOptions& source, NameFields fields) {
+  fields.erase("-");
+  std::vector<std::string> texts = {
+      source.person, source.recording,      source.label,          source.fine_label,  source.session,    source.view,
+      source.style,  source.frames_in_name, source.skeleton_files, source.depth_files, source.mask_files, "{camera}",
+      "{frame}"};
+  texts.insert(texts.end(), source.calibration.begin(), source.calibration.end());
+  for (std::string& text : texts) text = FillFields(text, fields);
+  return texts;
+}
+
+std::string FieldsText(const std::vector<std::string>& names, const NameFields& fields) {
+  std::string text;
+  for (const std::string& name : names) {
+    const auto value = fields.find(name);
+    if (value != fields.end()) text += (text.empty() ? "" : ", ") + name + " '" + value->second + "'";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<Error> AmbiguousName(const SourceOptions& source, const NamePattern& pattern, const std::string& name) {
+  const std::optional<NameFields> read = pattern.Match(name);
+  if (!read) return std::nullopt;
+  const std::vector<std::string> made = MadeOf(source, *read);
+  const auto listed = [&](const NameFields& fields) {
+    return source.labels.count(FillFields(source.label, fields)) != 0;
+  };
+  const bool meant = listed(*read);
+  const std::optional<NameFields> other = pattern.OtherMatch(
+      name, [&](const NameFields& fields) { return !(meant && !listed(fields)) && MadeOf(source, fields) != made; });
+  if (!other) return std::nullopt;
+  std::vector<std::string> names = pattern.FieldNames();
+  names.erase(std::remove(names.begin(), names.end(), "-"), names.end());
+  std::string width;  // one that leaves the second way only
+  for (const std::string& field : names) {
+    const auto first = read->find(field), second = other->find(field);
+    if (second == other->end() || (first != read->end() && first->second == second->second)) continue;
+    width = "{" + field + ":" + std::to_string(second->second.size()) + "}";
+  }
+  return Error{ErrorCode::kInconsistent,
+               "the name fits '" + pattern.text() + "' in two ways: " + FieldsText(names, *read) + "; or " +
+                   FieldsText(names, *other),
+               name, "give a field its width in ingest.source.files, e.g. " + width + ", or rename the file"};
+}
+
 Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name, int body) {
   const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
   if (!pattern) return Forward(pattern);
@@ -104,7 +154,7 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   NamedFile named;
   named.fields = std::move(*fields);
   named.fields["file"] = WithoutEnding(relative_name);
-  const std::string person = IdPart(FillFields(source.person, named.fields));
+  named.performer = IdPart(FillFields(source.person, named.fields));
   named.bodies = BodiesOf(source, FillFields(source.label, named.fields));
   named.body = body;
   if (named.bodies > 1) named.fields["body"] = std::string(1, static_cast<char>('a' + body - 1));
@@ -130,7 +180,7 @@ Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& rel
   if (const auto fine = source.fine_labels.find(named.fine_label); fine != source.fine_labels.end()) {
     named.fine_label = fine->second;
   }
-  const auto role = source.roles.find(person);
+  const auto role = source.roles.find(named.performer);
   if (role != source.roles.end()) named.role = role->second;
   return named;
 }

@@ -25,6 +25,7 @@ struct NamedFile {
   std::string fine_label;
   std::string style;
   std::string performance;  ///< fields shared by all cameras, where the source declares a view; else empty
+  std::string performer;    ///< the person as named without {body}, of whom the role is
   std::string role;
   int bodies = 1;  ///< people in the file
   int body = 1;    ///< index of this person, from 1
@@ -36,6 +37,11 @@ struct NamedFile {
 /// For the `body`-th person in the file. Error kConfig for a broken declaration, kInconsistent for a name that does not
 /// match or a label that is not listed. The role depends on the person as named without {body}.
 Expected<NamedFile> ReadName(const SourceOptions& source, const std::string& relative_name, int body = 1);
+
+/// Error kInconsistent for a name that fits the pattern of ingest.source.files in two ways, of which the declaration
+/// makes different clips: another person, recording, label, session, view, style, camera, frame or companion. Where
+/// `labels` lists the label of one way only and it is the one that ReadName takes, that is the one meant.
+std::optional<Error> AmbiguousName(const SourceOptions& source, const NamePattern& pattern, const std::string& name);
 
 /// The label of a text. Error kInconsistent where `labels` does not list it; `name` for messages.
 Status CheckLabelRules(const SourceOptions& source);

@@ -35,7 +35,7 @@ SourceOptions StudioSource() {
   SourceOptions source;
   source.name = "studio";
   source.format = "joint_table";
-  source.files = "{action}_p{person}_r{repetition}.txt";
+  source.files = "{action}_p{person:2}_r{repetition}.txt";
   source.licence = "CC0";
   source.units = "mm";
   source.axes = "+x +y -z";

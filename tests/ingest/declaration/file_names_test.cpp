@@ -40,6 +40,19 @@ TEST(EstimatedFileNames, TakeWholeNamesWithoutACommonForm) {
   EXPECT_FALSE(guessed.common);
 }
 
+TEST(EstimatedFileNames, FitTheirPatternInOneWay) {
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"walk_s01_e01.bvh", "sit_s02_e02.bvh"},
+                                                {"climb_stairs_s01_e01.bvh", "walk_s01_e01.bvh", "walk_s02_e01.bvh"},
+                                                {"a/push-up_p1.npy", "b/walk_p2.npy", "a/walk_p1.npy"}}) {
+    const auto pattern = NamePattern::Parse(EstimateNamePattern(names).pattern, "test");
+    for (const std::string& name : names) {
+      const auto fields = pattern->Match(name);
+      ASSERT_TRUE(fields) << name;
+      EXPECT_FALSE(pattern->OtherMatch(name, [&](const NameFields& other) { return other != *fields; })) << name;
+    }
+  }
+}
+
 TEST(EstimatedFileNames, FindTheSkeletonFileByThePrefixOfItsMotions) {
   const std::vector<std::string> names = {"01/HDM_bd_jog_001_120.amc", "02/HDM_mm_jog_002_120.amc",
                                           "02/HDM_bd_kick_001_120.amc"};

@@ -29,8 +29,10 @@ TEST(NamePattern, MatchesFieldsBetweenLiterals) {
 }
 
 TEST(NamePattern, FindsASecondMatchOfAnAmbiguousName) {
-  const auto other = [](const std::string& pattern, const std::string& name) {
-    return NamePattern::Parse(pattern, "files")->OtherMatch(name);
+  const auto other = [](const std::string& text, const std::string& name) {
+    const auto pattern = NamePattern::Parse(text, "files");
+    const auto first = pattern->Match(name);
+    return pattern->OtherMatch(name, [&](const NameFields& fields) { return first && fields != *first; });
   };
   const auto cut = other("{person}_{pose}.bvh", "old_female_punch.bvh");
   ASSERT_TRUE(cut);
@@ -51,26 +53,78 @@ TEST(NamePattern, RejectsNamesThatDoNotMatch) {
   EXPECT_THAT(Match("{s}/a_{s}.txt", "x/a_x.txt"), ElementsAre(Pair("s", "x")));
 }
 
-TEST(NamePattern, ReportsANameWithAnAmbiguousPerson) {
-  const std::filesystem::path folder = FreshFolder("ambiguous");
+/// A source of BVH files in a folder, read by their names alone.
+IngestOptions Named(const std::filesystem::path& folder, const std::vector<std::string>& names,
+                    const std::string& files) {
   IngestOptions options = Declared("bandai2");
   options.path = folder;
-  options.source.files = "{person}_{pose}.bvh";
+  options.source.files = files;
   options.source.person = "{person}";
-  options.source.label.clear();
+  options.source.label = "{action}";
   options.source.labels.clear();
-  options.source.label_table.clear();
   options.source.style.clear();
   options.source.recording = "{file}";
-  for (const bool ambiguous : {false, true}) {
-    Put(folder / (ambiguous ? "old_female_punch.bvh" : "old_punch.bvh"), "HIERARCHY\n");
-    const auto found = Discover(options);
-    ASSERT_TRUE(found) << found.error().Message();
-    ASSERT_EQ(found->findings.size(), ambiguous ? 1u : 0u);
-    if (!ambiguous) continue;
-    EXPECT_EQ(found->findings[0].code, "name_ambiguous");
-    EXPECT_EQ(found->findings[0].value, 1.0);
+  for (const std::string& name : names) Put(folder / name, "HIERARCHY\n");
+  return options;
+}
+
+/// Codes of what became of excluded files, by name.
+std::map<std::string, std::string> ExcludedFrom(const IngestOptions& options) {
+  std::map<std::string, std::string> codes;
+  const auto found = Discover(options);
+  if (!found) return {{"error", found.error().Message()}};
+  for (const ItemResult& file : found->excluded) {
+    EXPECT_EQ(file.outcome.kind, OutcomeKind::kRefused) << file.item;
+    codes[file.item] = file.outcome.findings.front().code;
   }
+  return codes;
+}
+
+TEST(FileNames, ThatFitTheirPatternInTwoWaysAreRefusedWithBoth) {
+  const std::filesystem::path folder = FreshFolder("ambiguous");
+  IngestOptions options = Named(folder, {"climb_stairs_s01_e01.bvh", "walk_s01_e01.bvh", "walk_s02_e01.bvh"},
+                                "{action}_s{person}_e{rep}.bvh");
+  EXPECT_THAT(ExcludedFrom(options), ElementsAre(Pair("climb_stairs_s01_e01.bvh", "name_ambiguous")));
+  const auto found = Discover(options);
+  EXPECT_EQ(found->items.size(), 2u);
+  EXPECT_THAT(found->persons, ElementsAre("01", "02"));
+  for (const char* part : {"climb'", "tairs_s01'", "climb_stairs'", "'01'"}) {
+    EXPECT_THAT(found->excluded[0].outcome.error.what, ::testing::HasSubstr(part));
+  }
+  options.source.labels = {{"climb_stairs", "climb"}, {"walk", "walk"}};
+  EXPECT_THAT(ExcludedFrom(options), ElementsAre(Pair("climb_stairs_s01_e01.bvh", "name_ambiguous"))) << "not a label";
+  options.source.files = "{action}_s{person:2}_e{rep}.bvh";
+  EXPECT_THAT(ExcludedFrom(options), ElementsAre()) << "the width that the error proposes";
+}
+
+TEST(FileNames, OfTwoWaysThatMakeTheSameClipOrOfWhichOneIsMeantAreRead) {
+  const std::filesystem::path folder = FreshFolder("ambiguous");
+  IngestOptions options = Named(folder, {"female_walk_noisy_a_b.bvh"}, "{person}_{action}_{a}_{b}.bvh");
+  EXPECT_THAT(ExcludedFrom(options), ElementsAre(Pair("error", ::testing::HasSubstr("two ways"))));
+  options.source.labels = {{"walk", "walk"}};
+  EXPECT_THAT(ExcludedFrom(options), ElementsAre()) << "only `walk` is a label; {a} and {b} name nothing";
+  options.source.labels.clear();
+  options.source.label.clear();
+  options.source.person = "p";
+  EXPECT_THAT(ExcludedFrom(options), ElementsAre());
+}
+
+TEST(FileNames, OfAClipOfManyFilesAreRefusedTogether) {
+  const std::filesystem::path folder = FreshFolder("ambiguous");
+  IngestOptions options = Declared("pose2sim_single");
+  options.path = folder;
+  options.source.files = "{recording}_{camera}_{frame}.json";
+  options.source.recording = "{recording}";
+  for (const char* name :
+       {"run_cam1_0001.json", "run_cam1_0002.json", "walk_cam1_0001.json", "walk_fast_cam1_0002.json"}) {
+    Put(folder / name, "{}");
+  }
+  Put(folder / "Calib.qca.txt", "");
+  const auto found = Discover(options);
+  ASSERT_TRUE(found) << found.error().Message();
+  EXPECT_EQ(found->items.size(), 1u);
+  ASSERT_EQ(found->excluded.size(), 1u);
+  EXPECT_EQ(found->excluded[0].outcome.findings.front().code, "name_ambiguous");
 }
 
 TEST(NamePattern, AcceptsAnOptionalFolder) {
