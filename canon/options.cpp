@@ -166,8 +166,8 @@ void SplitOptions::Declare(OptionVisitor& v) {
   v.Texts("train", train,
           "persons or styles that are always in the training part; others are in it unless drawn for another part");
   v.Choice("absent", absent, {{"draw", AbsentGroups::kDraw}, {"refuse", AbsentGroups::kRefuse}},
-           "if the set has none of the persons or styles that are named for a part: draw others and report a finding, "
-           "or refuse");
+           "if the set lacks a person or style that is named for a part, or by role under ingest.source.roles: refuse; "
+           "or report a finding, and draw others for a part that has none of its names (by role none are drawn)");
   v.Bool("sessions_together", sessions_together,
          "by fraction: keep all clips of a person's session, repetitions included, in one part");
   v.Number("test_share", test_share, Unit::kNone, {0.0, 1.0},

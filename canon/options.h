@@ -165,9 +165,9 @@ struct CanonOptions {
 
 enum class SplitBy { kPerson, kStyle, kFraction, kRole };
 
-/// What happens when the set has none of the persons or styles that a split names for a part: other recordings of a
-/// known layout have other people. Drawing uses `test_share` or `validation_share` of those in the set that no part
-/// names.
+/// What happens where a split names persons or styles that the set lacks (by role: ingest.source.roles does). Drawing
+/// is for recordings of a known layout that have other people: where a part has none of its names, `test_share` or
+/// `validation_share` of those in the set that no part names.
 enum class AbsentGroups { kDraw, kRefuse };
 
 /// The train, validation and test parts. By person or style: the names in `test` and `validation`, all others train;
@@ -179,7 +179,7 @@ struct SplitOptions {
   std::vector<std::string> test;
   std::vector<std::string> validation;
   std::vector<std::string> train;
-  AbsentGroups absent = AbsentGroups::kDraw;
+  AbsentGroups absent = AbsentGroups::kRefuse;
   bool sessions_together = false;  ///< by fraction: the clips of a person's session are one group
   double test_share = 0.2;
   double validation_share = 0.1;

@@ -315,14 +315,23 @@ Status CheckNames(const JobOptions& options, JobStage last) {
   return CheckSplitNames(options, last);
 }
 
-Status CheckSplitGroups(const AssembleOptions& options, const Discovery& discovery) {
+Status CheckSplitGroups(const AssembleOptions& options, const std::map<std::string, std::string>& roles,
+                        const Discovery& discovery, std::vector<Finding>& findings) {
+  std::vector<std::string> without_clip;
+  for (const auto& [person, role] : roles) {
+    if (discovery.performers.count(person) == 0) without_clip.push_back(person);
+  }
   for (const SplitOptions& split : options.splits) {
-    const bool by_person = split.by == SplitBy::kPerson;
+    if (Status sound = CheckSplit(split); !sound) return sound;
+    if (split.by == SplitBy::kRole) {
+      Status all = CheckAbsent(split, "ingest.source.roles", without_clip, discovery.performers, findings);
+      if (!all) return all;
+    }
     if (!NamesGroups(split.by)) continue;
-    const std::set<std::string>& there = by_person ? discovery.persons : discovery.styles;
+    const std::set<std::string>& there = split.by == SplitBy::kPerson ? discovery.persons : discovery.styles;
     if (there.empty()) continue;  // unknown before the set is assembled, which checks it again
-    std::vector<Finding> findings;
-    if (const auto met = ResolveGroups(split, there, findings); !met) return Forward(met);
+    std::vector<Finding> reported_later;
+    if (const auto met = ResolveGroups(split, there, reported_later); !met) return Forward(met);
   }
   return {};
 }

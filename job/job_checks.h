@@ -1,5 +1,8 @@
 #pragma once
 
+#include <map>
+#include <string>
+
 #include "ingest/chosen_clips.h"
 #include "ingest/discover.h"
 #include "ingest/formats/driver.h"
@@ -15,8 +18,11 @@ FitMethod MethodFor(EvidenceKind gives);
 /// to `last`. Error kConfig with the option and the nearest name.
 Status CheckNames(const JobOptions& options, JobStage last);
 
-/// Checks splits by person or style against these captures (canon/splits), where the file names contain them.
-Status CheckSplitGroups(const AssembleOptions& options, const Discovery& discovery);
+/// Checks splits against these captures before they are read (canon/splits): persons and styles, where the file names
+/// contain them, and the persons of `roles`. Error kConfig; `findings`: those about roles, as the stage `assemble`
+/// reports all others.
+Status CheckSplitGroups(const AssembleOptions& options, const std::map<std::string, std::string>& roles,
+                        const Discovery& discovery, std::vector<Finding>& findings);
 
 /// Joints of canon.skeleton that the unfitted tracks of the source do not have ("left_toe, right_toe"), by its
 /// declaration; empty without any, or where the declaration lists no joints.

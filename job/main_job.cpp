@@ -134,7 +134,10 @@ class MainJob {
     LogExcluded(discovery->excluded);
     AddSetFindings(discovery->findings);
     if (last_ >= JobStage::kAssemble) {
-      if (Status groups = CheckSplitGroups(options_.assemble, *discovery); !groups) return groups;
+      std::vector<Finding> findings;
+      const auto& roles = options_.ingest.source.roles;
+      if (Status groups = CheckSplitGroups(options_.assemble, roles, *discovery, findings); !groups) return groups;
+      AddSetFindings(findings);
     }
     const StageInput skeleton = SkeletonInput(options_.ingest.source.skeleton);
     for (auto* items : {&discovery->items, &discovery->truth}) AddInput(skeleton, *items);

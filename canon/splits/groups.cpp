@@ -24,8 +24,21 @@ Finding SplitFinding(const SplitOptions& options, const char* code, std::string 
 
 using Names = std::vector<std::string>;
 
+std::string PlaceOf(const SplitOptions& options) { return "assemble.splits." + options.name; }
+
 Error Impossible(const SplitOptions& options, std::string what, std::string hint) {
-  return {ErrorCode::kConfig, std::move(what), "assemble.splits." + options.name, std::move(hint)};
+  return {ErrorCode::kConfig, std::move(what), PlaceOf(options), std::move(hint)};
+}
+
+/// "the set has: P01, P02", of many the first ones.
+std::string KnownNames(const std::set<std::string>& names) {
+  constexpr std::size_t kMost = 20;
+  Names first;
+  for (const std::string& name : names) {
+    if (!name.empty() && first.size() < kMost) first.push_back(name);
+  }
+  return "the set has: " + (first.empty() ? "none" : JoinNames(first)) +
+         (names.size() > kMost ? ", ... (" + std::to_string(names.size()) + ")" : "");
 }
 
 /// Removes from `options` the names that no clip has, and returns them.
@@ -38,24 +51,6 @@ Names TakeAbsent(const std::set<std::string>& groups, SplitOptions& options) {
     names->erase(gone, names->end());
   }
   return absent;
-}
-
-/// Checks that each name is listed for one part only.
-Status CheckNames(const SplitOptions& options) {
-  std::map<std::string, const char*> part_of;
-  const std::pair<const char*, const Names*> parts[] = {
-      {"test", &options.test}, {"validation", &options.validation}, {"train", &options.train}};
-  for (const auto& [part, names] : parts) {
-    for (const std::string& name : *names) {
-      const char* other = part_of.emplace(name, part).first->second;
-      if (other == part) continue;
-      return tl::unexpected<Error>(Impossible(options,
-                                              std::string("the ") + NameOf(options.by) + " '" + name +
-                                                  "' is named under `" + other + "` and under `" + part + "`",
-                                              "name it once"));
-    }
-  }
-  return {};
 }
 
 /// Groups that are named for no part, in a random order keyed by the group: other groups do not change it.
@@ -116,20 +111,57 @@ std::string JoinNames(const std::vector<std::string>& names) {
   return text;
 }
 
+Status CheckSplit(const SplitOptions& options) {
+  std::map<std::string, const char*> part_of;
+  const std::pair<const char*, const Names*> parts[] = {
+      {"test", &options.test}, {"validation", &options.validation}, {"train", &options.train}};
+  for (const auto& [part, names] : parts) {
+    if (!NamesGroups(options.by) && !names->empty()) {
+      const char* by = options.by == SplitBy::kRole ? "role" : "fraction";
+      return tl::unexpected<Error>(Impossible(
+          options,
+          std::string("`") + part + "` names " + JoinNames(*names) + ", but a split by " + by + " has no names",
+          options.by == SplitBy::kRole ? "set by: person, or name them under ingest.source.roles"
+                                       : "set by: person or by: style, or remove the names"));
+    }
+    for (const std::string& name : *names) {
+      const char* other = part_of.emplace(name, part).first->second;
+      if (other == part) continue;
+      return tl::unexpected<Error>(Impossible(options,
+                                              std::string("the ") + NameOf(options.by) + " '" + name +
+                                                  "' is named under `" + other + "` and under `" + part + "`",
+                                              "name it once"));
+    }
+  }
+  return {};
+}
+
+Status CheckAbsent(const SplitOptions& options, const std::string& where, const std::vector<std::string>& absent,
+                   const std::set<std::string>& there, std::vector<Finding>& findings) {
+  if (absent.empty()) return {};
+  std::string near;
+  for (const std::string& name : absent) {
+    const auto nearest = Nearest(name, Names(there.begin(), there.end()));
+    if (nearest) near += (near.empty() ? "did you mean '" : ", '") + *nearest + "'";
+  }
+  if (!near.empty()) near += "? ";
+  const char* kind = options.by == SplitBy::kStyle ? "style" : "person";
+  const std::string what = std::string("no clip has the ") + kind + " '" + JoinNames(absent) + "'";
+  if (options.absent == AbsentGroups::kRefuse) {
+    return Fail(ErrorCode::kConfig, what, where,
+                near + KnownNames(there) + "; or set absent: draw, for a set of other people");
+  }
+  findings.push_back(SplitFinding(options, "split_name_absent", what + " (" + near + KnownNames(there) + ")",
+                                  FindingAction::kFlagged));
+  return {};
+}
+
 Expected<ResolvedGroups> ResolveGroups(const SplitOptions& options, const std::set<std::string>& groups,
                                        std::vector<Finding>& findings) {
-  if (Status once = CheckNames(options); !once) return Forward(once);
+  if (Status once = CheckSplit(options); !once) return Forward(once);
   SplitOptions met = options;
   const Names absent = TakeAbsent(groups, met);
-  const Names known_names(groups.begin(), groups.end());
-  const std::string known = "the set has: " + JoinNames(known_names);
-  if (!absent.empty()) {
-    const auto near = Nearest(absent.front(), known_names);
-    const std::string hint = (near ? "did you mean '" + *near + "'? " : "") + known;
-    const std::string what = std::string("no clip has the ") + NameOf(options.by) + " '" + JoinNames(absent) + "'";
-    if (options.absent == AbsentGroups::kRefuse) return tl::unexpected<Error>(Impossible(options, what, hint));
-    findings.push_back(SplitFinding(options, "split_name_absent", what + " (" + hint + ")", FindingAction::kFlagged));
-  }
+  if (Status all = CheckAbsent(options, PlaceOf(options), absent, groups, findings); !all) return Forward(all);
   const bool tests = options.test.empty() || !met.test.empty();
   const bool selects = options.validation.empty() || !met.validation.empty();
   const bool any_named = met.test.size() + met.validation.size() + met.train.size() > 0;
@@ -144,7 +176,7 @@ Expected<ResolvedGroups> ResolveGroups(const SplitOptions& options, const std::s
                                             std::string("the test part would be empty: none of '") +
                                                 JoinNames(options.test) +
                                                 "' is in the set, and the others are named for train or validation",
-                                            known));
+                                            KnownNames(groups)));
   }
   if (!drawn) return ResolvedGroups{met, false};
   std::string message = "drawn instead:";

@@ -57,6 +57,21 @@ std::string RuleText(const SplitOptions& options, bool drawn) {
   return text;
 }
 
+/// A split by role of clips without any: with `absent: refuse` an error kConfig, else a finding, and all train.
+Status CheckRoles(const SplitOptions& options, const Dataset& dataset, std::vector<Finding>& findings) {
+  const auto has_role = [](const Clip& clip) { return !clip.role.empty(); };
+  if (options.by != SplitBy::kRole || std::any_of(dataset.clips.begin(), dataset.clips.end(), has_role)) return {};
+  const std::string what = "no clip has a role, so that all train";
+  if (options.absent == AbsentGroups::kRefuse) {
+    return Fail(ErrorCode::kConfig, what, "assemble.splits." + options.name,
+                "declare ingest.source.roles or annotation_roles, or split by: person");
+  }
+  Finding finding = MakeFinding("split_name_absent", Severity::kWarning, 0.0, "split '" + options.name + "': " + what,
+                                FindingAction::kFlagged);
+  findings.push_back(std::move(finding));
+  return {};
+}
+
 /// Hash of the clip's source data, else of its joints: the same file under two persons' names is fitted with different
 /// bone lengths, and then differs.
 std::string ContentHash(const Clip& clip) {
@@ -104,6 +119,8 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
                           const std::vector<std::string>& contents) {
   SplitOptions met = options;
   bool drawn = false;
+  if (Status sound = CheckSplit(options); !sound) return Forward(sound);
+  if (Status roles = CheckRoles(options, dataset, findings); !roles) return Forward(roles);
   if (NamesGroups(options.by)) {
     std::set<std::string> groups;
     for (const Clip& clip : dataset.clips) groups.insert(GroupOf(options, clip));

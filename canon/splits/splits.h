@@ -7,7 +7,8 @@ namespace mocurate {
 
 /// Assigns every clip to train, validation or test by the declared rule, and checks for leaks: persons, styles or
 /// recordings in two parts, and clips of equal content. Named groups are assigned as in ResolveGroups, with its
-/// findings and errors; the rule reports drawn ones. `contents`, where given, holds a hash of the motion of each clip
+/// findings and errors; the rule reports drawn ones. A split by role of clips without any is an error kConfig, or with
+/// `absent: draw` a finding. `contents`, where given, holds a hash of the motion of each clip
 /// whose source is unknown, so that its frames need not be in memory.
 Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, std::vector<Finding>& findings,
                           const std::vector<std::string>& contents = {});

@@ -47,6 +47,17 @@ std::size_t EditDistance(std::string_view a, std::string_view b) {
   return above[b.size()];
 }
 
+/// Letter case and dash/underscore as above, numbers without leading zeros: "P01" -> "p1".
+std::string PlainName(std::string_view name) {
+  const auto digit = [&](std::size_t i) { return i < name.size() && name[i] >= '0' && name[i] <= '9'; };
+  std::string plain;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const bool leads = name[i] == '0' && digit(i + 1) && (plain.empty() || plain.back() < '0' || plain.back() > '9');
+    if (!leads) plain += Folded(name[i]);
+  }
+  return plain;
+}
+
 }  // namespace
 
 std::optional<double> ParseDouble(std::string_view text) {
@@ -117,6 +128,10 @@ std::vector<std::string_view> SplitBlanks(std::string_view text) {
 std::optional<std::string> Nearest(std::string_view word, const std::vector<std::string>& known) {
   std::optional<std::string> nearest;
   if (word.size() > 200) return nearest;
+  const auto same = std::find_if(known.begin(), known.end(), [plain = PlainName(word)](const std::string& candidate) {
+    return PlainName(candidate) == plain;
+  });
+  if (!word.empty() && same != known.end()) return *same;
   std::size_t limit = word.size() / 3;
   for (const std::string& candidate : known) {
     const std::size_t longer = std::max(candidate.size(), word.size());

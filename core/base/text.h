@@ -27,7 +27,9 @@ std::vector<std::string_view> SplitText(std::string_view text, char separator);
 /// Fields between runs of blanks and tabs.
 std::vector<std::string_view> SplitBlanks(std::string_view text);
 
-/// The entry of `known` nearest to `word` (edit distance at most a third of its length), for "did you mean".
+/// The entry of `known` nearest to `word`, for "did you mean": one that differs in case and in zeros before numbers
+/// only
+/// ("P1", "p01"), else by edit distance, at most a third of the word's length.
 std::optional<std::string> Nearest(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace mocurate

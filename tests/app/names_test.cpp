@@ -59,25 +59,27 @@ TEST(Names, OfSplitsMustExistForTheStagesThatNeedThem) {
   EXPECT_EQ(RunWith(folder, {splits, "train.networks.0.split=person"}, "ingest").exit_code, 0);
 }
 
-TEST(Names, OfPersonsOfASplitThatDrawsNoOthersMustExistBeforeAnythingIsIngested) {
+TEST(Names, OfPersonsOfASplitMustExistBeforeAnythingIsIngested) {
   const ScratchFolder folder;
-  const std::string splits = "assemble.splits=[{name: s, by: person, test: [p0], absent: ABSENT}]";
-  const auto with = [&](const std::string& absent) {
-    std::string text = splits;
-    return RunWith(folder, {text.replace(text.find("ABSENT"), 6, absent)});
+  const auto with = [&](const std::string& split, const std::string& roles = "{}") {
+    return RunWith(folder, {"assemble.splits=[{name: s, " + split + "}]", "ingest.source.roles=" + roles});
   };
-  const Result refused = with("refuse");
-  EXPECT_EQ(refused.exit_code, 2) << refused.err;
-  EXPECT_THAT(refused.err, HasSubstr("assemble.splits.s: no clip has the person 'p0'"));
-  EXPECT_THAT(refused.err, HasSubstr("the set has: p01, p02, p03"));
-  EXPECT_THAT(refused.err, ::testing::Not(HasSubstr("ingest: ")));
-  const Result drawn = with("draw");
+  for (const char* split : {"by: person, test: [P1]", "by: person, test: [p01], validation: [p1]", "by: role"}) {
+    const Result refused = with(split, "{p1: test, p02: train}");
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr("did you mean 'p01'? the set has: p01, p02, p03")) << split;
+    EXPECT_THAT(refused.err, ::testing::Not(HasSubstr("ingest: "))) << split;
+    EXPECT_FALSE(fs::exists(folder / "r/dataset.h5")) << split;
+  }
+  const Result drawn = with("by: person, test: [p0], absent: draw");
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
   EXPECT_THAT(drawn.err, HasSubstr("no clip has the person 'p0'"));
-  const Result all_test = RunWith(folder, {"assemble.splits=[{name: s, by: person, test: [p01, p02, p03]}]"});
+  const Result all_test = with("by: person, test: [p01, p02, p03]");
   EXPECT_EQ(all_test.exit_code, 2) << all_test.err;
   EXPECT_THAT(all_test.err, HasSubstr("assemble.splits.s: every person of the set"));
   EXPECT_THAT(all_test.err, ::testing::Not(HasSubstr("ingest: ")));
+  const Result nameless = with("by: fraction, test: [p01]");
+  EXPECT_EQ(nameless.exit_code, 2) << nameless.err;
 }
 
 }  // namespace

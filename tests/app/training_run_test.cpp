@@ -60,7 +60,7 @@ int StagesNamed(const nlohmann::json& document, const std::string& name) {
 TEST(TrainingRun, OnePersonAloneIsTrainedOnAndNothingIsScored) {
   const ScratchFolder folder;
   std::vector<std::string> arguments = TrainingJob(
-      folder, {"ingest.synthetic.subjects=1", "assemble.splits=[{name: s, by: person, test: [p09], validation: []}]"});
+      folder, {"ingest.synthetic.subjects=1", "assemble.splits=[{name: s, by: person, test: [p09], absent: draw}]"});
   arguments.erase(std::find(arguments.begin(), arguments.end(), "--json"));
   const Result result = TrainingProgram(folder, arguments);
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -112,6 +112,10 @@ TEST(Text, FindsTheWordThatWasMeant) {
   EXPECT_EQ(Nearest("raet", known), "rate");
   EXPECT_EQ(Nearest("frequency", known), std::nullopt);
   EXPECT_EQ(Nearest("", known), std::nullopt);
+  EXPECT_EQ(Nearest("P1", {"P10", "P01", "P11"}), "P01");
+  EXPECT_EQ(Nearest("s007", {"s07", "s70"}), "s07");
+  EXPECT_EQ(Nearest("p0", {"p00", "p01"}), "p00");
+  EXPECT_EQ(Nearest("P3", {"P01", "P02"}), std::nullopt);
 }
 
 }  // namespace

@@ -83,17 +83,55 @@ TEST(Split, EqualClipsOfTwoPersonsLeak) {
   EXPECT_THAT(split->leak_check, HasSubstr("1 clip of equal content"));
 }
 
-TEST(Split, APersonThatDoesNotExistCanBeAnErrorThatListsTheOthers) {
+TEST(Split, ANameThatNoClipHasIsAnErrorThatProposesTheNearest) {
+  Dataset dataset = SetOf({ClipMoving("p01", "a", 40, 5, 30, 1), ClipMoving("p02", "a", 41, 5, 30, 1)});
+  for (Clip& clip : dataset.clips) clip.provenance["style"] = clip.identity.person == "p01" ? "lively" : "calm";
+  using Names = std::vector<std::string>;
+  struct Absent {
+    SplitBy by;
+    Names test, validation, train;
+    const char* near;
+  };
+  for (const Absent& absent :
+       {Absent{SplitBy::kPerson, {"P1"}, {}, {}, "'p01'"}, Absent{SplitBy::kPerson, {"p01"}, {"p2"}, {}, "'p02'"},
+        Absent{SplitBy::kPerson, {}, {}, {"p9"}, "p01, p02"},
+        Absent{SplitBy::kPerson, {"p01", "p9"}, {}, {}, "p01, p02"},
+        Absent{SplitBy::kStyle, {"livly"}, {}, {}, "'lively'"}}) {
+    SplitOptions options;
+    options.by = absent.by;
+    options.test = absent.test;
+    options.validation = absent.validation;
+    options.train = absent.train;
+    std::vector<Finding> findings;
+    const auto split = MakeSplit(options, dataset, findings);
+    ASSERT_FALSE(split) << absent.near;
+    EXPECT_EQ(split.error().code, ErrorCode::kConfig);
+    EXPECT_THAT(split.error().hint, HasSubstr(absent.near));
+    EXPECT_TRUE(findings.empty());
+  }
+}
+
+TEST(Split, ByFractionOrRoleHasNoNamesAndByRoleNeedsRoles) {
+  Dataset dataset = SetOf({ClipMoving("p01", "a", 40, 5, 30, 1), ClipMoving("p02", "a", 41, 5, 30, 1)});
   std::vector<Finding> findings;
-  const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1)});
   SplitOptions options;
-  options.by = SplitBy::kPerson;
-  options.test = {"p9"};
+  options.test = {"p01"};
+  EXPECT_FALSE(MakeSplit(options, dataset, findings));
+  options.by = SplitBy::kRole;
+  EXPECT_FALSE(MakeSplit(options, dataset, findings));
+  options.test.clear();
+  EXPECT_FALSE(MakeSplit(options, dataset, findings)) << "no clip has a role";
+  options.absent = AbsentGroups::kDraw;
+  const auto all_train = MakeSplit(options, dataset, findings);
+  ASSERT_TRUE(all_train);
+  EXPECT_EQ(all_train->train.size(), 2u);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "split_name_absent");
   options.absent = AbsentGroups::kRefuse;
+  dataset.clips[0].role = "test";
   const auto split = MakeSplit(options, dataset, findings);
-  ASSERT_FALSE(split);
-  EXPECT_THAT(split.error().what, HasSubstr("'p9'"));
-  EXPECT_THAT(split.error().hint, HasSubstr("p1"));
+  ASSERT_TRUE(split) << split.error().Message();
+  EXPECT_EQ(split->test, std::vector<int>{0});
 }
 
 TEST(Split, OneFileUnderTwoPersonsNamesLeaksThoughItsFitsDiffer) {
@@ -153,6 +191,7 @@ TEST(Split, OtherPersonsOfTheSameSourceAreDrawnAndThatIsSaid) {
                                  ClipMoving("p11", "b", 42, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
+  options.absent = AbsentGroups::kDraw;
   options.test = {"p7", "p8"};
   std::vector<Finding> findings;
   const auto split = MakeSplit(options, dataset, findings);
@@ -170,6 +209,7 @@ TEST(Split, OnePersonWhoIsThereTestsAloneAndNoOneIsDrawn) {
   const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p7", "a", 41, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
+  options.absent = AbsentGroups::kDraw;
   options.test = {"p7", "p8"};
   std::vector<Finding> findings;
   const auto split = MakeSplit(options, dataset, findings);
@@ -198,6 +238,7 @@ TEST(Split, WhoIsNamedPlaysThatPartWhateverIsDrawnBesideIt) {
   const Dataset dataset = SetOf(clips);
   SplitOptions options;
   options.by = SplitBy::kPerson;
+  options.absent = AbsentGroups::kDraw;
   options.test = {"p9"};
   options.validation = {"p2"};
   options.train = {"p5", "p6"};
@@ -217,6 +258,7 @@ TEST(Split, AMissingValidationPersonIsReplacedAndTheTestPersonStays) {
       {ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1), ClipMoving("p3", "b", 42, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
+  options.absent = AbsentGroups::kDraw;
   options.test = {"p3"};
   options.validation = {"p4"};
   std::vector<Finding> findings;
@@ -233,6 +275,7 @@ TEST(Split, APartThatNoPersonCanPlayBesideThoseWhoAreNamedIsRefused) {
   const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 41, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
+  options.absent = AbsentGroups::kDraw;
   options.test = {"p7"};
   options.validation = {"p2"};
   std::vector<Finding> findings;
@@ -249,6 +292,7 @@ TEST(Split, OnePersonAloneTrainsAndNothingTests) {
   const Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1)});
   SplitOptions options;
   options.by = SplitBy::kPerson;
+  options.absent = AbsentGroups::kDraw;
   options.test = {"p7"};
   std::vector<Finding> findings;
   const auto split = MakeSplit(options, dataset, findings);
