@@ -27,6 +27,15 @@ void AddEval(CLI::App& app, CommonArguments& common, std::function<Status()>& ve
           "label per line, in the order of the motions or of the folder's file names; once for all sets, or once "
           "for each. Default: file names of a folder that begin with a class")
       ->allow_extra_args(false);
+  eval->add_option(
+          "--lengths", arguments->lengths,
+          "numbers of frames of the generated motions, which are cut to them: a text of one number a line, or .npy, in "
+          "the order of the motions; once for all sets, or once for each")
+      ->allow_extra_args(false);
+  eval->add_option("--padding", arguments->padding,
+                   "trailing frames that are all zero or, in files of other programs, repeat the last pose: cut "
+                   "(default), or keep: scored as given, with a warning")
+      ->check(CLI::IsMember({"cut", "keep"}));
   eval->add_option("--values", arguments->values,
                    "content of a bare array: joints (positions), or lie (Action2Motion's raw outputs)")
       ->check(CLI::IsMember({"joints", "lie"}));

@@ -222,6 +222,7 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
   v.Integer("step", step, {1.0, 1000.0}, "scored step of a script");
   v.Bool("align", align, "rotate and move joined motions");
   DeclareFilter(filter, v);
+  DeclarePadding(padding, v);
 }
 
 void ScoreOptions::Declare(OptionVisitor& v) {

@@ -8,6 +8,7 @@
 #include "core/motion/clip_part.h"
 #include "core/motion/one_euro.h"
 #include "core/pipeline/stage.h"
+#include "core/quality/padding.h"
 #include "eval/features/extractor_options.h"
 #include "eval/metrics/interval.h"
 
@@ -165,6 +166,7 @@ struct FeaturesOptions {
   bool align = false;       ///< rotate and move joined motions
   std::int64_t frames = 0;  ///< requested from a generator and read from its motions; 0: the extractor's
   OneEuro filter;           ///< of a generator's motions
+  PaddingAction padding = PaddingAction::kNone;  ///< all-zero frames at the end of a dataset's motions
 
   void Declare(OptionVisitor& v);
 };

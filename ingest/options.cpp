@@ -199,7 +199,7 @@ void SyntheticOptions::Declare(OptionVisitor& v) {
   v.Bool("enabled", enabled, "make a synthetic capture instead of reading a folder");
   v.Integer("seed", seed, {}, "random seed of the capture");
   v.Texts("actions", actions, "actions of the subjects");
-  v.Integer("subjects", subjects, {1.0, 1000.0}, "number of people, each with an own body");
+  v.Integer("subjects", subjects, {1.0, 99.0}, "number of people, each with an own body");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "takes of each action by each subject");
   v.Number("duration", duration_s, Unit::kSecond, {0.2, 600.0}, "mean length of a take");
   v.Number("rate", rate_hz, Unit::kHertz, {1.0, 1000.0}, "frames per second of the tracker");
@@ -222,6 +222,7 @@ void MotionsOptions::Declare(OptionVisitor& v) {
   v.Group("ingest", ingest, "place and declaration of the motions");
   v.Texts("classes", classes,
           "classes; a motion without a label gets the class that its file or folder name begins with");
+  DeclarePadding(padding, v);
 }
 
 StageDeclaration IngestDeclaration() { return {"ingest", 43, "mocurate-annotate", ClipLimits()}; }

@@ -10,6 +10,7 @@
 #include "core/base/options.h"
 #include "core/formats/damaged_rows.h"
 #include "core/pipeline/stage.h"
+#include "core/quality/padding.h"
 #include "ingest/checks/check_options.h"
 #include "ingest/synthetic/tracker_options.h"
 
@@ -181,6 +182,7 @@ struct IngestOptions {
 struct MotionsOptions {
   IngestOptions ingest;
   std::vector<std::string> classes;  ///< a motion without a label takes the class that its name begins with
+  PaddingAction padding = PaddingAction::kNone;
 
   void Declare(OptionVisitor& v);
 };

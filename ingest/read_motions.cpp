@@ -11,8 +11,10 @@
 #include "core/formats/npy.h"
 #include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
+#include "core/motion/operations.h"
 #include "core/motion/tracks.h"
 #include "ingest/discover.h"
+#include "ingest/formats/driver.h"
 
 namespace mocurate {
 namespace {
@@ -96,36 +98,50 @@ std::string OrderOfName(const std::string& name) {
   return order;
 }
 
+/// Which entry of a batch an item is: "[3]" -> 3.
+std::optional<std::size_t> EntryOfItem(const ItemSpec& item) {
+  const std::string id = item.options.value("array", std::string());
+  const std::size_t open = id.rfind('[');
+  if (open == std::string::npos || id.back() != ']') return std::nullopt;
+  const auto entry = ParseInteger(id.substr(open + 1, id.size() - open - 2));
+  return entry && *entry >= 0 ? std::optional<std::size_t>(static_cast<std::size_t>(*entry)) : std::nullopt;
+}
+
+/// The place of each item in the order of motions: that of the files' names, whose numbers count as numbers, and within
+/// a file that of its entries.
+std::vector<std::size_t> PlacesOf(const std::vector<ItemSpec>& items) {
+  std::vector<std::tuple<std::string, std::size_t, std::size_t>> order;  // file, entry, position in the list
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    order.emplace_back(OrderOfName(items[i].inputs.front().name), EntryOfItem(items[i]).value_or(0), i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::size_t> places(items.size());
+  for (std::size_t i = 0; i < order.size(); ++i) places[std::get<2>(order[i])] = i;
+  return places;
+}
+
+/// Error kInconsistent where a list beside the motions has other than one entry of each.
+Status CheckCount(std::size_t listed, const char* what, std::size_t motions, const std::string& file,
+                  const char* hint) {
+  if (listed == 0 || listed == motions) return {};
+  return Fail(
+      ErrorCode::kInconsistent,
+      Counted(static_cast<long long>(listed), what) + " for " + Counted(static_cast<long long>(motions), "motion"),
+      file, hint);
+}
+
 /// Gives clips their labels: those of a file beside the motions, the clip's own, else the class its name begins
 /// with.
 class LabelAssignment {
  public:
-  /// The order of motions is that of the files' names, whose numbers count as numbers, and within a file that of its
-  /// entries.
-  LabelAssignment(const MotionLabels& labels, const std::vector<std::string>& classes,
-                  const std::vector<ItemSpec>& items)
-      : labels_(labels), classes_(classes) {
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      place_.push_back({OrderOfName(items[i].inputs.front().name), EntryOfItem(items[i]).value_or(0), i});
-    }
-    std::sort(place_.begin(), place_.end());
-  }
+  LabelAssignment(const MotionLabels& labels, const std::vector<std::string>& classes)
+      : labels_(labels), classes_(classes) {}
 
-  Status Check() const {
-    if (labels_.ordered.empty() || labels_.ordered.size() == place_.size()) return {};
-    return Fail(ErrorCode::kInconsistent,
-                Counted(static_cast<long long>(labels_.ordered.size()), "label") + " for " +
-                    Counted(static_cast<long long>(place_.size()), "motion"),
-                labels_.file, "one label a motion, in the order of the motions, or lines of 'name,label'");
-  }
-
-  /// `position`: of the item in the list. Error kInconsistent where the labels have no name of the motion.
-  Status Assign(const ItemSpec& item, std::size_t position, Clip& clip) const {
+  /// `place`: of the item in the order of motions. Error kInconsistent where the labels have no name of the motion.
+  Status Assign(const ItemSpec& item, std::size_t place, Clip& clip) const {
     const std::string file = StemOfName(item.inputs.front().name);
     if (!labels_.ordered.empty()) {
-      const auto own =
-          std::find_if(place_.begin(), place_.end(), [&](const auto& place) { return std::get<2>(place) == position; });
-      clip.label = labels_.ordered[static_cast<std::size_t>(own - place_.begin())];
+      clip.label = labels_.ordered[place];
     } else if (!labels_.by_name.empty()) {
       const std::string with_ending = std::filesystem::path(item.inputs.front().name).filename().string();
       for (const std::string& name : {file, with_ending, clip.identity.recording, clip.id()}) {
@@ -146,15 +162,6 @@ class LabelAssignment {
   /// "a/walk_03.npy" -> "walk_03".
   static std::string StemOfName(const std::string& name) { return std::filesystem::path(name).stem().string(); }
 
-  /// Which entry of a batch an item is: "[3]" -> 3.
-  static std::optional<std::size_t> EntryOfItem(const ItemSpec& item) {
-    const std::string id = item.options.value("array", std::string());
-    const std::size_t open = id.rfind('[');
-    if (open == std::string::npos || id.back() != ']') return std::nullopt;
-    const auto entry = ParseInteger(id.substr(open + 1, id.size() - open - 2));
-    return entry && *entry >= 0 ? std::optional<std::size_t>(static_cast<std::size_t>(*entry)) : std::nullopt;
-  }
-
   /// The longest class that the file's name, or the name of its folder, begins with; else nothing.
   std::string ClassInName(const std::string& name) const {
     const std::filesystem::path path(name);
@@ -170,8 +177,54 @@ class LabelAssignment {
 
   const MotionLabels& labels_;
   const std::vector<std::string>& classes_;
-  std::vector<std::tuple<std::string, std::size_t, std::size_t>> place_;  // file, entry, position in the list
 };
+
+/// Error kInconsistent where a motion has fewer frames than are stated for it.
+Status CheckLength(const MotionLengths& lengths, std::size_t place, const Clip& clip) {
+  const int frames = clip.motion->frame_count();
+  if (lengths.frames.empty() || lengths.frames[place] <= frames) return {};
+  return Fail(ErrorCode::kInconsistent,
+              Counted(lengths.frames[place], "frame") + " are stated, the motion " + clip.id() + " has " +
+                  std::to_string(frames),
+              lengths.places[place], "state at most the frames of the motion");
+}
+
+/// Cuts a motion to its stated length and cuts or counts its padding. Error kInconsistent for a motion of zeros.
+Status TreatPadding(const MotionsOptions& options, const MotionLengths& lengths, std::size_t place, ReadMotions& read,
+                    Clip& clip) {
+  const int all = clip.motion->frame_count();
+  int frames = all;
+  if (!lengths.frames.empty()) {
+    frames = static_cast<int>(lengths.frames[place]);
+    Expected<Clip> cut = Cut(clip, 0, frames);
+    if (!cut) return Forward(cut);
+    clip = std::move(*cut);
+  }
+  if (options.padding != PaddingAction::kNone) {
+    const bool foreign = !DriverOf(options.ingest.source.format).stored;
+    frames = FramesWithoutPadding(*clip.motion, foreign && lengths.frames.empty());
+  }
+  if (frames == all) return {};
+  if (frames == 0 && options.padding == PaddingAction::kCut) {
+    return Fail(ErrorCode::kInconsistent, "all of its " + Counted(all, "frame") + " are zero: it is no motion",
+                clip.id(), "remove it, or score it as it is: --padding keep");
+  }
+  const std::string id = clip.id();
+  ++read.padded.motions;
+  read.padded.frames += all - frames;
+  if (read.padded.first.empty()) read.padded.first = id;
+  if (options.padding == PaddingAction::kKeep) return {};
+  if (frames < clip.motion->frame_count()) {
+    Expected<Clip> cut = Cut(clip, 0, frames);
+    if (!cut) return Forward(cut);
+    clip = std::move(*cut);
+  }
+  read.set.findings.push_back(MakeFinding("padding_cut", Severity::kInfo, all - frames,
+                                          Counted(all - frames, "frame") + " of padding at the end are cut",
+                                          FindingAction::kRepaired));
+  read.set.findings.back().clip = clip.id();
+  return {};
+}
 
 /// Why the first item that cannot be read is none; nothing where all can.
 std::optional<Error> FirstUnreadable(const std::vector<ItemSpec>& items) {
@@ -226,10 +279,49 @@ Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file) {
   return Fail(ErrorCode::kMalformed, "no label is there", name);
 }
 
-Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels) {
+Expected<MotionLengths> ReadMotionLengths(const std::filesystem::path& file) {
+  const Expected<std::string> bytes = ReadFile(file);
+  if (!bytes) return Forward(bytes);
+  MotionLengths lengths;
+  lengths.file = DisplayPath(file);
+  const auto add = [&](const std::optional<long long>& frames, const std::string& text, std::string place) -> Status {
+    if (!frames || *frames < 1) {
+      return Fail(ErrorCode::kMalformed, "'" + text + "' is no number of frames: a whole number from 1 on", place,
+                  "state one for each motion, in their order");
+    }
+    lengths.frames.push_back(*frames);
+    lengths.places.push_back(std::move(place));
+    return {};
+  };
+  if (file.extension() == ".npy") {
+    const Expected<NpyArray> array = ParseNpy(*bytes, lengths.file);
+    if (!array) return Forward(array);
+    for (std::size_t i = 0; i < array->values.size(); ++i) {
+      const std::string text = FormatDouble(array->values[i]);
+      if (Status added = add(ParseInteger(text), text, lengths.file + "[" + std::to_string(i) + "]"); !added) {
+        return Forward(added);
+      }
+    }
+  } else {
+    int line_number = 0;
+    for (const std::string_view raw : SplitText(*bytes, '\n')) {
+      ++line_number;
+      const std::string line(Trim(raw));
+      if (line.empty()) continue;
+      Status added = add(ParseInteger(line), line, lengths.file + ":" + std::to_string(line_number));
+      if (!added) return Forward(added);
+    }
+  }
+  if (!lengths.frames.empty()) return lengths;
+  return Fail(ErrorCode::kMalformed, "no length is there", lengths.file, "state one for each motion, in their order");
+}
+
+Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels,
+                                     const MotionLengths& lengths) {
   Expected<Discovery> discovery = Discover(options.ingest);
   if (!discovery) return Forward(discovery);
-  const LabelAssignment assignment(labels, options.classes, discovery->items);
+  const LabelAssignment assignment(labels, options.classes);
+  const std::vector<std::size_t> places = PlacesOf(discovery->items);
   ReadMotions read;
   read.set.created_by = CreatedBy();
   for (const ItemResult& excluded : discovery->excluded) {
@@ -241,7 +333,13 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
     }
   }
   read.excluded.insert(read.excluded.end(), discovery->findings.begin(), discovery->findings.end());
-  if (Status counts = assignment.Check(); !counts) {
+  Status counts = CheckCount(labels.ordered.size(), "label", places.size(), labels.file,
+                             "one label a motion, in the order of the motions, or lines of 'name,label'");
+  if (counts) {
+    counts = CheckCount(lengths.frames.size(), "length", places.size(), lengths.file,
+                        "one length a motion, in the order of the motions");
+  }
+  if (!counts) {
     if (auto unreadable = FirstUnreadable(discovery->items)) return tl::unexpected<Error>(std::move(*unreadable));
     return Forward(counts);
   }
@@ -252,14 +350,18 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
     Expected<ReadItem> one = ReadSourceItem(request);
     if (one && !HasArtifact(one->outcome.kind)) one = tl::unexpected<Error>(one->outcome.error);
     Status taken = one ? GiveMotion(options.ingest.source, one->clip) : Forward(one);
-    if (taken) taken = assignment.Assign(item, i, one->clip);
+    if (taken) taken = assignment.Assign(item, places[i], one->clip);
     if (taken) taken = FitsSet(read.set, one->clip);
+    if (taken) {
+      if (Status sound = CheckLength(lengths, places[i], one->clip); !sound) return Forward(sound);
+      one->clip.evidence = Evidence();
+      taken = TreatPadding(options, lengths, places[i], read, one->clip);
+    }
     if (!taken) {
       read.refused.push_back({item.item, taken.error()});
       continue;
     }
     Clip& clip = one->clip;
-    clip.evidence = Evidence();
     if (read.set.clips.empty()) {
       read.set.skeleton = clip.motion->rest_pose();
       read.set.joints_only = clip.motion->joints_only();
@@ -288,9 +390,15 @@ Expected<StageOutcome> MotionsStage(const StageRequest& request) {
   Expected<MotionsOptions> options = OptionsFromJson<MotionsOptions>(request.options, "motions");
   if (!options) return Forward(options);
   MotionLabels labels;
+  MotionLengths lengths;
   std::vector<const StageInput*> sources;
   for (const StageInput& input : request.inputs) {
     if (input.role == "source") sources.push_back(&input);
+    if (input.role == "lengths") {
+      Expected<MotionLengths> given = ReadMotionLengths(input.path);
+      if (!given) return Forward(given);
+      lengths = std::move(*given);
+    }
     if (input.role != "labels") continue;
     Expected<MotionLabels> given = ReadMotionLabels(input.path);
     if (!given) return Forward(given);
@@ -303,7 +411,7 @@ Expected<StageOutcome> MotionsStage(const StageRequest& request) {
   options->ingest.path = sources.size() == 1 || !below
                              ? std::filesystem::path(path)
                              : std::filesystem::path(path.substr(0, path.size() - name.size()));
-  Expected<ReadMotions> read = ReadAllMotions(*options, labels);
+  Expected<ReadMotions> read = ReadAllMotions(*options, labels, lengths);
   if (!read) return Forward(read);
   StageOutcome outcome;
   outcome.findings = read->excluded;
@@ -312,7 +420,11 @@ Expected<StageOutcome> MotionsStage(const StageRequest& request) {
         MakeFinding("clip_refused", Severity::kError, 0.0, refused.error.Message(), FindingAction::kRefused));
     outcome.findings.back().clip = refused.item;
   }
-  outcome.summary = {{"clips", read->set.clips.size()}, {"refused", read->refused.size()}};
+  outcome.summary = {{"clips", read->set.clips.size()},
+                     {"refused", read->refused.size()},
+                     {"padded", read->padded.motions},
+                     {"padding_frames", read->padded.frames},
+                     {"first_padded", read->padded.first}};
   read->set.findings.insert(read->set.findings.end(), outcome.findings.begin(), outcome.findings.end());
   if (Status written = WriteDataset(read->set, request.output); !written) return Forward(written);
   return outcome;

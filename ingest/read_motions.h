@@ -27,9 +27,17 @@ struct RefusedClip {
   Error error;
 };
 
+/// Motions that end in padding, or are longer than their stated lengths.
+struct PaddedMotions {
+  std::int64_t motions = 0;
+  std::int64_t frames = 0;  ///< in all of them
+  std::string first;        ///< clip
+};
+
 /// All clips of a source as one set of motions.
 struct ReadMotions {
   Dataset set;  ///< sorted by id; recorded rotations kept, joint tracks as joints-only motions, else as they come
+  PaddedMotions padded;
   std::vector<RefusedClip> refused;
   std::vector<Finding> excluded;  ///< about files and entries that the declaration leaves out
 };
@@ -47,14 +55,27 @@ struct MotionLabels {
 /// label a line. Error kMalformed "name:line", kUnsupported.
 Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file);
 
+/// Numbers of frames that stand beside motions, one a motion in their order.
+struct MotionLengths {
+  std::vector<std::int64_t> frames;
+  std::vector<std::string> places;  ///< of each: "lengths.txt:3", "lengths.npy[2]"
+  std::string file;                 ///< where they stand
+};
+
+/// An .npy of whole numbers; any other text file: a whole number from 1 on a line. Error kMalformed with the place.
+Expected<MotionLengths> ReadMotionLengths(const std::filesystem::path& file);
+
 /// Reads every clip that `options` declare, by the readers of the stage `ingest`. A set of one skeleton: clips of
 /// another tree than the first one's, or joints only among rotations, are refused one by one; segments, findings and
-/// labels are kept. Errors of Discover; kInconsistent where no clip can be taken, or where there are other than one
-/// label a motion.
-Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels = {});
+/// labels are kept. Motions are cut to `lengths`, where given, and padding is treated as `options.padding` asks
+/// (core/quality/padding.h); motions without a frame that is not zero are refused then. Errors of Discover;
+/// kInconsistent where no clip can be taken, where there are other than one label or length a motion, or where a motion
+/// is shorter than its length.
+Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels = {},
+                                     const MotionLengths& lengths = {});
 
-/// The stage `motions`: inputs of role "source" (name: path below the folder) and perhaps one of role "labels" -> a
-/// MotionSet; refused clips are findings of severity error.
+/// The stage `motions`: inputs of role "source" (name: path below the folder) and perhaps one each of the roles
+/// "labels" and "lengths" -> a MotionSet; refused clips are findings of severity error, padding is in the summary.
 Expected<StageOutcome> MotionsStage(const StageRequest& request);
 
 }  // namespace mocurate

@@ -59,7 +59,9 @@ class EvaluationRun {
 
   void AddItem(const std::string& key, const FeaturesOptions& options, const ScoredSet& set,
                std::vector<ItemSpec>& items) {
-    ItemSpec item{"features/" + key, OptionsToJson(options), {evaluation_.weights, set.motions}};
+    FeaturesOptions of_set = options;
+    of_set.padding = set.padding;
+    ItemSpec item{"features/" + key, OptionsToJson(of_set), {evaluation_.weights, set.motions}};
     item.inputs[0].role = "weights";
     item.inputs[1].role = "motions";
     std::error_code unknown;
@@ -116,6 +118,16 @@ class EvaluationRun {
       }
       features_[keys_[i]] = item;
       if (keys_[i] == "reference") result_.real_clips = item.summary.value("clips", 0.0);
+      const bool real = keys_[i] == "reference";
+      if (real || RowOf(keys_[i]) != nullptr) {
+        const ScoredSet& set = real ? *evaluation_.real : *RowOf(keys_[i]);
+        auto padding = PaddingWarning(real ? kReal : keys_[i], item.summary, set.padding);
+        if (padding) result_.warnings.push_back(*std::move(padding));
+        if (const auto zero = item.summary.value("all_zero", std::int64_t{0}); zero > 0) {
+          Warn(real ? kReal : keys_[i], "clip_refused",
+               Counted(zero, "motion") + " of zeros only " + (zero == 1 ? "is" : "are") + " not scored");
+        }
+      }
       if (keys_[i] != "reference_test") {
         result_.features[keys_[i] == "reference" ? kReal : keys_[i]] = item.artifact;
         WarnOfMotions(keys_[i] == "reference" ? kReal : keys_[i], item.summary);
@@ -258,28 +270,29 @@ class EvaluationRun {
                ": figures are not comparable with its tables; FID of fewer motions is biased upwards, diversity "
                "downwards");
     }
-    const StageInput& own = InputOfRow(name);
+    const StageInput& own = RowOf(name)->motions;
     if (evaluation_.real && (own.path == evaluation_.real->motions.path ||
                              (!own.sha256.empty() && own.sha256 == evaluation_.real->motions.sha256))) {
       Warn(name, "motions_are_the_real_ones", "the set equals the set of real motions; give generated motions");
     }
   }
 
-  const StageInput& InputOfRow(const std::string& name) const {
-    return std::find_if(evaluation_.rows.begin(), evaluation_.rows.end(),
-                        [&](const ScoredSet& row) { return row.name == name; })
-        ->motions;
+  /// Null for the sets of real motions.
+  const ScoredSet* RowOf(const std::string& name) const {
+    const auto row = std::find_if(evaluation_.rows.begin(), evaluation_.rows.end(),
+                                  [&](const ScoredSet& one) { return one.name == name; });
+    return row == evaluation_.rows.end() ? nullptr : &*row;
   }
 
   bool IsBareArray(const std::string& name) const {
     if (name == kReal || name == kRealTest) return evaluation_.real && evaluation_.real->bare_array;
-    return std::any_of(evaluation_.rows.begin(), evaluation_.rows.end(),
-                       [&](const ScoredSet& row) { return row.name == name && row.bare_array; });
+    const ScoredSet* row = RowOf(name);
+    return row != nullptr && row->bare_array;
   }
 
   bool HasGenerator(const std::string& name) const {
-    return std::any_of(evaluation_.rows.begin(), evaluation_.rows.end(),
-                       [&](const ScoredSet& row) { return row.name == name && row.generator; });
+    const ScoredSet* row = RowOf(name);
+    return row != nullptr && row->generator;
   }
 
   Status CompareAllRows() {
@@ -346,6 +359,22 @@ class EvaluationRun {
 };
 
 }  // namespace
+
+std::optional<nlohmann::json> PaddingWarning(const std::string& row, const nlohmann::json& summary,
+                                             PaddingAction padding) {
+  const std::int64_t motions = summary.value("padded", std::int64_t{0});
+  if (motions == 0) return std::nullopt;
+  const std::int64_t frames = summary.value("padding_frames", std::int64_t{0});
+  const bool keep = padding == PaddingAction::kKeep;
+  const std::string found = Counted(motions, "motion") + (motions == 1 ? " ends" : " end") + " in padding, " +
+                            Counted(frames, "frame") + ", e.g. '" + summary.value("first_padded", std::string()) + "'";
+  return nlohmann::json{{"code", keep ? "padding_kept" : "padding_cut"},
+                        {"row", row},
+                        {"count", motions},
+                        {"frames", frames},
+                        {"message", found + (keep ? ": scored as motion; --padding cut removes them"
+                                                  : ": cut; --padding keep scores them")}};
+}
 
 Expected<EvaluationResult> Evaluate(const Evaluation& evaluation, StageRuns& runs) {
   return EvaluationRun(evaluation, runs).Run();

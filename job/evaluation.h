@@ -23,7 +23,8 @@ struct ScoredSet {
   std::int64_t steps = 1, step = 1;
   bool align = false;
   std::optional<StageInput> first = {}, fill = {};
-  OneEuro filter = {};  ///< of a generator's motions
+  OneEuro filter = {};                           ///< of a generator's motions
+  PaddingAction padding = PaddingAction::kNone;  ///< of a dataset or MotionSet that the stage `motions` has not read
 };
 
 /// Sets to score and how.
@@ -54,6 +55,11 @@ struct EvaluationResult {
   std::map<std::string, Error> failed;                    ///< reasons for missing rows
   double real_clips = 0.0;                                ///< of the set of real motions
 };
+
+/// The warning of a row whose motions end in padding, "padding_cut" or "padding_kept", by the summary of the stage that
+/// looked for it; nothing without any.
+std::optional<nlohmann::json> PaddingWarning(const std::string& row, const nlohmann::json& summary,
+                                             PaddingAction padding);
 
 /// Stages features, score and compare over the runner's workers. Errors: those of the runner.
 Expected<EvaluationResult> Evaluate(const Evaluation& evaluation, StageRuns& runs);

@@ -159,7 +159,7 @@ Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles
                 DisplayPath(files.path), "remove --values and --bone-lengths");
   }
   motions.ingest.source.lie_bone_lengths = files.lie_bone_lengths;
-  MotionsOptions options{motions.ingest, extractor.classes};
+  MotionsOptions options{motions.ingest, extractor.classes, files.padding};
   options.ingest.path.clear();
   ItemSpec item{"motions/" + name, OptionsToJson(options), {}};
   std::error_code unknown;
@@ -172,7 +172,9 @@ Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles
   if (const fs::path skeleton = motions.ingest.source.skeleton; fs::is_regular_file(skeleton, unknown)) {
     item.inputs.push_back({"skeleton", skeleton.filename().string(), skeleton, ""});
   }
-  if (!files.labels.empty()) item.inputs.push_back({"labels", files.labels.filename().string(), files.labels, ""});
+  for (const auto& [role, file] : {std::pair("labels", &files.labels), std::pair("lengths", &files.lengths)}) {
+    if (!file->empty()) item.inputs.push_back({role, file->filename().string(), *file, ""});
+  }
   return MotionsItem{std::move(item), std::move(motions.unreadable)};
 }
 

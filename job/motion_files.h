@@ -17,6 +17,8 @@ struct MotionFiles {
   std::string source;            ///< source declaration or config; empty: declared by the files themselves
   std::filesystem::path labels;  ///< labels beside them, or empty
   std::vector<double> lie_bone_lengths;
+  std::filesystem::path lengths = {};  ///< numbers of frames beside them, or empty
+  PaddingAction padding = PaddingAction::kNone;
 };
 
 /// Whether the files are bare arrays of numbers, without axes, unit and joints: .npy, or a folder of them.

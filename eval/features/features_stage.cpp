@@ -2,6 +2,7 @@
 #include <array>
 #include <iterator>
 #include <map>
+#include <set>
 
 #include "core/base/file.h"
 #include "core/base/parallel.h"
@@ -12,6 +13,7 @@
 #include "core/pipeline/worker.h"
 #include "core/quality/contacts.h"
 #include "core/quality/measures.h"
+#include "core/quality/padding.h"
 #include "core/store/feature_file.h"
 #include "core/store/store.h"
 #include "eval/features/feature_extractor.h"
@@ -88,15 +90,51 @@ bool FacesAway(const Motion& motion) {
   return across.x() < -0.5 * across.norm();
 }
 
+/// Zeros at the end of a dataset's motions, cut or counted; the summary states how many. Returns the rows of motions
+/// that are nothing but zeros, where these are cut.
+Expected<std::set<int>> TreatZeros(PaddingAction padding, Dataset& dataset, nlohmann::json& summary) {
+  std::set<int> all_zero;
+  if (padding == PaddingAction::kNone) return all_zero;
+  long long motions = 0, frames = 0;
+  std::string first;
+  for (std::size_t row = 0; row < dataset.clips.size(); ++row) {
+    Clip& clip = dataset.clips[row];
+    const int all = clip.motion->frame_count(), left = FramesWithoutPadding(*clip.motion, false);
+    if (left == all) continue;
+    if (left == 0 && padding == PaddingAction::kCut) {
+      all_zero.insert(static_cast<int>(row));
+      continue;
+    }
+    if (motions++ == 0) first = clip.id();
+    frames += all - left;
+    if (padding == PaddingAction::kKeep) continue;
+    Expected<Clip> cut = Cut(clip, 0, left);
+    if (!cut) return Forward(cut);
+    clip = std::move(*cut);
+  }
+  summary["padded"] = motions;
+  summary["padding_frames"] = frames;
+  summary["first_padded"] = first;
+  summary["all_zero"] = all_zero.size();
+  return all_zero;
+}
+
 /// Reads motions, or requests them from a generator, and runs the extractor over each pass.
 class FeaturesRun {
  public:
   FeaturesRun(const FeaturesOptions& options, const Extractor& extractor, int threads)
       : options_(options), extractor_(extractor), threads_(threads) {}
 
-  Status OfDataset(const Dataset& dataset) {
-    const auto rows = RowsOfPart(dataset, options_.part, options_.split);
+  /// `skipped`: rows that are no motions.
+  Status OfDataset(const Dataset& dataset, const std::set<int>& skipped) {
+    auto rows = RowsOfPart(dataset, options_.part, options_.split);
     if (!rows) return Forward(rows);
+    const auto skips = [&](int row) { return skipped.count(row) > 0; };
+    rows->erase(std::remove_if(rows->begin(), rows->end(), skips), rows->end());
+    if (rows->empty()) {
+      return Fail(ErrorCode::kInconsistent, "all frames of all motions are zero", options_.purpose,
+                  "give other motions, or score them as they are: --padding keep");
+    }
     const auto classes = ClassesOf(dataset, set_.classes = extractor_.options.classes);
     if (!classes) return Forward(classes);
     std::vector<Motion> parts;  // of clips, where a part is scored
@@ -259,6 +297,9 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   if (!dataset) return Forward(dataset);
   const Expected<InferredCut> inferred = CutInferred(*dataset);
   if (!inferred) return Forward(inferred);
+  nlohmann::json padding = nlohmann::json::object();
+  const auto skipped = TreatZeros(options->padding, *dataset, padding);
+  if (!skipped) return Forward(skipped);
   FeaturesRun run(*options, *extractor, request.threads);
   Status done;
   if (const StageInput* generator = InputOf(request, "generator")) {
@@ -269,7 +310,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
     if (!answer) return Forward(answer);
     done = run.OfGenerator(*dataset, *answer);
   } else {
-    done = run.OfDataset(*dataset);
+    done = run.OfDataset(*dataset, *skipped);
   }
   if (!done) return Forward(done);
   run.set().about = nlohmann::json{{"extractor", extractor->options.name},
@@ -289,6 +330,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
                      {"with_inferred", inferred->clips},
                      {"inferred_frames", inferred->frames},
                      {"is_training_set", !trained_on.empty() && trained_on == motions->sha256}};
+  outcome.summary.update(padding);
   const auto lengths = [&](auto counts) {
     return std::count_if(dataset->clips.begin(), dataset->clips.end(),
                          [&](const Clip& clip) { return counts(clip.motion->frame_count()); });

@@ -208,7 +208,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"unknown_skeleton", "error", "the declared skeleton does not exist"},
       {"config", "error", "the declaration is invalid"},
       {"name_mismatch", "warning", "the name does not match the source's pattern"},
-      {"name_ambiguous", "warning", "file names that match the pattern in several ways; value: their number"},
+      {"name_ambiguous", "error", "a file name that fits the pattern in two ways, which make different clips"},
       {"name_unmatched", "warning", "the declaration names a recording or label that does not exist"},
       {"label_unknown", "error", "the label of the name is not listed"},
       {"label_excluded", "info", "the label is not listed, and such files are excluded by rule"},
@@ -263,6 +263,8 @@ const std::vector<FindingKind>& FindingKinds() {
       {"category_unknown", "info", "labels outside BABEL's 150 frequent categories"},
       {"label_withheld", "info", "labels of BABEL without a name"},
       {"clip_refused", "error", "a clip of a set that cannot be used"},
+      {"padding_cut", "info",
+       "zeros or repeats of the last pose at the end of a motion, cut to be scored; value: frames"},
   };
   return kinds;
 }

@@ -106,6 +106,8 @@ Expected<NpyArray> JointsOfLie(const NpyArray& array, std::size_t wide, const Sk
   for (std::size_t f = 0; f < array.shape[0]; ++f) {
     const double* parameters = array.values.data() + f * joints * 3;
     if (!std::all_of(parameters, parameters + joints * 3, [](double value) { return std::isfinite(value); })) continue;
+    if (std::all_of(parameters, parameters + joints * 3, [](double value) { return value == 0.0; }))
+      continue;  // padding
     LieForward(skeleton, parameters, bone_lengths, LieExp::kReleased, frame.data());
     for (std::size_t j = 0; j < joints; ++j) {
       for (std::size_t k = 0; k < 3; ++k) positions.values[(f * joints + j) * 3 + k] = frame[j][static_cast<int>(k)];

@@ -6,6 +6,7 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
+#include "core/motion/operations.h"
 #include "core/store/store.h"
 #include "eval/dose/dose_table.h"
 #include "eval/protocols/draws.h"
@@ -75,8 +76,17 @@ Expected<std::vector<DoseSeries>> AddDoseRows(const EvalArguments& arguments, co
                                               Evaluation& evaluation, std::vector<nlohmann::json>& warnings) {
   auto asked = ParseDoses(arguments.doses);
   if (!asked) return Forward(asked);
-  const auto real = ReadDataset(evaluation.real->motions.path);
+  auto real = ReadDataset(evaluation.real->motions.path);
   if (!real) return Forward(real);
+  if (evaluation.real->padding == PaddingAction::kCut) {  // damaged zeros are no longer zeros
+    for (Clip& clip : real->clips) {
+      const int frames = FramesWithoutPadding(*clip.motion, false);
+      if (frames == 0 || frames == clip.motion->frame_count()) continue;
+      Expected<Clip> cut = Cut(clip, 0, frames);
+      if (!cut) return Forward(cut);
+      clip = std::move(*cut);
+    }
+  }
   const RealPart part = evaluation.test_reference ? RealPart::kTrain : evaluation.real_part;
   const auto rows = RowsOfPart(*real, part, evaluation.split);
   if (!rows) return Forward(rows);

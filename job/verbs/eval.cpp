@@ -64,14 +64,20 @@ Status CheckArguments(const EvalArguments& arguments) {
     return Fail(ErrorCode::kUsage, "Lie parameters have no bone lengths", "--values lie",
                 "give --bone-lengths FILE with motions as positions, whose median lengths are used");
   }
-  if (arguments.labels.size() > 1 && arguments.labels.size() != arguments.generated.size()) {
-    return Fail(ErrorCode::kUsage,
-                Counted(static_cast<long long>(arguments.labels.size()), "file") + " of labels for " +
-                    Counted(static_cast<long long>(arguments.generated.size()), "set"),
-                "--labels", "give one for all sets, or one for each in their order");
+  for (const auto& [files, option] : {std::pair(&arguments.labels, "--labels"), {&arguments.lengths, "--lengths"}}) {
+    if (files->size() > 1 && files->size() != arguments.generated.size()) {
+      return Fail(ErrorCode::kUsage,
+                  Counted(static_cast<long long>(files->size()), "file") + " for " +
+                      Counted(static_cast<long long>(arguments.generated.size()), "set"),
+                  option, "give one for all sets, or one for each in their order");
+    }
+    for (const fs::path& file : *files) {
+      if (Status there = CheckExists(file, option); !there) return there;
+    }
   }
-  for (const fs::path& labels : arguments.labels) {
-    if (Status there = CheckExists(labels, "--labels"); !there) return there;
+  if (!arguments.lengths.empty() && arguments.padding == "keep") {
+    return Fail(ErrorCode::kUsage, "--lengths cuts the motions, --padding keep does not", "command line",
+                "remove one of them");
   }
   for (const auto& [path, option] : {std::pair<const fs::path&, const char*>{arguments.bone_lengths, "--bone-lengths"},
                                      {arguments.real, "--real"},
@@ -114,11 +120,13 @@ struct Plan {
   ExtractorOptions extractor;
   fs::path weights;
   fs::path real;
+  PaddingAction padding = PaddingAction::kCut;
 };
 
 Expected<Plan> PlanOf(const EvalArguments& arguments) {
   if (Status sound = CheckArguments(arguments); !sound) return Forward(sound);
   Plan plan;
+  if (arguments.padding == "keep") plan.padding = PaddingAction::kKeep;
   const std::string prefix = "extractor.";
   std::vector<std::string> of_protocol, of_extractor;
   for (const std::string& text : arguments.assignments) {
@@ -156,7 +164,8 @@ struct MotionsRead {
   std::map<std::string, StageInput> sets;
   std::map<std::string, Error> failed;
   std::set<std::string> bare_arrays;     ///< sets read in the extractor's frame
-  std::vector<nlohmann::json> warnings;  ///< unreadable motions of a set
+  std::set<std::string> stores;          ///< sets read from their own files
+  std::vector<nlohmann::json> warnings;  ///< unreadable motions and padding of a set
 };
 
 Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFiles>>& sets, const Plan& plan,
@@ -169,8 +178,10 @@ Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFil
       read.failed[named.name] = there.error();
       continue;
     }
-    if (IsMotionStore(files.path) && files.labels.empty() && files.source.empty() && files.lie_bone_lengths.empty()) {
+    const bool as_it_is = files.labels.empty() && files.lengths.empty() && files.source.empty();
+    if (IsMotionStore(files.path) && as_it_is && files.lie_bone_lengths.empty()) {
       read.sets[named.name] = {"motions", named.name, files.path, ""};
+      read.stores.insert(named.name);
       continue;
     }
     auto item = MakeMotionsItem(named.name, files, plan.extractor);
@@ -195,6 +206,7 @@ Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFil
       continue;
     }
     read.sets[names[i]] = {"motions", names[i], item.artifact, item.sha256};
+    if (auto padding = PaddingWarning(names[i], item.summary, plan.padding)) read.warnings.push_back(*padding);
     for (const Finding& finding : item.outcome.findings) {
       read.warnings.push_back(
           {{"code", finding.code}, {"row", names[i]}, {"message", finding.clip + ": " + finding.message}});
@@ -265,12 +277,17 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   }
   for (const std::string& text : arguments.generated) {
     const NamedFiles named = NamedFilesOf(text, taken);
-    const std::size_t own = arguments.labels.size() > 1 ? sets.size() : 0;
-    const fs::path labels = arguments.labels.empty() ? fs::path() : arguments.labels[own];
-    sets.push_back({named, {named.path, arguments.source, labels, bone_lengths}});
+    const auto own = [&](const std::vector<fs::path>& files) {
+      return files.empty() ? fs::path() : files[files.size() > 1 ? sets.size() : 0];
+    };
+    sets.push_back(
+        {named,
+         {named.path, arguments.source, own(arguments.labels), bone_lengths, own(arguments.lengths), plan->padding}});
   }
-  if (!plan->real.empty())
-    sets.push_back({{"Real", plan->real}, {plan->real, arguments.real_source, arguments.real_labels, {}}});
+  if (!plan->real.empty()) {
+    sets.push_back(
+        {{"Real", plan->real}, {plan->real, arguments.real_source, arguments.real_labels, {}, {}, plan->padding}});
+  }
   auto read = ReadSets(sets, *plan, runs);
   if (!read) return Forward(read);
 
@@ -290,6 +307,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
     const auto set = read->sets.find(named.name);
     if (set == read->sets.end()) continue;
     ScoredSet scored{named.name, set->second, std::nullopt, read->bare_arrays.count(named.name) > 0};
+    if (read->stores.count(named.name) > 0) scored.padding = plan->padding;
     if (named.name == "Real") {
       evaluation.real = std::move(scored);
     } else {

@@ -141,11 +141,13 @@ struct ReproduceArguments {
 
 struct EvalArguments {
   std::string protocol;
-  std::vector<std::string> generated;         ///< files or folders of motions; NAME=PATH names the row
-  std::vector<std::filesystem::path> labels;  ///< of each of the generated sets, one for all, or none
-  std::string source;                         ///< source declaration of the generated motions, or empty
-  std::string values;                         ///< joints, lie; empty: joints, lie with bone_lengths
-  std::filesystem::path bone_lengths;         ///< motions whose median bone lengths are used for Lie parameters
+  std::vector<std::string> generated;          ///< files or folders of motions; NAME=PATH names the row
+  std::vector<std::filesystem::path> labels;   ///< of each of the generated sets, one for all, or none
+  std::vector<std::filesystem::path> lengths;  ///< numbers of frames of the motions, likewise
+  std::string padding;                         ///< cut (or empty), keep: only counted
+  std::string source;                          ///< source declaration of the generated motions, or empty
+  std::string values;                          ///< joints, lie; empty: joints, lie with bone_lengths
+  std::filesystem::path bone_lengths;          ///< motions whose median bone lengths are used for Lie parameters
   std::filesystem::path real;
   std::string real_source;            ///< source declaration of the real motions, or empty
   std::filesystem::path real_labels;  ///< labels of the real motions, or empty

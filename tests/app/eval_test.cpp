@@ -7,8 +7,10 @@
 #include <cstdlib>
 
 #include "core/formats/npy.h"
+#include "core/motion/kinematics.h"
 #include "core/store/feature_file.h"
 #include "core/store/hdf5_file.h"
+#include "core/store/store.h"
 #include "tests/app/program.h"
 
 namespace mocurate {
@@ -450,6 +452,105 @@ TEST(Eval, DoseResponseScoresDamagedCopiesOfRealMotionsBesideTheUndamagedOnes) {
   EXPECT_EQ(with({"--doses", "swapped_label_share=0.1"}).exit_code, 3) << "the motions have no labels";
   EXPECT_EQ(Eval(folder, arguments, false).exit_code, 4) << "no weights";
   EXPECT_EQ(Eval(folder, {"--protocol", "a2m-humanact12"}).exit_code, 2) << "nothing to score";
+}
+
+/// The fields of the warning with that code about the row; null without one.
+nlohmann::json WarningOf(const Result& result, const std::string& code, const std::string& row) {
+  const nlohmann::json json = result.Json();
+  for (const auto& warning : json["warnings"]) {
+    if (warning["code"] == code && warning["row"] == row) return warning;
+  }
+  return nullptr;
+}
+
+/// From frame 40 on every second motion is zero.
+NpyArray ZeroPadded(NpyArray motions) {
+  const std::size_t each = motions.values.size() / motions.shape[0];
+  for (std::size_t m = 0; m < motions.shape[0]; m += 2) {
+    const auto begin = motions.values.begin() + static_cast<std::ptrdiff_t>(m * each);
+    std::fill(begin + static_cast<std::ptrdiff_t>(each * 2 / 3), begin + static_cast<std::ptrdiff_t>(each), 0.0);
+  }
+  return motions;
+}
+
+TEST(Eval, PaddingIsCutOrScoredAsGiven) {
+  REQUIRE_GOLDENS();
+  const ScratchFolder folder;
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  WriteText(folder / "whole.npy", WriteNpy(PublishedMotions()));
+  WriteText(folder / "padded.npy", WriteNpy(ZeroPadded(PublishedMotions())));
+  std::string lengths;
+  for (int m = 0; m < 20; ++m) lengths += m % 2 == 0 ? "40\n" : "60\n";
+  WriteText(folder / "lengths.txt", lengths);
+  const std::vector<std::string> both = {"--protocol", "a2m-humanact12", "--generated", "g=" + path("padded.npy")};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), both.begin(), both.end());
+    return Eval(folder, more);
+  };
+  const double jerk =
+      ValueOf(Eval(folder, {"--protocol", "a2m-humanact12", "--generated", path("whole.npy")}), 0, "jerk");
+  const Result cut = with({"--real", path("padded.npy")});
+  ASSERT_EQ(cut.exit_code, 0) << cut.err;
+  for (const char* row : {"g", "Real"}) {
+    const nlohmann::json warning = WarningOf(cut, "padding_cut", row);
+    ASSERT_TRUE(warning.is_object()) << row;
+    EXPECT_EQ(warning["count"], 10);
+    EXPECT_EQ(warning["frames"], 200);
+  }
+  EXPECT_LT(ValueOf(cut, 1, "jerk"), 1.5 * jerk);
+  const Result stated = with({"--lengths", path("lengths.txt")});
+  ASSERT_EQ(stated.exit_code, 0) << stated.err;
+  EXPECT_DOUBLE_EQ(ValueOf(stated, 0, "jerk"), ValueOf(cut, 1, "jerk"));
+  const Result kept = with({"--padding", "keep"});
+  ASSERT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_EQ(WarningOf(kept, "padding_kept", "g")["count"], 10);
+  EXPECT_FALSE(Warns(kept, "padding_cut"));
+  EXPECT_GT(ValueOf(kept, 0, "jerk"), 2.0 * jerk);
+  WriteText(folder / "lengths.txt", "40\n60\n");
+  EXPECT_EQ(with({"--lengths", path("lengths.txt")}).exit_code, 3) << "two lengths for 20 motions";
+  EXPECT_EQ(with({"--lengths", path("lengths.txt"), "--padding", "keep"}).exit_code, 2);
+  EXPECT_EQ(with({"--lengths", path("nowhere.txt")}).exit_code, 3);
+}
+
+TEST(Eval, OfADatasetOnlyZerosAreCut) {
+  REQUIRE_GOLDENS();
+  const ScratchFolder folder;
+  NpyArray repeated = PublishedMotions();
+  Dataset set;
+  set.joints_only = true;
+  set.created_by = "a test";
+  set.skeleton = LoadSkeleton("humanact12").value();
+  for (int m = 0; m < 3; ++m) {  // zeros at the end, repeats at the end, nothing but zeros
+    JointPositions joints(60, 24);
+    for (int f = 0; f < 60; ++f) {
+      const int shown = m == 1 ? std::min(f, 39) : f;
+      const bool zero = m == 2 || (m == 0 && f >= 40);
+      for (int k = 0; k < 72 && !zero; ++k) {
+        const double value = repeated.values[static_cast<std::size_t>((m * 60 + shown) * 72 + k)];
+        joints.xyz[static_cast<std::size_t>(f * 72 + k)] = k % 3 == 0 ? value : -value;  // the arrays are y down
+      }
+    }
+    Clip clip;
+    clip.identity = {"made", "p", "take" + std::to_string(m), "", "", "", 0, 60};
+    clip.rate = FrameRate{20, 1};
+    clip.motion = MakeJointsOnly(set.skeleton, clip.rate, std::move(joints));
+    set.clips.push_back(std::move(clip));
+  }
+  ASSERT_TRUE(WriteDataset(set, folder / "set.h5"));
+  const std::vector<std::string> arguments = {"--protocol", "a2m-humanact12", "--generated",
+                                              "g=" + (folder / "set.h5").string()};
+  const Result cut = Eval(folder, arguments);
+  ASSERT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_EQ(WarningOf(cut, "padding_cut", "g")["count"], 1);
+  EXPECT_EQ(WarningOf(cut, "padding_cut", "g")["frames"], 20);
+  EXPECT_TRUE(Warns(cut, "clip_refused"));
+  EXPECT_EQ(cut.Json()["rows"][0]["motions"], 2);
+  std::vector<std::string> keep = arguments;
+  keep.insert(keep.end(), {"--padding", "keep"});
+  const Result kept = Eval(folder, keep);
+  ASSERT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_EQ(WarningOf(kept, "padding_kept", "g")["count"], 2);
+  EXPECT_EQ(kept.Json()["rows"][0]["motions"], 3);
 }
 
 TEST(Doctor, ListsTheWeightsOfAProtocolAndMissingOnes) {

@@ -164,6 +164,102 @@ TEST_F(OtherPrograms, NameABadMotionAndReadTheOthers) {
   EXPECT_NE(read->refused[0].item.find("0001"), std::string::npos) << read->refused[0].item;
 }
 
+/// Four motions of 20 frames that end in 8 zeros, 8 repeats, nothing, and that are nothing but zeros.
+NpyArray Padded() {
+  NpyArray array;
+  array.dtype = "<f8";
+  array.shape = {4, 20, 24, 3};
+  for (std::size_t n = 0; n < 4; ++n) {
+    for (std::size_t f = 0; f < 20; ++f) {
+      const bool zero = n == 3 || (n == 0 && f >= 12);
+      const std::size_t shown = n == 1 ? std::min<std::size_t>(f, 11) : f;
+      for (std::size_t k = 0; k < 72; ++k) array.values.push_back(zero ? 0.0 : 1.0 + ValueAt(n, shown, k / 3, k % 3));
+    }
+  }
+  return array;
+}
+
+std::vector<int> FramesOf(const ReadMotions& read) {
+  std::vector<int> frames;
+  for (const Clip& clip : read.set.clips) frames.push_back(clip.motion->frame_count());
+  return frames;
+}
+
+TEST_F(OtherPrograms, PadMotionsWithZerosAndRepeats) {
+  Put(folder / "padded.npy", WriteNpy(Padded()));
+  MotionsOptions options = Arrays(folder / "padded.npy");
+  const auto as_given = ReadAllMotions(options);
+  ASSERT_TRUE(as_given) << as_given.error().Message();
+  EXPECT_THAT(FramesOf(*as_given), ElementsAre(20, 20, 20, 20));
+  EXPECT_EQ(as_given->padded.motions, 0);
+  options.padding = PaddingAction::kCut;
+  const auto cut = ReadAllMotions(options);
+  ASSERT_TRUE(cut) << cut.error().Message();
+  EXPECT_THAT(FramesOf(*cut), ElementsAre(12, 12, 20));
+  EXPECT_EQ(cut->padded.motions, 2);
+  EXPECT_EQ(cut->padded.frames, 16);
+  ASSERT_EQ(cut->refused.size(), 1u) << "nothing but zeros";
+  EXPECT_NE(cut->refused[0].item.find("0003"), std::string::npos);
+  const auto& findings = cut->set.findings;
+  EXPECT_EQ(std::count_if(findings.begin(), findings.end(), [](const Finding& f) { return f.code == "padding_cut"; }),
+            2);
+  options.padding = PaddingAction::kKeep;
+  const auto kept = ReadAllMotions(options);
+  EXPECT_THAT(FramesOf(*kept), ElementsAre(20, 20, 20, 20));
+  EXPECT_EQ(kept->padded.motions, 3);
+}
+
+TEST_F(OtherPrograms, StateTheLengthsOfTheirMotions) {
+  Put(folder / "padded.npy", WriteNpy(Padded()));
+  MotionsOptions options = Arrays(folder / "padded.npy");
+  options.padding = PaddingAction::kCut;
+  Put(folder / "lengths.txt", "12\n15\n\n20\n1\n");
+  const auto lengths = ReadMotionLengths(folder / "lengths.txt");
+  ASSERT_TRUE(lengths) << lengths.error().Message();
+  const auto read = ReadAllMotions(options, {}, *lengths);
+  ASSERT_TRUE(read) << read.error().Message();
+  EXPECT_THAT(FramesOf(*read), ElementsAre(12, 15, 20)) << "repeats within the stated length are motion";
+  NpyArray numbers;
+  numbers.dtype = "<i8";
+  numbers.shape = {4};
+  numbers.values = {12, 21, 20, 20};
+  Put(folder / "lengths.npy", WriteNpy(numbers));
+  const auto longer = ReadAllMotions(options, {}, *ReadMotionLengths(folder / "lengths.npy"));
+  ASSERT_FALSE(longer) << "a motion has 20 frames";
+  EXPECT_EQ(std::filesystem::path(longer.error().where).filename(), "lengths.npy[1]");
+  Put(folder / "few.txt", "12\n12\n");
+  EXPECT_FALSE(ReadAllMotions(options, {}, *ReadMotionLengths(folder / "few.txt")));
+  for (const char* bad : {"12\n0\n", "12\n-3\n", "12\n7.5\n", "12\nall\n", "\n"}) {
+    Put(folder / "bad.txt", bad);
+    const auto refused = ReadMotionLengths(folder / "bad.txt");
+    ASSERT_FALSE(refused) << bad;
+    if (std::string(bad).size() > 1) EXPECT_EQ(std::filesystem::path(refused.error().where).filename(), "bad.txt:2");
+  }
+}
+
+TEST_F(OtherPrograms, PadRotationsWithZeros) {
+  std::string text =
+      "HIERARCHY\nROOT hips\n{\n OFFSET 0 0 0\n CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
+      "Yrotation\n JOINT spine\n {\n  OFFSET 0 0 50\n  CHANNELS 3 Zrotation Xrotation Yrotation\n  JOINT head\n  {\n"
+      "   OFFSET 0 0 40\n   CHANNELS 3 Zrotation Xrotation Yrotation\n   End Site\n   {\n    OFFSET 0 0 10\n   }\n  }\n"
+      " }\n}\nMOTION\nFrames: 30\nFrame Time: 0.05\n";
+  for (int f = 0; f < 30; ++f) {
+    for (int c = 0; c < 12; ++c) text += (f < 27 ? std::to_string((c == 2 ? 90 : 0) + 0.3 * f + c) : "0") + " ";
+    text += "\n";
+  }
+  Put(folder / "a.bvh", text);
+  MotionsOptions options = Arrays(folder, "");
+  options.ingest.source.format = "bvh";
+  options.ingest.source.files = "{recording}.bvh";
+  options.ingest.source.units = "cm";
+  options.ingest.source.axes = "+x -z +y";
+  options.ingest.source.rate_hz.reset();
+  options.padding = PaddingAction::kCut;
+  const auto read = ReadAllMotions(options);
+  ASSERT_TRUE(read) << read.error().Message();
+  EXPECT_THAT(FramesOf(*read), ElementsAre(27));
+}
+
 struct LabelFile {
   std::string name, bytes;
 };
