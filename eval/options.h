@@ -8,7 +8,7 @@
 #include "core/motion/clip_part.h"
 #include "core/motion/one_euro.h"
 #include "core/pipeline/stage.h"
-#include "core/quality/padding.h"
+#include "core/quality/padding_action.h"
 #include "eval/features/extractor_options.h"
 #include "eval/metrics/interval.h"
 

@@ -10,7 +10,7 @@
 #include "core/base/options.h"
 #include "core/formats/damaged_rows.h"
 #include "core/pipeline/stage.h"
-#include "core/quality/padding.h"
+#include "core/quality/padding_action.h"
 #include "ingest/checks/check_options.h"
 #include "ingest/synthetic/tracker_options.h"
 

@@ -13,6 +13,7 @@
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
 #include "core/motion/tracks.h"
+#include "core/quality/padding.h"
 #include "ingest/discover.h"
 #include "ingest/formats/driver.h"
 

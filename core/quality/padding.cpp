@@ -37,14 +37,6 @@ bool RepeatsPose(const Motion& motion, int frame) {
 
 }  // namespace
 
-void DeclarePadding(PaddingAction& padding, OptionVisitor& v) {
-  v.Choice(
-      "padding", padding,
-      {{"none", PaddingAction::kNone}, {"cut", PaddingAction::kCut}, {"keep", PaddingAction::kKeep}},
-      "trailing frames that are all zero or, in files of other programs, repeat the last pose: not looked for, cut, "
-      "or counted and left");
-}
-
 int FramesWithoutPadding(const Motion& motion, bool repeats) {
   int frames = motion.frame_count();
   while (frames > 0 && IsZero(motion, frames - 1)) --frames;

@@ -1,18 +1,8 @@
 #pragma once
 
-#include "core/base/options.h"
 #include "core/motion/motion.h"
 
 namespace mocurate {
-
-/// Frames that a program appends so that all motions of a file are equally long.
-enum class PaddingAction {
-  kNone,  ///< not looked for
-  kCut,
-  kKeep,  ///< counted and left
-};
-
-void DeclarePadding(PaddingAction& padding, OptionVisitor& v);
 
 /// Repeats of the last pose from which on they are padding: a person who stands still differs in the last digit.
 inline constexpr int kPaddingRepeats = 5;

@@ -7,6 +7,7 @@
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/motion/operations.h"
+#include "core/quality/padding.h"
 #include "core/store/store.h"
 #include "eval/dose/dose_table.h"
 #include "eval/protocols/draws.h"

@@ -233,7 +233,8 @@ TEST_F(OtherPrograms, StateTheLengthsOfTheirMotions) {
     Put(folder / "bad.txt", bad);
     const auto refused = ReadMotionLengths(folder / "bad.txt");
     ASSERT_FALSE(refused) << bad;
-    if (std::string(bad).size() > 1) EXPECT_EQ(std::filesystem::path(refused.error().where).filename(), "bad.txt:2");
+    if (std::string(bad).size() == 1) continue;
+    EXPECT_EQ(std::filesystem::path(refused.error().where).filename(), "bad.txt:2");
   }
 }
 
