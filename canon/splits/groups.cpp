@@ -30,15 +30,18 @@ Error Impossible(const SplitOptions& options, std::string what, std::string hint
   return {ErrorCode::kConfig, std::move(what), PlaceOf(options), std::move(hint)};
 }
 
-/// "the set has: P01, P02", of many the first ones.
-std::string KnownNames(const std::set<std::string>& names) {
+/// "p1, p2", of many the first ones and their number.
+std::string Shortened(const Names& names) {
   constexpr std::size_t kMost = 20;
-  Names first;
-  for (const std::string& name : names) {
-    if (!name.empty() && first.size() < kMost) first.push_back(name);
-  }
-  return "the set has: " + (first.empty() ? "none" : JoinNames(first)) +
-         (names.size() > kMost ? ", ... (" + std::to_string(names.size()) + ")" : "");
+  if (names.size() <= kMost) return JoinNames(names);
+  return JoinNames({names.begin(), names.begin() + kMost}) + ", ... (" + std::to_string(names.size()) + ")";
+}
+
+/// "the set has: P01, P02"
+std::string KnownNames(const std::set<std::string>& names) {
+  Names known(names.begin(), names.end());
+  known.erase(std::remove(known.begin(), known.end(), ""), known.end());
+  return "the set has: " + (known.empty() ? "none" : Shortened(known));
 }
 
 /// Removes from `options` the names that no clip has, and returns them.
@@ -139,14 +142,14 @@ Status CheckSplit(const SplitOptions& options) {
 Status CheckAbsent(const SplitOptions& options, const std::string& where, const std::vector<std::string>& absent,
                    const std::set<std::string>& there, std::vector<Finding>& findings) {
   if (absent.empty()) return {};
-  std::string near;
+  std::set<std::string> nearest;
   for (const std::string& name : absent) {
-    const auto nearest = Nearest(name, Names(there.begin(), there.end()));
-    if (nearest) near += (near.empty() ? "did you mean '" : ", '") + *nearest + "'";
+    if (const auto one = Nearest(name, Names(there.begin(), there.end()))) nearest.insert(*one);
   }
-  if (!near.empty()) near += "? ";
+  const std::string near =
+      nearest.empty() ? "" : "did you mean '" + Shortened({nearest.begin(), nearest.end()}) + "'? ";
   const char* kind = options.by == SplitBy::kStyle ? "style" : "person";
-  const std::string what = std::string("no clip has the ") + kind + " '" + JoinNames(absent) + "'";
+  const std::string what = std::string("no clip has the ") + kind + " '" + Shortened(absent) + "'";
   if (options.absent == AbsentGroups::kRefuse) {
     return Fail(ErrorCode::kConfig, what, where,
                 near + KnownNames(there) + "; or set absent: draw, for a set of other people");

@@ -62,6 +62,7 @@ IngestOptions Named(const std::filesystem::path& folder, const std::vector<std::
   options.source.person = "{person}";
   options.source.label = "{action}";
   options.source.labels.clear();
+  options.source.label_table.clear();
   options.source.style.clear();
   options.source.recording = "{file}";
   for (const std::string& name : names) Put(folder / name, "HIERARCHY\n");
@@ -117,7 +118,7 @@ TEST(FileNames, OfAClipOfManyFilesAreRefusedTogether) {
   options.source.recording = "{recording}";
   for (const char* name :
        {"run_cam1_0001.json", "run_cam1_0002.json", "walk_cam1_0001.json", "walk_fast_cam1_0002.json"}) {
-    Put(folder / name, "{}");
+    Put(folder / name, R"({"version": 1.3, "people": []})");
   }
   Put(folder / "Calib.qca.txt", "");
   const auto found = Discover(options);
