@@ -28,7 +28,7 @@ TEST(Synthesize, TheKardJobRunsOnAFolderOfKardsLayout) {
   EXPECT_TRUE(fs::exists(folder / "studio/kard/a14_s01_e01_realworld.txt"));
   EXPECT_TRUE(fs::exists(folder / "studio/truth/s01.h5"));
   const Result run = RunProgram(
-      folder, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml", "--set",
+      folder, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard_studio.yaml", "--set",
                "ingest.path=" + studio + "/kard", "--to", "assemble", "-o", (folder / "r").string(), "--json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.Json()["kept"], 4);
