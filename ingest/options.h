@@ -94,7 +94,7 @@ struct SourceOptions {
   OtherFiles other_files = OtherFiles::kFinding;
   std::string licence;
 
-  std::string units;  ///< "m", "cm", "mm", "inch", or a length such as "0.0564 m"
+  std::string units;  ///< "m", "cm", "mm", "inch", or a length such as "2.2222222222222 inch"
   std::string axes;   ///< AxisConvention
   std::optional<double> rate_hz;
   std::string skeleton;

@@ -135,7 +135,7 @@ Expected<double> MetresPerUnit(const std::string& units) {
   }
   const std::optional<std::string> near = Nearest(units, names);
   return Fail(ErrorCode::kConfig, "'" + units + "' is no unit of length", OptionPlace("units"),
-              near ? "did you mean '" + *near + "'?" : "write m, cm, mm, inch, or a length such as '0.0564 m'");
+              near ? "did you mean '" + *near + "'?" : "write m, cm, mm, inch, or a length such as '0.05 m'");
 }
 
 int BodiesOf(const SourceOptions& s, const std::string& label) {

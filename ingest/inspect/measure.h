@@ -16,7 +16,7 @@ struct Measured {
 
 /// What the data of a clip say about the frame they stand in.
 struct ClipMeasures {
-  Measured units;                 ///< "m", "cm", "mm", "inch", "0.0564 m" (the CMU database's unit)
+  Measured units;                 ///< "m", "cm", "mm", "inch", "2.2222222222222 inch" (the CMU database's unit)
   Measured up;                    ///< "+y": where a person's head is, in file axes
   Measured handedness;            ///< "right", "left"
   Measured facing;                ///< "-z": where the person faces, in file axes

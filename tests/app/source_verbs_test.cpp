@@ -215,7 +215,7 @@ TEST_F(Declarations, CmusMotionsFindTheirSkeletons) {
   EXPECT_THAT(text_, HasSubstr("measured: 1 of 2 clips agree"));
   EXPECT_THAT(text_, HasSubstr("skeleton_files: \"{person}.asf\""));
   EXPECT_THAT(text_, HasSubstr("person: \"{person}\""));
-  EXPECT_THAT(text_, HasSubstr("units: \"0.0564 m\""));
+  EXPECT_THAT(text_, HasSubstr("units: \"2.2222222222222 inch\""));
   const Result run = Ingest();
   EXPECT_EQ(run.exit_code, 1) << "02_01.amc has no skeleton: " << run.err << text_;
   EXPECT_EQ(Kept(), 1);

@@ -54,7 +54,7 @@ TEST_F(RecordedFormats, FindTheSkeletonOfAnAcclaimMotion) {
     EXPECT_EQ(Value(clip, "joints"), 31);
     EXPECT_EQ(Value(clip, "skeleton"), "cmu31");
     EXPECT_EQ(Value(clip, "rate_hz"), 120.0) << clip.at("id");
-    ExpectFrame(clip, "0.0564 m", "+y", "right");
+    ExpectFrame(clip, "2.2222222222222 inch", "+y", "right");
   }
   EXPECT_EQ(frames, 8245);
   EXPECT_THAT(Codes(hdm05, "error"), IsEmpty());
@@ -66,7 +66,7 @@ TEST_F(RecordedFormats, ReportAMotionWithoutItsSkeleton) {
   for (const Json& clip : inspection.at("clips")) clips[clip.at("id")] = clip;
   EXPECT_EQ(Value(clips.at("01_01.amc"), "frames"), 2751);
   EXPECT_EQ(clips.at("01_01.amc").at("facts").at("skeleton_file"), "01.asf");
-  ExpectFrame(clips.at("01_01.amc"), "0.0564 m", "+y", "right");
+  ExpectFrame(clips.at("01_01.amc"), "2.2222222222222 inch", "+y", "right");
   for (const auto& [name, frames] :
        std::map<std::string, int>{{"02_01.amc", 343}, {"07_01.amc", 316}, {"09_01.amc", 148}}) {
     EXPECT_EQ(Value(clips.at(name), "frames"), frames);
