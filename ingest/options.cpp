@@ -40,7 +40,10 @@ void SourceOptions::Declare(OptionVisitor& v) {
            {{"ignore", OtherFiles::kIgnore}, {"finding", OtherFiles::kFinding}, {"error", OtherFiles::kError}},
            "action for files whose name does not match `files`");
   v.Text("licence", licence, "licence of the captures");
-  v.Text("units", units, "unit of length of the files: m, cm, mm, inch, or a length such as '0.0564 m'");
+  v.Text(
+      "units", units,
+      "unit of length of the files: m, cm, mm, inch, or a length such as '0.05 m' or '2.2222222222222 inch' (1 / 0.45, "
+      "of the CMU database)");
   v.Text("axes", axes, "directions of the source's x, y and z in the canonical world (right-handed, y up, facing +z)");
   v.OptionalNumber("rate", rate_hz, Unit::kHertz, {1e-3, 1e5},
                    "frames per second; overrides another rate that the files declare, with a finding");

@@ -169,6 +169,10 @@ const std::vector<FindingKind>& FindingKinds() {
       {"markers_missing", "info", "missing marker samples"},
       {"not_a_rotation", "warning", "invalid recorded rotations: set to missing"},
       {"bone_slides", "warning", "a bone of a BVH changes its length; value: metres"},
+      {"scene_root", "info",
+       "joints of a BVH above the one that carries the translation: no joints of the motion; value: metres from it"},
+      {"root_moved", "warning",
+       "the declared skeleton puts the root of a BVH elsewhere than the file does; value: metres, at most"},
       // Content.
       {"no_joint_seen", "warning; error for all frames", "frames without a valid joint; value: frames"},
       {"unobserved_ends", "info", "frames before the first and after the last observation, cut; value: frames"},

@@ -59,15 +59,17 @@ Status CheckSliding(const BvhOffsets& offsets, const Bvh& bvh, double max_slide,
   return {};
 }
 
-/// World position of the carrier in one frame, and the root position that puts a carrier with fixed bones there.
+/// The root position in one frame that puts the carrier where the file has it, with fixed bones between the two.
+/// `above` receives the rotation, in the file's axes, of the joint above the skeleton's root.
 Vector3d RootPlace(const Bvh& bvh, int frame, const BvhOffsets& offsets, const BvhSkeleton& fit,
-                   const Matrix3d& metres_from_file, const Matrix3d& world_from_file) {
+                   const Matrix3d& metres_from_file, const Matrix3d& world_from_file, Matrix3d& above) {
   Vector3d place = Vector3d::Zero();      // of the current joint, file frame
   Vector3d from_root = Vector3d::Zero();  // of the current joint with fixed bones, world axes, metres
   Matrix3d global = Matrix3d::Identity();
   for (const int j : offsets.Path(bvh)) {
     place += global * BvhLocalPosition(bvh, frame, j);
-    if (bvh.joints[j].parent >= 0) {
+    if (j == fit.root) above = global;
+    if (j > fit.root) {
       from_root += world_from_file * global * world_from_file.transpose() * fit.offset[j];
     }
     global = global * BvhLocalRotation(bvh, frame, j);
@@ -75,16 +77,52 @@ Vector3d RootPlace(const Bvh& bvh, int frame, const BvhOffsets& offsets, const B
   return metres_from_file * place - from_root;
 }
 
+/// The joints above the skeleton's root: how far from it they lie at most is the value.
+Finding SceneRoot(const Bvh& bvh, const BvhSkeleton& fit, double away) {
+  std::string above;
+  for (int j = 0; j < fit.root; ++j) above += (j > 0 ? ", " : "") + ("'" + bvh.joints[j].name + "'");
+  const std::string& root = bvh.joints[fit.root].name;
+  Finding finding = MakeFinding("scene_root", Severity::kInfo, away,
+                                "'" + root + "' moves below " + above + ", up to " + RoundedText(away, 3) +
+                                    " m from the file's root: '" + root + "' is the root of the motion, and " + above +
+                                    (fit.root > 1 ? " are no joints of it" : " is no joint of it"),
+                                FindingAction::kExcluded);
+  finding.joint = bvh.joints[0].name;
+  return finding;
+}
+
+/// The root was moved by `moved` metres at most, so that the carrier lies where the file has it.
+Finding RootMoved(const Bvh& bvh, const BvhOffsets& offsets, const Skeleton& declared, double moved) {
+  Finding finding = MakeFinding("root_moved", Severity::kWarning, moved,
+                                "'" + bvh.joints[0].name + "' lies up to " + RoundedText(moved, 3) +
+                                    " m from where the file has it: skeleton '" + declared.name +
+                                    "' has bones of fixed length from there to '" + bvh.joints[offsets.carrier].name +
+                                    "', which the file moves; declare a skeleton without '" + bvh.joints[0].name +
+                                    "', or none to use the file's own",
+                                FindingAction::kRepaired);
+  finding.joint = bvh.joints[0].name;
+  return finding;
+}
+
+/// What was done to the root of a file whose translation another joint carries. A declared skeleton in which the two
+/// coincide declares it.
+std::optional<Finding> CheckRoot(const Bvh& bvh, const BvhOffsets& offsets, const BvhSkeleton& fit, double moved) {
+  if (offsets.carrier == 0) return std::nullopt;
+  if (fit.root > 0) return SceneRoot(bvh, fit, moved);
+  double bones = 0.0;
+  for (const int j : offsets.Path(bvh)) bones += fit.offset[j].norm();
+  if (bones <= BvhOffsets::kConstant) return std::nullopt;
+  return RootMoved(bvh, offsets, *fit.skeleton, moved);
+}
+
 constexpr double kCarriesFrom =
     0.01;  // of the summed bone length; the root's children slide less where they do not carry the translation
 
-/// Positions of all joints; of the root, that of the joint that carries the translation (Bandai's files: the hips).
-JointPositions WithCarriedRoot(const Bvh& bvh, JointPositions places) {
+/// The joint that carries the translation of a file whose unit is unknown (Bandai's files: the hips).
+int CarrierOf(const Bvh& bvh) {
   double bones = 0.0;
   for (const BvhJoint& joint : bvh.joints) bones += joint.offset.norm();
-  const int carrier = MeasureOffsets(bvh, Matrix3d::Identity(), kCarriesFrom * bones, nullptr).carrier;
-  for (int f = 0; f < places.frames && carrier > 0; ++f) places.at(f, 0) = Vector3d(places.at(f, carrier));
-  return places;
+  return MeasureOffsets(bvh, Matrix3d::Identity(), kCarriesFrom * bones, nullptr).carrier;
 }
 
 Expected<RawFile> BvhIn(const FileBytes& file) {
@@ -120,7 +158,10 @@ Expected<RawFile> BvhIn(const FileBytes& file) {
     clip.silence = kInvalidPoses;
   }
   if (clip.positions.frames > 0) {
-    const JointPositions carried = WithCarriedRoot(*bvh, clip.positions);
+    JointPositions carried = clip.positions;
+    const int carrier = CarrierOf(*bvh);
+    for (int f = 0; f < carried.frames && carrier > 0; ++f) carried.at(f, 0) = Vector3d(carried.at(f, carrier));
+    if (carrier > 0) clip.facts.emplace_back("translation_from", clip.names[static_cast<std::size_t>(carrier)]);
     if (const auto path = CheckRootPath(carried, clip.points)) clip.remarks.push_back(*path);
   }
   for (const Finding& finding : bvh->findings) {
@@ -144,10 +185,11 @@ Error UnitsOr(const Error& otherwise, const SourceFile& file) {
   return otherwise;
 }
 
-/// BVH -> given motion. Local frames are rotated with the axes; OFFSETs become rest offsets and bone lengths. The joint
-/// whose position moves carries the translation, which is moved into the root. The root's own position is then that
-/// joint's minus the rest offsets between them (bandai22: joint_Root lies on Hips). Joints that slide along their bones
-/// by more than max_slide are refused.
+/// BVH -> given motion. Local frames are rotated with the axes; OFFSETs become rest offsets and bone lengths. Where a
+/// joint below the root moves, it carries the translation: in a tree of the file's own it is the root, and the joints
+/// above it are none (finding scene_root). A declared skeleton keeps them: the root's position is then that joint's
+/// minus the rest offsets between them (bandai22: joint_Root lies on Hips; else finding root_moved). Joints that slide
+/// along their bones by more than max_slide are refused.
 Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
@@ -172,10 +214,14 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
   const int joints = fit->skeleton->joint_count();
   std::vector<Vector3d> root_translation;
   std::vector<Quaterniond> rotation(static_cast<std::size_t>(bvh->frames) * joints);
+  double moved = 0.0;
   for (int f = 0; f < bvh->frames; ++f) {
-    root_translation.push_back(RootPlace(*bvh, f, offsets, *fit, metres_from_file, world_from_file));
-    for (int j = 0; j < joints; ++j) {
-      const Matrix3d local = BvhLocalRotation(*bvh, f, j);
+    Matrix3d above = Matrix3d::Identity();
+    root_translation.push_back(RootPlace(*bvh, f, offsets, *fit, metres_from_file, world_from_file, above));
+    moved = std::max(moved, (root_translation.back() - metres_from_file * BvhLocalPosition(*bvh, f, 0)).norm());
+    for (int j = fit->root; j < static_cast<int>(bvh->joints.size()); ++j) {
+      const Matrix3d local =
+          j == fit->root ? Matrix3d(above * BvhLocalRotation(*bvh, f, j)) : BvhLocalRotation(*bvh, f, j);
       rotation[static_cast<std::size_t>(f) * joints + fit->target[j]] =
           Quaterniond(Matrix3d(world_from_file * local * world_from_file.transpose())).normalized();
     }
@@ -189,6 +235,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
     path->action = ContradictionAction(source);
     ingested.findings.push_back(*std::move(path));
   }
+  if (auto root = CheckRoot(*bvh, offsets, *fit, moved)) ingested.findings.push_back(*std::move(root));
   if (offsets.carrier > 0) {
     ingested.clip.provenance["translation_from"] = bvh->joints[offsets.carrier].name;
   }

@@ -49,19 +49,21 @@ std::string MirroredName(const std::string& name) {
   return name;
 }
 
-SkeletonPtr FromFile(const Bvh& bvh, const BvhOffsets& offsets, const std::string& source) {
+/// The joints from `root` on; those before it are its ancestors.
+SkeletonPtr FromFile(const Bvh& bvh, int root, const std::vector<Vector3d>& offset, const std::string& source) {
   auto skeleton = std::make_shared<Skeleton>();
   skeleton->name = source;
   std::set<std::string> names;
-  for (std::size_t j = 0; j < bvh.joints.size(); ++j) {
+  for (auto j = static_cast<std::size_t>(root); j < bvh.joints.size(); ++j) {
     Joint joint;
     joint.name = bvh.joints[j].name;
     for (int copy = 2; !names.insert(joint.name).second; ++copy) {
       joint.name = bvh.joints[j].name + "_" + std::to_string(copy);
     }
-    joint.parent = bvh.joints[j].parent;
-    joint.rest_offset = j == 0 ? Vector3d(Vector3d::Zero()) : offsets.joints[j].offset;
-    joint.mirror = static_cast<int>(j);
+    const bool is_root = skeleton->joints.empty();
+    joint.parent = is_root ? -1 : bvh.joints[j].parent - root;
+    joint.rest_offset = is_root ? Vector3d(Vector3d::Zero()) : offset[j];
+    joint.mirror = skeleton->joint_count();
     skeleton->joints.push_back(joint);
   }
   Skeleton paired = *skeleton;
@@ -174,7 +176,8 @@ Expected<BvhSkeleton> MakeBvhSkeleton(const Bvh& bvh, const BvhOffsets& offsets,
     if (!target) return Forward(target);
     fit.target = std::move(*target);
   } else {
-    for (std::size_t j = 0; j < count; ++j) fit.target.push_back(static_cast<int>(j));
+    fit.root = offsets.carrier;
+    for (int j = 0; j < static_cast<int>(count); ++j) fit.target.push_back(j < fit.root ? -1 : j - fit.root);
   }
   bool as_declared = declared != nullptr;
   fit.offset.assign(count, Vector3d::Zero());
@@ -184,8 +187,6 @@ Expected<BvhSkeleton> MakeBvhSkeleton(const Bvh& bvh, const BvhOffsets& offsets,
     fit.offset[j] = moves ? rest : offsets.joints[j].offset;
     as_declared = as_declared && (fit.offset[j] - rest).norm() <= kSameOffset;
   }
-  BvhOffsets fixed = offsets;
-  for (std::size_t j = 0; j < count; ++j) fixed.joints[j].offset = fit.offset[j];
   if (as_declared) {
     fit.skeleton = declared;
   } else if (declared) {
@@ -195,10 +196,12 @@ Expected<BvhSkeleton> MakeBvhSkeleton(const Bvh& bvh, const BvhOffsets& offsets,
     }
     fit.skeleton = skeleton;
   } else {
-    fit.skeleton = FromFile(bvh, fixed, source);
+    fit.skeleton = FromFile(bvh, fit.root, fit.offset, source);
   }
-  fit.bone_length.assign(count, 0.0);
-  for (std::size_t j = 1; j < count; ++j) fit.bone_length[fit.target[j]] = fit.offset[j].norm();
+  fit.bone_length.assign(fit.skeleton->joints.size(), 0.0);
+  for (auto j = static_cast<std::size_t>(fit.root) + 1; j < count; ++j) {
+    fit.bone_length[fit.target[j]] = fit.offset[j].norm();
+  }
   if (Status ok = fit.skeleton->Check(); !ok) return Forward(ok);
   return fit;
 }

@@ -37,14 +37,16 @@ BvhOffsets MeasureOffsets(const Bvh& bvh, const Matrix3d& metres_from_file, doub
 /// The skeleton of a file's motion. Indices of `offset` and `target` are the file's.
 struct BvhSkeleton {
   SkeletonPtr skeleton;
-  std::vector<int> target;          ///< joint of the skeleton
+  int root = 0;                     ///< joint of the file that is the skeleton's root; those above it are no joints
+  std::vector<int> target;          ///< joint of the skeleton; -1 above `root`
   std::vector<Vector3d> offset;     ///< from the parent, metres, canonical axes
   std::vector<double> bone_length;  ///< (J) of the skeleton
 };
 
 /// With `declared`: its names, order, mirror partners and limits; its rest offsets where the file agrees to 1e-6 m,
-/// else the file's. Without: a skeleton made from the file. Error kInconsistent names a joint that has no counterpart
-/// or another parent.
+/// else the file's. Without: a skeleton made from the file, whose root is the carrier, as no tree of fixed bones can
+/// keep both it and the joints above it in place. Error kInconsistent names a joint that has no counterpart or another
+/// parent.
 Expected<BvhSkeleton> MakeBvhSkeleton(const Bvh& bvh, const BvhOffsets& offsets, const SkeletonPtr& declared,
                                       const std::string& source, const std::string& file);
 
