@@ -116,8 +116,10 @@ void FacingOptions::Declare(OptionVisitor& v) {
             {"frame", Anchor::kFrame}},
            "frame whose root moves to the origin and faces +z; first_segment: the last frame of the first segment");
   v.Integer("anchor_frame", anchor_frame, {0.0, 1e9}, "with anchor: frame, index from 0");
-  v.Choice("height", height, {{"root", HeightOrigin::kRoot}, {"floor", HeightOrigin::kFloor}},
-           "height of the origin: the anchor's root, or y = 0 (the floor, where canon.level finds it)");
+  v.Choice("height", height,
+           {{"root", HeightOrigin::kRoot}, {"floor", HeightOrigin::kFloor}, {"measured", HeightOrigin::kMeasured}},
+           "height 0: the anchor's root (root), y = 0 of the recording or of canon.level's floor (floor), or the floor "
+           "where canon.level measures one, else the root (measured)");
   v.Number("min_horizontal", min_horizontal, Unit::kNone, {0.01, 1.0},
            "report a clip whose heading axis has a horizontal part below this; rule hips then uses the forward axis");
   v.List("given", given, "with rule: given, rotations by person or view");

@@ -107,7 +107,11 @@ enum class FacingRule {
   kGiven,   ///< a rotation for each person or view, as ACTOR rotates PHSPD into one camera's axes
 };
 enum class Anchor { kFirst, kMiddle, kLast, kFirstSegment, kFrame };
-enum class HeightOrigin { kRoot, kFloor };
+enum class HeightOrigin {
+  kRoot,      ///< the anchor's root
+  kFloor,     ///< y = 0 of the recording, or of a levelled floor
+  kMeasured,  ///< the floor where canon.level measures one, else the root
+};
 
 /// A world rotation of the clips of some persons or views; empty lists name all.
 struct GivenRotationOptions {
@@ -123,7 +127,7 @@ struct FacingOptions {
   FacingRule rule = FacingRule::kHips;
   Anchor anchor = Anchor::kFirst;
   std::int64_t anchor_frame = 0;  ///< with Anchor::kFrame
-  HeightOrigin height = HeightOrigin::kRoot;
+  HeightOrigin height = HeightOrigin::kMeasured;
   double min_horizontal = 0.2;  ///< smallest horizontal part of the hip axis that determines yaw
   std::vector<GivenRotationOptions> given;
 

@@ -11,6 +11,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kUpright = 1e-9;  // a floor stays level under a rotation that moves +y by less
+
 /// World rotation of the clip by the single entry of `given` that matches it.
 Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& clip) {
   const auto names = [](const std::vector<std::string>& list, const std::string& name) {
@@ -104,7 +106,11 @@ Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
                 "run the stage fitting first");
   }
   Heading heading;
-  if (options.rule == FacingRule::kNone) return heading;
+  if (options.rule == FacingRule::kNone) {
+    // A clip canonicalised by a version that did not note its origin keeps none.
+    if (clip.provenance.count(kFacingNoted) == 0) clip.provenance.emplace(kHeightOrigin, kOriginSource);
+    return heading;
+  }
   const Motion& motion = *clip.motion;
   const Expected<int> anchor = AnchorFrame(options, clip);
   if (!anchor) return Forward(anchor);
@@ -137,11 +143,19 @@ Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
       break;
     }
   }
+  const bool upright = (canonical_from_clip.rotation * Vector3d::UnitY() - Vector3d::UnitY()).norm() < kUpright;
+  const auto before = clip.provenance.find(kHeightOrigin);
+  const bool on_floor = upright && before != clip.provenance.end() && before->second == kOriginFloor;
+  FacingOptions noted = options;
+  if (options.height == HeightOrigin::kMeasured) noted.height = on_floor ? HeightOrigin::kFloor : HeightOrigin::kRoot;
   Vector3d origin = motion.joints.at(*anchor, 0);
-  if (options.height == HeightOrigin::kFloor) origin = Vector3d(origin.x(), 0.0, origin.z());
+  if (noted.height == HeightOrigin::kFloor) origin = Vector3d(origin.x(), 0.0, origin.z());
   canonical_from_clip.translation = -(canonical_from_clip.rotation * origin);
   Transform(canonical_from_clip, clip);
-  clip.provenance[kFacingNoted] = OptionsToJson(options).dump();
+  clip.provenance[kHeightOrigin] = noted.height == HeightOrigin::kRoot ? kOriginRoot
+                                   : on_floor                          ? kOriginFloor
+                                                                       : kOriginSourceHeight;
+  clip.provenance[kFacingNoted] = OptionsToJson(noted).dump();
   return heading;
 }
 
@@ -157,6 +171,9 @@ Status FaceAgain(Clip& clip) {
   return faced ? Status() : Forward(faced);
 }
 
-void UndoCanonical(Clip& clip) { Transform(Inverse(clip.canonical_from_source), clip); }
+void UndoCanonical(Clip& clip) {
+  Transform(Inverse(clip.canonical_from_source), clip);
+  clip.provenance[kHeightOrigin] = kOriginSource;
+}
 
 }  // namespace mocurate

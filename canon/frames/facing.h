@@ -19,9 +19,10 @@ Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, const FacingOp
 Expected<int> AnchorFrame(const FacingOptions& options, const Clip& clip);
 
 /// Moves the clip into its canonical frame: x -> Q (x - x_anchor), Q by options.rule, so that the anchor's root is at
-/// the origin (with kFloor: above it, at its height over y = 0). kNone moves nothing. Transforms all fields;
-/// canonical_from_source stores the inverse. Errors of BodyAxes and AnchorFrame; kConfig where kGiven has no rotation
-/// for the clip, or two.
+/// the origin (with kFloor: above it, at its height over y = 0; kMeasured is kFloor where the clip's world has the
+/// floor at y = 0 and the rotation keeps it level, else kRoot). kNone moves nothing. Transforms all fields;
+/// canonical_from_source stores the inverse, the provenance what height 0 is (kHeightOrigin). Errors of BodyAxes and
+/// AnchorFrame; kConfig where kGiven has no rotation for the clip, or two.
 Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip);
 
 /// The options of FaceFront in a clip's provenance, JSON.

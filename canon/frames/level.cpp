@@ -216,6 +216,7 @@ void LevelClip(const FloorPlane& floor, Clip& clip) {
   Transform(floor.LevelFromWorld(), clip);
   clip.provenance["level.tilt_deg"] = RoundedText(floor.tilt() * 180.0 / kPi, 3);
   clip.provenance["level.sigma_deg"] = RoundedText(floor.tilt_sigma * 180.0 / kPi, 2);
+  clip.provenance[kHeightOrigin] = kOriginFloor;
 }
 
 }  // namespace mocurate

@@ -32,7 +32,8 @@ void from_json(const nlohmann::json& json, FloorPlane& floor);
 /// FloorRule::kHeight `up` is +y. Nothing without stance phases, or where the skeletons have no legs.
 std::optional<FloorPlane> EstimateFloor(const LevelOptions& options, const std::vector<Motion>& motions);
 
-/// Moves the clip onto a floor; its tilt and sigma (degrees) go to provenance ("level.tilt_deg", "level.sigma_deg").
+/// Moves the clip onto a floor; its tilt and sigma (degrees) go to provenance ("level.tilt_deg", "level.sigma_deg"),
+/// and kOriginFloor.
 void LevelClip(const FloorPlane& floor, Clip& clip);
 
 }  // namespace mocurate

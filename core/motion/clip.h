@@ -136,4 +136,11 @@ struct Clip {
 FrameRate RecordedRate(const Clip& clip);
 inline constexpr const char* kRecordedRate = "recorded_rate";  ///< provenance of a clip that was resampled
 
+/// Provenance of a clip whose world was chosen: what its height 0 is, one of the names below.
+inline constexpr const char* kHeightOrigin = "origin";
+inline constexpr const char* kOriginRoot = "root";                   ///< the root of the anchor frame
+inline constexpr const char* kOriginFloor = "floor";                 ///< the floor under the feet, as measured
+inline constexpr const char* kOriginSource = "source";               ///< the whole origin is the source's
+inline constexpr const char* kOriginSourceHeight = "source_height";  ///< the height alone is the source's
+
 }  // namespace mocurate

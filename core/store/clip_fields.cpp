@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/base/file.h"
 #include "core/store/fields.h"
@@ -130,6 +131,16 @@ std::string CommonRate(const std::vector<std::string>& rates) {
     if (rate != rates[0]) return "mixed";
   }
   return rates[0];
+}
+
+std::string AboutText(const std::vector<const Clip*>& clips) {
+  std::set<std::string> origins;
+  for (const Clip* clip : clips) {
+    const auto noted = clip->provenance.find(kHeightOrigin);
+    origins.insert(noted == clip->provenance.end() ? "" : noted->second);
+  }
+  if (origins.empty() || origins == std::set<std::string>{""}) return "";
+  return ProvenanceText({{kHeightOrigin, origins.size() == 1 ? *origins.begin() : "mixed"}});
 }
 
 void PackClips(const std::vector<const Clip*>& clips, Content& content) {

@@ -35,6 +35,7 @@ Expected<store::Content> PackOutline(const Dataset& dataset, const std::vector<c
   store::PackSkeleton(*dataset.skeleton, "", content);
   store::PackClips(clips, content);
   content.PutText("/@rate", store::CommonRate(content.Values<std::string>("/clips/rate")));
+  if (std::string about = store::AboutText(clips); !about.empty()) content.PutText("/about", std::move(about));
   store::PackLabels(dataset, content);
   store::PackFindings(dataset.findings, content);
   if (Status packed = store::PackSplits(dataset.splits, content); !packed) {

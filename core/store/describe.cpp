@@ -118,6 +118,9 @@ Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path) {
   for (const char* name : {"skeleton", "rate", "axes", "created_by"}) {
     if (content->Has(std::string("/@") + name)) json[name] = DisplayPath(content->Text(std::string("/@") + name));
   }
+  if (*schema == &store::DatasetSchema() && content->Has("/about")) {
+    json["about"] = nlohmann::json::parse(content->Text("/about"));
+  }
   if (content->Has((*schema)->prefix + "/clips/count")) json["duration_s"] = Seconds(*content, (*schema)->prefix);
   if (content->Has("/clips/person")) {
     json["clips_per_person"] = Tally(content->Values<std::string>("/clips/person"));

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "core/base/text.h"
+#include "core/motion/clip.h"
 
 namespace mocurate {
 namespace {
@@ -28,6 +30,20 @@ std::string CountsText(const nlohmann::json& description) {
   }
   if (!description.contains("duration_s")) return text;
   return DurationText(description["duration_s"].get<double>()) + " in " + text;
+}
+
+/// What height 0 of the clips is.
+std::string OriginText(const std::string& origin) {
+  const std::pair<const char*, const char*> texts[] = {
+      {kOriginRoot, "height 0 is the root in the anchor frame of each clip"},
+      {kOriginFloor, "height 0 is the floor, as measured under the feet"},
+      {kOriginSourceHeight, "height 0 is that of the source"},
+      {kOriginSource, "the source's"},
+      {"mixed", "not the same for all clips: `origin` of their provenance"}};
+  for (const auto& [name, text] : texts) {
+    if (origin == name) return origin + ": " + text;
+  }
+  return origin;
 }
 
 }  // namespace
@@ -63,6 +79,7 @@ std::string StoreText(const nlohmann::json& description) {
   lines += DescriptionLine("rate", text("rate").empty() ? "" : text("rate") + " Hz");
   lines += DescriptionLine("axes", text("axes"));
   const nlohmann::json none = nlohmann::json::object();
+  lines += DescriptionLine("origin", OriginText(description.value("about", none).value(kHeightOrigin, std::string())));
   lines += DescriptionLine("persons", TallyText(description.value("clips_per_person", none)));
   lines += DescriptionLine("labels", TallyText(description.value("clips_per_label", none)));
   lines += DescriptionLine("sources", TallyText(description.value("clips_per_source", none)));

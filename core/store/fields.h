@@ -64,6 +64,8 @@ ClipIdentity IdentityOf(const Content& content, std::size_t row);
 std::string TextOfRate(const FrameRate& rate);
 /// The rate all agree on, else "mixed".
 std::string CommonRate(const std::vector<std::string>& rates);
+/// What /about says of the clips; empty where none of them notes its origin.
+std::string AboutText(const std::vector<const Clip*>& clips);
 
 Status PackEvidence(const Evidence& evidence, Content& content);
 Evidence UnpackEvidence(const Content& content);

@@ -151,6 +151,10 @@ void AddDatasetParts(std::vector<Field>& fields) {
       .Add("@axes", kText, {}, "", AxesText(), "where +x +y +z point; +x +y +z is canonical: y up, facing +z")
       .Add("@created_by", kText, {}, "", Anything(), "program and version")
       .Add("recipe", kText, {}, "", Anything(), "configuration that made the file");
+  Group(fields, "", Presence::kOptional)
+      .Add("about", kText, {}, "", JsonTexts(),
+           "JSON object of texts; origin: what height 0 of the clips is, as in their provenance: root (of the anchor "
+           "frame), floor (as measured), source_height (as recorded), source (nothing moved), or mixed");
   Group(fields, "/clips", kAlways)
       .Add("class", kI4, {"C"}, "", ClassOfLabel(), "row of the clip's label in /labels, -1 if it is not there");
   Group(fields, "/clips", Presence::kOptional)

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "canon/frames/facing.h"
+#include "canon/frames/level.h"
 #include "core/base/pi.h"
 #include "core/base/random.h"
 #include "core/motion/kinematics.h"
@@ -241,6 +242,62 @@ TEST(FaceFront, EveryRuleAtEveryAnchorIsUndoneByTheStoredTransform) {
       }
     }
   }
+}
+
+TEST(FaceFront, PutsHeightZeroOnTheFloorWhereItWasMeasured) {
+  FloorPlane floor;
+  floor.height = -0.7;
+  Clip levelled = TurningClip(4, 0.0);
+  LevelClip(floor, levelled);
+  EXPECT_EQ(levelled.provenance.at(kHeightOrigin), kOriginFloor);
+  const double above = levelled.motion->joints.at(0, 0).y();
+  EXPECT_NEAR(above, 0.9 + 0.7, 1e-12);
+
+  struct Case {
+    FacingRule rule;
+    HeightOrigin height;
+    bool measured;
+    double root_height;  ///< of the anchor afterwards
+    const char* origin;
+  };
+  const HeightOrigin kByDefault = FacingOptions().height;
+  const double recorded = TurningClip(4, 0.0).motion->joints.at(0, 0).y();
+  const std::vector<Case> cases = {
+      {FacingRule::kHips, kByDefault, true, above, kOriginFloor},
+      {FacingRule::kOrigin, kByDefault, true, above, kOriginFloor},
+      {FacingRule::kGiven, kByDefault, true, above, kOriginFloor},  // about the vertical
+      {FacingRule::kNone, kByDefault, true, above, kOriginFloor},
+      {FacingRule::kHips, HeightOrigin::kFloor, true, above, kOriginFloor},
+      {FacingRule::kHips, HeightOrigin::kRoot, true, 0.0, kOriginRoot},
+      {FacingRule::kHips, kByDefault, false, 0.0, kOriginRoot},
+      {FacingRule::kHips, HeightOrigin::kFloor, false, recorded, kOriginSourceHeight},
+      {FacingRule::kNone, kByDefault, false, recorded, kOriginSource},
+  };
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    SCOPED_TRACE(i);
+    Clip clip = cases[i].measured ? levelled : TurningClip(4, 0.0);
+    FacingOptions options = WithRule(cases[i].rule);
+    options.height = cases[i].height;
+    ASSERT_TRUE(FaceFront(options, clip));
+    EXPECT_NEAR(clip.motion->joints.at(0, 0).y(), cases[i].root_height, 1e-9);
+    EXPECT_EQ(clip.provenance.at(kHeightOrigin), cases[i].origin);
+    // A part of it keeps the origin, and so does the whole when it is faced again.
+    const Clip before = clip;
+    ASSERT_TRUE(FaceAgain(clip));
+    EXPECT_LT(Largest(before.motion->joints, clip.motion->joints), 1e-9);
+    EXPECT_EQ(clip.provenance.at(kHeightOrigin), cases[i].origin);
+    UndoCanonical(clip);
+    EXPECT_EQ(clip.provenance.at(kHeightOrigin), kOriginSource);
+    EXPECT_LT(Largest(TurningClip(4, 0.0).motion->joints, clip.motion->joints), 1e-9);
+  }
+}
+
+TEST(FaceFront, DoesNotTakeATiltedFloorForHeightZero) {
+  Clip clip = TurningClip(4, 0.3);
+  LevelClip(FloorPlane(), clip);
+  ASSERT_TRUE(FaceFront(WithRule(FacingRule::kZero), clip));
+  EXPECT_LT(clip.motion->joints.at(0, 0).norm(), 1e-9);
+  EXPECT_EQ(clip.provenance.at(kHeightOrigin), kOriginRoot);
 }
 
 TEST(FaceFront, OfAPartOfAClipIsThatOfTheWhole) {

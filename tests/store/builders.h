@@ -98,7 +98,7 @@ inline Clip MakeClip(const std::string& person, const std::string& recording, in
   clip.fit_rms = 0.0123;
   clip.role = "train";
   clip.evidence_sha256 = std::string(64, 'a');
-  clip.provenance = {{"file", "Grüße \"1\".txt"}, {"program", "mocurate 0.1"}};
+  clip.provenance = {{"file", "Grüße \"1\".txt"}, {kHeightOrigin, kOriginFloor}, {"program", "mocurate 0.1"}};
   return clip;
 }
 

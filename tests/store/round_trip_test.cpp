@@ -142,6 +142,33 @@ TEST(Store, EachClipKeepsTheRestOffsetsOfItsPerson) {
   EXPECT_FALSE(WriteDataset(written, folder / "other.h5")) << "another tree is another skeleton";
 }
 
+TEST(Store, ADatasetSaysWhatItsHeightZeroIs) {
+  const ScratchFolder folder;
+  const auto about = [&](const std::vector<std::string>& origins) {
+    Dataset dataset = MakeDataset();
+    for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
+      dataset.clips[i].provenance.erase(kHeightOrigin);
+      if (!origins[i].empty()) dataset.clips[i].provenance[kHeightOrigin] = origins[i];
+    }
+    EXPECT_TRUE(WriteDataset(dataset, folder / "set.h5"));
+    const auto back = ReadDataset(folder / "set.h5");
+    EXPECT_TRUE(back) << back.error().Message();
+    EXPECT_EQ(back->clips[0].provenance, dataset.clips[0].provenance);
+    const auto description = DescribeStore(folder / "set.h5");
+    EXPECT_TRUE(description) << description.error().Message();
+    return description->value("about", nlohmann::json());
+  };
+  const std::size_t clips = MakeDataset().clips.size();
+  ASSERT_GE(clips, 2u);
+  std::vector<std::string> origins(clips, kOriginFloor);
+  EXPECT_EQ(about(origins), nlohmann::json({{"origin", "floor"}}));
+  origins.back() = kOriginRoot;
+  EXPECT_EQ(about(origins), nlohmann::json({{"origin", "mixed"}}));
+  origins.back() = "";
+  EXPECT_EQ(about(origins), nlohmann::json({{"origin", "mixed"}}));
+  EXPECT_TRUE(about(std::vector<std::string>(clips)).is_null());
+}
+
 TEST(Store, JointsOnlySetsHaveNoRotationsAnywhere) {
   const ScratchFolder folder;
   const Dataset written = test::MakeJointsOnlyDataset();
