@@ -1,6 +1,7 @@
 // The layout amass_babel: SET/PERSON/TAKE_poses.npz in AMASS's form of SMPL-H (156 numbers a frame, metres, z up) and
 // babel_v1.0_release/{train,val,test}.json in BABEL's. `trans` is the pelvis itself: SMPL-H's rest pelvis, a constant
-// of the body model, is not added. Fingers are straight, `betas` 0.
+// of the body model, is not added. Fingers are straight, `betas` 0. Height 0 is the floor under that body, where a foot
+// is ever at rest on it.
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "canon/exports/clip_names.h"
 #include "canon/exports/smpl_arrays.h"
 #include "canon/exports/written_set.h"
+#include "canon/frames/level.h"
 #include "core/base/text.h"
 #include "core/formats/amass.h"
 #include "core/formats/babel.h"
@@ -91,6 +93,33 @@ BabelSequence SequenceOf(const Clip& clip, const std::string& feat_p) {
   return sequence;
 }
 
+/// Height of the floor under a motion, metres; empty where no foot is ever at rest on it.
+std::optional<double> FloorHeight(const Motion& motion) {
+  LevelOptions options;
+  options.rule = FloorRule::kHeight;
+  const std::optional<FloorPlane> floor = EstimateFloor(options, {motion});
+  return floor ? std::optional<double>(floor->height) : std::nullopt;
+}
+
+/// How much a clip is raised, metres, and what its height 0 is then (kHeightOrigin; empty: not known).
+struct Raise {
+  double metres = 0.0;
+  std::string origin;
+};
+
+/// The body that is written has SMPL-H's bones: its feet stand where the person's do, on the floor.
+Raise RaiseOf(const Clip& clip, const Motion& own, const Motion& written) {
+  Raise raise;
+  if (const auto noted = clip.provenance.find(kHeightOrigin); noted != clip.provenance.end())
+    raise.origin = noted->second;
+  const std::optional<double> floor = FloorHeight(written);
+  if (!floor) return raise;
+  const bool on_floor = raise.origin == kOriginFloor;  // measured over more clips than this one
+  raise.metres = (on_floor ? FloorHeight(own).value_or(0.0) : 0.0) - *floor;
+  raise.origin = kOriginFloor;
+  return raise;
+}
+
 /// A text that fits a cell of labels.csv: ingest splits lines at commas and strips blanks.
 bool FitsCell(const std::string& text) {
   return !text.empty() && Trim(text) == text && text.find_first_of(",\r\n") == std::string::npos;
@@ -108,6 +137,7 @@ class AmassBabelWriter : public LayoutWriter {
     if (!order) return Forward(order);
     const MotionInAxes motion(clip, *AxisConvention::Parse(kZUp));
     farthest_ = std::max(farthest_, FarthestReadBack(motion.motion, *order, BonesReadBack::kSmpl24));
+    const Raise raise = RaiseOf(clip, motion.motion, OnSmpl24(motion.motion, *order, BonesReadBack::kSmpl24));
     order->resize(kSmplHBody);
     Amass amass;
     amass.rate_hz = motion.motion.rate.hz();
@@ -121,6 +151,7 @@ class AmassBabelWriter : public LayoutWriter {
                   amass.poses.begin() + static_cast<std::ptrdiff_t>(f * kSmplHColumns));
     }
     amass.translation_m = motion.RootTranslation();
+    for (std::size_t f = 0; f < amass.frames; ++f) amass.translation_m[3 * f + 2] += raise.metres;
     amass.betas.assign(kShapeNumbers, 0.0);
     const std::string take = names_.Recording(position) + (named_poses_ ? "" : kPoses);
     const std::string file = names_.source() + "/" + names_.Person(position) + "/" + take + ".npz";
@@ -139,6 +170,8 @@ class AmassBabelWriter : public LayoutWriter {
     takes_.push_back(take);
     clips_.push_back(WrittenClipOf(position, clip, file));
     clips_.back().person = names_.Person(position);
+    clips_.back().origin = raise.origin.empty() ? "unknown" : raise.origin;
+    clips_.back().raised_m = raise.metres;
     return std::vector<ExportedFile>{{file, *std::move(bytes)}};
   }
 
@@ -184,6 +217,16 @@ class AmassBabelWriter : public LayoutWriter {
   void NoteLosses(std::vector<std::string>& notes) const {
     notes.push_back("read again, on the bones of smpl24, joints lie up to " + RoundedText(1000.0 * farthest_, 2) +
                     " mm off; the joints left_hand and right_hand have no rotation in SMPL-H");
+    const auto floorless = std::count_if(clips_.begin(), clips_.end(),
+                                         [](const WrittenClip& clip) { return clip.origin != kOriginFloor; });
+    notes.push_back("height 0 is the floor under " +
+                    Counted(static_cast<long long>(clips_.size()) - static_cast<long long>(floorless), "clip") +
+                    "; `raised_m` of clips.csv is how far each was raised");
+    if (floorless > 0) {
+      notes.push_back("under " + Counted(static_cast<long long>(floorless), "clip") +
+                      " the floor is unknown, as no foot is ever at rest: height 0 is that of the dataset (`origin` of "
+                      "clips.csv)");
+    }
     if (parts_.empty()) notes.push_back("the set has no split: train.json has all labels");
     if (set_.splits.size() > 1) {
       notes.push_back("the labels are divided by split '" + set_.splits.front().name + "', the first of " +

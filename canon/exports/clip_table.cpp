@@ -50,6 +50,8 @@ std::vector<std::string> PartOfEachClip(const Split& split, std::size_t clips) {
 ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& clips) {
   std::vector<std::string> header = {"file",  "clip",       "person", "recording", "label",
                                      "class", "fine_label", "frames", "rate_hz"};
+  const bool states_origin = std::any_of(clips.begin(), clips.end(), [](const auto& c) { return !c.origin.empty(); });
+  if (states_origin) header.insert(header.end(), {"origin", "raised_m"});
   std::vector<std::vector<std::string>> parts;
   for (const Split& split : set.splits) {
     header.push_back("split_" + split.name);
@@ -68,6 +70,7 @@ ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& cli
                                       clip.fine_label,
                                       std::to_string(clip.frames),
                                       FormatDouble(clip.rate.hz())};
+    if (states_origin) cells.insert(cells.end(), {clip.origin, RoundedText(clip.raised_m, 6)});
     for (const std::vector<std::string>& of_split : parts) cells.push_back(of_split[clip.position]);
     text += CsvLine(cells);
   }

@@ -1,6 +1,7 @@
 #include "canon/exports/smpl_arrays.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
@@ -46,20 +47,25 @@ std::vector<double> MotionInAxes::RotationVectors(const std::vector<int>& order)
   return numbers;
 }
 
-double FarthestReadBack(const Motion& motion, const std::vector<int>& order, BonesReadBack bones) {
-  const Skeleton& smpl = **LoadSkeleton("smpl24");
+Motion OnSmpl24(const Motion& motion, const std::vector<int>& order, BonesReadBack bones) {
   std::vector<double> lengths;
+  std::vector<Quaterniond> rotation;
   for (const int joint : order) {
     if (bones == BonesReadBack::kPersons && !motion.bone_length.empty()) lengths.push_back(motion.bone_length[joint]);
   }
-  double farthest = 0.0;
-  std::vector<Quaterniond> rotation(order.size());
-  std::vector<Vector3d> places(order.size());
   for (int f = 0; f < motion.frame_count(); ++f) {
-    for (std::size_t k = 0; k < order.size(); ++k) rotation[k] = motion.rotation_at(f, order[k]);
-    ForwardKinematics(smpl, motion.root_translation[f], rotation.data(), lengths, places.data());
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      farthest = std::max(farthest, (places[k] - motion.joints.at(f, order[k])).norm());
+    for (const int joint : order) rotation.push_back(motion.rotation_at(f, joint));
+  }
+  return MakeMotion(*LoadSkeleton("smpl24"), motion.rate, motion.root_translation, std::move(rotation),
+                    std::move(lengths));
+}
+
+double FarthestReadBack(const Motion& motion, const std::vector<int>& order, BonesReadBack bones) {
+  const Motion read = OnSmpl24(motion, order, bones);
+  double farthest = 0.0;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int k = 0; k < read.joint_count(); ++k) {
+      farthest = std::max(farthest, (read.joints.at(f, k) - motion.joints.at(f, order[k])).norm());
     }
   }
   return farthest;

@@ -28,7 +28,10 @@ struct MotionInAxes {
 /// The bone lengths used when a motion is read on smpl24.
 enum class BonesReadBack { kPersons, kSmpl24 };
 
-/// Largest distance of a joint, in metres, after rotations and root are applied to the rest directions of smpl24.
+/// Rotations and root on the rest directions of smpl24, its joints in SMPL's order.
+Motion OnSmpl24(const Motion& motion, const std::vector<int>& order, BonesReadBack bones);
+
+/// Largest distance of a joint, in metres, between OnSmpl24 and the motion.
 double FarthestReadBack(const Motion& motion, const std::vector<int>& order, BonesReadBack bones);
 
 /// For each of SMPL's 24 joints, in their order, the joint of the skeleton. Error kUnsupported names the missing joint,

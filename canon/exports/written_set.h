@@ -24,6 +24,8 @@ struct WrittenClip {
   std::string role;
   int frames = 0;
   FrameRate rate;
+  std::string origin;     ///< what height 0 of the file is (kHeightOrigin), where the layout states it
+  double raised_m = 0.0;  ///< added to every height of the clip
 };
 
 WrittenClip WrittenClipOf(std::size_t position, const Clip& clip, std::string file);
@@ -31,8 +33,8 @@ WrittenClip WrittenClipOf(std::size_t position, const Clip& clip, std::string fi
 /// Name of the table beside the clips.
 inline constexpr const char* kClipTable = "clips.csv";
 
-/// clips.csv: file, clip, person, recording, label, class, fine_label, frames, rate_hz, and for each split a column
-/// "split_NAME" of train, validation, test or nothing. RFC 4180.
+/// clips.csv: file, clip, person, recording, label, class, fine_label, frames, rate_hz, of layouts that state it origin
+/// and raised_m, and for each split a column "split_NAME" of train, validation, test or nothing. RFC 4180.
 ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& clips);
 
 /// "train", "validation", "test" or empty for each of `clips` clips.

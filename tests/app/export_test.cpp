@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "core/formats/npz.h"
@@ -215,6 +216,59 @@ TEST(ExportVerb, ReadsAnyMotionFileAndNamesUnreadableOnes) {
   EXPECT_EQ(both.exit_code, 1) << both.err;
   EXPECT_EQ(both.Json()["files"].size(), 1u);
   EXPECT_EQ(both.Json()["refused"].size(), 1u);
+}
+
+/// Height of the lower foot of smpl24 in the first frame, the median over the clips.
+double MedianFootHeight(std::vector<double> heights) {
+  if (heights.empty()) return 10.0;
+  std::sort(heights.begin(), heights.end());
+  return heights[heights.size() / 2];
+}
+
+TEST(RunAndExport, PutFeetAtHeightZeroWhereTheFloorIsMeasuredAndSaySo) {
+  const ScratchFolder folder;
+  const auto succeeds = [&](const std::vector<std::string>& words) {
+    const Result result = RunProgram(folder, words);
+    EXPECT_EQ(result.exit_code, 0) << words[0] << ": " << result.err;
+    return result;
+  };
+  for (const bool measured : {true, false}) {
+    SCOPED_TRACE(measured);
+    const std::string name = measured ? "floor" : "root";
+    std::vector<std::string> job = program::SmallJob(folder, name);
+    job.insert(job.end(), {"--set", "skeleton=smpl24"});
+    if (measured) job.insert(job.end(), {"--set", "canon.level.rule=height", "--set", "canon.facing.height=measured"});
+    succeeds(job);
+    const std::string file = (folder / name / "dataset.h5").string();
+    const auto set = ReadDataset(file);
+    ASSERT_TRUE(set) << set.error().Message();
+    std::vector<double> feet;
+    for (const Clip& clip : set->clips) {
+      EXPECT_EQ(clip.provenance.at(kHeightOrigin), measured ? kOriginFloor : kOriginRoot);
+      feet.push_back(std::min(clip.motion->joints.at(0, 10).y(), clip.motion->joints.at(0, 11).y()));
+    }
+    if (measured) {
+      EXPECT_NEAR(MedianFootHeight(feet), 0.0, 0.02);
+    } else {
+      EXPECT_LT(MedianFootHeight(feet), -0.7);
+    }
+    EXPECT_EQ(succeeds({"inspect", file, "--json"}).Json()["about"]["origin"], measured ? "floor" : "root");
+
+    const std::string amass = (folder / (name + "_amass")).string(), back = (folder / (name + "_back")).string();
+    succeeds({"export", file, "-o", amass, "--layout", "amass_babel"});
+    const nlohmann::json files =
+        succeeds({"export", amass, "--source", amass + "/source.yaml", "-o", back, "--as", "joints", "--json"})
+            .Json()["files"];
+    EXPECT_EQ(files.size(), set->clips.size());
+    feet.clear();
+    for (const nlohmann::json& written : files) {
+      const auto arrays = ParseNpz(ReadText(written["path"].get<std::string>()), "exported");
+      ASSERT_TRUE(arrays.has_value()) << arrays.error().Message();
+      const std::vector<double>& joints = arrays->Find("joints")->values;
+      feet.push_back(std::min(joints.at(3 * 10 + 1), joints.at(3 * 11 + 1)));
+    }
+    EXPECT_NEAR(MedianFootHeight(feet), 0.0, 0.02);
+  }
 }
 
 /// A walk that is fitted, written as joints and fitted again.

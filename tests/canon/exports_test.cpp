@@ -16,6 +16,7 @@
 #include "canon/exports/layout.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
 #include "ingest/read_motions.h"
@@ -265,6 +266,71 @@ TEST(ExportedSegments, AreBabelsFrameLabels) {
                                                        {"studio/studio/anna/take_ 2_poses.npz", "val"},
                                                        {"studio/studio/bob/long.0-20_poses.npz", "train"},
                                                        {"studio/studio/bob/long.40-71_poses.npz", "test"}}));
+}
+
+/// A person with legs of `legs` times the usual length who stands for a second, the root at height `root`, bent at hips
+/// and knees a little; or who falls past all of it.
+Clip StandingClip(const std::string& recording, double legs, double root, bool falls) {
+  const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
+  std::vector<double> bones = skeleton->RestBoneLengths();
+  for (const int joint : {4, 5, 7, 8}) bones[joint] *= legs;  // knees and ankles
+  std::vector<Vector3d> places;
+  for (int f = 0; f < 30; ++f) places.emplace_back(0.0, falls ? root - 0.1 * f : root, 0.0);
+  std::vector<Quaterniond> rotation(30 * 24, Quaterniond::Identity());
+  for (int f = 0; f < 30; ++f) rotation[f * 24] = ExpQuaternion(Vector3d(0.0, 0.02 * f, 0.0));
+  Clip clip;
+  clip.identity = StudioTake("anna", recording, 0, 30);
+  clip.label = "walk";
+  clip.rate = FrameRate{30, 1};
+  clip.motion = MakeMotion(skeleton, clip.rate, places, rotation, bones);
+  return clip;
+}
+
+double LowestFoot(const Motion& motion) {
+  double lowest = INFINITY;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (const int foot : {10, 11}) lowest = std::min(lowest, motion.joints.at(f, foot).y());
+  }
+  return lowest;
+}
+
+TEST(ExportedAmass, StandsOnTheFloorWhereOneIsKnown) {
+  Dataset dataset;
+  dataset.skeleton = *LoadSkeleton("smpl24");
+  dataset.labels = {"walk"};
+  dataset.clips = {StandingClip("a_rooted", 1.1, 0.0, false), StandingClip("b_falling", 1.0, 0.0, true),
+                   StandingClip("c_levelled", 0.9, 0.0, false), StandingClip("d_jumping", 1.0, 5.0, true)};
+  dataset.clips[1].provenance[kHeightOrigin] = kOriginRoot;
+  // On a floor that was measured over a set, where this clip stands on a step of 0.3 m.
+  dataset.clips[2].motion->root_translation.assign(30, Vector3d(0.0, 0.3 - LowestFoot(*dataset.clips[2].motion), 0.0));
+  ComputeJoints(*dataset.clips[2].motion);
+  dataset.clips[2].provenance[kHeightOrigin] = dataset.clips[3].provenance[kHeightOrigin] = kOriginFloor;
+  const ScratchFolder folder;
+  const std::map<std::size_t, Clip> back = ReadBack(WriteExport("amass_babel", dataset, folder.path()), folder.path());
+  ASSERT_EQ(back.size(), 4u);
+  EXPECT_NEAR(LowestFoot(*back.at(0).motion), 0.0, 0.005);
+  EXPECT_NEAR(back.at(1).motion->root_translation[7].y(), dataset.clips[1].motion->root_translation[7].y(), 1e-7);
+  EXPECT_NEAR(LowestFoot(*back.at(2).motion), 0.3, 0.005) << "on the shorter legs of the person, on those of smpl24";
+  EXPECT_NEAR(back.at(3).motion->root_translation[7].y(), dataset.clips[3].motion->root_translation[7].y(), 1e-7);
+  const std::string table = ReadFile(folder.path() / "clips.csv").value();
+  const std::vector<std::string_view> lines = SplitText(table, '\n');
+  std::vector<std::string> origins;
+  std::vector<double> raised;
+  const std::vector<std::string_view> header = SplitText(lines.at(0), ',');
+  ASSERT_EQ(header.at(9), "origin");
+  ASSERT_EQ(header.at(10), "raised_m");
+  for (std::size_t i = 1; i <= 4; ++i) {
+    const std::vector<std::string_view> cells = SplitText(lines.at(i), ',');
+    origins.emplace_back(cells.at(9));
+    raised.push_back(ParseDouble(cells.at(10)).value());
+  }
+  EXPECT_THAT(origins, ElementsAre("floor", "root", "floor", "floor"));
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double moved = back.at(i).motion->root_translation[0].y() - dataset.clips[i].motion->root_translation[0].y();
+    EXPECT_NEAR(raised[i], moved, 1e-5);
+  }
+  EXPECT_GT(raised[0], 0.8);
+  EXPECT_EQ(raised[1], 0.0);
 }
 
 TEST(ExportedHumanAct12, KeepsNamesOfTheSetAndMakesOthers) {
