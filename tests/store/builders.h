@@ -98,7 +98,7 @@ inline Clip MakeClip(const std::string& person, const std::string& recording, in
   clip.fit_rms = 0.0123;
   clip.role = "train";
   clip.evidence_sha256 = std::string(64, 'a');
-  clip.provenance = {{"file", "Grüße \"1\".txt"}, {kHeightOrigin, kOriginFloor}, {"program", "mocurate 0.1"}};
+  clip.provenance = {{"file", "Grüße \"1\".txt"}, {"program", "mocurate 0.1"}};
   return clip;
 }
 
@@ -111,6 +111,7 @@ inline Dataset MakeDataset() {
     const SkeletonPtr body = clip.identity.person == "p2" ? OtherWalker() : dataset.skeleton;
     clip.motion = Wander(body, clip.rate, clip.identity.end_frame - clip.identity.begin_frame, clip.id());
   }
+  for (Clip& clip : dataset.clips) clip.provenance[kHeightOrigin] = kOriginFloor;  // in /about
   AddOptionalFields(*dataset.clips[0].motion);
   AddOptionalFields(*dataset.clips[2].motion);
   dataset.clips[1].label = "run";
