@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/store/extra_field.h"
+
 namespace mocurate {
 class Sha256;
 }
@@ -60,6 +62,7 @@ struct Content {
   std::map<std::string, Array> fields;
   std::set<std::string> splits;  ///< names that replace * in the paths of the table
   std::set<std::string> later;   ///< fields whose type and shape alone are here: their rows come later
+  ExtraFields extra;             ///< beyond the table; rows of those without values come later
 
   const Array* Find(const std::string& path) const;
   bool Has(const std::string& path) const { return Find(path) != nullptr; }

@@ -40,6 +40,7 @@ std::uint64_t BytesOf(const Content& content) {
         },
         array.values);
   }
+  for (const auto& [path, field] : content.extra) bytes += field.count() * ValueBytes(field);
   return bytes;
 }
 
@@ -94,6 +95,16 @@ Expected<ContentWriter> ContentWriter::Create(const Schema& schema, Content cont
   return made;
 }
 
+/// Attributes follow their datasets: so are the paths sorted.
+Status ContentWriter::WriteExtra(const ExtraFields& extra) {
+  for (const auto& [path, field] : extra) {
+    const bool whole = field.HasValues();
+    if (Status made = whole ? writer_.WriteExtra(path, field) : writer_.MakeExtra(path, field); !made) return made;
+    if (!whole) growing_extra_[path].first = field;
+  }
+  return {};
+}
+
 Status ContentWriter::WriteFields(const Schema& schema, Content content) {
   for (const Field& field : ConcreteFields(schema, content)) {
     const auto found = content.fields.find(field.path);
@@ -112,7 +123,7 @@ Status ContentWriter::WriteFields(const Schema& schema, Content content) {
     if (!later) lines_[field.path] = FieldLine(array, sha256);
     content.fields.erase(found);  // its bytes are in the file now
   }
-  if (content.fields.empty()) return {};
+  if (content.fields.empty()) return WriteExtra(content.extra);
   return Fail(ErrorCode::kInternal, "is not in the table of fields", Where(path_, content.fields.begin()->first));
 }
 
@@ -127,7 +138,23 @@ Status ContentWriter::Append(const std::string& field, const Array& rows) {
   return {};
 }
 
+Status ContentWriter::AppendExtra(const std::string& field, const ExtraField& rows) {
+  auto& [shape, come] = growing_extra_.at(field);
+  if (!shape.HasRowsLike(rows) || rows.rows() > shape.rows() - come) {
+    return Fail(ErrorCode::kInternal, "gets more rows than declared, or rows of another type", Where(path_, field));
+  }
+  if (Status written = writer_.WriteExtraRows(field, come, rows); !written) return written;
+  come += rows.rows();
+  return {};
+}
+
 Status ContentWriter::Finish() {
+  for (const auto& [field, growing] : growing_extra_) {
+    if (growing.second == growing.first.rows()) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "has " + std::to_string(growing.second) + " of " + std::to_string(growing.first.rows()) + " rows",
+                Where(path_, field));
+  }
   for (auto& [field, growing] : growing_) {
     if (growing.rows < growing.shape.rows()) {
       return Fail(ErrorCode::kInconsistent,

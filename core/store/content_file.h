@@ -22,6 +22,8 @@ class ContentWriter {
   /// The next rows of a field of Content::later, whose rules have been checked. Error kCannotWrite; kInternal: more
   /// than were announced.
   Status Append(const std::string& field, const Array& rows);
+  /// The same of a field of Content::extra.
+  Status AppendExtra(const std::string& field, const ExtraField& rows);
   /// Error kCannotWrite; kInconsistent: rows are missing.
   Status Finish();
 
@@ -35,11 +37,13 @@ class ContentWriter {
   ContentWriter(std::filesystem::path path, std::optional<PendingFile> file, Hdf5Writer writer)
       : path_(std::move(path)), file_(std::move(file)), writer_(std::move(writer)) {}
   Status WriteFields(const Schema& schema, Content content);
+  Status WriteExtra(const ExtraFields& extra);
 
   std::filesystem::path path_;
   std::optional<PendingFile> file_;  ///< empty: in memory
   Hdf5Writer writer_;
   std::map<std::string, Growing> growing_;
+  std::map<std::string, std::pair<ExtraField, std::uint64_t>> growing_extra_;  ///< shape, and rows that came
   std::map<std::string, std::string> lines_;
 };
 

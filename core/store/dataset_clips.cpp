@@ -228,6 +228,42 @@ Expected<std::string> DatasetClips::MotionSha256(std::size_t row) const {
   return hasher.Hex();
 }
 
+OtherFields DatasetClips::ReadOtherFields() const {
+  const Hdf5Reader& reader = file_->reader;
+  std::set<std::string> known;
+  for (const Field& field : store::ConcreteFields(store::DatasetSchema(), file_->content)) known.insert(field.path);
+  const auto joints = file_->frame_fields.find("/frames/joints");
+  const std::uint64_t frames = joints == file_->frame_fields.end() ? 0 : joints->second.front();
+  OtherFields others;
+  std::set<std::string> read;  // datasets, which come before their attributes
+  for (const std::string& path : reader.PathsBeyond(known)) {
+    const auto of = DatasetOfAttribute(path);
+    if (of && !of->empty() && read.count(*of) == 0) {
+      if (others.unreadable.count(*of) == 0) others.unreadable[path] = "belongs to a field or group of the format";
+      continue;
+    }
+    Expected<ExtraField> field = reader.ShapeOfExtra(path);
+    const bool has_rows = field && !of && !field->shape.empty();
+    const bool of_frames = has_rows && Below(path, "/frames/") && field->rows() == frames;
+    const bool of_clips = has_rows && Below(path, "/clips/") && field->rows() == size();
+    if (field && !of_frames) field = reader.ReadExtra(path);
+    if (!field) {
+      others.unreadable[path] = field.error().what;
+      continue;
+    }
+    if (!of) read.insert(path);
+    (of_frames ? others.of_frames : of_clips ? others.of_clips : others.of_set)[path] = *std::move(field);
+  }
+  return others;
+}
+
+Expected<ExtraField> DatasetClips::ReadOtherFrames(const std::string& field, std::size_t row, int begin,
+                                                   int end) const {
+  const std::int64_t offset = file_->content.Values<std::int64_t>("/clips/offset").at(row);
+  return file_->reader.ReadExtraRows(field, static_cast<std::uint64_t>(offset + begin),
+                                     static_cast<std::uint64_t>(end - begin));
+}
+
 bool DatasetClips::File::HasField(std::size_t row, const std::string& path) const {
   if (frame_fields.count(path) == 0) return false;
   const int bit = MaskBit(path);

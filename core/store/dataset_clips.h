@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/motion/clip.h"
+#include "core/store/extra_field.h"
 #include "core/store/store.h"
 
 namespace mocurate {
@@ -46,6 +47,11 @@ class DatasetClips {
   /// SHA-256 of a clip's motion as it is stored: rate, frames with their optional fields, bone lengths, rest offsets.
   /// Equal motions have equal ones in every file. Error kMalformed.
   Expected<std::string> MotionSha256(std::size_t row) const;
+
+  /// What the file holds beyond the table.
+  OtherFields ReadOtherFields() const;
+  /// Frames [begin, end) of a clip, of one of its fields of_frames. Error kMalformed.
+  Expected<ExtraField> ReadOtherFrames(const std::string& field, std::size_t row, int begin, int end) const;
 
   /// What ReadDataset gives at this place, `row` below size(). The rules of the table are checked. Error kMalformed.
   Expected<Clip> Read(std::size_t row) const;

@@ -59,7 +59,7 @@ DatasetWriter& DatasetWriter::operator=(DatasetWriter&&) noexcept = default;
 DatasetWriter::~DatasetWriter() = default;
 
 Expected<DatasetWriter> DatasetWriter::Create(const Dataset& outline, const std::vector<std::uint8_t>& optional_fields,
-                                              const std::filesystem::path& path) {
+                                              const std::filesystem::path& path, ExtraFields extra) {
   if (outline.skeleton == nullptr) {
     return Fail(ErrorCode::kInconsistent, "the dataset has no skeleton", DisplayPath(path));
   }
@@ -71,6 +71,7 @@ Expected<DatasetWriter> DatasetWriter::Create(const Dataset& outline, const std:
   }
   auto content = PackOutline(outline, clips, path);
   if (!content) return Forward(content);
+  content->extra = std::move(extra);
   const auto rows = RowsOfClips(clips, optional_fields, path);
   if (!rows) return Forward(rows);
   const Skeleton& skeleton = *outline.skeleton;
@@ -83,14 +84,18 @@ Expected<DatasetWriter> DatasetWriter::Create(const Dataset& outline, const std:
   return DatasetWriter(std::make_unique<State>(State{std::move(*writer), std::move(ids)}));
 }
 
-Status DatasetWriter::Append(const Clip& clip) {
+Status DatasetWriter::Append(const Clip& clip, const ExtraFields& frames) {
   const std::string id = clip.id();
   const std::string expected = state_->next < state_->ids.size() ? "'" + state_->ids[state_->next] + "'" : "none";
   if (expected != "'" + id + "'" || !clip.motion) {
     return Fail(ErrorCode::kInconsistent, clip.motion ? "the next clip is " + expected : "the clip has no motion", id);
   }
   ++state_->next;
-  return state_->writer.Append(*clip.motion);
+  if (Status written = state_->writer.Append(*clip.motion); !written) return written;
+  for (const auto& [field, rows] : frames) {
+    if (Status written = state_->writer.AppendExtra(field, rows); !written) return written;
+  }
+  return {};
 }
 
 Status DatasetWriter::Finish() { return state_->writer.Finish(); }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/store/extra_field.h"
 #include "core/store/store.h"
 
 namespace mocurate {
@@ -20,16 +21,18 @@ class DatasetWriter {
   /// `outline` is the dataset without frames: of each clip's motion the skeleton, the rate, the counts of frames and
   /// joints and the bone lengths are looked at (DatasetClips::Outline; arrays of frames may be there).
   /// `optional_fields` are those that each clip's motion will have (OptionalFieldsOf). Error kInconsistent where this
-  /// breaks a rule of the table, naming the clip or the field; kCannotWrite.
+  /// breaks a rule of the table, naming the clip or the field; kCannotWrite. `extra`: fields beyond the table, those of
+  /// frames without values.
   static Expected<DatasetWriter> Create(const Dataset& outline, const std::vector<std::uint8_t>& optional_fields,
-                                        const std::filesystem::path& path);
+                                        const std::filesystem::path& path, ExtraFields extra = {});
   DatasetWriter(DatasetWriter&&) noexcept;
   DatasetWriter& operator=(DatasetWriter&&) noexcept;
   ~DatasetWriter();
 
   /// The frames of the next clip; all else is in the outline. Error kInconsistent naming the clip: it is not the next
-  /// one, its motion differs from the outline, or breaks a rule; kCannotWrite.
-  Status Append(const Clip& clip);
+  /// one, its motion differs from the outline, or breaks a rule; kCannotWrite. `frames`: its rows of each field of
+  /// frames beyond the table.
+  Status Append(const Clip& clip, const ExtraFields& frames = {});
   /// Error kInconsistent: clips are missing; kCannotWrite.
   Status Finish();
 

@@ -20,7 +20,8 @@ and checks them (`core/store/table.cpp`); `MOCURATE_REGENERATE=1 test_store --gt
 - Same content, same bytes: no times, no compression, HDF5 library bounds 1.8 to 1.10 (metadata with checksums). A foreign
   file may be chunked and compressed with deflate, shuffle, fletcher32. Soft and external links are not followed.
 - The whole file is checked when it is opened: presence, type, shape, rule, hashes. An error names file and field.
-- Unknown fields are ignored, and not kept when the file is written again from memory.
+- Unknown fields are ignored, and are not part of `content_sha256`. A dataset made of datasets keeps them: rows of
+  `/clips/X` and `/frames/X` follow their clips ([datasets](datasets.md)).
 
 Presence: *always*; *optional*; *group*: all fields of the group or none; *motion*: when `@kinematics` is not `none`;
 *tree*: when `@kinematics` is `tree`, and only then.

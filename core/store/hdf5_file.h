@@ -7,12 +7,14 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/store/array.h"
+#include "core/store/extra_field.h"
 #include "core/store/hdf5_descriptor.h"
 
 namespace mocurate::store {
@@ -37,6 +39,9 @@ class Hdf5Id {
 
 /// From now on HDF5 prints nothing on stderr from this thread, also not at exit after it has met a broken file.
 void SilenceHdf5();
+
+/// Bytes of a value of this field in a file; of a text, of its reference.
+std::uint64_t ValueBytes(const ExtraField& field);
 
 /// "file.h5:/frames/joints".
 std::string Where(const std::filesystem::path& file, const std::string& field);
@@ -64,6 +69,15 @@ class Hdf5Reader {
   std::vector<std::string> GroupsBelow(const std::string& group) const;
   /// Paths of all datasets and "/@name" of all attributes of the root, sorted.
   std::vector<std::string> AllPaths() const;
+  /// Paths beyond `known`, as of ExtraFields, sorted: of datasets, of named types, of links that are not hard, and of
+  /// attributes of the root, of groups and of datasets; not "sha256" of a known one.
+  std::vector<std::string> PathsBeyond(const std::set<std::string>& known) const;
+  /// Any dataset or attribute of values of a fixed size, or of texts: its type and shape, and its values. Error
+  /// kUnsupported for other types and for links, kMalformed as of Read.
+  Expected<ExtraField> ShapeOfExtra(const std::string& path) const;
+  Expected<ExtraField> ReadExtra(const std::string& path) const;
+  /// Rows [first, first + count) of a dataset.
+  Expected<ExtraField> ReadExtraRows(const std::string& path, std::uint64_t first, std::uint64_t count) const;
   const std::filesystem::path& file() const { return path_; }
   std::uint64_t bytes() const { return bytes_; }
 
@@ -73,7 +87,7 @@ class Hdf5Reader {
   Status CheckStorage(hid_t dataset, std::uint64_t count, std::uint64_t element_size, const std::string& path) const;
   Expected<std::vector<std::string>> ReadTexts(hid_t dataset, hid_t type, std::uint64_t count,
                                                const std::string& path) const;
-  Expected<std::vector<std::string>> ReadVariableTexts(hid_t dataset, std::uint64_t count,
+  Expected<std::vector<std::string>> ReadVariableTexts(hid_t dataset, std::uint64_t first, std::uint64_t count,
                                                        const std::string& path) const;
 
   std::string WhereOf(const std::string& path) const { return shown_ + path; }
@@ -99,6 +113,10 @@ class Hdf5Writer {
   /// A dataset of numbers whose rows are written later, in any order.
   Status Make(const std::string& path, FieldType type, const std::vector<std::uint64_t>& shape);
   Status WriteRows(const std::string& path, std::uint64_t first, const Array& rows);
+  /// A dataset or attribute as it was read (its dataset is there); a dataset whose rows are written later; its rows.
+  Status WriteExtra(const std::string& path, const ExtraField& field);
+  Status MakeExtra(const std::string& path, const ExtraField& field);
+  Status WriteExtraRows(const std::string& path, std::uint64_t first, const ExtraField& rows);
   /// A text attribute of a dataset, or of the root "/". One that is there gets another text of the same length.
   Status AttributeOf(const std::string& path, const std::string& name, const std::string& text);
   /// Hands the finished bytes of a file in memory to `sink`.

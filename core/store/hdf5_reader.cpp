@@ -5,13 +5,10 @@
 
 #include "core/base/file.h"
 #include "core/store/hdf5_file.h"
+#include "core/store/hdf5_values.h"
 
 namespace mocurate::store {
-namespace {
 
-constexpr std::uint64_t kSmall = 64ull << 20;  // a compressed field may always grow to this
-
-/// The innermost reason HDF5 gives for the last failure on this thread.
 std::string Reason() {
   std::string reason;
   const auto visit = [](unsigned, const H5E_error2_t* error, void* data) -> herr_t {
@@ -22,6 +19,41 @@ std::string Reason() {
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &reason);
   return reason.empty() ? "no reason given" : reason;
 }
+
+std::optional<std::uint64_t> Product(const std::vector<hsize_t>& extents, std::uint64_t start) {
+  std::uint64_t product = start;
+  for (const hsize_t extent : extents) {
+    if (__builtin_mul_overflow(product, static_cast<std::uint64_t>(extent), &product)) return std::nullopt;
+  }
+  return product;
+}
+
+std::optional<std::vector<hsize_t>> ShapeOf(hid_t space) {
+  const H5S_class_t kind = H5Sget_simple_extent_type(space);
+  if (kind == H5S_SCALAR) return std::vector<hsize_t>{};
+  const int rank = kind == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space) : -1;
+  if (rank < 0) return std::nullopt;
+  std::vector<hsize_t> shape(static_cast<std::size_t>(rank));
+  if (rank > 0 && H5Sget_simple_extent_dims(space, shape.data(), nullptr) < 0) return std::nullopt;
+  return shape;
+}
+
+std::optional<std::string> Unpad(const char* text, std::size_t size, H5T_str_t padding) {
+  std::size_t length = strnlen(text, size);
+  if (padding != H5T_STR_NULLTERM) {
+    for (std::size_t i = length; i < size; ++i) {
+      if (text[i] != '\0') return std::nullopt;
+    }
+  }
+  if (padding == H5T_STR_SPACEPAD) {
+    while (length > 0 && text[length - 1] == ' ') --length;
+  }
+  return std::string(text, length);
+}
+
+namespace {
+
+constexpr std::uint64_t kSmall = 64ull << 20;  // a compressed field may always grow to this
 
 std::optional<FieldType> TypeOf(hid_t type) {
   const std::size_t size = H5Tget_size(type);
@@ -48,39 +80,6 @@ std::string TypeText(hid_t type) {
                      : H5Tget_class(type) == H5T_FLOAT ? "float"
                                                        : "other";
   return std::string(kind) + " of " + std::to_string(H5Tget_size(type)) + " bytes";
-}
-
-/// Product of the extents; empty on overflow.
-std::optional<std::uint64_t> Product(const std::vector<hsize_t>& extents, std::uint64_t start = 1) {
-  std::uint64_t product = start;
-  for (const hsize_t extent : extents) {
-    if (__builtin_mul_overflow(product, static_cast<std::uint64_t>(extent), &product)) return std::nullopt;
-  }
-  return product;
-}
-
-std::optional<std::vector<hsize_t>> ShapeOf(hid_t space) {
-  const H5S_class_t kind = H5Sget_simple_extent_type(space);
-  if (kind == H5S_SCALAR) return std::vector<hsize_t>{};
-  const int rank = kind == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space) : -1;
-  if (rank < 0) return std::nullopt;
-  std::vector<hsize_t> shape(static_cast<std::size_t>(rank));
-  if (rank > 0 && H5Sget_simple_extent_dims(space, shape.data(), nullptr) < 0) return std::nullopt;
-  return shape;
-}
-
-/// Text up to the padding; empty when it contains a zero byte.
-std::optional<std::string> Unpad(const char* text, std::size_t size, H5T_str_t padding) {
-  std::size_t length = strnlen(text, size);
-  if (padding != H5T_STR_NULLTERM) {
-    for (std::size_t i = length; i < size; ++i) {
-      if (text[i] != '\0') return std::nullopt;
-    }
-  }
-  if (padding == H5T_STR_SPACEPAD) {
-    while (length > 0 && text[length - 1] == ' ') --length;
-  }
-  return std::string(text, length);
 }
 
 template <class T>
@@ -176,7 +175,7 @@ Expected<Array> Hdf5Reader::ReadDataset(const std::string& path, FieldType type)
     case FieldType::kText:
       break;
   }
-  auto texts = variable ? ReadVariableTexts(dataset.get(), *count, path)
+  auto texts = variable ? ReadVariableTexts(dataset.get(), 0, *count, path)
                         : ReadTexts(dataset.get(), stored_type.get(), *count, path);
   if (!texts) return Forward(texts);
   return MakeArray(std::move(shape), std::move(*texts));
@@ -242,8 +241,8 @@ Expected<std::vector<std::string>> Hdf5Reader::ReadTexts(hid_t dataset, hid_t ty
   return texts;
 }
 
-Expected<std::vector<std::string>> Hdf5Reader::ReadVariableTexts(hid_t dataset, std::uint64_t count,
-                                                                 const std::string& path) const {
+Expected<std::vector<std::string>> Hdf5Reader::ReadVariableTexts(hid_t dataset, std::uint64_t first,
+                                                                 std::uint64_t count, const std::string& path) const {
   // One by one: a hostile file may point many elements at one long text.
   const Hdf5Id type(H5Dget_type(dataset), H5Tclose);
   const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
@@ -255,7 +254,7 @@ Expected<std::vector<std::string>> Hdf5Reader::ReadVariableTexts(hid_t dataset, 
   for (std::uint64_t i = 0; i < count; ++i) {
     std::vector<hsize_t> start(extents->size());
     const std::vector<hsize_t> ones(extents->size(), 1);
-    std::uint64_t rest = i;
+    std::uint64_t rest = first + i;
     for (std::size_t d = start.size(); d-- > 0; rest /= (*extents)[d]) start[d] = rest % (*extents)[d];
     if (!start.empty()) {
       H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, ones.data(), nullptr);

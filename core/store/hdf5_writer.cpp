@@ -3,13 +3,13 @@
 #include <utility>
 
 #include "core/store/hdf5_file.h"
+#include "core/store/hdf5_values.h"
 #include "core/store/pending_file.h"
 
 namespace mocurate::store {
 namespace {
 
 constexpr std::size_t kGrowth = 4u << 20;
-constexpr std::size_t kLongestAttribute = 60000;  // an attribute must fit an object header of 64 kB
 
 tl::unexpected<Error> Broken(const std::string& path, const std::string& what) {
   return Fail(ErrorCode::kCannotWrite, what + " in the HDF5 image in memory", path, "memory may be exhausted");
@@ -138,7 +138,8 @@ Expected<Hdf5Id> Hdf5Writer::MakeDataset(const std::string& path, hid_t type, co
   const Hdf5Id properties = Untimed(H5P_DATASET_CREATE);
   H5Pset_layout(properties.get(), H5D_CONTIGUOUS);
   H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY);
-  H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER);
+  // HDF5 needs a defined first value of texts of variable length.
+  if (H5Tis_variable_str(type) <= 0) H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER);
   Hdf5Id dataset(H5Dcreate2(id_.get(), path.c_str(), type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
                  H5Dclose);
   if (!dataset.ok()) return Broken(path, "the dataset cannot be made");

@@ -20,6 +20,8 @@ class MotionWriter {
   /// The motion of the next row. Error kInconsistent naming the clip: it is not what the row announced, or breaks a
   /// rule of the table; kCannotWrite.
   Status Append(const Motion& motion);
+  /// Its rows of a field beyond the table.
+  Status AppendExtra(const std::string& field, const ExtraField& rows) { return writer_.AppendExtra(field, rows); }
   /// Error kInconsistent: motions are missing; kCannotWrite.
   Status Finish();
 

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "core/store/dataset_clips.h"
+#include "core/store/dataset_writer.h"
 #include "tests/store/builders.h"
 
 namespace mocurate {
@@ -95,6 +97,64 @@ TEST_F(StoreWithH5py, ASetWrittenWithH5pyIsRead) {
     const Status again = WriteDataset(*read, folder / "again.h5");
     EXPECT_TRUE(again) << again.error().Message();
   }
+}
+
+TEST_F(StoreWithH5py, FieldsBeyondTheTableAreReadAndWrittenAsTheyAre) {
+  const ScratchFolder folder;
+  const std::filesystem::path given = folder / "given.h5", copy = folder / "copy.h5";
+  ASSERT_TRUE(WriteDataset(test::MakeDataset(), given));
+  const Answer made = Python(Quoted(kScripts / "write_other_fields.py") + " " + Quoted(given));
+  ASSERT_EQ(made.status, 0) << made.text;
+  EXPECT_TRUE(ReadDataset(given)) << "content_sha256 is of the table alone";
+  const auto clips = DatasetClips::Open(given, DatasetClips::Check::kHashes);
+  ASSERT_TRUE(clips) << clips.error().Message();
+  const OtherFields others = clips->ReadOtherFields();
+  const auto paths = [](const auto& fields) {
+    std::vector<std::string> listed;
+    for (const auto& [path, field] : fields) listed.push_back(path);
+    return listed;
+  };
+  EXPECT_EQ(paths(others.of_clips),
+            (std::vector<std::string>{"/clips/big_endian", "/clips/checked", "/clips/complex", "/clips/fixed",
+                                      "/clips/none", "/clips/small", "/clips/text"}));
+  EXPECT_EQ(paths(others.of_frames), (std::vector<std::string>{"/frames/half", "/frames/phase", "/frames/table"}));
+  EXPECT_EQ(paths(others.of_set), (std::vector<std::string>{"/@doi", "/clips/small/@range", "/clips/small/@unit",
+                                                            "/clips/two_rows_more", "/mine/deep/one", "/mine/text"}));
+  EXPECT_EQ(paths(others.unreadable),
+            (std::vector<std::string>{"/clips/link", "/clips/lists", "/frames/joints/@mine"}));
+
+  ExtraFields all = others.of_clips;
+  all.insert(others.of_frames.begin(), others.of_frames.end());
+  all.insert(others.of_set.begin(), others.of_set.end());
+  const auto outline = clips->Outline();
+  ASSERT_TRUE(outline);
+  for (int i = 0; i < 2; ++i) {
+    auto writer = DatasetWriter::Create(
+        *outline, {clips->OptionalFields(0), clips->OptionalFields(1), clips->OptionalFields(2)}, copy, all);
+    ASSERT_TRUE(writer) << writer.error().Message();
+    for (std::size_t row = 0; row < clips->size(); ++row) {
+      ExtraFields frames;
+      for (const auto& [path, field] : others.of_frames) {
+        const int count = outline->clips[row].motion->frame_count();
+        auto rows = clips->ReadOtherFrames(path, row, 0, count);
+        ASSERT_TRUE(rows) << rows.error().Message();
+        frames[path] = *rows;
+      }
+      const Status written = writer->Append(*clips->Read(row), frames);
+      ASSERT_TRUE(written) << written.error().Message();
+    }
+    const Status finished = writer->Finish();
+    ASSERT_TRUE(finished) << finished.error().Message();
+    if (i == 0) std::filesystem::rename(copy, folder / "first.h5");
+  }
+  EXPECT_EQ(*ReadFile(copy), *ReadFile(folder / "first.h5")) << "same content, same bytes";
+  std::string kept;
+  for (const auto& [path, field] : all) kept += path.find('@') == std::string::npos ? " " + path : "";
+  const Answer compared =
+      Python(Quoted(kScripts / "compare_other_fields.py") + " " + Quoted(given) + " " + Quoted(copy) + kept);
+  EXPECT_EQ(compared.status, 0) << compared.text;
+  EXPECT_EQ(compared.text, "");
+  EXPECT_TRUE(ReadDataset(copy));
 }
 
 }  // namespace

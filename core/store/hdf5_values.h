@@ -1,0 +1,25 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What the readers of values share; defined in hdf5_reader.cpp.
+namespace mocurate::store {
+
+/// An attribute must fit an object header of 64 kB.
+inline constexpr std::size_t kLongestAttribute = 60000;
+
+/// The innermost reason HDF5 gives for the last failure on this thread.
+std::string Reason();
+/// Product of the extents; empty on overflow.
+std::optional<std::uint64_t> Product(const std::vector<hsize_t>& extents, std::uint64_t start = 1);
+/// Empty: no usable shape.
+std::optional<std::vector<hsize_t>> ShapeOf(hid_t space);
+/// Text up to the padding; empty when it contains a zero byte.
+std::optional<std::string> Unpad(const char* text, std::size_t size, H5T_str_t padding);
+
+}  // namespace mocurate::store
