@@ -128,7 +128,7 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
     clip.role = named.role;
   }
   clip.label = named.label;
-  clip.fine_label = named.fine_label;
+  if (!DriverOf(source.format).stored || !named.fine_label.empty()) clip.fine_label = named.fine_label;
   clip.evidence_sha256 = EvidenceHash(bytes, clip.evidence);
   clip.provenance["file"] = name;
   clip.provenance["source_axes"] = source.axes;

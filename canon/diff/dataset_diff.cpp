@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "core/base/pi.h"
 #include "core/base/text.h"
@@ -40,6 +41,17 @@ nlohmann::json JointNames(const SkeletonPtr& skeleton) {
   return names;
 }
 
+/// Paths of the fields that the format does not name.
+nlohmann::json OtherPaths(const DatasetClips& clips) {
+  const OtherFields others = clips.ReadOtherFields();
+  std::set<std::string> paths;
+  for (const ExtraFields* fields : {&others.of_clips, &others.of_frames, &others.of_set}) {
+    for (const auto& [path, field] : *fields) paths.insert(path);
+  }
+  for (const auto& [path, reason] : others.unreadable) paths.insert(path);
+  return paths;
+}
+
 /// "0-1.5 wave, ..." of a clip's segments.
 std::string SegmentsText(const Clip& clip) {
   std::string text;
@@ -50,15 +62,16 @@ std::string SegmentsText(const Clip& clip) {
   return text;
 }
 
-/// Null where both motions are equal to storage precision.
-nlohmann::json MotionDifference(const std::optional<Motion>& before, const std::optional<Motion>& after) {
+/// Null where both motions are equal to storage precision. Joints and rotations of two trees are not compared.
+nlohmann::json MotionDifference(const std::optional<Motion>& before, const std::optional<Motion>& after,
+                                bool same_tree) {
   constexpr double kStored = 1e-6;  // metres and radians: float32
   const int frames_before = before ? before->frame_count() : 0, frames_after = after ? after->frame_count() : 0;
   nlohmann::json difference = {{"frames_before", frames_before},
                                {"frames_after", frames_after},
                                {"joint_mm", nullptr},
                                {"rotation_deg", nullptr}};
-  if (!before || !after || frames_before != frames_after || before->joint_count() != after->joint_count()) {
+  if (!before || !after || frames_before != frames_after || !same_tree) {
     return before || after ? difference : nlohmann::json();
   }
   double distance = 0.0, worst = 0.0, angle = 0.0;
@@ -107,11 +120,12 @@ Expected<nlohmann::json> DiffDatasets(const std::filesystem::path& before, const
   for (const auto& [id, row] : rows_b) {
     if (rows_a.count(id) == 0) diff["added"].push_back(id);
   }
-  const bool same_joints = !a->skeleton() || !b->skeleton() || SameTree(*a->skeleton(), *b->skeleton());
+  const bool same_tree = !a->skeleton() || !b->skeleton() || SameTree(*a->skeleton(), *b->skeleton());
   const std::pair<const char*, std::pair<nlohmann::json, nlohmann::json>> of_set[] = {
       {"skeleton", {JointNames(a->skeleton()), JointNames(b->skeleton())}},
       {"axes", {a->axes().Text(), b->axes().Text()}},
       {"labels", {a->labels(), b->labels()}},
+      {"other_fields", {OtherPaths(*a), OtherPaths(*b)}},
       {"recipe", {a->recipe(), b->recipe()}}};
   for (const auto& [field, values] : of_set) {
     if (values.first == values.second) continue;
@@ -155,7 +169,7 @@ Expected<nlohmann::json> DiffDatasets(const std::filesystem::path& before, const
       diff["changed"].push_back({{"clip", id}, {"field", field}, {"before", values.first}, {"after", values.second}});
       differs = true;
     }
-    nlohmann::json motion = same_joints ? MotionDifference(clip_a->motion, clip_b->motion) : nlohmann::json();
+    nlohmann::json motion = MotionDifference(clip_a->motion, clip_b->motion, same_tree);
     if (!motion.is_null()) {
       motion["clip"] = id;
       diff["refitted"].push_back(std::move(motion));

@@ -119,6 +119,7 @@ std::string ContentOf(const Clip& clip) { return clip.motion ? MotionFingerprint
 
 struct Row {
   Clip clip;
+  ReviewedRow origin;
   bool dropped = false;
   std::vector<std::pair<std::int64_t, std::int64_t>> cuts;  ///< those applied
 };
@@ -167,6 +168,8 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
     }
     applied.new_ids[clip.id()] = cut->id();
     row.cuts.push_back(span);
+    row.origin.end = row.origin.begin + static_cast<int>(decision.end);
+    row.origin.begin += static_cast<int>(decision.begin);
     if (Status faced = FaceAgain(*cut); !faced) return faced;
     clip = std::move(*cut);
     done.clip = clip.id();
@@ -191,6 +194,7 @@ Status PutBack(std::vector<Row> rows, Dataset& dataset, AppliedReview& applied) 
                   "drop one of them");
     }
     dataset.clips.push_back(std::move(rows[order[i]].clip));
+    applied.origins.push_back(rows[order[i]].origin);
   }
   for (Row& row : rows) {
     if (row.dropped) applied.dropped.push_back(std::move(row.clip));
@@ -215,17 +219,14 @@ int BeginOf(const std::string& id) {
 }
 
 /// Findings follow the clips that were cut; findings of dropped clips are removed.
-void MoveFindings(Dataset& dataset, AppliedReview& applied) {
+void MoveFindings(Dataset& dataset, const AppliedReview& applied) {
   std::set<std::string> dropped;
   for (const Clip& clip : applied.dropped) dropped.insert(clip.id());
   std::map<std::string, const ClipIdentity*> now;
   for (const Clip& clip : dataset.clips) now[clip.id()] = &clip.identity;
   std::vector<Finding> kept;
   for (Finding& finding : dataset.findings) {
-    if (dropped.count(finding.clip) > 0) {
-      applied.of_dropped.push_back(std::move(finding));
-      continue;
-    }
+    if (dropped.count(finding.clip) > 0) continue;
     const auto id = applied.new_ids.find(finding.clip);
     if (id != applied.new_ids.end() && now.count(id->second) > 0) {
       const ClipIdentity& identity = *now.at(id->second);
@@ -306,7 +307,8 @@ Expected<AppliedReview> ApplyReview(const Review& review, Dataset& dataset) {
   std::vector<Row> rows;
   for (Clip& clip : dataset.clips) {
     row_of[clip.id()] = rows.size();
-    rows.push_back({std::move(clip), false, {}});
+    const int frames = clip.motion ? clip.motion->frame_count() : 0;
+    rows.push_back({std::move(clip), {rows.size(), 0, frames}, false, {}});
   }
   dataset.clips.clear();
   for (const Decision& decision : review.decisions) {

@@ -55,10 +55,17 @@ std::string ReviewText(const Review& review);
 /// Code of the finding about a clip that a review drops.
 inline constexpr const char* kReviewDrop = "review_drop";
 
+/// A row of the reviewed dataset, and the frames of its clip that stay.
+struct ReviewedRow {
+  std::size_t row = 0;
+  int begin = 0;
+  int end = 0;
+};
+
 /// Result of a review.
 struct AppliedReview {
+  std::vector<ReviewedRow> origins;  ///< of each clip that stays
   std::vector<Clip> dropped;
-  std::vector<Finding> of_dropped;             ///< the dataset's findings about them
   std::map<std::string, std::string> new_ids;  ///< of clips that were cut: old id -> new one
   /// "review_drop", "review_relabel", "review_cut" (info) for each applied decision, "review_stale" (warning) for each
   /// that no longer matches a clip.

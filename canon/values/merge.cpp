@@ -5,6 +5,7 @@
 #include <map>
 
 #include "canon/values/merge_splits.h"
+#include "canon/values/rows.h"
 #include "canon/values/skeletons.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
@@ -110,6 +111,7 @@ Status UniteClips(const std::vector<MergePart>& parts, MergedDataset& merged, Me
       if (!difference->empty() && conflict.count++ == 0) {
         conflict = {id, *difference, parts[first].name, parts[p].name, 1};
       }
+      merged.repeats.emplace_back(merged.origins.size(), places[i]);
       others += (others.empty() ? "" : ", ") + parts[p].name;
     }
     if (places.size() > 1) {
@@ -167,24 +169,6 @@ Status UniteLabels(const std::vector<MergePart>& parts, Dataset& dataset) {
   return {};
 }
 
-/// Findings of all parts; equal findings about one clip are listed once.
-std::vector<Finding> UniteFindings(const std::vector<MergePart>& parts) {
-  std::vector<Finding> all;
-  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> known;  // clip, code -> places in all
-  for (const MergePart& part : parts) {
-    const std::size_t before = all.size();
-    for (const Finding& finding : part.dataset.findings) {
-      std::vector<std::size_t>& alike = known[{finding.clip, finding.code}];
-      const bool there =
-          std::any_of(alike.begin(), alike.end(), [&](std::size_t at) { return at < before && all[at] == finding; });
-      if (there) continue;
-      alike.push_back(all.size());
-      all.push_back(finding);
-    }
-  }
-  return all;
-}
-
 std::string RecipeOf(const std::vector<MergePart>& parts) {
   std::string recipe = "merged from " + Counted(static_cast<long long>(parts.size()), "dataset") + ":\n";
   for (const MergePart& part : parts) {
@@ -216,7 +200,7 @@ Expected<MergedDataset> MergeDatasets(const std::vector<MergePart>& parts) {
   auto splits = MergeSplits(parts, new_rows, merged, merged.findings);
   if (!splits) return Forward(splits);
   merged.dataset.splits = std::move(*splits);
-  merged.dataset.findings = UniteFindings(parts);
+  for (const MergePart& part : parts) AddFindings(part.dataset.findings, merged.dataset.findings);
   merged.dataset.findings.insert(merged.dataset.findings.end(), merged.findings.begin(), merged.findings.end());
   merged.dataset.recipe = RecipeOf(parts);
   merged.dataset.created_by = CreatedBy();

@@ -21,6 +21,8 @@ struct MergePart {
 struct MergedDataset {
   Dataset dataset;
   std::vector<std::pair<std::size_t, std::size_t>> origins;  ///< of each clip: its part, and its row there
+  /// A clip's index, and another part and row that has it.
+  std::vector<std::pair<std::size_t, std::pair<std::size_t, std::size_t>>> repeats;
   /// "repeated_clip" (info) for each clip of several parts, "mixed_rates", "split_incomplete" for clips in no part of a
   /// split, "split_part_differs" for a repeated clip in two parts of a split, "split_leak" (error). Also in the
   /// dataset.

@@ -1,5 +1,7 @@
 #include "canon/values/rows.h"
 
+#include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -73,6 +75,34 @@ std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& datase
   }
   dataset.findings = std::move(findings);
   return rows;
+}
+
+void AddFindings(const std::vector<Finding>& more, std::vector<Finding>& all) {
+  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> known;  // clip, code -> places in all
+  const std::size_t before = all.size();
+  for (std::size_t i = 0; i < before; ++i) known[{all[i].clip, all[i].code}].push_back(i);
+  for (const Finding& finding : more) {
+    const std::vector<std::size_t>& alike = known[{finding.clip, finding.code}];
+    const bool there = std::any_of(alike.begin(), alike.end(), [&](std::size_t at) { return all[at] == finding; });
+    if (!there) all.push_back(finding);
+  }
+}
+
+std::vector<Finding> FindEmptyParts(const std::vector<Split>& before, const std::vector<Split>& after) {
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const std::pair<const char*, std::vector<int> Split::*> parts[] = {
+        {"train", &Split::train}, {"validation", &Split::validation}, {"test", &Split::test}};
+    for (const auto& [name, part] : parts) {
+      const std::size_t old = (before[i].*part).size();
+      if (!(after[i].*part).empty() || old == 0) continue;
+      findings.push_back(MakeFinding("empty_part", Severity::kWarning, static_cast<double>(old),
+                                     "split '" + after[i].name + "': none of the " +
+                                         Counted(static_cast<long long>(old), "clip") + " of its part " + name +
+                                         " is left"));
+    }
+  }
+  return findings;
 }
 
 void DropEmptyLabels(Dataset& dataset) {

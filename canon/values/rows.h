@@ -18,6 +18,12 @@ bool IsAbout(const Finding& finding, const Clip& clip);
 /// those without a clip. Returns the old indices of the rows that stay.
 std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& dataset);
 
+/// Appends the findings that are not in `all` yet.
+void AddFindings(const std::vector<Finding>& more, std::vector<Finding>& all);
+
+/// "empty_part" for each part that lost its last clip; the same splits before and after.
+std::vector<Finding> FindEmptyParts(const std::vector<Split>& before, const std::vector<Split>& after);
+
 /// Removes labels and fine labels without a clip; the others are renumbered.
 void DropEmptyLabels(Dataset& dataset);
 

@@ -22,9 +22,26 @@ std::vector<std::string> NamesOfFiles(const std::vector<std::filesystem::path>& 
 /// All parts are verified against the hashes of the files. Errors of ReadDataset.
 Expected<std::vector<DatasetFile>> OpenDatasetFiles(const std::vector<std::filesystem::path>& paths);
 
-/// Writes a dataset whose clips' frames come from files, one clip at a time; `origins` holds the file and the row of
-/// each. Skeletons, rates and bone lengths are those of `outline`. Errors of DatasetWriter and DatasetClips::Read.
-Status WriteFromFiles(const Dataset& outline, const std::vector<std::pair<std::size_t, std::size_t>>& origins,
-                      const std::vector<DatasetFile>& files, const std::filesystem::path& to);
+/// Where a clip comes from: a file, its row there, and its frames [begin, end) in that clip.
+struct ClipOrigin {
+  std::size_t file = 0;
+  std::size_t row = 0;
+  int begin = 0;
+  int end = 0;
+};
+
+/// All frames of a clip.
+ClipOrigin WholeClip(std::size_t file, std::size_t row, const std::vector<DatasetFile>& files);
+/// All frames of these rows of the only file, or of all its rows.
+std::vector<ClipOrigin> WholeClips(const std::vector<std::size_t>& rows, const std::vector<DatasetFile>& files);
+std::vector<ClipOrigin> WholeClips(const std::vector<DatasetFile>& files);
+
+/// Writes a dataset whose clips come from files, one at a time. Frames are those of `made`, or where it has none, of
+/// the files. Skeletons, rates and bone lengths are those of `made`. Fields that the format does not name follow as
+/// KeepFields does it. Returns the findings about those that are dropped, which `made` gets as well. Errors of
+/// DatasetWriter and DatasetClips::Read.
+Expected<std::vector<Finding>> WriteFromFiles(Dataset& made, const std::vector<ClipOrigin>& origins,
+                                              const std::vector<DatasetFile>& files, const std::filesystem::path& to,
+                                              const std::vector<std::pair<ClipOrigin, ClipOrigin>>& repeated = {});
 
 }  // namespace mocurate

@@ -16,20 +16,6 @@ std::string TestCountsText(const std::vector<std::pair<std::string, std::size_t>
   return text + " of " + Counted(static_cast<long long>(clips), "clip");
 }
 
-std::vector<std::pair<const char*, std::size_t>> PartSizes(const Split& split) {
-  return {{"train", split.train.size()}, {"validation", split.validation.size()}, {"test", split.test.size()}};
-}
-
-Finding EmptyPart(const Split& split, const char* part, std::size_t before) {
-  Finding finding;
-  finding.code = "empty_part";
-  finding.value = static_cast<double>(before);
-  finding.message = "split '" + split.name + "': none of the " + Counted(static_cast<long long>(before), "clip") +
-                    " of its part " + part + " is left";
-  finding.action = FindingAction::kFlagged;
-  return finding;
-}
-
 }  // namespace
 
 Expected<DatasetSubset> SubsetOf(Dataset dataset, const Condition& condition, const SubsetOptions& options) {
@@ -49,16 +35,11 @@ Expected<DatasetSubset> SubsetOf(Dataset dataset, const Condition& condition, co
   const std::vector<Split> before = dataset.splits;
   DatasetSubset subset;
   subset.rows = KeepRows(*holds, dataset);
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    Split& split = dataset.splits[i];
+  for (Split& split : dataset.splits) {
     if (count < holds->size() && split.leak_check.rfind("ok", 0) != 0)
       split.leak_check += " (before clips were chosen)";
-    const auto sizes = PartSizes(split), old = PartSizes(before[i]);
-    for (std::size_t part = 0; part < sizes.size(); ++part) {
-      if (sizes[part].second > 0 || old[part].second == 0) continue;
-      subset.findings.push_back(EmptyPart(split, sizes[part].first, old[part].second));
-    }
   }
+  subset.findings = FindEmptyParts(before, dataset.splits);
   if (options.drop_empty_labels) DropEmptyLabels(dataset);
   dataset.recipe += (dataset.recipe.empty() || dataset.recipe.back() == '\n' ? "" : "\n") + std::string("subset of ") +
                     options.name + ": " + std::to_string(count) + " of " +

@@ -5,8 +5,10 @@
 
 #include "canon/options.h"
 #include "canon/review/review.h"
+#include "canon/values/set_files.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/motion/fingerprint.h"
 #include "core/store/dataset_clips.h"
@@ -110,9 +112,10 @@ Expected<nlohmann::json> ReadAudit(const fs::path& path) {
 
 /// The dataset with the audit's findings in /findings, which replace those of an earlier audit.
 Status WriteWithFindings(const fs::path& from, const nlohmann::json& audit, const fs::path& to) {
-  auto dataset = ReadDataset(from);
-  if (!dataset) return Forward(dataset);
-  std::vector<Finding>& all = dataset->findings;
+  const auto files = OpenDatasetFiles({from});
+  if (!files) return Forward(files);
+  Dataset dataset = files->front().outline;
+  std::vector<Finding>& all = dataset.findings;
   all.erase(std::remove_if(all.begin(), all.end(),
                            [](const Finding& found) { return found.action == FindingAction::kAudited; }),
             all.end());
@@ -131,7 +134,10 @@ Status WriteWithFindings(const fs::path& from, const nlohmann::json& audit, cons
     finding.action = FindingAction::kAudited;
     all.push_back(std::move(finding));
   }
-  return WriteDataset(*dataset, to);
+  const auto dropped = WriteFromFiles(dataset, WholeClips(*files), *files, to);
+  if (!dropped) return Forward(dropped);
+  for (const Finding& finding : *dropped) LogWarning(finding.message);
+  return {};
 }
 
 /// The measures of all clips: a line each, texts in quotes, an empty cell for a missing measure.

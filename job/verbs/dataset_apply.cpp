@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "canon/review/review.h"
+#include "canon/values/rows.h"
+#include "canon/values/set_files.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
@@ -14,23 +16,22 @@ namespace mocurate {
 namespace {
 
 /// The clips that a review dropped, as another dataset; nothing without any.
-Status WriteExcluded(const Dataset& whole, const AppliedReview& applied, const std::filesystem::path& path) {
+Status WriteExcluded(const std::vector<DatasetFile>& files, const AppliedReview& applied,
+                     const std::filesystem::path& path) {
   std::error_code ignored;
   if (applied.dropped.empty()) {
     std::filesystem::remove(path, ignored);  // an earlier one would be mistaken for this one's
     return {};
   }
-  Dataset excluded;
-  excluded.skeleton = whole.skeleton;
-  excluded.joints_only = whole.joints_only;
-  excluded.labels = whole.labels;
-  excluded.fine_labels = whole.fine_labels;
+  Dataset excluded = files.front().outline;
+  std::vector<bool> dropped(excluded.clips.size(), true);
+  for (const ReviewedRow& kept : applied.origins) dropped[kept.row] = false;
+  const std::vector<std::size_t> rows = KeepRows(dropped, excluded);
   excluded.created_by = CreatedBy();
-  excluded.recipe = "dropped by a review";
-  excluded.axes = whole.axes;
-  excluded.clips = applied.dropped;
-  excluded.findings = applied.of_dropped;
-  return WriteDataset(excluded, path);
+  excluded.recipe += (excluded.recipe.empty() || excluded.recipe.back() == '\n' ? "" : "\n") +
+                     std::string("clips that a review dropped\n");
+  const auto written = WriteFromFiles(excluded, WholeClips(rows, files), files, path);
+  return written ? Status() : Forward(written);
 }
 
 }  // namespace
@@ -43,6 +44,8 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
   }
   const auto review = ReadReview(arguments.other);
   if (!review) return Forward(review);
+  const auto files = OpenDatasetFiles({arguments.path});
+  if (!files) return Forward(files);
   auto dataset = ReadDataset(arguments.path);
   if (!dataset) return Forward(dataset);
   const auto applied = ApplyReview(*review, *dataset);
@@ -55,9 +58,13 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
     if (split.leak_check.rfind("ok", 0) != 0) split.leak_check += " (before clips were reviewed)";
   }
   if (!arguments.excluded.empty()) {
-    if (Status written = WriteExcluded(*dataset, *applied, arguments.excluded); !written) return written;
+    if (Status written = WriteExcluded(*files, *applied, arguments.excluded); !written) return written;
   }
-  if (Status written = WriteDataset(*dataset, arguments.output); !written) return written;
+  std::vector<ClipOrigin> origins;
+  for (const ReviewedRow& kept : applied->origins) origins.push_back({0, kept.row, kept.begin, kept.end});
+  const auto dropped = WriteFromFiles(*dataset, origins, *files, arguments.output);
+  if (!dropped) return Forward(dropped);
+  for (const Finding& finding : *dropped) LogWarning(finding.message);
   std::map<std::string, int> counts = {
       {"review_drop", 0}, {"review_relabel", 0}, {"review_cut", 0}, {"review_stale", 0}};
   for (const Finding& finding : applied->findings) {
@@ -70,7 +77,8 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
                                 {"dropped", counts["review_drop"]},
                                 {"relabelled", counts["review_relabel"]},
                                 {"cut", counts["review_cut"]},
-                                {"stale", counts["review_stale"]}})
+                                {"stale", counts["review_stale"]},
+                                {"findings", *dropped}})
                           .c_str());
   } else if (!common.quiet) {
     std::printf("%s: %s; %d dropped, %d relabelled, %d cut, %d that match no clip\n",

@@ -43,8 +43,9 @@ void PrintDiff(const nlohmann::json& diff) {
          one.at("before").get<std::string>() + " -> " + one.at("after").get<std::string>());
   }
   for (const nlohmann::json& one : diff.at("refitted")) {
-    std::string how = std::to_string(one.at("frames_before").get<int>()) + " -> " +
-                      std::to_string(one.at("frames_after").get<int>()) + " frames";
+    const int before = one.at("frames_before").get<int>(), after = one.at("frames_after").get<int>();
+    std::string how =
+        before == after ? "to another skeleton" : std::to_string(before) + " -> " + std::to_string(after) + " frames";
     if (one.at("joint_mm").is_number()) how = RoundedText(one.at("joint_mm").get<double>(), 3) + " mm";
     if (one.at("rotation_deg").is_number()) how += ", " + RoundedText(one.at("rotation_deg").get<double>(), 3) + " deg";
     show("refitted    " + one.at("clip").get<std::string>() + ": " + how);

@@ -21,11 +21,17 @@ Status DatasetMergeVerb(CommonArguments& common, const DatasetArguments& argumen
                      [&file](std::size_t row) { return file.clips.MotionSha256(row); }});
     from.push_back({{"name", file.name}, {"clips", file.clips.size()}});
   }
-  const auto merged = MergeDatasets(parts);
+  auto merged = MergeDatasets(parts);
   if (!merged) return Forward(merged);
-  if (Status written = WriteFromFiles(merged->dataset, merged->origins, *files, arguments.output); !written) {
-    return written;
+  std::vector<ClipOrigin> origins;
+  for (const auto& [file, row] : merged->origins) origins.push_back(WholeClip(file, row, *files));
+  std::vector<std::pair<ClipOrigin, ClipOrigin>> repeats;
+  for (const auto& [clip, place] : merged->repeats) {
+    repeats.emplace_back(origins[clip], WholeClip(place.first, place.second, *files));
   }
+  const auto dropped = WriteFromFiles(merged->dataset, origins, *files, arguments.output, repeats);
+  if (!dropped) return Forward(dropped);
+  merged->findings.insert(merged->findings.end(), dropped->begin(), dropped->end());
   const auto repeated = std::count_if(merged->findings.begin(), merged->findings.end(),
                                       [](const Finding& finding) { return finding.code == "repeated_clip"; });
   const auto new_labels = merged->dataset.labels.size() - parts[0].dataset.labels.size();

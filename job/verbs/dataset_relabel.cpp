@@ -19,11 +19,12 @@ Status DatasetRelabelVerb(CommonArguments& common, const DatasetArguments& argum
   const auto files = OpenDatasetFiles({arguments.path});
   if (!files) return Forward(files);
   const std::size_t before = files->front().clips.size();
-  const auto relabelled = Relabel(files->front().outline, *map);
+  auto relabelled = Relabel(files->front().outline, *map);
   if (!relabelled) return Forward(relabelled);
-  std::vector<std::pair<std::size_t, std::size_t>> origins;
-  for (const std::size_t row : relabelled->rows) origins.emplace_back(0, row);
-  if (Status written = WriteFromFiles(relabelled->dataset, origins, *files, arguments.output); !written) return written;
+  const auto dropped =
+      WriteFromFiles(relabelled->dataset, WholeClips(relabelled->rows, *files), *files, arguments.output);
+  if (!dropped) return Forward(dropped);
+  relabelled->findings.insert(relabelled->findings.end(), dropped->begin(), dropped->end());
   std::size_t changed = 0;
   nlohmann::json changes = nlohmann::json::array();
   std::string lines;

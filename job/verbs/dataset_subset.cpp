@@ -17,15 +17,15 @@ Status DatasetSubsetVerb(CommonArguments& common, const DatasetArguments& argume
   const auto files = OpenDatasetFiles({arguments.path});
   if (!files) return Forward(files);
   const Dataset& whole = files->front().outline;
-  const auto subset = SubsetOf(whole, *condition, {files->front().name, arguments.drop_empty_labels});
+  auto subset = SubsetOf(whole, *condition, {files->front().name, arguments.drop_empty_labels});
   if (!subset) return Forward(subset);
   for (const Condition::UnknownValue& unknown : condition->FindUnknownValues(whole)) {
     LogWarning("--where: no clip has the " + unknown.field + " '" + unknown.value + "'" +
                (unknown.nearest ? "; the nearest is '" + *unknown.nearest + "'" : ""));
   }
-  std::vector<std::pair<std::size_t, std::size_t>> origins;
-  for (const std::size_t row : subset->rows) origins.emplace_back(0, row);
-  if (Status written = WriteFromFiles(subset->dataset, origins, *files, arguments.output); !written) return written;
+  const auto dropped = WriteFromFiles(subset->dataset, WholeClips(subset->rows, *files), *files, arguments.output);
+  if (!dropped) return Forward(dropped);
+  subset->findings.insert(subset->findings.end(), dropped->begin(), dropped->end());
   AnswerWithDataset(common, subset->dataset, subset->findings,
                     DisplayPath(arguments.output) + ": " + std::to_string(subset->rows.size()) + " of " +
                         Counted(static_cast<long long>(whole.clips.size()), "clip"),

@@ -6,6 +6,8 @@
 #include <set>
 
 #include "canon/recipes/classes.h"
+#include "canon/values/refit.h"
+#include "canon/values/set_files.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
@@ -202,6 +204,42 @@ Expected<Dataset> CollectFits(const std::vector<ClipRecord>& clips, const std::v
   return whole;
 }
 
+/// The dataset whose clips are fitted; empty for files of other programs.
+fs::path DatasetOf(const JobOptions& options) {
+  const SourceOptions& source = options.ingest.source;
+  if (!DriverOf(source.format).stored) return {};
+  std::error_code unknown;
+  return fs::is_regular_file(options.ingest.path, unknown) ? options.ingest.path
+                                                           : options.ingest.path / source.container;
+}
+
+/// "fitted by mocurate fit: skeleton smpl24, feet stand", for the recipe.
+std::string HowText(const JobOptions& options) {
+  std::string how = "fitted by mocurate fit:";
+  how += options.fitting.method == FitMethod::kNone ? " given motions" : " skeleton " + options.fitting.skeleton;
+  return how + (options.fitting.contacts.remove_sliding ? ", sliding of standing feet removed" : "");
+}
+
+/// Writes `fits` as that dataset with its motions fitted again. Returns the dataset, and in `findings` what is about it
+/// as a whole.
+Expected<Dataset> WriteRefitted(const fs::path& path, Dataset fits, const JobOptions& options, const JobResult& result,
+                                const fs::path& output, std::vector<Finding>& findings) {
+  const auto files = OpenDatasetFiles({path});
+  if (!files) return Forward(files);
+  std::map<std::string, std::string> failed;
+  for (const ClipRecord& clip : result.clips) {
+    if (IsFitted(clip)) continue;
+    const ItemResult* ended = clip.ended();
+    failed[clip.item] = ended == nullptr ? "it was not fitted" : ended->outcome.error.Message();
+  }
+  RefittedDataset refitted = RefitDataset(files->front().outline, std::move(fits), failed, HowText(options));
+  const auto dropped = WriteFromFiles(refitted.dataset, WholeClips(refitted.rows, *files), *files, output);
+  if (!dropped) return Forward(dropped);
+  findings = std::move(refitted.findings);
+  findings.insert(findings.end(), dropped->begin(), dropped->end());
+  return std::move(refitted.dataset);
+}
+
 /// Reasons for clips that could not be fitted, each once; never empty.
 std::vector<Error> Failures(const JobResult& result) {
   std::vector<Error> failures;
@@ -258,14 +296,24 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   if (std::none_of(result->clips.begin(), result->clips.end(), IsFitted)) {
     return tl::unexpected<Error>(FirstFailure(*result));
   }
-  const Expected<Dataset> whole = CollectFits(result->clips, options->assemble.label_order);
+  Expected<Dataset> whole = CollectFits(result->clips, options->assemble.label_order);
   if (!whole) return Forward(whole);
-  if (Status written = WriteDataset(*whole, arguments.output); !written) return written;
+  std::vector<Finding> findings;
+  const fs::path dataset = DatasetOf(*options);
+  if (!dataset.empty()) {
+    whole = WriteRefitted(dataset, *std::move(whole), *options, *result, arguments.output, findings);
+    if (!whole) return Forward(whole);
+  } else if (Status written = WriteDataset(*whole, arguments.output); !written) {
+    return written;
+  }
+  for (const Finding& finding : findings) {
+    LogWarning((finding.clip.empty() ? "" : finding.clip + ": ") + finding.message);
+  }
   if (common.json) {
     common.answered = true;
-    std::printf(
-        "%s\n",
-        AnswerOf(*result, arguments.output).dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::printf("%s\n", AnswerOf(*result, arguments.output, findings)
+                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
+                            .c_str());
   } else {
     for (const ClipRecord& clip : result->clips) {
       if (IsFitted(clip)) PrintFit(clip);
@@ -279,7 +327,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
     return Fail(ErrorCode::kTooManyFailures, SuspectClipsText(result->counts.suspect), DisplayPath(arguments.path),
                 "see the findings above; the fits were written all the same");
   }
-  Error error = FirstFailure(*result);
+  Error error = dataset.empty() ? FirstFailure(*result) : Failures(*result).front();  // or they are findings
   error.code = ErrorCode::kTooManyFailures;
   error.what = Counted(result->counts.failed, "clip") + " could not be fitted; the first: " + error.what;
   return tl::unexpected<Error>(error);

@@ -90,7 +90,8 @@ void PrintSharedBodies(const JobResult& result) {
   }
 }
 
-nlohmann::json AnswerOf(const JobResult& result, const std::filesystem::path& output) {
+nlohmann::json AnswerOf(const JobResult& result, const std::filesystem::path& output,
+                        const std::vector<Finding>& of_set) {
   nlohmann::json clips = nlohmann::json::array();
   for (const ClipRecord& clip : result.clips) {
     if (clip.motion.item.empty()) continue;
@@ -109,6 +110,7 @@ nlohmann::json AnswerOf(const JobResult& result, const std::filesystem::path& ou
   }
   return {{"output", DisplayPath(output)},
           {"clips", clips},
+          {"findings", of_set},
           {"shared_bodies", SharedBodies(result)},
           {"failed", result.counts.failed}};
 }

@@ -15,7 +15,9 @@ void PrintFit(const ClipRecord& clip);
 /// Prints the bodies shared by several clips.
 void PrintSharedBodies(const JobResult& result);
 
-/// {"output", "clips": [{"clip", "fitted", "error", "fit", "findings"}], "shared_bodies": {body: clips}, "failed"}
-nlohmann::json AnswerOf(const JobResult& result, const std::filesystem::path& output);
+/// {"output", "clips": [{"clip", "fitted", "error", "fit", "findings"}], "findings": `of_set`, "shared_bodies": {body:
+/// clips}, "failed"}
+nlohmann::json AnswerOf(const JobResult& result, const std::filesystem::path& output,
+                        const std::vector<Finding>& of_set);
 
 }  // namespace mocurate

@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "canon/values/set_files.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/random.h"
 #include "core/base/text.h"
 #include "core/motion/limbs.h"
@@ -326,6 +328,18 @@ Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arg
   return requests;
 }
 
+/// Denoised clips, with the fields of their dataset that the format does not name.
+Status WriteDenoised(const fs::path& made, const fs::path& from, const fs::path& to) {
+  auto set = ReadDataset(made);
+  if (!set) return Forward(set);
+  const auto files = OpenDatasetFiles({from});
+  if (!files) return Forward(files);
+  const auto dropped = WriteFromFiles(*set, WholeClips(*files), *files, to);
+  if (!dropped) return Forward(dropped);
+  for (const Finding& finding : *dropped) LogWarning(finding.message);
+  return {};
+}
+
 }  // namespace
 
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments) {
@@ -404,7 +418,11 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   const auto generated = StageRuns(**runner, counts).One(GenerateDeclaration(), std::move(item));
   if (!generated) return Forward(generated);
   asked = generated->summary.value("motions", asked);
-  if (Status copied = CopyWhole(generated->artifact, arguments.output); !copied) return copied;
+  if (arguments.denoise.empty()) {
+    if (Status copied = CopyWhole(generated->artifact, arguments.output); !copied) return copied;
+  } else if (Status written = WriteDenoised(generated->artifact, arguments.denoise, arguments.output); !written) {
+    return written;
+  }
   int meshes = 0;
   if (!arguments.mesh.empty()) {
     const auto set = ReadDataset(arguments.output);

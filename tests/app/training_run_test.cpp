@@ -10,6 +10,7 @@
 #include "core/formats/npz.h"
 #include "core/store/store.h"
 #include "tests/app/program.h"
+#include "tests/support/other_fields.h"
 
 namespace mocurate {
 namespace {
@@ -281,9 +282,13 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
   EXPECT_EQ(TrainingProgram(folder, {"dataset", "apply", set, in("drop.yaml"), "-o", set, "--force"}).exit_code, 2);
   const std::string actor = (folder / "r/checkpoints/ACTOR_1.h5").string();
   const std::string denoised = (folder / "denoised.h5").string(), between = (folder / "between.h5").string();
-  const Result made =
-      TrainingProgram(folder, {"generate", actor, "--denoise", (folder / "r/dataset.h5").string(), "-o", denoised});
+  ASSERT_TRUE(test::WriteWithOtherFields(*ReadDataset(folder / "r/dataset.h5"), folder / "with_fields.h5"));
+  const Result made = TrainingProgram(folder, {"generate", actor, "--denoise", in("with_fields.h5"), "-o", denoised});
   EXPECT_EQ(made.exit_code, 0) << made.err;
+  const auto kept = DatasetClips::Open(denoised, DatasetClips::Check::kHashes);
+  ASSERT_TRUE(kept) << kept.error().Message();
+  EXPECT_EQ(kept->ReadOtherFields().of_frames.count("/frames/mark"), 1u);
+  EXPECT_EQ(kept->ReadOtherFields().of_clips.count("/clips/score"), 1u);
   EXPECT_EQ(TrainingProgram(folder, {"generate", actor, "--label", "wave:2", "--interpolate", "3", "--frames", "8:12:4",
                                      "-o", between})
                 .exit_code,

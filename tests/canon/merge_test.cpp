@@ -206,9 +206,11 @@ TEST(Merge, OfFilesWritesWhatTheDatasetsHold) {
     parts.push_back({file.name, file.outline, file.clips.content_sha256(),
                      [&file](std::size_t row) { return file.clips.MotionSha256(row); }});
   }
-  const auto merged = MergeDatasets(parts);
+  auto merged = MergeDatasets(parts);
   ASSERT_TRUE(merged) << merged.error().Message();
-  const Status written = WriteFromFiles(merged->dataset, merged->origins, *files, folder / "ab.h5");
+  std::vector<ClipOrigin> origins;
+  for (const auto& [part, row] : merged->origins) origins.push_back(WholeClip(part, row, *files));
+  const auto written = WriteFromFiles(merged->dataset, origins, *files, folder / "ab.h5");
   ASSERT_TRUE(written) << written.error().Message();
   const auto read = ReadDataset(folder / "ab.h5");
   ASSERT_TRUE(read) << read.error().Message();
