@@ -31,6 +31,7 @@ void AddPlan(CLI::App& app, CommonArguments& common, std::function<Status()>& ve
   plan->add_option("--cores", arguments->cores, "cores of a task (default 1)")->check(CLI::Range(1, 1024));
   plan->add_option("-j,--jobs", arguments->jobs, "worker processes for items executed here (default: one per core)")
       ->check(CLI::Range(0, 1024));
+  plan->add_flag("--replace", arguments->replace, "use the folder of another job, as of mocurate run");
   plan->footer(
       "Examples:\n  mocurate plan kard --stage ingest --tasks 8 -o runs/kard\n"
       "  mocurate run --plan runs/kard/plan/ingest.json --task 0   # ... to 7, on any machine that shares the cache\n"

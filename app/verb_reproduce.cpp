@@ -27,6 +27,7 @@ void AddReproduce(CLI::App& app, CommonArguments& common, std::function<Status()
   reproduce->add_option("-j,--jobs", arguments->jobs, "worker processes (default: one per core)")
       ->check(CLI::Range(0, 1024));
   reproduce->add_flag("-n,--dry-run", arguments->dry_run, "show what would run, run nothing");
+  reproduce->add_flag("--replace", arguments->replace, "use the folder of another job, as of mocurate run");
   reproduce->footer(
       "A stopped run continues when it is started again.\n\n"
       "Examples:\n  mocurate reproduce list\n  mocurate reproduce a2m/table3\n"

@@ -33,8 +33,12 @@ void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& ver
                        ->check(CLI::IsMember({"local", "slurm"}));
   auto* no_wait = run->add_flag("--no-wait", arguments->no_wait,
                                 "with Slurm: end when the first job is submitted; see mocurate jobs");
+  auto* replace = run->add_flag("--replace", arguments->replace,
+                                "use the folder of another job or configuration file; its outputs stay, marked as "
+                                "stale, until this job writes its own");
   auto* plan = run->add_option("--plan", arguments->plan, "run one task of a plan (mocurate plan) instead");
-  for (CLI::Option* other : {config, output, set, to, budget, data, dry_run, executor, no_wait}) plan->excludes(other);
+  for (CLI::Option* other : {config, output, set, to, budget, data, dry_run, executor, no_wait, replace})
+    plan->excludes(other);
   run->add_option("--task", arguments->task, "which task of the plan, from 0")->needs(plan);
   run->add_option("--scratch", arguments->scratch,
                   "folder on a disk of this node for outputs until they are complete (default: in the cache)")

@@ -143,7 +143,7 @@ Status CheckValues(const JobOptions& options, const ConfigNode& node) {
   return check.Result();
 }
 
-Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
+Expected<LoadedJob> JobOf(Expected<ConfigNode> node, std::string config) {
   if (!node) return Forward(node);
   auto options = OptionsFromConfig<JobOptions>(*node);
   if (!options) return Forward(options);
@@ -153,7 +153,7 @@ Expected<LoadedJob> JobOf(Expected<ConfigNode> node) {
   BoundTraining(options->train);
   ResolveDefaults(*options);
   InheritOrigins(*node);
-  return LoadedJob{std::move(*node), std::move(*options)};
+  return LoadedJob{std::move(*node), std::move(*options), std::move(config)};
 }
 
 }  // namespace
@@ -180,16 +180,17 @@ Status ResolveNetworks(JobOptions& job) {
 }
 
 Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments) {
-  return JobOf(LoadConfig(source, assignments));
+  return JobOf(LoadConfig(source, assignments), JobNameOf(source));
 }
 
 Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments) {
   if (const auto named = NamedJob(config.empty() ? "demo" : config.string())) return LoadJob(*named, assignments);
+  std::error_code problem;
   auto node = LoadConfig(config, assignments);
   if (!node && (node.error().code == ErrorCode::kNotFound || node.error().code == ErrorCode::kUnreadable)) {
     return tl::unexpected<Error>(NoConfig(config, node.error()));
   }
-  return JobOf(std::move(node));
+  return JobOf(std::move(node), DisplayPath(std::filesystem::absolute(config, problem).lexically_normal()));
 }
 
 }  // namespace mocurate

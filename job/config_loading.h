@@ -12,6 +12,7 @@ namespace mocurate {
 struct LoadedJob {
   ConfigNode node;  ///< with origins
   JobOptions options;
+  std::string config;  ///< name of a job ("kard"), or the absolute path of a file
 };
 
 /// A job by its name (named_configs.h) or from a YAML file; an empty path gives the embedded default

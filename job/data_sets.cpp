@@ -157,12 +157,16 @@ struct CollectedTable {
   nlohmann::json json = {
       {"rows", nlohmann::json::array()}, {"published", nlohmann::json::array()}, {"notes", nlohmann::json::array()}};
 
-  /// Adds the rows of a set from `folder`; nothing without a table there.
+  /// Adds the rows of a set from `folder`; nothing where its run wrote no table there.
   void Add(const SetResult& set, const std::filesystem::path& folder);
 };
 
 void CollectedTable::Add(const SetResult& set, const std::filesystem::path& folder) {
-  const auto text = ReadFile(folder / (name + ".json"));
+  const std::string file = name + ".json";
+  const std::vector<fs::path>& written = set.result.tables;
+  const bool there =
+      std::any_of(written.begin(), written.end(), [&](const fs::path& table) { return table.filename() == file; });
+  const auto text = there ? ReadFile(folder / file) : Expected<std::string>(std::string());
   const nlohmann::json own = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
   if (!own.is_object()) {  // not scored, or a dry run
     if (name == "table") markdown += HeadOf(set) + "\n";
@@ -258,10 +262,8 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
                                                          {".tex", table.latex},
                                                          {".json", table.json.dump(1) + "\n"}};
     for (const auto& [ending, text] : files) {
-      const std::filesystem::path file = folder / (table.name + ending);
-      std::error_code gone;
-      if (none) std::filesystem::remove(file, gone);  // of an earlier run
-      if (Status written = none ? Status() : WriteFile(file, text); !written) return Forward(written);
+      if (none) continue;
+      if (Status written = WriteFile(folder / (table.name + ending), text); !written) return Forward(written);
     }
   }
   return run;

@@ -36,12 +36,7 @@ constexpr const char* kRawBranch = "raw tracks";
 class MainJob {
  public:
   MainJob(const JobOptions& options, JobStage last, Runner& runner, const std::vector<std::string>& only)
-      : options_(options),
-        last_(last),
-        runner_(runner),
-        only_(only),
-        outputs_(runner.options().run_folder),
-        runs_(runner, result_.stages) {}
+      : options_(options), last_(last), runner_(runner), only_(only), runs_(runner, result_.stages) {}
 
   Expected<JobResult> Run() {
     using Step = Status (MainJob::*)();
@@ -59,19 +54,15 @@ class MainJob {
     if (last_ >= JobStage::kCanon) {
       if (Status canon = CheckCanon(options_.canon); !canon) return Forward(canon);
     }
-    if (Status cleared = Clear(Next(last_), JobStage::kReport); !cleared) return Forward(cleared);
     for (const auto& [stage, step] : steps) {
       if (stage > last_) break;
       Status done = (this->*step)();
       const bool decided = stage == std::min(last_, JobStage::kAssemble);
       if ((decided || !done) && stage <= JobStage::kAssemble && !DryRun() && !clips_.empty()) {
-        const Status logged = WriteCurationLog(clips_, outputs_.Place("curation_log.jsonl"));
+        const Status logged = WriteCurationLog(clips_, folder() / "curation_log.jsonl");
         if (!logged) return Forward(logged);
       }
-      if (done) done = Clear(stage, stage);
-      if (done) continue;
-      if (!DryRun()) outputs_.WarnOfLeftovers();
-      return Forward(done);
+      if (!done) return Forward(done);
     }
     CountClips(clips_, result_);
     result_.clips = std::move(clips_);
@@ -82,13 +73,6 @@ class MainJob {
  private:
   std::filesystem::path folder() const { return runner_.options().run_folder; }
   bool DryRun() const { return runner_.options().dry_run; }
-
-  static JobStage Next(JobStage stage) { return static_cast<JobStage>(static_cast<int>(stage) + 1); }
-
-  /// Removes outputs of an earlier run that these stages, which are done or will not run, did not write.
-  Status Clear(JobStage first, JobStage last) const {
-    return DryRun() ? Status() : outputs_.RemoveLeftovers(first, last);
-  }
 
   void AddSetFindings(const std::vector<Finding>& findings) {
     for (const Finding& finding : findings) {
@@ -329,7 +313,7 @@ class MainJob {
     }
     result_.set_findings.insert(result_.set_findings.end(), comparison_.begin(), comparison_.end());
     if (dataset_.artifact.empty() || DryRun()) return {};
-    result_.dataset = outputs_.Place("dataset.h5");
+    result_.dataset = folder() / "dataset.h5";
     return CopyWhole(dataset_.artifact, result_.dataset);
   }
 
@@ -351,7 +335,7 @@ class MainJob {
     if (dataset_.artifact.empty()) return {};
     TrainingInputs inputs{InputFrom("dataset", dataset_), std::nullopt};
     if (!baseline_.artifact.empty()) inputs.unfitted = InputFrom("dataset", baseline_);
-    auto trained = TrainNetworks(options_.train, inputs, {runner_, runs_, outputs_, result_});
+    auto trained = TrainNetworks(options_.train, inputs, {runner_, runs_, result_});
     if (!trained) return Forward(trained);
     networks_ = std::move(trained->networks);
     denoised_ = std::move(trained->denoised);
@@ -385,7 +369,7 @@ class MainJob {
 
   Status WriteMetrics() {
     result_.metrics = WithNotes(std::move(result_.metrics), options_, result_);
-    if (Status written = WriteFile(outputs_.Place("metrics.json"), result_.metrics.dump(1) + "\n"); !written) {
+    if (Status written = WriteFile(folder() / "metrics.json", result_.metrics.dump(1) + "\n"); !written) {
       return written;
     }
     if (!result_.metrics.at("rows").empty()) {
@@ -404,17 +388,14 @@ class MainJob {
     const auto written = WriteTables(result, options_.name, folder() / "tables", name);
     if (!written) return Forward(written);
     markdown = written->markdown;
-    for (const auto& file : written->files) {
-      result_.tables.push_back(file);
-      outputs_.Place("tables/" + file.filename().native());
-    }
+    result_.tables.insert(result_.tables.end(), written->files.begin(), written->files.end());
     return {};
   }
 
   Status Report() {
     if (dataset_.artifact.empty() || DryRun()) return {};
     if (Status made = MakeFolder(folder() / "report"); !made) return made;
-    return WriteReport({options_, clips_, persons_, dataset_, networks_, Fits()}, runs_, outputs_, result_);
+    return WriteReport({options_, clips_, persons_, dataset_, networks_, Fits()}, runs_, folder(), result_);
   }
 
   JobOptions options_;
@@ -423,7 +404,6 @@ class MainJob {
   bool unfitted_ = false;  ///< clips before fitting run through the same stages, for comparison
   Runner& runner_;
   const std::vector<std::string>& only_;
-  RunOutputs outputs_;
   JobResult result_;
   StageRuns runs_;
   std::vector<ClipRecord> clips_;

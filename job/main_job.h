@@ -43,8 +43,7 @@ struct JobResult {
 
 /// ingest -> proportions -> fitting -> canon -> assemble -> audit -> train -> evaluate -> report, each over the
 /// runner's workers. Writes dataset.h5, curation_log.jsonl, tables/, metrics.json, report/index.html into the run
-/// folder, and removes files of an earlier run that this one does not write. A run that ends early names the remaining
-/// ones. `only`: selected clips (ingest/chosen_clips.h); empty: all.
+/// folder, and removes nothing there (run_file.h). `only`: selected clips (ingest/chosen_clips.h); empty: all.
 Expected<JobResult> RunMainJob(const JobOptions& options, JobStage last, Runner& runner,
                                const std::vector<std::string>& only = {});
 

@@ -17,6 +17,7 @@ constexpr const char* kPaperFolders[] = {"papers/a2m/", "papers/actor/", "papers
 constexpr const char* kReproduces = "\nreproduce:";  // first key of papers' jobs; included parts do not have it
 constexpr const char* kSourceFolder = "sources/";
 constexpr const char* kEnding = ".yaml";
+constexpr const char* kEmbedded = "resource:";
 
 /// Names of the embedded files of a folder below configs/, without extension: "reannotate/kard".
 std::vector<std::string> NamesBelow(const std::string& folder) {
@@ -51,7 +52,7 @@ std::string JoinedNames(const std::vector<std::string>& names) {
 /// Source with its path among the embedded files, so that it can include others relative to it.
 ConfigSource Embedded(const std::string& name) {
   const std::string file = name + kEnding;
-  return {std::string(FindResource(file).value_or("")), "resource:" + file, {}};
+  return {std::string(FindResource(file).value_or("")), kEmbedded + file, {}};
 }
 
 bool IsOneOf(const std::string& name, const std::vector<std::string>& names) {
@@ -84,6 +85,12 @@ std::vector<std::string> PaperIds() {
 std::optional<ConfigSource> NamedJob(const std::string& name) {
   if (!IsOneOf(name, JobNames())) return std::nullopt;
   return Embedded(name);
+}
+
+std::string JobNameOf(const ConfigSource& source) {
+  const std::string head = kEmbedded;
+  if (source.name.compare(0, head.size(), head) != 0) return source.name;
+  return std::filesystem::path(source.name.substr(head.size())).replace_extension().string();
 }
 
 Error NoJob(const std::string& name) {

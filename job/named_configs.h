@@ -15,6 +15,9 @@ std::vector<std::string> PaperIds();
 /// exist. Empty for an unknown name, or a path ("./kard", "kard.yaml").
 std::optional<ConfigSource> NamedJob(const std::string& name);
 
+/// The name of the job in that text ("kard"); the source's own name where it is not one of configs/.
+std::string JobNameOf(const ConfigSource& source);
+
 /// Error kConfig for an unknown name: lists the jobs, the nearest one first.
 Error NoJob(const std::string& name);
 

@@ -11,6 +11,7 @@
 #include "core/motion/request.h"
 #include "core/store/dataset_clips.h"
 #include "ingest/formats/driver.h"
+#include "job/run_outputs.h"
 #include "job/temporary_folder.h"
 #include "train/options.h"
 
@@ -163,7 +164,7 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
   return run;
 }
 
-Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs, RunOutputs& outputs,
+Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs, const std::filesystem::path& folder,
                    std::vector<ClipPageFiles>& files) {
   const auto report = runs.Run(ClipVideoDeclaration(), ClipVideoItems(clips));
   const bool no_encoder = !report && report.error().code == ErrorCode::kMissingOnHost;
@@ -176,7 +177,7 @@ Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs,
   for (std::size_t i = 0; i < clips.size(); ++i) {
     if (!no_encoder && !report->items[i].artifact.empty()) {
       files[i].video = ClipFileName(i, "mp4");
-      Status copied = CopyWhole(report->items[i].artifact, outputs.Place("report/" + files[i].video));
+      Status copied = CopyWhole(report->items[i].artifact, folder / "report" / files[i].video);
       if (!copied) return copied;
     } else {
       // A cause common to all pages is reported without the clip where it occurred first.
@@ -187,19 +188,19 @@ Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs,
 }
 
 /// Videos come first, as a page lists its files. Without an encoder there are pages without videos.
-Status WriteClipPages(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs, JobResult& result) {
+Status WriteClipPages(const ReportedRun& run, StageRuns& runs, const std::filesystem::path& folder, JobResult& result) {
   const ReportOptions& options = run.options.report;
   const auto clips = ClipsToDraw(run.clips, static_cast<int>(options.pages));
   std::vector<ClipPageFiles> files(clips.size());
   if (options.videos) {
-    if (Status written = WriteVideos(clips, runs, outputs, files); !written) return written;
+    if (Status written = WriteVideos(clips, runs, folder, files); !written) return written;
   }
   const auto report = runs.Run(ClipPageDeclaration(), ClipPageItems(clips, files, options));
   if (!report) return Forward(report);
   for (std::size_t i = 0; i < clips.size(); ++i) {
     if (report->items[i].artifact.empty()) continue;
     files[i].page = ClipFileName(i, "html");
-    Status copied = CopyWhole(report->items[i].artifact, outputs.Place("report/" + files[i].page));
+    Status copied = CopyWhole(report->items[i].artifact, folder / "report" / files[i].page);
     if (!copied) return copied;
     result.pages[clips[i]->item] = {{"page", files[i].page}, {"video", files[i].video}};
   }
@@ -283,12 +284,12 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
   return {};
 }
 
-Status WritePictures(const std::vector<ClipRecord>& clips, StageRuns& runs, RunOutputs& outputs) {
+Status WritePictures(const std::vector<ClipRecord>& clips, StageRuns& runs, const std::filesystem::path& folder) {
   const auto report = runs.Run(PictureDeclaration(), PictureItems(clips));
   if (!report) return Forward(report);
   for (const ItemResult& item : report->items) {
     if (item.artifact.empty()) continue;
-    if (Status copied = CopyWhole(item.artifact, outputs.Place("report/" + item.item + ".png")); !copied) {
+    if (Status copied = CopyWhole(item.artifact, folder / "report" / (item.item + ".png")); !copied) {
       return copied;
     }
   }
@@ -297,11 +298,11 @@ Status WritePictures(const std::vector<ClipRecord>& clips, StageRuns& runs, RunO
 
 }  // namespace
 
-Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs, JobResult& result) {
+Status WriteReport(const ReportedRun& run, StageRuns& runs, const std::filesystem::path& folder, JobResult& result) {
   if (run.fits) {
-    if (Status paged = WriteClipPages(run, runs, outputs, result); !paged) return paged;
+    if (Status paged = WriteClipPages(run, runs, folder, result); !paged) return paged;
   }
-  const auto input = outputs.Place("report_input.json");
+  const auto input = folder / "report_input.json";
   ItemSpec item{"report", OptionsToJson(run.options.report), {}};
   item.inputs.push_back({"run", "run.json", input, ""});
   item.inputs.push_back(InputFrom("dataset", run.dataset));
@@ -314,9 +315,9 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs,
   const auto page = runs.One(ReportDeclaration(), std::move(item));
   if (!page) return Forward(page);
   if (page->artifact.empty()) return {};
-  result.report = outputs.Place("report/index.html");
+  result.report = folder / "report/index.html";
   if (Status copied = CopyWhole(page->artifact, result.report); !copied) return copied;
-  return run.fits ? WritePictures(run.clips, runs, outputs) : Status();
+  return run.fits ? WritePictures(run.clips, runs, folder) : Status();
 }
 
 }  // namespace mocurate

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "job/job_items.h"
 #include "job/main_job.h"
-#include "job/run_outputs.h"
 #include "job/stage_runs.h"
 
 namespace mocurate {
@@ -21,8 +21,8 @@ struct ReportedRun {
   bool fits = false;  ///< clips have pages, videos and pictures of their fits
 };
 
-/// Stages clip_video, clip_page, report and picture: writes report/ into the existing run folder, and adds the paths of
-/// its page and of the clips' pages to `result`.
-Status WriteReport(const ReportedRun& run, StageRuns& runs, RunOutputs& outputs, JobResult& result);
+/// Stages clip_video, clip_page, report and picture: writes report/ into the existing run `folder`, and adds the paths
+/// of its page and of the clips' pages to `result`.
+Status WriteReport(const ReportedRun& run, StageRuns& runs, const std::filesystem::path& folder, JobResult& result);
 
 }  // namespace mocurate

@@ -1,15 +1,77 @@
 #include "job/run_file.h"
 
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+
 #include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/pipeline/journal.h"
 #include "job/machine_facts.h"
 
 namespace mocurate {
+namespace {
 
-RunFile::RunFile(const LoadedJob& job, double budget, JobStage last, const std::filesystem::path& folder)
-    : path_(folder / "run.json"),
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostNamed = 8;
+
+nlohmann::json JsonOf(const std::vector<StaleOutput>& stale) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const StaleOutput& output : stale) list.push_back({{"file", output.file}, {"stage", output.stage}});
+  return list;
+}
+
+void WarnOfStale(const std::vector<StaleOutput>& stale) {
+  if (stale.empty()) return;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kMostNamed, stale.size()); ++i) {
+    names += (i == 0 ? "" : ", ") + stale[i].file + " (" + stale[i].stage + ")";
+  }
+  if (stale.size() > kMostNamed) names += " and " + std::to_string(stale.size() - kMostNamed) + " more";
+  LogWarning("stale, of an earlier run of this folder: " + names + "; they stay until a run makes them again");
+}
+
+Status WriteJson(const fs::path& folder, const nlohmann::json& run) {
+  return WriteFile(folder / "run.json", run.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+/// In the format of run.json.
+std::string TimeText(const struct timespec& time) {
+  struct tm parts {};
+  gmtime_r(&time.tv_sec, &parts);
+  char date[32];
+  char text[48];
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
+  std::snprintf(text, sizeof text, "%s.%03ldZ", date, time.tv_nsec / 1000000);
+  return text;
+}
+
+/// Whether a file was written before the run that began at `started`.
+bool IsEarlier(const fs::path& file, const std::string& started) {
+  constexpr long kClockStep_ns = 50000000;  // file times may lag behind the clock
+  struct stat now {};
+  if (started.empty() || stat(file.c_str(), &now) != 0) return false;
+  struct timespec written = now.st_mtim;
+  written.tv_nsec += kClockStep_ns;
+  if (written.tv_nsec >= 1000000000) {
+    written.tv_nsec -= 1000000000;
+    ++written.tv_sec;
+  }
+  return TimeText(written) < started;
+}
+
+}  // namespace
+
+RunFile::RunFile(const LoadedJob& job, double budget, JobStage last, const fs::path& folder)
+    : folder_(folder),
+      earlier_(OutputsIn(folder)),
       run_({{"created_by", CreatedBy()},
+            {"job", {{"name", job.options.name}, {"config", job.config}}},
             {"options", OptionsToJson(job.options)},
             {"config", ShowOptions(job.options, job.node, true)},
             {"budget", budget},
@@ -18,7 +80,17 @@ RunFile::RunFile(const LoadedJob& job, double budget, JobStage last, const std::
 Status RunFile::Begin() {
   run_["machine"] = MachineFacts();
   run_["started"] = TimeNow();
-  return Write();
+  run_["stale"] = JsonOf(Stale(earlier_));
+  return WriteJson(folder_, run_);
+}
+
+std::vector<StaleOutput> RunFile::Stale(const std::map<std::string, OutputFile>& now) const {
+  std::vector<StaleOutput> stale;
+  for (const auto& [name, output] : earlier_) {
+    const auto present = now.find(name);
+    if (present != now.end() && present->second == output) stale.push_back({DisplayPath(name), Name(output.stage)});
+  }
+  return stale;
 }
 
 Status RunFile::End(const Status& outcome) {
@@ -26,18 +98,17 @@ Status RunFile::End(const Status& outcome) {
   run_["ended"] = {{"time", TimeNow()},
                    {"exit_code", static_cast<int>(code)},
                    {"message", outcome ? std::string() : outcome.error().Message()}};
-  return Write();
+  const std::vector<StaleOutput> stale = Stale(OutputsIn(folder_));
+  run_["stale"] = JsonOf(stale);
+  WarnOfStale(stale);
+  return WriteJson(folder_, run_);
 }
 
-Status RunFile::Write() const {
-  return WriteFile(path_, run_.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-}
-
-nlohmann::json ReadRunFile(const std::filesystem::path& folder) {
+nlohmann::json ReadRunFile(const fs::path& folder) {
   std::error_code unknown;
   const auto path = folder / "run.json";
   const auto text =
-      std::filesystem::is_regular_file(path, unknown)
+      fs::is_regular_file(path, unknown)
           ? ReadFile(path)
           : Expected<std::string>(Fail(ErrorCode::kNotFound, "the file does not exist", DisplayPath(path)));
   if (!text) return nullptr;
@@ -46,6 +117,42 @@ nlohmann::json ReadRunFile(const std::filesystem::path& folder) {
   const auto maker = run.find("created_by");
   const bool ours = maker != run.end() && maker->is_string() && maker->get<std::string>().rfind("mocurate ", 0) == 0;
   return ours ? run : nlohmann::json();
+}
+
+std::vector<StaleOutput> StaleOutputs(const fs::path& folder) {
+  const nlohmann::json run = ReadRunFile(folder);
+  std::vector<StaleOutput> stale;
+  if (!run.is_object()) return stale;
+  if (run.contains("ended") && run.contains("stale")) {
+    for (const nlohmann::json& output : run.at("stale")) {
+      const auto text = [&](const char* key) {
+        const bool there = output.is_object() && output.contains(key) && output.at(key).is_string();
+        return there ? output.at(key).get<std::string>() : std::string();
+      };
+      std::error_code unknown;
+      const std::string file = text("file");
+      if (!file.empty() && fs::exists(folder / PathFromText(file), unknown)) stale.push_back({file, text("stage")});
+    }
+    return stale;
+  }
+  const std::string started = run.value("started", "");
+  for (const auto& [name, output] : OutputsIn(folder)) {
+    if (IsEarlier(folder / name, started)) stale.push_back({DisplayPath(name), Name(output.stage)});
+  }
+  return stale;
+}
+
+bool IsStale(const std::vector<StaleOutput>& stale, const std::string& file) {
+  return std::any_of(stale.begin(), stale.end(), [&](const StaleOutput& output) { return output.file == file; });
+}
+
+Status AddStale(const fs::path& folder, const std::vector<StaleOutput>& stale) {
+  if (stale.empty()) return {};
+  nlohmann::json run = ReadRunFile(folder);
+  if (!run.is_object()) return {};
+  for (nlohmann::json& output : JsonOf(stale)) run["stale"].push_back(std::move(output));
+  WarnOfStale(stale);
+  return WriteJson(folder, run);
 }
 
 }  // namespace mocurate

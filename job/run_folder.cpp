@@ -39,8 +39,20 @@ Expected<fs::path> RunFolder(const std::optional<fs::path>& named, const std::st
   return fs::path("runs") / name;
 }
 
-Status CheckRunFolder(const fs::path& folder) {
-  if (ReadRunFile(folder).is_object()) return {};
+Status CheckRunFolder(const fs::path& folder, const LoadedJob& job, bool replace) {
+  if (const nlohmann::json run = ReadRunFile(folder); run.is_object()) {
+    const nlohmann::json& options = run.at("options");
+    const nlohmann::json none = nlohmann::json::object();
+    const std::string name = options.value("name", "");
+    const std::string config = run.value("job", none).value("config", job.config);  // earlier versions: unknown
+    if (replace || (name == job.options.name && config == job.config)) return {};
+    return Fail(ErrorCode::kUsage,
+                "the folder is of job '" + name + "' (" + config + "), this job is '" + job.options.name + "' (" +
+                    job.config + ")",
+                DisplayPath(folder),
+                "choose another folder with -o; or add --replace: outputs of that job stay, marked as stale, until "
+                "this one writes its own");
+  }
   for (const std::string& name : RunFilesIn(folder)) {
     if (IsBeginning(folder, name)) continue;
     return Fail(ErrorCode::kUsage,

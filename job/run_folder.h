@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "job/config_loading.h"
 
 namespace mocurate {
 
@@ -12,9 +13,9 @@ namespace mocurate {
 /// invalid name (empty, '.', '..', with a '/').
 Expected<std::filesystem::path> RunFolder(const std::optional<std::filesystem::path>& named, const std::string& name);
 
-/// Checks that a run may write there without overwriting files of the user. A folder with the run.json of a run is
-/// ours; another one must not contain a file with the name of an output. Changes nothing. Error kUsage names the first
-/// such file.
-Status CheckRunFolder(const std::filesystem::path& folder);
+/// Checks that a run may write there. A folder with the run.json of a run must be of the same job: the same name, from
+/// the same configuration file, whatever its options; `replace` allows another. A folder without one must not contain a
+/// file with the name of an output. Changes nothing. Error kUsage names both jobs, or the first such file.
+Status CheckRunFolder(const std::filesystem::path& folder, const LoadedJob& job, bool replace);
 
 }  // namespace mocurate

@@ -7,10 +7,10 @@
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 
 #include "core/base/file.h"
-#include "core/base/log.h"
 #include "core/base/text.h"
 #include "train/items.h"
 
@@ -51,73 +51,55 @@ bool Matches(std::string_view pattern, std::string_view name) {
          std::all_of(seed.begin(), seed.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
+/// Adds the outputs in `folder`/`below`; the names begin with `below`.
+void AddOutputs(const fs::path& folder, const fs::path& below, std::map<std::string, OutputFile>& outputs) {
+  const auto add = [&](JobStage stage, const fs::path& name) {
+    std::error_code gone, unknown;
+    const fs::file_status status = fs::symlink_status(folder / name, gone);
+    if (!fs::is_regular_file(status) && !fs::is_symlink(status)) return;
+    OutputFile& output = outputs[name.native()];
+    output = {stage, fs::file_size(folder / name, unknown), fs::last_write_time(folder / name, gone)};
+  };
+  for (const Output& output : kOutputs) {
+    std::error_code missing;
+    for (fs::directory_iterator entry(folder / below / output.folder, missing), end; entry != end;
+         entry.increment(missing)) {
+      const fs::path file = entry->path().filename();
+      if (Matches(output.name, file.native())) add(output.stage, below / output.folder / file);
+    }
+  }
+  for (const auto& entry : JournalOf(folder / below, TrainDeclaration().name)) {
+    add(JobStage::kTrain, below / "checkpoints" / (FileNameOf(entry.first) + ".h5"));
+  }
+}
+
 }  // namespace
 
-fs::path RunOutputs::Place(const std::string& name) {
-  placed_.insert(name);
-  return folder_ / name;
-}
-
-std::vector<std::string> RunOutputs::Leftovers(JobStage first, JobStage last) const {
-  std::set<std::string> found;
-  for (const Output& output : kOutputs) {
-    if (output.stage < first || output.stage > last) continue;
-    std::error_code missing;
-    for (fs::directory_iterator entry(folder_ / output.folder, missing), end; entry != end; entry.increment(missing)) {
-      std::error_code gone;
-      const fs::file_status status = entry->symlink_status(gone);
-      const std::string name = (fs::path(output.folder) / entry->path().filename()).native();
-      if (!Matches(output.name, entry->path().filename().native()) || placed_.count(name) != 0) continue;
-      if (fs::is_regular_file(status) || fs::is_symlink(status)) found.insert(name);
-    }
+std::map<std::string, OutputFile> OutputsIn(const fs::path& folder) {
+  std::map<std::string, OutputFile> outputs;
+  AddOutputs(folder, "", outputs);
+  std::error_code missing;
+  for (fs::directory_iterator set(folder / "data", missing), end; !missing && set != end; set.increment(missing)) {
+    std::error_code unknown;  // a set has a journal; a substitute's files beside it are inputs
+    if (!fs::exists(set->path() / "journal.jsonl", unknown)) continue;
+    AddOutputs(folder, fs::path("data") / set->path().filename(), outputs);
   }
-  if (first > JobStage::kTrain || last < JobStage::kTrain) return {found.begin(), found.end()};
-  for (const auto& entry : JournalOf(folder_, TrainDeclaration().name)) {
-    const std::string name = "checkpoints/" + FileNameOf(entry.first) + ".h5";
-    std::error_code gone;
-    const fs::file_status status = fs::symlink_status(folder_ / name, gone);
-    if (placed_.count(name) == 0 && (fs::is_regular_file(status) || fs::is_symlink(status))) found.insert(name);
-  }
-  return {found.begin(), found.end()};
-}
-
-Status RunOutputs::RemoveLeftovers(JobStage first, JobStage last) const {
-  for (const std::string& name : Leftovers(first, last)) {
-    std::error_code problem;
-    fs::remove(folder_ / name, problem);
-    if (problem) {
-      return Fail(ErrorCode::kCannotWrite, "a file of an earlier run cannot be removed: " + problem.message(),
-                  DisplayPath(folder_ / name), "remove it or choose another -o");
-    }
-    std::error_code not_empty;
-    if (name.find('/') != std::string::npos) fs::remove((folder_ / name).parent_path(), not_empty);
-  }
-  return {};
-}
-
-void RunOutputs::WarnOfLeftovers() const {
-  std::string names;
-  for (const std::string& name : Leftovers(JobStage::kIngest, JobStage::kReport)) {
-    names += (names.empty() ? "" : ", ") + name;
-  }
-  if (!names.empty()) LogWarning("files of an earlier run remain in the run folder: " + names);
+  return outputs;
 }
 
 std::vector<std::string> RunFilesIn(const fs::path& folder) {
-  std::vector<std::string> names = RunOutputs(folder).Leftovers(JobStage::kIngest, JobStage::kReport);
+  std::set<std::string> names;
+  for (const auto& [name, output] : OutputsIn(folder)) names.insert(name);
   std::error_code missing;
   for (fs::directory_iterator entry(folder / "checkpoints", missing), end; entry != end; entry.increment(missing)) {
-    const std::string name = "checkpoints/" + entry->path().filename().native();
-    const bool listed = std::find(names.begin(), names.end(), name) != names.end();
-    if (entry->path().extension() == ".h5" && !listed) names.push_back(name);
+    if (entry->path().extension() == ".h5") names.insert("checkpoints/" + entry->path().filename().native());
   }
   for (const char* name : kRecords) {
     std::error_code unknown;
     const fs::file_status status = fs::symlink_status(folder / name, unknown);
-    if (fs::exists(status) && !fs::is_directory(status)) names.emplace_back(name);
+    if (fs::exists(status) && !fs::is_directory(status)) names.emplace(name);
   }
-  std::sort(names.begin(), names.end());
-  return names;
+  return {names.begin(), names.end()};
 }
 
 std::map<std::string, nlohmann::json> JournalOf(const fs::path& folder, const std::string& stage) {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -12,31 +12,18 @@
 
 namespace mocurate {
 
-/// The files that runs write into their folder, each with its name and the stage that writes it. Files that an earlier
-/// run wrote and this run does not can be removed, so that no result is beside options of another run. Files with other
-/// names are never changed; neither are the synthetic capture and the record of runs (run.json, journal.jsonl, lock).
-class RunOutputs {
- public:
-  explicit RunOutputs(std::filesystem::path folder) : folder_(std::move(folder)) {}
+/// A file that a run wrote into its folder, and which version of it: files are replaced whole.
+struct OutputFile {
+  JobStage stage = JobStage::kReport;  ///< that writes it
+  std::uintmax_t bytes = 0;
+  std::filesystem::file_time_type written;
 
-  /// Path of the output `name` (below the run folder); from now on it counts as this run's.
-  std::filesystem::path Place(const std::string& name);
-
-  /// Removes outputs of the stages `first` to `last` that are not this run's, and then empty folders. Error
-  /// kCannotWrite.
-  Status RemoveLeftovers(JobStage first, JobStage last) const;
-
-  /// Warns of remaining files that are not this run's, for a run that ends early. Removes nothing, so that a mistyped
-  /// option has no effect on them.
-  void WarnOfLeftovers() const;
-
-  /// Existing outputs of the stages `first` to `last` that are not this run's, in order of name.
-  std::vector<std::string> Leftovers(JobStage first, JobStage last) const;
-
- private:
-  std::filesystem::path folder_;
-  std::set<std::string> placed_;
+  bool operator==(const OutputFile& other) const { return bytes == other.bytes && written == other.written; }
 };
+
+/// The outputs in a run folder, by path below it; of a run over several sets also those of each ("data/SET/..."). Not
+/// the synthetic capture, nor the record of runs (run.json, journal.jsonl, lock).
+std::map<std::string, OutputFile> OutputsIn(const std::filesystem::path& folder);
 
 /// The files of a folder that have the name of an output, including the record of runs (run.json, journal.jsonl, lock)
 /// and the list of the capture; relative to the folder, in order of name.

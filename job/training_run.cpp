@@ -8,6 +8,7 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "job/main_job.h"
+#include "job/run_outputs.h"
 #include "job/temporary_folder.h"
 
 namespace mocurate {
@@ -195,8 +196,9 @@ class TrainingRun {
   }
 
   Status CopyCheckpoint(const ItemResult& item) {
-    if (Status made = MakeFolder(place_.runner.options().run_folder / "checkpoints"); !made) return made;
-    return CopyWhole(item.artifact, place_.outputs.Place("checkpoints/" + FileNameOf(item.item) + ".h5"));
+    const std::filesystem::path folder = place_.runner.options().run_folder / "checkpoints";
+    if (Status made = MakeFolder(folder); !made) return made;
+    return CopyWhole(item.artifact, folder / (FileNameOf(item.item) + ".h5"));
   }
 
   const TrainOptions& options_;

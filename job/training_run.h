@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "job/job_items.h"
-#include "job/run_outputs.h"
 #include "job/stage_runs.h"
 
 namespace mocurate {
@@ -14,7 +13,6 @@ namespace mocurate {
 struct TrainingPlace {
   Runner& runner;
   StageRuns& runs;
-  RunOutputs& outputs;
   JobResult& result;
 };
 

@@ -14,6 +14,7 @@
 #include "job/evaluation.h"
 #include "job/motion_files.h"
 #include "job/protocols.h"
+#include "job/run_file.h"
 #include "job/run_outputs.h"
 #include "job/temporary_folder.h"
 #include "job/verbs/dose_response.h"
@@ -89,10 +90,11 @@ Status CheckArguments(const EvalArguments& arguments) {
   return {};
 }
 
-/// The recogniser whose features the run used, else the one of that name with the smallest seed.
-Expected<fs::path> FirstRecogniser(const fs::path& run) {
+/// The recogniser whose features the run used, else the one of that name with the smallest seed. Outputs of earlier
+/// runs of the folder are not used.
+Expected<fs::path> FirstRecogniser(const fs::path& run, const std::vector<StaleOutput>& stale) {
   std::error_code unknown;
-  if (const auto text = ReadFile(run / "metrics.json")) {
+  if (const auto text = ReadFile(run / "metrics.json"); text && !IsStale(stale, "metrics.json")) {
     const nlohmann::json metrics = nlohmann::json::parse(*text, nullptr, false);
     const nlohmann::json extractor = metrics.is_object() ? metrics.value("extractor", nlohmann::json()) : nullptr;
     if (extractor.is_string()) {
@@ -102,16 +104,24 @@ Expected<fs::path> FirstRecogniser(const fs::path& run) {
   }
   std::vector<fs::path> found;
   std::error_code problem;
+  std::string earlier_run;
   for (fs::directory_iterator it(run / "checkpoints", problem), end; !problem && it != end; it.increment(problem)) {
-    if (it->path().filename().string().rfind("recogniser_", 0) == 0) found.push_back(it->path());
+    const std::string name = it->path().filename().string();
+    if (name.rfind("recogniser_", 0) != 0) continue;
+    if (IsStale(stale, "checkpoints/" + name)) {
+      earlier_run += (earlier_run.empty() ? "" : ", ") + name;
+    } else {
+      found.push_back(it->path());
+    }
   }
   const auto earlier = [](const fs::path& a, const fs::path& b) {  // recogniser_2.h5 before recogniser_10.h5
     const std::string first = a.filename().string(), second = b.filename().string();
     return std::make_pair(first.size(), first) < std::make_pair(second.size(), second);
   };
   if (!found.empty()) return *std::min_element(found.begin(), found.end(), earlier);
-  return Fail(ErrorCode::kNotFound, "the run has no recogniser", DisplayPath(run / "checkpoints"),
-              "run the stage train, or give --extractor");
+  return Fail(ErrorCode::kNotFound,
+              "the run has no recogniser" + (earlier_run.empty() ? "" : "; of an earlier run: " + earlier_run),
+              DisplayPath(run / "checkpoints"), "run the stage train, or give --extractor CHECKPOINT");
 }
 
 /// Sets and extractor of an evaluation, from the command line.
@@ -139,10 +149,15 @@ Expected<Plan> PlanOf(const EvalArguments& arguments) {
   std::string name = arguments.extractor.empty() ? plan.protocol.extractor : arguments.extractor;
   plan.real = arguments.dose_response ? arguments.damaged_real : arguments.real;
   if (!arguments.run.empty()) {
+    const std::vector<StaleOutput> stale = StaleOutputs(arguments.run);
     if (arguments.extractor.empty()) {
-      const auto recogniser = FirstRecogniser(arguments.run);
+      const auto recogniser = FirstRecogniser(arguments.run, stale);
       if (!recogniser) return Forward(recogniser);
       name = recogniser->string();
+    }
+    if (plan.real.empty() && IsStale(stale, "dataset.h5")) {
+      return Fail(ErrorCode::kInconsistent, "the dataset is of an earlier run of the folder",
+                  DisplayPath(arguments.run / "dataset.h5"), "run the stage assemble, or give --real DATASET");
     }
     if (plan.real.empty()) plan.real = arguments.run / "dataset.h5";
   }

@@ -1,10 +1,7 @@
 #include "job/verbs/inspect_artifact.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <map>
 
 #include "core/base/file.h"
@@ -72,17 +69,6 @@ bool IsFolderLine(const Json& line) {
   return !line.contains("evidence_sha256") && !findings.empty() && findings.back().value("code", "") == kFolderNotRead;
 }
 
-/// In the format of run.json.
-std::string TimeText(const struct timespec& time) {
-  struct tm parts {};
-  gmtime_r(&time.tv_sec, &parts);
-  char date[32];
-  char text[48];
-  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
-  std::snprintf(text, sizeof text, "%s.%03ldZ", date, time.tv_nsec / 1000000);
-  return text;
-}
-
 /// Whether a line of the curation log has this flag, by its present or a former name.
 bool HasFlag(const Json& line, const std::string& flag) {
   if (line.contains(flag)) return line.value(flag, false);
@@ -115,30 +101,6 @@ ClipCounts CountsOf(const Json& run) {
   counts.folders = run.at("folders");
   counts.clips = counts.kept + counts.excluded + counts.failed + counts.undecided;
   return counts;
-}
-
-/// Whether an output was written before the run of run.json began: by an earlier run of the folder. For a folder of
-/// outputs, the newest file counts.
-bool IsEarlier(const fs::path& path, const std::string& started) {
-  constexpr long kClockStep_ns = 50000000;  // file times may lag behind the clock
-  if (started.empty()) return false;
-  struct timespec newest {};
-  const auto look = [&newest](const fs::path& file) {
-    struct stat now {};
-    if (stat(file.c_str(), &now) != 0) return;
-    const bool newer = now.st_mtim.tv_sec > newest.tv_sec ||
-                       (now.st_mtim.tv_sec == newest.tv_sec && now.st_mtim.tv_nsec > newest.tv_nsec);
-    if (newer) newest = now.st_mtim;
-  };
-  std::error_code problem;
-  if (!fs::is_directory(path, problem)) look(path);
-  for (fs::directory_iterator at(path, problem), end; !problem && at != end; at.increment(problem)) look(at->path());
-  newest.tv_nsec += kClockStep_ns;
-  if (newest.tv_nsec >= 1000000000) {
-    newest.tv_nsec -= 1000000000;
-    ++newest.tv_sec;
-  }
-  return TimeText(newest) < started;
 }
 
 /// Outputs of a successful run that no longer exist.
@@ -197,9 +159,11 @@ Json DescribeRun(const fs::path& folder, const Json& run) {
                {"clips", Json::object()},
                {"folders", 0},
                {"files", Json::array()},
-               {"earlier_files", Json::array()}};
+               {"stale", Json::array()}};
+  const std::vector<StaleOutput> stale = StaleOutputs(folder);
+  for (const StaleOutput& output : stale) json["stale"].push_back({{"file", output.file}, {"stage", output.stage}});
   json["missing"] = MissingOf(folder, run, json["stages"]);
-  if (!IsEarlier(folder / "curation_log.jsonl", started)) {
+  if (!IsStale(stale, "curation_log.jsonl")) {
     const std::vector<Json> lines = JsonLines(folder / "curation_log.jsonl");
     json["clips"] = DecisionsOf(lines);
     json["folders"] = std::count_if(lines.begin(), lines.end(), IsFolderLine);
@@ -208,10 +172,14 @@ Json DescribeRun(const fs::path& folder, const Json& run) {
     }
   }
   std::error_code ignored;
+  const std::map<std::string, OutputFile> outputs = OutputsIn(folder);
+  const bool trained = std::any_of(outputs.begin(), outputs.end(), [&](const auto& output) {
+    return output.first.rfind("checkpoints/", 0) == 0 && !IsStale(stale, DisplayPath(output.first));
+  });
   for (const char* name :
        {"dataset.h5", "curation_log.jsonl", "tables/table.md", "metrics.json", "checkpoints", "report/index.html"}) {
-    if (!fs::exists(folder / name, ignored)) continue;
-    json[IsEarlier(folder / name, started) ? "earlier_files" : "files"].push_back(name);
+    const bool own = name == std::string("checkpoints") ? trained : outputs.count(name) != 0 && !IsStale(stale, name);
+    if (own) json["files"].push_back(name);
   }
   if (fs::exists(folder / "dataset.h5", ignored)) {
     const auto dataset = DescribeStore(folder / "dataset.h5");
@@ -265,14 +233,18 @@ std::string RunText(const Json& run) {
     text += DescriptionLine("clips", ClipsText(CountsOf(run)));
   }
   text += DescriptionLine("files", ListText(run.at("files")));
-  text +=
-      DescriptionLine("earlier files", ListText(run.at("earlier_files"), ": written by an earlier run of this folder"));
+  Json stale = Json::array();
+  bool own_dataset = true;
+  for (const Json& output : run.at("stale")) {
+    const std::string file = output.at("file");
+    own_dataset = own_dataset && file != "dataset.h5";
+    stale.push_back(file + " (" + output.at("stage").get<std::string>() + ")");
+  }
+  text += DescriptionLine("stale", ListText(stale, ": of an earlier run, until they are made again"));
   text += DescriptionLine("missing", ListText(run.at("missing"), ": written by this run and removed since"));
   if (!run.contains("dataset")) return text;
   const Json& dataset = run.at("dataset");
-  const Json& earlier = run.at("earlier_files");
-  const bool own = std::find(earlier.begin(), earlier.end(), "dataset.h5") == earlier.end();
-  return text + (own ? "dataset.h5: " : "dataset.h5 of an earlier run: ") +
+  return text + (own_dataset ? "dataset.h5: " : "dataset.h5 of an earlier run: ") +
          (dataset.contains("error") ? dataset.at("error").get<std::string>() + "\n" : StoreText(dataset));
 }
 

@@ -49,14 +49,6 @@ class PictureMaker {
   }
 
  private:
-  /// Removes the picture of an earlier run.
-  void RemoveEarlier(const std::string& name) const {
-    for (const char* ending : {".svg", ".png", ".json"}) {
-      std::error_code gone;
-      fs::remove(run_.folder / "pictures" / (name + ending), gone);
-    }
-  }
-
   /// Whether an error ends everything, rather than one picture.
   static bool Ends(const Error& error) {
     return error.code == ErrorCode::kInterrupted || error.code == ErrorCode::kCannotWrite;
@@ -73,13 +65,19 @@ class PictureMaker {
     return found == options_.data.end() ? options_.data.front() : *found;
   }
 
+  /// Whether an output is of an earlier run.
+  bool Earlier(const fs::path& file) const {
+    return IsStale(run_.stale, DisplayPath(file.lexically_relative(run_.folder)));
+  }
+
   /// Empty where it was not trained.
   fs::path CheckpointOf(const std::string& network, const fs::path& folder) const {
     for (const NetworkOptions& one : options_.train.networks) {
       if (one.name != network) continue;
       const fs::path file = folder / "checkpoints" / (FileNameOf(one.name + "/" + std::to_string(one.seed())) + ".h5");
       std::error_code unknown;
-      return fs::is_regular_file(file, unknown) ? file : fs::path();
+      const bool trained = fs::is_regular_file(file, unknown) && !Earlier(file);
+      return trained ? file : fs::path();
     }
     return {};
   }
@@ -143,7 +141,6 @@ class PictureMaker {
       Lose("picture '" + picture.name + "'", "set " + set.name + " failed");
       return {};
     }
-    RemoveEarlier(picture.name);
     DrawArguments drawn;
     for (const std::string& name : picture.rows) {
       const std::string what = "picture '" + picture.name + "', row '" + name + "'";
@@ -193,7 +190,9 @@ class PictureMaker {
     for (const DataSetOptions& set : options_.data) {
       if (run_.sets.done.count(set.name) == 0) continue;
       for (const char* table : {"table.json", "recognition.json"}) {
-        const auto text = ReadFile(run_.folder / "data" / set.name / "tables" / table);
+        const fs::path file = run_.folder / "data" / set.name / "tables" / table;
+        if (Earlier(file)) continue;
+        const auto text = ReadFile(file);
         const nlohmann::json json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
         if (!json.is_object()) continue;
         for (const nlohmann::json& row : json.value("rows", nlohmann::json::array())) AddPoint(set.name, row, curves);
@@ -213,7 +212,6 @@ class PictureMaker {
       if (!plot["curves"].empty()) plots.push_back(std::move(plot));
     }
     if (plots.empty()) return {};
-    RemoveEarlier("curves");
     auto stages = DatasetStages::Make(own_);
     if (!stages) return Forward(stages);
     const fs::path numbers = run_.folder / "pictures/curves.json", picture = run_.folder / "pictures/curves.svg";

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "job/job_options.h"
+#include "job/run_file.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -14,6 +15,7 @@ struct ReproducedRun {
   std::filesystem::path folder;
   const CommonArguments& common;
   const SetsOfRun& sets;
+  const std::vector<StaleOutput>& stale;  ///< outputs of the folder that are not used
 };
 
 /// Pictures, and rows or surveys that could not be made.

@@ -61,7 +61,7 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
   if (Status named = CheckNames(job->options, stage->of); !named) return named;
   const auto folder = RunFolder(arguments.output, job->options.name);
   if (!folder) return Forward(folder);
-  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  if (Status ours = CheckRunFolder(*folder, *job, arguments.replace); !ours) return ours;
   settings.folder = *folder;
   const Expected<MadePlan> made = MakePlan(*job, settings);
   if (!made) return Forward(made);

@@ -173,12 +173,14 @@ class Reproduction {
     // If a run lost a network, a row or a set, tables and pictures contain the others.
     if (!outcome && Ends(outcome.error().code)) return outcome;
     if (!arguments_.dry_run) {
+      stale_ = StaleOutputs(folder_);
       try {
         if (Status compared = Compare(); !compared) return outcome ? compared : outcome;
-        const auto pictures = MakePaperPictures(job_.options, {folder_, common_, sets_});
+        const auto pictures = MakePaperPictures(job_.options, {folder_, common_, sets_, stale_});
         if (!pictures) return outcome ? Status(Forward(pictures)) : outcome;
         for (const fs::path& file : pictures->files) json_["pictures"].push_back(DisplayPath(file));
         for (const std::string& part : pictures->lost) json_["missing"].push_back(part);
+        if (Status noted = NoteEarlier(pictures->files); !noted) return noted;
         if (outcome && !pictures->lost.empty()) {
           outcome = Fail(ErrorCode::kTooManyFailures,
                          Counted(static_cast<long long>(pictures->lost.size()), "part") + " missing",
@@ -221,14 +223,8 @@ class Reproduction {
 
   /// A folder without run.json may contain files of the user with names of outputs: they are not overwritten.
   Status CheckOutputNames() const {
+    if (ReadRunFile(folder_).is_object()) return {};
     std::error_code unknown;
-    if (fs::exists(folder_ / "run.json", unknown)) {
-      const nlohmann::json earlier = ReadRunFile(folder_);
-      const std::string name = earlier.is_object() ? earlier["options"].value("name", std::string()) : std::string();
-      if (name == job_.options.name) return {};
-      return Fail(ErrorCode::kUsage, "the folder contains the run '" + name + "'", DisplayPath(folder_),
-                  "use -o to name another folder for " + arguments_.id);
-    }
     const std::vector<std::string> names = {"tables/" + name_ + ".md",
                                             "tables/" + name_ + ".csv",
                                             "tables/" + name_ + ".tex",
@@ -273,6 +269,7 @@ class Reproduction {
     run.data = arguments_.data;
     run.jobs = arguments_.jobs;
     run.dry_run = arguments_.dry_run;
+    run.replace = arguments_.replace;
     if (!item().recipe.empty()) run.to = "assemble";
     if (seconds && !arguments_.dry_run) {
       ChooseBlasKernels();  // before any measurement
@@ -302,9 +299,13 @@ class Reproduction {
   Expected<nlohmann::json> ResultOf(const DataSetOptions& set) const {
     const fs::path own = folder_ / "data" / set.name;
     const bool ended = sets_.done.count(set.name) > 0;  // else its tables are from an earlier run
-    nlohmann::json result = ended ? ReadJson(own / "tables/table.json") : nlohmann::json::object();
-    if (const nlohmann::json recognition = ReadJson(own / "tables/recognition.json");
-        ended && !job_.options.evaluate.generators && recognition.contains("rows")) {
+    const auto read = [&](const char* table) {
+      const bool now = ended && !IsStale(stale_, "data/" + set.name + "/tables/" + table);
+      return now ? ReadJson(own / "tables" / table) : nlohmann::json::object();
+    };
+    nlohmann::json result = read("table.json");
+    if (const nlohmann::json recognition = read("recognition.json");
+        !job_.options.evaluate.generators && recognition.contains("rows")) {
       result = recognition;
     }
     const auto published = PublishedOfItem(job_.options, set);
@@ -411,6 +412,27 @@ class Reproduction {
     return {};
   }
 
+  /// The table and pictures of an earlier run of the folder that this one did not make stay, and are noted as stale.
+  Status NoteEarlier(const std::vector<fs::path>& made) const {
+    std::vector<StaleOutput> earlier;
+    const auto note = [&](const std::string& file, bool own, JobStage stage) {
+      std::error_code unknown;
+      if (!own && fs::exists(folder_ / file, unknown)) earlier.push_back({file, Name(stage)});
+    };
+    for (const char* ending : {".md", ".csv", ".tex", ".json"}) {
+      note("tables/" + name_ + ending, json_.at("table").is_string(), JobStage::kTable);
+    }
+    std::vector<std::string> pictures = {"pictures/curves.svg"};
+    for (const DrawnMotionsOptions& picture : item().pictures) {
+      for (const char* ending : {".svg", ".png"}) pictures.push_back("pictures/" + picture.name + ending);
+    }
+    for (const std::string& kind : item().surveys) pictures.push_back("survey/" + kind + "/survey.html");
+    for (const std::string& file : pictures) {
+      note(file, std::find(made.begin(), made.end(), folder_ / file) != made.end(), JobStage::kReport);
+    }
+    return AddStale(folder_, earlier);
+  }
+
   void Answer() {
     if (common_.json) {
       common_.answered = true;
@@ -431,6 +453,7 @@ class Reproduction {
   nlohmann::json json_;  ///< the answer
   std::string text_;     ///< the table
   SetsOfRun sets_;
+  std::vector<StaleOutput> stale_;  ///< outputs of the folder that are of an earlier run
 };
 
 }  // namespace
@@ -448,7 +471,7 @@ Status ReproduceVerb(CommonArguments& common, const ReproduceArguments& argument
   if (Status sets = ResolveDataSets(job->options.data); !sets) return sets;
   const auto folder = RunFolder(arguments.output, job->options.name + "_" + profile);
   if (!folder) return Forward(folder);
-  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  if (Status ours = CheckRunFolder(*folder, *job, arguments.replace); !ours) return ours;
   return Reproduction(common, arguments, std::move(*job), *folder).Run();
 }
 

@@ -177,7 +177,7 @@ Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const
                    SetsOfRun* sets_of_run) {
   const auto folder = RunFolder(arguments.output, job.options.name);
   if (!folder) return Forward(folder);
-  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  if (Status ours = CheckRunFolder(*folder, job, arguments.replace); !ours) return ours;
   const RunnerOptions settings = RunnerOptionsOf(common, arguments, job.options, *folder);
   RunFile file(job, arguments.budget, last, settings.run_folder);
   if (!arguments.dry_run) {
@@ -250,7 +250,7 @@ Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun
   if (Status scaled = ScaleTraining(arguments.budget, job->options.train); !scaled) return scaled;
   const auto folder = RunFolder(arguments.output, job->options.name);
   if (!folder) return Forward(folder);
-  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  if (Status ours = CheckRunFolder(*folder, *job, arguments.replace); !ours) return ours;
   const RunnerOptions options = RunnerOptionsOf(common, arguments, job->options, *folder);
   const bool in_job = std::getenv("SLURM_JOB_ID") != nullptr;
   if (const auto on_slurm = SlurmRun::Open(*folder); on_slurm && !on_slurm->Outcome() && !in_job)

@@ -332,7 +332,7 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
   if (const Expected<SlurmLimits> there = AskSlurmLimits(); !there) return Forward(there);
   const auto folder = RunFolder(arguments.output, job.options.name);
   if (!folder) return Forward(folder);
-  if (Status ours = CheckRunFolder(*folder); !ours) return ours;
+  if (Status ours = CheckRunFolder(*folder, job, arguments.replace); !ours) return ours;
   std::error_code problem;
   SlurmSettings settings;
   const bool is_file = fs::is_regular_file(arguments.config, problem);

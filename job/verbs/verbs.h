@@ -35,6 +35,7 @@ struct RunArguments {
   std::filesystem::path scratch;  ///< folder on a disk of this node for outputs until they are complete; or empty
   std::string executor;           ///< local or slurm, instead of the configuration's; empty: as there
   bool no_wait = false;           ///< do not follow the jobs of Slurm
+  bool replace = false;           ///< use the folder of another job
 };
 
 struct JobsArguments {
@@ -53,6 +54,7 @@ struct PlanArguments {
   std::size_t leftovers = 32;  ///< missing items of earlier stages that are executed at once, at most
   int cores = 1;               ///< of a task
   int jobs = 0;                ///< of the pilot
+  bool replace = false;        ///< use the folder of another job
 };
 
 struct FitArguments {
@@ -137,6 +139,7 @@ struct ReproduceArguments {
   std::vector<std::string> assignments;
   int jobs = 0;
   bool dry_run = false;
+  bool replace = false;  ///< use the folder of another job
 };
 
 struct EvalArguments {

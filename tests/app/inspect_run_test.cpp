@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <functional>
 
 #include "core/base/file.h"
@@ -34,17 +35,33 @@ TEST(InspectRun, AFailedLaterRunHasNoResultsOfTheEarlierOne) {
   const std::string run = (folder / "runs/a").string();
   const std::string whole = RunProgram(folder, {"inspect", run}).out;
   EXPECT_THAT(whole, HasSubstr("15 clips, 15 kept"));
-  EXPECT_THAT(whole, Not(HasSubstr("earlier run")));
+  EXPECT_THAT(whole, Not(HasSubstr("stale")));
 
   ASSERT_EQ(RunProgram(folder, Failing(folder)).exit_code, 3);
   const Result failed = RunProgram(folder, {"inspect", run});
   EXPECT_THAT(failed.out, HasSubstr("with exit code 3"));
   EXPECT_THAT(failed.out, Not(HasSubstr("15 kept")));
-  EXPECT_THAT(failed.out, HasSubstr("dataset.h5, curation_log.jsonl: written by an earlier run of this folder"));
-  EXPECT_THAT(failed.out, HasSubstr("dataset.h5 of an earlier run: mocurate/1"));
+  EXPECT_THAT(failed.out, HasSubstr("curation_log.jsonl (canon), dataset.h5 (assemble)"));
   const nlohmann::json json = RunProgram(folder, {"inspect", run, "--json"}).Json();
   EXPECT_TRUE(json["files"].empty());
   EXPECT_TRUE(json["clips"].empty());
+  const nlohmann::json both = {{{"file", "curation_log.jsonl"}, {"stage", "canon"}},
+                               {{"file", "dataset.h5"}, {"stage", "assemble"}}};
+  EXPECT_EQ(json["stale"], both);
+}
+
+TEST(InspectRun, OutputsOlderThanARunThatWasCutShortAreStale) {
+  const ScratchFolder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  const fs::path run = folder / "runs/a";
+  nlohmann::json record = nlohmann::json::parse(program::ReadText(run / "run.json"));
+  for (const char* key : {"ended", "stale"}) record.erase(key);
+  WriteText(run / "run.json", record.dump());
+  fs::last_write_time(run / "dataset.h5", fs::file_time_type::clock::now() - std::chrono::hours(1));
+  const nlohmann::json json = RunProgram(folder, {"inspect", run.string(), "--json"}).Json();
+  EXPECT_EQ(json["state"], "cut_short");
+  EXPECT_EQ(json["files"], nlohmann::json({"curation_log.jsonl"}));
+  EXPECT_EQ(json["stale"], nlohmann::json::array({{{"file", "dataset.h5"}, {"stage", "assemble"}}}));
 }
 
 TEST(InspectRun, AFolderOfAFormerVersionIsCountedAlike) {

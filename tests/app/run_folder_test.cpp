@@ -1,4 +1,5 @@
-// A run writes into run folders and empty ones: other files with the names of outputs are not changed.
+// A run writes into folders of its job and empty ones, and removes nothing: other files with the names of outputs are
+// not changed, outputs of earlier runs stay and are marked as stale.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -81,6 +82,71 @@ TEST(RunFolder, OtherFilesOfAFolderAreAllowedAndStay) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(ReadText(folder / "mine/notes.txt"), "mine");
   }
+}
+
+nlohmann::json StaleOf(const fs::path& run) { return nlohmann::json::parse(ReadText(run / "run.json")).at("stale"); }
+
+TEST(RunFolder, LaterStagesStayAndAreStaleUntilTheyAreMadeAgain) {
+  const ScratchFolder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
+  EXPECT_EQ(StaleOf(folder / "r"), nlohmann::json::array());
+  const std::string dataset = ReadText(folder / "r/dataset.h5");
+  std::vector<std::string> changed = IngestOnly(folder, "r");
+  changed.insert(changed.end(), {"--set", "canon.facing.anchor=last"});
+  const nlohmann::json stale = nlohmann::json::array({{{"file", "dataset.h5"}, {"stage", "assemble"}}});
+  for (int i = 0; i < 2; ++i) {
+    const Result shorter = RunProgram(folder, changed);
+    ASSERT_EQ(shorter.exit_code, 0) << shorter.err;
+    EXPECT_THAT(shorter.err, HasSubstr("dataset.h5 (assemble)"));
+    EXPECT_EQ(ReadText(folder / "r/dataset.h5"), dataset);
+    EXPECT_EQ(StaleOf(folder / "r"), stale);
+  }
+  const nlohmann::json json = RunProgram(folder, {"inspect", (folder / "r").string(), "--json"}).Json();
+  EXPECT_EQ(json["stale"], stale);
+  EXPECT_EQ(json["files"], nlohmann::json({"curation_log.jsonl"}));
+  EXPECT_THAT(RunProgram(folder, {"inspect", (folder / "r").string()}).out, HasSubstr("dataset.h5 (assemble)"));
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
+  EXPECT_EQ(StaleOf(folder / "r"), nlohmann::json::array());
+  EXPECT_EQ(ReadText(folder / "r/dataset.h5"), dataset);
+}
+
+TEST(RunFolder, AFolderOfAnotherJobOrConfigurationFileIsRefusedUnlessReplaced) {
+  const ScratchFolder folder;
+  for (const char* file : {"a.yaml", "b.yaml"}) WriteText(folder / file, "include: resource:demo.yaml\n");
+  const auto run = [&](const std::string& config, const std::vector<std::string>& more = {}, bool whole = false) {
+    std::vector<std::string> arguments = whole ? SmallJob(folder, "r") : IngestOnly(folder, "r");
+    if (!config.empty()) arguments.insert(arguments.begin() + 1, config);
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    Surroundings there;
+    there.before_start = [&folder] {
+      if (chdir(folder.path().c_str()) != 0) _exit(1);
+    };
+    return RunProgram(folder, arguments, there);
+  };
+  const std::string a = (folder / "a.yaml").string(), b = (folder / "b.yaml").string();
+  ASSERT_EQ(run(a, {}, true).exit_code, 0);
+  EXPECT_EQ(run("./a.yaml", {"--set", "canon.facing.anchor=last"}, true).exit_code, 0)
+      << "the same file, another option";
+  const auto before = FilesOf(folder / "r");
+  const std::pair<std::string, std::vector<std::string>> others[] = {
+      {b, {}}, {"", {}}, {a, {"--set", "name=other"}}, {b, {"--dry-run"}}};
+  for (const auto& [config, more] : others) {
+    const Result refused = run(config, more);
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr(a));
+    EXPECT_THAT(refused.err, HasSubstr("--replace"));
+    EXPECT_EQ(FilesOf(folder / "r"), before);
+  }
+  EXPECT_EQ(RunProgram(folder, {"plan", b, "--stage", "ingest", "-o", (folder / "r").string()}).exit_code, 2);
+  EXPECT_EQ(RunProgram(folder, {"reproduce", "a2m/table5", "-o", (folder / "r").string()}).exit_code, 2);
+  EXPECT_EQ(FilesOf(folder / "r"), before);
+
+  const Result replaced = run(b, {"--replace"});
+  EXPECT_EQ(replaced.exit_code, 0) << replaced.err;
+  EXPECT_EQ(ReadText(folder / "r/dataset.h5"), before.at("dataset.h5"));
+  EXPECT_EQ(StaleOf(folder / "r"), nlohmann::json::array({{{"file", "dataset.h5"}, {"stage", "assemble"}}}));
+  EXPECT_EQ(run(b).exit_code, 0) << "the folder is b's now";
+  EXPECT_EQ(run(a).exit_code, 2);
 }
 
 TEST(RunFolder, ANameThatIsAPathIsRefused) {

@@ -114,7 +114,16 @@ TEST(TrainingRun, AFailedGeneratorLeavesTheRecognisersAndIsReported) {
   EXPECT_THAT(page, HasSubstr("recogniser: training loss by seed (2 epochs, "));
 }
 
-TEST(TrainingRun, OutputsThatALaterRunDoesNotWriteAreRemovedAndOtherFilesStay) {
+/// Files that run.json marks as stale, with their stages.
+std::map<std::string, std::string> StaleOf(const fs::path& run) {
+  std::map<std::string, std::string> stale;
+  for (const auto& output : nlohmann::json::parse(ReadText(run / "run.json")).at("stale")) {
+    stale[output.at("file")] = output.at("stage");
+  }
+  return stale;
+}
+
+TEST(TrainingRun, OutputsThatALaterRunDoesNotWriteStayAndAreStale) {
   const ScratchFolder folder;
   ASSERT_EQ(TrainingProgram(folder, TrainingJob(folder, {})).exit_code, 0);
   for (const char* name : {"metrics.json", "tables/table.md", "checkpoints/recogniser_2.h5", "report/index.html"}) {
@@ -131,29 +140,51 @@ TEST(TrainingRun, OutputsThatALaterRunDoesNotWriteAreRemovedAndOtherFilesStay) {
   const Result failed =
       TrainingProgram(folder, TrainingJob(folder, {"ingest.synthetic.enabled=false", "ingest.path=/nix"}));
   EXPECT_NE(failed.exit_code, 0);
-  EXPECT_THAT(failed.err, HasSubstr("files of an earlier run remain"));
   EXPECT_THAT(failed.err, HasSubstr("metrics.json"));
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5")) << "a mistyped path removes nothing";
+  EXPECT_EQ(StaleOf(folder / "r")["dataset.h5"], "assemble");
 
+  const std::string generator = ReadText(folder / "r/checkpoints/Action2Motion_1.h5");
   ASSERT_EQ(
       TrainingProgram(folder, TrainingJob(folder, {"train.networks=[{kind: gru_recogniser, name: recogniser, split: s, "
                                                    "frames: 10, hidden: 4, epochs: 2}]"}))
           .exit_code,
       0);
-  EXPECT_TRUE(fs::exists(folder / "r/checkpoints/recogniser_1.h5"));
-  EXPECT_FALSE(fs::exists(folder / "r/checkpoints/recogniser_2.h5"));
-  EXPECT_FALSE(fs::exists(folder / "r/checkpoints/Action2Motion_1.h5"));
+  EXPECT_EQ(ReadText(folder / "r/checkpoints/Action2Motion_1.h5"), generator);
+  const std::map<std::string, std::string> fewer = StaleOf(folder / "r");
+  EXPECT_EQ(fewer.count("checkpoints/recogniser_1.h5"), 0u);
+  for (const char* name : {"checkpoints/recogniser_2.h5", "checkpoints/Action2Motion_1.h5"}) {
+    EXPECT_EQ(fewer.count(name), 1u) << name;
+  }
+  EXPECT_EQ(fewer.count("dataset.h5") + fewer.count("report/index.html"), 0u);
 
   std::vector<std::string> shorter = TrainingJob(folder, {});
   shorter.insert(shorter.end(), {"--to", "assemble"});
   ASSERT_EQ(TrainingProgram(folder, shorter).exit_code, 0);
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
   EXPECT_TRUE(fs::exists(folder / "r/curation_log.jsonl"));
-  for (const char* name : {"metrics.json", "tables/table.md", "tables/table.json", "checkpoints/recogniser_1.h5",
-                           "report_input.json", "report"}) {
-    EXPECT_FALSE(fs::exists(folder / ("r/" + std::string(name)))) << name;
+  std::map<std::string, std::string> later = StaleOf(folder / "r");
+  const std::pair<const char*, const char*> stages[] = {{"metrics.json", "table"},
+                                                        {"tables/table.md", "table"},
+                                                        {"tables/table.json", "table"},
+                                                        {"checkpoints/recogniser_1.h5", "train"},
+                                                        {"report_input.json", "report"},
+                                                        {"report/index.html", "report"},
+                                                        {"checkpoints/recogniser_2.h5", "train"}};
+  for (const auto& [name, stage] : stages) {
+    EXPECT_TRUE(fs::exists(folder / "r" / name)) << name;
+    EXPECT_EQ(later[name], stage) << name;
   }
-  for (const std::string& name : mine) EXPECT_EQ(ReadText(folder / ("r/" + name)), "mine") << name;
+  EXPECT_EQ(later.count("dataset.h5") + later.count("curation_log.jsonl"), 0u);
+  for (const std::string& name : mine) {
+    EXPECT_EQ(ReadText(folder / ("r/" + name)), "mine") << name;
+    EXPECT_EQ(later.count(name), 0u) << name;
+  }
+  fs::remove(folder / "r/checkpoints/recogniser_best.h5");
+  const Result eval = RunProgram(folder, {"eval", "--run", (folder / "r").string(), "--protocol", "own", "--generated",
+                                          (folder / "r/dataset.h5").string()});
+  EXPECT_EQ(eval.exit_code, 3) << "features of a stale recogniser: " << eval.err;
+  EXPECT_THAT(eval.err, HasSubstr("recogniser_1.h5"));
 }
 
 TEST(TrainingRun, AFailedEvaluationLeavesTheReportWithTheReason) {
@@ -166,8 +197,8 @@ TEST(TrainingRun, AFailedEvaluationLeavesTheReportWithTheReason) {
                            "evaluate.split=no_test", "evaluate.real=test"}));
   EXPECT_EQ(result.exit_code, 3) << result.err;
   EXPECT_TRUE(result.Json()["unevaluated"]["message"].is_string());
-  EXPECT_FALSE(fs::exists(folder / "r/metrics.json")) << "the earlier run's";
-  EXPECT_FALSE(fs::exists(folder / "r/tables"));
+  EXPECT_EQ(StaleOf(folder / "r")["metrics.json"], "table") << "the earlier run's";
+  EXPECT_EQ(StaleOf(folder / "r")["tables/table.json"], "table");
   EXPECT_THAT(ReadText(folder / "r/report/index.html"), HasSubstr("There is no table: the evaluation failed."));
 }
 
