@@ -31,8 +31,8 @@ void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& v
       ->allow_extra_args(false);
   audit->add_flag("--force", arguments->force, "overwrite");
   audit->footer(
-      "The dataset is not changed. Codes: label_suspect, duplicate, leak, mirrored, frozen_frames, swapped_sides,\n"
-      "class_not_trained, names_alike; severity info: fits_no_class, outlier.\n\n"
+      "The dataset is not changed. Codes: label_suspect, duplicate, leak, split_leak, mirrored, frozen_frames,\n"
+      "swapped_sides, class_not_trained, names_alike; severity info: fits_no_class, outlier.\n\n"
       "Examples:\n  mocurate audit runs/kard/dataset.h5\n  mocurate audit runs/kard/dataset.h5 --json\n"
       "  mocurate audit runs/kard/dataset.h5 -o audits/kard --fail-on error\n"
       "  mocurate audit runs/kard/dataset.h5 --fix safe.yaml\n"

@@ -96,7 +96,34 @@ Expected<std::size_t> DropAccepted(const StageInput& input, const Dataset& datas
   return all - findings.size();
 }
 
+/// Whether a finding is an error about this split.
+bool IsLeakOf(const Split& split, const AuditFinding& found) {
+  return found.finding.severity == Severity::kError &&
+         std::any_of(found.parts.begin(), found.parts.end(),
+                     [&](const SplitParts& parts) { return parts.split == split.name; });
+}
+
+/// Leaks that the file itself states and the clips do not show, as after a change of the clips.
+void AddStatedLeaks(const Dataset& dataset, std::vector<AuditFinding>& findings) {
+  for (const Split& split : dataset.splits) {
+    const bool stated = !split.leak_check.empty() && split.leak_check.rfind("ok", 0) != 0;
+    const bool found = std::any_of(findings.begin(), findings.end(),
+                                   [&](const AuditFinding& finding) { return IsLeakOf(split, finding); });
+    if (!stated || found) continue;
+    AuditFinding finding;
+    finding.finding = MakeFinding("split_leak", Severity::kWarning, 0.0,
+                                  "split '" + split.name + "' states '" + split.leak_check +
+                                      "'; its clips do not show it: assemble the dataset again",
+                                  FindingAction::kFlagged);
+    findings.push_back(std::move(finding));
+  }
+}
+
 nlohmann::json JsonOf(const AuditFinding& found) {
+  nlohmann::json parts = nlohmann::json::array();
+  for (const SplitParts& in : found.parts) {
+    parts.push_back({{"split", in.split}, {"part", in.part}, {"other", in.other}});
+  }
   const Finding& finding = found.finding;
   const char* severity = finding.severity == Severity::kError     ? "error"
                          : finding.severity == Severity::kWarning ? "warning"
@@ -109,6 +136,7 @@ nlohmann::json JsonOf(const AuditFinding& found) {
           {"value", finding.value},
           {"suggested", found.suggested.empty() ? nlohmann::json() : nlohmann::json(found.suggested)},
           {"safe_to_drop", found.safe_to_drop.empty() ? nlohmann::json() : nlohmann::json(found.safe_to_drop)},
+          {"parts", std::move(parts)},
           {"message", finding.message}};
 }
 
@@ -186,6 +214,7 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   const std::vector<std::vector<double>> measures = MeasureClips(*dataset);
   for (AuditFinding& found : FindOutliers(*dataset, measures, options->outliers)) findings.push_back(std::move(found));
   for (AuditFinding& found : FindSetErrors(*dataset)) findings.push_back(std::move(found));
+  AddStatedLeaks(*dataset, findings);
   std::stable_sort(findings.begin(), findings.end(), [](const AuditFinding& a, const AuditFinding& b) {
     return a.finding.severity > b.finding.severity;
   });
@@ -199,6 +228,11 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   for (const AuditFinding& found : findings) {
     ++per_code[found.finding.code];
     list.push_back(JsonOf(found));
+  }
+  for (std::size_t s = 0; s < dataset->splits.size(); ++s) {
+    audit["splits"][s]["leaks"] = std::count_if(findings.begin(), findings.end(), [&](const AuditFinding& found) {
+      return IsLeakOf(dataset->splits[s], found);
+    });
   }
   audit["findings"] = per_code;
   StageOutcome outcome;

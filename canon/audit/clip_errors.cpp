@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "canon/splits/leaks.h"
 #include "core/base/text.h"
 #include "core/quality/handedness.h"
 #include "core/quality/repeats.h"
@@ -41,7 +42,7 @@ void AddFindings(const std::vector<Finding>& found, const char* code, const Clip
                  std::vector<AuditFinding>& findings) {
   for (const Finding& finding : found) {
     if (finding.code != code || finding.severity == Severity::kInfo) continue;
-    findings.push_back({finding, "", ""});
+    findings.push_back({finding, "", "", {}});
     findings.back().finding.clip = clip.id();
   }
 }
@@ -53,16 +54,10 @@ bool ShownByFeetOrHands(const HandednessMeasure& measure) {
                      [](const HandednessCue& cue) { return cue.name != "knees" && cue.frames > 0 && cue.score > 0.0; });
 }
 
-/// Part of every clip in each split: 0 train, 1 validation, 2 test, -1 none. Rows may be in any order.
+/// PartsOf each split.
 std::vector<std::vector<int>> PartsOfSplits(const Dataset& dataset) {
   std::vector<std::vector<int>> parts;
-  for (const Split& split : dataset.splits) {
-    std::vector<int>& own = parts.emplace_back(dataset.clips.size(), -1);
-    const std::vector<int>* rows[] = {&split.train, &split.validation, &split.test};
-    for (int part = 0; part < 3; ++part) {
-      for (const int row : *rows[part]) own.at(static_cast<std::size_t>(row)) = part;
-    }
-  }
+  for (const Split& split : dataset.splits) parts.push_back(PartsOf(split, dataset.clips.size()));
   return parts;
 }
 
@@ -73,7 +68,10 @@ struct Repeat {
   bool whole = false;
   double distance = 0.0;  ///< metres
   int begin = 0, end = 0, second_begin = 0, second_end = 0;
+  bool same_source = false;  ///< known by the source data, not by the motions
 };
+
+using Repeats = std::map<std::pair<std::size_t, std::size_t>, Repeat>;
 
 /// Whether one of two clips is redundant: same person, labels, segments, joints and rotations.
 bool HaveSameText(const Clip& a, const Clip& b) {
@@ -100,19 +98,57 @@ std::array<int, 2> FramesOf(const Motion& motion, double begin_s, double end_s) 
           std::clamp(static_cast<int>(std::lround(end_s * hz)) + 1, 0, motion.frame_count())};
 }
 
-/// Shared stretches; and pairs of short or nearly still clips with equal poses.
-std::vector<Repeat> RepeatsOf(const Dataset& dataset, const StretchLimits& limits) {
+/// Adds the pairs of equal content that are not there yet.
+void AddEqualContents(const Dataset& dataset, const std::vector<std::vector<int>>& parts, Repeats& repeats) {
+  const std::vector<std::string> contents = ContentsOf(dataset.clips);
+  std::map<std::string, std::vector<std::size_t>> groups;
+  for (std::size_t row = 0; row < contents.size(); ++row) {
+    if (!contents[row].empty()) groups[contents[row]].push_back(row);
+  }
+  const auto frames = [&](std::size_t row) {
+    return dataset.clips[row].motion ? dataset.clips[row].motion->frame_count() : 0;
+  };
+  const auto add = [&](std::size_t a, std::size_t b) {
+    if (a == b) return;
+    const auto [first, second] = std::minmax(a, b);
+    Repeat repeat;
+    repeat.first = first;
+    repeat.second = second;
+    repeat.whole = true;
+    repeat.end = frames(first);
+    repeat.second_end = frames(second);
+    repeat.same_source = !SourceContentOf(dataset.clips[first]).empty();
+    repeats.emplace(std::make_pair(first, second), repeat);
+  };
+  for (const auto& [content, rows] : groups) {
+    for (const std::size_t row : rows) add(rows.front(), row);
+    for (const std::vector<int>& part : parts) {
+      std::map<int, std::size_t> first_of;
+      for (const std::size_t row : rows) first_of.emplace(part[row], row);
+      first_of.erase(-1);
+      for (const std::size_t row : rows) {
+        for (const auto& [other, first] : first_of) {
+          if (part[row] >= 0 && part[row] != other) add(first, row);
+        }
+      }
+    }
+  }
+}
+
+/// Shared stretches; pairs of short or nearly still clips with equal poses; pairs of equal content.
+std::vector<Repeat> RepeatsOf(const Dataset& dataset, const std::vector<std::vector<int>>& parts,
+                              const StretchLimits& limits) {
   const auto motion_at = [&](std::size_t i) { return dataset.clips[i].motion ? &*dataset.clips[i].motion : nullptr; };
-  std::map<std::pair<std::size_t, std::size_t>, Repeat> repeats;
+  Repeats repeats;
   for (const SharedStretch& stretch : FindSharedStretches(dataset.clips.size(), motion_at, limits)) {
     const Motion &a = *motion_at(stretch.first), &b = *motion_at(stretch.second);
     const auto frames = FramesOf(a, stretch.begin_s, stretch.end_s);
     const auto others = FramesOf(b, stretch.second_begin_s, stretch.second_end_s);
     const bool whole =
         frames[1] - frames[0] >= kWhole * a.frame_count() && others[1] - others[0] >= kWhole * b.frame_count();
-    repeats[{stretch.first, stretch.second}] = {stretch.first, stretch.second,   stretch.mirrored,
-                                                whole,         stretch.distance, frames[0],
-                                                frames[1],     others[0],        others[1]};
+    repeats[{stretch.first, stretch.second}] = {stretch.first,    stretch.second, stretch.mirrored, whole,
+                                                stretch.distance, frames[0],      frames[1],        others[0],
+                                                others[1],        false};
   }
   std::vector<MotionSignature> signatures;
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
@@ -129,8 +165,9 @@ std::vector<Repeat> RepeatsOf(const Dataset& dataset, const StretchLimits& limit
     const bool overlap = pair.kind == Duplicate::Kind::kOverlap;
     repeats.emplace(std::make_pair(pair.first, pair.second),
                     Repeat{pair.first, pair.second, pair.kind == Duplicate::Kind::kMirrored, !overlap, pair.distance,
-                           pair.frame_begin, pair.frame_end, pair.second_begin, pair.second_end});
+                           pair.frame_begin, pair.frame_end, pair.second_begin, pair.second_end, false});
   }
+  AddEqualContents(dataset, parts, repeats);
   std::vector<Repeat> sorted;
   for (const auto& [indices, repeat] : repeats) sorted.push_back(repeat);
   return sorted;
@@ -161,28 +198,35 @@ MotionSignature SignatureOfMotion(const Motion& motion) { return SignatureOf(Poi
 std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const StretchLimits& limits) {
   const std::vector<std::vector<int>> parts = PartsOfSplits(dataset);
   std::vector<AuditFinding> findings;
-  for (const Repeat& repeat : RepeatsOf(dataset, limits)) {
+  for (const Repeat& repeat : RepeatsOf(dataset, parts, limits)) {
     const Clip &first = dataset.clips[repeat.first], &second = dataset.clips[repeat.second];
-    std::string splits;
+    AuditFinding found;
+    std::string where;
     for (std::size_t s = 0; s < parts.size(); ++s) {
       const int a = parts[s][repeat.first], b = parts[s][repeat.second];
-      if (a >= 0 && b >= 0 && a != b) splits += (splits.empty() ? "'" : ", '") + dataset.splits[s].name + "'";
+      if (a < 0 || b < 0 || a == b) continue;
+      found.parts.push_back({dataset.splits[s].name, NameOfPart(a), NameOfPart(b)});
+      where += (where.empty() ? "; " : ", ") + std::string("split '") + dataset.splits[s].name + "' has this clip in " +
+               NameOfPart(a) + ", the other in " + NameOfPart(b);
     }
+    const bool leaks = !found.parts.empty();
     const std::string what =
-        std::string(repeat.whole ? "has the same motion as " : "shares a part with ") +
+        std::string(repeat.same_source ? "is of the same source data as "
+                    : repeat.whole     ? "has the same motion as "
+                                       : "shares a part with ") +
         (repeat.mirrored ? "the mirror image of " : "") + second.id() +
         (repeat.whole ? ""
                       : ", frames " + std::to_string(repeat.second_begin) + " to " + std::to_string(repeat.second_end));
-    AuditFinding found;
-    found.finding = FrameFinding(splits.empty() ? "duplicate" : "leak", repeat.begin, repeat.end, "", repeat.distance,
-                                 what + (splits.empty() ? "" : "; the two are in different parts of split " + splits));
-    if (!splits.empty()) found.finding.severity = Severity::kError;
+    found.finding =
+        FrameFinding(leaks ? "leak" : "duplicate", repeat.begin, repeat.end, "", repeat.distance, what + where);
+    if (leaks) found.finding.severity = Severity::kError;
     found.finding.clip = first.id();
     found.suggested = second.id();
     const bool one_part = std::all_of(parts.begin(), parts.end(), [&](const std::vector<int>& part) {
       return part[repeat.first] == part[repeat.second];
     });
-    const bool alike = one_part && repeat.whole && !repeat.mirrored && HaveSameText(first, second);
+    const bool compared = first.motion && second.motion;
+    const bool alike = compared && one_part && repeat.whole && !repeat.mirrored && HaveSameText(first, second);
     if (alike) found.safe_to_drop = second.id();
     findings.push_back(std::move(found));
   }

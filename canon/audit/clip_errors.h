@@ -10,13 +10,19 @@
 
 namespace mocurate {
 
-/// A finding of an audit and its suggestion: another label, the clip with the same motion, or nothing.
+/// Two clips in two parts of a split: "train", "validation", "test".
+struct SplitParts {
+  std::string split, part, other;
+};
+
+/// A finding of an audit and its suggestion: another label, the other clip of a pair, or nothing.
 struct AuditFinding {
   Finding finding;
   std::string suggested;
   /// A redundant clip: it repeats another of the same person, labels, segments and part of every split, with rotations
   /// and joints equal to 0.01 mm.
   std::string safe_to_drop;
+  std::vector<SplitParts> parts;  ///< of a leak: where the clip and the suggested one are
 };
 
 /// Clips whose motion is wrong: "mirrored" (the anatomy of a left-handed frame, MeasureHandedness), "swapped_sides"
@@ -26,8 +32,10 @@ std::vector<AuditFinding> FindClipErrors(const Dataset& dataset);
 /// The part of a motion that FindRepeatedClips compares.
 MotionSignature SignatureOfMotion(const Motion& motion);
 
-/// Pairs of clips with the same motion (FindSharedStretches, FindDuplicates), also mirrored or in part: "leak" (error)
-/// where a split has them in two parts, else "duplicate". `suggested` is the other clip.
+/// Pairs of clips with the same motion (FindSharedStretches, FindDuplicates), also mirrored or in part, or of the same
+/// source data (ContentsOf): "leak" (error) where a split has them in two parts, else "duplicate". `suggested` is the
+/// other clip. Of more than two clips with the same source data, each is a pair with the first one and with the first
+/// one in each other part.
 std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const StretchLimits& limits = {});
 
 }  // namespace mocurate

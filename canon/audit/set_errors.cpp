@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
+#include "canon/splits/groups.h"
+#include "canon/splits/leaks.h"
+#include "canon/splits/splits.h"
 #include "core/base/median.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {
@@ -35,11 +41,63 @@ std::set<std::string> LabelsOf(const Dataset& dataset, const std::vector<int>& r
   return labels;
 }
 
+/// "3 clips in train (ID), 1 clip in test (ID)".
+std::string PartsText(const Dataset& dataset, const RowsByPart& rows) {
+  std::string text;
+  for (const auto& [part, of_part] : rows) {
+    text += (text.empty() ? "" : ", ") + Counted(static_cast<long long>(of_part.size()), "clip") + " in " +
+            NameOfPart(part) + " (" + dataset.clips[of_part.front()].id() + ")";
+  }
+  return text;
+}
+
+/// About a group that is in two parts of a split, with a clip of either.
+AuditFinding SharedGroup(const Dataset& dataset, const Split& split, const RowsByPart& rows,
+                         const std::string& message) {
+  const auto &first = *rows.begin(), &second = *std::next(rows.begin());
+  AuditFinding found = OfSet("split_leak", message + PartsText(dataset, rows));
+  found.finding.clip = dataset.clips[first.second.front()].id();
+  found.suggested = dataset.clips[second.second.front()].id();
+  found.parts = {{split.name, NameOfPart(first.first), NameOfPart(second.first)}};
+  return found;
+}
+
+/// Persons, styles or performances in two parts of a split.
+void AddSharedGroups(const Dataset& dataset, const Split& split, std::vector<AuditFinding>& findings) {
+  const std::optional<SplitBy> apart = KeptApart(split);
+  const SplitBy by = apart.value_or(SplitBy::kPerson);
+  std::vector<std::string> groups;
+  for (const Clip& clip : dataset.clips) {
+    const std::string group = GroupOf(by, clip, false);
+    groups.push_back(by == SplitBy::kPerson && !group.empty() ? clip.identity.source + "/" + group : group);
+  }
+  const std::set<std::string> all(groups.begin(), groups.end());
+  const auto shared = InTwoParts(PartsOf(split, dataset.clips.size()), groups);
+  if (shared.empty()) return;
+  if (!apart) {
+    findings.push_back(SharedGroup(dataset, split, shared.begin()->second,
+                                   "split '" + split.name + "' has " + std::to_string(shared.size()) + " of " +
+                                       Counted(static_cast<long long>(all.size()), "person") +
+                                       " in two parts, and its rule '" + split.rule +
+                                       "' does not say whether it may; " + shared.begin()->first + ": "));
+    findings.back().finding.value = static_cast<double>(shared.size());
+    return;
+  }
+  const std::string kind = by == SplitBy::kPerson || by == SplitBy::kStyle ? NameOf(by) : "performance";
+  for (const auto& [group, rows] : shared) {
+    findings.push_back(
+        SharedGroup(dataset, split, rows, kind + " '" + group + "' is in two parts of split '" + split.name + "': "));
+    findings.back().finding.severity = Severity::kError;
+    findings.back().finding.value = static_cast<double>(rows.size());
+  }
+}
+
 }  // namespace
 
 std::vector<AuditFinding> FindSetErrors(const Dataset& dataset) {
   std::vector<AuditFinding> findings;
   for (const Split& split : dataset.splits) {
+    AddSharedGroups(dataset, split, findings);
     const std::set<std::string> trained = LabelsOf(dataset, split.train);
     for (const auto& [part, rows] : {std::pair("validates", &split.validation), std::pair("tests", &split.test)}) {
       for (const std::string& label : LabelsOf(dataset, *rows)) {

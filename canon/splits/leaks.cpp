@@ -1,25 +1,40 @@
 #include "canon/splits/leaks.h"
 
-#include <map>
-#include <set>
+#include <iterator>
 
+#include "core/base/sha256.h"
 #include "core/base/text.h"
 
 namespace mocurate {
 
+std::vector<int> PartsOf(const Split& split, std::size_t clips) {
+  std::vector<int> parts(clips, -1);
+  const std::vector<int>* rows[] = {&split.train, &split.validation, &split.test};
+  for (int part = 0; part < 3; ++part) {
+    for (const int row : *rows[part]) parts.at(static_cast<std::size_t>(row)) = part;
+  }
+  return parts;
+}
+
+const char* NameOfPart(int part) {
+  constexpr const char* kNames[] = {"train", "validation", "test"};
+  return kNames[part];
+}
+
+std::map<std::string, RowsByPart> InTwoParts(const std::vector<int>& parts, const std::vector<std::string>& groups) {
+  std::map<std::string, RowsByPart> found;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i] >= 0 && !groups[i].empty()) found[groups[i]][parts[i]].push_back(i);
+  }
+  for (auto at = found.begin(); at != found.end();) at = at->second.size() > 1 ? std::next(at) : found.erase(at);
+  return found;
+}
+
 Leaks FindLeaks(const std::vector<int>& parts, const std::vector<std::string>& groups,
                 const std::vector<std::string>& contents) {
-  std::map<std::string, std::set<int>> of_groups, of_contents;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (parts[i] < 0) continue;
-    of_groups[groups[i]].insert(parts[i]);
-    of_contents[contents[i]].insert(parts[i]);
-  }
   Leaks leaks;
-  for (const auto& [group, in] : of_groups) {
-    if (in.size() > 1) leaks.groups.push_back(group);
-  }
-  for (const auto& [content, in] : of_contents) leaks.repeated += in.size() > 1 ? 1 : 0;
+  for (const auto& [group, rows] : InTwoParts(parts, groups)) leaks.groups.push_back(group);
+  leaks.repeated = InTwoParts(parts, contents).size();
   return leaks;
 }
 
@@ -49,6 +64,26 @@ std::string SourceContentOf(const Clip& clip) {
   if (clip.evidence_sha256.empty()) return "";
   return clip.evidence_sha256 + "#" + std::to_string(clip.identity.begin_frame) + "-" +
          std::to_string(clip.identity.end_frame);
+}
+
+std::vector<std::string> ContentsOf(const std::vector<Clip>& clips, const std::vector<std::string>& motions) {
+  std::vector<std::string> contents;
+  std::map<std::string, int> of_file;  // clips of a content and file so far
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    std::string content = SourceContentOf(clips[i]);
+    const auto file = clips[i].provenance.find("file");
+    if (!content.empty() && file != clips[i].provenance.end()) {
+      const int before = of_file[content + "\n" + clips[i].identity.source + "\n" + file->second]++;
+      if (before > 0) content += "/" + std::to_string(before);
+    }
+    if (content.empty() && i < motions.size()) content = motions[i];
+    if (content.empty() && clips[i].motion) {
+      const std::vector<double>& xyz = clips[i].motion->joints.xyz;
+      content = Sha256().Add(xyz.data(), xyz.size() * sizeof(double)).Hex();
+    }
+    contents.push_back(std::move(content));
+  }
+  return contents;
 }
 
 }  // namespace mocurate

@@ -1,11 +1,25 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "core/motion/clip.h"
+#include "core/store/store.h"
 
 namespace mocurate {
+
+/// Part of each of `clips` rows: 0 train, 1 validation, 2 test, -1 none. Rows of a split may be in any order.
+std::vector<int> PartsOf(const Split& split, std::size_t clips);
+
+/// "train", "validation", "test".
+const char* NameOfPart(int part);
+
+/// Rows of a group by the part that they are in.
+using RowsByPart = std::map<int, std::vector<std::size_t>>;
+
+/// The groups that are in two parts. Clips whose part is negative, or whose group is empty, do not count.
+std::map<std::string, RowsByPart> InTwoParts(const std::vector<int>& parts, const std::vector<std::string>& groups);
 
 /// What two parts of a split share although they must not.
 struct Leaks {
@@ -28,5 +42,9 @@ std::string PerformanceOf(const Clip& clip, bool sessions_together);
 
 /// Identity of the clip's source data, with its span; empty where it is unknown.
 std::string SourceContentOf(const Clip& clip);
+
+/// The same of each clip; where it is unknown the clip's hash of `motions`, or without one that of its joints. Clips of
+/// several people or arrays of one file, which have its data in common, differ.
+std::vector<std::string> ContentsOf(const std::vector<Clip>& clips, const std::vector<std::string>& motions = {});
 
 }  // namespace mocurate

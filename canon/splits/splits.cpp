@@ -7,7 +7,6 @@
 #include "canon/splits/groups.h"
 #include "canon/splits/leaks.h"
 #include "core/base/random.h"
-#include "core/base/sha256.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -15,20 +14,8 @@ namespace {
 
 enum class Part { kTrain, kValidation, kTest };
 
-/// The property of a clip that no two parts share.
 std::string GroupOf(const SplitOptions& options, const Clip& clip) {
-  switch (options.by) {
-    case SplitBy::kPerson:
-      return clip.identity.person;
-    case SplitBy::kStyle: {
-      const auto style = clip.provenance.find("style");
-      return style == clip.provenance.end() ? std::string() : style->second;
-    }
-    case SplitBy::kFraction:
-    case SplitBy::kRole:
-      return PerformanceOf(clip, options.sessions_together);
-  }
-  return {};
+  return GroupOf(options.by, clip, options.sessions_together);
 }
 
 Part PartOf(const SplitOptions& options, const std::string& group, const Clip& clip) {
@@ -47,8 +34,10 @@ Part PartOf(const SplitOptions& options, const std::string& group, const Clip& c
   return names(options.test) ? Part::kTest : names(options.validation) ? Part::kValidation : Part::kTrain;
 }
 
+std::string RuleHead(SplitBy by) { return std::string("by ") + NameOf(by); }
+
 std::string RuleText(const SplitOptions& options, bool drawn) {
-  std::string text = std::string("by ") + NameOf(options.by);
+  std::string text = RuleHead(options.by);
   if (drawn) text += ", drawn where the set has none of the named ones";
   if (NamesGroups(options.by)) {
     text += options.test.empty() ? "; no test part" : "; test: " + JoinNames(options.test);
@@ -72,26 +61,13 @@ Status CheckRoles(const SplitOptions& options, const Dataset& dataset, std::vect
   return {};
 }
 
-/// Hash of the clip's source data, else of its joints: the same file under two persons' names is fitted with different
-/// bone lengths, and then differs.
-std::string ContentHash(const Clip& clip) {
-  std::string content = SourceContentOf(clip);
-  if (!content.empty()) return content;
-  const JointPositions& joints = clip.motion->joints;
-  return Sha256().Add(joints.xyz.data(), joints.xyz.size() * sizeof(double)).Hex();
-}
-
 /// Groups (persons, styles, recordings) and clips of equal content that are in two parts.
 std::string LeakCheck(const SplitOptions& options, const Dataset& dataset, const std::vector<int>& parts,
                       const std::vector<std::string>& hashes) {
-  std::vector<std::string> groups, contents;
-  for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
-    groups.push_back(GroupOf(options, dataset.clips[i]));
-    const bool hashed = !hashes.empty() && !hashes[i].empty();
-    contents.push_back(hashed ? hashes[i] : ContentHash(dataset.clips[i]));
-  }
+  std::vector<std::string> groups;
+  for (const Clip& clip : dataset.clips) groups.push_back(GroupOf(options, clip));
   const std::string what = options.by == SplitBy::kRole ? "performance" : NameOf(options.by);
-  return LeakText(what, FindLeaks(parts, groups, contents));
+  return LeakText(what, FindLeaks(parts, groups, ContentsOf(dataset.clips, hashes)));
 }
 
 /// Limits the clips of each label in a part to those whose ids hash lowest. Returns the number removed.
@@ -114,6 +90,33 @@ long long TakeAtMost(std::int64_t most, std::int64_t seed, const Dataset& datase
 }
 
 }  // namespace
+
+std::string GroupOf(SplitBy by, const Clip& clip, bool sessions_together) {
+  switch (by) {
+    case SplitBy::kPerson:
+      return clip.identity.person;
+    case SplitBy::kStyle: {
+      const auto style = clip.provenance.find("style");
+      return style == clip.provenance.end() ? std::string() : style->second;
+    }
+    case SplitBy::kFraction:
+    case SplitBy::kRole:
+      return PerformanceOf(clip, sessions_together);
+  }
+  return {};
+}
+
+std::optional<SplitBy> KeptApart(const Split& split) {
+  std::optional<SplitBy> found;
+  for (const SplitBy by : {SplitBy::kPerson, SplitBy::kStyle, SplitBy::kFraction, SplitBy::kRole}) {
+    const std::string rule = RuleHead(by);
+    const bool named =
+        split.rule.compare(0, rule.size(), rule) == 0 || split.rule.find(": " + rule) != std::string::npos;
+    if (named && found) return std::nullopt;  // parts of different rules
+    if (named) found = by;
+  }
+  return found;
+}
 
 Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, std::vector<Finding>& findings,
                           const std::vector<std::string>& contents) {
@@ -155,12 +158,7 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
     split.rule += "; " + Counted(too_short, "training clip") + " shorter than " +
                   Counted(options.min_train_frames, "frame") + " left aside";
   }
-  std::vector<int> parts(dataset.clips.size(), -1);  // -1 for a clip that is removed
-  const std::vector<int>* rows_of[] = {&split.train, &split.validation, &split.test};
-  for (int part = 0; part < 3; ++part) {
-    for (const int row : *rows_of[part]) parts[static_cast<std::size_t>(row)] = part;
-  }
-  split.leak_check = LeakCheck(met, dataset, parts, contents);
+  split.leak_check = LeakCheck(met, dataset, PartsOf(split, dataset.clips.size()), contents);
   return split;
 }
 

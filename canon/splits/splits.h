@@ -1,9 +1,18 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "canon/options.h"
 #include "core/store/store.h"
 
 namespace mocurate {
+
+/// The property of a clip that no two parts share: its person, style or performance.
+std::string GroupOf(SplitBy by, const Clip& clip, bool sessions_together);
+
+/// What a rule that MakeSplit wrote, or a merge of such rules, keeps apart; empty for other rules.
+std::optional<SplitBy> KeptApart(const Split& split);
 
 /// Assigns every clip to train, validation or test by the declared rule, and checks for leaks: persons, styles or
 /// recordings in two parts, and clips of equal content. Named groups are assigned as in ResolveGroups, with its

@@ -9,21 +9,6 @@
 namespace mocurate {
 namespace {
 
-constexpr const char* kPartNames[] = {"train", "validation", "test"};
-
-const std::vector<int>& RowsOfPart(const Split& split, int part) {
-  return part == 0 ? split.train : part == 1 ? split.validation : split.test;
-}
-
-/// Part of each of `clips` rows; -1 for none.
-std::vector<int> PartsOfRows(const Split& split, std::size_t clips) {
-  std::vector<int> parts(clips, -1);
-  for (int part = 0; part < 3; ++part) {
-    for (const int row : RowsOfPart(split, part)) parts[static_cast<std::size_t>(row)] = part;
-  }
-  return parts;
-}
-
 /// Properties that a split may separate. People of two sources with one name are two.
 enum class GroupKind { kPerson, kStyle, kPerformance };
 constexpr std::pair<GroupKind, const char*> kGroupKinds[] = {
@@ -42,13 +27,11 @@ std::vector<std::string> GroupsOf(GroupKind kind, const std::vector<Clip>& clips
   return groups;
 }
 
-/// Groups of this type that are in two parts; clips without one do not count.
-std::vector<std::string> InTwoParts(GroupKind kind, std::vector<int> parts, const std::vector<Clip>& clips) {
-  const std::vector<std::string> groups = GroupsOf(kind, clips);
-  for (std::size_t row = 0; row < parts.size(); ++row) {
-    if (groups[row].empty()) parts[row] = -1;
-  }
-  return FindLeaks(parts, groups, groups).groups;
+/// Groups of this type that are in two parts.
+std::vector<std::string> SharedGroups(GroupKind kind, const std::vector<int>& parts, const std::vector<Clip>& clips) {
+  std::vector<std::string> shared;
+  for (const auto& [group, rows] : InTwoParts(parts, GroupsOf(kind, clips))) shared.push_back(group);
+  return shared;
 }
 
 Finding AboutSplit(const char* code, Severity severity, double value, const std::string& message,
@@ -77,38 +60,34 @@ std::string RuleOf(const std::vector<MergePart>& parts, const std::vector<SplitO
 
 /// The clips' source data, or their motions where that is unknown.
 Expected<std::vector<std::string>> ContentsOf(const std::vector<MergePart>& parts, const MergedDataset& merged) {
-  std::vector<std::string> contents;
+  std::vector<std::string> motions(merged.origins.size());
   for (std::size_t row = 0; row < merged.origins.size(); ++row) {
     const auto [p, row_there] = merged.origins[row];
-    std::string content = SourceContentOf(merged.dataset.clips[row]);
-    if (content.empty()) {
-      auto hash = parts[p].motion_hash(row_there);
-      if (!hash) return Forward(hash);
-      content = std::move(*hash);
-    }
-    contents.push_back(std::move(content));
+    if (!SourceContentOf(merged.dataset.clips[row]).empty()) continue;
+    auto hash = parts[p].motion_hash(row_there);
+    if (!hash) return Forward(hash);
+    motions[row] = std::move(*hash);
   }
-  return contents;
+  return ContentsOf(merged.dataset.clips, motions);
 }
 
 /// Checks the united split again, for all properties that each of the splits separates; leaks reported by a split stay.
 std::string CheckUnited(const std::vector<MergePart>& parts, const std::vector<SplitOfPart>& splits,
                         const std::vector<int>& part_of_row, const std::vector<Clip>& clips,
                         const std::vector<std::string>& contents) {
-  const std::vector<std::string> none(contents.size());
   Leaks leaks;
-  leaks.repeated = FindLeaks(part_of_row, none, contents).repeated;
+  leaks.repeated = InTwoParts(part_of_row, contents).size();
   std::string apart;
   for (const auto& [kind, name] : kGroupKinds) {
     const bool kept_apart = std::all_of(splits.begin(), splits.end(), [&, k = kind](const SplitOfPart& one) {
       const std::vector<Clip>& own = parts[one.first].dataset.clips;
-      return InTwoParts(k, PartsOfRows(*one.second, own.size()), own).empty();
+      return SharedGroups(k, PartsOf(*one.second, own.size()), own).empty();
     });
     const std::vector<std::string> groups = GroupsOf(kind, clips);
     const bool known = std::any_of(groups.begin(), groups.end(), [](const std::string& g) { return !g.empty(); });
     if (!kept_apart || !known) continue;
     apart += (apart.empty() ? "" : ", ") + std::string(name);
-    for (std::string& group : InTwoParts(kind, part_of_row, clips)) leaks.groups.push_back(std::move(group));
+    for (std::string& group : SharedGroups(kind, part_of_row, clips)) leaks.groups.push_back(std::move(group));
   }
   std::string text = LeakText(apart, leaks);
   for (const auto& [p, split] : splits) {
@@ -150,7 +129,7 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
     std::vector<int> part_of_row(clips.size(), -1);
     std::vector<std::size_t> decided_by(clips.size());
     for (const auto& [p, split] : splits) {
-      const std::vector<int> own = PartsOfRows(*split, new_rows[p].size());
+      const std::vector<int> own = PartsOf(*split, new_rows[p].size());
       for (std::size_t row = 0; row < own.size(); ++row) {
         if (own[row] < 0) continue;
         const auto at = static_cast<std::size_t>(new_rows[p][row]);
@@ -160,8 +139,8 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
         } else if (part_of_row[at] != own[row]) {
           Finding finding =
               AboutSplit("split_part_differs", Severity::kWarning, 2.0,
-                         "split '" + name + "': " + kPartNames[part_of_row[at]] + " in " + parts[decided_by[at]].name +
-                             ", " + kPartNames[own[row]] + " in " + parts[p].name + "; kept in the first",
+                         "split '" + name + "': " + NameOfPart(part_of_row[at]) + " in " + parts[decided_by[at]].name +
+                             ", " + NameOfPart(own[row]) + " in " + parts[p].name + "; kept in the first",
                          FindingAction::kKept);
           finding.clip = clips[at].id();
           findings.push_back(std::move(finding));

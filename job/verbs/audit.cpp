@@ -36,8 +36,9 @@ void PrintAudit(const nlohmann::json& audit, const std::string& written) {
               Counted(static_cast<long long>(summary.at("per_label").size()), "label").c_str(),
               Counted(static_cast<long long>(summary.at("per_person").size()), "person").c_str());
   for (const nlohmann::json& split : summary.at("splits")) {
+    const auto leaks = split.at("leaks").get<long long>();
     std::printf("split %s: %s\n", split.at("name").get<std::string>().c_str(),
-                split.at("leak_check").get<std::string>().c_str());
+                leaks == 0 ? "no leak" : Counted(leaks, "leak").c_str());
   }
   if (const int accepted = summary.value("accepted", 0); accepted > 0) {
     std::printf("%s accepted by the review\n", Counted(accepted, "finding").c_str());

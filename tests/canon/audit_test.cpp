@@ -181,6 +181,32 @@ TEST(AuditOfClips, AClipUnderAnotherPersonsNameLeaksAcrossTheSplit) {
   EXPECT_EQ(findings[0].suggested, copy.id());
 }
 
+TEST(AuditOfClips, ClipsOfOneSourceFileLeakThoughTheirMotionsDiffer) {
+  Dataset dataset = WavingSet();
+  const std::size_t rows[] = {3, 20, 21, 40};  // of three people
+  for (const std::size_t row : rows) {
+    Clip& clip = dataset.clips[row];
+    clip.evidence_sha256 = std::string(64, 'a');
+    clip.identity.begin_frame = 0;
+    clip.identity.end_frame = 40;
+    clip.provenance["file"] = std::to_string(row) + ".txt";
+  }
+  Split split;
+  split.name = "s";
+  split.train = {3, 20};
+  split.test = {21, 40};
+  dataset.splits = {split};
+  const std::vector<AuditFinding> findings = FindRepeatedClips(dataset);
+  EXPECT_EQ(CountOf(findings, "leak", ""), 3u) << "with the first of each part: 3 and 21, 3 and 40, 20 and 21";
+  EXPECT_EQ(CountOf(findings, "duplicate", ""), 1u) << "3 and 20";
+  for (const AuditFinding& one : findings) {
+    EXPECT_EQ(one.parts.size(), one.finding.code == "leak" ? 1u : 0u);
+    for (const SplitParts& in : one.parts) EXPECT_EQ(in.part + in.other, "traintest");
+  }
+  for (const std::size_t row : rows) dataset.clips[row].provenance["file"] = "0.txt";
+  EXPECT_TRUE(FindRepeatedClips(dataset).empty()) << "several people of one file";
+}
+
 TEST(AuditOfClips, AClipThatMovesUnlikeItsClassIsTheFirstOutlier) {
   Dataset dataset = WavingSet();
   OutlierOptions options;
@@ -206,6 +232,7 @@ TEST(AuditOfSets, ClassesThatAreTestedAndNotTrainedAndNamesThatDifferInCaseAreRe
   EXPECT_TRUE(FindSetErrors(dataset).empty());
   Split split;
   split.name = "s";
+  split.rule = "by performance";
   for (int row = 0; row < static_cast<int>(dataset.clips.size()); ++row) {
     const bool c = dataset.clips[static_cast<std::size_t>(row)].label == "c";
     (c ? split.test : split.train).push_back(row);
@@ -216,6 +243,10 @@ TEST(AuditOfSets, ClassesThatAreTestedAndNotTrainedAndNamesThatDifferInCaseAreRe
   ASSERT_EQ(findings.size(), 2u);
   EXPECT_EQ(findings[0].finding.code, "class_not_trained");
   EXPECT_EQ(findings[1].finding.code, "names_alike");
+  Split& persons = dataset.splits[0];
+  persons.rule = "by person; test: p3";
+  const auto shared = FindSetErrors(dataset);
+  EXPECT_EQ(CountOf(shared, "split_leak", ""), 4u) << "P0 has a clip of one class only";
   dataset.labels.push_back("d");
   const nlohmann::json coverage = CoverageOf(dataset);
   EXPECT_EQ(coverage["persons_of_class"]["a"], 5);

@@ -145,6 +145,27 @@ TEST(Split, OneFileUnderTwoPersonsNamesLeaksThoughItsFitsDiffer) {
   EXPECT_THAT(MakeSplit(options, dataset, findings)->leak_check, HasSubstr("1 clip of equal content"));
 }
 
+TEST(Split, PeopleOfOneFileAreNotEqualClips) {
+  Dataset dataset = SetOf({ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 40, 5, 30, 1.1)});
+  for (Clip& clip : dataset.clips) {
+    clip.evidence_sha256 = std::string(64, 'a');
+    clip.provenance["file"] = "both.skeleton";
+  }
+  SplitOptions options;
+  options.by = SplitBy::kPerson;
+  options.test = {"p2"};
+  std::vector<Finding> findings;
+  const auto split = MakeSplit(options, dataset, findings);
+  ASSERT_TRUE(split);
+  EXPECT_EQ(split->leak_check.rfind("ok", 0), 0u);
+  EXPECT_EQ(KeptApart(*split), SplitBy::kPerson);
+  Split merged;
+  merged.rule = "kard: by person; test: p1; ntu: by person; test: p2";
+  EXPECT_EQ(KeptApart(merged), SplitBy::kPerson);
+  merged.rule = "kard: by person; test: p1; ntu: by performance";
+  EXPECT_EQ(KeptApart(merged), std::nullopt);
+}
+
 TEST(Split, ClipsThatAreLeftAsideDoNotLeak) {
   Dataset dataset = SetOf(
       {ClipMoving("p1", "a", 40, 5, 30, 1), ClipMoving("p2", "a", 40, 5, 30, 1), ClipMoving("p1", "b", 60, 5, 30, 1)});
