@@ -179,14 +179,18 @@ Status ResolveNetworks(JobOptions& job) {
   return CheckNetworks(job.train, job.assemble.splits.empty() ? "" : job.assemble.splits.front().name);
 }
 
-Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments) {
-  return JobOf(LoadConfig(source, assignments), JobNameOf(source));
+Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments,
+                            UnsetVariables unset) {
+  return JobOf(LoadConfig(source, assignments, unset), JobNameOf(source));
 }
 
-Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments) {
-  if (const auto named = NamedJob(config.empty() ? "demo" : config.string())) return LoadJob(*named, assignments);
+Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments,
+                            UnsetVariables unset) {
+  if (const auto named = NamedJob(config.empty() ? "demo" : config.string())) {
+    return LoadJob(*named, assignments, unset);
+  }
   std::error_code problem;
-  auto node = LoadConfig(config, assignments);
+  auto node = LoadConfig(config, assignments, unset);
   if (!node && (node.error().code == ErrorCode::kNotFound || node.error().code == ErrorCode::kUnreadable)) {
     return tl::unexpected<Error>(NoConfig(config, node.error()));
   }

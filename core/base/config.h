@@ -23,6 +23,7 @@ struct ConfigNode {
   Kind kind = Kind::kNull;
   std::string scalar;   ///< text as written, references resolved
   bool quoted = false;  ///< written in quotes: is text, never a number or a truth value
+  bool unset = false;   ///< the text still has a reference, to an environment variable that is not set
   std::vector<ConfigNode> sequence;
   std::vector<std::pair<std::string, ConfigNode>> mapping;
   Origin origin;
@@ -38,13 +39,18 @@ struct ConfigSource {
   std::filesystem::path base_folder;  ///< for `include:` and relative paths
 };
 
+/// What becomes of a reference to an environment variable that is not set.
+enum class UnsetVariables { kRefuse, kKeep };
+
 /// Parses YAML, refuses duplicate keys, merges `include:` (a path or a list; later and inner values win), applies
 /// `assignments` ("ingest.path=DIR", values are YAML) and the profile that `profile` names of `profiles`, then resolves
 /// `${ENV}` and `${other.key}`. All problems found are reported in one error, one per line, each "file:line:column:
 /// ...". "resource:NAME" is the embedded file NAME, as `file` and in `include:`. An empty file is an empty mapping. The
-/// rules are in docs/configuration.md.
-Expected<ConfigNode> LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& assignments = {});
-Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<std::string>& assignments = {});
+/// rules are in docs/configuration.md. With UnsetVariables::kKeep a text keeps `${NAME}` where NAME is not set.
+Expected<ConfigNode> LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& assignments = {},
+                                UnsetVariables unset = UnsetVariables::kRefuse);
+Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<std::string>& assignments = {},
+                                UnsetVariables unset = UnsetVariables::kRefuse);
 
 namespace internal {
 Status FromConfig(Declaration declaration, const ConfigNode& node);

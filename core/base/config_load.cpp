@@ -218,7 +218,8 @@ void ApplyProfile(ConfigNode& root, ProblemList& problems) {
 
 }  // namespace
 
-Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<std::string>& assignments) {
+Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<std::string>& assignments,
+                                UnsetVariables unset) {
   ProblemList problems;
   ConfigNode root = Loader(problems).Load(source);
   for (const std::string& assignment : assignments) internal::Assign(root, assignment, problems);
@@ -233,23 +234,24 @@ Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<st
     }
   }
   if (Status read = problems.Result(); !read) return Forward(read);
-  internal::ResolveReferences(root, problems);
+  internal::ResolveReferences(root, unset, problems);
   if (Status resolved = problems.Result(); !resolved) return Forward(resolved);
   return root;
 }
 
-Expected<ConfigNode> LoadConfig(const fs::path& file, const std::vector<std::string>& assignments) {
+Expected<ConfigNode> LoadConfig(const fs::path& file, const std::vector<std::string>& assignments,
+                                UnsetVariables unset) {
   std::error_code error;
   if (IsResource(file.native()) && !fs::exists(file, error)) {
     if (const std::optional<ConfigSource> source = ResourceSource(file.native())) {
-      return LoadConfig(*source, assignments);
+      return LoadConfig(*source, assignments, unset);
     }
     return Fail(ErrorCode::kNotFound, "the embedded file does not exist", DisplayPath(file),
                 HintFor(file.native().substr(kResource.size()), ResourcePaths()));
   }
   const Expected<ConfigSource> source = FileSource(file);
   if (!source) return Forward(source);
-  return LoadConfig(*source, assignments);
+  return LoadConfig(*source, assignments, unset);
 }
 
 }  // namespace mocurate

@@ -34,7 +34,7 @@ void Merge(ConfigNode& lower, ConfigNode upper);
 void Assign(ConfigNode& root, const std::string& assignment, ProblemList& problems);
 
 /// Replaces `${...}` in every scalar.
-void ResolveReferences(ConfigNode& root, ProblemList& problems);
+void ResolveReferences(ConfigNode& root, UnsetVariables unset, ProblemList& problems);
 
 /// Replaces `${NAME}` by the environment alone, for `include:`.
 std::string ResolveEnvironment(const ConfigNode& scalar, ProblemList& problems);

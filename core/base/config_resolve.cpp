@@ -49,11 +49,15 @@ bool HasReference(const ConfigNode& node) {
   return node.kind == ConfigNode::Kind::kScalar && node.scalar.find("${") != std::string::npos;
 }
 
-std::string HowToSet(const std::string& name) {
-  const bool is_variable = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+/// Whether a name is written like an environment variable's.
+bool IsVariable(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   });
-  if (is_variable) return "export " + name + "=..., or give the value with --set";
+}
+
+std::string HowToSet(const std::string& name) {
+  if (IsVariable(name)) return "export " + name + "=..., or give the value with --set";
   return "write $${ for a literal ${";
 }
 
@@ -74,7 +78,8 @@ void CollectKeys(const ConfigNode& node, const std::string& prefix, std::vector<
 
 class Resolver {
  public:
-  Resolver(ConfigNode& root, ProblemList& problems) : root_(root), problems_(problems) {}
+  Resolver(ConfigNode& root, UnsetVariables unset, ProblemList& problems)
+      : root_(root), unset_(unset), problems_(problems) {}
 
   void Resolve(ConfigNode& node) {
     if (done_.count(&node) != 0) return;
@@ -106,6 +111,7 @@ class Resolver {
         return problems_.Add(node.origin.Text(), "${" + pieces[i].text + "} inside a text must name a single value");
       }
       if (i == 0) node.base_folder = value.base_folder;
+      node.unset = node.unset || value.unset;
       text += value.scalar;
       if (!Spend(node, value.scalar.size())) return;
     }
@@ -122,6 +128,7 @@ class Resolver {
     node.kind = value.kind;
     node.scalar = std::move(value.scalar);
     node.quoted = node.quoted || value.quoted;
+    node.unset = value.unset;
     node.sequence = std::move(value.sequence);
     node.mapping = std::move(value.mapping);
     node.base_folder = std::move(value.base_folder);
@@ -139,6 +146,12 @@ class Resolver {
       return true;
     }
     const char* variable = name.find('.') == std::string::npos ? std::getenv(name.c_str()) : nullptr;
+    if (variable == nullptr && unset_ == UnsetVariables::kKeep && IsVariable(name)) {
+      value.kind = ConfigNode::Kind::kScalar;
+      value.scalar = "${" + name + "}";
+      value.quoted = value.unset = true;
+      return true;
+    }
     if (variable == nullptr) {
       std::vector<std::string> keys;
       CollectKeys(root_, "", keys);
@@ -196,6 +209,7 @@ class Resolver {
   }
 
   ConfigNode& root_;
+  UnsetVariables unset_;
   ProblemList& problems_;
   std::set<const ConfigNode*> done_;
   std::vector<const ConfigNode*> open_;
@@ -205,7 +219,9 @@ class Resolver {
 
 }  // namespace
 
-void ResolveReferences(ConfigNode& root, ProblemList& problems) { Resolver(root, problems).Resolve(root); }
+void ResolveReferences(ConfigNode& root, UnsetVariables unset, ProblemList& problems) {
+  Resolver(root, unset, problems).Resolve(root);
+}
 
 std::string ResolveEnvironment(const ConfigNode& scalar, ProblemList& problems) {
   std::string text;

@@ -9,8 +9,8 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
-/// A text as YAML that reads back as itself: plain where that is safe, else in double quotes.
-std::string YamlText(const std::string& text) {
+/// A text as YAML that reads back as itself: plain where that is safe, else in double quotes. `unset`: with references.
+std::string YamlText(const std::string& text, bool unset = false) {
   constexpr std::string_view kSafe = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/.+-";
   constexpr std::string_view kDigits = "0123456789abcdef";
   const bool plain = !text.empty() && text.find_first_not_of(kSafe) == std::string::npos && text[0] != '-' &&
@@ -19,7 +19,7 @@ std::string YamlText(const std::string& text) {
   std::string quoted = "\"";
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
-    if (text.compare(i, 2, "${") == 0) quoted += '$';
+    if (!unset && text.compare(i, 2, "${") == 0) quoted += '$';
     if (byte == '"' || byte == '\\') {
       quoted += '\\';
       quoted += text[i];
@@ -48,18 +48,20 @@ class ConfigShower final : public OptionVisitor {
   void OptionalNumber(const char* name, std::optional<double>& value, Unit unit, Range, const char*) override {
     Put(name, value ? QuantityText(*value, unit) : "null");
   }
-  void Text(const char* name, std::string& value, const char*) override { Put(name, YamlText(value)); }
-  void Path(const char* name, std::filesystem::path& value, const char*) override {
-    Put(name, YamlText(DisplayPath(value)));
-  }
+  void Text(const char* name, std::string& value, const char*) override { PutText(name, value); }
+  void Path(const char* name, std::filesystem::path& value, const char*) override { PutText(name, DisplayPath(value)); }
   void Numbers(const char* name, std::vector<double>& value, Unit unit, Range, const char*) override {
     std::string list;
     for (const double number : value) list += (list.empty() ? "" : ", ") + QuantityText(number, unit);
     Put(name, "[" + list + "]");
   }
   void Texts(const char* name, std::vector<std::string>& value, const char*) override {
+    const ConfigNode* node = Below(name);
     std::string list;
-    for (const std::string& text : value) list += (list.empty() ? "" : ", ") + YamlText(text);
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const bool unset = node != nullptr && i < node->sequence.size() && node->sequence[i].unset;
+      list += (i == 0 ? "" : ", ") + YamlText(value[i], unset);
+    }
     Put(name, "[" + list + "]");
   }
   void TextMap(const char* name, std::map<std::string, std::string>& value, const char*) override {
@@ -118,6 +120,10 @@ class ConfigShower final : public OptionVisitor {
   std::string Indent(std::size_t depth) const { return std::string(2 * (depth - 1), ' '); }
 
   void Put(const std::string& name, const std::string& value) { Line(name, value, Below(name), true); }
+  void PutText(const std::string& name, const std::string& text) {
+    const ConfigNode* node = Below(name);
+    Put(name, YamlText(text, node != nullptr && node->unset));
+  }
 
   void Line(const std::string& name, const std::string& value, const ConfigNode* node, bool shows_origin) {
     Level& level = open_.back();

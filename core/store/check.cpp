@@ -93,6 +93,10 @@ const Array* RuleContext::Sibling(const std::string& name) const {
   return content.Find(path.substr(0, path.rfind('/') + 1) + name);
 }
 
+bool AreVersions(const std::string& a, const std::string& b) {
+  return a != b && a.substr(0, a.rfind('/')) == b.substr(0, b.rfind('/'));
+}
+
 std::vector<Field> ConcreteFields(const Schema& schema, const Content& content) {
   std::vector<Field> fields;
   for (const Field& field : schema.fields) {
@@ -124,7 +128,10 @@ Status CheckContent(const Schema& schema, const Content& content, ErrorCode code
     if (!problem && array != nullptr)
       problem = ShapeProblem(field, *array, content.later.count(field.path) == 0, extents);
     if (!problem && array != nullptr) problem = ZeroByte(*array);
-    if (problem) return Fail(code, *problem, where(field.path), "docs/store_format.md: " + field.meaning);
+    if (!problem) continue;
+    const bool read_without = array == nullptr && code == ErrorCode::kMalformed;
+    return Fail(code, *problem, where(field.path),
+                "docs/store_format.md: " + field.meaning + (read_without ? "; " + schema.MakeAgain() : ""));
   }
   return CheckRules(fields, schema, content, code, where);
 }

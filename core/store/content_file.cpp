@@ -66,10 +66,11 @@ Status CheckSchemaName(const Schema& schema, const Hdf5Reader& reader) {
   if (!reader.Has("/@schema")) return {};
   const auto name = reader.Read("/@schema", FieldType::kText);
   if (!name) return Forward(name);
-  if (name->as<std::string>()[0] == schema.name) return {};
-  return Fail(ErrorCode::kMalformed,
-              "the file is '" + name->as<std::string>()[0] + "'; '" + schema.name + "' was expected",
-              Where(reader.file(), "/@schema"), "give a file with the right schema");
+  const std::string& found = name->as<std::string>()[0];
+  if (found == schema.name) return {};
+  return Fail(ErrorCode::kMalformed, "the file is '" + found + "'; '" + schema.name + "' was expected",
+              Where(reader.file(), "/@schema"),
+              AreVersions(found, schema.name) ? schema.MakeAgain() : "give a file with the right schema");
 }
 
 Expected<ContentWriter> ContentWriter::Create(const Schema& schema, Content content,

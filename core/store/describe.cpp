@@ -21,12 +21,14 @@ Expected<const Schema*> SchemaOf(const store::Hdf5Reader& reader) {
   }
   auto name = reader.Read("/@schema", store::FieldType::kText);
   if (!name) return Forward(name);
-  std::string known;
+  const std::string& found = name->as<std::string>()[0];
+  std::string known, again;
   for (const Schema* schema : store::AllSchemas()) {
-    if (schema->name == name->as<std::string>()[0]) return schema;
+    if (schema->name == found) return schema;
+    if (store::AreVersions(schema->name, found)) again = schema->MakeAgain();
     known += (known.empty() ? "" : ", ") + schema->name;
   }
-  return Fail(ErrorCode::kMalformed, "is '" + name->as<std::string>()[0] + "'; known are " + known, where);
+  return Fail(ErrorCode::kMalformed, "is '" + found + "'; known are " + known, where, again);
 }
 
 /// Extents of the symbols by name: {"clips": 12, "frames": 960, ...}.

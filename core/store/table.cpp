@@ -242,7 +242,11 @@ void AddEvidence(std::vector<Field>& fields) {
 }
 
 Schema MakeDatasetSchema() {
-  Schema schema{"mocurate/1", "A dataset, or a set of generated motions: clips with motion, one skeleton.", "", {}};
+  Schema schema{"mocurate/1",
+                "A dataset, or a set of generated motions: clips with motion, one skeleton.",
+                "",
+                {},
+                "run CONFIG --to assemble"};
   AddRoot(schema.fields, schema.name, {"tree", "joints"}, kAlways);
   AddSkeleton(schema.fields, "", kAlways);
   AddClips(schema.fields, "C");
@@ -254,7 +258,11 @@ Schema MakeDatasetSchema() {
 }
 
 Schema MakeEvidenceSchema() {
-  Schema schema{"mocurate-evidence/1", "One clip with its evidence, and the motion it has (given, or fitted).", "", {}};
+  Schema schema{"mocurate-evidence/1",
+                "One clip with its evidence, and the motion it has (given, or fitted).",
+                "",
+                {},
+                "run CONFIG"};
   AddRoot(schema.fields, schema.name, {"none", "tree", "joints"}, kMotion);
   AddClips(schema.fields, "1");
   AddEvidence(schema.fields);
@@ -266,7 +274,7 @@ Schema MakeEvidenceSchema() {
 }
 
 Schema MakeTruthSchema() {
-  Schema schema{"mocurate-truth/1", "True motion of a synthetic capture, by clip id.", "/truth", {}};
+  Schema schema{"mocurate-truth/1", "True motion of a synthetic capture, by clip id.", "/truth", {}, "run CONFIG"};
   AddRoot(schema.fields, schema.name, {"none", "tree", "joints"}, kMotion);
   AddSkeleton(schema.fields, "/truth", kMotion);
   Group(schema.fields, "/truth/clips", kMotion)
@@ -278,8 +286,11 @@ Schema MakeTruthSchema() {
 }
 
 Schema MakeFeatureSchema() {
-  Schema schema{
-      "mocurate-features/1", "Outputs of a recogniser for a set of motions, from which metrics are computed.", "", {}};
+  Schema schema{"mocurate-features/1",
+                "Outputs of a recogniser for a set of motions, from which metrics are computed.",
+                "",
+                {},
+                "eval -o"};
   Group(schema.fields, "", kAlways)
       .Add("@schema", kText, {}, "", EqualTo(schema.name), "what this file is")
       .Add("@units", kText, {}, "", EqualTo("m s rad"), "units of all fields that name no other")

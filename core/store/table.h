@@ -53,6 +53,10 @@ struct Schema {
   std::string purpose;  ///< one sentence
   std::string prefix;   ///< "" or "/truth"
   std::vector<Field> fields;
+  std::string verb;  ///< that makes such a file
+
+  /// Way out for a file of another version: no verb converts it.
+  std::string MakeAgain() const { return "a file of another version is made again by `mocurate " + verb + "`"; }
 };
 
 const Schema& DatasetSchema();
@@ -60,6 +64,8 @@ const Schema& EvidenceSchema();
 const Schema& TruthSchema();
 const Schema& FeatureSchema();
 std::vector<const Schema*> AllSchemas();
+/// Whether two names are of one schema in two versions: "mocurate/1", "mocurate/2".
+bool AreVersions(const std::string& a, const std::string& b);
 
 /// What the symbols of the shapes mean, for the document.
 std::vector<std::pair<std::string, std::string>> Symbols();

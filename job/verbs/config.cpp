@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/base/log.h"
 #include "ingest/synthetic/studio_options.h"
 #include "job/config_loading.h"
 #include "job/verbs/verbs.h"
@@ -26,11 +27,22 @@ nlohmann::json OriginsOf(const nlohmann::json& options, const ConfigNode* node) 
   return node == nullptr || node->origin.file.empty() ? "default" : node->origin.Text();
 }
 
+/// Names the values that a run refuses.
+void WarnOfUnset(const ConfigNode& node) {
+  if (node.unset) {
+    LogWarning(node.origin.Text() + ": '" + node.scalar +
+               "' names an environment variable that is not set, and is shown unresolved; a run refuses it");
+  }
+  for (const ConfigNode& child : node.sequence) WarnOfUnset(child);
+  for (const auto& entry : node.mapping) WarnOfUnset(entry.second);
+}
+
 }  // namespace
 
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments) {
-  const auto job = LoadJob(arguments.config, arguments.assignments);
+  const auto job = LoadJob(arguments.config, arguments.assignments, UnsetVariables::kKeep);
   if (!job) return Forward(job);
+  WarnOfUnset(job->node);
   const nlohmann::json options = OptionsToJson(job->options);
   if (common.json && arguments.origins)
     std::printf("%s\n",

@@ -95,6 +95,16 @@ Status CheckNetworks(const JobResult& result) {
               error.where, error.hint.empty() ? "see the page of the run" : error.hint);
 }
 
+/// " (11 less 2 excluded by rule, 3 failed)": how the clips of a share follow from all; empty where they are all.
+std::string OfAllClips(const ClipCounts& counts, bool without_failed) {
+  std::string text;
+  if (counts.excluded > 0) text = std::to_string(counts.excluded) + " excluded by rule";
+  if (without_failed && counts.failed > 0) {
+    text += (text.empty() ? "" : ", ") + std::to_string(counts.failed) + " failed";
+  }
+  return text.empty() ? text : " (" + std::to_string(counts.clips) + " less " + text + ")";
+}
+
 /// Checks the share of failures among the clips that were not excluded.
 Status CheckFailures(const JobOptions& options, const JobResult& result) {
   if (result.folders_failed > 0) {
@@ -105,8 +115,9 @@ Status CheckFailures(const JobOptions& options, const JobResult& result) {
   const double tolerated = options.tolerated_failures * wanted;
   if (wanted == 0 || result.counts.failed <= tolerated) return {};
   return Fail(ErrorCode::kTooManyFailures,
-              std::to_string(result.counts.failed) + " of " + Counted(wanted, "clip") +
-                  " failed, tolerated_failures is " + Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
+              std::to_string(result.counts.failed) + " of " + Counted(wanted, "clip") + " failed" +
+                  OfAllClips(result.counts, false) + ", tolerated_failures is " +
+                  Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
               "run",
               std::string("curation_log.jsonl has the reason of each") +
                   (result.dataset.empty() ? "" : "; the other clips are in the dataset"));
@@ -120,8 +131,8 @@ Status CheckSuspectShare(const JobOptions& options, const JobResult& result) {
   return Fail(
       ErrorCode::kTooManyFailures,
       std::to_string(result.counts.suspect) + " of " + Counted(all, "clip") +
-          (result.counts.suspect == 1 ? " is" : " are") + " suspect, tolerated_suspect is " +
-          Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
+          (result.counts.suspect == 1 ? " is" : " are") + " suspect" + OfAllClips(result.counts, true) +
+          ", tolerated_suspect is " + Counted(static_cast<long long>(std::floor(tolerated)), "clip"),
       "run",
       "they contradict the source declaration or fail a check, see curation_log.jsonl; correct the declaration, or "
       "set tolerated_suspect: 1");

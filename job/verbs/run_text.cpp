@@ -59,12 +59,6 @@ int Executed(const JobResult& result) {
 }
 
 void PrintResult(const JobResult& result, double seconds) {
-  for (const StageCounts& stage : result.stages) {
-    std::printf(
-        "%-24s %5zu %-6s%5d done  %4d suspect  %4d excluded  %4d refused  %4d crashed  %5d from cache  %7.1f s\n",
-        stage.title().c_str(), stage.total, stage.total == 1 ? "item" : "items", stage.done, stage.suspect,
-        stage.excluded, stage.refused, stage.crashed, stage.from_cache, stage.seconds);
-  }
   std::printf("%s, %.1f s\n", ClipsText(result.counts).c_str(), seconds);
   for (const auto& [code, count] : result.findings) {
     std::printf("%-26s %d of %s (listed in curation_log.jsonl)\n", code.c_str(), count,

@@ -85,7 +85,8 @@ class Curated : public ::testing::Test {
 TEST_F(Curated, OnlyBadInputCountsAsFailure) {
   const Result strict = Run({}, {"--json"});
   EXPECT_EQ(strict.exit_code, 1) << strict.err;
-  EXPECT_THAT(strict.err, HasSubstr("1 of " + std::to_string(count_ - 1) + " clips failed"));
+  EXPECT_THAT(strict.err, HasSubstr("1 of " + std::to_string(count_ - 1) + " clips failed (" +
+                                    std::to_string(count_ + 1) + " less 2 excluded by rule)"));
   const nlohmann::json document = strict.Json();
   EXPECT_EQ(document["clips"], count_ + 1);
   EXPECT_EQ(document["kept"], count_ - 2);

@@ -85,6 +85,21 @@ TEST(Inspect, IrregularFilesAreReportedAndNotRead) {
   EXPECT_EQ(findings[0]["code"], "no_regular_file");
 }
 
+TEST(ConfigShow, KeepsAnEnvironmentVariableThatIsNotSetAndARunRefusesIt) {
+  const ScratchFolder folder;
+  program::Surroundings bare;
+  bare.before_start = [] { unsetenv("MOCURATE_DATA"); };
+  const Result json = RunProgram(folder, {"config", "show", "kard", "--json"}, bare);
+  ASSERT_EQ(json.exit_code, 0) << json.err;
+  EXPECT_EQ(json.Json()["ingest"]["path"], "${MOCURATE_DATA}/kinect/kard");
+  const Result text = RunProgram(folder, {"config", "show", "kard"}, bare);
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  WriteText(folder / "shown.yaml", text.out);
+  EXPECT_EQ(RunProgram(folder, {"config", "show", (folder / "shown.yaml").string()}, bare).out, text.out);
+  EXPECT_EQ(RunProgram(folder, {"config", "show", "kard", "--set", "name=${titel}"}, bare).exit_code, 2);
+  EXPECT_EQ(RunProgram(folder, {"run", "kard", "-o", (folder / "r").string(), "--dry-run"}, bare).exit_code, 2);
+}
+
 TEST(Origins, OfInheritedSkeletonsAreThatOfTheJobs) {
   const ScratchFolder folder;
   WriteText(folder / "a.yaml", "name: mine\nskeleton: openni16\ncanon:\n  rate: \"20\"\n");

@@ -77,6 +77,24 @@ TEST(ConfigReference, WhatNamesNothingIsReportedWithAWayOut) {
             "c.yaml:1:8: ${trim} inside a text must name a single value");
 }
 
+TEST(ConfigReference, AVariableThatIsNotSetIsKeptWhereThatIsAsked) {
+  ::unsetenv("MOCURATE_NO_SUCH");
+  const ConfigSource source{
+      "path: ${MOCURATE_NO_SUCH}/kard\ntitle: ${path} and $${x}\npeople: ['${MOCURATE_NO_SUCH}', a]\n", "c.yaml",
+      "/folder"};
+  EXPECT_FALSE(LoadConfig(source));
+  const auto node = LoadConfig(source, {}, UnsetVariables::kKeep);
+  ASSERT_TRUE(node) << node.error().Message();
+  EXPECT_TRUE(node->Find("path")->unset && node->Find("title")->unset);
+  const auto options = OptionsFromConfig<SampleOptions>(*node);
+  ASSERT_TRUE(options) << options.error().Message();
+  EXPECT_EQ(options->path, "${MOCURATE_NO_SUCH}/kard") << "not below the folder of the file";
+  const std::string shown = ShowOptions(*options, *node, false);
+  EXPECT_NE(shown.find("path: \"${MOCURATE_NO_SUCH}/kard\"\n"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("people: [\"${MOCURATE_NO_SUCH}\", a]\n"), std::string::npos) << shown;
+  EXPECT_FALSE(LoadConfig(ConfigSource{"title: ${titel}", "c.yaml", {}}, {}, UnsetVariables::kKeep));
+}
+
 TEST(ConfigReference, ASetValueMakesAReferenceUnneeded) {
   EXPECT_EQ(MessageOf("path: ${MOCURATE_NO_SUCH}/kard", {"path=/data"}), "");
   EXPECT_EQ(ReadSample("title: a", {"people=['${title}']"})->people.front(), "a");

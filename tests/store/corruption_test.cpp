@@ -140,6 +140,23 @@ TEST(StoreCorruption, AMissingFieldIsNamed) {
   });
 }
 
+TEST(StoreCorruption, AFileOfAnotherVersionHasTheVerbThatMakesItAgain) {
+  EXPECT_TRUE(store::AreVersions("mocurate/0", "mocurate/1"));
+  EXPECT_FALSE(store::AreVersions("mocurate/1", "mocurate/1"));
+  EXPECT_FALSE(store::AreVersions("mocurate-evidence/0", "mocurate/1"));
+  const ScratchFolder folder;
+  for (const Kind& kind : Kinds()) {
+    ASSERT_TRUE(kind.write(folder / "old.h5"));
+    for (const Field& field : kind.schema->fields) {
+      if (field.path.find("/frames/joints") == std::string::npos) continue;
+      Change(folder / "old.h5", [&](hid_t file) { Remove(file, field); });
+    }
+    const Status read = kind.read(folder / "old.h5");
+    ASSERT_FALSE(read) << kind.name;
+    EXPECT_NE(read.error().hint.find("mocurate " + kind.schema->verb), std::string::npos) << read.error().Message();
+  }
+}
+
 TEST(StoreCorruption, AMissingOptionalFieldIsReportedForTheClipsThatHaveIt) {
   ForEveryField([](const Kind& kind, const std::string& bytes, const Field& field) {
     if (field.presence != store::Presence::kOptional) return;

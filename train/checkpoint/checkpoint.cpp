@@ -72,7 +72,8 @@ Expected<Fields> ReadFields(const std::filesystem::path& path) {
   const std::string schema = AttributeText(*reader, "/@schema");
   if (schema != kSchema && schema.rfind(kFamily, 0) == 0) {
     return Fail(ErrorCode::kInconsistent, "the checkpoint is of version '" + schema + "'", where,
-                std::string("this program reads ") + kSchema + ": train again, or use the program that wrote the file");
+                std::string("this program reads ") + kSchema +
+                    ": train again (mocurate run CONFIG --to train), or use the program that wrote the file");
   }
   if (schema != kSchema) {
     return Fail(ErrorCode::kInconsistent,
