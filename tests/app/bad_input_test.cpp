@@ -229,11 +229,12 @@ TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
   WriteText(folder / "mistaken.yaml", "include: " + declaration + "\ningest:\n  source:\n    axes: \"+x +y +z\"\n");
   std::size_t clips = 0;
   for (const bool mistaken : {false, true}) {
-    const Result result = RunProgram(
-        folder, {"run", mistaken ? (folder / "mistaken.yaml").string() : declaration, "--set",
-                 "ingest.path=" + (folder / "kard").string(), "-o", (folder / "r").string(), "--to", "ingest"});
+    const std::filesystem::path output = folder / (mistaken ? "mistaken" : "r");  // a folder for each configuration
+    const Result result =
+        RunProgram(folder, {"run", mistaken ? (folder / "mistaken.yaml").string() : declaration, "--set",
+                            "ingest.path=" + (folder / "kard").string(), "-o", output.string(), "--to", "ingest"});
     EXPECT_EQ(result.exit_code, mistaken ? 1 : 0) << result.err;
-    const auto flagged = Flagged(folder / "r", "handedness_contradiction", clips);
+    const auto flagged = Flagged(output, "handedness_contradiction", clips);
     EXPECT_EQ(clips, 6u);
     if (!mistaken) {
       EXPECT_TRUE(flagged.empty());
