@@ -6,6 +6,7 @@
 #include "core/base/text.h"
 #include "core/store/store.h"
 #include "ingest/checks/clip_checks.h"
+#include "ingest/checks/fault_codes.h"
 #include "ingest/checks/frozen_views.h"
 #include "ingest/formats/driver.h"
 #include "ingest/gap_rule.h"
@@ -154,17 +155,19 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
   return summary;
 }
 
-/// A file that cannot be used. A header that contradicts what follows is a finding as well.
+/// A file that cannot be used. What its numbers contradict is a finding as well.
 Expected<StageOutcome> Unusable(const SourceOptions& source, const Error& error, const std::string& item) {
-  if (error.reason != Reason::kCount) return tl::unexpected<Error>(error);
+  const bool contradicts = error.reason == Reason::kCount || error.reason == Reason::kOtherLayout ||
+                           error.reason == Reason::kOtherRate || error.reason == Reason::kViewNumbering;
+  if (!contradicts) return tl::unexpected<Error>(error);
   StageOutcome outcome;
   outcome.kind = OutcomeKind::kRefused;
   outcome.error = error;
-  if (source.damaged_rows == DamagedRows::kRefuse) {
+  if (error.reason == Reason::kCount && source.damaged_rows == DamagedRows::kRefuse) {
     outcome.error.hint +=
         std::string(error.hint.empty() ? "" : ", or ") + "set ingest.source.damaged_rows: report to take what it holds";
   }
-  outcome.findings.push_back(MakeFinding("count_contradiction", Severity::kError, error.number,
+  outcome.findings.push_back(MakeFinding(FaultCode(error, source.format), Severity::kError, error.number,
                                          error.where + ": " + error.what, FindingAction::kRefused));
   outcome.findings.back().clip = item;
   return outcome;

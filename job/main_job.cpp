@@ -8,6 +8,7 @@
 #include "canon/review/review.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "eval/tables/result_table.h"
 #include "fitting/rig_file.h"
@@ -294,8 +295,21 @@ class MainJob {
                   "curation_log.jsonl in the run folder has the reason of each");
     }
     if (duplicates_) item.inputs.push_back(*duplicates_);
+    if (Status recorded = AddFindingsOfSet(item); !recorded) return Forward(recorded);
     AddReview(from == &ClipRecord::canonical ? kReviewRole : kReviewByIdRole, item);
     return runs_.One(AssembleDeclaration(), std::move(item), branch);
+  }
+
+  /// What was found about the set so far becomes part of the dataset's findings.
+  Status AddFindingsOfSet(ItemSpec& item) const {
+    if (result_.set_findings.empty()) return {};
+    const std::string text = nlohmann::json(result_.set_findings).dump(1) + "\n";
+    const std::filesystem::path path = folder() / kSetFindings;
+    if (!DryRun()) {
+      if (Status written = WriteFile(path, text); !written) return written;
+    }
+    item.inputs.push_back({"findings", kSetFindings, path, Sha256Hex(text)});
+    return {};
   }
 
   Status Assemble() {

@@ -12,6 +12,9 @@
 
 namespace mocurate {
 
+/// Findings about the set, as a list of JSON: an input of the stage `assemble`, whose dataset holds them too.
+inline constexpr const char* kSetFindings = "set_findings.json";
+
 /// A file that a run wrote into its folder, and which version of it: files are replaced whole.
 struct OutputFile {
   JobStage stage = JobStage::kReport;  ///< that writes it

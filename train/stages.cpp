@@ -7,6 +7,7 @@
 
 #include "core/base/file.h"
 #include "core/base/sha256.h"
+#include "core/base/text.h"
 #include "core/motion/action_parts.h"
 #include "core/motion/operations.h"
 #include "core/pipeline/worker.h"
