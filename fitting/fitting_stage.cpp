@@ -131,6 +131,16 @@ Status CountFromNamed(const FittingOptions& options, Motion& motion) {
   return {};
 }
 
+/// Frames that nobody observed in the given motion stay inferred, also at the edge of a clip that was cut in a gap.
+void KeepInferred(const Motion& given, Motion& fitted) {
+  if (fitted.state.empty() || given.frame_count() != fitted.frame_count()) return;
+  const auto joints = static_cast<std::ptrdiff_t>(fitted.joint_count());
+  for (const FrameRun& run : RunsWhere(InferredFrames(given), true)) {
+    std::fill(fitted.state.begin() + run.begin * joints, fitted.state.begin() + run.end * joints,
+              JointState::kInferred);
+  }
+}
+
 }  // namespace
 
 Expected<StageOutcome> FittingStage(const StageRequest& request) {
@@ -162,6 +172,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   if (Status explained = CheckExplained(*fit, clip->id()); !explained) return Forward(explained);
   if (Status counted = CountFromNamed(*options, fit->motion); !counted) return Forward(counted);
   if (options->method != FitMethod::kNone) MarkShortGaps(options->joint_tracks.max_gap_s, fit->motion);
+  if (clip->motion) KeepInferred(*clip->motion, fit->motion);
 
   std::optional<SlidingRemoval> removal;
   if (options->contacts.remove_sliding) {

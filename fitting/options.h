@@ -66,7 +66,7 @@ struct JointTrackOptions {
   double limit_sigma = 0.5;        ///< rad beyond a joint limit
   double hinge_sigma = 0.25;       ///< sine of the angle by which a shin or forearm leaves the plane of its hinge
   double bone_sigma = 0.02;        ///< m from the prior bone length, where bones are free
-  double max_gap_s = kMaxGap_s;    ///< of the clip; frames further apart are not coupled by process noise
+  double max_gap_s = kMaxGap_s;    ///< of the clip: longest gap whose frames count as interpolated
   Rules rules;                     ///< not an option of the group: FittingOptions::UseRules
   std::vector<TrackStep> steps = StepsWithRefits(2);  ///< none: the closed form is the fit
   std::int64_t window_frames = 600;                   ///< longer clips are fitted in windows

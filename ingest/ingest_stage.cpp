@@ -146,7 +146,7 @@ nlohmann::json Summary(const Clip& clip, const std::string& style) {
       {"rate_hz", clip.rate.hz()}, {"missing_share", MissingShare(clip)}};
   if (!style.empty()) summary["style"] = style;
   if (const auto first = clip.provenance.find("first_frame"); first != clip.provenance.end()) {
-    summary["first_frame"] = ParseDouble(first->second).value_or(0.0);
+    summary["first_frame"] = ParseDouble(first->second).value_or(0.0) + clip.identity.begin_frame;
   }
   if (!clip.identity.session.empty()) summary["session"] = clip.identity.session;
   if (!clip.identity.view.empty()) summary["view"] = clip.identity.view;

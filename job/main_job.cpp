@@ -302,8 +302,8 @@ class MainJob {
 
   /// What was found about the set so far becomes part of the dataset's findings.
   Status AddFindingsOfSet(ItemSpec& item) const {
-    if (result_.set_findings.empty()) return {};
-    const std::string text = nlohmann::json(result_.set_findings).dump(1) + "\n";
+    if (set_findings_.empty()) return {};
+    const std::string text = nlohmann::json(set_findings_).dump(1) + "\n";
     const std::filesystem::path path = folder() / kSetFindings;
     if (!DryRun()) {
       if (Status written = WriteFile(path, text); !written) return written;
@@ -313,6 +313,7 @@ class MainJob {
   }
 
   Status Assemble() {
+    set_findings_ = result_.set_findings;
     const auto dataset = AssembleFrom("dataset", &ClipRecord::canonical, unfitted_ ? kFittedBranch : "");
     if (!dataset) return Forward(dataset);
     AddSetFindings(NoteExcludedFromSet(*dataset, clips_));
@@ -415,6 +416,7 @@ class MainJob {
   JobOptions options_;
   JobStage last_;
   bool synthetic_ = false;
+  std::vector<Finding> set_findings_;  ///< until the dataset is assembled
   bool unfitted_ = false;  ///< clips before fitting run through the same stages, for comparison
   Runner& runner_;
   const std::vector<std::string>& only_;

@@ -105,7 +105,9 @@ std::vector<bool> ObservedFrames(const Clip& clip) {
         },
         observed);
   }
-  for (const DepthView& view : evidence.depth_views) {
+  // Depth images beside keypoints show the room too: whether a person is there, the keypoints say.
+  const bool depth_alone = evidence.keypoint_views.empty();
+  for (const DepthView& view : depth_alone ? evidence.depth_views : std::vector<DepthView>()) {
     MarkFrames(
         times, view.time_s, [&](std::size_t f) { return !view.files[f].empty(); }, observed);
   }
@@ -146,10 +148,13 @@ void MarkShortGaps(double max_gap_s, Motion& motion) {
   observed.flip();
   std::vector<double> times;
   for (int f = 0; f < motion.frame_count(); ++f) times.push_back(motion.rate.FrameTime(f));
+  const auto first = std::find(observed.begin(), observed.end(), true) - observed.begin();
+  const auto last = observed.rend() - std::find(observed.rbegin(), observed.rend(), true);
   const std::vector<JointState> states = GapStates(observed, times, motion.rate.FrameTime(1), max_gap_s);
   const auto joints = static_cast<std::ptrdiff_t>(motion.joint_count());
   for (std::size_t f = 0; f < states.size(); ++f) {
-    if (states[f] != JointState::kInterpolated) continue;
+    const bool inside = static_cast<std::ptrdiff_t>(f) >= first && static_cast<std::ptrdiff_t>(f) < last;
+    if (states[f] != JointState::kInterpolated || !inside) continue;
     std::fill_n(motion.state.begin() + static_cast<std::ptrdiff_t>(f) * joints, joints, JointState::kInterpolated);
   }
 }

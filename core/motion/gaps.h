@@ -40,7 +40,7 @@ std::vector<bool> ObservedFrames(const Clip& clip);
 std::vector<bool> InferredFrames(const Motion& motion);
 
 /// Frames that are inferred throughout become kInterpolated where their run lasts at most `max_gap_s`, as GapStates
-/// decides it: for fits that judge each frame alone.
+/// decides it, and lies between other frames: for fits that judge each frame alone.
 void MarkShortGaps(double max_gap_s, Motion& motion);
 
 /// The longest run of frames that are not inferred, the first of equally long ones; empty (0, 0) where there is none.

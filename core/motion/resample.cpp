@@ -45,6 +45,22 @@ std::vector<T> Nearer(const std::vector<T>& values, int frames, const std::vecto
   return taken;
 }
 
+/// States of the nearer frames; a sample between two frames of which one is inferred is inferred.
+std::vector<JointState> StatesAt(const Motion& motion, const std::vector<Place>& places) {
+  std::vector<JointState> taken = Nearer(motion.state, motion.frame_count(), places);
+  if (taken.empty()) return taken;
+  const auto joints = static_cast<std::size_t>(motion.joint_count());
+  for (std::size_t f = 0; f < places.size(); ++f) {
+    if (places[f].fraction == 0.0) continue;
+    for (std::size_t j = 0; j < joints; ++j) {
+      const std::size_t before = static_cast<std::size_t>(places[f].frame) * joints + j;
+      if (motion.state[before] == JointState::kInferred || motion.state[before + joints] == JointState::kInferred)
+        taken[f * joints + j] = JointState::kInferred;
+    }
+  }
+  return taken;
+}
+
 Vector3d Between(const Vector3d& a, const Vector3d& b, double fraction) { return a + fraction * (b - a); }
 
 JointPositions PositionsAt(const JointPositions& positions, const std::vector<Place>& places) {
@@ -63,7 +79,7 @@ Motion MotionAt(const Motion& motion, const std::vector<Place>& places, FrameRat
   const int frames = motion.frame_count();
   Motion taken = motion;
   taken.rate = rate;
-  taken.state = Nearer(motion.state, frames, places);
+  taken.state = StatesAt(motion, places);
   taken.position_cov = Nearer(motion.position_cov, frames, places);
   taken.rotation_sigma = Nearer(motion.rotation_sigma, frames, places);
   taken.rotation_observed = Nearer(motion.rotation_observed, frames, places);

@@ -81,8 +81,9 @@ std::vector<ClockOffset> CorrelateSpeeds(const TrackedPoints& a, const TrackedPo
   const std::vector<double> speeds_a = SpeedsOf(a, step), speeds_b = SpeedsOf(b, StepOf(b));
   const double between = b.time_s[0] - a.time_s[0];
   const int most = static_cast<int>(std::ceil(most_s / step));
+  const int declared = static_cast<int>(std::lround(between / step));  // the lag of equal clocks
   std::vector<double> correlation;
-  for (int lag = -most - 1; lag <= most + 1; ++lag) {
+  for (int lag = declared - most - 1; lag <= declared + most + 1; ++lag) {
     correlation.push_back(CorrelationAt(speeds_a, speeds_b, a.frames(), b.frames(), a.count(), lag));
   }
   for (std::size_t i = 1; i + 1 < correlation.size(); ++i) {
@@ -90,7 +91,7 @@ std::vector<ClockOffset> CorrelateSpeeds(const TrackedPoints& a, const TrackedPo
     if (here <= 0.0 || before < -1.0 || after < -1.0 || here < before || here <= after) continue;
     const double curve = before - 2.0 * here + after;
     const double part = curve < 0.0 ? std::clamp(0.5 * (before - after) / curve, -0.5, 0.5) : 0.0;
-    const double lag = static_cast<double>(i) - most - 1 + part;
+    const double lag = declared + static_cast<double>(i) - most - 1 + part;
     offsets.push_back({lag * step - between, here - 0.25 * (before - after) * part});
   }
   std::stable_sort(offsets.begin(), offsets.end(),

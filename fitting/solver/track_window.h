@@ -46,9 +46,9 @@ struct TrackWindow {
 
   /// First frame whose kinematics the window reads.
   int first() const { return after_fixed ? begin - 1 : begin; }
-  /// Seconds from a frame to the next; coupled only up to options.max_gap_s.
+  /// Seconds from a frame to the next; coupled only up to kMaxGap_s, whatever may be interpolated.
   double Step(int frame) const { return tracks.time_s[frame + 1] - tracks.time_s[frame]; }
-  bool Joined(int frame) const { return Step(frame) <= options.max_gap_s; }
+  bool Joined(int frame) const { return Step(frame) <= kMaxGap_s; }
   /// Standard deviation per axis of a joint's angle from the rest pose, radians.
   double RestSigma(int joint) const {
     return rest_sigmas != nullptr ? (*rest_sigmas)[static_cast<std::size_t>(joint)] : options.rest_sigma;

@@ -188,7 +188,7 @@ void ExcludeBridged(const Clip& clip, std::vector<Finding>& findings) {
   const Motion& motion = *clip.motion;
   const auto observed = [&](int f) {
     const auto first = static_cast<std::size_t>(f) * static_cast<std::size_t>(motion.joint_count());
-    return motion.state[first] != JointState::kInterpolated;
+    return motion.state[first] == JointState::kObserved || motion.state[first] == JointState::kRepaired;
   };
   const auto bridged = [&](const Finding& finding) {
     int frames = 0;

@@ -84,6 +84,19 @@ JointTracks TracksOfArray(const NpyArray& array, std::size_t wide, const FileOrd
   return tracks;
 }
 
+/// States that the file gives, joints in the skeleton's order. (F*J), or none
+std::vector<JointState> StatesOfFile(const std::vector<double>& given, const FileOrder& order, std::size_t wide,
+                                     int frames) {
+  std::vector<JointState> states;
+  if (given.size() != wide * static_cast<std::size_t>(frames)) return states;
+  for (std::size_t f = 0; f < static_cast<std::size_t>(frames); ++f) {
+    for (const int place : order.place) {
+      states.push_back(static_cast<JointState>(given[f * wide + static_cast<std::size_t>(place)]));
+    }
+  }
+  return states;
+}
+
 /// Action2Motion's raw outputs, root translation and a rotation vector per joint, as positions by its released
 /// kinematics (a2m_actor.md B.3).
 Expected<NpyArray> JointsOfLie(const NpyArray& array, std::size_t wide, const Skeleton& skeleton,
@@ -178,7 +191,7 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
     // A joints-only motion needs every joint in every frame: missing points are interpolated and marked.
     Expected<Motion> motion = MotionFromTracks(tracks, *skeleton, ingested.clip.rate, source.max_gap_s);
     if (motion) {
-      if (damaged.frames.empty()) motion->state.clear();
+      if (damaged.frames.empty()) motion->state = StatesOfFile(read->state, *order, wide, frames);
       ingested.clip.motion = *std::move(motion);
       for (Finding& finding : ingested.findings) finding.action = FindingAction::kInterpolated;
       return ingested;

@@ -163,7 +163,8 @@ Expected<ArrayOfClip> ReadArrayClip(std::string_view bytes, const std::string& i
   Expected<Npz> npz = ParseNpz(bytes, name);
   if (!npz) return Forward(npz);
   if (const auto exported = ExportedMotionIn(*npz); exported && parts.empty())
-    return ArrayOfClip{*exported->joints, exported->names, exported->rate_hz};
+    return ArrayOfClip{*exported->joints, exported->names, exported->rate_hz,
+                       exported->state == nullptr ? std::vector<double>() : exported->state->values};
   if (!npz->unsafe.empty() && (parts.empty() || npz->Find(parts[0]) == nullptr))
     return tl::unexpected<Error>(npz->unsafe.front());
   if (parts.empty()) {

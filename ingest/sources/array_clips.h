@@ -49,6 +49,7 @@ struct ArrayOfClip {
   NpyArray array;
   std::vector<std::string> names;  ///< of the joints, where the file is one of `mocurate export`
   std::optional<double> rate_hz;   ///< likewise
+  std::vector<double> state = {};  ///< (F*J) JointState, likewise; or none
 };
 
 /// Errors of the formats; kInconsistent where the clip does not exist.

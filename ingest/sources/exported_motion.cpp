@@ -1,5 +1,6 @@
 #include "ingest/sources/exported_motion.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mocurate {
@@ -25,6 +26,12 @@ std::optional<ExportedMotion> ExportedMotionIn(const Npz& npz) {
     if (!(parent >= -1.0 && parent < static_cast<double>(j)) || (j > 0) != (parent >= 0.0)) return std::nullopt;
     exported.parents.push_back(static_cast<int>(parent));
   }
+  const NpyArray* state = npz.Find("state");
+  const bool states = state != nullptr && state->shape == std::vector<std::size_t>{joints->shape[0], count} &&
+                      std::all_of(state->values.begin(), state->values.end(), [](double value) {
+                        return value == 0.0 || value == 1.0 || value == 2.0 || value == 3.0;
+                      });
+  if (states) exported.state = state;
   return exported;
 }
 

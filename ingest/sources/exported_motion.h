@@ -15,6 +15,7 @@ struct ExportedMotion {
   std::vector<int> parents;          ///< (J), -1 for the root
   std::string skeleton;
   double rate_hz = 0.0;
+  const NpyArray* state = nullptr;  ///< (F,J) JointState, of the archive; null where it has none
 };
 
 /// Nothing where `mocurate export` did not write the archive. `npz` has to outlive it.

@@ -9,6 +9,7 @@
 
 #include "core/base/random.h"
 #include "core/motion/kinematics.h"
+#include "core/motion/gaps.h"
 #include "core/motion/tracks.h"
 #include "tests/canon/studio_recordings.h"
 #include "tests/ingest/sources.h"
@@ -29,7 +30,7 @@ inline std::map<std::string, std::vector<Clip>> ClipsByPerson(const std::string&
     if (!ingested.outcome) continue;
     Clip clip = std::move(ingested.clip);
     if (!clip.motion && clip.evidence.tracks) {
-      auto motion = MotionFromTracks(*clip.evidence.tracks, *tree, clip.rate);
+      auto motion = MotionFromTracks(*clip.evidence.tracks, *tree, clip.rate, kMaxGap_s);
       if (motion) clip.motion = std::move(*motion);
     }
     clip.evidence = Evidence();

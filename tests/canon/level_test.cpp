@@ -14,6 +14,7 @@
 #include "core/base/resources.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
+#include "core/motion/gaps.h"
 #include "core/motion/tracks.h"
 #include "core/quality/contacts.h"
 #include "tests/ingest/sources.h"
@@ -117,7 +118,7 @@ std::vector<Clip> RecordedClips(const std::string& source, const std::string& sk
     if (!ingested.outcome) continue;
     Clip clip = std::move(ingested.clip);
     if (!clip.motion) {
-      auto motion = MotionFromTracks(*clip.evidence.tracks, *LoadSkeleton(skeleton), clip.rate);
+      auto motion = MotionFromTracks(*clip.evidence.tracks, *LoadSkeleton(skeleton), clip.rate, kMaxGap_s);
       if (!motion) continue;
       clip.motion = std::move(*motion);
     }

@@ -90,7 +90,7 @@ struct Answers {
   std::string found;  ///< "+y 432, none 1"
 };
 
-struct Outcome {
+struct SetOutcome {
   const RealSet* set = nullptr;
   std::set<std::string> files;
   int clips = 0, frames = 0;
@@ -129,14 +129,14 @@ bool RealSet::MayLack(const std::string& field) const {
 
 const std::vector<std::string> kFields = {"units", "up", "handedness", "rate_hz"};
 
-std::vector<Outcome> InspectAll() {
-  std::vector<Outcome> outcomes;
+std::vector<SetOutcome> InspectAll() {
+  std::vector<SetOutcome> outcomes;
   std::map<std::string, Json> inspections;
   std::set<std::string> visited;
   for (const RealSet& set : RealSets()) {
     const fs::path folder = fs::path(std::getenv("MOCURATE_DATA")) / set.folder;
     if (inspections.count(set.folder) == 0) inspections[set.folder] = InspectPath(folder, std::nullopt);
-    Outcome outcome;
+    SetOutcome outcome;
     outcome.set = &set;
     std::map<std::string, std::map<std::string, int>> values;
     for (const Json& clip : inspections[set.folder].at("clips")) {
@@ -180,7 +180,7 @@ std::vector<Outcome> InspectAll() {
   return outcomes;
 }
 
-std::string DocumentOf(const std::vector<Outcome>& outcomes) {
+std::string DocumentOf(const std::vector<SetOutcome>& outcomes) {
   std::string text =
       "# Inspection reports on recorded files\n\n"
       "Each row: a recorded set, what `mocurate inspect` reports on its files without a declaration, and whether it "
@@ -192,7 +192,7 @@ std::string DocumentOf(const std::vector<Outcome>& outcomes) {
       "To make this page again: `MOCURATE_DATA=DATA MOCURATE_REGENERATE=1 test_ingest --gtest_filter='RealSets*'`.\n\n"
       "| set | files | clips | frames | units | up | handedness | rate, Hz | facing | true? |\n"
       "|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const Outcome& o : outcomes) {
+  for (const SetOutcome& o : outcomes) {
     text += "| " + std::string(o.set->name) + " | " + std::to_string(o.files.size()) + " | " + std::to_string(o.clips) +
             " | " + std::to_string(o.frames);
     int unknown = 0, wrong = 0;
@@ -230,7 +230,7 @@ std::string DocumentOf(const std::vector<Outcome>& outcomes) {
   for (const auto& [name, sets] : rows) {
     int clips = 0;
     std::map<double, int> contradicted;
-    for (const Outcome& o : outcomes) {
+    for (const SetOutcome& o : outcomes) {
       const std::string set = o.set->name;
       const bool is_bvh = set == "CMU 01_01 as BVH";
       const bool wanted = std::any_of(sets.begin(), sets.end(), [&](const std::string& begin) {
@@ -249,8 +249,8 @@ std::string DocumentOf(const std::vector<Outcome>& outcomes) {
 
 TEST(RealSets, HaveNoWrongAnswerAndNoUnexplainedUnknown) {
   if (std::getenv("MOCURATE_DATA") == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";
-  const std::vector<Outcome> outcomes = InspectAll();
-  for (const Outcome& outcome : outcomes) {
+  const std::vector<SetOutcome> outcomes = InspectAll();
+  for (const SetOutcome& outcome : outcomes) {
     EXPECT_GT(outcome.clips, 0) << outcome.set->name;
     EXPECT_EQ(outcome.contradicted.at(1.0), 0) << outcome.set->name << ": the motion contradicts the true rate";
     for (const std::string& field : kFields) {
