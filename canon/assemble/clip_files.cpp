@@ -1,5 +1,6 @@
 #include "canon/assemble/clip_files.h"
 
+#include "canon/splits/leaks.h"
 #include "core/store/dataset_writer.h"
 #include "core/store/fields.h"
 
@@ -52,9 +53,10 @@ Status ClipFiles::Add(const StageInput& input, Dataset& set) {
 
 Expected<std::vector<std::string>> ClipFiles::Contents(const Dataset& set) const {
   std::vector<std::string> contents;
+  const std::vector<bool> needed = ToldApartByMotion(set.clips);
   for (const Clip& clip : set.clips) {
     contents.emplace_back();
-    if (!clip.evidence_sha256.empty() || HasFrames(clip)) continue;
+    if (!needed[contents.size() - 1] || HasFrames(clip)) continue;
     const Place& place = places_.at(clip.id());
     const auto clips = DatasetClips::Open(files_[place.file], DatasetClips::Check::kNone);
     if (!clips) return Forward(clips);

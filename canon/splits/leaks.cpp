@@ -1,11 +1,22 @@
 #include "canon/splits/leaks.h"
 
 #include <iterator>
+#include <set>
 
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 
 namespace mocurate {
+namespace {
+
+/// The given hash, else that of the clip's joints; empty without both.
+std::string JointsHash(const Clip& clip, const std::string& given) {
+  if (!given.empty() || !clip.motion) return given;
+  const std::vector<double>& xyz = clip.motion->joints.xyz;
+  return Sha256().Add(xyz.data(), xyz.size() * sizeof(double)).Hex();
+}
+
+}  // namespace
 
 std::vector<int> PartsOf(const Split& split, std::size_t clips) {
   std::vector<int> parts(clips, -1);
@@ -66,22 +77,50 @@ std::string SourceContentOf(const Clip& clip) {
          std::to_string(clip.identity.end_frame);
 }
 
-std::vector<std::string> ContentsOf(const std::vector<Clip>& clips, const std::vector<std::string>& motions) {
+std::vector<bool> ToldApartByMotion(const std::vector<Clip>& clips) {
+  std::map<std::string, int> clips_of;
+  for (const Clip& clip : clips) ++clips_of[SourceContentOf(clip)];
+  std::vector<bool> needed;
+  for (const Clip& clip : clips) {
+    const std::string content = SourceContentOf(clip);
+    needed.push_back(content.empty() || clips_of[content] > 1);
+  }
+  return needed;
+}
+
+std::vector<std::string> ContentsOf(const std::vector<Clip>& clips, const std::vector<std::string>& motions,
+                                    const std::vector<std::size_t>& sets) {
+  const std::vector<bool> needed = ToldApartByMotion(clips);
   std::vector<std::string> contents;
-  std::map<std::string, int> of_file;  // clips of a content and file so far
+  // Rows of each content, by the set and file that they come from.
+  std::map<std::string, std::map<std::pair<std::size_t, std::string>, std::vector<std::size_t>>> of_file;
+  std::vector<std::string> joints(clips.size());
   for (std::size_t i = 0; i < clips.size(); ++i) {
-    std::string content = SourceContentOf(clips[i]);
+    if (needed[i]) joints[i] = JointsHash(clips[i], i < motions.size() ? motions[i] : std::string());
+    contents.push_back(SourceContentOf(clips[i]));
+    if (contents[i].empty()) contents[i] = joints[i];
     const auto file = clips[i].provenance.find("file");
-    if (!content.empty() && file != clips[i].provenance.end()) {
-      const int before = of_file[content + "\n" + clips[i].identity.source + "\n" + file->second]++;
-      if (before > 0) content += "/" + std::to_string(before);
+    if (!needed[i] || contents[i] == joints[i] || file == clips[i].provenance.end()) continue;
+    const std::size_t set = i < sets.size() ? sets[i] : 0;
+    of_file[contents[i]][{set, clips[i].identity.source + "\n" + file->second}].push_back(i);
+  }
+  for (const auto& [content, files] : of_file) {
+    std::map<std::string, int> body_of;  // by joints
+    for (const auto& [file, rows] : files) {
+      std::set<int> taken;
+      for (const std::size_t row : rows) {
+        if (body_of.count(joints[row]) > 0) taken.insert(body_of[joints[row]]);
+      }
+      int free = 0;
+      for (const std::size_t row : rows) {
+        if (body_of.count(joints[row]) == 0) {
+          while (taken.count(free) > 0) ++free;
+          body_of[joints[row]] = free;
+          taken.insert(free);
+        }
+        if (const int body = body_of[joints[row]]; body > 0) contents[row] += "/" + std::to_string(body);
+      }
     }
-    if (content.empty() && i < motions.size()) content = motions[i];
-    if (content.empty() && clips[i].motion) {
-      const std::vector<double>& xyz = clips[i].motion->joints.xyz;
-      content = Sha256().Add(xyz.data(), xyz.size() * sizeof(double)).Hex();
-    }
-    contents.push_back(std::move(content));
   }
   return contents;
 }

@@ -43,8 +43,13 @@ std::string PerformanceOf(const Clip& clip, bool sessions_together);
 /// Identity of the clip's source data, with its span; empty where it is unknown.
 std::string SourceContentOf(const Clip& clip);
 
+/// For each clip whether ContentsOf reads its motion: its source data is unknown, or that of another clip too.
+std::vector<bool> ToldApartByMotion(const std::vector<Clip>& clips);
+
 /// The same of each clip; where it is unknown the clip's hash of `motions`, or without one that of its joints. Clips of
-/// several people or arrays of one file, which have its data in common, differ.
-std::vector<std::string> ContentsOf(const std::vector<Clip>& clips, const std::vector<std::string>& motions = {});
+/// several people or arrays of one file, which have its data in common, differ where their joints do. `sets`: the
+/// dataset that each clip comes from: the same person of one file, fitted otherwise in two of them, is equal.
+std::vector<std::string> ContentsOf(const std::vector<Clip>& clips, const std::vector<std::string>& motions = {},
+                                    const std::vector<std::size_t>& sets = {});
 
 }  // namespace mocurate

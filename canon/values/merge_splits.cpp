@@ -58,17 +58,20 @@ std::string RuleOf(const std::vector<MergePart>& parts, const std::vector<SplitO
   return rules.size() == 1 ? *rules.begin() : all;
 }
 
-/// The clips' source data, or their motions where that is unknown.
+/// The clips' source data, or their motions where that is unknown or several people's.
 Expected<std::vector<std::string>> ContentsOf(const std::vector<MergePart>& parts, const MergedDataset& merged) {
   std::vector<std::string> motions(merged.origins.size());
+  std::vector<std::size_t> sets;
+  const std::vector<bool> needed = ToldApartByMotion(merged.dataset.clips);
   for (std::size_t row = 0; row < merged.origins.size(); ++row) {
     const auto [p, row_there] = merged.origins[row];
-    if (!SourceContentOf(merged.dataset.clips[row]).empty()) continue;
+    sets.push_back(p);
+    if (!needed[row]) continue;
     auto hash = parts[p].motion_hash(row_there);
     if (!hash) return Forward(hash);
     motions[row] = std::move(*hash);
   }
-  return ContentsOf(merged.dataset.clips, motions);
+  return ContentsOf(merged.dataset.clips, motions, sets);
 }
 
 /// Checks the united split again, for all properties that each of the splits separates; leaks reported by a split stay.

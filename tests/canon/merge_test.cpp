@@ -145,6 +145,38 @@ TEST(Merge, ChecksUnitedSplitsForLeaksThatNoPartHasByItself) {
       << "neither keeps persons apart";
 }
 
+TEST(Merge, OneFileInTwoSetsUnderTwoNamesLeaks) {
+  const auto set = [](const std::vector<std::pair<std::string, double>>& people, bool test) {
+    std::vector<Clip> clips;
+    for (const auto& [person, pace] : people) {
+      clips.push_back(ClipMoving(person, "a", 40, 5, 30, pace));
+      clips.back().evidence_sha256 = std::string(64, 'a');
+      clips.back().provenance["file"] = "one.skeleton";
+    }
+    Dataset dataset = SetOf(std::move(clips));
+    Split split;
+    split.name = "s";
+    for (std::size_t row = 0; row < people.size(); ++row) {
+      (test ? split.test : split.train).push_back(static_cast<int>(row));
+    }
+    split.leak_check = "ok: nothing";
+    dataset.splits = {split};
+    return dataset;
+  };
+  const auto check_of = [](const Dataset& a, const Dataset& b) {
+    const auto merged = Merge({a, b});
+    EXPECT_TRUE(merged) << merged.error().Message();
+    return merged ? merged->dataset.splits.at(0).leak_check : std::string();
+  };
+  EXPECT_THAT(check_of(set({{"P1", 1.0}}, false), set({{"Q1", 1.0}}, true)), HasSubstr("1 clip of equal content"));
+  EXPECT_THAT(check_of(set({{"P1", 1.0}}, false), set({{"Q1", 1.1}}, true)), HasSubstr("1 clip of equal content"))
+      << "fitted otherwise";
+  EXPECT_THAT(check_of(set({{"P1", 1.0}, {"P2", 1.2}}, false), set({{"Q1", 1.0}, {"Q2", 1.2}}, true)),
+              HasSubstr("2 clips of equal content"));
+  EXPECT_THAT(check_of(set({{"P1", 1.0}, {"P2", 1.2}}, false), set({{"Q2", 1.2}}, true)),
+              HasSubstr("1 clip of equal content"));
+}
+
 TEST(Merge, ReportsClipsThatASplitDoesNotPlace) {
   Dataset others = OtherPeople();
   others.splits[0].name = "other";

@@ -159,6 +159,9 @@ TEST(Split, PeopleOfOneFileAreNotEqualClips) {
   ASSERT_TRUE(split);
   EXPECT_EQ(split->leak_check.rfind("ok", 0), 0u);
   EXPECT_EQ(KeptApart(*split), SplitBy::kPerson);
+  dataset.clips[1].motion = dataset.clips[0].motion;
+  EXPECT_THAT(MakeSplit(options, dataset, findings)->leak_check, HasSubstr("1 clip of equal content"))
+      << "one file under two names";
   Split merged;
   merged.rule = "kard: by person; test: p1; ntu: by person; test: p2";
   EXPECT_EQ(KeptApart(merged), SplitBy::kPerson);
