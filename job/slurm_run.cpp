@@ -116,6 +116,7 @@ Expected<SlurmRun> SlurmRun::Begin(const fs::path& folder, SlurmSettings setting
                       {"assignments", kept.assignments},
                       {"to", kept.to},
                       {"budget", kept.budget},
+                      {"replace", kept.replace},
                       {"config_sha256", kept.config_sha256},
                       {"cache", kept.cache.native()},
                       {"working_folder", kept.working_folder.native()},
@@ -143,6 +144,7 @@ Expected<SlurmRun> SlurmRun::Open(const fs::path& folder) {
     settings.assignments = value.at("assignments").get<std::vector<std::string>>();
     settings.to = value.at("to").get<std::string>();
     settings.budget = value.at("budget").get<double>();
+    settings.replace = value.value("replace", false);  // earlier versions did not write it
     settings.config_sha256 = value.at("config_sha256").get<std::string>();
     settings.cache = value.at("cache").get<std::string>();
     settings.working_folder = value.at("working_folder").get<std::string>();

@@ -18,6 +18,7 @@ struct SlurmSettings {
   std::vector<std::string> assignments;
   std::string to;  ///< last stage; empty: report
   double budget = 1.0;
+  bool replace = false;  ///< the folder may be of another job
   std::string config_sha256;
   std::filesystem::path cache;
   std::filesystem::path working_folder;  ///< that relative paths start from

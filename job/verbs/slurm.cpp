@@ -315,6 +315,7 @@ Status RunLast(CommonArguments& common, const SlurmRun& run, int cores) {
   arguments.assignments = run.settings().assignments;
   arguments.to = run.settings().to;
   arguments.budget = run.settings().budget;
+  arguments.replace = run.settings().replace;
   arguments.executor = "local";
   arguments.jobs = cores;
   const Status done = RunVerb(common, arguments);
@@ -341,6 +342,7 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
   settings.assignments = arguments.assignments;
   settings.to = arguments.to;
   settings.budget = arguments.budget;
+  settings.replace = arguments.replace;
   settings.config_sha256 = ConfigHash(job.options);
   settings.cache = fs::absolute(DefaultCacheFolder());
   settings.working_folder = fs::current_path(problem);
