@@ -311,8 +311,10 @@ class Reproduction {
     const auto published = PublishedOfItem(job_.options, set);
     if (!published) return Forward(published);
     if (!item().recipe.empty()) {
-      auto counted = set.path.empty() ? ExpectedRows(item().recipe) : CountedRows(own / "dataset.h5");
-      if (!counted && !set.path.empty() && !ended) counted = nlohmann::json::array();
+      const bool now = ended && !IsStale(stale_, "data/" + set.name + "/dataset.h5");
+      auto counted = set.path.empty() ? ExpectedRows(item().recipe)
+                     : now            ? CountedRows(own / "dataset.h5")
+                                      : Expected<nlohmann::json>(nlohmann::json::array());
       if (!counted) return Forward(counted);
       result = {{"rows", std::move(*counted)}};
     } else if (!item().parts_of.empty()) {
