@@ -32,7 +32,7 @@ Finding NotFitted(const std::string& id, const std::string& reason, const std::s
 
 /// What the clip was before, with its new motion.
 Clip Refitted(const Clip& before, Clip fit) {
-  fit.evidence_sha256 = before.evidence_sha256.empty() ? fit.evidence_sha256 : before.evidence_sha256;
+  fit.evidence_sha256 = before.evidence_sha256;  // also where it is unknown: the fit's is of the dataset
   if (fit.fit_rms == 0.0) fit.fit_rms = before.fit_rms;  // a given motion with other feet
   for (const char* key : {"file", "source_axes", "source_units", "source_skeleton"}) {
     const auto own = before.provenance.find(key);
