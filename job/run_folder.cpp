@@ -24,6 +24,12 @@ bool IsBeginning(const fs::path& folder, const std::string& name) {
   return name == "lock" ? digits : content.empty();
 }
 
+/// Whether two configurations are one: of one name, or one file by two paths.
+bool SameConfig(const std::string& a, const std::string& b) {
+  std::error_code unknown;
+  return a == b || (fs::path(a).is_absolute() && fs::path(b).is_absolute() && fs::equivalent(a, b, unknown));
+}
+
 }  // namespace
 
 Expected<fs::path> RunFolder(const std::optional<fs::path>& named, const std::string& name) {
@@ -45,7 +51,7 @@ Status CheckRunFolder(const fs::path& folder, const LoadedJob& job, bool replace
     const nlohmann::json none = nlohmann::json::object();
     const std::string name = options.value("name", "");
     const std::string config = run.value("job", none).value("config", job.config);  // earlier versions: unknown
-    if (replace || (name == job.options.name && config == job.config)) return {};
+    if (replace || (name == job.options.name && SameConfig(config, job.config))) return {};
     return Fail(ErrorCode::kUsage,
                 "the folder is of job '" + name + "' (" + config + "), this job is '" + job.options.name + "' (" +
                     job.config + ")",

@@ -127,6 +127,9 @@ TEST(RunFolder, AFolderOfAnotherJobOrConfigurationFileIsRefusedUnlessReplaced) {
   ASSERT_EQ(run(a, {}, true).exit_code, 0);
   EXPECT_EQ(run("./a.yaml", {"--set", "canon.facing.anchor=last"}, true).exit_code, 0)
       << "the same file, another option";
+  fs::create_symlink(a, folder / "link.yaml");
+  EXPECT_EQ(run("link.yaml", {}, true).exit_code, 0) << "the same file, another path";
+  EXPECT_EQ(run(a, {}, true).exit_code, 0);
   const auto before = FilesOf(folder / "r");
   const std::pair<std::string, std::vector<std::string>> others[] = {
       {b, {}}, {"", {}}, {a, {"--set", "name=other"}}, {b, {"--dry-run"}}};
