@@ -226,6 +226,7 @@ Expected<RelabelledDataset> Relabel(Dataset dataset, const RelabelMap& map) {
     clip.fine_label.clear();
     ++cleared;
   }
+  const std::vector<Split> before = dataset.splits;
   relabelled.rows = KeepRows(keep, dataset);
   if (dataset.clips.empty()) {
     return Fail(ErrorCode::kInconsistent, "every clip is dropped", map.name, "keep at least one label");
@@ -236,6 +237,7 @@ Expected<RelabelledDataset> Relabel(Dataset dataset, const RelabelMap& map) {
     }
   }
   ReportChanges(relabelled, dropped, cleared);
+  for (Finding& empty : FindEmptyParts(before, dataset.splits)) relabelled.findings.push_back(std::move(empty));
   dataset.recipe += (dataset.recipe.empty() || dataset.recipe.back() == '\n' ? "" : "\n") +
                     std::string("relabelled by ") + map.name + "\n";
   for (const Finding& finding : relabelled.findings) {

@@ -45,7 +45,8 @@ struct RelabelledDataset {
   std::size_t segments = 0;                                            ///< number with another label
   std::map<std::pair<std::string, std::string>, std::size_t> changes;  ///< clips by old and new label
   /// "unknown_label", "unknown_clip": names of the map that the dataset lacks. "relabelled" and "dropped" (info) for
-  /// each label that changed, "fine_label_cleared" (info) where it belonged to another class. Also in the dataset.
+  /// each label that changed, "fine_label_cleared" (info) where it belonged to another class, "empty_part". Also in the
+  /// dataset.
   std::vector<Finding> findings;
 };
 

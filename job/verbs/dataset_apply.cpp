@@ -48,12 +48,15 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
   if (!files) return Forward(files);
   auto dataset = ReadDataset(arguments.path);
   if (!dataset) return Forward(dataset);
+  const std::vector<Split> before = dataset->splits;
   const auto applied = ApplyReview(*review, *dataset);
   if (!applied) return Forward(applied);
   if (dataset->clips.empty()) {
     return Fail(ErrorCode::kConfig, "every clip is dropped", DisplayPath(arguments.other), "keep at least one clip");
   }
   dataset->findings.insert(dataset->findings.end(), applied->findings.begin(), applied->findings.end());
+  std::vector<Finding> of_set = FindEmptyParts(before, dataset->splits);
+  dataset->findings.insert(dataset->findings.end(), of_set.begin(), of_set.end());
   for (Split& split : dataset->splits) {
     if (split.leak_check.rfind("ok", 0) != 0) split.leak_check += " (before clips were reviewed)";
   }
@@ -64,7 +67,8 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
   for (const ReviewedRow& kept : applied->origins) origins.push_back({0, kept.row, kept.begin, kept.end});
   const auto dropped = WriteFromFiles(*dataset, origins, *files, arguments.output);
   if (!dropped) return Forward(dropped);
-  for (const Finding& finding : *dropped) LogWarning(finding.message);
+  of_set.insert(of_set.end(), dropped->begin(), dropped->end());
+  for (const Finding& finding : of_set) LogWarning(finding.message);
   std::map<std::string, int> counts = {
       {"review_drop", 0}, {"review_relabel", 0}, {"review_cut", 0}, {"review_stale", 0}};
   for (const Finding& finding : applied->findings) {
@@ -78,7 +82,7 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
                                 {"relabelled", counts["review_relabel"]},
                                 {"cut", counts["review_cut"]},
                                 {"stale", counts["review_stale"]},
-                                {"findings", *dropped}})
+                                {"findings", of_set}})
                           .c_str());
   } else if (!common.quiet) {
     std::printf("%s: %s; %d dropped, %d relabelled, %d cut, %d that match no clip\n",

@@ -190,6 +190,8 @@ TEST_F(Relabelling, DropsOrdersAndDecidesByRulesAndTables) {
   EXPECT_THAT(dropped->rows, ElementsAre(0, 2, 4, 5));
   EXPECT_THAT(dropped->dataset.labels, ElementsAre("a", "c"));
   EXPECT_THAT(dropped->dataset.splits[0].train, ElementsAre(0, 2, 3));
+  EXPECT_THAT(CodesOfFindings(dropped->findings), ElementsAre("dropped", "empty_part"));
+  EXPECT_EQ(dropped->dataset.findings.back().code, "empty_part");
   EXPECT_THAT(dropped->dataset.fine_labels, SizeIs(1));
   EXPECT_THAT(By("classes: [c, b, a]")->dataset.labels, ElementsAre("c", "b", "a"));
 
