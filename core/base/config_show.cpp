@@ -69,7 +69,7 @@ class ConfigShower final : public OptionVisitor {
     const ConfigNode* node = Below(name, NameKind::kCode);
     Line(name, "", node, false);
     open_.push_back({node, "", 0});
-    for (const auto& [key, text] : value) Put(key, YamlText(text));
+    for (const auto& [key, text] : value) PutText(key, text);
     open_.pop_back();
   }
   void ChoiceIndex(const char* name, std::size_t& index, const std::vector<std::string>& names, const char*) override {

@@ -80,8 +80,9 @@ TEST(ConfigReference, WhatNamesNothingIsReportedWithAWayOut) {
 TEST(ConfigReference, AVariableThatIsNotSetIsKeptWhereThatIsAsked) {
   ::unsetenv("MOCURATE_NO_SUCH");
   const ConfigSource source{
-      "path: ${MOCURATE_NO_SUCH}/kard\ntitle: ${path} and $${x}\npeople: ['${MOCURATE_NO_SUCH}', a]\n", "c.yaml",
-      "/folder"};
+      "path: ${MOCURATE_NO_SUCH}/kard\ntitle: ${path} and $${x}\npeople: ['${MOCURATE_NO_SUCH}', a]\n"
+      "labels: {a: '${MOCURATE_NO_SUCH}', b: $${x}}\n",
+      "c.yaml", "/folder"};
   EXPECT_FALSE(LoadConfig(source));
   const auto node = LoadConfig(source, {}, UnsetVariables::kKeep);
   ASSERT_TRUE(node) << node.error().Message();
@@ -92,6 +93,7 @@ TEST(ConfigReference, AVariableThatIsNotSetIsKeptWhereThatIsAsked) {
   const std::string shown = ShowOptions(*options, *node, false);
   EXPECT_NE(shown.find("path: \"${MOCURATE_NO_SUCH}/kard\"\n"), std::string::npos) << shown;
   EXPECT_NE(shown.find("people: [\"${MOCURATE_NO_SUCH}\", a]\n"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("  a: \"${MOCURATE_NO_SUCH}\"\n  b: \"$${x}\"\n"), std::string::npos) << shown;
   EXPECT_FALSE(LoadConfig(ConfigSource{"title: ${titel}", "c.yaml", {}}, {}, UnsetVariables::kKeep));
 }
 
