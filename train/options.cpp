@@ -408,7 +408,7 @@ void NetworkOptions::Declare(OptionVisitor& v) {
 
 StageDeclaration TrainDeclaration() { return {"train", 12, "mocurate-learn", WholeSetLimits()}; }
 
-StageDeclaration GenerateDeclaration() { return {"generate", 4, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration GenerateDeclaration() { return {"generate", 5, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration TrainCostDeclaration() { return {"train_cost", 1, "mocurate-learn", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -172,13 +172,7 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
   if (!checkpoint) return Forward(checkpoint);
   if (Status written = WriteCheckpoint(*checkpoint, request.output); !written) return Forward(written);
   outcome.summary = SummaryOf(*checkpoint, input->options);
-  if (input->set.shortened > 0) {
-    outcome.findings.push_back(
-        MakeFinding("inferred_frames", Severity::kWarning, input->set.inferred_frames,
-                    Counted(input->set.inferred_frames, "frame") + " of " + Counted(input->set.shortened, "clip") +
-                        " lie in gaps without an observation: the longest stretch without them is trained on",
-                    FindingAction::kDropped));
-  }
+  if (auto about = input->set.inferred.About()) outcome.findings.push_back(*std::move(about));
   if (seconds_before > 0.0) outcome.summary["seconds_before"] = seconds_before;
   return outcome;
 }
@@ -207,6 +201,7 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
   if (!loaded) return Forward(loaded);
   const std::shared_ptr<const MotionGenerator> generator = std::move(*loaded);
   Expected<Dataset> set = Dataset();
+  StageOutcome outcome;
   if (noisy != nullptr) {
     const auto options = OptionsFromJson<RemakeOptions>(request.options);
     if (!options) return Forward(options);
@@ -220,6 +215,7 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
     if (options->training_windows) {
       read = TrainingWindows(std::move(*read), generator->options(), options->rule == RemakeRule::kDenoise);
       if (!read) return Forward(read);
+      outcome.findings = read->findings;
     }
     set = generator->Remake(std::move(*read), *options, request.threads, [](double part) {
       ReportProgress(part, "motions");
@@ -239,7 +235,6 @@ Expected<StageOutcome> GenerateStage(const StageRequest& request) {
   }
   if (!set) return Forward(set);
   if (Status written = WriteDataset(*set, request.output); !written) return Forward(written);
-  StageOutcome outcome;
   outcome.summary = {{"motions", set->clips.size()}};
   return outcome;
 }

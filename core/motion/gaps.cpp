@@ -143,6 +143,10 @@ std::vector<bool> InferredFrames(const Motion& motion) {
   return inferred;
 }
 
+bool IsAllInferred(const Motion& motion) {
+  return motion.frame_count() > 0 && LongestRunWithoutInferred(motion).frames() == 0;
+}
+
 void MarkShortGaps(double max_gap_s, Motion& motion) {
   std::vector<bool> observed = InferredFrames(motion);
   observed.flip();

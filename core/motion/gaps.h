@@ -39,6 +39,9 @@ std::vector<bool> ObservedFrames(const Clip& clip);
 /// (F) Frames of which every joint is kInferred; none where the motion has no states.
 std::vector<bool> InferredFrames(const Motion& motion);
 
+/// Whether the motion has frames, and every one of them is inferred throughout: nobody observed it.
+bool IsAllInferred(const Motion& motion);
+
 /// Frames that are inferred throughout become kInterpolated where their run lasts at most `max_gap_s`, as GapStates
 /// decides it, and lies between other frames: for fits that judge each frame alone.
 void MarkShortGaps(double max_gap_s, Motion& motion);

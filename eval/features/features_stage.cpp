@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/motion/action_parts.h"
+#include "core/motion/gaps.h"
 #include "core/motion/limbs.h"
 #include "core/motion/operations.h"
 #include "core/pipeline/worker.h"
@@ -90,19 +91,19 @@ bool FacesAway(const Motion& motion) {
   return across.x() < -0.5 * across.norm();
 }
 
-/// Zeros at the end of a dataset's motions, cut or counted; the summary states how many. Returns the rows of motions
-/// that are nothing but zeros, where these are cut.
-Expected<std::set<int>> TreatZeros(PaddingAction padding, Dataset& dataset, nlohmann::json& summary) {
-  std::set<int> all_zero;
-  if (padding == PaddingAction::kNone) return all_zero;
-  long long motions = 0, frames = 0;
+/// Zeros at the end of a dataset's motions, cut or counted; the summary states how many. Motions that are nothing but
+/// zeros are skipped, where these are cut.
+Status TreatZeros(PaddingAction padding, Dataset& dataset, std::set<int>& skipped, nlohmann::json& summary) {
+  if (padding == PaddingAction::kNone) return {};
+  long long motions = 0, frames = 0, all_zero = 0;
   std::string first;
   for (std::size_t row = 0; row < dataset.clips.size(); ++row) {
     Clip& clip = dataset.clips[row];
     const int all = clip.motion->frame_count(), left = FramesWithoutPadding(*clip.motion, false);
-    if (left == all) continue;
+    if (left == all || skipped.count(static_cast<int>(row)) > 0) continue;
     if (left == 0 && padding == PaddingAction::kCut) {
-      all_zero.insert(static_cast<int>(row));
+      skipped.insert(static_cast<int>(row));
+      ++all_zero;
       continue;
     }
     if (motions++ == 0) first = clip.id();
@@ -110,13 +111,14 @@ Expected<std::set<int>> TreatZeros(PaddingAction padding, Dataset& dataset, nloh
     if (padding == PaddingAction::kKeep) continue;
     Expected<Clip> cut = Cut(clip, 0, left);
     if (!cut) return Forward(cut);
+    cut->identity = clip.identity;  // motions are known by it
     clip = std::move(*cut);
   }
   summary["padded"] = motions;
   summary["padding_frames"] = frames;
   summary["first_padded"] = first;
-  summary["all_zero"] = all_zero.size();
-  return all_zero;
+  summary["all_zero"] = all_zero;
+  return {};
 }
 
 /// Reads motions, or requests them from a generator, and runs the extractor over each pass.
@@ -132,7 +134,7 @@ class FeaturesRun {
     const auto skips = [&](int row) { return skipped.count(row) > 0; };
     rows->erase(std::remove_if(rows->begin(), rows->end(), skips), rows->end());
     if (rows->empty()) {
-      return Fail(ErrorCode::kInconsistent, "all frames of all motions are zero", options_.purpose,
+      return Fail(ErrorCode::kInconsistent, "no motion is left: all frames are zero, or inferred", options_.purpose,
                   "give other motions, or score them as they are: --padding keep");
     }
     const auto classes = ClassesOf(dataset, set_.classes = extractor_.options.classes);
@@ -265,12 +267,21 @@ class FeaturesRun {
 struct InferredCut {
   int clips = 0;
   int frames = 0;
+  int all = 0;  ///< clips of nothing else
 };
 
-/// Of each motion with inferred frames the longest stretch without them is scored.
-Expected<InferredCut> CutInferred(Dataset& dataset) {
+/// Of each motion with inferred frames the longest stretch without them is scored; one of nothing else is skipped.
+Expected<InferredCut> CutInferred(Dataset& dataset, std::set<int>& skipped) {
   InferredCut lost;
-  for (Clip& clip : dataset.clips) {
+  for (std::size_t row = 0; row < dataset.clips.size(); ++row) {
+    Clip& clip = dataset.clips[row];
+    if (IsAllInferred(*clip.motion)) {
+      skipped.insert(static_cast<int>(row));
+      ++lost.all;
+      ++lost.clips;
+      lost.frames += clip.motion->frame_count();
+      continue;
+    }
     Expected<std::optional<Clip>> shorter = WithoutInferred(clip);
     if (!shorter) return Forward(shorter);
     if (!*shorter) continue;
@@ -295,11 +306,11 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   if (options->frames > 0) extractor->rules.frames = static_cast<int>(options->frames);
   auto dataset = ReadDataset(motions->path);
   if (!dataset) return Forward(dataset);
-  const Expected<InferredCut> inferred = CutInferred(*dataset);
+  std::set<int> skipped;
+  const Expected<InferredCut> inferred = CutInferred(*dataset, skipped);
   if (!inferred) return Forward(inferred);
   nlohmann::json padding = nlohmann::json::object();
-  const auto skipped = TreatZeros(options->padding, *dataset, padding);
-  if (!skipped) return Forward(skipped);
+  if (Status treated = TreatZeros(options->padding, *dataset, skipped, padding); !treated) return Forward(treated);
   FeaturesRun run(*options, *extractor, request.threads);
   Status done;
   if (const StageInput* generator = InputOf(request, "generator")) {
@@ -310,7 +321,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
     if (!answer) return Forward(answer);
     done = run.OfGenerator(*dataset, *answer);
   } else {
-    done = run.OfDataset(*dataset, *skipped);
+    done = run.OfDataset(*dataset, skipped);
   }
   if (!done) return Forward(done);
   run.set().about = nlohmann::json{{"extractor", extractor->options.name},
@@ -329,6 +340,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
                      {"frames", extractor->rules.frames},
                      {"with_inferred", inferred->clips},
                      {"inferred_frames", inferred->frames},
+                     {"all_inferred", inferred->all},
                      {"is_training_set", !trained_on.empty() && trained_on == motions->sha256}};
   outcome.summary.update(padding);
   const auto lengths = [&](auto counts) {

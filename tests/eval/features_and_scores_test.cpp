@@ -137,6 +137,25 @@ TEST_F(ToyEvaluation, AClassWithoutMotionsIsAWarningAndItsMetricNull) {
   EXPECT_EQ(row["warnings"][0]["code"], "class_without_motions");
 }
 
+TEST_F(ToyEvaluation, MotionsThatNobodyObservedAreNotScoredAndCutOnesKeepTheirNames) {
+  Dataset set = dataset_;
+  Motion &unseen = *set.clips[0].motion, &padded = *set.clips[1].motion;
+  unseen.state.assign(unseen.joints.xyz.size() / 3, JointState::kInferred);
+  std::fill(padded.joints.xyz.end() - 15 * 4, padded.joints.xyz.end(), 0.0);
+  Save(set, "unseen.h5");
+  FeaturesOptions options;
+  options.padding = PaddingAction::kCut;
+  const auto outcome = MakeFeaturesStage(OpenTrained)(FeaturesRequest("unseen.h5", options));
+  ASSERT_TRUE(outcome) << outcome.error().Message();
+  EXPECT_EQ(outcome->summary.at("with_inferred"), 1);
+  EXPECT_EQ(outcome->summary.at("all_inferred"), 1);
+  EXPECT_EQ(outcome->summary.at("inferred_frames"), unseen.frame_count());
+  EXPECT_EQ(outcome->summary.at("padding_frames"), 4);
+  const FeatureSet features = Read(outcome);
+  ASSERT_EQ(features.clip.size(), set.clips.size() - 1);
+  EXPECT_EQ(features.clip[0], set.clips[1].id());
+}
+
 TEST_F(ToyEvaluation, MotionsWithoutLabelsHaveNoAccuracyAndTheRestAllTheSame) {
   Dataset unlabelled = dataset_;
   for (Clip& clip : unlabelled.clips) clip.label.clear();

@@ -74,6 +74,8 @@ TEST(Gaps, OfAMotionLeaveItsLongestStretch) {
   EXPECT_EQ((*shorter)->identity.begin_frame, 18);
   EXPECT_FALSE(*WithoutInferred(WithGap(40, {0, 0})));
   EXPECT_FALSE(WithoutInferred(WithGap(40, {0, 40})));
+  EXPECT_TRUE(IsAllInferred(*WithGap(40, {0, 40}).motion));
+  EXPECT_FALSE(IsAllInferred(*WithGap(40, {0, 39}).motion));
 }
 
 TEST(Gaps, OfAMotionThatAreShortBecomeInterpolated) {

@@ -124,6 +124,15 @@ TEST(MadeSets, EachRuleKeepsLabelsAndLengthsAndDrawsByClip) {
   EXPECT_NE(made[0].clips[0].motion->joints.xyz, made[1].clips[0].motion->joints.xyz);
   EXPECT_NE(made[0].clips[0].motion->joints.xyz, made[2].clips[0].motion->joints.xyz);
 
+  Dataset gaps = set;  // a gap stays one, in a motion of the same length
+  std::vector<JointState>& state = gaps.clips[0].motion->state;
+  state.assign(gaps.clips[0].motion->joints.xyz.size() / 3, JointState::kObserved);
+  std::fill(state.begin() + 25, state.begin() + 60, JointState::kInferred);
+  const auto filled = (*network)->Remake(gaps, RemakeOptions());
+  ASSERT_TRUE(filled) << filled.error().Message();
+  EXPECT_EQ(filled->clips[0].motion->frame_count(), gaps.clips[0].motion->frame_count());
+  EXPECT_EQ(filled->clips[0].motion->state, state);
+
   Dataset alone = set;  // one clip of a class is interpolated with itself: a motion like any other
   alone.clips.resize(1);
   alone.splits.clear();

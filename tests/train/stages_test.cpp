@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/base/file.h"
@@ -9,6 +10,7 @@
 #include "tests/train/toy_dataset.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/data/training_set.h"
+#include "train/data/training_windows.h"
 #include "train/items.h"
 
 namespace mocurate {
@@ -74,6 +76,46 @@ TEST_F(TrainStages, TheSetIsReadAsItIsPackedFromMemory) {
   EXPECT_EQ(read->clips[7].frames, packed.clips[7].frames);
   ASSERT_EQ(read->splits.size(), 1u);
   EXPECT_EQ(read->splits[0].train, packed.splits[0].train);
+}
+
+/// A clip that nobody observed is left out of the set and its splits; of one with a gap the longest stretch stays.
+TEST_F(TrainStages, InferredFramesAreLeftOut) {
+  Dataset set = ToyDataset(3);
+  const auto infer = [&](std::size_t row, int begin, int end) {
+    Motion& motion = *set.clips[row].motion;
+    motion.state.assign(static_cast<std::size_t>(motion.frame_count()) * 5, JointState::kObserved);
+    std::fill(motion.state.begin() + 5 * begin, motion.state.begin() + 5 * end, JointState::kInferred);
+  };
+  const int all = set.clips[2].motion->frame_count(), frames = set.clips[4].motion->frame_count();
+  infer(2, 0, all);
+  infer(4, 0, 6);
+  const TrainingSet packed = *PackTrainingSet(set);
+  ASSERT_EQ(packed.clips.size(), set.clips.size() - 1);
+  EXPECT_EQ(packed.clips[2].id, set.clips[3].id());
+  EXPECT_EQ(packed.clips[3].frames, frames - 6);
+  std::vector<std::string> before, after;
+  for (const int row : set.splits[0].train) {
+    if (row != 2) before.push_back(set.clips[static_cast<std::size_t>(row)].id());
+  }
+  for (const int row : packed.splits[0].train) after.push_back(packed.clips[static_cast<std::size_t>(row)].id);
+  EXPECT_EQ(after, before);
+  TrainingSetNeeds whole;
+  whole.whole = true;
+  EXPECT_EQ(PackTrainingSet(set, whole)->clips[4].frames, frames);
+
+  ASSERT_TRUE(WriteDataset(set, folder_ / "dataset.h5"));
+  const auto outcome = TrainStage(Request(NetworkOptions(NetworkKind::kGruRecogniser)));
+  ASSERT_TRUE(outcome) << outcome.error().Message();
+  const auto about = std::find_if(outcome->findings.begin(), outcome->findings.end(),
+                                  [](const Finding& finding) { return finding.code == "inferred_frames"; });
+  ASSERT_NE(about, outcome->findings.end());
+  EXPECT_EQ(about->value, all + 6);
+  NetworkOptions network(NetworkKind::kActor);
+  network.data.frames = 10;
+  const auto windows = TrainingWindows(set, network, true);
+  ASSERT_TRUE(windows) << windows.error().Message();
+  ASSERT_EQ(windows->findings.size(), 1u);
+  EXPECT_EQ(windows->findings[0].value, all + 6);
 }
 
 TEST_F(TrainStages, AnUnknownOptionAndAMissingDatasetAreErrors) {

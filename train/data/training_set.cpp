@@ -5,6 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/base/median.h"
+#include "core/base/text.h"
 #include "core/motion/gaps.h"
 #include "core/motion/operations.h"
 #include "core/store/dataset_clips.h"
@@ -62,12 +63,19 @@ class Packing {
 
   /// `where`: the file, for errors.
   Status Add(const Clip& given, const std::string& where) {
-    const Expected<std::optional<Clip>> shorter = WithoutInferred(given);
+    if (!needs_.whole && given.motion && IsAllInferred(*given.motion)) {
+      ++set_.inferred.skipped;
+      set_.inferred.frames += given.motion->frame_count();
+      new_row_.push_back(-1);
+      return {};
+    }
+    new_row_.push_back(static_cast<int>(set_.clips.size()));
+    const auto shorter = needs_.whole ? Expected<std::optional<Clip>>(std::nullopt) : WithoutInferred(given);
     if (!shorter) return Forward(shorter);
     const Clip& clip = *shorter ? **shorter : given;
     if (*shorter) {
-      ++set_.shortened;
-      set_.inferred_frames += given.motion->frame_count() - clip.motion->frame_count();
+      ++set_.inferred.shortened;
+      set_.inferred.frames += given.motion->frame_count() - clip.motion->frame_count();
     }
     TrainingSet::Clip packed;
     packed.id = given.id();
@@ -112,6 +120,7 @@ class Packing {
 
   void Finish() {
     SortWords(set_);
+    if (set_.inferred.skipped > 0) RenumberRows(new_row_, set_.splits);
     if (needs_.rotations) set_.rest_offset = MedianOffsets(skeletons_, set_.skeleton->joints.size());
   }
 
@@ -119,9 +128,31 @@ class Packing {
   const TrainingSetNeeds& needs_;
   TrainingSet& set_;
   std::vector<SkeletonPtr> skeletons_;
+  std::vector<int> new_row_;  ///< of each clip of the dataset
 };
 
 }  // namespace
+
+std::optional<Finding> InferredLoss::About() const {
+  if (frames == 0) return std::nullopt;
+  std::string message = Counted(frames, "frame") + " of " + Counted(shortened + skipped, "clip") +
+                        " lie in gaps without an observation: the longest stretch without them is trained on";
+  if (skipped > 0) message += "; " + Counted(skipped, "clip") + " without any are skipped";
+  return MakeFinding("inferred_frames", Severity::kWarning, frames, std::move(message), FindingAction::kDropped);
+}
+
+void RenumberRows(const std::vector<int>& new_row, std::vector<Split>& splits) {
+  for (Split& split : splits) {
+    for (std::vector<int>* part : {&split.train, &split.validation, &split.test}) {
+      std::vector<int> kept;
+      for (const int row : *part) {
+        const int moved = new_row.at(static_cast<std::size_t>(row));
+        if (moved >= 0) kept.push_back(moved);
+      }
+      *part = std::move(kept);
+    }
+  }
+}
 
 JointPositions TrainingSet::Joints(std::size_t clip) const {
   const int J = skeleton->joint_count();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/motion/gaps.h"
 #include "core/motion/operations.h"
 #include "train/data/batches.h"
 
@@ -32,11 +33,31 @@ TrainingSet HeadersOf(const Dataset& set) {
   return headers;
 }
 
+/// Removes the clips that nobody observed, as a training set leaves them out.
+void RemoveInferred(Dataset& set, InferredLoss& lost) {
+  std::vector<int> new_row;
+  std::vector<Clip> kept;
+  for (Clip& clip : set.clips) {
+    const bool gone = clip.motion && IsAllInferred(*clip.motion);
+    new_row.push_back(gone ? -1 : static_cast<int>(kept.size()));
+    lost.skipped += gone ? 1 : 0;
+    lost.frames += gone ? clip.motion->frame_count() : 0;
+    if (!gone) kept.push_back(std::move(clip));
+  }
+  set.clips = std::move(kept);
+  RenumberRows(new_row, set.splits);
+}
+
 /// Appends the windows of a clip.
-Status AddWindows(const Clip& given, const NetworkOptions& network, WindowPart part, std::vector<ClipWindow>& windows) {
+Status AddWindows(const Clip& given, const NetworkOptions& network, WindowPart part, std::vector<ClipWindow>& windows,
+                  InferredLoss& lost) {
   const Expected<std::optional<Clip>> shorter = WithoutInferred(given);
   if (!shorter) return Forward(shorter);
   const Clip& clip = *shorter ? **shorter : given;
+  if (*shorter) {
+    ++lost.shortened;
+    lost.frames += given.motion->frame_count() - clip.motion->frame_count();
+  }
   const int all = clip.motion->frame_count(), frames = static_cast<int>(network.data.frames);
   if (all < frames) {
     const bool one_length = network.actor.coders == ActorCoders::kFullyConnected;
@@ -54,6 +75,8 @@ Status AddWindows(const Clip& given, const NetworkOptions& network, WindowPart p
 }  // namespace
 
 Expected<Dataset> TrainingWindows(Dataset set, const NetworkOptions& network, bool test) {
+  InferredLoss lost;
+  RemoveInferred(set, lost);
   const TrainingSet headers = HeadersOf(set);
   const Expected<TrainingRows> rows = SelectTrainingRows(headers, network.data, false, network.seed(), 0.0);
   if (!rows) return Forward(rows);
@@ -76,7 +99,7 @@ Expected<Dataset> TrainingWindows(Dataset set, const NetworkOptions& network, bo
   for (const auto& [row, part] : chosen) {
     const auto at = static_cast<std::size_t>(row);
     if (headers.clips[at].frames < 1 || headers.clips[at].label < 0) continue;
-    if (Status cut = AddWindows(set.clips[at], network, part, windows); !cut) return Forward(cut);
+    if (Status cut = AddWindows(set.clips[at], network, part, windows, lost); !cut) return Forward(cut);
     set.clips[at].motion.reset();  // its windows have it
   }
   std::sort(windows.begin(), windows.end(),
@@ -91,6 +114,7 @@ Expected<Dataset> TrainingWindows(Dataset set, const NetworkOptions& network, bo
   }
   set.splits = {std::move(own)};
   set.findings.clear();
+  if (auto about = lost.About()) set.findings.push_back(*std::move(about));
   return set;
 }
 

@@ -134,7 +134,9 @@ Expected<Dataset> MotionGenerator::Remake(Dataset set, const RemakeOptions& opti
   const Error stopped{ErrorCode::kInterrupted, "stopped on request", impl_->options.name, "run again"};
   std::vector<torch::Tensor> latents(set.clips.size());  // (E) each
   if (encodes) {
-    const auto read = PackTrainingSet(set, {impl_->options.NeedsRotations() && !set.joints_only});
+    TrainingSetNeeds needs{impl_->options.NeedsRotations() && !set.joints_only};
+    needs.whole = true;
+    const auto read = PackTrainingSet(set, needs);
     if (!read) return Forward(read);
     const TrainingSet& packed = *read;
     const bool whole = rounds(0.0, [&](const std::vector<int>& rows) {
@@ -192,6 +194,8 @@ Expected<Dataset> MotionGenerator::Remake(Dataset set, const RemakeOptions& opti
         const torch::Tensor rotation = motions.rotation.select(1, motion).contiguous();
         AddRotations(rotation.data_ptr<float>(), requests[b].bone_length, made);
       }
+      // What it is made of was inferred in these frames; `generate` reads none.
+      if (encodes && clip.motion->state.size() == made.joints.xyz.size() / 3) made.state = clip.motion->state;
       clip.motion = std::move(made);
       clip.provenance["seed"] = std::to_string(requests[b].seed);
     }
