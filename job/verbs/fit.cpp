@@ -41,18 +41,21 @@ struct Declared {
   fs::path path;                     ///< folder of the files, if not the given path: the folder above
 };
 
-/// Warns of assumptions about unnamed columns, unless the command line declares them.
-void WarnOfAssumptions(const FitArguments& arguments, const Inspection& inspection) {
+/// Assumptions about unnamed columns, unless the command line declares them.
+void FindAssumptions(const FitArguments& arguments, const Inspection& inspection, std::vector<Finding>& findings) {
   const std::set<std::string> deciding = {"least_confidence", "columns", "layout"};
   for (const std::string& text : arguments.assignments)
     if (text.rfind("ingest.source.", 0) == 0 && deciding.count(text.substr(14, text.find('=') - 14)) != 0) return;
   for (const Finding& finding : inspection.findings) {
     if (finding.code != "confidence_guessed") continue;
-    return LogWarning(finding.clip + ": " + finding.message);
+    findings.push_back(MakeFinding(finding.code, finding.severity, finding.value,
+                                   finding.clip + ": " + finding.message, finding.action));
+    return;
   }
 }
 
-Expected<Declared> Declare(const FitArguments& arguments) {
+/// `findings`: what is assumed, and what is left out.
+Expected<Declared> Declare(const FitArguments& arguments, std::vector<Finding>& findings) {
   if (!arguments.source.empty()) {
     const Expected<ConfigSource> source = SourceOf(arguments.source);
     if (!source) return Forward(source);
@@ -63,10 +66,12 @@ Expected<Declared> Declare(const FitArguments& arguments) {
   if (Status known = ChooseClips(arguments.clips, inspection); !known) return Forward(known);
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit");
   if (!written) return Forward(written);
-  WarnOfAssumptions(arguments, inspection);
+  FindAssumptions(arguments, inspection, findings);
   for (const std::string& other : written->others) {
-    LogWarning(DisplayPath(arguments.path) + ": " + other +
-               " belong to other sources and are skipped; choose one with --clip");
+    findings.push_back(MakeFinding("other_sources", Severity::kWarning, 0.0,
+                                   DisplayPath(arguments.path) + ": " + other +
+                                       " belong to other sources and are skipped; choose one with --clip",
+                                   FindingAction::kExcluded));
   }
   return Declared{{written->yaml, "what the files show", fs::current_path()}, written->unknown, written->path};
 }
@@ -130,27 +135,29 @@ Status ChooseMethod(const FitArguments& arguments, JobOptions& options) {
   return {};
 }
 
-/// Warns of estimated axes that mirror: the files show left and right exchanged, and their joint names may be wrong
-/// instead.
-void ReportMirror(const FitArguments& arguments, const SourceOptions& source) {
+/// Estimated axes that mirror: the files show left and right exchanged, and their joint names may be wrong instead.
+std::optional<Finding> FindMirror(const FitArguments& arguments, const SourceOptions& source) {
   const bool axes_declared =
       !arguments.source.empty() ||
       std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
                   [](const std::string& text) { return text.rfind("ingest.source.axes=", 0) == 0; });
   const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
-  if (axes_declared || !axes || axes->handedness() == Handedness::kRight) return;
+  if (axes_declared || !axes || axes->handedness() == Handedness::kRight) return std::nullopt;
   AxisConvention right = *axes;
   right.canonical_from_source.col(0) *= -1.0;
-  LogWarning(DisplayPath(arguments.path) +
-             ": left and right are exchanged by the joint names, so the files are read as a left-handed world, axes '" +
-             source.axes +
-             "'. If the names are wrong instead, correct them, or keep them with --set "
-             "ingest.source.axes='" +
-             right.Text() + "'");
+  return MakeFinding(
+      "axes_mirrored", Severity::kWarning, 0.0,
+      DisplayPath(arguments.path) +
+          ": left and right are exchanged by the joint names, so the files are read as a left-handed world, axes '" +
+          source.axes +
+          "'. If the names are wrong instead, correct them, or keep them with --set "
+          "ingest.source.axes='" +
+          right.Text() + "'");
 }
 
-Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
-  const Expected<Declared> declared = Declare(arguments);
+/// `findings`: what is assumed of the files, and what of them is left out.
+Expected<JobOptions> FitOptionsOf(const FitArguments& arguments, std::vector<Finding>& findings) {
+  const Expected<Declared> declared = Declare(arguments, findings);
   if (!declared) return Forward(declared);
   if (Status known = CheckUnknown(arguments, *declared); !known) return Forward(known);
   for (const std::string& assignment : arguments.assignments) {
@@ -176,7 +183,8 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments) {
   std::optional<std::string> unnamed;
   if (!IsMotionStore(path)) unnamed = RelaxFilePattern(IsAssigned(arguments, "ingest.source.files"), options.ingest);
   if (unnamed) LogInfo(*unnamed);
-  if (!IsMotionStore(path)) ReportMirror(arguments, options.ingest.source);
+  auto mirrored = IsMotionStore(path) ? std::nullopt : FindMirror(arguments, options.ingest.source);
+  if (mirrored) findings.push_back(*std::move(mirrored));
   if (Status chosen = ChooseMethod(arguments, options); !chosen) return Forward(chosen);
   ChooseBodies(arguments, unnamed.has_value(), options);
   if (Status named = CheckNames(options, JobStage::kFitting); !named) return Forward(named);
@@ -220,8 +228,8 @@ std::string HowText(const JobOptions& options) {
   return how + (options.fitting.contacts.remove_sliding ? ", sliding of standing feet removed" : "");
 }
 
-/// Writes `fits` as that dataset with its motions fitted again. Returns the dataset, and in `findings` what is about it
-/// as a whole.
+/// Writes `fits` as that dataset with its motions fitted again. Returns the dataset, and adds to `findings` what is
+/// about it as a whole.
 Expected<Dataset> WriteRefitted(const fs::path& path, Dataset fits, const JobOptions& options, const JobResult& result,
                                 const fs::path& output, std::vector<Finding>& findings) {
   const auto files = OpenDatasetFiles({path});
@@ -235,7 +243,7 @@ Expected<Dataset> WriteRefitted(const fs::path& path, Dataset fits, const JobOpt
   RefittedDataset refitted = RefitDataset(files->front().outline, std::move(fits), failed, HowText(options));
   const auto dropped = WriteFromFiles(refitted.dataset, WholeClips(refitted.rows, *files), *files, output);
   if (!dropped) return Forward(dropped);
-  findings = std::move(refitted.findings);
+  findings.insert(findings.end(), refitted.findings.begin(), refitted.findings.end());
   findings.insert(findings.end(), dropped->begin(), dropped->end());
   return std::move(refitted.dataset);
 }
@@ -262,6 +270,13 @@ Error FirstFailure(const JobResult& result) {
   return failures[0];
 }
 
+/// Those from the `first` on.
+void LogFindings(const std::vector<Finding>& findings, std::size_t first) {
+  for (std::size_t i = first; i < findings.size(); ++i) {
+    LogWarning((findings[i].clip.empty() ? "" : findings[i].clip + ": ") + findings[i].message);
+  }
+}
+
 /// Text about fitted clips that are suspect.
 std::string SuspectClipsText(int clips) {
   const bool one = clips == 1;
@@ -278,7 +293,9 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
     return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
   }
   if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
-  const Expected<JobOptions> options = FitOptionsOf(arguments);
+  std::vector<Finding> findings;
+  const Expected<JobOptions> options = FitOptionsOf(arguments, findings);
+  LogFindings(findings, 0);
   if (!options) return Forward(options);
   const TemporaryFolder scratch;
   RunnerOptions settings;
@@ -298,7 +315,8 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   }
   Expected<Dataset> whole = CollectFits(result->clips, options->assemble.label_order);
   if (!whole) return Forward(whole);
-  std::vector<Finding> findings;
+  whole->findings.insert(whole->findings.end(), findings.begin(), findings.end());
+  const std::size_t logged = findings.size();
   const fs::path dataset = DatasetOf(*options);
   if (!dataset.empty()) {
     whole = WriteRefitted(dataset, *std::move(whole), *options, *result, arguments.output, findings);
@@ -306,9 +324,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   } else if (Status written = WriteDataset(*whole, arguments.output); !written) {
     return written;
   }
-  for (const Finding& finding : findings) {
-    LogWarning((finding.clip.empty() ? "" : finding.clip + ": ") + finding.message);
-  }
+  LogFindings(findings, logged);
   if (common.json) {
     common.answered = true;
     std::printf("%s\n", AnswerOf(*result, arguments.output, findings)

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include <cstdlib>
@@ -49,8 +50,14 @@ class FitVerbs : public ::testing::Test {
 TEST_F(FitVerbs, ReportAssumptionsAboutUndeclaredColumns) {
   const fs::path msr = data_ / "kinect/msr_action3d/a01_s01_e01_skeleton3D.txt";
   const std::string assumption = "taken as a confidence, by which";
-  const Result silent = Fit(msr, {"--set", "ingest.source.rate=15 Hz"});
+  const Result silent = Fit(msr, {"--set", "ingest.source.rate=15 Hz", "--json"});
   EXPECT_EQ(silent.exit_code, 0) << silent.err;
+  ASSERT_EQ(silent.Json()["findings"].size(), 1u);
+  EXPECT_EQ(silent.Json()["findings"][0]["code"], "confidence_guessed");
+  const Dataset fitted = Fitted();
+  EXPECT_EQ(std::count_if(fitted.findings.begin(), fitted.findings.end(),
+                          [](const Finding& finding) { return finding.code == "confidence_guessed"; }),
+            1);
   EXPECT_THAT(silent.err, HasSubstr(assumption));
   const Result declared =
       Fit(msr, {"--set", "ingest.source.rate=15 Hz", "--set", "ingest.source.least_confidence=0.1", "--force"});
@@ -113,8 +120,9 @@ TEST_F(FitVerbs, AMirroredWorldIsReported) {
   };
   replace("Left", "L~"), replace("Right", "Left"), replace("L~", "Right");
   WriteText(folder_ / "exchanged.bvh", text);
-  const Result mirrored = Fit(folder_ / "exchanged.bvh", {"--skeleton", "smpl24"});
+  const Result mirrored = Fit(folder_ / "exchanged.bvh", {"--skeleton", "smpl24", "--json"});
   EXPECT_EQ(mirrored.exit_code, 0) << mirrored.err;
+  EXPECT_EQ(mirrored.Json()["findings"][0]["code"], "axes_mirrored");
   EXPECT_THAT(mirrored.err, HasSubstr("--set ingest.source.axes='+x +y +z'"));
   const Result kept =
       Fit(folder_ / "exchanged.bvh", {"--skeleton", "smpl24", "--force", "--set", "ingest.source.axes=+x +y +z"});
