@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <set>
 #include <tuple>
 
@@ -180,30 +181,47 @@ class LabelAssignment {
   const std::vector<std::string>& classes_;
 };
 
-/// Error kInconsistent where a motion has fewer frames than are stated for it.
-Status CheckLength(const MotionLengths& lengths, std::size_t place, const Clip& clip) {
+/// Number of the motion's frames within the length that is stated for it; all without one. A length counts frames of
+/// the file, of which those without an observation at both ends are cut already. Error kInconsistent where the file has
+/// fewer frames, or shows nothing within them.
+Expected<int> StatedFrames(const MotionsOptions& options, const MotionLengths& lengths, std::size_t place,
+                           const ReadItem& read) {
+  const Clip& clip = read.clip;
   const int frames = clip.motion->frame_count();
-  if (lengths.frames.empty() || lengths.frames[place] <= frames) return {};
-  return Fail(ErrorCode::kInconsistent,
-              Counted(lengths.frames[place], "frame") + " are stated, the motion " + clip.id() + " has " +
-                  std::to_string(frames),
-              lengths.places[place], "state at most the frames of the motion");
+  if (lengths.frames.empty()) return frames;
+  const std::int64_t stated = lengths.frames[place];
+  std::int64_t of_file = frames;
+  for (const Finding& finding : read.outcome.findings) {
+    if (finding.code == "unobserved_ends") of_file += std::lround(finding.value);
+  }
+  if (stated > of_file) {
+    return Fail(ErrorCode::kInconsistent,
+                Counted(stated, "frame") + " are stated, the motion " + clip.id() + " has " + std::to_string(of_file),
+                lengths.places[place], "state at most the frames of the motion");
+  }
+  // Clips of a dataset count the frames of their recording, and keep their ends.
+  const int begin = DriverOf(options.ingest.source.format).stored ? 0 : clip.identity.begin_frame;
+  if (stated <= begin) {
+    return Fail(ErrorCode::kInconsistent,
+                Counted(stated, "frame") + " are stated, and nothing is observed in the first " +
+                    Counted(begin, "frame") + " of the motion " + clip.id(),
+                lengths.places[place], "state more frames, or leave the motion out");
+  }
+  return static_cast<int>(std::min<std::int64_t>(stated - begin, frames));
 }
 
-/// Cuts a motion to its stated length and cuts or counts its padding. Error kInconsistent for a motion of zeros.
-Status TreatPadding(const MotionsOptions& options, const MotionLengths& lengths, std::size_t place, ReadMotions& read,
-                    Clip& clip) {
+/// Cuts a motion to its first `stated` frames and cuts or counts its padding. Error kInconsistent for a motion of zeros.
+Status TreatPadding(const MotionsOptions& options, int stated, bool states_lengths, ReadMotions& read, Clip& clip) {
   const int all = clip.motion->frame_count();
-  int frames = all;
-  if (!lengths.frames.empty()) {
-    frames = static_cast<int>(lengths.frames[place]);
+  int frames = stated;
+  if (frames < all) {
     Expected<Clip> cut = Cut(clip, 0, frames);
     if (!cut) return Forward(cut);
     clip = std::move(*cut);
   }
   if (options.padding != PaddingAction::kNone) {
     const bool foreign = !DriverOf(options.ingest.source.format).stored;
-    frames = FramesWithoutPadding(*clip.motion, foreign && lengths.frames.empty());
+    frames = FramesWithoutPadding(*clip.motion, foreign && !states_lengths);
   }
   if (frames == all) return {};
   if (frames == 0 && options.padding == PaddingAction::kCut) {
@@ -353,10 +371,11 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
     Status taken = one ? GiveMotion(options.ingest.source, one->clip) : Forward(one);
     if (taken) taken = assignment.Assign(item, places[i], one->clip);
     if (taken) taken = FitsSet(read.set, one->clip);
+    const Expected<int> frames = taken ? StatedFrames(options, lengths, places[i], *one) : Forward(taken);
+    if (taken && !frames) taken = Forward(frames);
     if (taken) {
-      if (Status sound = CheckLength(lengths, places[i], one->clip); !sound) return Forward(sound);
       one->clip.evidence = Evidence();
-      taken = TreatPadding(options, lengths, places[i], read, one->clip);
+      taken = TreatPadding(options, *frames, !lengths.frames.empty(), read, one->clip);
     }
     if (!taken) {
       read.refused.push_back({item.item, taken.error()});

@@ -69,8 +69,8 @@ Expected<MotionLengths> ReadMotionLengths(const std::filesystem::path& file);
 /// another tree than the first one's, or joints only among rotations, are refused one by one; segments, findings and
 /// labels are kept. Motions are cut to `lengths`, where given, and padding is treated as `options.padding` asks
 /// (core/quality/padding.h); motions without a frame that is not zero are refused then. Errors of Discover;
-/// kInconsistent where no clip can be taken, where there are other than one label or length a motion, or where a motion
-/// is shorter than its length.
+/// kInconsistent where no clip can be taken, or where there are other than one label or length a motion. Lengths count
+/// frames of the files; a motion that is shorter than its length is refused.
 Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels = {},
                                      const MotionLengths& lengths = {});
 

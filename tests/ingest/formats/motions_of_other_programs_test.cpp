@@ -209,6 +209,28 @@ TEST_F(OtherPrograms, PadMotionsWithZerosAndRepeats) {
   EXPECT_EQ(kept->padded.motions, 3);
 }
 
+TEST_F(OtherPrograms, StateLengthsInFramesOfTheFileWhoseUnobservedEndsAreCut) {
+  NpyArray array = Padded();
+  for (std::size_t n = 0; n < 4; ++n) {
+    for (std::size_t f = 0; f < 20; ++f) {
+      for (std::size_t k = 0; k < 72; ++k)
+        array.values[(n * 20 + f) * 72 + k] = f < 3 || f >= 18 ? std::nan("") : 1.0 + ValueAt(n, f, k / 3, k % 3);
+    }
+  }
+  Put(folder / "unseen.npy", WriteNpy(array));
+  MotionsOptions options = Arrays(folder / "unseen.npy");
+  options.ingest.source.damaged_rows = DamagedRows::kReport;
+  Put(folder / "lengths.txt", "12\n20\n21\n2\n");
+  const auto read = ReadAllMotions(options, {}, *ReadMotionLengths(folder / "lengths.txt"));
+  ASSERT_TRUE(read) << read.error().Message();
+  EXPECT_THAT(FramesOf(*read), ElementsAre(9, 15));
+  EXPECT_EQ(read->set.clips.at(0).identity.begin_frame, 3);
+  EXPECT_EQ(read->set.clips.at(0).identity.end_frame, 12);
+  ASSERT_EQ(read->refused.size(), 2u);
+  EXPECT_EQ(std::filesystem::path(read->refused[0].error.where).filename(), "lengths.txt:3");
+  EXPECT_EQ(std::filesystem::path(read->refused[1].error.where).filename(), "lengths.txt:4");
+}
+
 TEST_F(OtherPrograms, StateTheLengthsOfTheirMotions) {
   Put(folder / "padded.npy", WriteNpy(Padded()));
   MotionsOptions options = Arrays(folder / "padded.npy");
@@ -225,8 +247,10 @@ TEST_F(OtherPrograms, StateTheLengthsOfTheirMotions) {
   numbers.values = {12, 21, 20, 20};
   Put(folder / "lengths.npy", WriteNpy(numbers));
   const auto longer = ReadAllMotions(options, {}, *ReadMotionLengths(folder / "lengths.npy"));
-  ASSERT_FALSE(longer) << "a motion has 20 frames";
-  EXPECT_EQ(std::filesystem::path(longer.error().where).filename(), "lengths.npy[1]");
+  ASSERT_TRUE(longer) << longer.error().Message();
+  ASSERT_EQ(longer->refused.size(), 2u) << "a motion has 20 frames; the last is nothing but zeros";
+  EXPECT_EQ(std::filesystem::path(longer->refused[0].error.where).filename(), "lengths.npy[1]");
+  EXPECT_THAT(FramesOf(*longer), ElementsAre(12, 20));
   Put(folder / "few.txt", "12\n12\n");
   EXPECT_FALSE(ReadAllMotions(options, {}, *ReadMotionLengths(folder / "few.txt")));
   for (const char* bad : {"12\n0\n", "12\n-3\n", "12\n7.5\n", "12\nall\n", "\n"}) {
