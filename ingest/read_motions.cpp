@@ -210,7 +210,8 @@ Expected<int> StatedFrames(const MotionsOptions& options, const MotionLengths& l
   return static_cast<int>(std::min<std::int64_t>(stated - begin, frames));
 }
 
-/// Cuts a motion to its first `stated` frames and cuts or counts its padding. Error kInconsistent for a motion of zeros.
+/// Cuts a motion to its first `stated` frames and cuts or counts its padding. Error kInconsistent for a motion of
+/// zeros.
 Status TreatPadding(const MotionsOptions& options, int stated, bool states_lengths, ReadMotions& read, Clip& clip) {
   const int all = clip.motion->frame_count();
   int frames = stated;

@@ -152,8 +152,9 @@ class EvaluationRun {
     const auto count = [&](const char* key) { return summary.value(key, 0LL); };
     const std::string frames = Counted(count("frames"), "frame");
     if (count("with_inferred") > 0) {
-      const std::string skipped =
-          count("all_inferred") > 0 ? "; " + Counted(count("all_inferred"), "motion") + " without any are not scored" : "";
+      const std::string skipped = count("all_inferred") > 0
+                                      ? "; " + Counted(count("all_inferred"), "motion") + " without any are not scored"
+                                      : "";
       Warn(row, "inferred_frames",
            Counted(count("inferred_frames"), "frame") + " of " + Counted(count("with_inferred"), "motion") +
                " lie in gaps without an observation: the longest stretch without them is scored" + skipped);

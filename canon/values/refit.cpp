@@ -30,9 +30,9 @@ Finding NotFitted(const std::string& id, const std::string& reason, const std::s
   return finding;
 }
 
-/// What the clip was before, with its new motion.
+/// What the clip was before, with its new motion. Where its source data is unknown, it stays so.
 Clip Refitted(const Clip& before, Clip fit) {
-  fit.evidence_sha256 = before.evidence_sha256;  // also where it is unknown: the fit's is of the dataset
+  fit.evidence_sha256 = before.evidence_sha256;
   if (fit.fit_rms == 0.0) fit.fit_rms = before.fit_rms;  // a given motion with other feet
   for (const char* key : {"file", "source_axes", "source_units", "source_skeleton"}) {
     const auto own = before.provenance.find(key);

@@ -48,8 +48,8 @@ void FindAssumptions(const FitArguments& arguments, const Inspection& inspection
     if (text.rfind("ingest.source.", 0) == 0 && deciding.count(text.substr(14, text.find('=') - 14)) != 0) return;
   for (const Finding& finding : inspection.findings) {
     if (finding.code != "confidence_guessed") continue;
-    findings.push_back(MakeFinding(finding.code, finding.severity, finding.value,
-                                   finding.clip + ": " + finding.message, finding.action));
+    findings.push_back(MakeFinding(finding.code, finding.severity, finding.value, finding.clip + ": " + finding.message,
+                                   finding.action));
     return;
   }
 }
@@ -68,10 +68,10 @@ Expected<Declared> Declare(const FitArguments& arguments, std::vector<Finding>& 
   if (!written) return Forward(written);
   FindAssumptions(arguments, inspection, findings);
   for (const std::string& other : written->others) {
-    findings.push_back(MakeFinding("other_sources", Severity::kWarning, 0.0,
-                                   DisplayPath(arguments.path) + ": " + other +
-                                       " belong to other sources and are skipped; choose one with --clip",
-                                   FindingAction::kExcluded));
+    findings.push_back(MakeFinding(
+        "other_sources", Severity::kWarning, 0.0,
+        DisplayPath(arguments.path) + ": " + other + " belong to other sources and are skipped; choose one with --clip",
+        FindingAction::kExcluded));
   }
   return Declared{{written->yaml, "what the files show", fs::current_path()}, written->unknown, written->path};
 }

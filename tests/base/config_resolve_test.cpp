@@ -81,7 +81,7 @@ TEST(ConfigReference, AVariableThatIsNotSetIsKeptWhereThatIsAsked) {
   ::unsetenv("MOCURATE_NO_SUCH");
   const ConfigSource source{
       "path: ${MOCURATE_NO_SUCH}/kard\ntitle: ${path} and $${x}\npeople: ['${MOCURATE_NO_SUCH}', a]\n"
-      "labels: {a: '${MOCURATE_NO_SUCH}', b: $${x}}\n",
+      "labels: {a: '${MOCURATE_NO_SUCH}', b: '$${x}'}\n",
       "c.yaml", "/folder"};
   EXPECT_FALSE(LoadConfig(source));
   const auto node = LoadConfig(source, {}, UnsetVariables::kKeep);

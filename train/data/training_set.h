@@ -69,7 +69,8 @@ TrainingSetNeeds NeedsOf(const NetworkOptions& options);
 void RenumberRows(const std::vector<int>& new_row, std::vector<Split>& splits);
 
 /// Reads the file clip by clip and checks its hashes. Of a clip with inferred frames the longest stretch without them
-/// is taken; a clip of nothing else is left out, also of the splits. Errors of ReadDataset; kInconsistent naming a clip without rotations or parts where they are required.
+/// is taken; a clip of nothing else is left out, also of the splits. Errors of ReadDataset; kInconsistent naming a clip
+/// without rotations or parts where they are required.
 Expected<TrainingSet> ReadTrainingSet(const std::filesystem::path& path, const TrainingSetNeeds& needs = {});
 
 /// The same of a dataset in memory.
