@@ -139,6 +139,14 @@ class SlurmRuns : public ::testing::Test {
 ScratchFolder* SlurmRuns::folder_ = nullptr;
 Result SlurmRuns::plain_;
 
+/// Everything is in the cache, so that only the last job runs.
+TEST_F(SlurmRuns, AFolderOfAnotherJobIsReplacedByTheLastJobToo) {
+  ASSERT_EQ(RunProgram(*folder_, Arguments("replaced", {"--set", "name=before"}), "plain_cache").exit_code, 0);
+  EXPECT_EQ(Run(OnSlurm("replaced"), "plain").exit_code, 2);
+  const Result replaced = Run(OnSlurm("replaced", {"--replace"}), "plain");
+  EXPECT_EQ(replaced.exit_code, 0) << replaced.err << Logs("replaced");
+}
+
 /// Slow: some twenty programs.
 TEST_F(SlurmRuns, ArraysGiveTheBytesOfAPlainRun) {
   const std::vector<std::string> scratch = {"--set", "slurm.scratch=$SHIM/scratch", "--set",
