@@ -258,6 +258,12 @@ TEST_F(DatasetsOfDatasets, StayThemselvesWhenTheyAreFittedAgain) {
   other.dropped = {"/frames/joint_mark"};
   ExpectKept("other.h5", other);
   EXPECT_EQ(ReadDataset(folder_ / "other.h5")->skeleton->name, "openni15");
+  for (const Clip& clip : ReadDataset(folder_ / "other.h5")->clips) {
+    const auto before = std::find_if(set_.clips.begin(), set_.clips.end(),
+                                     [&](const Clip& candidate) { return candidate.id() == clip.id(); });
+    ASSERT_NE(before, set_.clips.end());
+    EXPECT_EQ(clip.evidence_sha256, before->evidence_sha256) << "of its recording, or unknown";
+  }
   EXPECT_EQ(ExportedNames("other.h5"), names);
 
   const nlohmann::json diff = Run({"dataset", "diff", set, Path("other.h5"), "--json"}).Json();
