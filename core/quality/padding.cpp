@@ -9,10 +9,11 @@ constexpr double kNoRotation = 1e-9;  // sine of half an angle, of readers that 
 
 /// Whether no joint but the root is rotated: the rest pose.
 bool IsRestPose(const Motion& motion, int frame) {
+  if (motion.joints_only()) return false;
   for (int j = 1; j < motion.joint_count(); ++j) {
     if (motion.rotation_at(frame, j).vec().cwiseAbs().maxCoeff() > kNoRotation) return false;
   }
-  return !motion.joints_only();
+  return true;
 }
 
 bool IsZero(const Motion& motion, int frame) {

@@ -118,7 +118,8 @@ TEST(TrainingRun, AFailedGeneratorLeavesTheRecognisersAndIsReported) {
 /// Files that run.json marks as stale, with their stages.
 std::map<std::string, std::string> StaleStages(const fs::path& run) {
   std::map<std::string, std::string> stale;
-  for (const auto& output : nlohmann::json::parse(ReadText(run / "run.json")).at("stale")) {
+  const nlohmann::json file = nlohmann::json::parse(ReadText(run / "run.json"));
+  for (const auto& output : file.at("stale")) {
     stale[output.at("file")] = output.at("stage");
   }
   return stale;

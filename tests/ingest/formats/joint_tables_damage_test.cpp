@@ -211,7 +211,7 @@ TEST_F(ChangedKard, SkipsFrameAndJointCountersInRows) {
     const Json& clip = inspection.at("clips")[0];
     EXPECT_EQ(Value(clip, "skeleton"), "openni15");
     EXPECT_EQ(Value(clip, "frames"), rows.size() / 15);
-    EXPECT_EQ(clip.at("facts").at("columns"), joints ? "skip, skip, x, y, z" : "skip, x, y, z");
+    EXPECT_EQ(clip.at("facts").at("columns"), joints ? "frame, skip, x, y, z" : "frame, x, y, z");
   }
 }
 
