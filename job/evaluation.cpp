@@ -157,7 +157,7 @@ class EvaluationRun {
                                       : "";
       Warn(row, "inferred_frames",
            Counted(count("inferred_frames"), "frame") + " of " + Counted(count("with_inferred"), "motion") +
-               " lie in gaps without an observation: the longest stretch without them is scored" + skipped);
+               " are left out: the longest stretch between gaps without an observation is scored" + skipped);
     }
     if (count("longer") > 0) {
       Warn(row, "longer_than_window",

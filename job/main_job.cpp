@@ -417,7 +417,7 @@ class MainJob {
   JobStage last_;
   bool synthetic_ = false;
   std::vector<Finding> set_findings_;  ///< until the dataset is assembled
-  bool unfitted_ = false;  ///< clips before fitting run through the same stages, for comparison
+  bool unfitted_ = false;              ///< clips before fitting run through the same stages, for comparison
   Runner& runner_;
   const std::vector<std::string>& only_;
   JobResult result_;

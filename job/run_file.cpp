@@ -70,6 +70,7 @@ bool IsEarlier(const fs::path& file, const std::string& started) {
 RunFile::RunFile(const LoadedJob& job, double budget, JobStage last, const fs::path& folder)
     : folder_(folder),
       earlier_(OutputsIn(folder)),
+      previous_(ReadFile(folder / "run.json").value_or("")),
       run_({{"created_by", CreatedBy()},
             {"job", {{"name", job.options.name}, {"config", job.config}}},
             {"options", OptionsToJson(job.options)},
@@ -99,6 +100,8 @@ Status RunFile::End(const Status& outcome) {
                    {"exit_code", static_cast<int>(code)},
                    {"message", outcome ? std::string() : outcome.error().Message()}};
   const std::vector<StaleOutput> stale = Stale(OutputsIn(folder_));
+  const bool nothing_done = code == ExitCode::kUsage && !stale.empty() && stale.size() == earlier_.size();
+  if (nothing_done && !previous_.empty()) return WriteFile(folder_ / "run.json", previous_);
   run_["stale"] = JsonOf(stale);
   WarnOfStale(stale);
   return WriteJson(folder_, run_);

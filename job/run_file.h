@@ -27,7 +27,8 @@ class RunFile {
   /// Written as the run begins; without "ended" the run is at work or was cut short. Error kCannotWrite.
   Status Begin();
   /// Adds time and outcome of the end, and the outputs that were there at the beginning and were not made again, with a
-  /// warning. Error kCannotWrite.
+  /// warning. A run that was refused for its configuration before it wrote anything leaves the earlier run.json. Error
+  /// kCannotWrite.
   Status End(const Status& outcome);
 
  private:
@@ -35,6 +36,7 @@ class RunFile {
 
   std::filesystem::path folder_;
   std::map<std::string, OutputFile> earlier_;  ///< outputs when the run began
+  std::string previous_;                       ///< run.json when the run began; empty: none
   nlohmann::json run_;
 };
 

@@ -200,7 +200,12 @@ Expected<MergedDataset> MergeDatasets(const std::vector<MergePart>& parts) {
   auto splits = MergeSplits(parts, new_rows, merged, merged.findings);
   if (!splits) return Forward(splits);
   merged.dataset.splits = std::move(*splits);
-  for (const MergePart& part : parts) AddFindings(part.dataset.findings, merged.dataset.findings);
+  for (const MergePart& part : parts) {
+    std::vector<Finding> findings = part.dataset.findings;  // its splits are no longer these
+    const auto of_splits = [](const Finding& finding) { return finding.code == "empty_part"; };
+    findings.erase(std::remove_if(findings.begin(), findings.end(), of_splits), findings.end());
+    AddFindings(findings, merged.dataset.findings);
+  }
   merged.dataset.findings.insert(merged.dataset.findings.end(), merged.findings.begin(), merged.findings.end());
   merged.dataset.recipe = RecipeOf(parts);
   merged.dataset.created_by = CreatedBy();

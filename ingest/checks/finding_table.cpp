@@ -16,6 +16,7 @@ CheckLimit Frames(double value, const char* help, const char* source, double lea
 
 const char* ActionText(OnFinding action) {
   if (action == OnFinding::kDrop) return "drop";
+  if (action == OnFinding::kMissing) return "missing";
   return action == OnFinding::kDropRecorded ? "drop_recorded" : "report";
 }
 
@@ -24,8 +25,12 @@ const char* ActionText(OnFinding action) {
 const std::vector<FindingKind>& FindingKinds() {
   static const std::vector<FindingKind> kinds = {
       // Checks of a clip.
-      {"zero_frames", "warning; info where it is nearly the whole clip",
-       "frames whose joints are all at 0 0 0; value: frames", Checked::kSamples},
+      {"zero_frames",
+       "warning; info where it is nearly the whole clip",
+       "frames whose joints are all at 0 0 0, missing in tracks; value: frames",
+       Checked::kSamples,
+       {},
+       OnFinding::kMissing},
       {"zero_joint", "warning", "a joint at 0 0 0 while others are elsewhere; value: frames", Checked::kSamples},
       {"joint_never_seen", "info", "joints that are missing in every frame; value: their number", Checked::kClip},
       {"collapsed_frames", "warning; info where it is nearly the whole clip",

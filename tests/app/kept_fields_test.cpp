@@ -258,7 +258,8 @@ TEST_F(DatasetsOfDatasets, StayThemselvesWhenTheyAreFittedAgain) {
   other.dropped = {"/frames/joint_mark"};
   ExpectKept("other.h5", other);
   EXPECT_EQ(ReadDataset(folder_ / "other.h5")->skeleton->name, "openni15");
-  for (const Clip& clip : ReadDataset(folder_ / "other.h5")->clips) {
+  const Dataset refitted = *ReadDataset(folder_ / "other.h5");
+  for (const Clip& clip : refitted.clips) {
     const auto before = std::find_if(set_.clips.begin(), set_.clips.end(),
                                      [&](const Clip& candidate) { return candidate.id() == clip.id(); });
     ASSERT_NE(before, set_.clips.end());

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -37,7 +38,13 @@ struct Result {
   int exit_code = -1;  ///< 128 + signal when killed
   std::string out;
   std::string err;
-  nlohmann::json Json() const { return nlohmann::json::parse(out); }
+  mutable std::shared_ptr<nlohmann::json> json = {};
+
+  /// The output, parsed once: parts of it live as long as the result.
+  nlohmann::json& Json() const {
+    if (json == nullptr) json = std::make_shared<nlohmann::json>(nlohmann::json::parse(out));
+    return *json;
+  }
 };
 
 /// Environment of a started program.

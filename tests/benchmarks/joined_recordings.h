@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/motion/kinematics.h"
 #include "core/motion/gaps.h"
+#include "core/motion/kinematics.h"
 #include "core/motion/tracks.h"
 #include "tests/canon/studio_recordings.h"
 #include "tests/ingest/sources.h"

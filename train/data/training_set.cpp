@@ -136,7 +136,7 @@ class Packing {
 std::optional<Finding> InferredLoss::About() const {
   if (frames == 0) return std::nullopt;
   std::string message = Counted(frames, "frame") + " of " + Counted(shortened + skipped, "clip") +
-                        " lie in gaps without an observation: the longest stretch without them is trained on";
+                        " are left out: the longest stretch between gaps without an observation is trained on";
   if (skipped > 0) message += "; " + Counted(skipped, "clip") + " without any are skipped";
   return MakeFinding("inferred_frames", Severity::kWarning, frames, std::move(message), FindingAction::kDropped);
 }

@@ -185,10 +185,10 @@ class Training {
       Expected<Checkpoint> stored = ReadCheckpoint(file, state_.kind);
       if (!stored && file == control_.start) return Forward(stored);
       if (!stored) {
-        control_.report(MakeFinding("training_restarted", Severity::kWarning, 0.0,
-                                    "training starts anew, as its saved state cannot be read: " +
-                                        stored.error().Message(),
-                                    FindingAction::kDropped));
+        control_.report(
+            MakeFinding("training_restarted", Severity::kWarning, 0.0,
+                        "training starts anew, as its saved state cannot be read: " + stored.error().Message(),
+                        FindingAction::kDropped));
         continue;
       }
       if (!SameTraining(*stored) || (End() > 0 && stored->step > End())) continue;

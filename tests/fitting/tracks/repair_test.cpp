@@ -391,14 +391,14 @@ TEST(Repair, KeepsLongStillness) {
   EXPECT_TRUE(OfCode(FitRepaired(take), "repeated_value").empty());  // most of the joint's samples
 }
 
-TEST(Repair, StatesDependOnTheDistanceToTheNextObservation) {
+TEST(Repair, StatesDependOnTheLengthOfTheGap) {
   PlayedTake take = TurningTake(120);
   for (int f = 20; f < 100; ++f) Hide(take.tracks, f, 5);
+  for (int f = 20; f < 30; ++f) Hide(take.tracks, f, 6);
   const FitResult fit = FitRepaired(take);
   EXPECT_EQ(StateAt(fit, 19, 5), JointState::kObserved);
-  EXPECT_EQ(StateAt(fit, 25, 5), JointState::kInterpolated);
-  EXPECT_EQ(StateAt(fit, 60, 5), JointState::kInferred);  // 1.3 s from any
-  EXPECT_EQ(StateAt(fit, 95, 5), JointState::kInterpolated);
+  for (const int f : {20, 60, 99}) EXPECT_EQ(StateAt(fit, f, 5), JointState::kInferred) << f;  // 2.7 s
+  EXPECT_EQ(StateAt(fit, 25, 6), JointState::kInterpolated);
 }
 
 }  // namespace
