@@ -124,7 +124,8 @@ InspectedClip FactsOfClip(const RawClip& clip, const std::string& file, const st
 }
 
 void ReportMissing(const ClipMeasures& m, const std::string& where, std::vector<Finding>& findings) {
-  if (m.missing_share <= kManyMissing) return;
+  const auto zeros = [](const Finding& finding) { return finding.code == "zero_frames"; };
+  if (m.missing_share <= kManyMissing || std::any_of(findings.begin(), findings.end(), zeros)) return;  // one cause
   findings.push_back(FindingAt(where, "many_missing", Severity::kWarning, FourDecimals(m.missing_share),
                                FormatDouble(FourDecimals(100.0 * m.missing_share)) + " % of the joints are missing"));
 }

@@ -207,7 +207,8 @@ TEST_P(PartlySeen, NoFrameIsInventedWhateverIsMissing) {
   int kept_with_gap = 0;
   for (int trial = 0; trial < 8; ++trial) {
     const std::string name = std::to_string(GetParam()) + "_" + std::to_string(trial);
-    const Seen seen = RandomlySeen(format() + name);
+    Seen seen = trial > 0 ? RandomlySeen(format() + name) : Seen(60, true);
+    if (trial == 0) std::fill(seen.begin() + 20, seen.begin() + 38, false);  // a long gap
     SCOPED_TRACE(format() + " " + std::to_string(trial) + ": " + TextOf(seen));
     const Seen span = WithoutEnds(seen);
     const bool gap = std::count(span.begin(), span.end(), false) > 0;
