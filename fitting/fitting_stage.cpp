@@ -131,7 +131,7 @@ Status CountFromNamed(const FittingOptions& options, Motion& motion) {
   return {};
 }
 
-/// Frames that nobody observed in the given motion stay inferred, also at the edge of a clip that was cut in a gap.
+/// Frames without an observation in the given motion stay inferred, also at the edge of a clip that was cut in a gap.
 void KeepInferred(const Motion& given, Motion& fitted) {
   if (fitted.state.empty() || given.frame_count() != fitted.frame_count()) return;
   const auto joints = static_cast<std::ptrdiff_t>(fitted.joint_count());

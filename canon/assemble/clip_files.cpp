@@ -53,7 +53,7 @@ Status ClipFiles::Add(const StageInput& input, Dataset& set) {
 
 Expected<std::vector<std::string>> ClipFiles::Contents(const Dataset& set) const {
   std::vector<std::string> contents;
-  const std::vector<bool> needed = ToldApartByMotion(set.clips);
+  const std::vector<bool> needed = DistinguishedByMotion(set.clips);
   for (const Clip& clip : set.clips) {
     contents.emplace_back();
     if (!needed[contents.size() - 1] || HasFrames(clip)) continue;

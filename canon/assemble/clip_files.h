@@ -25,7 +25,7 @@ class ClipFiles {
   /// Name of the input of each clip, by its id.
   const std::map<std::string, std::string>& items() const { return items_; }
 
-  /// Motion hash of each clip of the set that its motion tells apart (ToldApartByMotion); empty for the others.
+  /// Motion hash of each clip of the set that its motion tells apart (DistinguishedByMotion); empty for the others.
   Expected<std::vector<std::string>> Contents(const Dataset& set) const;
 
   /// The clip with its frames; skeleton, labels and the rest unchanged.

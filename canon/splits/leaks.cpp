@@ -77,7 +77,7 @@ std::string SourceContentOf(const Clip& clip) {
          std::to_string(clip.identity.end_frame);
 }
 
-std::vector<bool> ToldApartByMotion(const std::vector<Clip>& clips) {
+std::vector<bool> DistinguishedByMotion(const std::vector<Clip>& clips) {
   std::map<std::string, int> clips_of;
   for (const Clip& clip : clips) ++clips_of[SourceContentOf(clip)];
   std::vector<bool> needed;
@@ -90,7 +90,7 @@ std::vector<bool> ToldApartByMotion(const std::vector<Clip>& clips) {
 
 std::vector<std::string> ContentsOf(const std::vector<Clip>& clips, const std::vector<std::string>& motions,
                                     const std::vector<std::size_t>& sets) {
-  const std::vector<bool> needed = ToldApartByMotion(clips);
+  const std::vector<bool> needed = DistinguishedByMotion(clips);
   std::vector<std::string> contents;
   // Rows of each content, by the set and file that they come from.
   std::map<std::string, std::map<std::pair<std::size_t, std::string>, std::vector<std::size_t>>> of_file;

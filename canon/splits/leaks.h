@@ -44,7 +44,7 @@ std::string PerformanceOf(const Clip& clip, bool sessions_together);
 std::string SourceContentOf(const Clip& clip);
 
 /// For each clip whether ContentsOf reads its motion: its source data is unknown, or that of another clip too.
-std::vector<bool> ToldApartByMotion(const std::vector<Clip>& clips);
+std::vector<bool> DistinguishedByMotion(const std::vector<Clip>& clips);
 
 /// The same of each clip; where it is unknown the clip's hash of `motions`, or without one that of its joints. Clips of
 /// several people or arrays of one file, which have its data in common, differ where their joints do. `sets`: the

@@ -62,7 +62,7 @@ std::string RuleOf(const std::vector<MergePart>& parts, const std::vector<SplitO
 Expected<std::vector<std::string>> ContentsOf(const std::vector<MergePart>& parts, const MergedDataset& merged) {
   std::vector<std::string> motions(merged.origins.size());
   std::vector<std::size_t> sets;
-  const std::vector<bool> needed = ToldApartByMotion(merged.dataset.clips);
+  const std::vector<bool> needed = DistinguishedByMotion(merged.dataset.clips);
   for (std::size_t row = 0; row < merged.origins.size(); ++row) {
     const auto [p, row_there] = merged.origins[row];
     sets.push_back(p);

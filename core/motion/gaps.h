@@ -39,7 +39,7 @@ std::vector<bool> ObservedFrames(const Clip& clip);
 /// (F) Frames of which every joint is kInferred; none where the motion has no states.
 std::vector<bool> InferredFrames(const Motion& motion);
 
-/// Whether the motion has frames, and every one of them is inferred throughout: nobody observed it.
+/// Whether the motion has frames, and every one of them is inferred throughout.
 bool IsAllInferred(const Motion& motion);
 
 /// Frames that are inferred throughout become kInterpolated where their run lasts at most `max_gap_s`, as GapStates

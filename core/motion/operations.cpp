@@ -183,7 +183,7 @@ Expected<std::optional<Clip>> WithoutInferred(const Clip& clip) {
   const FrameRun run = LongestRunWithoutInferred(*clip.motion);
   if (run.frames() == clip.motion->frame_count()) return std::optional<Clip>();
   if (run.frames() == 0) {
-    return Fail(ErrorCode::kInconsistent, "every frame of the clip is inferred: nobody observed it", clip.id(),
+    return Fail(ErrorCode::kInconsistent, "every frame of the clip is inferred", clip.id(),
                 "leave the clip out: mocurate dataset subset");
   }
   Expected<Clip> cut = Cut(clip, run.begin, run.end);

@@ -263,7 +263,7 @@ class FeaturesRun {
   FeatureSet set_;
 };
 
-/// Clips that lost frames which nobody observed.
+/// Clips that lost frames without an observation.
 struct InferredCut {
   int clips = 0;
   int frames = 0;

@@ -122,7 +122,7 @@ Status WriteFiles(const std::vector<ExportedFile>& files, const fs::path& folder
   return {};
 }
 
-/// A layout without states does not show which frames nobody observed. Error kInconsistent.
+/// A layout without states does not show which frames lack an observation. Error kInconsistent.
 Status CheckInferred(const Clip& clip, const Layout& layout, bool keep) {
   if (keep || layout.Carries(ClipContent::kStates)) return {};
   const std::vector<FrameRun> runs = RunsWhere(InferredFrames(*clip.motion), true);

@@ -86,7 +86,7 @@ struct ExportArguments {
   std::string rotations;           ///< a name of kRotationArraysNames; empty: the layout's own
   std::string split;               ///< split to write; empty: all, or the first where a layout has only one
   std::vector<std::string> clips;  ///< selected clips; empty: all
-  bool keep_inferred = false;      ///< frames that nobody observed go into layouts that cannot mark them
+  bool keep_inferred = false;      ///< frames without an observation go into layouts that cannot mark them
   bool force = false;              ///< overwrite
 };
 

@@ -105,7 +105,7 @@ inline void ExpectKept(const Verdict& verdict, const Ending& expected) {
   if (expected.interpolated) {
     gap = *expected.interpolated;
     EXPECT_EQ(CountStates(motion, gap, {JointState::kObserved, JointState::kRepaired}), 0)
-        << "observed joints of " << (gap.end - gap.begin) * joints << " that nobody observed\n"
+        << "observed joints of " << (gap.end - gap.begin) * joints << " without an observation\n"
         << verdict.text;
     EXPECT_GT(CountStates(motion, gap, {JointState::kInterpolated}), 0) << "interpolated joints\n" << verdict.text;
   }

@@ -1,5 +1,5 @@
 // Kinds of input that were once read wrongly without a word, in other formats than those they were reported of: frames
-// that nobody observed, clocks taken for frame numbers, cameras with numbers of their own, padding scored as motion,
+// without an observation, clocks taken for frame numbers, cameras with numbers of their own, padding scored as motion,
 // names with two readings, splits by names that no clip has. Each is read as it is, or refused with its reason.
 
 #include <gmock/gmock.h>
@@ -116,9 +116,9 @@ INSTANTIATE_TEST_SUITE_P(
         // AMC at 120 Hz: the numbers jump by 100 frames, five sixths of a second: marked as inferred, kept.
         Gap{"AmcLong", AmcFile, Without(240, {{70, 170}}),
             Ending{End::kKept, 240, {}, Frames{70, 170}, {"long_gap"}, {"mostly_missing"}}, true},
-        // OpenPose: nobody in any view for a second, marked as inferred, kept.
+        // OpenPose: no person in any view for a second, marked as inferred, kept.
         Gap{"OpenPoseLong", OpenPoseWhole, kLong, kMarked},
-        // OpenPose: nobody in any view at both ends, cut.
+        // OpenPose: no person in any view at both ends, cut.
         Gap{"OpenPoseEnds", OpenPoseWhole, kEnds, kCut},
         // A joint table with all-zero rows (missing: zero) for a second, marked as inferred, kept.
         Gap{"ZeroRowsLong", ZeroTable, kLong, kMarked},

@@ -26,8 +26,8 @@
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
 
-/// Small sets of many formats, in which some frames show nobody. Each builder writes its files into a folder and
-/// returns the configuration of a job that reads them. The people are the studio's.
+/// Small sets of many formats, some frames of which are without a person. Each builder writes its files into a folder
+/// and returns the configuration of a job that reads them. The people are the studio's.
 namespace mocurate::variants {
 
 namespace fs = std::filesystem;
@@ -154,7 +154,7 @@ const std::string kGiven = "fitting: {method: none}\n";
 
 // Tables of joints.
 
-/// Rows of zeros where nobody is seen; `missing: zero` says so.
+/// Rows of zeros where no person is seen; `missing: zero` says so.
 inline std::string ZeroTable(const fs::path& folder, const Seen& seen) {
   const Motion motion = Take(static_cast<int>(seen.size()));
   std::string text;
@@ -170,7 +170,7 @@ inline std::string ZeroTable(const fs::path& folder, const Seen& seen) {
               "joints: " + List(JointNamesOf(*motion.skeleton))});
 }
 
-/// Numbered rows; those of frames that show nobody are left out. The first frame has the number `first`.
+/// Numbered rows; those of frames without a person are left out. The first frame has the number `first`.
 inline std::string NumberedTable(const fs::path& folder, const Seen& seen, int first = 1) {
   const Motion motion = Take(static_cast<int>(seen.size()));
   std::string text;
@@ -228,7 +228,7 @@ inline const std::vector<std::string>& Kinect2Joints() {
   return names;
 }
 
-/// The numbers of a recorder of the Kinect v2: `column(frame)`, then x y z of 25 joints. Frames that show nobody have
+/// The numbers of a recorder of the Kinect v2: `column(frame)`, then x y z of 25 joints. Frames without a person have
 /// no row.
 inline std::string KinectTable(const fs::path& folder, const Seen& seen, const std::function<std::string(int)>& column,
                                const std::string& layout) {
@@ -250,7 +250,7 @@ inline std::string KinectTable(const fs::path& folder, const Seen& seen, const s
 
 // Motion with rotations.
 
-/// Rows of frames that show nobody are damaged. Centimetres.
+/// Rows of frames without a person are damaged. Centimetres.
 inline std::string BvhText(const Motion& motion, const Seen& seen) {
   Bvh bvh;
   const double deg = 180.0 / M_PI;
@@ -303,7 +303,7 @@ inline std::string BvhFile(const fs::path& folder, const Seen& seen) {
   return Job(folder, "", source, kGiven);
 }
 
-/// Frames that show nobody are NaN. World z up.
+/// Frames without a person are NaN. World z up.
 inline std::string AmassBytes(const Motion& motion, const Seen& seen) {
   const Quaterniond z_up(Eigen::AngleAxisd(0.5 * M_PI, Vector3d::UnitX()));
   Amass amass;
@@ -341,7 +341,7 @@ inline std::string AmassFile(const fs::path& folder, const Seen& seen) {
   return Job(folder, "smpl24", source, kGiven);
 }
 
-/// The first frames of a recorded take at 120 Hz; numbers of frames that show nobody are passed over. Needs
+/// The first frames of a recorded take at 120 Hz; numbers of frames without a person are passed over. Needs
 /// MOCURATE_DATA.
 inline std::string AmcFile(const fs::path& folder, const Seen& seen) {
   const fs::path recorded = fs::path(std::getenv("MOCURATE_DATA")) / "cmu/asf_amc";
@@ -366,7 +366,7 @@ inline std::string AmcFile(const fs::path& folder, const Seen& seen) {
   return JobOf("cmu_amc", folder, "cmu31", {}, kGiven);
 }
 
-/// VIBE's track of a video of the studio; `frame_ids` pass over frames that show nobody.
+/// VIBE's track of a video of the studio; `frame_ids` pass over frames without a person.
 inline VibeTrack TrackOfVibe(const Seen& seen) {
   const fs::path& studio = Studio("ntu_vibe", SteadyTracker({"actions=[hand_waving]", "subjects=1", "clips=1"}));
   VibeTrack track;
@@ -408,7 +408,7 @@ inline std::string VibeFile(const fs::path& folder, const Seen& seen) {
              kGiven);
 }
 
-/// An array (frames, 24, 3), NaN where nobody is seen.
+/// An array (frames, 24, 3), NaN where no person is seen.
 inline std::string ArrayBytes(const Motion& motion, const Seen& seen) {
   NpyArray array;
   array.shape = {static_cast<std::size_t>(motion.frame_count()), 24, 3};
@@ -459,7 +459,7 @@ inline std::vector<std::string> Cameras() {
   return names;
 }
 
-/// The studio's cameras around one person; frames that show nobody list no people.
+/// The studio's cameras around one person; frames without a person list no people.
 inline std::string OpenPoseFiles(const fs::path& folder, const Seen& seen, const CameraNumbers& numbers = {}) {
   const fs::path take = KeypointStudio() / "openpose/walk_p01_r01";
   const std::vector<std::string> cameras = Cameras();
@@ -498,7 +498,7 @@ inline Vector3d Coco19Point(const Motion& motion, int f, const std::string& name
   return at(name.c_str());
 }
 
-/// CMU Panoptic: centimetres, y down; frames that show nobody list no bodies.
+/// CMU Panoptic: centimetres, y down; frames without a person list no bodies.
 inline std::string PanopticFiles(const fs::path& folder, const Seen& seen) {
   const Motion motion = Take(static_cast<int>(seen.size()));
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -516,7 +516,7 @@ inline std::string PanopticFiles(const fs::path& folder, const Seen& seen) {
                "fitting: {method: joint_tracks, other_joints: exclude}\n");
 }
 
-/// PLY files of points along the bones, at 30 Hz; frames that show nobody have no file.
+/// PLY files of points along the bones, at 30 Hz; frames without a person have no file.
 inline std::string CloudFiles(const fs::path& folder, const Seen& seen) {
   const Motion motion = Take(static_cast<int>(seen.size()));
   constexpr int kAlong = 8, kAround = 4;
@@ -547,7 +547,7 @@ inline std::string CloudFiles(const fs::path& folder, const Seen& seen) {
 
 // Formats that are read, and that no variant above needs.
 
-/// PHSPD's pose.txt: rows with the number of their frame; frames that show nobody have none. y down.
+/// PHSPD's pose.txt: rows with the number of their frame; frames without a person have none. y down.
 inline std::string PhspdFile(const fs::path& folder, const Seen& seen) {
   const Motion motion = Take(static_cast<int>(seen.size()));
   PhspdPose pose;
@@ -563,7 +563,7 @@ inline std::string PhspdFile(const fs::path& folder, const Seen& seen) {
   return JobOf("phspd", folder, "smpl24", {"rate: 30 Hz"});
 }
 
-/// Exponential maps of the CMU set; rows of frames that show nobody are damaged.
+/// Exponential maps of the CMU set; rows of frames without a person are damaged.
 inline std::string ExpmapFile(const fs::path& folder, const Seen& seen) {
   ExpmapTable table;
   table.frames = static_cast<int>(seen.size());
@@ -585,13 +585,13 @@ inline std::string ExpmapFile(const fs::path& folder, const Seen& seen) {
   return JobOf("cmu_expmap", folder, "cmu31", {"rate: 30 Hz"}, kGiven);
 }
 
-/// VIBE's output of a video of UESTC; `frame_ids` pass over frames that show nobody.
+/// VIBE's output of a video of UESTC; `frame_ids` pass over frames without a person.
 inline std::string UestcFile(const fs::path& folder, const Seen& seen, const std::string& rule = "uestc_corrected") {
   Place(folder / "a0_d0_p001_c1_color/vibe_output.pkl", VibeBytes(seen));
   return JobOf("uestc_vibe", folder, "smpl24", {"people: {rule: " + rule + "}"}, kGiven);
 }
 
-/// ACTOR's pickle of HumanAct12, NaN where nobody is seen. y down.
+/// ACTOR's pickle of HumanAct12, NaN where no person is seen. y down.
 inline std::string HumanAct12File(const fs::path& folder, const Seen& seen) {
   const Motion motion = Take(static_cast<int>(seen.size()));
   const Quaterniond half_turn(0.0, 1.0, 0.0, 0.0);
@@ -616,7 +616,7 @@ inline std::string HumanAct12File(const fs::path& folder, const Seen& seen) {
   return JobOf("humanact12_poses", folder, "humanact12", {"rate: 30 Hz"}, kGiven);
 }
 
-/// A dataset of one clip; frames that show nobody are stored as inferred.
+/// A dataset of one clip; frames without a person are stored as inferred.
 inline std::string StoredFile(const fs::path& folder, const Seen& seen) {
   Dataset set;
   set.created_by = "a test";
@@ -652,7 +652,7 @@ inline std::string DepthBytes(int frame) {
   return png ? *png : std::string();
 }
 
-/// Depth images of two cameras, without those of frames that show nobody.
+/// Depth images of two cameras, without those of frames without a person.
 inline std::string DepthViewFiles(const fs::path& folder, const Seen& seen) {
   nlohmann::json rig = {{"units", "metre"}, {"convention", "x_cam = R X_world + t, x right, y down, z forward"}};
   for (const char* camera : {"a", "b"}) {

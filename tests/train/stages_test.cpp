@@ -78,7 +78,7 @@ TEST_F(TrainStages, TheSetIsReadAsItIsPackedFromMemory) {
   EXPECT_EQ(read->splits[0].train, packed.splits[0].train);
 }
 
-/// A clip that nobody observed is left out of the set and its splits; of one with a gap the longest stretch stays.
+/// A clip without an observation is left out of the set and its splits; of one with a gap the longest stretch stays.
 TEST_F(TrainStages, InferredFramesAreLeftOut) {
   Dataset set = ToyDataset(3);
   const auto infer = [&](std::size_t row, int begin, int end) {

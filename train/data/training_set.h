@@ -13,7 +13,7 @@
 
 namespace mocurate {
 
-/// What clips lose to gaps in which nobody was observed.
+/// What clips lose to gaps without an observation.
 struct InferredLoss {
   int shortened = 0;  ///< clips with such frames, of which the longest stretch without them is taken
   int skipped = 0;    ///< clips of nothing else

@@ -33,7 +33,7 @@ TrainingSet HeadersOf(const Dataset& set) {
   return headers;
 }
 
-/// Removes the clips that nobody observed, as a training set leaves them out.
+/// Removes the clips without an observation, as a training set leaves them out.
 void RemoveInferred(Dataset& set, InferredLoss& lost) {
   std::vector<int> new_row;
   std::vector<Clip> kept;

@@ -1,5 +1,5 @@
 // Whatever the format, a clip has no more frames than the time in which the person was seen, and no frame is stated as
-// observed in which nobody was.
+// observed that was not.
 
 #include "tests/support/partly_seen_files.h"
 
@@ -159,7 +159,7 @@ void ExpectNothingInvented(const Clip& clip, const Seen& seen, bool stored) {
   if (clip.motion) ExpectLongGapsInferred(*clip.motion, span);
 }
 
-/// Reads the clip of a format with frames that show nobody. It is kept with nothing invented, or it is not kept.
+/// Reads the clip of a format with frames without a person. It is kept with nothing invented, or it is not kept.
 bool ReadsWithoutInventing(const std::string& format, Builder build, const Seen& seen, const std::string& name) {
   const fs::path folder = FreshFolder("partly_seen");
   const fs::path job = FreshFolder("partly_seen_job") / "job.yaml";
