@@ -25,8 +25,8 @@ constexpr std::time_t kTouchEvery_s = 3600;
 /// Notes the use of a record for Prune, at most once an hour. Fails silently: a cache may be read-only.
 void Touch(const fs::path& record) {
   struct stat now {};
-  if (stat(record.c_str(), &now) != 0 || std::time(nullptr) - now.st_mtim.tv_sec < kTouchEvery_s) return;
-  utimensat(AT_FDCWD, record.c_str(), nullptr, 0);
+  if (lstat(record.c_str(), &now) != 0 || std::time(nullptr) - now.st_mtim.tv_sec < kTouchEvery_s) return;
+  utimensat(AT_FDCWD, record.c_str(), nullptr, AT_SYMLINK_NOFOLLOW);
 }
 
 /// Copies a file or folder to a name beside `target` that no other process uses, whole and on the disk.
@@ -122,8 +122,7 @@ std::optional<Cache::Entry> Cache::Find(const std::string& key) const {
   Entry entry{std::move(record->outcome), {}, record->sha256};
   if (!record->artifact.empty()) {
     entry.artifact = file.parent_path() / record->artifact;
-    std::error_code problem;
-    if (!fs::exists(entry.artifact, problem) || BytesOf(entry.artifact) != record->bytes) return std::nullopt;
+    if (BytesOfArtifact(entry.artifact) != record->bytes) return std::nullopt;
   }
   Touch(file);
   return entry;
@@ -131,6 +130,7 @@ std::optional<Cache::Entry> Cache::Find(const std::string& key) const {
 
 Expected<Cache::Entry> Cache::Put(const std::string& key, const fs::path& temporary, const StageOutcome& outcome) {
   const fs::path file = RecordPath(folder_, key);
+  if (Status plain = CheckNoLinks(folder_, file); !plain) return Forward(plain);
   if (Status made = MakeFolder(file.parent_path()); !made) return Forward(made);
   CacheRecord record{key, outcome, {}, {}, 0};
   Entry entry{outcome, {}, {}};

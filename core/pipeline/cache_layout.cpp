@@ -1,5 +1,7 @@
 #include "core/pipeline/cache_layout.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <fstream>
 #include <vector>
@@ -26,11 +28,44 @@ std::string ExtensionOf(const fs::path& artifact) {
   return ".bin";
 }
 
-constexpr std::size_t kKeyDigits = 64;  ///< of a SHA-256
+constexpr std::size_t kKeyDigits = 64;             ///< of a SHA-256
+constexpr std::size_t kContentDigits = 8;          ///< in the name of an artifact
+constexpr std::uint64_t kLargestRecord = 1 << 28;  ///< as of a worker's answer, which it holds
+
+bool IsHex(std::string_view text) { return text.find_first_not_of("0123456789abcdef") == std::string_view::npos; }
+
+/// Whether this is a folder and not a link to one.
+bool IsRealFolder(const fs::path& path) {
+  std::error_code problem;
+  return fs::symlink_status(path, problem).type() == fs::file_type::directory;
+}
+
+/// What follows the digits of the key in the name of an object; empty where the name does not begin with them.
+std::string_view AfterDigits(std::string_view name) {
+  for (const std::size_t digits : {kKeyDigits - 4, kKeyDigits - 2}) {
+    if (name.size() > digits && IsHex(name.substr(0, digits)) && !IsHex(name.substr(digits, 1)))
+      return name.substr(digits);
+  }
+  return {};
+}
+
+bool IsArtifactName(std::string_view name) {
+  const std::string_view rest = AfterDigits(name);
+  if (rest.size() < 1 + kContentDigits || rest[0] != '-' || !IsHex(rest.substr(1, kContentDigits))) return false;
+  const std::string_view extension = rest.substr(1 + kContentDigits);
+  return extension.empty() || extension == ".h5" || extension == ".html" || extension == ".json" || extension == ".bin";
+}
+
+/// Whether the cache gives such names, also to what it has not finished.
+bool IsOurName(std::string_view name) {
+  return IsArtifactName(name) || AfterDigits(name).substr(0, 5) == ".json" || name.rfind(".copy-", 0) == 0 ||
+         name.rfind(".tmp-", 0) == 0;
+}
 
 std::vector<fs::path> Sorted(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code problem;
+  if (!IsRealFolder(folder)) return entries;
   for (fs::directory_iterator it(folder, problem), end; !problem && it != end; it.increment(problem)) {
     entries.push_back(it->path());
   }
@@ -66,16 +101,52 @@ fs::path RecordOf(const fs::path& artifact) {
 
 bool IsObject(const fs::path& cache, const fs::path& path) {
   const std::string objects = (cache / "objects").native() + "/";
-  return path.native().compare(0, objects.size(), objects) == 0;
+  if (path.native().compare(0, objects.size(), objects) != 0) return false;
+  std::string_view place = std::string_view(path.native()).substr(objects.size());
+  for (int level = 0; level < 2 && place.size() > 3 && place[2] == '/' && IsHex(place.substr(0, 2)); ++level)
+    place.remove_prefix(3);
+  return place.size() < path.native().size() - objects.size() && IsArtifactName(place);
 }
 
-void DropObject(const fs::path& artifact) {
+std::optional<std::uint64_t> BytesOfArtifact(const fs::path& artifact) {
+  struct stat facts {};
+  if (lstat(artifact.c_str(), &facts) != 0) return std::nullopt;
+  if (S_ISREG(facts.st_mode)) return static_cast<std::uint64_t>(facts.st_size);
+  if (!S_ISDIR(facts.st_mode)) return std::nullopt;
+  std::uint64_t total = 0;
+  std::error_code problem;
+  for (fs::directory_iterator it(artifact, problem), end; !problem && it != end; it.increment(problem)) {
+    const std::optional<std::uint64_t> bytes = BytesOfArtifact(it->path());
+    if (!bytes) return std::nullopt;
+    total += *bytes;
+  }
+  return problem ? std::nullopt : std::optional<std::uint64_t>(total);
+}
+
+Status CheckNoLinks(const fs::path& cache, const fs::path& path) {
+  fs::path folder = cache;
+  std::error_code none;
+  for (const fs::path& part : path.parent_path().lexically_relative(cache)) {
+    folder /= part;
+    if (!fs::is_symlink(folder, none)) continue;
+    return Fail(ErrorCode::kCannotWrite, "this folder of the cache is a link, which is not followed",
+                DisplayPath(folder),
+                "remove it, or choose another cache with MOCURATE_CACHE; the cache's own folder may be a link");
+  }
+  return {};
+}
+
+void DropObject(const fs::path& cache, const fs::path& artifact) {
+  if (!IsObject(cache, artifact) || !CheckNoLinks(cache, artifact)) return;
   std::error_code ignored;
   fs::remove(RecordOf(artifact), ignored);
   fs::remove_all(artifact, ignored);
 }
 
 std::optional<CacheRecord> ReadRecord(const fs::path& file) {
+  struct stat facts {};
+  if (lstat(file.c_str(), &facts) != 0 || !S_ISREG(facts.st_mode)) return std::nullopt;
+  if (static_cast<std::uint64_t>(facts.st_size) > kLargestRecord) return std::nullopt;
   const Expected<std::string> text = ReadFile(file);
   if (!text) return std::nullopt;
   const Expected<nlohmann::json> value = FromCanonicalText(*text);
@@ -83,9 +154,12 @@ std::optional<CacheRecord> ReadRecord(const fs::path& file) {
   Expected<StageOutcome> outcome = OutcomeFromJson(value->at("outcome"));
   if (!outcome) return std::nullopt;
   try {
-    return CacheRecord{value->at("key").get<std::string>(), *std::move(outcome),
+    CacheRecord record{value->at("key").get<std::string>(), *std::move(outcome),
                        value->at("artifact").get<std::string>(), value->at("sha256").get<std::string>(),
                        value->at("bytes").get<std::uint64_t>()};
+    const bool beside = IsArtifactName(record.artifact) && record.artifact.rfind(file.stem().native() + "-", 0) == 0;
+    if (!record.artifact.empty() && !beside) return std::nullopt;
+    return record;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;
   }
@@ -101,13 +175,21 @@ std::string RecordText(const CacheRecord& record) {
 }
 
 void ForEachObject(const fs::path& cache, const std::function<void(const fs::path&)>& visit) {
+  const auto is_level = [](const fs::path& path) {
+    return path.filename().native().size() == 2 && IsHex(path.filename().native());
+  };
+  const auto visit_object = [&visit](const fs::path& path) {
+    std::error_code none;
+    if (IsOurName(path.filename().native()) && !fs::is_symlink(path, none)) visit(path);
+  };
   for (const fs::path& folder : Sorted(cache / "objects")) {
+    if (!is_level(folder)) continue;
     for (const fs::path& entry : Sorted(folder)) {
-      if (entry.filename().native().size() > 2) {
-        visit(entry);  // of a cache with one level
+      if (!is_level(entry)) {
+        visit_object(entry);  // of a cache with one level
         continue;
       }
-      for (const fs::path& object : Sorted(entry)) visit(object);
+      for (const fs::path& object : Sorted(entry)) visit_object(object);
     }
   }
 }

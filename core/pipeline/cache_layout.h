@@ -11,11 +11,12 @@
 
 namespace mocurate {
 
-/// Record of an artifact in the cache: `objects/ab/cd/<rest of the key>.json`.
+/// Record of an artifact in the cache: `objects/ab/cd/<rest of the key>.json`. Caches travel between people: what a
+/// record names is an object beside it or nothing, and no link is followed below the cache's folder.
 struct CacheRecord {
   std::string key;
   StageOutcome outcome;
-  std::string artifact;  ///< file name beside the record; empty without an artifact
+  std::string artifact;  ///< name of an object beside the record; empty without an artifact
   std::string sha256;
   std::uint64_t bytes = 0;
 };
@@ -28,7 +29,7 @@ std::filesystem::path OldRecordPath(const std::filesystem::path& cache, const st
 /// Key of a record's file, from its place: the content may be damaged.
 std::string KeyOfRecord(const std::filesystem::path& record);
 
-/// Empty when there is none or it cannot be read.
+/// Empty when there is none, or when it is not a record of its place (a link, damaged, of an artifact elsewhere).
 std::optional<CacheRecord> ReadRecord(const std::filesystem::path& file);
 std::string RecordText(const CacheRecord& record);
 
@@ -39,13 +40,22 @@ std::string ArtifactName(const std::string& key, const std::string& sha256, cons
 /// The record beside an artifact of the cache.
 std::filesystem::path RecordOf(const std::filesystem::path& artifact);
 
-/// Whether `path` is an artifact of this cache (by its place alone).
+/// Whether `path` has the place and the name of an artifact of this cache.
 bool IsObject(const std::filesystem::path& cache, const std::filesystem::path& path);
 
-/// Removes an artifact and its record: the item is made again when it is next asked for.
-void DropObject(const std::filesystem::path& artifact);
+/// Bytes of an artifact; empty where it is missing, or where it or something inside it is neither a file nor a folder
+/// (a link, a pipe).
+std::optional<std::uint64_t> BytesOfArtifact(const std::filesystem::path& artifact);
 
-/// Calls `visit` for every file or folder of the objects/??/??/; order is that of the names.
+/// Error kCannotWrite where a folder between the cache's own and `path` is a link.
+Status CheckNoLinks(const std::filesystem::path& cache, const std::filesystem::path& path);
+
+/// Removes an artifact of the cache and its record: the item is made again when it is next asked for. Leaves anything
+/// else as it is.
+void DropObject(const std::filesystem::path& cache, const std::filesystem::path& artifact);
+
+/// Calls `visit` for every record, artifact and unfinished object of the cache; order is that of the names. Links, and
+/// names that the cache does not give, are passed over.
 void ForEachObject(const std::filesystem::path& cache, const std::function<void(const std::filesystem::path&)>& visit);
 
 }  // namespace mocurate

@@ -1,8 +1,10 @@
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <ctime>
 #include <set>
 
+#include "core/base/file.h"
 #include "core/pipeline/cache_layout.h"
 #include "core/pipeline/content.h"
 #include "core/pipeline/lock.h"
@@ -17,7 +19,7 @@ constexpr double kSecondsPerDay = 86400.0;
 
 bool UnusedFor(const fs::path& path, double days) {
   struct stat now {};
-  if (stat(path.c_str(), &now) != 0) return false;
+  if (lstat(path.c_str(), &now) != 0) return false;
   struct timespec clock {};
   clock_gettime(CLOCK_REALTIME, &clock);
   const double age_s = static_cast<double>(clock.tv_sec - now.st_mtim.tv_sec) +
@@ -32,8 +34,9 @@ bool IsRecord(const fs::path& entry) {
 
 void PruneScratch(const fs::path& cache, double days) {
   std::error_code problem;
+  if (fs::is_symlink(cache / "scratch", problem)) return;
   for (fs::directory_iterator it(cache / "scratch", problem), end; !problem && it != end; it.increment(problem)) {
-    if (!UnusedFor(it->path(), days)) continue;
+    if (it->is_symlink(problem) || !it->is_directory(problem) || !UnusedFor(it->path(), days)) continue;
     const Expected<std::optional<FileLock>> lock = FileLock::TryTake(it->path() / ".lock");
     std::error_code ignored;
     if (lock && lock->has_value()) fs::remove_all(it->path(), ignored);
@@ -41,6 +44,17 @@ void PruneScratch(const fs::path& cache, double days) {
 }
 
 }  // namespace
+
+std::string Cache::OthersWhoWrite() const {
+  struct stat facts {};
+  if (stat(folder_.c_str(), &facts) != 0) return {};
+  const char* who = facts.st_uid != geteuid() && facts.st_uid != 0 ? "belongs to another user"
+                    : (facts.st_mode & S_IWOTH) != 0               ? "may be changed by every user of this machine"
+                                                                   : nullptr;
+  if (who == nullptr) return {};
+  return DisplayPath(folder_) + ": this cache " + who +
+         ", who decides what is served from it; MOCURATE_CACHE names another";
+}
 
 Cache::Statistics Cache::Stat() const {
   Statistics statistics;
@@ -58,7 +72,9 @@ std::vector<std::string> Cache::Verify() const {
     const std::optional<CacheRecord> record = ReadRecord(entry);
     bool agrees = record && record->key == KeyOfRecord(entry);
     if (agrees && !record->artifact.empty()) {
-      const Expected<Content> content = ContentOf(entry.parent_path() / record->artifact);
+      const fs::path artifact = entry.parent_path() / record->artifact;
+      const Expected<Content> content =
+          BytesOfArtifact(artifact) ? ContentOf(artifact) : Fail(ErrorCode::kUnreadable, "not an artifact");
       agrees = content && content->sha256 == record->sha256 && content->bytes == record->bytes;
     }
     if (!agrees) wrong.push_back(KeyOfRecord(entry));

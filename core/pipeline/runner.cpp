@@ -101,11 +101,11 @@ Status Runner::Impl::MakeAgain(const fs::path& artifact) {
   if (!origin) {
     // Of an earlier stage that this task of a plan does not know; others may see its bytes well.
     if (!options.task_journal.empty()) return {};
-    DropObject(artifact);
+    DropObject(options.cache_folder, artifact);
     return {};
   }
   LogWarning("cache: " + DisplayPath(artifact) + " does not hold the bytes that were recorded: made again");
-  DropObject(artifact);
+  DropObject(options.cache_folder, artifact);
   const Expected<StageReport> made = Execute(origin->stage, {origin->spec});
   return made ? Status() : Forward(made);
 }
@@ -213,6 +213,7 @@ Expected<std::unique_ptr<Runner>> Runner::Make(const RunnerOptions& options) {
   const Expected<RunnerOptions> resolved = Resolved(options);
   if (!resolved) return Forward(resolved);
   auto impl = std::make_unique<Impl>(*resolved);
+  if (const std::string others = impl->cache.OthersWhoWrite(); !others.empty()) LogWarning(others);
   if (!options.dry_run || options.plan) {
     if (options.task_journal.empty()) {
       Expected<FileLock> lock = LockRunFolder(resolved->run_folder);

@@ -105,8 +105,11 @@ class Cache {
   Statistics Stat() const;
   /// Compares every artifact with its recorded hash; returns the keys that do not agree.
   std::vector<std::string> Verify() const;
-  /// Removes objects not used for `days`; with `dry_run` only counts them.
+  /// Removes objects not used for `days`; with `dry_run` only counts them. Only what the cache made is removed, and no
+  /// link is followed.
   Statistics Prune(double days, bool dry_run = false);
+  /// Who else may change what is served from here, as a message; empty: nobody.
+  std::string OthersWhoWrite() const;
 
  private:
   std::filesystem::path folder_;

@@ -1,5 +1,6 @@
 #include "core/pipeline/workspace.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -7,6 +8,7 @@
 #include <utility>
 
 #include "core/base/file.h"
+#include "core/pipeline/cache_layout.h"
 
 namespace mocurate {
 namespace {
@@ -22,12 +24,21 @@ std::string HostName() {
   return host[0] != '\0' ? host : "host";
 }
 
+/// Whether a runner of this user made this folder: its name is a process and six characters (mkdtemp).
+bool IsOfRunner(const fs::path& path) {
+  const std::string& name = path.filename().native();
+  const std::size_t digits = name.find_first_not_of("0123456789");
+  struct stat facts {};
+  return digits != std::string::npos && digits > 0 && name[digits] == '-' && name.size() == digits + 7 &&
+         lstat(path.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) && facts.st_uid == geteuid();
+}
+
 /// Removes the folders of runners that are gone. Call with the lock of `tmp` held.
 void Sweep(const fs::path& tmp) {
   std::error_code problem;
   for (fs::directory_iterator it(tmp, problem), end; !problem && it != end; it.increment(problem)) {
     std::error_code ignored;
-    if (!it->is_directory(ignored)) continue;
+    if (!IsOfRunner(it->path())) continue;
     const Expected<std::optional<FileLock>> lock = FileLock::TryTake(it->path() / kLockName);
     if (lock && lock->has_value()) fs::remove_all(it->path(), ignored);
   }
@@ -36,8 +47,11 @@ void Sweep(const fs::path& tmp) {
 }  // namespace
 
 Expected<Workspace> Workspace::Make(const fs::path& cache_folder, const fs::path& node_folder) {
-  // No lock and no removal where other nodes write.
-  const fs::path tmp = node_folder.empty() ? cache_folder / "tmp" / HostName() : node_folder / "mocurate";
+  // No lock and no removal where other nodes write; a disk of a node is shared by users.
+  const fs::path above = node_folder.empty() ? cache_folder : node_folder;
+  const fs::path tmp =
+      node_folder.empty() ? above / "tmp" / HostName() : above / ("mocurate-" + std::to_string(geteuid()));
+  if (Status plain = CheckNoLinks(above, tmp / kLockName); !plain) return Forward(plain);
   if (Status made = MakeFolder(tmp); !made) return Forward(made);
   const Expected<FileLock> sweeping = FileLock::Take(tmp / kLockName);
   if (!sweeping) return Forward(sweeping);
@@ -73,6 +87,7 @@ bool Workspace::Scratch::HoldsFiles() const {
 
 Expected<Workspace::Scratch> Workspace::ScratchOf(const std::string& key) {
   Scratch scratch{cache_ / "scratch" / key, std::nullopt};
+  if (Status plain = CheckNoLinks(cache_, scratch.folder / kLockName); !plain) return Forward(plain);
   // Another runner may take the folder away between any two steps; only a failure that stays is one.
   for (int tries_left = kTries;; --tries_left) {
     const Status made = MakeFolder(scratch.folder);

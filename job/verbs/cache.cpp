@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/pipeline/runner.h"
 #include "job/verbs/verbs.h"
@@ -18,6 +19,7 @@ void Print(CommonArguments& common, const nlohmann::json& document, const std::s
 
 Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
   Cache cache(DefaultCacheFolder());
+  if (const std::string others = cache.OthersWhoWrite(); !others.empty()) LogWarning(others);
   const std::string folder = DisplayPath(cache.folder());
   if (arguments.action == "verify") {
     const std::vector<std::string> damaged = cache.Verify();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "core/pipeline/cache_layout.h"
 #include "core/pipeline/runner.h"
 #include "tests/pipeline/runs.h"
 
@@ -74,6 +75,94 @@ TEST_F(CacheOfArtifacts, ABrokenRecordIsNotServed) {
   ASSERT_TRUE(WriteFile(record, "{\"key\": 3"));
   EXPECT_FALSE(cache.Find(one));
   EXPECT_EQ(cache.Verify(), std::vector<std::string>{one});
+}
+
+/// Caches are handed on: a record may say anything.
+TEST_F(CacheOfArtifacts, ARecordNamesAnObjectBesideItOrNothing) {
+  const fs::path artifact = Put(one, "bytes")->artifact;
+  const fs::path record = artifact.parent_path() / (one.substr(4) + ".json");
+  const nlohmann::json text = nlohmann::json::parse(*ReadFile(record));
+  ASSERT_TRUE(MakeFolder(folder / "thesis"));
+  ASSERT_TRUE(WriteFile(folder / "thesis/chapter", "bytes"));
+  const std::string digits = one.substr(4);
+  for (const std::string& other :
+       {std::string("../../../../thesis/chapter"), (folder / "thesis/chapter").native(), std::string("."),
+        std::string(".."), digits, digits + ".json", digits + "-", digits + "-01234567/../../../../../thesis/chapter",
+        digits + "-0123456g.h5", two.substr(4) + "-01234567.bin"}) {
+    nlohmann::json hostile = text;
+    hostile["artifact"] = other;
+    ASSERT_TRUE(WriteFile(record, hostile.dump()));
+    EXPECT_FALSE(cache.Find(one)) << other;
+    EXPECT_EQ(cache.Verify().size(), 1u) << other;
+  }
+  DropObject(cache.folder(), folder / "thesis/chapter");
+  DropObject(cache.folder(), cache.folder() / "objects/../../thesis/chapter");
+  DropObject(cache.folder(), cache.folder() / "objects");
+  EXPECT_TRUE(fs::exists(folder / "thesis/chapter"));
+  EXPECT_TRUE(fs::exists(record));
+  ASSERT_TRUE(WriteFile(record, text.dump()));
+  ASSERT_TRUE(cache.Find(one));
+  DropObject(cache.folder(), artifact);
+  EXPECT_FALSE(fs::exists(artifact));
+  EXPECT_FALSE(fs::exists(record));
+}
+
+TEST_F(CacheOfArtifacts, LinksAreNotFollowed) {
+  ASSERT_TRUE(Put(one, "kept bytes"));
+  const fs::path objects = cache.folder() / "objects", thesis = folder / "thesis";
+  const std::string digits(60, 'a');
+  ASSERT_TRUE(MakeFolder(thesis / "ab/cd"));
+  for (const char* name : {"chapter", "ab/cd/chapter"}) ASSERT_TRUE(WriteFile(thesis / name, "text"));
+  ASSERT_TRUE(WriteFile(thesis / (digits + ".json"), "{}"));
+  ASSERT_TRUE(WriteFile(thesis / (digits + "-01234567.h5"), "bytes"));
+  ASSERT_TRUE(MakeFolder(objects / "00"));
+  fs::create_directory_symlink(thesis, objects / "ff");
+  fs::create_directory_symlink(thesis, objects / "00/ff");
+  fs::create_directory_symlink(thesis, objects / "00" / (std::string(62, 'a') + "-01234567"));
+  ASSERT_TRUE(WriteFile(objects / "notes.txt", "mine"));
+  ASSERT_TRUE(WriteFile(objects / "00/notes.txt", "mine"));
+  fs::create_directory_symlink(thesis, cache.folder() / "scratch");
+  EXPECT_EQ(cache.Stat().objects, 1u);
+  EXPECT_EQ(cache.Prune(0.0).objects, 1u);
+  for (const char* name : {"chapter", "ab/cd/chapter"}) EXPECT_TRUE(fs::exists(thesis / name)) << name;
+  EXPECT_EQ(std::distance(fs::directory_iterator(thesis), {}), 4);
+  EXPECT_TRUE(fs::exists(objects / "notes.txt"));
+  EXPECT_TRUE(fs::exists(objects / "00/notes.txt"));
+
+  fs::remove_all(objects);
+  fs::create_directory_symlink(thesis, objects);
+  const auto put = Put(two, "bytes");
+  ASSERT_FALSE(put);
+  EXPECT_EQ(put.error().code, ErrorCode::kCannotWrite);
+  EXPECT_EQ(cache.Prune(0.0).objects, 0u);
+  EXPECT_EQ(std::distance(fs::directory_iterator(thesis), {}), 4);
+}
+
+/// An artifact is copied into run folders: a link in it would copy what it points to.
+TEST_F(CacheOfArtifacts, AnArtifactWithALinkOrAPipeIsNotServed) {
+  const auto fill = [this](const fs::path& made) {
+    ASSERT_TRUE(MakeFolder(made));
+    ASSERT_TRUE(WriteFile(made / "page", "text"));
+  };
+  fill(folder / "made");
+  const fs::path whole = cache.Put(one, folder / "made", {})->artifact;
+  ASSERT_TRUE(cache.Find(one));
+  fs::remove(whole / "page");
+  ASSERT_TRUE(WriteFile(folder / "secret", "text"));
+  fs::create_symlink(folder / "secret", whole / "page");
+  EXPECT_FALSE(cache.Find(one));
+  EXPECT_EQ(cache.Verify().size(), 1u);
+  fs::remove_all(whole);
+  ASSERT_EQ(mkfifo(whole.c_str(), 0600), 0);
+  EXPECT_FALSE(cache.Find(one));
+  EXPECT_EQ(cache.Verify().size(), 1u);
+}
+
+TEST_F(CacheOfArtifacts, ACacheThatOthersMayChangeIsSaid) {
+  ASSERT_TRUE(Put(one, "bytes"));
+  EXPECT_EQ(cache.OthersWhoWrite(), "");
+  fs::permissions(cache.folder(), fs::perms::all);
+  EXPECT_NE(cache.OthersWhoWrite(), "");
 }
 
 TEST_F(CacheOfArtifacts, OneWithOneLevelOfFoldersIsStillRead) {
