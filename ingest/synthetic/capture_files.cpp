@@ -11,12 +11,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Whether this names a file in a folder, and no other place: captures and lists of them may come from anybody.
+bool IsPlainName(const std::string& name) {
+  return !name.empty() && name != "." && name != ".." &&
+         name.find_first_of(std::string_view("/\0", 2)) == std::string::npos;
+}
+
 Expected<nlohmann::json> ReadCapture(const fs::path& artifact) {
   const auto text = ReadFile(artifact);
   if (!text) return Forward(text);
   nlohmann::json capture = nlohmann::json::parse(*text, nullptr, false);
   if (!capture.is_object() || !capture.contains("files") || !capture["files"].is_object()) {
     return Fail(ErrorCode::kMalformed, "is not a capture", DisplayPath(artifact), "mocurate cache verify");
+  }
+  for (const auto& [name, text] : capture["files"].items()) {
+    if (IsPlainName(name) && text.is_string()) continue;
+    return Fail(ErrorCode::kMalformed, "a capture has a file with this name or without a text",
+                DisplayPath(artifact) + ": " + DisplayPath(name), "make it again: mocurate cache prune");
   }
   return std::move(capture["files"]);
 }
@@ -28,8 +39,7 @@ std::map<std::string, std::string> ReadWritten(const fs::path& list) {
   std::map<std::string, std::string> written;
   if (!json.is_object()) return written;
   for (const auto& [name, sha256] : json.items()) {
-    // Only plain names: a manipulated list must not reach files outside the folder.
-    if (sha256.is_string() && name.find('/') == std::string::npos) written[name] = sha256.get<std::string>();
+    if (sha256.is_string() && IsPlainName(name)) written[name] = sha256.get<std::string>();
   }
   return written;
 }

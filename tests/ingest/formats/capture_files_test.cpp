@@ -67,6 +67,13 @@ TEST_F(CapturedFiles, AreRestoredWhenMissing) {
 TEST_F(CapturedFiles, RejectBytesThatAreNoCapture) {
   ASSERT_TRUE(WriteFile(folder_ / "artifact", "[]"));
   EXPECT_EQ(UnpackCapture(folder_ / "artifact", folder_ / "capture").error().code, ErrorCode::kMalformed);
+  for (const char* name : {"../out", "/out", "..", "a/b", "x\\u0000y"}) {
+    ASSERT_TRUE(WriteFile(folder_ / "artifact", std::string("{\"files\": {\"") + name + "\": \"text\"}}"));
+    EXPECT_EQ(UnpackCapture(folder_ / "artifact", folder_ / "capture").error().code, ErrorCode::kMalformed) << name;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  }
+  ASSERT_TRUE(WriteFile(folder_ / "artifact", "{\"files\": {\"a.txt\": 7}}"));
+  EXPECT_EQ(UnpackCapture(folder_ / "artifact", folder_ / "capture").error().code, ErrorCode::kMalformed);
 }
 
 }  // namespace
