@@ -12,6 +12,7 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/pipeline/journal.h"
 #include "train/items.h"
 
 namespace mocurate {
@@ -105,27 +106,23 @@ std::vector<std::string> RunFilesIn(const fs::path& folder) {
 
 std::map<std::string, nlohmann::json> JournalOf(const fs::path& folder, const std::string& stage) {
   std::map<std::string, nlohmann::json> entries;
-  const auto journal = ReadFile(folder / "journal.jsonl");
-  if (!journal) return entries;
-  for (const std::string_view line : SplitText(*journal, '\n')) {
-    nlohmann::json entry = nlohmann::json::parse(line, nullptr, false);
-    if (!entry.is_object() || entry.value("stage", nlohmann::json()) != stage) continue;
-    nlohmann::json& known = entries[entry.value("item", std::string())];
-    const bool same = !known.is_null() && known.value("key", nlohmann::json()) == entry.value("key", nlohmann::json());
-    if (same) {  // a continued run adds to its previous time
-      const auto both = [&](const char* what, auto&& join) {
-        const double before = known.value(what, 0.0), now = entry.value(what, 0.0);
-        if (before > 0.0 || now > 0.0) known[what] = join(before, now);
-      };
-      if (!entry.value("from_cache", false)) {
-        both("seconds", [](double a, double b) { return a + b; });
-        both("peak_memory_bytes", [](double a, double b) { return std::max(a, b); });
-        known["from_cache"] = false;
-      }
-      continue;
+  ForEachLine(folder / "journal.jsonl", [&](const nlohmann::json& entry) {
+    if (TextField(entry, "stage") != stage) return;
+    nlohmann::json& known = entries[TextField(entry, "item")];
+    if (known.is_null() || TextField(known, "key") != TextField(entry, "key")) {
+      known = entry;
+      return;
     }
-    known = std::move(entry);
-  }
+    // A continued run adds to its previous time.
+    const auto both = [&](const char* what, auto&& join) {
+      const double before = NumberField(known, what), now = NumberField(entry, what);
+      if (before > 0.0 || now > 0.0) known[what] = join(before, now);
+    };
+    if (const auto cached = entry.find("from_cache"); cached != entry.end() && *cached == true) return;
+    both("seconds", [](double a, double b) { return a + b; });
+    both("peak_memory_bytes", [](double a, double b) { return std::max(a, b); });
+    known["from_cache"] = false;
+  });
   return entries;
 }
 

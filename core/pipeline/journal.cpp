@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <fstream>
 #include <string>
 #include <utility>
 
@@ -44,6 +45,26 @@ std::string TimeNow() {
   std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
   std::snprintf(text, sizeof text, "%s.%03ldZ", date, now.tv_nsec / 1000000);
   return text;
+}
+
+void ForEachLine(const std::filesystem::path& file, const std::function<void(const nlohmann::json& line)>& visit) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(file, unreadable)) return;
+  std::ifstream lines(file);
+  for (std::string line; std::getline(lines, line);) {
+    const Expected<nlohmann::json> value = FromCanonicalText(line);
+    if (value && value->is_object()) visit(*value);
+  }
+}
+
+std::string TextField(const nlohmann::json& line, const char* name, std::string otherwise) {
+  const auto field = line.find(name);
+  return field != line.end() && field->is_string() ? field->get<std::string>() : otherwise;
+}
+
+double NumberField(const nlohmann::json& line, const char* name, double otherwise) {
+  const auto field = line.find(name);
+  return field != line.end() && field->is_number() ? field->get<double>() : otherwise;
 }
 
 Journal::Journal(Journal&& other) noexcept : file_(std::exchange(other.file_, -1)), path_(std::move(other.path_)) {}
