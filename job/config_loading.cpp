@@ -119,6 +119,23 @@ class ValueCheck {
   ProblemList problems_;
 };
 
+/// A script of Slurm has an option a line, as one word; commands (`program`, `prologue`) are shell text.
+void CheckWordsOfScripts(const SlurmOptions& slurm, ValueCheck& check) {
+  const auto refuse = [&check](const std::string& option, const std::string& text, unsigned char last) {
+    const bool holds = std::any_of(text.begin(), text.end(),
+                                   [last](char c) { return static_cast<unsigned char>(c) <= last || c == 0x7F; });
+    if (holds)
+      check.Refuse("slurm." + option,
+                   "'" + DisplayPath(text) + "' has a line end or another character that no script holds", "remove it");
+  };
+  refuse("partition", slurm.tasks.partition, ' ');
+  refuse("step.partition", slurm.step.partition, ' ');
+  refuse("last.partition", slurm.last.partition, ' ');
+  refuse("account", slurm.account, ' ');
+  refuse("scratch", slurm.scratch, 0x1F);
+  for (const std::string& option : slurm.sbatch) refuse("sbatch", option, 0x1F);
+}
+
 Status CheckValues(const JobOptions& options, const ConfigNode& node) {
   const SourceOptions& source = options.ingest.source;
   ValueCheck check(node);
@@ -140,6 +157,7 @@ Status CheckValues(const JobOptions& options, const ConfigNode& node) {
                      " is kept on the skeleton of its files; no stage retargets it to '" + options.skeleton + "'",
                  "remove `skeleton`, or set ingest.source.skeleton where the files have that tree");
   }
+  CheckWordsOfScripts(options.slurm, check);
   return check.Result();
 }
 

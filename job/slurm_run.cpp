@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
 #include <limits>
 #include <set>
 #include <thread>
@@ -34,20 +33,41 @@ constexpr std::chrono::seconds kLatest{60};       ///< an artifact may appear on
 constexpr std::chrono::seconds kClaims{180};      ///< a dead task's claim is held for half of this
 constexpr std::chrono::seconds kPause{5};
 constexpr std::time_t kAskEvery_s = 60;
-constexpr char kNoAnswer = '!';  ///< first byte of queue.txt when squeue failed; its reason follows
+constexpr double kMostTasks = 4000001.0;  ///< of an array: Slurm's bound of MaxArraySize
+constexpr char kNoAnswer = '!';           ///< first byte of queue.txt when squeue failed; its reason follows
 
 const char* Name(SlurmKind kind) {
   return kind == SlurmKind::kArray ? "array" : kind == SlurmKind::kStep ? "step" : "last";
 }
 
-std::vector<json> Lines(const fs::path& file) {
-  std::vector<json> lines;
-  std::ifstream stream(file);
-  for (std::string line; std::getline(stream, line);) {
-    Expected<json> value = FromCanonicalText(line);
-    if (value && value->is_object()) lines.push_back(*std::move(value));  // a full disk may have cut one short
+/// A job from its line; nothing for a line of another kind. Error kMalformed.
+Expected<std::optional<SubmittedJob>> JobOfLine(const json& line) {
+  const auto wrong = [&line](const std::string& what) {
+    return Fail(ErrorCode::kMalformed, what, line.dump(-1, ' ', true, json::error_handler_t::replace).substr(0, 200));
+  };
+  if (!line.contains("job")) return std::optional<SubmittedJob>();
+  SubmittedJob job;
+  try {
+    const std::string kind = line.at("kind").get<std::string>();
+    job.id = line.at("job").get<std::string>();
+    job.kind = kind == "array" ? SlurmKind::kArray : kind == "last" ? SlurmKind::kLast : SlurmKind::kStep;
+    job.stage = line.value("stage", "");
+    const double tasks = line.value("tasks", 0.0), items = line.value("items", 0.0), cores = line.value("cores", 1.0);
+    if (!(tasks >= 0.0 && tasks <= kMostTasks && items >= tasks && items < 1e15 && cores >= 0.0 && cores <= 1e6))
+      return wrong("tasks, items or cores are not numbers of a job (at most " + FormatDouble(kMostTasks) + " tasks)");
+    job.tasks = static_cast<std::size_t>(tasks);
+    job.items = static_cast<std::size_t>(items);
+    job.cores = static_cast<int>(cores);
+    if (line.contains("time_s")) job.time_s = line.at("time_s").get<double>();
+    if (line.contains("memory_bytes")) job.memory_bytes = line.at("memory_bytes").get<double>();
+  } catch (const json::exception& exception) {
+    return wrong(exception.what());
   }
-  return lines;
+  if (job.id.empty() || job.id.find_first_not_of("0123456789") != std::string::npos)
+    return wrong("the number of the job is not one");
+  if (const auto stage = StageNamed(job.stage); job.kind == SlurmKind::kArray && !stage)
+    return wrong("the stage of the array is not planned");
+  return std::optional<SubmittedJob>(std::move(job));
 }
 
 Status AddLine(const fs::path& file, json line) {
@@ -60,7 +80,7 @@ Status AddLine(const fs::path& file, json line) {
 /// requeue them: two of the same would run side by side.
 std::string ScriptHead(const std::string& name, const fs::path& log, const SlurmOptions& options,
                        const SlurmResources& wanted, const std::optional<double>& time_s, const std::string& more,
-                       const SlurmSettings& settings) {
+                       const SlurmSettings& settings, const SlurmCommand& command) {
   std::string output = log.native();
   for (std::size_t at = 0; (at = output.find('%', at)) != std::string::npos; at += 2) output.insert(at, "%");
   output += name + (more.empty() ? "-%j.log" : "-%A_%a.log");
@@ -76,6 +96,7 @@ std::string ScriptHead(const std::string& name, const fs::path& log, const Slurm
   text += "#SBATCH --ntasks=1\n#SBATCH --cpus-per-task=" + std::to_string(wanted.cores) + "\n";
   for (const std::string& option : options.sbatch) text += "#SBATCH " + option + "\n";
   text += "export MOCURATE_CACHE=" + ShellQuoted(settings.cache.native()) + "\n";
+  text += "cd " + ShellQuoted(command.working_folder.native()) + " || :\n";
   for (const std::string& line : options.prologue) text += line + "\n";
   return text;
 }
@@ -88,7 +109,7 @@ bool WhollyThere(const Cache::Entry& entry) {
 
 double SecondsOf(const json& line) {
   std::tm parts{};
-  const std::string text = line.value("time", "");
+  const std::string text = TextField(line, "time");
   int year = 0, month = 0, day = 0, hour = 0, minute = 0;
   double second = 0.0;
   if (std::sscanf(text.c_str(), "%d-%d-%dT%d:%d:%lf", &year, &month, &day, &hour, &minute, &second) != 6) return 0.0;
@@ -102,32 +123,41 @@ double SecondsOf(const json& line) {
 
 }  // namespace
 
-Expected<SlurmRun> SlurmRun::Begin(const fs::path& folder, SlurmSettings settings) {
+Expected<SlurmRun> SlurmRun::Begin(const fs::path& folder, SlurmSettings settings, SlurmCommand command) {
   SlurmRun run;
   std::error_code problem;
   run.folder_ = fs::absolute(folder, problem);
   run.settings_ = std::move(settings);
+  run.command_ = std::move(command);
+  // Slurm reads the log's name line by line, between quotes.
+  for (const char c : run.folder_.native()) {
+    if (c != '"' && c != '\\' && static_cast<unsigned char>(c) >= 0x20 && c != 0x7F) continue;
+    return Fail(ErrorCode::kUsage,
+                "a script of Slurm cannot hold the name of the folder: it has a line end, a quote, a "
+                "backslash or another control character",
+                DisplayPath(run.folder_), "name another folder with -o");
+  }
   const fs::path own = run.folder_ / "slurm";
   if (Status made = MakeFolder(own / "logs"); !made) return Forward(made);
   fs::remove(own / "outcome.json", problem);
   fs::remove(own / "queue.txt", problem);
   const SlurmSettings& kept = run.settings_;
-  const json value = {{"config", kept.config},
-                      {"assignments", kept.assignments},
+  const json value = {{"config", run.command_.config},
+                      {"assignments", run.command_.assignments},
                       {"to", kept.to},
                       {"budget", kept.budget},
                       {"replace", kept.replace},
                       {"config_sha256", kept.config_sha256},
                       {"cache", kept.cache.native()},
-                      {"working_folder", kept.working_folder.native()},
-                      {"program", kept.program}};
+                      {"task_time_s", kept.task_time_s}};
   if (Status written = WriteFile(own / "run.json", value.dump(1) + "\n"); !written) return Forward(written);
   if (Status noted = AddLine(own / "jobs.jsonl", {{"kind", "start"}}); !noted) return Forward(noted);
   return run;
 }
 
-Expected<SlurmRun> SlurmRun::Open(const fs::path& folder) {
+Expected<SlurmRun> SlurmRun::Open(const fs::path& folder, SlurmCommand command) {
   SlurmRun run;
+  run.command_ = std::move(command);
   std::error_code problem;
   run.folder_ = fs::absolute(folder, problem);
   const fs::path file = run.folder_ / "slurm" / "run.json";
@@ -140,38 +170,34 @@ Expected<SlurmRun> SlurmRun::Open(const fs::path& folder) {
   try {
     const json value = json::parse(*text);
     SlurmSettings& settings = run.settings_;
-    settings.config = value.at("config").get<std::string>();
-    settings.assignments = value.at("assignments").get<std::vector<std::string>>();
     settings.to = value.at("to").get<std::string>();
     settings.budget = value.at("budget").get<double>();
     settings.replace = value.value("replace", false);  // earlier versions did not write it
     settings.config_sha256 = value.at("config_sha256").get<std::string>();
     settings.cache = value.at("cache").get<std::string>();
-    settings.working_folder = value.at("working_folder").get<std::string>();
-    settings.program = value.at("program").get<std::string>();
+    settings.task_time_s = value.at("task_time_s").get<double>();
   } catch (const json::exception& wrong) {
     return Fail(ErrorCode::kMalformed, wrong.what(), DisplayPath(file), "start the run again: mocurate run");
   }
-  return run;
+  const fs::path jobs = run.folder_ / "slurm" / "jobs.jsonl";
+  Status read;
+  ForEachLine(jobs, [&read](const json& line) {
+    if (const auto job = JobOfLine(line); !job && read) read = Forward(job);
+  });
+  if (read) return run;
+  Error error = read.error();
+  error.where = DisplayPath(jobs) + ": " + error.where;
+  error.hint = "start the run again: mocurate run";
+  return tl::unexpected<Error>(error);
 }
 
 std::vector<SubmittedJob> SlurmRun::Jobs() const {
   std::vector<SubmittedJob> jobs;
-  for (const json& line : Lines(folder_ / "slurm" / "jobs.jsonl")) {
-    const std::string kind = line.value("kind", "");
-    if (kind == "start") jobs.clear();
-    if (!line.contains("job")) continue;
-    SubmittedJob job;
-    job.id = line.value("job", "");
-    job.kind = kind == "array" ? SlurmKind::kArray : kind == "last" ? SlurmKind::kLast : SlurmKind::kStep;
-    job.stage = line.value("stage", "");
-    job.tasks = line.value("tasks", std::size_t{0});
-    job.items = line.value("items", std::size_t{0});
-    if (line.contains("time_s")) job.time_s = line.value("time_s", 0.0);
-    if (line.contains("memory_bytes")) job.memory_bytes = line.value("memory_bytes", 0.0);
-    job.cores = line.value("cores", 1);
-    jobs.push_back(std::move(job));
-  }
+  ForEachLine(folder_ / "slurm" / "jobs.jsonl", [&jobs](const json& line) {
+    if (TextField(line, "kind") == "start") jobs.clear();
+    auto job = JobOfLine(line);
+    if (job && *job) jobs.push_back(**std::move(job));
+  });
   return jobs;
 }
 
@@ -180,7 +206,9 @@ std::optional<SlurmOutcome> SlurmRun::Outcome() const {
   if (!text) return std::nullopt;
   const json value = json::parse(*text, nullptr, false);
   if (!value.is_object()) return std::nullopt;
-  return SlurmOutcome{value.value("exit_code", 0), value.value("message", "")};
+  const double code = NumberField(value, "exit_code");
+  const bool known = code >= 0.0 && code < 256.0;
+  return SlurmOutcome{known ? static_cast<int>(code) : static_cast<int>(ExitCode::kBug), TextField(value, "message")};
 }
 
 Status SlurmRun::End(const Status& outcome) const {
@@ -195,6 +223,13 @@ fs::path SlurmRun::Log(const SubmittedJob& job, std::size_t task) const {
   const fs::path logs = folder_ / "slurm" / "logs";
   if (job.kind == SlurmKind::kArray) return logs / (job.stage + "-" + job.id + "_" + std::to_string(task) + ".log");
   return logs / (std::string(Name(job.kind)) + "-" + job.id + ".log");
+}
+
+/// The command's assignments as words of a shell.
+std::string SlurmRun::Assigned() const {
+  std::string words;
+  for (const std::string& assignment : command_.assignments) words += " --set " + ShellQuoted(assignment);
+  return words;
 }
 
 /// Writes the script, submits it and notes the job.
@@ -230,10 +265,11 @@ Expected<SubmittedJob> SlurmRun::SubmitSingle(const LoadedJob& job, SlurmKind ki
   single.time_s = wanted.time_s;
   single.memory_bytes = wanted.memory_bytes;
   single.cores = static_cast<int>(wanted.cores);
-  const std::string script =
-      ScriptHead(Name(kind), folder_ / "slurm" / "logs/", job.options.slurm, wanted, single.time_s, "", settings_) +
-      "exec " + settings_.program + " jobs " + ShellQuoted(folder_.native()) +
-      (kind == SlurmKind::kStep ? " --next\n" : " --last\n");
+  const std::string script = ScriptHead(Name(kind), folder_ / "slurm" / "logs/", job.options.slurm, wanted,
+                                        single.time_s, "", settings_, command_) +
+                             "exec " + command_.program + " jobs " + ShellQuoted(folder_.native()) +
+                             (kind == SlurmKind::kStep ? " --next" : " --last") + " --config " +
+                             ShellQuoted(command_.config) + Assigned() + "\n";
   Expected<SubmittedJob> submitted = Submit(std::move(single), script, after);
   if (submitted) return submitted;
   Error error = submitted.error();
@@ -259,9 +295,9 @@ Expected<SubmittedJob> SlurmRun::SubmitArray(const LoadedJob& job, const std::st
   const std::string cap = options.at_once > 0 ? "%" + std::to_string(options.at_once) : std::string();
   const std::string more = "#SBATCH --array=0-" + std::to_string(tasks - 1) + cap + "\n#SBATCH --signal=B:USR1@90\n";
   std::string script =
-      ScriptHead(stage, folder_ / "slurm" / "logs/", options, options.tasks, array.time_s, more, settings_) + "exec " +
-      settings_.program + " run --plan " + ShellQuoted(plan.native()) + " --task \"$SLURM_ARRAY_TASK_ID\" --jobs " +
-      std::to_string(array.cores);
+      ScriptHead(stage, folder_ / "slurm" / "logs/", options, options.tasks, array.time_s, more, settings_, command_) +
+      "exec " + command_.program + " run --plan " + ShellQuoted(plan.native()) +
+      " --task \"$SLURM_ARRAY_TASK_ID\" --jobs " + std::to_string(array.cores);
   if (!options.scratch.empty()) script += " --scratch \"" + options.scratch + "\"";
   return Submit(std::move(array), script + "\n", "");
 }
@@ -271,6 +307,8 @@ Expected<SubmittedJob> SlurmRun::SubmitArray(const LoadedJob& job, const std::st
 Status SlurmRun::Verify(const SubmittedJob& array) const {
   const Expected<Plan> plan = Plan::Open(folder_ / "plan" / (array.stage + ".json"));
   if (!plan) return Forward(plan);
+  const StageDeclaration stage = StageNamed(array.stage)->declaration();
+  if (plan->head().stage != stage.name || plan->head().stage_version != stage.version) return {};  // planned again
   const Cache cache(settings_.cache);
   const std::vector<TaskReport> tasks = Tasks(array, std::nullopt);
   std::vector<std::string> doubtful;  // keys
@@ -282,7 +320,7 @@ Status SlurmRun::Verify(const SubmittedJob& array) const {
     const Expected<std::vector<ItemSpec>> items = plan->Task(k);
     if (!items) return Forward(items);
     for (const ItemSpec& item : *items) {
-      std::string key = Cache::Key(plan->head().stage, item);
+      std::string key = Cache::Key(stage, item);
       const bool expected = tasks[k].state == TaskState::kDone || cache.Find(key);
       if (expected && !whole(key)) doubtful.push_back(std::move(key));
     }
@@ -304,7 +342,7 @@ Status SlurmRun::Verify(const SubmittedJob& array) const {
     const std::optional<Cache::Entry> entry = cache.Find(key);
     if (!entry) continue;
     LogWarning("cache: " + DisplayPath(entry->artifact) + " does not hold the bytes that were recorded: made again");
-    DropObject(entry->artifact);
+    DropObject(settings_.cache, entry->artifact);
   }
   return {};
 }
@@ -339,8 +377,8 @@ Expected<SubmittedJob> SlurmRun::Next(const LoadedJob& job) const {
   const SlurmLimits limits = AskSlurmLimits().value_or(SlurmLimits());
   const SlurmOptions& options = job.options.slurm;
   PlanSettings settings;
-  settings.config = settings_.config;
-  settings.assignments = settings_.assignments;
+  settings.config = command_.config;
+  settings.assignments = command_.assignments;
   settings.folder = folder_;
   const auto last = JobStageFromName(settings_.to.empty() ? "report" : settings_.to);
   if (!last) return Forward(last);
@@ -398,28 +436,34 @@ std::vector<TaskReport> SlurmRun::Tasks(const SubmittedJob& array, const std::op
   }
   std::vector<TaskReport> tasks(array.tasks);
   const fs::path folder = folder_ / "plan" / array.stage;
+  std::error_code none;
+  std::set<std::string> journals;
+  for (fs::directory_iterator it(folder, none), end; !none && it != end; it.increment(none))
+    journals.insert(it->path().filename().native());
   for (std::size_t k = 0; k < tasks.size(); ++k) {
     TaskReport& task = tasks[k];
     bool begun = false, ended = false;
     double began = 0.0, peak = 0.0;
-    for (const json& line : Lines(folder / (std::to_string(k) + ".jsonl"))) {
+    const std::string journal = std::to_string(k) + ".jsonl";
+    const auto read = [&](const json& line) {
       if (!line.contains("task")) {
-        if (begun) peak = std::max(peak, line.value("peak_memory_bytes", 0.0));
-        continue;
+        if (begun) peak = std::max(peak, NumberField(line, "peak_memory_bytes"));
+        return;
       }
-      if (line.value("job", "") != array.id) continue;
-      if (line.value("event", "") == "begun") {
+      if (TextField(line, "job") != array.id) return;
+      if (TextField(line, "event") == "begun") {
         begun = true;
         ended = false;
         began = SecondsOf(line);
       } else {
         ended = true;
-        task.exit_code = line.value("exit_code", 0);
-        task.message = line.value("message", "");
+        task.exit_code = static_cast<int>(std::clamp(NumberField(line, "exit_code"), 0.0, 255.0));
+        task.message = TextField(line, "message");
         task.seconds = SecondsOf(line) - began;
-        task.memory_bytes = peak * line.value("workers", 1);
+        task.memory_bytes = peak * NumberField(line, "workers", 1.0);
       }
-    }
+    };
+    if (journals.count(journal) > 0) ForEachLine(folder / journal, read);
     const std::string name = std::to_string(k);
     if (ended) {
       task.state = task.exit_code == 0 ? TaskState::kDone : TaskState::kFailed;

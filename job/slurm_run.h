@@ -12,15 +12,21 @@
 
 namespace mocurate {
 
-/// What jobs on other nodes need to go on with a run: RUN/slurm/run.json.
+/// How a run was started: RUN/slurm/run.json. Anybody may have written the folder, so that nothing in it is a command.
 struct SlurmSettings {
-  std::string config;  ///< name of a job, or an absolute path
-  std::vector<std::string> assignments;
   std::string to;  ///< last stage; empty: report
   double budget = 1.0;
   bool replace = false;  ///< the folder may be of another job
   std::string config_sha256;
   std::filesystem::path cache;
+  double task_time_s = 600.0;  ///< wished length of a task
+};
+
+/// What jobs execute: the arguments of the process that submits them, written into their scripts, never into a file
+/// that is read again.
+struct SlurmCommand {
+  std::string config;  ///< name of a job, or an absolute path
+  std::vector<std::string> assignments;
   std::filesystem::path working_folder;  ///< that relative paths start from
   std::string program;                   ///< shell text
 };
@@ -62,10 +68,11 @@ struct TaskReport {
 /// A run whose stages are arrays of Slurm. All its state lies in files below RUN/slurm and RUN/plan.
 class SlurmRun {
  public:
-  /// Starts a run, or one again: jobs of an earlier start are forgotten. Error kCannotWrite.
-  static Expected<SlurmRun> Begin(const std::filesystem::path& folder, SlurmSettings settings);
-  /// Error kNotFound without one.
-  static Expected<SlurmRun> Open(const std::filesystem::path& folder);
+  /// Starts a run, or one again: jobs of an earlier start are forgotten. Error kCannotWrite; kUsage for a folder whose
+  /// name cannot stand in a script.
+  static Expected<SlurmRun> Begin(const std::filesystem::path& folder, SlurmSettings settings, SlurmCommand command);
+  /// `command`: of who goes on with it; none to look at it. Error kNotFound without a run, kMalformed.
+  static Expected<SlurmRun> Open(const std::filesystem::path& folder, SlurmCommand command = {});
 
   const std::filesystem::path& folder() const { return folder_; }
   const SlurmSettings& settings() const { return settings_; }
@@ -94,11 +101,13 @@ class SlurmRun {
   Expected<SubmittedJob> SubmitSingle(const LoadedJob& job, SlurmKind kind, const SlurmResources& wanted,
                                       const std::string& after) const;
   Expected<SubmittedJob> Submit(SubmittedJob job, const std::string& script, const std::string& after) const;
+  std::string Assigned() const;
   Status Verify(const SubmittedJob& array) const;
   void WaitForClaims() const;
 
   std::filesystem::path folder_;
   SlurmSettings settings_;
+  SlurmCommand command_;
 };
 
 }  // namespace mocurate

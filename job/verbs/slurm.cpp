@@ -243,7 +243,7 @@ void PrintSuggestions(const std::optional<double>& memory_bytes, const std::opti
     std::printf("  --set slurm.time='%s' would do\n", MinutesText(2.0 * most.seconds + 600.0).c_str());
 }
 
-Status ShowJobs(CommonArguments& common, const SlurmRun& run, const SlurmOptions& options) {
+Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
   const std::vector<SubmittedJob> jobs = run.Jobs();
   const Expected<std::string> queue = run.Queue();
   if (!queue) LogWarning(queue.error().Message());
@@ -283,10 +283,14 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run, const SlurmOptions
     return {};
   }
   Use most;
+  std::optional<double> memory_bytes, time_s;  // as the last array asked
   for (const SubmittedJob& job : jobs) {
-    if (job.kind == SlurmKind::kArray) PrintUse(run, job, tasks_of(job), options.task_time_s, most);
+    if (job.kind != SlurmKind::kArray) continue;
+    PrintUse(run, job, tasks_of(job), run.settings().task_time_s, most);
+    memory_bytes = job.memory_bytes;
+    time_s = job.time_s;
   }
-  PrintSuggestions(options.tasks.memory_bytes, options.tasks.time_s, most);
+  PrintSuggestions(memory_bytes, time_s, most);
   if (lines && !outcome) {
     std::map<std::string, std::size_t> reasons;
     for (const QueuedJob& job : ParseQueue(*lines)) {
@@ -307,12 +311,24 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run, const SlurmOptions
   return {};
 }
 
+/// What the jobs of a run execute: it comes from the command line and from the configuration that this names.
+SlurmCommand CommandOf(const fs::path& config, const std::vector<std::string>& assignments, const JobOptions& options) {
+  std::error_code problem;
+  SlurmCommand command;
+  command.config = (fs::is_regular_file(config, problem) ? fs::absolute(config) : config).native();
+  command.assignments = assignments;
+  command.working_folder = fs::current_path(problem);
+  command.program = options.slurm.program;
+  if (command.program.empty()) command.program = ShellQuoted(fs::read_symlink("/proc/self/exe", problem).native());
+  return command;
+}
+
 /// What the last job does: the whole run, with what the arrays made in the cache.
-Status RunLast(CommonArguments& common, const SlurmRun& run, int cores) {
+Status RunLast(CommonArguments& common, const JobsArguments& jobs, const SlurmRun& run, int cores) {
   RunArguments arguments;
-  arguments.config = run.settings().config;
+  arguments.config = jobs.config;
   arguments.output = run.folder();
-  arguments.assignments = run.settings().assignments;
+  arguments.assignments = jobs.assignments;
   arguments.to = run.settings().to;
   arguments.budget = run.settings().budget;
   arguments.replace = run.settings().replace;
@@ -335,22 +351,17 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
   if (!folder) return Forward(folder);
   if (Status ours = CheckRunFolder(*folder, job, arguments.replace); !ours) return ours;
   std::error_code problem;
+  const SlurmCommand command = CommandOf(arguments.config, arguments.assignments, job.options);
   SlurmSettings settings;
-  const bool is_file = fs::is_regular_file(arguments.config, problem);
-  const fs::path config = is_file ? fs::absolute(arguments.config) : arguments.config;
-  settings.config = config.native();
-  settings.assignments = arguments.assignments;
   settings.to = arguments.to;
   settings.budget = arguments.budget;
   settings.replace = arguments.replace;
   settings.config_sha256 = ConfigHash(job.options);
   settings.cache = fs::absolute(DefaultCacheFolder());
-  settings.working_folder = fs::current_path(problem);
-  settings.program = job.options.slurm.program;
-  if (settings.program.empty()) settings.program = ShellQuoted(fs::read_symlink("/proc/self/exe", problem).native());
+  settings.task_time_s = job.options.slurm.task_time_s;
 
   const bool login = job.options.slurm.submit_from == SubmitFrom::kLogin;
-  Expected<SlurmRun> run = SlurmRun::Open(*folder);
+  Expected<SlurmRun> run = SlurmRun::Open(*folder, command);
   std::string active;
   if (run) {
     fs::remove(run->folder() / "slurm" / "queue.txt", problem);  // jobs may have been cancelled since
@@ -372,7 +383,7 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
   }
   const bool fresh = active.empty();
   if (fresh) {
-    run = SlurmRun::Begin(*folder, std::move(settings));
+    run = SlurmRun::Begin(*folder, std::move(settings), command);
     if (!run) return Forward(run);
     const Expected<SubmittedJob> first = login ? run->Next(job) : run->SubmitStep(job);
     if (!first) return run->End(Forward(first));
@@ -407,24 +418,28 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
 }
 
 Status JobsVerb(CommonArguments& common, const JobsArguments& arguments) {
-  const Expected<SlurmRun> run = SlurmRun::Open(arguments.run);
+  Expected<SlurmRun> run = SlurmRun::Open(arguments.run);
   if (!run) return Forward(run);
+  if (!arguments.next && !arguments.last) return ShowJobs(common, *run);
   if ((arguments.next || arguments.last) && run->Outcome()) {
     return Fail(ErrorCode::kUsage, "the run has ended", DisplayPath(run->folder()),
                 "to do what is missing: mocurate run with the same arguments");
   }
-  std::error_code problem;
-  setenv("MOCURATE_CACHE", run->settings().cache.c_str(), 1);
-  fs::current_path(run->settings().working_folder, problem);
-  auto job = LoadJob(run->settings().config, run->settings().assignments);
-  if (!job) return arguments.next || arguments.last ? run->End(Forward(job)) : Forward(job);
-  if (!arguments.next && !arguments.last) return ShowJobs(common, *run, job->options.slurm);
+  if (const fs::path cache = fs::absolute(DefaultCacheFolder()); cache != run->settings().cache) {
+    return Fail(ErrorCode::kInconsistent,
+                "the run uses the cache " + DisplayPath(run->settings().cache) + ", here it is " + DisplayPath(cache),
+                DisplayPath(run->folder()), "set MOCURATE_CACHE to the cache of the run");
+  }
+  const auto job = LoadJob(arguments.config, arguments.assignments);
+  if (!job) return run->End(Forward(job));
+  run = SlurmRun::Open(arguments.run, CommandOf(arguments.config, arguments.assignments, job->options));
+  if (!run) return Forward(run);
   if (ConfigHash(job->options) != run->settings().config_sha256) {
     return run->End(Fail(ErrorCode::kInconsistent, "the configuration has changed since the run was submitted",
-                         run->settings().config, "submit it again: mocurate run"));
+                         DisplayPath(arguments.config), "submit it again: mocurate run"));
   }
   ChooseBlasKernels();
-  if (arguments.last) return RunLast(common, *run, static_cast<int>(job->options.slurm.last.cores));
+  if (arguments.last) return RunLast(common, arguments, *run, static_cast<int>(job->options.slurm.last.cores));
   const Expected<SubmittedJob> next = run->Next(*job);
   // Another process that is at work goes on.
   if (!next && next.error().code == ErrorCode::kUsage) return Forward(next);

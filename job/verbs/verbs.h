@@ -40,8 +40,10 @@ struct RunArguments {
 
 struct JobsArguments {
   std::filesystem::path run;
-  bool next = false;  ///< plan and submit the next stage
-  bool last = false;  ///< do the stages after the arrays
+  bool next = false;             ///< plan and submit the next stage
+  bool last = false;             ///< do the stages after the arrays
+  std::filesystem::path config;  ///< of the run, with its assignments: --next and --last go on with it
+  std::vector<std::string> assignments;
 };
 
 struct PlanArguments {

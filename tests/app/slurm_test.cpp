@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 
@@ -213,6 +214,62 @@ TEST_F(SlurmRuns, ATaskThatCannotWorkIsTriedThreeTimes) {
   const Result repaired = Run(OnSlurm("broken", {"--set", "slurm.submit_from=login"}), "broken");
   EXPECT_EQ(repaired.exit_code, 0) << repaired.err << Logs("broken");
   ExpectPlainBytes("broken");
+}
+
+/// A run folder is handed on: nothing in it is a command.
+TEST_F(SlurmRuns, AFolderOfAStrangerIsOnlyRead) {
+  ASSERT_EQ(Run(OnSlurm("theirs", {"--no-wait"}), "theirs", "sbatch_no_controller").exit_code, 4);
+  const fs::path own = *folder_ / "theirs/slurm";
+  fs::remove(own / "outcome.json");
+  nlohmann::json run = nlohmann::json::parse(ReadText(own / "run.json"));
+  const std::string evil = "touch '" + (*folder_ / "PWN").native() + "'; false";
+  run["program"] = run["prologue"] = evil;
+  run["config"] = (*folder_ / "evil.yaml").native();
+  run["assignments"] = {"slurm.program=" + evil};
+  run["working_folder"] = folder_->path().native();
+  WriteText(*folder_ / "evil.yaml", "slurm:\n  program: \"" + evil + "\"\n");
+  WriteText(own / "run.json", run.dump());
+  const std::string folder = (*folder_ / "theirs").native();
+  EXPECT_EQ(Run({"jobs", folder}, "theirs").exit_code, 0);
+  EXPECT_EQ(Run({"jobs", folder, "--next"}, "theirs").exit_code, 2) << "of which configuration?";
+  std::vector<std::string> next = OnSlurm("theirs");
+  next.erase(next.begin(), next.begin() + 7);  // run -o RUN --to assemble --jobs 2
+  next.erase(std::find(next.begin(), next.end(), "--executor"), std::find(next.begin(), next.end(), "--executor") + 2);
+  next.insert(next.begin(), {"jobs", folder, "--next", "--config", "demo"});
+  const Result went_on = Run(next, "theirs", "sbatch_no_controller");
+  EXPECT_EQ(went_on.exit_code, 4) << went_on.err;
+  EXPECT_EQ(ReadText(own / "step.sh").find("PWN"), std::string::npos);
+  EXPECT_FALSE(fs::exists(*folder_ / "PWN"));
+
+  const std::string jobs = ReadText(own / "jobs.jsonl");
+  for (const char* line :
+       {"{\"kind\":\"array\",\"job\":\"7\",\"stage\":\"ingest\",\"tasks\":1000000000000,\"items\":1000000000000}",
+        "{\"kind\":\"array\",\"job\":\"7\",\"stage\":\"ingest\",\"tasks\":-1,\"items\":5}",
+        "{\"kind\":\"array\",\"job\":\"7\",\"stage\":\"../..\",\"tasks\":1,\"items\":5}",
+        "{\"kind\":[],\"job\":{},\"stage\":7,\"tasks\":\"many\"}", "{\"job\":\"--help\",\"kind\":\"step\"}",
+        "{\"kind\":\"step\",\"job\":\"7\",\"time_s\":\"long\"}"}) {
+    WriteText(own / "jobs.jsonl", jobs + line + "\n");
+    EXPECT_EQ(Run({"jobs", folder}, "theirs").exit_code, 3) << line;
+  }
+  WriteText(own / "jobs.jsonl",
+            jobs + "{\"kind\":\"array\",\"job\":\"7\",\"stage\":\"ingest\",\"tasks\":2,\"items\":2}\n");
+  WriteText(*folder_ / "theirs/plan/ingest/0.jsonl",
+            "{\"task\":0,\"job\":7,\"event\":[]}\n{\"task\":0,\"job\":\"7\",\"event\":\"begun\",\"time\":9}\n"
+            "{\"task\":0,\"job\":\"7\",\"event\":\"ended\",\"exit_code\":\"x\",\"workers\":{}}\n");
+  WriteText(own / "outcome.json", "{\"exit_code\":\"x\",\"message\":7}");
+  EXPECT_EQ(Run({"jobs", folder}, "theirs").exit_code, 0);
+}
+
+/// Scripts have a line an option.
+TEST_F(SlurmRuns, LineEndsDoNotReachAScript) {
+  for (const char* option : {"partition", "account", "step.partition", "scratch"}) {
+    const std::string assignment = "slurm." + std::string(option) + "=\"a\\ntouch PWN\"";
+    EXPECT_EQ(Run(OnSlurm("lines", {"--set", assignment}), "lines").exit_code, 2) << option;
+  }
+  EXPECT_EQ(Run(OnSlurm("lines", {"--set", "slurm.sbatch=[\"--qos=a\\ntouch PWN\"]"}), "lines").exit_code, 2);
+  EXPECT_EQ(Run(OnSlurm("lines\ntouch PWN"), "lines").exit_code, 2);
+  EXPECT_EQ(Run(OnSlurm("lines\" --wrap=\"touch PWN"), "lines").exit_code, 2);
+  EXPECT_FALSE(fs::exists(*folder_ / "lines_shim/next")) << "nothing was submitted";
 }
 
 TEST_F(SlurmRuns, RefusalsHaveTheirCodes) {
