@@ -193,16 +193,22 @@ std::optional<IngestOptions> FolderOfFile(const IngestOptions& options, int dept
   const std::filesystem::path file = std::filesystem::absolute(options.path, unknown).lexically_normal();
   IngestOptions whole = options;
   whole.path = file.parent_path();
-  if (!options.source.container.empty()) {
-    whole.source.container = file.filename().string();
-    return whole;
-  }
+  whole.source = DeclaredOfItems(options);
+  if (!options.source.container.empty()) return whole;
   for (int i = 0; i < depth; ++i) whole.path = whole.path.parent_path();
   only = {DisplayPath(file.lexically_relative(whole.path))};
   return whole;
 }
 
 }  // namespace
+
+SourceOptions DeclaredOfItems(const IngestOptions& options) {
+  SourceOptions source = options.source;
+  std::error_code unknown;
+  if (!source.container.empty() && std::filesystem::is_regular_file(options.path, unknown))
+    source.container = options.path.filename().string();
+  return source;
+}
 
 Expected<Discovery> Discover(const IngestOptions& options, const std::optional<std::set<std::string>>& only) {
   const SourceOptions& source = options.source;

@@ -34,6 +34,10 @@ struct Discovery {
   std::vector<ItemSpec> truth;       ///< items for the stage `truth`, when the source knows its truth
 };
 
+/// The declaration as the items of Discover have it in their options, beside facts of their own: where the path is a
+/// file, its name is that of the container.
+SourceOptions DeclaredOfItems(const IngestOptions& options);
+
 /// Lists files; reads names, of the contents only those of ingest.source.annotations and a few beginnings: where these
 /// are all of another format than the declared one, that is an error kConfig. With `only`, files of other
 /// names do not exist for it. A path that is a file stands for its folder and that file alone. Error kNotFound,

@@ -226,6 +226,11 @@ nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, cons
 
 StageInput InputFrom(const char* role, const ItemResult& item) { return {role, item.item, item.artifact, item.sha256}; }
 
+void LimitItems(const PipelineOptions& limits, RunnerOptions& runner) {
+  runner.item_timeout_s = limits.item_timeout_s;
+  if (limits.item_memory_bytes) runner.item_memory_bytes = static_cast<std::uint64_t>(*limits.item_memory_bytes);
+}
+
 StageInput SkeletonInput(const std::string& name_or_path) {
   std::string content;
   if (const auto resource = FindResource("skeletons/" + name_or_path + ".yaml")) {
@@ -233,7 +238,7 @@ StageInput SkeletonInput(const std::string& name_or_path) {
   } else if (const auto file = ReadFile(name_or_path)) {
     content = *file;
   }
-  return {"skeleton", name_or_path, name_or_path, Sha256Hex(content)};
+  return {"skeleton", name_or_path, {}, Sha256Hex(content)};
 }
 
 std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, const ItemOptions& options) {

@@ -87,8 +87,11 @@ nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, cons
 /// An artifact as the input of a later stage.
 StageInput InputFrom(const char* role, const ItemResult& item);
 
-/// The content of a skeleton file as an input: stages find the file by its name, the key contains its content. Empty
-/// content hash for a missing file, which the stage reports.
+/// The configuration's limits of an item, where it sets them, instead of the stages' own.
+void LimitItems(const PipelineOptions& limits, RunnerOptions& runner);
+
+/// The content of a skeleton file as an input without a path: stages find the file by its name, the key contains its
+/// content. A missing file counts as an empty one; the stage reports it.
 StageInput SkeletonInput(const std::string& name_or_path);
 
 /// All evidence as one item of the search for duplicates; nothing with fewer than two clips.

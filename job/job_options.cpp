@@ -185,15 +185,31 @@ std::string RecogniserOf(const JobOptions& options) {
   return {};
 }
 
-ProportionsOptions ProportionsOf(const JobOptions& options) {
+/// Its own group, with the method and clouds of `fitting`.
+nlohmann::json ProportionsItemOptions(const JobOptions& options) {
   ProportionsOptions proportions;
   static_cast<ProportionsSettings&>(proportions) = options.proportions;
   proportions.method = options.fitting.method;
   proportions.other_joints = options.fitting.other_joints;
   proportions.point_clouds = options.fitting.point_clouds;
   proportions.keypoints = options.fitting.keypoints;
+  proportions.keypoints.rig.clear();
   proportions.rules = options.fitting.rules;
-  return proportions;
+  return OptionsToJson(proportions);
+}
+
+nlohmann::json FittingItemOptions(const JobOptions& options) {
+  FittingOptions fitting = options.fitting;
+  fitting.keypoints.rig.clear();
+  return OptionsToJson(fitting);
+}
+
+nlohmann::json CanonItemOptions(const JobOptions& options) {
+  CanonOptions canon = options.canon;
+  canon.review.clear();
+  canon.trim.spans.clear();
+  canon.trim.by_example.examples.clear();
+  return OptionsToJson(canon);
 }
 
 }  // namespace mocurate

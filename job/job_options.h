@@ -166,7 +166,10 @@ void ResolveDefaults(JobOptions& options);
 /// its own. Error kConfig when no earlier set has that name.
 Status ResolveDataSets(std::vector<DataSetOptions>& sets);
 
-/// Options of the stage `proportions`: its own group, with the method and clouds of `fitting`.
-ProportionsOptions ProportionsOf(const JobOptions& options);
+/// Options of the items of these stages. Files that they name are inputs of the items: their content is part of the
+/// keys, not their paths.
+nlohmann::json ProportionsItemOptions(const JobOptions& options);
+nlohmann::json FittingItemOptions(const JobOptions& options);
+nlohmann::json CanonItemOptions(const JobOptions& options);
 
 }  // namespace mocurate

@@ -165,9 +165,8 @@ class MainJob {
 
   Status Proportions() {
     if (!Fits()) return {};
-    ProportionsOptions options = ProportionsOf(options_);
-    options.keypoints.rig.clear();
-    std::vector<ItemSpec> items = ProportionItems(clips_, options_.proportions.body_of, OptionsToJson(options));
+    std::vector<ItemSpec> items =
+        ProportionItems(clips_, options_.proportions.body_of, ProportionsItemOptions(options_));
     AddRig(items);
     AddInput(SkeletonInput(options_.proportions.skeleton), items);
     auto report = runs_.Run(ProportionsDeclaration(), std::move(items));
@@ -181,9 +180,7 @@ class MainJob {
       for (ClipRecord& clip : clips_) clip.motion = clip.evidence;
       return {};
     }
-    FittingOptions of_clips = options_.fitting;
-    of_clips.keypoints.rig.clear();
-    const ItemOptions options = OptionsToJson(of_clips);
+    const ItemOptions options = FittingItemOptions(options_);
     FitItems fits = Fits() ? FittingItems(clips_, options_.proportions.body_of, persons_, options)
                            : GivenMotionItems(clips_, options);
     AddRig(fits.items);
@@ -239,11 +236,7 @@ class MainJob {
   }
 
   Status CanonItems(const char* role, ItemResult ClipRecord::*from, ItemResult ClipRecord::*to, const char* branch) {
-    CanonOptions of_clips = options_.canon;
-    of_clips.review.clear();
-    of_clips.trim.spans.clear();
-    of_clips.trim.by_example.examples.clear();
-    const ItemOptions options = OptionsToJson(of_clips);
+    const ItemOptions options = CanonItemOptions(options_);
     std::vector<ItemSpec> items;
     std::vector<ClipRecord*> records;
     for (ClipRecord& clip : clips_) {

@@ -2,21 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "canon/options.h"
+#include "canon/recipes/spans_file.h"
 #include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/pipeline/content.h"
+#include "core/pipeline/journal.h"
 #include "core/pipeline/wire.h"
 #include "fitting/options.h"
+#include "ingest/discover.h"
 #include "ingest/options.h"
 #include "job/blas_kernels.h"
+#include "job/job_items.h"
 #include "job/main_job.h"
 #include "job/run_file.h"
 #include "job/task_claim.h"
@@ -27,15 +30,49 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+std::vector<json> IngestOptionsOf(const JobOptions& options) {
+  return {OptionsToJson(DeclaredOfItems(options.ingest))};
+}
+
+/// Of files beside their captures, or of the synthetic capture.
+std::vector<json> TruthOptionsOf(const JobOptions& options) {
+  return {OptionsToJson(DeclaredOfItems(options.ingest)), {{"synthetic", OptionsToJson(options.ingest.synthetic)}}};
+}
+
+std::vector<json> ProportionsOptionsOf(const JobOptions& options) { return {ProportionsItemOptions(options)}; }
+std::vector<json> FittingOptionsOf(const JobOptions& options) { return {FittingItemOptions(options)}; }
+std::vector<json> LevelOptionsOf(const JobOptions& options) { return {OptionsToJson(options.canon.level)}; }
+std::vector<json> CanonOptionsOf(const JobOptions& options) { return {CanonItemOptions(options)}; }
+
 const std::vector<std::pair<std::string, PlannedStage>>& PlannedStages() {
   static const std::vector<std::pair<std::string, PlannedStage>> stages = {
-      {"ingest", {IngestDeclaration, JobStage::kIngest}},
-      {"truth", {TruthDeclaration, JobStage::kIngest}},
-      {"proportions", {ProportionsDeclaration, JobStage::kProportions}},
-      {"fitting", {FittingDeclaration, JobStage::kFitting}},
-      {"level", {LevelDeclaration, JobStage::kCanon}},
-      {"canon", {CanonDeclaration, JobStage::kCanon}}};
+      {"ingest", {IngestDeclaration, JobStage::kIngest, IngestOptionsOf, true}},
+      {"truth", {TruthDeclaration, JobStage::kIngest, TruthOptionsOf, true}},
+      {"proportions", {ProportionsDeclaration, JobStage::kProportions, ProportionsOptionsOf}},
+      {"fitting", {FittingDeclaration, JobStage::kFitting, FittingOptionsOf}},
+      {"level", {LevelDeclaration, JobStage::kCanon, LevelOptionsOf}},
+      {"canon", {CanonDeclaration, JobStage::kCanon, CanonOptionsOf}}};
   return stages;
+}
+
+/// The first option of an item that is not what the configuration says; empty: none.
+std::string OtherOption(const json& item, const json& said, bool may_have_more) {
+  for (const auto& [name, value] : said.items()) {
+    const auto own = item.find(name);
+    if (own == item.end() || *own != value) return name;
+  }
+  for (const auto& [name, value] : item.items()) {
+    if (!may_have_more && !said.contains(name)) return name;
+  }
+  return {};
+}
+
+/// Hash of what a stage finds by a name; empty for other inputs.
+std::string HashOfNamed(const StageInput& input) {
+  const StageInput skeleton = SkeletonInput(input.name);
+  if (input.role == skeleton.role) return skeleton.sha256;
+  const auto spans = input.role == kSpansRole ? BuiltInSpans(input.name) : std::nullopt;
+  return spans ? Sha256Hex(std::string(*spans)) : std::string();
 }
 
 /// Seconds of executed items of a stage, mean over the journals of a run and of its tasks; 0 without any.
@@ -47,14 +84,12 @@ double MeanSeconds(const fs::path& folder, const std::string& stage) {
   }
   double seconds = 0.0, items = 0.0;
   for (const fs::path& journal : journals) {
-    std::ifstream lines(journal);
-    for (std::string line; std::getline(lines, line);) {
-      const Expected<json> entry = FromCanonicalText(line);
-      if (!entry || !entry->is_object() || entry->value("stage", "") != stage || entry->value("from_cache", true))
-        continue;
-      seconds += entry->value("seconds", 0.0);
+    ForEachLine(journal, [&](const json& line) {
+      const auto cached = line.find("from_cache");
+      if (TextField(line, "stage") != stage || cached == line.end() || *cached != false) return;
+      seconds += std::max(0.0, NumberField(line, "seconds"));
       items += 1.0;
-    }
+    });
   }
   return items > 0.0 ? seconds / items : 0.0;
 }
@@ -101,6 +136,32 @@ std::vector<std::string> PlannedStageNames() {
   return names;
 }
 
+Status CheckPlannedItems(const PlannedStage& stage, const JobOptions& options, const std::vector<ItemSpec>& items,
+                         const fs::path& plan) {
+  const auto refuse = [&plan](const ItemSpec& item, const std::string& what) {
+    return Fail(ErrorCode::kInconsistent, what, DisplayPath(plan) + ": item " + DisplayPath(item.item),
+                "plan again: mocurate plan");
+  };
+  const std::vector<json> said = stage.options(options);
+  for (const ItemSpec& item : items) {
+    const json own = item.options.Whole();
+    std::string other;
+    for (const json& possible : said) {
+      other = OtherOption(own, possible, stage.items_have_own);
+      if (other.empty()) break;
+    }
+    if (!other.empty())
+      return refuse(item, "the plan's option '" + DisplayPath(other) + "' is not that of its configuration");
+    for (const StageInput& input : item.inputs) {
+      if (!input.path.empty()) continue;
+      if (const std::string now = HashOfNamed(input); now.empty() || now != input.sha256)
+        return refuse(item, "'" + DisplayPath(input.name) + "' (" + DisplayPath(input.role) +
+                                ") is not what it was when the plan was made");
+    }
+  }
+  return {};
+}
+
 std::string ConfigHash(const JobOptions& options) {
   json value = OptionsToJson(options);
   for (const char* elsewhere : {"executor", "slurm"}) value.erase(elsewhere);
@@ -115,9 +176,7 @@ Expected<MadePlan> MakePlan(const LoadedJob& job, const PlanSettings& settings) 
   runner_options.jobs = settings.jobs;
   runner_options.quiet = settings.quiet;
   runner_options.dry_run = true;
-  runner_options.item_timeout_s = job.options.pipeline.item_timeout_s;
-  if (const auto bytes = job.options.pipeline.item_memory_bytes)
-    runner_options.item_memory_bytes = static_cast<std::uint64_t>(*bytes);
+  LimitItems(job.options.pipeline, runner_options);
   JobStage last = JobStage::kIngest;
   for (const std::string& name : settings.stages) {
     const Expected<PlannedStage> stage = StageNamed(name);
@@ -140,7 +199,9 @@ Expected<MadePlan> MakePlan(const LoadedJob& job, const PlanSettings& settings) 
   request.take = [&](const StageDeclaration& stage, std::vector<ItemSpec> items, double pilot) -> Status {
     made.stage = stage.name;
     for (ItemSpec& item : items) {
-      for (StageInput& input : item.inputs) input.path = fs::absolute(input.path);
+      for (StageInput& input : item.inputs) {
+        if (!input.path.empty()) input.path = fs::absolute(input.path);
+      }
     }
     std::move(items.begin(), items.end(), std::back_inserter(missing));
     if (pilot > 0.0) seconds = pilot;
@@ -163,7 +224,8 @@ Expected<MadePlan> MakePlan(const LoadedJob& job, const PlanSettings& settings) 
   const std::size_t tasks = settings.tasks.value_or(static_cast<std::size_t>(std::min(wished, 1e9)));
   const std::vector<std::size_t> ends = CutByCost(costs, std::min(tasks, settings.most_tasks));
   PlanHead head;
-  head.stage = StageNamed(made.stage)->declaration();
+  head.stage = made.stage;
+  head.stage_version = StageNamed(made.stage)->declaration().version;
   head.program = std::string(Version());
   head.config = settings.config.native();
   head.config_sha256 = ConfigHash(job.options);
@@ -171,12 +233,10 @@ Expected<MadePlan> MakePlan(const LoadedJob& job, const PlanSettings& settings) 
   head.blas_kernels = BlasKernels();
   head.instructions = Instructions();
   head.cache = (*runner)->options().cache_folder;
-  head.item_timeout_s = runner_options.item_timeout_s;
-  head.item_memory_bytes = runner_options.item_memory_bytes;
   made.file = fs::absolute(settings.folder / "plan" / (made.stage + ".json"));
   made.items = missing.size();
   made.tasks = ends.size();
-  for (const fs::path& needed : {made.file.parent_path(), head.cache}) {
+  for (const fs::path& needed : {made.file.parent_path(), head.cache / "objects"}) {
     if (Status there = MakeFolder(needed); !there) return Forward(there);
   }
   if (Status written = Plan::Write(made.file, head, missing, ends); !written) return Forward(written);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -16,6 +17,9 @@ namespace mocurate {
 struct PlannedStage {
   StageDeclaration (*declaration)();
   JobStage of;
+  /// What the configuration says the options of its items are; where there are several, one of them.
+  std::vector<nlohmann::json> (*options)(const JobOptions& options);
+  bool items_have_own = false;  ///< beside those, from their files: a label, a place in the file
 };
 
 /// Error kUsage for another stage.
@@ -25,6 +29,11 @@ std::vector<std::string> PlannedStageNames();
 
 /// SHA-256 over the options that results depend on.
 std::string ConfigHash(const JobOptions& options);
+
+/// Compares items of a plan, which anybody may have written, with what the configuration says: their options, and the
+/// content of inputs that a stage finds by their name. (The runner compares files.) Error kInconsistent.
+Status CheckPlannedItems(const PlannedStage& stage, const JobOptions& options, const std::vector<ItemSpec>& items,
+                         const std::filesystem::path& plan);
 
 struct PlanSettings {
   std::filesystem::path config;  ///< name of a job, or an absolute path

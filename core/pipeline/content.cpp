@@ -44,6 +44,8 @@ Status SyncFile(const fs::path& path) {
 
 Expected<Content> ContentOf(const fs::path& path) {
   std::error_code problem;
+  if (fs::is_other(fs::status(path, problem)))
+    return Fail(ErrorCode::kUnreadable, "is a device or a pipe, a file is expected", DisplayPath(path));
   if (!fs::is_directory(path, problem)) {
     Expected<std::string> sha256 = Sha256OfFile(path);
     if (!sha256) return Forward(sha256);

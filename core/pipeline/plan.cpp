@@ -34,40 +34,25 @@ std::string Index(const std::vector<std::uint64_t>& numbers) {
   return text;
 }
 
-json LimitsJson(const ItemLimits& limits) {
-  json value = {{"time_s", limits.time_s}};
-  if (limits.memory_bytes) value["memory_bytes"] = *limits.memory_bytes;
-  return value;
-}
-
 json HeadJson(const PlanHead& head) {
-  json value = {{"program", head.program},
-                {"stage", head.stage.name},
-                {"stage_version", head.stage.version},
-                {"worker", head.stage.worker},
-                {"limits", LimitsJson(head.stage.limits)},
-                {"config", head.config},
-                {"config_sha256", head.config_sha256},
-                {"arguments", head.arguments},
-                {"blas_kernels", head.blas_kernels},
-                {"instructions", head.instructions},
-                {"cache", head.cache.native()},
-                {"items", head.items},
-                {"tasks", head.tasks}};
-  if (head.item_timeout_s) value["item_timeout_s"] = *head.item_timeout_s;
-  if (head.item_memory_bytes) value["item_memory_bytes"] = *head.item_memory_bytes;
-  return value;
+  return {{"program", head.program},
+          {"stage", head.stage},
+          {"stage_version", head.stage_version},
+          {"config", head.config},
+          {"config_sha256", head.config_sha256},
+          {"arguments", head.arguments},
+          {"blas_kernels", head.blas_kernels},
+          {"instructions", head.instructions},
+          {"cache", head.cache.native()},
+          {"items", head.items},
+          {"tasks", head.tasks}};
 }
 
 PlanHead HeadFromJson(const json& value) {
   PlanHead head;
   head.program = value.at("program").get<std::string>();
-  head.stage.name = value.at("stage").get<std::string>();
-  head.stage.version = value.at("stage_version").get<int>();
-  head.stage.worker = value.at("worker").get<std::string>();
-  head.stage.limits.time_s = value.at("limits").at("time_s").get<double>();
-  if (const auto memory = value.at("limits").find("memory_bytes"); memory != value.at("limits").end())
-    head.stage.limits.memory_bytes = memory->get<std::uint64_t>();
+  head.stage = value.at("stage").get<std::string>();
+  head.stage_version = value.at("stage_version").get<int>();
   head.config = value.at("config").get<std::string>();
   head.config_sha256 = value.at("config_sha256").get<std::string>();
   head.arguments = value.at("arguments").get<std::vector<std::string>>();
@@ -76,8 +61,6 @@ PlanHead HeadFromJson(const json& value) {
   head.cache = value.at("cache").get<std::string>();
   head.items = value.at("items").get<std::size_t>();
   head.tasks = value.at("tasks").get<std::size_t>();
-  if (value.contains("item_timeout_s")) head.item_timeout_s = value.at("item_timeout_s").get<double>();
-  if (value.contains("item_memory_bytes")) head.item_memory_bytes = value.at("item_memory_bytes").get<std::uint64_t>();
   return head;
 }
 
@@ -95,7 +78,10 @@ tl::unexpected<Error> NotAPlan(const fs::path& file, const std::string& what, co
 /// Reads parts of a plan.
 class PlanReader {
  public:
-  explicit PlanReader(const fs::path& file) : file_(file), stream_(file, std::ios::binary) {}
+  explicit PlanReader(const fs::path& file) : file_(file), stream_(file, std::ios::binary) {
+    std::error_code problem;
+    size_ = fs::file_size(file, problem);
+  }
 
   bool open() const { return stream_.is_open(); }
 
@@ -111,9 +97,12 @@ class PlanReader {
     return line;
   }
 
+  /// The value of a line.
   Expected<json> Value(std::uint64_t offset) {
     Expected<std::string> line = Line(offset);
     if (!line) return Forward(line);
+    read_ += line->size();
+    if (read_ > size_) return NotAPlan(file_, "lines overlap", "item_offsets and option_offsets");
     while (!line->empty() && (line->back() == ',' || line->back() == ' ')) line->pop_back();
     return FromCanonicalText(*line);
   }
@@ -133,6 +122,8 @@ class PlanReader {
  private:
   fs::path file_;
   std::ifstream stream_;
+  std::uint64_t size_ = 0;
+  std::uint64_t read_ = 0;  ///< bytes of all values: each is read once
 };
 
 }  // namespace
@@ -190,6 +181,7 @@ Expected<Plan> Plan::Open(const fs::path& file) {
   std::error_code problem;
   if (!fs::exists(file, problem))
     return Fail(ErrorCode::kNotFound, "no such plan", DisplayPath(file), "make it: mocurate plan CONFIG --stage S");
+  if (!fs::is_regular_file(file, problem)) return NotAPlan(file, "this is a folder or a pipe, not a plan", "line 1");
   PlanReader reader(file);
   if (!reader.open()) return Fail(ErrorCode::kUnreadable, "the plan cannot be read", DisplayPath(file));
   Expected<std::string> line = reader.Line(0, kLongestHead);
@@ -232,7 +224,7 @@ Expected<std::vector<ItemSpec>> Plan::Task(std::size_t task) const {
   const Expected<std::uint64_t> end = reader.Entry(task_index_, task);
   if (!end) return Forward(end);
   if (*end > head_.items || *begin > *end) return NotAPlan(file_, "tasks end beyond the items", "task_ends");
-  std::map<std::size_t, json> options;
+  std::map<std::size_t, ItemOptions> options;
   std::vector<ItemSpec> items;
   for (std::uint64_t i = *begin; i < *end; ++i) {
     const Expected<std::uint64_t> at = reader.Entry(item_index_, i);
@@ -246,9 +238,9 @@ Expected<std::vector<ItemSpec>> Plan::Task(std::size_t task) const {
         if (!place) return Forward(place);
         Expected<json> read = reader.Value(*place);
         if (!read) return Forward(read);
-        options[of] = *std::move(read);
+        options.emplace(of, *std::move(read));
       }
-      ItemSpec spec{value->at("item").get<std::string>(), options[of], {}};
+      ItemSpec spec{value->at("item").get<std::string>(), options.at(of), {}};
       for (const json& input : value->at("inputs")) {
         spec.inputs.push_back({input.at(0).get<std::string>(), input.at(1).get<std::string>(),
                                input.at(2).get<std::string>(), input.at(3).get<std::string>()});

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,9 +11,11 @@
 
 namespace mocurate {
 
-/// What all tasks of a plan share.
+/// What all tasks of a plan share. A plan says what to do, never by which program or within which limits: those are
+/// the stage's own and the configuration's.
 struct PlanHead {
-  StageDeclaration stage;
+  std::string stage;
+  int stage_version = 0;
   std::string program;                 ///< version of mocurate
   std::string config;                  ///< name of the run's configuration, or its absolute path
   std::string config_sha256;           ///< of the resolved configuration
@@ -22,8 +23,6 @@ struct PlanHead {
   std::string blas_kernels;            ///< OpenBLAS's name for the kernels it takes where the plan was made; or empty
   std::string instructions;            ///< "avx512", "avx2" or "baseline": what a node needs
   std::filesystem::path cache;
-  std::optional<double> item_timeout_s;  ///< as of RunnerOptions
-  std::optional<std::uint64_t> item_memory_bytes;
   std::size_t items = 0;
   std::size_t tasks = 0;
 };
@@ -41,7 +40,8 @@ class Plan {
   static Expected<Plan> Open(const std::filesystem::path& file);
 
   const PlanHead& head() const { return head_; }
-  /// Items of task k. Error kUsage beyond the last task, kMalformed.
+  /// Items of task k, as the file has them: who runs them compares options and inputs with what they should be. Error
+  /// kUsage beyond the last task, kMalformed.
   Expected<std::vector<ItemSpec>> Task(std::size_t task) const;
 
  private:

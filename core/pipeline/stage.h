@@ -19,7 +19,7 @@ namespace mocurate {
 struct StageInput {
   std::string role;
   std::string name;    ///< stable text (clip id, relative file name); part of the cache key
-  PathText path;       ///< where it lies now; never part of the key
+  PathText path;       ///< where it lies now; never part of the key; empty: the stage finds it by its name
   std::string sha256;  ///< content; the key
 };
 

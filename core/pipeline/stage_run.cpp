@@ -131,6 +131,7 @@ void StageRun::PrepareItems() {
       Record(index, key, Served(items_[index].item, *std::move(entry)), 0.0);
     } else {
       if (waits) WaitForInputs(items_[index]);
+      if (waits && !CheckInputs(index)) continue;
       Task task;
       task.index = index;
       task.key = std::move(key);
@@ -147,7 +148,7 @@ std::optional<Cache::Entry> StageRun::FindWhole(const std::string& key) const {
   const bool whole_set = !stage_.limits.memory_bytes;
   if (!entry || !whole_set || entry->artifact.empty() || Holds(entry->artifact, entry->sha256)) return entry;
   LogWarning("cache: " + DisplayPath(entry->artifact) + " does not hold the bytes that were recorded: made again");
-  DropObject(entry->artifact);
+  DropObject(state_.options.cache_folder, entry->artifact);
   return std::nullopt;
 }
 
@@ -176,13 +177,33 @@ bool StageRun::HashInputs(std::size_t index) {
       input.sha256 = *std::move(sha256);
       continue;
     }
-    ItemResult refused{items_[index].item, {}, {}, {}, false, {}};
-    refused.outcome.kind = OutcomeKind::kRefused;
-    refused.outcome.error = sha256.error();
-    Record(index, "", std::move(refused), 0.0);
+    Refuse(index, sha256.error());
     return false;
   }
   return true;
+}
+
+/// False, and the item is refused, when an input of a plan's task has other bytes than the plan says: what would be
+/// made of it would be served to others under the wrong key.
+bool StageRun::CheckInputs(std::size_t index) {
+  for (const StageInput& input : items_[index].inputs) {
+    if (input.path.empty()) continue;
+    const Expected<std::string> sha256 = state_.memo.Sha256Of(input.path);
+    if (sha256 && *sha256 == input.sha256) continue;
+    Refuse(index, sha256 ? Error{ErrorCode::kUnreadable, "the content is not that of the plan", DisplayPath(input.path),
+                                 "it has changed since, or the plan is not of this data: plan again, mocurate plan"}
+                         : sha256.error());
+    return false;
+  }
+  return true;
+}
+
+/// Without a line in the cache: the next run tries again.
+void StageRun::Refuse(std::size_t index, const Error& error) {
+  ItemResult refused{items_[index].item, {}, {}, {}, false, {}};
+  refused.outcome.kind = OutcomeKind::kRefused;
+  refused.outcome.error = error;
+  Record(index, "", std::move(refused), 0.0);
 }
 
 void StageRun::Dispatch(Seat& seat, Task task) {

@@ -78,6 +78,8 @@ class StageRun {
   // Items
   void PrepareItems();
   bool HashInputs(std::size_t index);
+  bool CheckInputs(std::size_t index);
+  void Refuse(std::size_t index, const Error& error);
   void WaitForInputs(const ItemSpec& spec);
   std::optional<Cache::Entry> FindWhole(const std::string& key) const;
   void Dispatch(Seat& seat, Task task);

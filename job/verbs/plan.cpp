@@ -10,6 +10,7 @@
 #include "job/blas_kernels.h"
 #include "job/config_loading.h"
 #include "job/job_checks.h"
+#include "job/job_items.h"
 #include "job/run_folder.h"
 #include "job/stage_plan.h"
 #include "job/task_claim.h"
@@ -100,14 +101,19 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
   const Expected<Plan> plan = Plan::Open(arguments.plan);
   if (!plan) return Forward(plan);
   const PlanHead& head = plan->head();
-  std::string again = "plan again: mocurate plan " + head.config + " --stage " + head.stage.name;
+  std::string again = "plan again: mocurate plan " + head.config + " --stage " + head.stage;
   for (const std::string& assignment : head.arguments) again += " --set '" + assignment + "'";
   again += " -o " + DisplayPath(fs::absolute(arguments.plan).parent_path().parent_path());
-  const Expected<PlannedStage> stage = StageNamed(head.stage.name);
-  if (!stage) return Forward(stage);
-  if (const int version = stage->declaration().version; version != head.stage.version) {
+  const Expected<PlannedStage> stage = StageNamed(head.stage);
+  if (!stage) {
     return Fail(ErrorCode::kInconsistent,
-                "the plan is of version " + std::to_string(head.stage.version) + " of stage " + head.stage.name +
+                "the plan is of a stage that is not planned: '" + DisplayPath(head.stage) + "'",
+                DisplayPath(arguments.plan), stage.error().hint);
+  }
+  const StageDeclaration declaration = stage->declaration();
+  if (const int version = declaration.version; version != head.stage_version) {
+    return Fail(ErrorCode::kInconsistent,
+                "the plan is of version " + std::to_string(head.stage_version) + " of stage " + head.stage +
                     ", this program has version " + std::to_string(version),
                 DisplayPath(arguments.plan), again);
   }
@@ -117,14 +123,15 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
     return Fail(ErrorCode::kInconsistent, "the configuration has changed since the plan was made", head.config, again);
   }
   if (Status pinned = PinKernels(head.blas_kernels, head.instructions); !pinned) return pinned;
-  if (std::error_code missing; !fs::is_directory(head.cache, missing)) {
+  if (std::error_code missing; !fs::is_directory(head.cache / "objects", missing)) {
     return Fail(ErrorCode::kNotFound, "the plan's cache is not there", DisplayPath(head.cache),
                 "mount it there on this node, or " + again);
   }
   Expected<std::vector<ItemSpec>> items = plan->Task(*arguments.task);
   if (!items) return Forward(items);
+  if (Status same = CheckPlannedItems(*stage, job->options, *items, arguments.plan); !same) return same;
 
-  const fs::path folder = fs::absolute(arguments.plan).parent_path() / head.stage.name;
+  const fs::path folder = fs::absolute(arguments.plan).parent_path() / head.stage;
   const std::string name = std::to_string(*arguments.task);
   const auto claim = TaskClaim::Take(folder / (name + ".claim"));
   if (!claim) return Forward(claim);
@@ -135,8 +142,7 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
   options.node_folder = arguments.scratch;
   options.jobs = arguments.jobs;
   options.quiet = common.quiet;
-  options.item_timeout_s = head.item_timeout_s;
-  options.item_memory_bytes = head.item_memory_bytes;
+  LimitItems(job->options.pipeline, options);
   if (Status begun = NoteTask(options.task_journal, *arguments.task, {{"event", "begun"}}); !begun) return begun;
   const auto ended = [&](Status outcome) -> Status {
     const ExitCode code = outcome ? ExitCode::kDone : ExitCodeOf(outcome.error().code);
@@ -149,11 +155,11 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
   };
   auto runner = Runner::Make(options);
   if (!runner) return ended(Forward(runner));
-  const auto report = (*runner)->Run(head.stage, *std::move(items));
+  const auto report = (*runner)->Run(declaration, *std::move(items));
   if (!report) return ended(Forward(report));
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", nlohmann::json({{"stage", head.stage.name},
+    std::printf("%s\n", nlohmann::json({{"stage", head.stage},
                                         {"task", *arguments.task},
                                         {"tasks", head.tasks},
                                         {"items", report->items.size()},
@@ -171,7 +177,7 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
   return ended(Fail(ErrorCode::kTooManyFailures,
                     std::to_string(report->crashed) + " of " +
                         Counted(static_cast<long long>(report->items.size()), "item") + " crashed, " +
-                        std::to_string(report->unrecorded) + " found a file missing or unreadable",
+                        std::to_string(report->unrecorded) + " found a file missing, unreadable or changed",
                     DisplayPath(options.task_journal),
                     "the journal has the reasons; make the files visible on this node and run the task again"));
 }

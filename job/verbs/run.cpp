@@ -146,8 +146,7 @@ RunnerOptions RunnerOptionsOf(const CommonArguments& common, const RunArguments&
   options.dry_run = arguments.dry_run;
   options.quiet = common.quiet;
   options.time_factor = std::max(1.0, arguments.budget);
-  options.item_timeout_s = job.pipeline.item_timeout_s;
-  if (const auto bytes = job.pipeline.item_memory_bytes) options.item_memory_bytes = static_cast<std::uint64_t>(*bytes);
+  LimitItems(job.pipeline, options);
   return options;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <functional>
 
 #include "tests/app/program.h"
 
@@ -119,6 +120,92 @@ TEST_F(Plans, RefusalsHaveTheirCodes) {
   EXPECT_FALSE(fs::exists(*folder_ / "r/plan/ingest/0.claim"));
 }
 
+/// Plans are handed on: what they say is compared with the configuration, the program and the data.
+TEST_F(Plans, APlanOfAStrangerDoesNothingOfItsOwn) {
+  for (const char* stage : {"ingest", "fitting"})
+    ASSERT_EQ(RunProgram(*folder_, PlanOf("s", stage, "1"), "s_cache").exit_code, 0);
+  const auto change = [](const std::string& stage, const std::function<void(std::string&)>& edit) {
+    const fs::path plan = *folder_ / "s/plan" / (stage + ".json");
+    const std::string text = ReadText(plan);
+    std::string other = text;
+    edit(other);
+    EXPECT_NE(other, text);
+    WriteText(plan, other);
+    const Result task = RunProgram(*folder_, Task("s", stage, 0), "s_cache");
+    WriteText(plan, text);
+    return task;
+  };
+  // Keeps the length, as the offsets do.
+  const auto replaced = [](const std::string& from, const std::string& to) {
+    return [from, to](std::string& text) {
+      const std::size_t at = text.find(from);
+      ASSERT_NE(at, std::string::npos) << from;
+      text.replace(at, from.size(), to);
+    };
+  };
+  // Items are run by the program that this one belongs to.
+  const fs::path program = *folder_ / "worker";
+  WriteText(program, "#!/bin/sh\ntouch '" + (*folder_ / "PWN").native() + "'\n");
+  fs::permissions(program, fs::perms::owner_all);
+  const auto with_worker = [&](std::string& text) {
+    const std::string head = "\"worker\":\"" + program.native() + "\",\"limits\":{\"time_s\":60.0},";
+    text.insert(text.find("\"stage\":\"ingest\""), head);
+    const auto move = [&](std::size_t at) {
+      const std::string moved = std::to_string(std::stoull(text.substr(at, 16)) + head.size());
+      text.replace(at, 16, std::string(16 - moved.size(), ' ') + moved);
+    };
+    for (const char* index : {"item_index", "option_index", "task_index"}) move(text.find(':', text.find(index)) + 2);
+    for (const char* index : {"\"item_offsets\"", "\"option_offsets\""}) {
+      for (std::size_t at = text.find('\n', text.find(index)) + 1; text[at] != ']'; at = text.find('\n', at) + 1)
+        move(at);
+    }
+  };
+  const Result worked = change("ingest", with_worker);
+  EXPECT_EQ(worked.exit_code, 0) << worked.err;
+  EXPECT_GT(worked.Json()["done"], 0) << "by mocurate's own worker";
+  fs::remove_all(*folder_ / "s_cache");
+  for (const char* stage : {"ingest", "fitting"}) RunProgram(*folder_, PlanOf("s", stage, "1"), "s_cache");
+  EXPECT_EQ(change("ingest", replaced("\"stage\":\"ingest\"", "\"stage\":\"canon\" ")).exit_code, 3);
+  EXPECT_EQ(change("ingest", replaced("\"stage\":\"ingest\"", "\"stage\":\"../../x\"")).exit_code, 3);
+  EXPECT_FALSE(fs::exists(*folder_ / "PWN"));
+  // Options are those of the configuration.
+  EXPECT_EQ(change("ingest", replaced("\"first_frame\":{}", "\"first_fram\":{} ")).exit_code, 3);
+  EXPECT_EQ(change("fitting", replaced("\"method\":\"", "\"meth\":\"od")).exit_code, 3);
+  // A file under the hash of another is refused: nothing of it is served afterwards.
+  const auto swapped = [](std::string& text) {
+    const std::string a = "kick", b = "walk";
+    const std::size_t at = text.find(a, text.find("\"inputs\""));
+    ASSERT_NE(at, std::string::npos);
+    const std::size_t path = text.find(a, text.find("/capture/", at));
+    text.replace(path, a.size(), b);
+  };
+  const Result task = change("ingest", swapped);
+  EXPECT_EQ(task.exit_code, 1) << task.err;
+  EXPECT_EQ(task.Json()["refused"], 1);
+  EXPECT_EQ(RunProgram(*folder_, Run("s"), "s_cache").exit_code, 0);
+  EXPECT_EQ(ReadText(*folder_ / "s/dataset.h5"), ReadText(*folder_ / "plain/dataset.h5"));
+}
+
+/// Its tree is that of its file: no skeleton is named, and an input has no path.
+TEST_F(Plans, OfMotionsWithTheirOwnTree) {
+  WriteText(
+      *folder_ / "own/a_walk.bvh",
+      "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition "
+      "Zrotation Xrotation Yrotation\nJOINT Spine\n{\nOFFSET 0 10 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd "
+      "Site\n{\nOFFSET 0 10 0\n}\n}\n}\nMOTION\nFrames: 3\nFrame Time: 0.033333\n0 90 0 0 0 0 0 0 0\n0 90 1 0 0 0 "
+      "0 5 0\n0 90 2 0 0 0 0 9 0\n");
+  WriteText(*folder_ / "own.yaml",
+            "ingest:\n  path: own\n  source: {name: own, format: bvh, files: '{person}_{recording}.bvh', "
+            "label: '{recording}', units: cm, axes: yzx, skeleton: ''}\nfitting: {method: none}\n");
+  std::vector<std::string> plan = {"plan", (*folder_ / "own.yaml").native(), "--stage", "ingest", "--tasks", "1",
+                                   "-o",   (*folder_ / "own_run").native(),  "--json"};
+  const Result made = RunProgram(*folder_, plan, "own_cache");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(made.Json()["items"], 1);
+  const Result task = RunProgram(*folder_, Task("own_run", "ingest", 0), "own_cache");
+  EXPECT_EQ(task.exit_code, 0) << task.err << task.out;
+}
+
 TEST_F(Plans, APilotGivesTheNumberOfTasks) {
   std::vector<std::string> arguments = Arguments("plan", "pilot");
   arguments.insert(arguments.end(), {"--stage", "ingest"});
@@ -143,7 +230,7 @@ TEST_F(Plans, TasksRunFromAnotherFolderThanThePlan) {
   EXPECT_EQ(at("", "plan relative.yaml --stage ingest --tasks 1 -o relative --set ingest.path=capture"), 0);
   fs::remove_all(*folder_ / "relative_cache");
   EXPECT_EQ(at("capture", "run --plan ../relative/plan/ingest.json --task 0"), 3) << "the plan's cache is not there";
-  fs::create_directory(*folder_ / "relative_cache");
+  fs::create_directories(*folder_ / "relative_cache/objects");
   fs::rename(*folder_ / "capture", *folder_ / "not_mounted");
   EXPECT_EQ(at("", "run --plan relative/plan/ingest.json --task 0"), 1) << "a node without the data";
   fs::rename(*folder_ / "not_mounted", *folder_ / "capture");

@@ -1,5 +1,6 @@
 // The cases of the design, "Stages and the cache".
 
+#include "core/base/sha256.h"
 #include "core/pipeline/workspace.h"
 #include "tests/pipeline/runs.h"
 
@@ -164,6 +165,54 @@ TEST_F(TwoStages, TwoProcessesMayTakeAndDiscardOneScratchFolder) {
   const pid_t one = racer(), two = racer();
   EXPECT_EQ(Wait(one), 0);
   EXPECT_EQ(Wait(two), 0);
+}
+
+/// Unfinished outputs of killed runs are removed; what lies beside them, or behind a link, is somebody's.
+TEST_F(TwoStages, AWorkspaceRemovesItsOwnFoldersOnly) {
+  char host[256] = {};
+  gethostname(host, sizeof(host) - 1);
+  const fs::path tmp = options.cache_folder / "tmp" / host;
+  for (const fs::path& made : {tmp / "thesis", tmp / "12-abc", tmp / "12-abcdef", folder / "home/thesis"})
+    ASSERT_TRUE(MakeFolder(made));
+  fs::create_directory_symlink(folder / "home", tmp / "13-abcdef");
+  ASSERT_TRUE(Workspace::Make(options.cache_folder, {}));
+  EXPECT_TRUE(fs::exists(tmp / "thesis"));
+  EXPECT_TRUE(fs::exists(tmp / "12-abc"));
+  EXPECT_FALSE(fs::exists(tmp / "12-abcdef"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "home"), {}), 1) << "no lock file either";
+  for (const fs::path& place : {tmp, tmp.parent_path(), options.cache_folder / "scratch"}) {
+    fs::remove_all(place);
+    fs::create_directory_symlink(folder / "home", place);
+    auto workspace = Workspace::Make(options.cache_folder, {});
+    const bool scratch = place.filename() == "scratch";
+    ASSERT_EQ(workspace.has_value(), scratch);
+    EXPECT_EQ(scratch ? workspace->ScratchOf("key").error().code : workspace.error().code, ErrorCode::kCannotWrite);
+    fs::remove(place);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder / "home"), {}), 1);
+  }
+}
+
+/// A task of a plan takes inputs by their hashes: another file under such a hash would be served to later runs.
+TEST_F(TwoStages, ATaskRefusesAnInputWithOtherBytesThanPlanned) {
+  RunnerOptions task = options;
+  task.task_journal = folder / "task.jsonl";
+  ItemSpec mine = Over("a", folder / "a", upper_options), other = Over("a", folder / "b", upper_options);
+  mine.inputs[0].sha256 = other.inputs[0].sha256 = *Sha256OfFile(folder / "a");
+  ItemSpec endless = mine;
+  endless.inputs[0].path = fs::path("/dev/zero");
+  const auto runner = Runner::Make(task);
+  ASSERT_TRUE(runner) << runner.error().Message();
+  for (const ItemSpec& item : {other, endless}) {
+    const auto report = (*runner)->Run(Stage("upper"), {item});
+    ASSERT_TRUE(report) << report.error().Message();
+    EXPECT_EQ(report->refused, 1);
+    EXPECT_EQ(report->unrecorded, 1);
+  }
+  const auto report = (*runner)->Run(Stage("upper"), {mine});
+  ASSERT_TRUE(report) << report.error().Message();
+  EXPECT_EQ(report->done, 1);
+  EXPECT_EQ(report->from_cache, 0) << "nothing was kept of the others";
+  EXPECT_EQ(Bytes(report->items[0]), "CLIP A!");
 }
 
 TEST_F(TwoStages, ADryRunReportsWhatWouldRunAndTouchesNothing) {
