@@ -24,8 +24,8 @@ Expected<nlohmann::json> ReadCapture(const fs::path& artifact) {
   if (!capture.is_object() || !capture.contains("files") || !capture["files"].is_object()) {
     return Fail(ErrorCode::kMalformed, "is not a capture", DisplayPath(artifact), "mocurate cache verify");
   }
-  for (const auto& [name, text] : capture["files"].items()) {
-    if (IsPlainName(name) && text.is_string()) continue;
+  for (const auto& [name, content] : capture["files"].items()) {
+    if (IsPlainName(name) && content.is_string()) continue;
     return Fail(ErrorCode::kMalformed, "a capture has a file with this name or without a text",
                 DisplayPath(artifact) + ": " + DisplayPath(name), "make it again: mocurate cache prune");
   }
