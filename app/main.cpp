@@ -12,6 +12,7 @@
 
 #include "app/commands.h"
 #include "app/usage.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/version.h"
 #include "job/verbs/verbs.h"
@@ -129,7 +130,7 @@ int Run(int argc, char** argv) {
   SetLogLevel(common.quiet ? LogLevel::kError : common.verbose ? LogLevel::kDebug : LogLevel::kInfo);
   if (common.quiet && !common.json) DiscardStdout();
   try {
-    return Report(verb(), common);
+    return Report(GuardJson("a file that was read", verb), common);
   } catch (const std::exception& defect) {
     return Report(Fail(ErrorCode::kInternal, defect.what(), "", "this is a defect of mocurate; please report it"),
                   common);

@@ -4,6 +4,7 @@
 
 #include "canon/frames/level.h"
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -35,15 +36,11 @@ Expected<Clip> ReadMotionClip(const StageInput& input, std::vector<Finding>* fin
 }
 
 Status LevelByFloor(const StageInput& input, Clip& clip) {
-  const auto text = ReadFile(input.path);
-  if (!text) return Forward(text);
-  try {
-    const auto floor = nlohmann::json::parse(*text);
-    if (!floor.is_null()) LevelClip(floor.get<FloorPlane>(), clip);
-  } catch (const nlohmann::json::exception& problem) {
-    return Fail(ErrorCode::kMalformed, std::string("not a floor: ") + problem.what(), input.name);
-  }
-  return {};
+  const auto floor = ReadJson(input.path);
+  if (!floor) return Forward(floor);
+  return GuardJson(input.name, [&] {
+    if (!floor->is_null()) LevelClip(floor->get<FloorPlane>(), clip);
+  });
 }
 
 void SortById(std::vector<Clip>& clips) {

@@ -131,7 +131,7 @@ nlohmann::json KeypointsJson(const KeypointReport& report) {
   }
   return {{"people", report.people},
           {"residual_px_over_time", residuals},
-          {"faults", nlohmann::json::parse(FaultsText(report.faults))},
+          {"faults", FaultsJson(report.faults)},
           {"seen_share", rounded(report.seen_share)},
           {"triangulated_share", rounded(report.triangulated)},
           {"triangulated_share_of", points},
@@ -153,8 +153,7 @@ nlohmann::json DepthRigJson(const DepthRigReport& report) {
                                   {"contradicts", rounded(report.loss[v])},
                                   {"contradicts_after", rounded(report.loss_after[v])}};
   }
-  return {
-      {"frames", report.frames}, {"cameras", cameras}, {"faults", nlohmann::json::parse(FaultsText(report.faults))}};
+  return {{"frames", report.frames}, {"cameras", cameras}, {"faults", FaultsJson(report.faults)}};
 }
 
 }  // namespace

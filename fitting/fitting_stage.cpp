@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/version.h"
 #include "core/body/capsule_body.h"
 #include "core/motion/gaps.h"
@@ -29,10 +30,9 @@ namespace {
 Expected<PersonBody> ReadBody(const StageRequest& request, const SkeletonPtr& skeleton) {
   for (const StageInput& input : request.inputs) {
     if (input.role != "proportions") continue;
-    const Expected<std::string> text = ReadFile(input.path);
-    if (!text) return Forward(text);
-    const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-    return BodyFromJson(json, skeleton, "proportions of " + input.name);
+    const Expected<nlohmann::json> json = ReadJson(input.path);
+    if (!json) return Forward(json);
+    return BodyFromJson(*json, skeleton, "proportions of " + input.name);
   }
   return PersonBody{skeleton, {}};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
@@ -58,8 +59,7 @@ Expected<bool> Assign(const std::string& text, const std::string& where, Options
   nlohmann::json json = OptionsToJson(options);
   const std::string key = text.substr(0, equals);
   if (equals == std::string::npos || !json.contains(key)) return false;
-  const nlohmann::json value = nlohmann::json::parse(text.substr(equals + 1), nullptr, false);
-  json[key] = value.is_discarded() ? nlohmann::json(text.substr(equals + 1)) : value;
+  json[key] = ParseJson(text.substr(equals + 1), where).value_or(nlohmann::json(text.substr(equals + 1)));
   auto changed = OptionsFromJson<Options>(json, where);
   if (!changed) return Forward(changed);
   options = std::move(*changed);
@@ -166,8 +166,7 @@ void CollectedTable::Add(const SetResult& set, const std::filesystem::path& fold
   const std::vector<fs::path>& written = set.result.tables;
   const bool there =
       std::any_of(written.begin(), written.end(), [&](const fs::path& table) { return table.filename() == file; });
-  const auto text = there ? ReadFile(folder / file) : Expected<std::string>(std::string());
-  const nlohmann::json own = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  const nlohmann::json own = there ? ReadJson(folder / file).value_or(nullptr) : nlohmann::json();
   if (!own.is_object()) {  // not scored, or a dry run
     if (name == "table") markdown += HeadOf(set) + "\n";
     return;

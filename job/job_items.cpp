@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/resources.h"
 #include "core/base/sha256.h"
@@ -379,13 +380,12 @@ std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const
 }
 
 Status NoteFitErrors(const ItemResult& scored, std::vector<ClipRecord>& clips) {
-  const auto text = ReadFile(scored.artifact);
-  if (!text) return Forward(text);
-  const nlohmann::json errors = nlohmann::json::parse(*text, nullptr, false);
-  if (!errors.is_object() || !errors.contains("per_clip")) return {};
+  const auto errors = ReadJson(scored.artifact);
+  if (!errors) return Forward(errors);
+  if (!errors->is_object() || !errors->contains("per_clip")) return {};
   for (ClipRecord& clip : clips) {
-    const auto error = errors.at("per_clip").find(clip.evidence.summary.value("clip", std::string()));
-    if (error == errors.at("per_clip").end()) continue;
+    const auto error = errors->at("per_clip").find(clip.evidence.summary.value("clip", std::string()));
+    if (error == errors->at("per_clip").end()) continue;
     const auto mm = error->find("joint_mm");
     if (mm != error->end() && mm->is_number()) clip.joint_error_mm = mm->get<double>();
   }

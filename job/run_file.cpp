@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
@@ -65,6 +66,12 @@ bool IsEarlier(const fs::path& file, const std::string& started) {
   return TimeText(written) < started;
 }
 
+/// Empty where there is no text.
+std::string TextIn(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
 }  // namespace
 
 RunFile::RunFile(const LoadedJob& job, double budget, JobStage last, const fs::path& folder)
@@ -110,16 +117,10 @@ Status RunFile::End(const Status& outcome) {
 nlohmann::json ReadRunFile(const fs::path& folder) {
   std::error_code unknown;
   const auto path = folder / "run.json";
-  const auto text =
-      fs::is_regular_file(path, unknown)
-          ? ReadFile(path)
-          : Expected<std::string>(Fail(ErrorCode::kNotFound, "the file does not exist", DisplayPath(path)));
-  if (!text) return nullptr;
-  nlohmann::json run = nlohmann::json::parse(*text, nullptr, false);
+  if (!fs::is_regular_file(path, unknown)) return nullptr;
+  nlohmann::json run = ReadJson(path).value_or(nullptr);
   if (!run.is_object() || !run.contains("options") || !run.at("options").is_object()) return nullptr;
-  const auto maker = run.find("created_by");
-  const bool ours = maker != run.end() && maker->is_string() && maker->get<std::string>().rfind("mocurate ", 0) == 0;
-  return ours ? run : nlohmann::json();
+  return TextIn(run, "created_by").rfind("mocurate ", 0) == 0 ? run : nlohmann::json();
 }
 
 std::vector<StaleOutput> StaleOutputs(const fs::path& folder) {
@@ -128,17 +129,14 @@ std::vector<StaleOutput> StaleOutputs(const fs::path& folder) {
   if (!run.is_object()) return stale;
   if (run.contains("ended") && run.contains("stale")) {
     for (const nlohmann::json& output : run.at("stale")) {
-      const auto text = [&](const char* key) {
-        const bool there = output.is_object() && output.contains(key) && output.at(key).is_string();
-        return there ? output.at(key).get<std::string>() : std::string();
-      };
       std::error_code unknown;
-      const std::string file = text("file");
-      if (!file.empty() && fs::exists(folder / PathFromText(file), unknown)) stale.push_back({file, text("stage")});
+      const std::string file = TextIn(output, "file");
+      const bool exists = !file.empty() && fs::exists(folder / PathFromText(file), unknown);
+      if (exists) stale.push_back({file, TextIn(output, "stage")});
     }
     return stale;
   }
-  const std::string started = run.value("started", "");
+  const std::string started = TextIn(run, "started");
   for (const auto& [name, output] : OutputsIn(folder)) {
     if (IsEarlier(folder / name, started)) stale.push_back({DisplayPath(name), Name(output.stage)});
   }
@@ -153,7 +151,9 @@ Status AddStale(const fs::path& folder, const std::vector<StaleOutput>& stale) {
   if (stale.empty()) return {};
   nlohmann::json run = ReadRunFile(folder);
   if (!run.is_object()) return {};
-  for (nlohmann::json& output : JsonOf(stale)) run["stale"].push_back(std::move(output));
+  nlohmann::json& list = run["stale"];
+  if (!list.is_array()) list = nlohmann::json::array();
+  for (nlohmann::json& output : JsonOf(stale)) list.push_back(std::move(output));
   WarnOfStale(stale);
   return WriteJson(folder, run);
 }

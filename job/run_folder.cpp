@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "job/run_file.h"
 #include "job/run_outputs.h"
@@ -47,10 +48,13 @@ Expected<fs::path> RunFolder(const std::optional<fs::path>& named, const std::st
 
 Status CheckRunFolder(const fs::path& folder, const LoadedJob& job, bool replace) {
   if (const nlohmann::json run = ReadRunFile(folder); run.is_object()) {
-    const nlohmann::json& options = run.at("options");
-    const nlohmann::json none = nlohmann::json::object();
-    const std::string name = options.value("name", "");
-    const std::string config = run.value("job", none).value("config", job.config);  // earlier versions: unknown
+    std::string name, config;
+    const Status read = GuardJson(DisplayPath(folder / "run.json"), [&] {
+      name = run.at("options").value("name", "");
+      // earlier versions wrote no config
+      config = run.value("job", nlohmann::json::object()).value("config", job.config);
+    });
+    if (!read) return read;
     if (replace || (name == job.options.name && SameConfig(config, job.config))) return {};
     return Fail(ErrorCode::kUsage,
                 "the folder is of job '" + name + "' (" + config + "), this job is '" + job.options.name + "' (" +

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/pipeline/cache_layout.h"
@@ -165,10 +166,10 @@ Expected<SlurmRun> SlurmRun::Open(const fs::path& folder, SlurmCommand command) 
     return Fail(ErrorCode::kNotFound, "this is no run on Slurm", DisplayPath(folder),
                 "start one: mocurate run CONFIG --executor slurm -o " + DisplayPath(folder));
   }
-  const auto text = ReadFile(file);
-  if (!text) return Forward(text);
+  const Expected<json> read = ReadJson(file);
+  if (!read) return Forward(read);
+  const json& value = *read;
   try {
-    const json value = json::parse(*text);
     SlurmSettings& settings = run.settings_;
     settings.to = value.at("to").get<std::string>();
     settings.budget = value.at("budget").get<double>();
@@ -202,13 +203,11 @@ std::vector<SubmittedJob> SlurmRun::Jobs() const {
 }
 
 std::optional<SlurmOutcome> SlurmRun::Outcome() const {
-  const auto text = ReadFile(folder_ / "slurm" / "outcome.json");
-  if (!text) return std::nullopt;
-  const json value = json::parse(*text, nullptr, false);
-  if (!value.is_object()) return std::nullopt;
-  const double code = NumberField(value, "exit_code");
+  const Expected<json> value = ReadJson(folder_ / "slurm" / "outcome.json");
+  if (!value || !value->is_object()) return std::nullopt;
+  const double code = NumberField(*value, "exit_code");
   const bool known = code >= 0.0 && code < 256.0;
-  return SlurmOutcome{known ? static_cast<int>(code) : static_cast<int>(ExitCode::kBug), TextField(value, "message")};
+  return SlurmOutcome{known ? static_cast<int>(code) : static_cast<int>(ExitCode::kBug), TextField(*value, "message")};
 }
 
 Status SlurmRun::End(const Status& outcome) const {

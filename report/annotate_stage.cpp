@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/motion/fingerprint.h"
@@ -41,10 +42,11 @@ using SessionSpans = std::map<std::string, std::vector<SessionSpan>>;
 Expected<SessionSpans> ReadSession(const StageInput& input) {
   const auto text = ReadFile(input.path);
   if (!text) return Forward(text);
-  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_array()) return Fail(ErrorCode::kMalformed, "not a list of spans", input.name);
+  const auto json = ParseJson(*text, input.name);
+  if (!json) return Forward(json);
+  if (!json->is_array()) return Fail(ErrorCode::kMalformed, "not a list of spans", input.name);
   SessionSpans spans;
-  for (const nlohmann::json& span : json) {
+  for (const nlohmann::json& span : *json) {
     const auto begin = NumberOf(span, "begin"), end = NumberOf(span, "end");
     if (!begin || !end) return Fail(ErrorCode::kMalformed, "a span has no begin or end", input.name);
     const std::string clip = TextOf(span, "clip");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "report/clip_series.h"
@@ -191,7 +192,7 @@ std::string RepairsHtml(const ClipPageInput& input) {
   HtmlTable table{"Corrections before the fit; each can be undone", {"Frames", "What", "Joints", "Value"}, {}, false};
   const auto repairs = fitted.provenance.find("track_repairs");
   if (repairs != fitted.provenance.end()) {
-    const nlohmann::json list = nlohmann::json::parse(repairs->second, nullptr, false);
+    const nlohmann::json list = ParseJson(repairs->second, "").value_or(nullptr);
     for (const nlohmann::json& repair : Elements(list)) {
       const std::vector<double> frames = NumbersOf(Field(repair, "frames"));
       if (frames.size() != 2 || table.rows.size() >= kMostRepairs) continue;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "report/plot.h"
 #include "report/stages.h"
@@ -69,12 +70,11 @@ Expected<StageOutcome> MotionPictureStage(const StageRequest& request) {
 
 Expected<StageOutcome> PlotStage(const StageRequest& request) {
   if (request.inputs.empty()) return Fail(ErrorCode::kInternal, "a plot needs its numbers", request.item);
-  const auto text = ReadFile(request.inputs.front().path);
-  if (!text) return Forward(text);
-  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  const auto plots = PlotsOf(json);
+  const auto json = ReadJson(request.inputs.front().path);
+  if (!json) return Forward(json);
+  const auto plots = PlotsOf(*json);
   if (!plots) return Forward(plots);
-  if (Status written = WriteFile(request.output, ToSvg(DrawPlots(*plots, json.value("columns", 3)))); !written) {
+  if (Status written = WriteFile(request.output, ToSvg(DrawPlots(*plots, json->value("columns", 3)))); !written) {
     return Forward(written);
   }
   return StageOutcome();

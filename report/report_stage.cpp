@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/store/store.h"
 #include "report/options.h"
 #include "report/page.h"
@@ -28,10 +29,8 @@ nlohmann::json FiguresOf(const nlohmann::json& run, const std::string& item) {
 }
 
 Expected<nlohmann::json> ReadRun(const StageInput& input) {
-  const auto text = ReadFile(input.path);
-  if (!text) return Forward(text);
-  nlohmann::json run = nlohmann::json::parse(*text, nullptr, false);
-  if (!run.is_object())
+  auto run = ReadJson(input.path);
+  if (run && !run->is_object())
     return Fail(ErrorCode::kMalformed, "the summary of the run is not a JSON object", DisplayPath(input.path));
   return run;
 }

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/motion/fingerprint.h"
@@ -87,14 +88,6 @@ std::string CardHtml(const ReviewCard& card, std::size_t index, const ReviewPage
   return html + "</section>\n";
 }
 
-Expected<nlohmann::json> ReadJson(const StageInput& input) {
-  const auto text = ReadFile(input.path);
-  if (!text) return Forward(text);
-  nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  if (json.is_discarded()) return Fail(ErrorCode::kMalformed, "not JSON", input.name);
-  return json;
-}
-
 }  // namespace
 
 std::string MakeReviewPage(const ReviewPageInput& input) {
@@ -169,7 +162,9 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request) {
       input.labels = clips->labels();
       continue;
     }
-    auto json = ReadJson(given);
+    const auto text = ReadFile(given.path);
+    if (!text) return Forward(text);
+    auto json = ParseJson(*text, given.name);
     if (!json) return Forward(json);
     (given.role == "audit" ? audit : input.decisions) = std::move(*json);
   }

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/json_text.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "report/survey.h"
@@ -26,13 +27,6 @@ std::string ShownValue(const Json& value) {
   return text.size() <= 60 ? text : text.substr(0, 57) + "...";
 }
 
-std::string LineOfByte(std::string_view bytes, std::size_t at) {
-  const std::string_view before = bytes.substr(0, std::min(at > 0 ? at - 1 : 0, bytes.size()));
-  const std::size_t begin = before.rfind('\n');
-  const std::size_t column = before.size() - (begin == std::string_view::npos ? 0 : begin + 1);
-  return std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ":" + std::to_string(column + 1);
-}
-
 /// An object of JSON. A repeated key in an object is also an error, because only one of its values would count.
 Expected<Json> ParseObject(std::string_view bytes, const std::string& name, const char* hint) {
   std::vector<std::set<std::string>> keys;
@@ -45,16 +39,10 @@ Expected<Json> ParseObject(std::string_view bytes, const std::string& name, cons
     }
     return true;
   };
-  Json json;
-  try {
-    json = Json::parse(bytes.begin(), bytes.end(), watch);
-  } catch (const Json::parse_error& error) {
-    return Fail(ErrorCode::kMalformed, "the file is not JSON", name + ":" + LineOfByte(bytes, error.byte), hint);
-  } catch (const Json::exception&) {
-    return Fail(ErrorCode::kMalformed, "a number is out of range", name, hint);
-  }
+  const Expected<Json> json = ParseJson(bytes, name, watch);
+  if (!json) return Forward(json);
   if (!twice.empty()) return Fail(ErrorCode::kMalformed, "the key " + twice + " is repeated", name, hint);
-  if (!json.is_object()) return Fail(ErrorCode::kMalformed, "the file is not a JSON object", name + ": /", hint);
+  if (!json->is_object()) return Fail(ErrorCode::kMalformed, "the file is not a JSON object", name + ": /", hint);
   return json;
 }
 
@@ -149,13 +137,9 @@ Json KeyToJson(const SurveyKey& key) {
 Expected<SurveyKey> ReadSurveyKey(std::string_view bytes, const std::string& name) {
   const Expected<Json> json = ParseObject(bytes, name, kMakeAgain);
   if (!json) return Forward(json);
-  SurveyKey key;
-  try {
-    key = KeyOfJson(*json);
-  } catch (const Json::exception&) {
-    return Fail(ErrorCode::kMalformed, "the file is not a key of a survey", name, kMakeAgain);
-  }
-  const Json written = KeyToJson(key);
+  Expected<SurveyKey> key = GuardJson(name, [&] { return KeyOfJson(*json); });
+  if (!key) return key;
+  const Json written = KeyToJson(*key);
   if (const auto id = json->find("survey"); id == json->end() || *id != written.at("survey")) {
     return Fail(ErrorCode::kInconsistent,
                 "its survey id is " + (id == json->end() ? "missing" : ShownValue(*id)) +

@@ -11,6 +11,7 @@
 #include "canon/stages.h"
 #include "canon/values/skeletons.h"
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/motion/kinematics.h"
@@ -46,14 +47,11 @@ nlohmann::json ExcludedFromSet(const std::map<std::string, std::string>& item_of
 
 /// Findings about the clips as a set, made before this stage: a JSON list.
 Status ReadFindings(const StageInput& input, std::vector<Finding>& findings) {
-  const auto text = ReadFile(input.path);
-  if (!text) return Forward(text);
-  try {
-    for (const nlohmann::json& finding : nlohmann::json::parse(*text)) findings.push_back(finding.get<Finding>());
-  } catch (const nlohmann::json::exception& problem) {
-    return Fail(ErrorCode::kMalformed, std::string("not a list of findings: ") + problem.what(), input.name);
-  }
-  return {};
+  const auto list = ReadJson(input.path);
+  if (!list) return Forward(list);
+  return GuardJson(input.name, [&] {
+    for (const nlohmann::json& finding : *list) findings.push_back(finding.get<Finding>());
+  });
 }
 
 /// Applies a review; with `by_id`, whatever the motions are. `excluding` receives the findings about clips that it

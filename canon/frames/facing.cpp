@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "core/base/json_text.h"
 #include "core/base/options.h"
 #include "core/base/text.h"
 #include "core/motion/operations.h"
@@ -162,7 +163,9 @@ Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
 Status FaceAgain(Clip& clip) {
   const auto noted = clip.provenance.find(kFacingNoted);
   if (noted == clip.provenance.end()) return {};
-  auto options = OptionsFromJson<FacingOptions>(nlohmann::json::parse(noted->second, nullptr, false), kFacingNoted);
+  const auto json = ParseJson(noted->second, kFacingNoted);
+  if (!json) return Forward(json);
+  auto options = OptionsFromJson<FacingOptions>(*json, kFacingNoted);
   if (!options) return Forward(options);
   // The given rotation of the world is applied already; a frame that was cut away cannot be the anchor.
   if (options->rule == FacingRule::kGiven) options->rule = FacingRule::kOrigin;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -186,17 +187,12 @@ ordered_json ToJson(const std::vector<BabelAnnotation>& annotations, bool timed,
 }  // namespace
 
 Expected<std::vector<BabelSequence>> ParseBabel(std::string_view bytes, const std::string& name) {
-  if (bytes.empty()) return EmptyFile(name);
-  ordered_json root;
-  try {
-    root = ordered_json::parse(bytes);
-  } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kMalformed, std::string("not JSON: ") + error.what(), name, "copy it again, or correct it");
-  }
-  if (!root.is_object())
+  const Expected<ordered_json> root = ParseOrderedJson(bytes, name);
+  if (!root) return Forward(root);
+  if (!root->is_object())
     return Fail(ErrorCode::kMalformed, "an object of sequences is expected", name, "is it a file of BABEL?");
   std::vector<BabelSequence> sequences;
-  for (const auto& [key, value] : root.items()) {
+  for (const auto& [key, value] : root->items()) {
     Expected<BabelSequence> sequence = Sequence(BabelPlace{&value, "/" + key, &name}, key);
     if (!sequence) return Forward(sequence);
     sequences.push_back(std::move(*sequence));

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <nlohmann/json.hpp>
 
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "core/formats/line_reader.h"
 
@@ -11,13 +11,6 @@ namespace mocurate {
 namespace {
 
 using nlohmann::json;
-
-std::string LineAndColumn(std::string_view bytes, std::size_t at) {
-  const std::string_view before = bytes.substr(0, std::min(at > 0 ? at - 1 : 0, bytes.size()));
-  const std::size_t begin = before.rfind('\n');
-  const std::size_t column = before.size() - (begin == std::string_view::npos ? 0 : begin + 1) + 1;
-  return std::to_string(std::count(before.begin(), before.end(), '\n') + 1) + ":" + std::to_string(column);
-}
 
 Expected<int> Index(const json& label, const char* key, const std::string& name) {
   const auto found = label.find(key);
@@ -35,24 +28,17 @@ Expected<int> Index(const json& label, const char* key, const std::string& name)
 Expected<BandaiLabel> ParseBandaiLabel(std::string_view bytes, const std::string& name) {
   constexpr std::size_t kLargest = 4096;  // a label is thirty bytes
   if (bytes.size() > kLargest) return Fail(ErrorCode::kMalformed, "the label is too long", name);
-  json label;
-  try {
-    label = json::parse(bytes.begin(), bytes.end());
-  } catch (const json::parse_error& error) {
-    return Fail(ErrorCode::kMalformed, "the label is not JSON", name + ":" + LineAndColumn(bytes, error.byte),
-                R"(as in {"content": 6, "style": 11})");
-  } catch (const json::exception&) {
-    return Fail(ErrorCode::kMalformed, "a number in the label is out of range", name);
-  }
-  if (!label.is_object()) return Fail(ErrorCode::kMalformed, "the label is not a JSON object", name + ":/");
-  for (const auto& item : label.items()) {
+  const Expected<json> label = ParseJson(bytes, name);
+  if (!label) return Forward(label);
+  if (!label->is_object()) return Fail(ErrorCode::kMalformed, "the label is not a JSON object", name + ":/");
+  for (const auto& item : label->items()) {
     if (item.key() == "content" || item.key() == "style") continue;
     return Fail(ErrorCode::kMalformed, "unknown key '" + Shown(item.key()) + "'", name + ":/",
                 "a label has content and style");
   }
-  const Expected<int> content = Index(label, "content", name);
+  const Expected<int> content = Index(*label, "content", name);
   if (!content) return Forward(content);
-  const Expected<int> style = Index(label, "style", name);
+  const Expected<int> style = Index(*label, "style", name);
   if (!style) return Forward(style);
   return BandaiLabel{*content, *style};
 }

@@ -201,7 +201,7 @@ Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
 
 Expected<Calibration> CalibrationFromJson(std::string_view bytes, const std::string& name,
                                           Status (*read)(const JsonPlace& root, Calibration& calibration)) {
-  const Expected<json> document = ParseJson(bytes, name);
+  const Expected<json> document = ParseLenientJson(bytes, name);
   if (!document) return Forward(document);
   Calibration calibration;
   if (Status status = read(JsonPlace{&*document, "", &name}, calibration); !status) return Forward(status);
@@ -321,7 +321,7 @@ Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string
   if (!content.empty() && content[0] == '\x80') return ParsePhspdRigPickle(bytes, name);
   if (!content.empty() && content[0] == '<') return ParseQualisys(bytes, name);
   if (!content.empty() && content[0] != '{') return ParsePose2SimToml(bytes, name);
-  const Expected<json> document = ParseJson(bytes, name);
+  const Expected<json> document = ParseLenientJson(bytes, name);
   if (!document) return Forward(document);
   const JsonPlace root{&*document, "", &name};
   if (root.Has("rig")) return ParsePhspdRigs(bytes, name);

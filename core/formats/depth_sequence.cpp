@@ -83,7 +83,7 @@ struct Document {
 
 Expected<Document> Open(std::string_view bytes, const std::string& name) {
   Document document;
-  Expected<json> value = ParseJson(bytes, name);
+  Expected<json> value = ParseLenientJson(bytes, name);
   if (!value) return Forward(value);
   document.value = std::move(*value);
   const JsonPlace root{&document.value, "", &name};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "core/formats/line_reader.h"
 
@@ -170,14 +171,13 @@ std::string RotationFault(const Matrix3d& matrix, double tolerance) {
          FormatDouble(determinant) + ")";
 }
 
-Expected<json> ParseJson(std::string_view bytes, const std::string& name) {
+Expected<json> ParseLenientJson(std::string_view bytes, const std::string& name) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
-  if (Trim(bytes).empty()) return EmptyFile(name);
-  json value = json::parse(bytes.begin(), bytes.end(), nullptr, false);
-  if (value.is_discarded()) value = json::parse(QuoteNonFiniteWords(bytes), nullptr, false);
-  if (value.is_discarded()) return Fail(ErrorCode::kMalformed, "the file is not valid JSON", name);
-  return value;
+  Expected<json> value = ParseJson(bytes, name);
+  if (value) return value;
+  Expected<json> with_words = ParseJson(QuoteNonFiniteWords(bytes), name);
+  return with_words ? with_words : value;
 }
 
 Expected<std::vector<double>> NumbersAt(const JsonPlace& place, const std::string& key, std::size_t count) {

@@ -40,11 +40,11 @@ struct JsonPlace {
   Expected<Matrix3d> Rotation(double tolerance = 1e-3) const;
 };
 
-/// Error kMalformed for an empty file and for text that is not JSON. NaN, Infinity and -Infinity, which Python's json
-/// writes, are read as texts of that name.
-Expected<nlohmann::json> ParseJson(std::string_view bytes, const std::string& name);
+/// ParseJson of files of other programs: a byte order mark is skipped, and NaN, Infinity and -Infinity, which Python's
+/// json writes, are read as texts of that name.
+Expected<nlohmann::json> ParseLenientJson(std::string_view bytes, const std::string& name);
 
-/// NaN or an infinity as ParseJson reads them, or null, which others write in their place.
+/// NaN or an infinity as ParseLenientJson reads them, or null, which others write in their place.
 bool IsNonFinite(const nlohmann::json& value);
 
 /// How far a matrix is from being a rotation, as words; empty when it is one to `tolerance`.

@@ -117,7 +117,7 @@ bool operator==(const OpenPoseFrame& a, const OpenPoseFrame& b) {
 }
 
 Expected<OpenPoseFrame> ParseOpenPose(std::string_view bytes, const std::string& name) {
-  const Expected<nlohmann::json> document = ParseJson(bytes, name);
+  const Expected<nlohmann::json> document = ParseLenientJson(bytes, name);
   if (!document) return Forward(document);
   const JsonPlace root{&*document, "", &name};
   OpenPoseFrame frame;

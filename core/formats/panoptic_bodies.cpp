@@ -39,7 +39,7 @@ const std::vector<std::string>& PanopticJointNames() {
 }
 
 Expected<PanopticBodies> ParsePanopticBodies(std::string_view bytes, const std::string& name) {
-  const Expected<nlohmann::json> document = ParseJson(bytes, name);
+  const Expected<nlohmann::json> document = ParseLenientJson(bytes, name);
   if (!document) return Forward(document);
   const JsonPlace root{&*document, "", &name};
   PanopticBodies scene;

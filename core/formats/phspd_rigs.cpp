@@ -96,7 +96,7 @@ nlohmann::json Nested(const NpyArray& array, std::size_t axis, std::size_t& next
 }  // namespace
 
 Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& name) {
-  const Expected<nlohmann::json> document = ParseJson(bytes, name);
+  const Expected<nlohmann::json> document = ParseLenientJson(bytes, name);
   if (!document) return Forward(document);
   const JsonPlace root{&*document, "", &name};
   Calibration calibration;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <nlohmann/json.hpp>
+
+#include "core/base/json_text.h"
 
 namespace mocurate {
 namespace {
@@ -70,12 +71,13 @@ Expected<Safetensors> ParseSafetensors(std::string_view bytes, const std::string
                 "the file is not a safetensors file, or cut short");
   }
   const std::string_view text = bytes.substr(kLengthBytes, static_cast<std::size_t>(length));
-  const nlohmann::json header = nlohmann::json::parse(text.begin(), text.end(), nullptr, false);
-  if (!header.is_object()) return Fail(ErrorCode::kMalformed, "the header is not a JSON object", name);
+  const Expected<nlohmann::json> header = ParseJson(text, name + ": header");
+  if (!header) return Forward(header);
+  if (!header->is_object()) return Fail(ErrorCode::kMalformed, "the header is not a JSON object", name);
   const std::string_view numbers = bytes.substr(kLengthBytes + static_cast<std::size_t>(length));
   Safetensors file;
   std::vector<Span> spans;
-  for (const auto& [tensor, entry] : header.items()) {
+  for (const auto& [tensor, entry] : header->items()) {
     if (tensor == kMetadata) {
       if (!entry.is_object()) return Fail(ErrorCode::kMalformed, "__metadata__ is not an object of texts", name);
       for (const auto& [key, value] : entry.items()) {

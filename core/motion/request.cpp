@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 
 namespace mocurate {
 namespace {
@@ -110,16 +111,15 @@ Status WriteRequests(const std::vector<MotionRequest>& requests, const std::file
 }
 
 Expected<std::vector<MotionRequest>> ReadRequests(const std::filesystem::path& path) {
-  const Expected<std::string> text = ReadFile(path);
-  if (!text) return Forward(text);
+  const Expected<nlohmann::json> json = ReadJson(path);
+  if (!json) return Forward(json);
   const std::string where = DisplayPath(path);
-  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_object() || json.value("schema", nlohmann::json()) != kSchema || !json.contains("requests") ||
-      !json["requests"].is_array()) {
+  if (!json->is_object() || json->value("schema", nlohmann::json()) != kSchema || !json->contains("requests") ||
+      !json->at("requests").is_array()) {
     return Fail(ErrorCode::kMalformed, std::string("the file is not a request of schema ") + kSchema, where);
   }
   std::vector<MotionRequest> requests;
-  for (const nlohmann::json& item : json["requests"]) {
+  for (const nlohmann::json& item : json->at("requests")) {
     Expected<MotionRequest> request = ParseRequest(item, where + ": request " + std::to_string(requests.size()));
     if (!request) return Forward(request);
     requests.push_back(std::move(*request));

@@ -104,7 +104,7 @@ class PlanReader {
     read_ += line->size();
     if (read_ > size_) return NotAPlan(file_, "lines overlap", "item_offsets and option_offsets");
     while (!line->empty() && (line->back() == ',' || line->back() == ' ')) line->pop_back();
-    return FromCanonicalText(*line);
+    return FromCanonicalText(*line, DisplayPath(file_) + ": byte " + std::to_string(offset));
   }
 
   /// Entry `at` of an index.
@@ -187,9 +187,9 @@ Expected<Plan> Plan::Open(const fs::path& file) {
   Expected<std::string> line = reader.Line(0, kLongestHead);
   if (!line || line->empty() || line->back() != ',') return NotAPlan(file, "this is not a plan", "line 1");
   line->back() = '}';
-  const Expected<json> value = FromCanonicalText(*line);
-  if (!value || !value->is_object() || !value->contains("mocurate_plan"))
-    return NotAPlan(file, "this is not a plan", "line 1");
+  const Expected<json> value = FromCanonicalText(*line, DisplayPath(file));
+  if (!value) return Forward(value);
+  if (!value->is_object() || !value->contains("mocurate_plan")) return NotAPlan(file, "this is not a plan", "line 1");
   Plan plan;
   plan.file_ = file;
   try {

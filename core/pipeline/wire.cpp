@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "core/base/json_text.h"
 #include "core/base/renamed.h"
 
 namespace mocurate {
@@ -83,16 +84,6 @@ json WithStrings(const json& value, const Change& change) {
   return value;
 }
 
-/// Reads with nlohmann's throwing accessors; what they throw becomes kMalformed.
-template <class Read>
-auto Guarded(const char* thing, const Read& read) -> Expected<decltype(read())> {
-  try {
-    return read();
-  } catch (const json::exception& exception) {
-    return Fail(ErrorCode::kMalformed, std::string(thing) + " is not as expected: " + exception.what());
-  }
-}
-
 bool IsPlain(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = text[i] == '%' ? 0 : SequenceLength(text, i);
@@ -145,10 +136,10 @@ std::string CanonicalText(const json& value) {
   return IsPlain(value) ? value.dump() : WithStrings(value, Escape).dump();
 }
 
-Expected<json> FromCanonicalText(std::string_view text) {
-  const json parsed = json::parse(text.begin(), text.end(), nullptr, false);
-  if (parsed.is_discarded()) return Fail(ErrorCode::kMalformed, "text is not JSON");
-  return WithStrings(parsed, Unescape);
+Expected<json> FromCanonicalText(std::string_view text, const std::string& name) {
+  const Expected<json> parsed = ParseJson(text, name);
+  if (!parsed) return Forward(parsed);
+  return WithStrings(*parsed, Unescape);
 }
 
 json ToJson(const Error& error) {
@@ -186,11 +177,11 @@ json ToJson(const StageRequest& request) {
 }
 
 Expected<Error> ErrorFromJson(const json& value) {
-  return Guarded("error", [&] { return ReadError(value); });
+  return GuardJson("error", [&] { return ReadError(value); });
 }
 
 Expected<StageOutcome> OutcomeFromJson(const json& value) {
-  return Guarded("outcome", [&] {
+  return GuardJson("outcome", [&] {
     StageOutcome outcome;
     outcome.kind = KindFromName(value.at("kind").get<std::string>());
     outcome.findings = value.at("findings").get<std::vector<Finding>>();
@@ -201,11 +192,11 @@ Expected<StageOutcome> OutcomeFromJson(const json& value) {
 }
 
 Expected<std::vector<StageInput>> InputsFromJson(const json& value) {
-  return Guarded("list of inputs", [&] { return ReadInputs(value); });
+  return GuardJson("list of inputs", [&] { return ReadInputs(value); });
 }
 
 Expected<StageRequest> RequestFromJson(const json& value) {
-  return Guarded("request", [&] {
+  return GuardJson("request", [&] {
     StageRequest request;
     request.stage = value.at("stage").get<std::string>();
     request.item = value.at("item").get<std::string>();
@@ -236,7 +227,7 @@ Expected<std::optional<json>> TakeMessage(std::string& buffer) {
   if (size > kLargestMessage)
     return Fail(ErrorCode::kMalformed, "message announces " + std::to_string(size) + " bytes");
   if (buffer.size() < kHeader + size) return std::optional<json>();
-  Expected<json> message = FromCanonicalText(std::string_view(buffer).substr(kHeader, size));
+  Expected<json> message = FromCanonicalText(std::string_view(buffer).substr(kHeader, size), "message");
   buffer.erase(0, kHeader + size);
   if (buffer.empty()) buffer.shrink_to_fit();
   if (!message) return Forward(message);

@@ -15,8 +15,8 @@ namespace mocurate {
 /// as %NN, so nothing is lost. Keys are sorted, numbers independent of the locale: equal values give equal text.
 std::string CanonicalText(const nlohmann::json& value);
 
-/// Inverse of CanonicalText. Error kMalformed.
-Expected<nlohmann::json> FromCanonicalText(std::string_view text);
+/// Inverse of CanonicalText. Errors of ParseJson.
+Expected<nlohmann::json> FromCanonicalText(std::string_view text, const std::string& name = {});
 
 nlohmann::json ToJson(const Error& error);
 nlohmann::json ToJson(const StageOutcome& outcome);

@@ -13,6 +13,7 @@
 #include <mutex>
 #include <new>
 
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/pipeline/wire.h"
@@ -107,7 +108,8 @@ json Crashed(const StageRequest& request, const std::string& what) {
 
 json Answer(const StageFunction& stage, const StageRequest& request) {
   try {
-    const Expected<StageOutcome> outcome = stage(request);
+    const std::string where = "stage " + request.stage + ", item " + request.item;
+    const Expected<StageOutcome> outcome = GuardJson(where, [&] { return stage(request); });
     if (outcome) return {{"outcome", ToJson(*outcome)}};
     if (EndsTheRun(outcome.error().code)) return {{"fatal", ToJson(outcome.error())}};
     StageOutcome refused;
@@ -142,7 +144,7 @@ int Serve(Channel& channel, const std::map<std::string, StageFunction>& stages) 
     Expected<std::optional<json>> message = channel.Receive();
     if (!message) {
       Log(LogLevel::kError, message.error().Message());
-      return static_cast<int>(ExitCode::kBug);
+      return static_cast<int>(ExitCodeOf(message.error().code));
     }
     if (!message->has_value()) return static_cast<int>(ExitCode::kDone);
     if (!channel.Send(AnswerTo(stages, **std::move(message)))) return static_cast<int>(ExitCode::kBug);

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/store/fields.h"
 
 namespace mocurate::store {
@@ -16,7 +17,7 @@ std::string ProvenanceText(const std::map<std::string, std::string>& provenance)
 
 std::map<std::string, std::string> ProvenanceFrom(const std::string& text) {
   std::map<std::string, std::string> provenance;
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = ParseJson(text, "").value_or(nlohmann::json::object());  // its rule has been checked
   for (const auto& [key, value] : json.items()) provenance[key] = value.get<std::string>();
   return provenance;
 }

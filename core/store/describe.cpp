@@ -3,6 +3,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/motion/motion.h"
 #include "core/store/content_file.h"
 #include "core/store/store.h"
@@ -121,7 +122,9 @@ Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path) {
     if (content->Has(std::string("/@") + name)) json[name] = DisplayPath(content->Text(std::string("/@") + name));
   }
   if (*schema == &store::DatasetSchema() && content->Has("/about")) {
-    json["about"] = nlohmann::json::parse(content->Text("/about"));
+    auto about = ParseJson(content->Text("/about"), DisplayPath(path) + ":/about");
+    if (!about) return Forward(about);
+    json["about"] = *std::move(about);
   }
   if (content->Has((*schema)->prefix + "/clips/count")) json["duration_s"] = Seconds(*content, (*schema)->prefix);
   if (content->Has("/clips/person")) {

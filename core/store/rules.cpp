@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
 #include "core/motion/motion.h"
@@ -160,9 +161,9 @@ Rule AxesText() {
 
 Rule JsonTexts() {
   return Texts("a JSON object whose values are texts", [](const std::string& text) {
-    const auto json = nlohmann::json::parse(text, nullptr, false);
-    return !json.is_object() ||
-           !std::all_of(json.begin(), json.end(), [](const nlohmann::json& value) { return value.is_string(); });
+    const auto json = ParseJson(text, "");
+    return !json || !json->is_object() ||
+           !std::all_of(json->begin(), json->end(), [](const nlohmann::json& value) { return value.is_string(); });
   });
 }
 

@@ -53,7 +53,7 @@ bool IsAmbiguous(const RigFault& fault) {
   return !fault.corrected && !fault.guessed && fault.code != kContradictingView;
 }
 
-std::string FaultsText(const std::vector<RigFault>& faults) {
+nlohmann::json FaultsJson(const std::vector<RigFault>& faults) {
   nlohmann::json list = nlohmann::json::array();
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
   for (const RigFault& fault : faults) {
@@ -66,7 +66,9 @@ std::string FaultsText(const std::vector<RigFault>& faults) {
                     {"corrected", fault.corrected}});
     if (!fault.limb.empty()) list.back()["limb"] = fault.limb;
   }
-  return list.dump();
+  return list;
 }
+
+std::string FaultsText(const std::vector<RigFault>& faults) { return FaultsJson(faults).dump(); }
 
 }  // namespace mocurate

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -67,6 +68,7 @@ bool IsAmbiguous(const RigFault& fault);
 /// [{"code", "camera", "frames", "value", "confidence", "confidence_of", "corrected"}], one line: a clip's provenance
 /// entry.
 inline constexpr const char* kRigAudit = "rig_audit";
+nlohmann::json FaultsJson(const std::vector<RigFault>& faults);
 std::string FaultsText(const std::vector<RigFault>& faults);
 
 }  // namespace mocurate

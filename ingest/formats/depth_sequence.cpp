@@ -132,7 +132,7 @@ Expected<RawFile> SequenceIn(const FileBytes& file) {
 }
 
 Expected<RawFile> StillIn(const FileBytes& file) {
-  const Expected<nlohmann::json> document = ParseJson(file.bytes, file.name);
+  const Expected<nlohmann::json> document = ParseLenientJson(file.bytes, file.name);
   if (!document) return Forward(document);
   const JsonPlace root{&*document, "", &file.name};
   const Expected<JsonPlace> views = root.Key("views");

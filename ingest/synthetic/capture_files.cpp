@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/sha256.h"
 
 namespace mocurate {
@@ -11,31 +12,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether this names a file in a folder, and no other place: captures and lists of them may come from anybody.
 bool IsPlainName(const std::string& name) {
   return !name.empty() && name != "." && name != ".." &&
          name.find_first_of(std::string_view("/\0", 2)) == std::string::npos;
 }
 
-Expected<nlohmann::json> ReadCapture(const fs::path& artifact) {
-  const auto text = ReadFile(artifact);
-  if (!text) return Forward(text);
-  nlohmann::json capture = nlohmann::json::parse(*text, nullptr, false);
-  if (!capture.is_object() || !capture.contains("files") || !capture["files"].is_object()) {
-    return Fail(ErrorCode::kMalformed, "is not a capture", DisplayPath(artifact), "mocurate cache verify");
-  }
-  for (const auto& [name, content] : capture["files"].items()) {
-    if (IsPlainName(name) && content.is_string()) continue;
-    return Fail(ErrorCode::kMalformed, "a capture has a file with this name or without a text",
-                DisplayPath(artifact) + ": " + DisplayPath(name), "make it again: mocurate cache prune");
-  }
-  return std::move(capture["files"]);
+/// Name -> text. The names are plain: no file of a capture gets out of its folder.
+Expected<std::map<std::string, std::string>> ReadCapture(const fs::path& artifact) {
+  const auto capture = ReadJson(artifact);
+  if (!capture) return Forward(capture);
+  return GuardJson(DisplayPath(artifact), [&]() -> Expected<std::map<std::string, std::string>> {
+    auto files = capture->at("files").get<std::map<std::string, std::string>>();
+    for (const auto& [name, text] : files) {
+      if (IsPlainName(name)) continue;
+      return Fail(ErrorCode::kMalformed, "'" + name + "' is not the name of a file of a capture", DisplayPath(artifact),
+                  "mocurate cache verify");
+    }
+    return files;
+  });
 }
 
 /// name -> SHA-256 of the written file; empty when the list is missing or unreadable.
 std::map<std::string, std::string> ReadWritten(const fs::path& list) {
-  const auto text = ReadFile(list);
-  const nlohmann::json json = nlohmann::json::parse(text ? *text : std::string(), nullptr, false);
+  const nlohmann::json json = ReadJson(list).value_or(nullptr);
   std::map<std::string, std::string> written;
   if (!json.is_object()) return written;
   for (const auto& [name, sha256] : json.items()) {
@@ -59,7 +58,7 @@ Expected<std::set<std::string>> CaptureFileNames(const fs::path& artifact) {
   const auto files = ReadCapture(artifact);
   if (!files) return Forward(files);
   std::set<std::string> names;
-  for (const auto& file : files->items()) names.insert(file.key());
+  for (const auto& [name, text] : *files) names.insert(name);
   return names;
 }
 
@@ -71,7 +70,7 @@ Status UnpackCapture(const fs::path& artifact, const fs::path& folder) {
   list += ".json";
   const std::map<std::string, std::string> before = ReadWritten(list);
   std::map<std::string, std::string> now;
-  for (const auto& [name, text] : files->items()) now[name] = Sha256Hex(text.get<std::string>());
+  for (const auto& [name, text] : *files) now[name] = Sha256Hex(text);
 
   // The list names our files before they are written, so that a killed run can continue.
   std::map<std::string, std::string> both = now;
@@ -84,9 +83,9 @@ Status UnpackCapture(const fs::path& artifact, const fs::path& folder) {
     }
     if (Status listed = WriteList(both, list); !listed) return listed;
   }
-  for (const auto& [name, text] : files->items()) {
+  for (const auto& [name, text] : *files) {
     if (HoldsContent(folder / name, now[name])) continue;
-    if (Status written = WriteFile(folder / name, text.get_ref<const std::string&>()); !written) return written;
+    if (Status written = WriteFile(folder / name, text); !written) return written;
   }
   for (const auto& [name, sha256] : before) {
     std::error_code left;

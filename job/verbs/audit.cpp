@@ -8,6 +8,7 @@
 #include "canon/values/set_files.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/motion/fingerprint.h"
@@ -103,10 +104,8 @@ Expected<fs::path> ReviewPage(DatasetStages& stages, const fs::path& dataset, co
 }
 
 Expected<nlohmann::json> ReadAudit(const fs::path& path) {
-  const auto text = ReadFile(path);
-  if (!text) return Forward(text);
-  nlohmann::json audit = nlohmann::json::parse(*text, nullptr, false);
-  if (audit.is_object() && audit.contains("findings")) return audit;
+  auto audit = ReadJson(path);
+  if (!audit || (audit->is_object() && audit->contains("findings"))) return audit;
   return Fail(ErrorCode::kMalformed, "the file is not an audit: it has no list of findings", DisplayPath(path),
               "write one with `mocurate audit DATASET -o FOLDER`");
 }

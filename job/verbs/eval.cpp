@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/resources.h"
 #include "core/base/text.h"
@@ -94,9 +95,8 @@ Status CheckArguments(const EvalArguments& arguments) {
 /// runs of the folder are not used.
 Expected<fs::path> FirstRecogniser(const fs::path& run, const std::vector<StaleOutput>& stale) {
   std::error_code unknown;
-  if (const auto text = ReadFile(run / "metrics.json"); text && !IsStale(stale, "metrics.json")) {
-    const nlohmann::json metrics = nlohmann::json::parse(*text, nullptr, false);
-    const nlohmann::json extractor = metrics.is_object() ? metrics.value("extractor", nlohmann::json()) : nullptr;
+  if (const auto metrics = ReadJson(run / "metrics.json"); metrics && !IsStale(stale, "metrics.json")) {
+    const nlohmann::json extractor = metrics->is_object() ? metrics->value("extractor", nlohmann::json()) : nullptr;
     if (extractor.is_string()) {
       const fs::path file = run / "checkpoints" / (FileNameOf(extractor.get<std::string>()) + ".h5");
       if (fs::is_regular_file(file, unknown)) return file;

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/pipeline/lock.h"
@@ -40,8 +41,8 @@ std::vector<Json> JsonLines(const fs::path& path) {
   const auto text = ReadFile(path);
   if (!text) return lines;
   for (const std::string_view line : SplitText(*text, '\n')) {
-    Json json = Json::parse(line, nullptr, false);
-    if (json.is_object()) lines.push_back(std::move(json));
+    Expected<Json> json = ParseJson(line, "");
+    if (json && json->is_object()) lines.push_back(*std::move(json));
   }
   return lines;
 }
@@ -145,7 +146,8 @@ Json EndOf(const Json& run) {
           {"message", ended.value("message", "")}};
 }
 
-Json DescribeRun(const fs::path& folder, const Json& run) {
+Json DescribeRun(const fs::path& folder) {
+  const Json run = ReadRunFile(folder);
   const std::string started = run.value("started", "");
   Json json = {{"schema", kRunSchema},
                {"created_by", run.at("created_by")},
@@ -318,13 +320,9 @@ std::string CheckpointText(const Json& checkpoint) {
   return text;
 }
 
-Expected<Json> TryDescribeRun(const fs::path& folder) {
-  try {
-    return DescribeRun(folder, ReadRunFile(folder));
-  } catch (const Json::exception& error) {
-    return Fail(ErrorCode::kMalformed, std::string("is not a record of a run: ") + error.what(),
-                DisplayPath(folder / "run.json"));
-  }
+/// `describe(folder)`, which reads run.json, journal.jsonl and curation_log.jsonl.
+Expected<Json> TryDescribe(Json (*describe)(const fs::path& folder), const fs::path& folder) {
+  return GuardJson("a record of " + DisplayPath(folder), [&] { return describe(folder); });
 }
 
 }  // namespace
@@ -338,9 +336,9 @@ bool IsMade(const fs::path& path) {
 Expected<Json> DescribeMade(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
-    return ReadRunFile(path).is_object() ? TryDescribeRun(path) : DescribeRuns(path);
+    return TryDescribe(ReadRunFile(path).is_object() ? DescribeRun : DescribeRuns, path);
   }
-  if (const fs::path run = RunOfFile(path); !run.empty()) return TryDescribeRun(run);
+  if (const fs::path run = RunOfFile(path); !run.empty()) return TryDescribe(DescribeRun, run);
   return IsCheckpoint(path) ? DescribeCheckpoint(path) : DescribeStore(path);
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "job/run_outputs.h"
@@ -192,8 +193,7 @@ class PictureMaker {
       for (const char* table : {"table.json", "recognition.json"}) {
         const fs::path file = run_.folder / "data" / set.name / "tables" / table;
         if (Earlier(file)) continue;
-        const auto text = ReadFile(file);
-        const nlohmann::json json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+        const nlohmann::json json = ReadJson(file).value_or(nullptr);
         if (!json.is_object()) continue;
         for (const nlohmann::json& row : json.value("rows", nlohmann::json::array())) AddPoint(set.name, row, curves);
       }

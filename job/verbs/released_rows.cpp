@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 
 namespace mocurate {
@@ -38,8 +39,7 @@ Expected<nlohmann::json> ReleasedRows(const ReproduceOptions& item, const std::s
       LogWarning("no row '" + released.name + "': " + scored.error().Message());
       continue;
     }
-    const auto text = ReadFile(asked.output / "tables/table.json");
-    const nlohmann::json table = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+    const nlohmann::json table = ReadJson(asked.output / "tables/table.json").value_or(nullptr);
     if (!table.is_object()) continue;
     for (nlohmann::json row : table.value("rows", nlohmann::json::array())) {
       if (row.value("real", false)) continue;

@@ -6,6 +6,7 @@
 
 #include "canon/options.h"
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/resources.h"
 #include "core/base/text.h"
@@ -138,10 +139,10 @@ nlohmann::json PartRows(const nlohmann::json& table, const std::string& network)
   return rows;
 }
 
-nlohmann::json ReadJson(const fs::path& file) {
-  const auto text = ReadFile(file);
-  const nlohmann::json json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
-  return json.is_object() ? json : nlohmann::json::object();
+/// An object; empty for an unreadable file.
+nlohmann::json ObjectIn(const fs::path& file) {
+  const auto json = ReadJson(file);
+  return json && json->is_object() ? *json : nlohmann::json::object();
 }
 
 class Reproduction {
@@ -301,7 +302,7 @@ class Reproduction {
     const bool ended = sets_.done.count(set.name) > 0;  // else its tables are from an earlier run
     const auto read = [&](const char* table) {
       const bool now = ended && !IsStale(stale_, "data/" + set.name + "/tables/" + table);
-      return now ? ReadJson(own / "tables" / table) : nlohmann::json::object();
+      return now ? ObjectIn(own / "tables" / table) : nlohmann::json::object();
     };
     nlohmann::json result = read("table.json");
     if (const nlohmann::json recognition = read("recognition.json");

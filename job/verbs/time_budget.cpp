@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
@@ -104,8 +105,7 @@ TimeBudget Shared(const std::vector<Cost>& costs, double time, double cores) {
 
 /// A budget that an earlier run saved for the same job and time; empty for another job's or an edited file.
 std::optional<TimeBudget> SavedBudget(const std::filesystem::path& file, const std::string& key) {
-  const auto text = ReadFile(file);
-  const nlohmann::json kept = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  const nlohmann::json kept = ReadJson(file).value_or(nullptr);
   const bool sound = kept.is_object() && kept.contains("key") && kept["key"] == key && kept.contains("factor") &&
                      kept["factor"].is_number() && kept.contains("recogniser_epochs") &&
                      kept["recogniser_epochs"].is_number_integer();

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "job/run_and_capture.h"
 
@@ -28,6 +29,7 @@ fs::path Program() {
   return {};
 }
 
+/// Throws what GuardJson takes.
 Expected<VideoFacts> VideoFactsOf(const nlohmann::json& line, const fs::path& file) {
   if (line.contains("error")) {
     return Fail(ErrorCode::kMalformed, line.at("error").get<std::string>(), DisplayPath(file),
@@ -48,11 +50,12 @@ using Answer = std::optional<Expected<VideoFacts>>;
 void TakeAnswers(const std::string& text, const std::vector<std::size_t>& asked, const std::vector<fs::path>& files,
                  std::vector<Answer>& answers) {
   for (const std::string_view written : SplitText(text, '\n')) {
-    const auto line = nlohmann::json::parse(written, nullptr, false);
-    if (!line.is_object() || !line.contains("index") || !line.at("index").is_number_unsigned()) continue;
-    const auto index = line.at("index").get<std::size_t>();
+    const auto line = ParseJson(written, "");
+    if (!line || !line->is_object() || !line->contains("index") || !line->at("index").is_number_unsigned()) continue;
+    const auto index = line->at("index").get<std::size_t>();
     if (index >= asked.size() || answers[asked[index]]) continue;
-    answers[asked[index]] = VideoFactsOf(line, files[asked[index]]);
+    const fs::path& file = files[asked[index]];
+    answers[asked[index]] = GuardJson(DisplayPath(file), [&] { return VideoFactsOf(*line, file); });
   }
 }
 

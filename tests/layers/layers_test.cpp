@@ -205,6 +205,23 @@ TEST(Layers, NoStagePrintsWarnings) {
   EXPECT_TRUE(PrintsWarnings("  LogWarning(\"a clip is odd\");"));
 }
 
+/// Only ParseJson bounds the depth of what it reads.
+bool ParsesJson(const std::string& text) {
+  return std::regex_search(text, std::regex("\\b(json|Json|ordered_json)\\s*::\\s*(parse|sax_parse|accept)\\s*\\("));
+}
+
+TEST(Layers, JsonIsReadByOneFunction) {
+  const std::set<std::string> allowed = {
+      "core/base/json_text.cpp",
+      "ingest/inspect/file_kind.cpp",  // keeps keys alone
+  };
+  for (const std::string& path : SourceFiles()) {
+    if (allowed.count(path) > 0) continue;
+    EXPECT_FALSE(ParsesJson(ReadText(kRoot / path))) << path << ": use ParseJson";
+  }
+  EXPECT_TRUE(ParsesJson("  const auto value = nlohmann::json::parse(text, nullptr, false);"));
+}
+
 TEST(Layers, EveryLinkIsAllowed) {
   for (const char* top : {"core", "ingest", "fitting", "canon", "train", "eval", "report"}) {
     const std::string text = ReadText(kRoot / top / "CMakeLists.txt");

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/version.h"
 #include "core/formats/safetensors.h"
 #include "core/store/hdf5_file.h"
@@ -129,10 +130,15 @@ Expected<ParameterList> TakeParameters(const nlohmann::json& names, const std::s
     if (found == fields.end()) {
       return Fail(ErrorCode::kMalformed, "parameter '" + name.get<std::string>() + "' is missing", where + ":" + group);
     }
+    auto* values = std::get_if<std::vector<float>>(&found->second.values);
+    if (values == nullptr) {
+      return Fail(ErrorCode::kMalformed, "parameter '" + name.get<std::string>() + "' is not of type float32",
+                  where + ":" + group);
+    }
     Parameter parameter;
     parameter.name = name.get<std::string>();
     parameter.shape.assign(found->second.shape.begin(), found->second.shape.end());
-    parameter.value = std::get<std::vector<float>>(std::move(found->second.values));
+    parameter.value = std::move(*values);
     parameters.push_back(std::move(parameter));
   }
   return parameters;
@@ -260,21 +266,21 @@ Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std
   if (!fields) return Forward(fields);
   const std::string where = DisplayPath(path);
   const auto text = fields->find("/about");
-  if (text == fields->end() || text->second.size() != 1) return Fail(ErrorCode::kMalformed, "/about is missing", where);
-  const nlohmann::json about = nlohmann::json::parse(text->second.as<std::string>()[0], nullptr, false);
-  try {
+  const bool there = text != fields->end() && std::holds_alternative<std::vector<std::string>>(text->second.values);
+  if (!there || text->second.size() != 1) return Fail(ErrorCode::kMalformed, "/about is missing", where);
+  const Expected<nlohmann::json> about = ParseJson(text->second.as<std::string>()[0], where + ":/about");
+  if (!about) return Forward(about);
+  return GuardJson(where + ":/about", [&]() -> Expected<Checkpoint> {
     Checkpoint checkpoint;
-    checkpoint.kind = about.at("kind").get<std::string>();
+    checkpoint.kind = about->at("kind").get<std::string>();
     if (!kind.empty() && checkpoint.kind != kind) {
       return Fail(ErrorCode::kInconsistent,
                   "the checkpoint holds a network of kind '" + checkpoint.kind + "', '" + kind + "' is needed", where,
                   "use a checkpoint of the required kind");
     }
-    if (Status filled = FillFromAbout(about, where, *fields, checkpoint); !filled) return Forward(filled);
+    if (Status filled = FillFromAbout(*about, where, *fields, checkpoint); !filled) return Forward(filled);
     return checkpoint;
-  } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kMalformed, std::string("/about cannot be read: ") + error.what(), where);
-  }
+  });
 }
 
 bool IsCheckpoint(const std::filesystem::path& path) {
