@@ -26,6 +26,13 @@ std::size_t CountOf(const ConfigNode& node) {
   return count;
 }
 
+std::size_t TextBytesOf(const ConfigNode& node) {
+  std::size_t bytes = node.scalar.size();
+  for (const ConfigNode& child : node.sequence) bytes += TextBytesOf(child);
+  for (const auto& [key, value] : node.mapping) bytes += key.size() + TextBytesOf(value);
+  return bytes;
+}
+
 std::string Quoted(std::string_view text) {
   constexpr std::size_t kLongest = 80;
   const std::string shown = DisplayPath(std::string(text.substr(0, kLongest)));

@@ -12,6 +12,10 @@ namespace {
 
 constexpr std::string_view kTextTag = "tag:yaml.org,2002:str";
 
+/// yaml-cpp reads a whole [ ] or { } ahead and takes about 200 bytes for a token; each but plain text has one of these.
+constexpr std::string_view kMarks = "[]{},:?&*!\"'";
+constexpr std::size_t kMostMarks = 2000000;
+
 /// Builds the tree from the events of one document.
 class TreeBuilder final : public YAML::EventHandler {
  public:
@@ -45,7 +49,7 @@ class TreeBuilder final : public YAML::EventHandler {
       Place(NodeAt(mark), 0);
       return;
     }
-    if (!CountNodes(mark, found->second.count)) return;
+    if (!CountCopy(OriginOf(mark), found->second.count, found->second.bytes)) return;
     ConfigNode copy = found->second.node;
     copy.origin = OriginOf(mark);
     Put(std::move(copy));
@@ -75,6 +79,7 @@ class TreeBuilder final : public YAML::EventHandler {
   struct Anchored {
     ConfigNode node;
     std::size_t count;
+    std::size_t bytes;
   };
 
   Origin OriginOf(const YAML::Mark& mark) const { return {source_.name, mark.line + 1, mark.column + 1}; }
@@ -95,10 +100,13 @@ class TreeBuilder final : public YAML::EventHandler {
     stopped_ = true;
   }
 
-  bool CountNodes(const YAML::Mark& mark, std::size_t count) {
+  /// Of an anchor's value, or for an alias.
+  bool CountCopy(const Origin& origin, std::size_t count, std::size_t bytes) {
     nodes_ += count;
-    if (nodes_ <= kMostConfigNodes) return true;
-    Stop(OriginOf(mark), "more than " + std::to_string(kMostConfigNodes) + " values, aliases written out");
+    copied_bytes_ += bytes;
+    if (nodes_ <= kMostConfigNodes && copied_bytes_ <= kMostConfigBytes) return true;
+    Stop(origin, "more than " + std::to_string(kMostConfigNodes) + " values or " +
+                     std::to_string(kMostConfigBytes >> 20) + " MiB of text, anchors and aliases written out");
     return false;
   }
 
@@ -128,7 +136,11 @@ class TreeBuilder final : public YAML::EventHandler {
       return Stop(node.origin, "more than " + std::to_string(kMostConfigNodes) + " values");
     }
     ++nodes_;
-    if (anchor != 0) anchors_[anchor] = {node, CountOf(node)};
+    if (anchor != 0) {
+      const std::size_t count = CountOf(node), bytes = TextBytesOf(node);
+      if (!CountCopy(node.origin, count, bytes)) return;
+      anchors_[anchor] = {node, count, bytes};
+    }
     Put(std::move(node));
   }
 
@@ -176,6 +188,7 @@ class TreeBuilder final : public YAML::EventHandler {
   std::vector<Level> levels_;
   std::map<YAML::anchor_t, Anchored> anchors_;
   std::size_t nodes_ = 0;
+  std::size_t copied_bytes_ = 0;
   bool stopped_ = false;
 };
 
@@ -202,8 +215,15 @@ bool IsText(const ConfigSource& source, ProblemList& problems) {
     problems.Add(OriginAt(source, *bad).Text(), "a byte that is not UTF-8", "save the file as UTF-8");
     return false;
   }
+  std::size_t marks = 0;
   for (std::size_t i = 0; i < source.text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(source.text[i]);
+    if (kMarks.find(source.text[i]) != std::string_view::npos && ++marks > kMostMarks) {
+      problems.Add(OriginAt(source, i).Text(),
+                   "more than " + std::to_string(kMostMarks) + " brackets, quotes and other marks of YAML",
+                   "is this a configuration?");
+      return false;
+    }
     if ((byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r') || byte == 0x7F) {
       problems.Add(OriginAt(source, i).Text(), "a control character (code " + std::to_string(byte) + ")",
                    "is this a text file?");

@@ -44,5 +44,7 @@ std::size_t CountOf(const ConfigNode& node);
 
 /// Text in quotes for a message: cut when long, control characters escaped.
 std::string Quoted(std::string_view text);
+/// The bytes of their texts and keys.
+std::size_t TextBytesOf(const ConfigNode& node);
 
 }  // namespace mocurate::internal

@@ -141,7 +141,7 @@ class Resolver {
     if (!FindTarget(node, name, target)) return false;
     if (target != nullptr) {
       Resolve(*target);
-      if (!Spend(node, 64 * CountOf(*target))) return false;
+      if (!Spend(node, 64 * CountOf(*target) + TextBytesOf(*target))) return false;
       value = *target;
       return true;
     }

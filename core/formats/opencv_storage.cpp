@@ -21,6 +21,8 @@ namespace {
 constexpr double kStoredRotationTolerance = 1e-3;
 constexpr double kStoredRotationAgreement = 1e-4;  ///< radians between R_n and Rot_n
 constexpr int kMaxStoredSide = 100'000;
+/// Of a storage in YAML: thousands of cameras. yaml-cpp takes up to 250 bytes for each of its bytes.
+constexpr std::size_t kMostYamlBytes = std::size_t{2} << 20;
 
 /// 0: it is not declared.
 std::size_t StoredExtent(std::string_view text) {
@@ -183,6 +185,12 @@ Status AddYaml(const YAML::Node& document, OpenCvStorage& storage) {
 }
 
 Expected<OpenCvStorage> ParseYamlStorage(const std::string& bytes, const std::string& name) {
+  if (bytes.size() > kMostYamlBytes) {
+    return Fail(ErrorCode::kUnsupported,
+                "the storage has " + std::to_string(bytes.size()) + " bytes, a calibration in YAML has at most " +
+                    std::to_string(kMostYamlBytes),
+                name, "save what is not of the cameras to another file, or all as XML");
+  }
   if (Status text = CheckMarkup(bytes, name); !text) return Forward(text);
   // YAML::LoadAll may find documents without end.
   const std::size_t begin = bytes.find("\n---");

@@ -63,7 +63,21 @@ TEST(Config, NestedAliasesCannotGrowWithoutBound) {
     for (int k = 0; k < 9; ++k) yaml += ", " + before;
     yaml += "]\n";
   }
-  EXPECT_THAT(MessageOf(yaml), HasSubstr("more than 100000 values, aliases written out"));
+  EXPECT_THAT(MessageOf(yaml), HasSubstr("more than 100000 values"));
+}
+
+TEST(Config, CopiesOfLongTextsAndNestedAnchorsCannotGrowWithoutBound) {
+  std::string texts = "a: &x " + std::string(1000000, 'v') + "\nb: [";
+  for (int i = 0; i < 1000; ++i) texts += "*x, ";
+  EXPECT_THAT(MessageOf(texts + "*x]"), HasSubstr("16 MiB of text"));
+  std::string nested = "a: ";
+  for (int i = 0; i < 60; ++i) nested += "&a" + std::to_string(i) + " [";
+  for (int i = 0; i < 10000; ++i) nested += "1,";
+  EXPECT_THAT(MessageOf(nested + "1" + std::string(60, ']')), HasSubstr("more than 100000 values"));
+}
+
+TEST(Config, BracketsAreCountedBeforeTheyAreRead) {
+  EXPECT_THAT(MessageOf("a: [" + std::string(2000001, '[')), HasSubstr("more than 2000000"));
 }
 
 TEST(Config, DeepNestingIsRefusedEarly) {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/file.h"
 #include "tests/base/config_message.h"
 #include "tests/support/scratch_folder.h"
 
@@ -118,6 +119,9 @@ TEST(ConfigReference, CannotGrowWithoutBound) {
   }
   EXPECT_THAT(MessageOf(texts), HasSubstr("references written out take more than 16 MiB"));
   EXPECT_THAT(MessageOf(lists), HasSubstr("references written out take more than 16 MiB"));
+  std::string wholes = "a: " + std::string(1000000, 'x') + "\nb:\n";
+  for (int i = 0; i < 1000; ++i) wholes += "- ${a}\n";
+  EXPECT_THAT(MessageOf(wholes), HasSubstr("references written out take more than 16 MiB"));
   std::string chain;
   for (int i = 0; i < 5000; ++i) chain += "a" + std::to_string(i) + ": ${a" + std::to_string(i + 1) + "}\n";
   EXPECT_THAT(MessageOf(chain + "a5000: 1\n"), HasSubstr("more than 500 references lead from one to the next"));

@@ -79,6 +79,8 @@ TEST(OpenCvStorage, RejectsDamageWithItsPlace) {
   ExpectError(ParseOpenCvCalibration({{"a.yml", kHead + "K: {rows: 2, cols: 3, data: [1, 2]}\n"}}),
               ErrorCode::kInconsistent, "a.yml:K");
   ExpectError(ParseOpenCvCalibration({{"a.yml", kHead + "- 1\n"}}), ErrorCode::kUnsupported, "a.yml");
+  ExpectError(ParseOpenCvCalibration({{"a.yml", kHead + "a: [" + std::string(3 << 20, ',')}}), ErrorCode::kUnsupported,
+              "a.yml");
   ExpectError(ParseOpenCvCalibration({}), ErrorCode::kUnsupported, "");
 }
 
