@@ -100,6 +100,8 @@ int Run(int argc, char** argv) {
   app.add_flag("-q,--quiet", common.quiet,
                "print errors only: no result (except the document of --json), no progress, no warnings");
   app.add_flag("-v,--verbose", common.verbose, "more log lines");
+  app.add_flag("--allow-include", common.allow_include,
+               "let configurations include files that are not below their folder");
   app.require_subcommand(1);
   app.fallthrough();
   app.footer(kFooter);

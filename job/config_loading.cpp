@@ -161,13 +161,14 @@ Status CheckValues(const JobOptions& options, const ConfigNode& node) {
   return check.Result();
 }
 
-Expected<LoadedJob> JobOf(Expected<ConfigNode> node, std::string config) {
+Expected<LoadedJob> JobOf(Expected<ConfigNode> node, std::string config, const ConfigRules& rules) {
   if (!node) return Forward(node);
   auto options = OptionsFromConfig<JobOptions>(*node);
   if (!options) return Forward(options);
   if (Status networks = ResolveNetworks(*options); !networks) return Forward(networks);
   if (Status values = CheckValues(*options, *node); !values) return Forward(values);
   DropForeignWords(*node, *options);
+  options->allow_include = rules.allow_include;
   BoundTraining(options->train);
   ResolveDefaults(*options);
   InheritOrigins(*node);
@@ -198,21 +199,21 @@ Status ResolveNetworks(JobOptions& job) {
 }
 
 Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments,
-                            UnsetVariables unset) {
-  return JobOf(LoadConfig(source, assignments, unset), JobNameOf(source));
+                            const ConfigRules& rules) {
+  return JobOf(LoadConfig(source, assignments, rules), JobNameOf(source), rules);
 }
 
 Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments,
-                            UnsetVariables unset) {
+                            const ConfigRules& rules) {
   if (const auto named = NamedJob(config.empty() ? "demo" : config.string())) {
-    return LoadJob(*named, assignments, unset);
+    return LoadJob(*named, assignments, rules);
   }
   std::error_code problem;
-  auto node = LoadConfig(config, assignments, unset);
+  auto node = LoadConfig(config, assignments, rules);
   if (!node && (node.error().code == ErrorCode::kNotFound || node.error().code == ErrorCode::kUnreadable)) {
     return tl::unexpected<Error>(NoConfig(config, node.error()));
   }
-  return JobOf(std::move(node), DisplayPath(std::filesystem::absolute(config, problem).lexically_normal()));
+  return JobOf(std::move(node), DisplayPath(std::filesystem::absolute(config, problem).lexically_normal()), rules);
 }
 
 }  // namespace mocurate

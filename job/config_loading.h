@@ -16,12 +16,12 @@ struct LoadedJob {
 };
 
 /// A job by its name (named_configs.h) or from a YAML file; an empty path gives the embedded default
-/// (configs/demo.yaml). `unset`: as of LoadConfig.
+/// (configs/demo.yaml).
 Expected<LoadedJob> LoadJob(const std::filesystem::path& config, const std::vector<std::string>& assignments,
-                            UnsetVariables unset = UnsetVariables::kRefuse);
+                            const ConfigRules& rules = {});
 /// The same from a text.
 Expected<LoadedJob> LoadJob(const ConfigSource& source, const std::vector<std::string>& assignments,
-                            UnsetVariables unset = UnsetVariables::kRefuse);
+                            const ConfigRules& rules = {});
 
 /// SMPL's neutral body below MOCURATE_WEIGHTS, else body_cc0.h5 there or in the test data; empty: none is there.
 std::filesystem::path FindBody();

@@ -115,7 +115,7 @@ Status SetEvaluation(const DataSetOptions& set, EvaluateOptions& evaluate) {
 /// The job of a set with the networks and the evaluation of the run.
 Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& set, double budget) {
   const bool stands_in = set.path.empty() && !set.substitute_job.empty();
-  auto job = LoadJob(fs::path(stands_in ? set.substitute_job : set.job), {});
+  auto job = LoadJob(fs::path(stands_in ? set.substitute_job : set.job), {}, {options.allow_include});
   if (!job) return Forward(job);
   JobOptions own = std::move(job->options);
   own.name = set.name;

@@ -151,6 +151,7 @@ struct JobOptions {
   PipelineOptions pipeline;
   Executor executor = Executor::kLocal;
   SlurmOptions slurm;
+  bool allow_include = false;  ///< of the command line, not an option: for configurations that the job names
 
   void Declare(OptionVisitor& v);
 };

@@ -35,8 +35,8 @@ std::vector<fs::path> FilesOf(const fs::path& path) {
   return files;
 }
 
-Expected<IngestOptions> IngestOf(const ConfigSource& config, const fs::path& path) {
-  Expected<LoadedJob> job = LoadJob(config, {"ingest.path=."});
+Expected<IngestOptions> IngestOf(const ConfigSource& config, const fs::path& path, const ConfigRules& rules) {
+  Expected<LoadedJob> job = LoadJob(config, {"ingest.path=."}, rules);
   if (!job) return Forward(job);
   IngestOptions options = std::move(job->options.ingest);
   std::error_code unknown;
@@ -118,11 +118,11 @@ Expected<IngestOptions> DeclareArrays(const fs::path& path, const ExtractorOptio
   return options;
 }
 
-Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string& source) {
+Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string& source, const ConfigRules& rules) {
   const auto declared = [&](const Expected<ConfigSource>& config, const fs::path& folder,
                             std::vector<RefusedClip> unreadable) -> Expected<DeclaredMotions> {
     if (!config) return Forward(config);
-    Expected<IngestOptions> ingest = IngestOf(*config, folder);
+    Expected<IngestOptions> ingest = IngestOf(*config, folder, rules);
     if (!ingest) return Forward(ingest);
     return DeclaredMotions{std::move(*ingest), std::move(unreadable)};
   };
@@ -150,7 +150,7 @@ Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles
     if (!arrays) return Forward(arrays);
     motions.ingest = std::move(*arrays);
   } else {
-    Expected<DeclaredMotions> declared = DeclareMotions(files.path, files.source);
+    Expected<DeclaredMotions> declared = DeclareMotions(files.path, files.source, files.rules);
     if (!declared) return Forward(declared);
     motions = std::move(*declared);
   }

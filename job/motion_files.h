@@ -19,6 +19,7 @@ struct MotionFiles {
   std::vector<double> lie_bone_lengths;
   std::filesystem::path lengths = {};  ///< numbers of frames beside them, or empty
   PaddingAction padding = PaddingAction::kNone;
+  ConfigRules rules = {};  ///< of `source`
 };
 
 /// Whether the files are bare arrays of numbers, without axes, unit and joints: .npy, or a folder of them.
@@ -40,7 +41,8 @@ struct DeclaredMotions {
 };
 
 /// Declares any other motion files by --source, or by an inspection. Error kUsage names what remains undeclared.
-Expected<DeclaredMotions> DeclareMotions(const std::filesystem::path& path, const std::string& source);
+Expected<DeclaredMotions> DeclareMotions(const std::filesystem::path& path, const std::string& source,
+                                         const ConfigRules& rules);
 
 /// An item of the stage `motions`; its inputs are every file of a folder.
 struct MotionsItem {

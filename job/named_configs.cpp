@@ -114,9 +114,9 @@ Expected<ConfigSource> SourceOf(const std::string& name) {
   if (std::optional<ConfigSource> source = NamedSource(name)) return *std::move(source);
   std::error_code unknown;
   if (std::filesystem::is_regular_file(name, unknown)) {
-    const Expected<std::string> text = ReadFile(name);
-    if (!text) return Forward(text);
-    return ConfigSource{*text, name, std::filesystem::absolute(name, unknown).parent_path()};
+    Expected<ConfigSource> source = ReadConfigFile(name);
+    if (source) source->base_folder = std::filesystem::absolute(name, unknown).parent_path();
+    return source;
   }
   if (std::filesystem::is_directory(name, unknown)) {
     return Fail(ErrorCode::kUsage, "is a folder, not a config file", name,

@@ -263,7 +263,7 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
   evaluation.part = evaluate.part;
   evaluation.requests_of_test = evaluate.requests_of_test;
   if (!evaluate.protocol.empty()) {
-    const auto protocol = LoadProtocol(evaluate.protocol, {});
+    const auto protocol = LoadProtocol(evaluate.protocol, {}, {options.allow_include});
     if (!protocol) return Forward(protocol);
     evaluation.equivalent = protocol->equivalent;
     evaluation.metrics.divisor = protocol->metrics.divisor;

@@ -26,12 +26,12 @@ std::vector<std::string> NamesIn(const std::string& folder) {
 
 /// The embedded file FOLDER/NAME.yaml, or a file.
 Expected<ConfigNode> LoadNamed(const std::string& folder, const std::string& what, const std::string& name,
-                               const std::vector<std::string>& assignments) {
+                               const std::vector<std::string>& assignments, const ConfigRules& rules) {
   if (const auto text = FindResource(folder + name + ".yaml")) {
     return LoadConfig(ConfigSource{std::string(*text), "resource:" + folder + name + ".yaml", {}}, assignments);
   }
   std::error_code unknown;
-  if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name), assignments);
+  if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name), assignments, rules);
   const std::vector<std::string> names = NamesIn(folder);
   std::string list;
   for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
@@ -44,13 +44,15 @@ Expected<ConfigNode> LoadNamed(const std::string& folder, const std::string& wha
 
 std::vector<std::string> ProtocolNames() { return NamesIn("protocols/"); }
 
-Expected<ProtocolOptions> LoadProtocol(const std::string& name, const std::vector<std::string>& assignments) {
-  const Expected<ConfigNode> node = LoadNamed("protocols/", "protocol", name, assignments);
+Expected<ProtocolOptions> LoadProtocol(const std::string& name, const std::vector<std::string>& assignments,
+                                       const ConfigRules& rules) {
+  const Expected<ConfigNode> node = LoadNamed("protocols/", "protocol", name, assignments, rules);
   if (!node) return Forward(node);
   return OptionsFromConfig<ProtocolOptions>(*node);
 }
 
-Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vector<std::string>& assignments) {
+Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vector<std::string>& assignments,
+                                         const ConfigRules& rules) {
   const fs::path path(name);
   for (const char* ending : {".tar", ".pth", ".pt", ".pkl"}) {
     if (path.extension() != ending) continue;
@@ -60,7 +62,7 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
                 "of the weights");
   }
   if (path.extension() != ".h5" && path.extension() != ".safetensors") {
-    const Expected<ConfigNode> node = LoadNamed("extractors/", "extractor", name, assignments);
+    const Expected<ConfigNode> node = LoadNamed("extractors/", "extractor", name, assignments, rules);
     if (!node) return Forward(node);
     return OptionsFromConfig<ExtractorOptions>(*node);
   }

@@ -5,18 +5,20 @@
 #include <string>
 #include <vector>
 
+#include "core/base/config.h"
 #include "core/base/error.h"
 #include "eval/options.h"
 
 namespace mocurate {
 
 /// A protocol of configs/protocols by its name, or a YAML file, with `--set` assignments. Error kUsage lists them.
-Expected<ProtocolOptions> LoadProtocol(const std::string& name_or_path, const std::vector<std::string>& assignments);
+Expected<ProtocolOptions> LoadProtocol(const std::string& name_or_path, const std::vector<std::string>& assignments,
+                                       const ConfigRules& rules);
 
 /// An extractor of configs/extractors by its name, a YAML file, or a checkpoint of mocurate (.h5), which declares
 /// everything itself. `assignments` as of --set, without the prefix "extractor.". Error kUsage lists the extractors.
-Expected<ExtractorOptions> LoadExtractor(const std::string& name_or_path,
-                                         const std::vector<std::string>& assignments = {});
+Expected<ExtractorOptions> LoadExtractor(const std::string& name_or_path, const std::vector<std::string>& assignments,
+                                         const ConfigRules& rules);
 
 std::vector<std::string> ProtocolNames();
 

@@ -102,6 +102,9 @@ std::string ScriptHead(const std::string& name, const fs::path& log, const Slurm
   return text;
 }
 
+/// For the commands of scripts, which load the configuration again.
+const char* AllowedIncludes(const LoadedJob& job) { return job.options.allow_include ? " --allow-include" : ""; }
+
 bool WhollyThere(const Cache::Entry& entry) {
   if (entry.artifact.empty()) return true;
   const Expected<Content> content = ContentOf(entry.artifact);
@@ -268,7 +271,7 @@ Expected<SubmittedJob> SlurmRun::SubmitSingle(const LoadedJob& job, SlurmKind ki
                                         single.time_s, "", settings_, command_) +
                              "exec " + command_.program + " jobs " + ShellQuoted(folder_.native()) +
                              (kind == SlurmKind::kStep ? " --next" : " --last") + " --config " +
-                             ShellQuoted(command_.config) + Assigned() + "\n";
+                             ShellQuoted(command_.config) + Assigned() + AllowedIncludes(job) + "\n";
   Expected<SubmittedJob> submitted = Submit(std::move(single), script, after);
   if (submitted) return submitted;
   Error error = submitted.error();
@@ -296,7 +299,7 @@ Expected<SubmittedJob> SlurmRun::SubmitArray(const LoadedJob& job, const std::st
   std::string script =
       ScriptHead(stage, folder_ / "slurm" / "logs/", options, options.tasks, array.time_s, more, settings_, command_) +
       "exec " + command_.program + " run --plan " + ShellQuoted(plan.native()) +
-      " --task \"$SLURM_ARRAY_TASK_ID\" --jobs " + std::to_string(array.cores);
+      " --task \"$SLURM_ARRAY_TASK_ID\" --jobs " + std::to_string(array.cores) + AllowedIncludes(job);
   if (!options.scratch.empty()) script += " --scratch \"" + options.scratch + "\"";
   return Submit(std::move(array), script + "\n", "");
 }

@@ -42,15 +42,23 @@ struct ConfigSource {
 /// What becomes of a reference to an environment variable that is not set.
 enum class UnsetVariables { kRefuse, kKeep };
 
+struct ConfigRules {
+  bool allow_include = false;  ///< of files that are not below the folder of the outermost one
+  UnsetVariables unset = UnsetVariables::kRefuse;
+};
+
 /// Parses YAML, refuses duplicate keys, merges `include:` (a path or a list; later and inner values win), applies
 /// `assignments` ("ingest.path=DIR", values are YAML) and the profile that `profile` names of `profiles`, then resolves
 /// `${ENV}` and `${other.key}`. All problems found are reported in one error, one per line, each "file:line:column:
 /// ...". "resource:NAME" is the embedded file NAME, as `file` and in `include:`. An empty file is an empty mapping. The
 /// rules are in docs/configuration.md. With UnsetVariables::kKeep a text keeps `${NAME}` where NAME is not set.
 Expected<ConfigNode> LoadConfig(const std::filesystem::path& file, const std::vector<std::string>& assignments = {},
-                                UnsetVariables unset = UnsetVariables::kRefuse);
+                                const ConfigRules& rules = {});
 Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<std::string>& assignments = {},
-                                UnsetVariables unset = UnsetVariables::kRefuse);
+                                const ConfigRules& rules = {});
+
+/// Text of a configuration's file. Errors of ReadSmallFile beyond 16 MiB; a pipe is read.
+Expected<ConfigSource> ReadConfigFile(const std::filesystem::path& file);
 
 namespace internal {
 Status FromConfig(Declaration declaration, const ConfigNode& node);

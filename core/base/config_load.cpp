@@ -83,22 +83,27 @@ std::optional<ConfigSource> ResourceSource(const std::string& name) {
   return ConfigSource{std::string(*text), std::string(kResource) + path.native(), {}};
 }
 
-Expected<ConfigSource> FileSource(const fs::path& path) {
-  std::error_code error;
-  const std::uintmax_t size = fs::is_regular_file(path, error) ? fs::file_size(path, error) : 0;
-  if (!error && size > internal::kMostConfigBytes) {
-    return Fail(ErrorCode::kConfig, "is larger than " + std::to_string(internal::kMostConfigBytes >> 20) + " MiB",
-                DisplayPath(path), "is this a configuration?");
-  }
-  Expected<std::string> text = ReadFile(path);
+Expected<ConfigSource> FileSource(const fs::path& path, bool pipes) {
+  Expected<std::string> text = ReadSmallFile(path, internal::kMostConfigBytes, pipes);
   if (!text) return Forward(text);
   return ConfigSource{std::move(*text), DisplayPath(path), path.parent_path()};
+}
+
+/// Whether a path is below a folder when its links and `..` are followed.
+bool IsBelow(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  const fs::path top = fs::weakly_canonical(folder.empty() ? "." : folder, error);
+  if (error) return false;
+  const fs::path whole = fs::weakly_canonical(path, error);
+  return !error && std::mismatch(top.begin(), top.end(), whole.begin(), whole.end()).first == top.end();
 }
 
 /// Reads a source and what it includes, merged.
 class Loader {
  public:
-  explicit Loader(ProblemList& problems) : problems_(problems) {}
+  /// Files are included from below `folder`, or with `anywhere` from everywhere.
+  Loader(const fs::path& folder, bool anywhere, ProblemList& problems)
+      : folder_(folder), anywhere_(anywhere), problems_(problems) {}
 
   ConfigNode Load(const ConfigSource& source) {
     open_.push_back(Identity(source));
@@ -159,6 +164,11 @@ class Loader {
           where, "too many includes",
           "at most " + std::to_string(kDeepestInclude) + " deep and " + std::to_string(kMostIncludes) + " in all");
     }
+    bytes_ += source->text.size();
+    if (bytes_ > internal::kMostConfigBytes) {
+      return problems_.Add(where, "the included files are together larger than " +
+                                      std::to_string(internal::kMostConfigBytes >> 20) + " MiB");
+    }
     internal::Merge(merged, Load(*source));
   }
 
@@ -171,11 +181,19 @@ class Loader {
     return chain;
   }
 
+  Expected<ConfigSource> IncludedFile(const fs::path& path) const {
+    if (!anywhere_ && !IsBelow(folder_, path)) {
+      return Fail(ErrorCode::kConfig, "is not below the folder of the configuration", DisplayPath(path),
+                  "copy the file there, or allow it with --allow-include");
+    }
+    return FileSource(path, false);
+  }
+
   /// A file beside `from` before an embedded file of that name; inside embedded files the other way round.
-  static Expected<ConfigSource> FindSource(const ConfigSource& from, const std::string& name) {
+  Expected<ConfigSource> FindSource(const ConfigSource& from, const std::string& name) const {
     const fs::path path = (from.base_folder / PathFromText(name)).lexically_normal();
     std::error_code error;
-    if (!IsResource(from.name) && fs::exists(path, error)) return FileSource(path);
+    if (!IsResource(from.name) && fs::exists(path, error)) return IncludedFile(path);
     const std::string plain = IsResource(name) ? name.substr(kResource.size()) : name;
     if (IsResource(from.name) && !IsResource(name)) {
       const fs::path beside = fs::path(from.name.substr(kResource.size())).parent_path() / plain;
@@ -187,12 +205,15 @@ class Loader {
     if (IsResource(name)) {
       return Fail(ErrorCode::kNotFound, "the embedded file does not exist", name, HintFor(plain, ResourcePaths()));
     }
-    return FileSource(path);
+    return IncludedFile(path);
   }
 
+  fs::path folder_;
+  bool anywhere_;
   ProblemList& problems_;
   std::vector<std::string> open_;
   std::size_t count_ = 0;
+  std::size_t bytes_ = 0;  ///< of all included files
 };
 
 /// Merges the profile that `profile` names of the mapping `profiles` into the tree, which then has no `profiles`.
@@ -219,9 +240,9 @@ void ApplyProfile(ConfigNode& root, ProblemList& problems) {
 }  // namespace
 
 Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<std::string>& assignments,
-                                UnsetVariables unset) {
+                                const ConfigRules& rules) {
   ProblemList problems;
-  ConfigNode root = Loader(problems).Load(source);
+  ConfigNode root = Loader(source.base_folder, rules.allow_include, problems).Load(source);
   for (const std::string& assignment : assignments) internal::Assign(root, assignment, problems);
   if (root.Find("profiles") != nullptr) {  // the command line overrides a profile
     ApplyProfile(root, problems);
@@ -234,24 +255,26 @@ Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<st
     }
   }
   if (Status read = problems.Result(); !read) return Forward(read);
-  internal::ResolveReferences(root, unset, problems);
+  internal::ResolveReferences(root, rules.unset, problems);
   if (Status resolved = problems.Result(); !resolved) return Forward(resolved);
   return root;
 }
 
 Expected<ConfigNode> LoadConfig(const fs::path& file, const std::vector<std::string>& assignments,
-                                UnsetVariables unset) {
+                                const ConfigRules& rules) {
   std::error_code error;
   if (IsResource(file.native()) && !fs::exists(file, error)) {
     if (const std::optional<ConfigSource> source = ResourceSource(file.native())) {
-      return LoadConfig(*source, assignments, unset);
+      return LoadConfig(*source, assignments, rules);
     }
     return Fail(ErrorCode::kNotFound, "the embedded file does not exist", DisplayPath(file),
                 HintFor(file.native().substr(kResource.size()), ResourcePaths()));
   }
-  const Expected<ConfigSource> source = FileSource(file);
+  const Expected<ConfigSource> source = ReadConfigFile(file);
   if (!source) return Forward(source);
-  return LoadConfig(*source, assignments, unset);
+  return LoadConfig(*source, assignments, rules);
 }
+
+Expected<ConfigSource> ReadConfigFile(const fs::path& file) { return FileSource(file, true); }
 
 }  // namespace mocurate

@@ -181,6 +181,30 @@ Expected<std::string> ReadFile(const fs::path& path) {
   }
 }
 
+Expected<std::string> ReadSmallFile(const fs::path& path, std::size_t most, bool pipes) {
+  struct ::stat facts = {};
+  if (::stat(path.c_str(), &facts) != 0) return CannotRead(path, errno);
+  if (S_ISDIR(facts.st_mode)) return CannotRead(path, EISDIR);
+  if (!S_ISREG(facts.st_mode) && !(pipes && S_ISFIFO(facts.st_mode))) {
+    return Fail(ErrorCode::kUnreadable, "is a device or a pipe, a file is expected", DisplayPath(path));
+  }
+  // Without O_NONBLOCK the call would wait for the writer of a pipe that took the file's place.
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | (pipes ? 0 : O_NONBLOCK)));
+  if (!file.is_open()) return CannotRead(path, errno);
+  std::string bytes;
+  std::string buffer(std::size_t{1} << 16, '\0');
+  for (;;) {  // the size of a file may lie
+    const ssize_t count = ::read(file.number(), buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return CannotRead(path, errno);
+    if (count == 0) return bytes;
+    bytes.append(buffer, 0, static_cast<std::size_t>(count));
+    if (bytes.size() > most) {
+      return Fail(ErrorCode::kUnreadable, "is larger than " + std::to_string(most >> 20) + " MiB", DisplayPath(path));
+    }
+  }
+}
+
 Status WriteFile(const fs::path& path, std::string_view bytes) {
   if (IsSpecial(path)) return WriteSpecial(path, bytes);
   const fs::path target = TargetOf(path);

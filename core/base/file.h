@@ -17,6 +17,10 @@ Expected<std::string> ReadFile(const std::filesystem::path& path);
 /// The same in parts of at most 1 MiB, in order, for files that need not fit in memory.
 Status ReadFileInParts(const std::filesystem::path& path, const std::function<void(std::string_view part)>& take);
 
+/// A whole file of at most `most` bytes. Error kUnreadable as well for more bytes, a device, and a pipe unless `pipes`:
+/// without it the call never waits.
+Expected<std::string> ReadSmallFile(const std::filesystem::path& path, std::size_t most, bool pipes = false);
+
 /// Writes a file atomically: temporary file in the same folder, fsync, rename, fsync of the
 /// folder. A link is followed; a device or a pipe is written directly. Error kCannotWrite; the temporary file is
 /// removed.

@@ -47,6 +47,9 @@ Expected<Content> ContentOf(const fs::path& path) {
   if (fs::is_other(fs::status(path, problem)))
     return Fail(ErrorCode::kUnreadable, "is a device or a pipe, a file is expected", DisplayPath(path));
   if (!fs::is_directory(path, problem)) {
+    if (fs::is_other(path, problem)) {
+      return Fail(ErrorCode::kUnreadable, "is a device or a pipe, a file or folder is expected", DisplayPath(path));
+    }
     Expected<std::string> sha256 = Sha256OfFile(path);
     if (!sha256) return Forward(sha256);
     return Content{*std::move(sha256), BytesOf(path)};

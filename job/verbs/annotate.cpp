@@ -51,14 +51,14 @@ std::vector<std::string> RecipeNames() {
 }
 
 /// A recipe of configs/recipes by its name, or a config file. Error kUsage for neither.
-Expected<ConfigNode> LoadRecipe(const std::string& name) {
+Expected<ConfigNode> LoadRecipe(const std::string& name, const ConfigRules& rules) {
   const std::vector<std::string> names = RecipeNames();
   if (std::find(names.begin(), names.end(), name) != names.end()) {
     const std::string file = kRecipeFolder + name + kRecipeEnding;
     return LoadConfig(ConfigSource{std::string(FindResource(file).value_or("")), "resource:" + file, {}});
   }
   std::error_code unknown;
-  if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name));
+  if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name), {}, rules);
   std::string known;
   for (const std::string& one : names) known += (known.empty() ? "" : ", ") + one;
   const auto near = Nearest(name, names);
@@ -67,8 +67,8 @@ Expected<ConfigNode> LoadRecipe(const std::string& name) {
 }
 
 /// The names of `assemble.classes`. Errors of LoadRecipe and CheckClasses; kConfig without classes.
-Expected<std::vector<std::string>> LabelsOfRecipe(const std::string& name) {
-  const auto recipe = LoadRecipe(name);
+Expected<std::vector<std::string>> LabelsOfRecipe(const std::string& name, const ConfigRules& rules) {
+  const auto recipe = LoadRecipe(name, rules);
   if (!recipe) return Forward(recipe);
   AssembleOptions options;
   if (const ConfigNode* assemble = recipe->Find("assemble")) {
@@ -122,7 +122,8 @@ Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments) {
   options.clips = arguments.clips;
   options.all = arguments.all;
   if (arguments.labels || !arguments.recipe.empty()) {
-    auto labels = arguments.labels ? ListedLabels(*arguments.labels) : LabelsOfRecipe(arguments.recipe);
+    auto labels =
+        arguments.labels ? ListedLabels(*arguments.labels) : LabelsOfRecipe(arguments.recipe, {common.allow_include});
     if (!labels) return Forward(labels);
     options.labels = std::move(*labels);
   }

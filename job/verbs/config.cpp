@@ -40,7 +40,7 @@ void WarnOfUnset(const ConfigNode& node) {
 }  // namespace
 
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments) {
-  const auto job = LoadJob(arguments.config, arguments.assignments, UnsetVariables::kKeep);
+  const auto job = LoadJob(arguments.config, arguments.assignments, {common.allow_include, UnsetVariables::kKeep});
   if (!job) return Forward(job);
   WarnOfUnset(job->node);
   const nlohmann::json options = OptionsToJson(job->options);

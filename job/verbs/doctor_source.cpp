@@ -15,14 +15,15 @@ namespace {
 
 /// The ingest group of a source declaration. A folder whose environment variable is not set is no error here: the verb
 /// reports it.
-Expected<IngestOptions> LoadIngest(const std::string& name, const std::filesystem::path& path, bool& placed) {
+Expected<IngestOptions> LoadIngest(const std::string& name, const std::filesystem::path& path, const ConfigRules& rules,
+                                   bool& placed) {
   const Expected<ConfigSource> source = SourceOf(name);
   if (!source) return Forward(source);
   std::vector<std::string> assignments;
   if (!path.empty()) assignments.push_back("ingest.path=" + path.string());
-  Expected<ConfigNode> node = LoadConfig(*source, assignments);
+  Expected<ConfigNode> node = LoadConfig(*source, assignments, rules);
   placed = node.has_value();
-  if (!node) node = LoadConfig(*source, {"ingest.path=."});
+  if (!node) node = LoadConfig(*source, {"ingest.path=."}, rules);
   if (!node) return Forward(node);
   const auto job = OptionsFromConfig<JobOptions>(*node);
   if (!job) return Forward(job);
@@ -55,7 +56,7 @@ std::string RemarkOfFile(const ExpectedFile& file) {
 
 Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& arguments) {
   bool placed = false;
-  const Expected<IngestOptions> ingest = LoadIngest(arguments.source, arguments.path, placed);
+  const Expected<IngestOptions> ingest = LoadIngest(arguments.source, arguments.path, {common.allow_include}, placed);
   if (!ingest) return Forward(ingest);
   if (Status sound = CheckSource(ingest->source); !sound) return sound;
   std::error_code unknown;

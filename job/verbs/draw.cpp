@@ -28,7 +28,8 @@ std::pair<std::string, fs::path> NamedPath(const std::string& text) {
 }
 
 /// A set of motions as a dataset or MotionSet: one of mocurate unchanged, other files through the stage `motions`.
-Expected<StageInput> MotionsOf(const std::string& text, const std::string& source, DatasetStages& stages) {
+Expected<StageInput> MotionsOf(const std::string& text, const std::string& source, const ConfigRules& rules,
+                               DatasetStages& stages) {
   const auto [name, path] = NamedPath(text);
   std::error_code unknown;
   if (!fs::exists(path, unknown)) {
@@ -39,7 +40,9 @@ Expected<StageInput> MotionsOf(const std::string& text, const std::string& sourc
     return Fail(ErrorCode::kUsage, "bare arrays have neither joint names nor axes nor a unit", DisplayPath(path),
                 "declare them with --source FILE (docs/adding_a_source.md)");
   }
-  auto item = MakeMotionsItem(name, {path, source, {}, {}}, ExtractorOptions());
+  MotionFiles files{path, source, {}, {}};
+  files.rules = rules;
+  auto item = MakeMotionsItem(name, files, ExtractorOptions());
   if (!item) return Forward(item);
   const auto read = stages.One(MotionsDeclaration(), std::move(item->item));
   if (!read) return Forward(read);
@@ -81,7 +84,7 @@ Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
   if (!stages) return Forward(stages);
   ItemSpec item{"motions", OptionsToJson(*options), {}};
   for (const std::string& text : arguments.motions) {
-    auto motions = MotionsOf(text, arguments.source, **stages);
+    auto motions = MotionsOf(text, arguments.source, {common.allow_include}, **stages);
     if (!motions) return Forward(motions);
     item.inputs.push_back(std::move(*motions));
   }

@@ -133,7 +133,7 @@ struct Plan {
   PaddingAction padding = PaddingAction::kCut;
 };
 
-Expected<Plan> PlanOf(const EvalArguments& arguments) {
+Expected<Plan> PlanOf(const EvalArguments& arguments, const ConfigRules& rules) {
   if (Status sound = CheckArguments(arguments); !sound) return Forward(sound);
   Plan plan;
   if (arguments.padding == "keep") plan.padding = PaddingAction::kKeep;
@@ -143,7 +143,7 @@ Expected<Plan> PlanOf(const EvalArguments& arguments) {
     const bool extractor = text.compare(0, prefix.size(), prefix) == 0;
     (extractor ? of_extractor : of_protocol).push_back(extractor ? text.substr(prefix.size()) : text);
   }
-  auto protocol = LoadProtocol(arguments.protocol, of_protocol);
+  auto protocol = LoadProtocol(arguments.protocol, of_protocol, rules);
   if (!protocol) return Forward(protocol);
   plan.protocol = std::move(*protocol);
   std::string name = arguments.extractor.empty() ? plan.protocol.extractor : arguments.extractor;
@@ -165,7 +165,7 @@ Expected<Plan> PlanOf(const EvalArguments& arguments) {
     return Fail(ErrorCode::kUsage, "protocol '" + plan.protocol.name + "' has no extractor", "--protocol",
                 "give --run RUN or --extractor CHECKPOINT");
   }
-  auto extractor = LoadExtractor(name, of_extractor);
+  auto extractor = LoadExtractor(name, of_extractor, rules);
   if (!extractor) return Forward(extractor);
   plan.extractor = std::move(*extractor);
   const auto weights = FindWeights(plan.extractor);
@@ -267,7 +267,8 @@ void PrintEvaluation(const CommonArguments& common, const nlohmann::json& result
 
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   ChooseBlasKernels();
-  auto plan = PlanOf(arguments);
+  const ConfigRules rules{common.allow_include};
+  auto plan = PlanOf(arguments, rules);
   if (!plan) return Forward(plan);
   const TemporaryFolder scratch;
   RunnerOptions settings;
@@ -295,13 +296,13 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
     const auto own = [&](const std::vector<fs::path>& files) {
       return files.empty() ? fs::path() : files[files.size() > 1 ? sets.size() : 0];
     };
-    sets.push_back(
-        {named,
-         {named.path, arguments.source, own(arguments.labels), bone_lengths, own(arguments.lengths), plan->padding}});
+    sets.push_back({named,
+                    {named.path, arguments.source, own(arguments.labels), bone_lengths, own(arguments.lengths),
+                     plan->padding, rules}});
   }
   if (!plan->real.empty()) {
-    sets.push_back(
-        {{"Real", plan->real}, {plan->real, arguments.real_source, arguments.real_labels, {}, {}, plan->padding}});
+    sets.push_back({{"Real", plan->real},
+                    {plan->real, arguments.real_source, arguments.real_labels, {}, {}, plan->padding, rules}});
   }
   auto read = ReadSets(sets, *plan, runs);
   if (!read) return Forward(read);
@@ -384,7 +385,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
 }
 
 Status DoctorProtocolVerb(CommonArguments& common, const DoctorArguments& arguments) {
-  const auto protocol = LoadProtocol(arguments.protocol, {});
+  const auto protocol = LoadProtocol(arguments.protocol, {}, {common.allow_include});
   if (!protocol) return Forward(protocol);
   nlohmann::json answer = {{"protocol", protocol->name}, {"extractor", protocol->extractor}};
   if (protocol->extractor.empty()) {
@@ -395,7 +396,7 @@ Status DoctorProtocolVerb(CommonArguments& common, const DoctorArguments& argume
     common.answered = common.json;
     return {};
   }
-  const auto extractor = LoadExtractor(protocol->extractor);
+  const auto extractor = LoadExtractor(protocol->extractor, {}, {common.allow_include});
   if (!extractor) return Forward(extractor);
   const auto weights = FindWeights(*extractor);
   const char* folder = std::getenv("MOCURATE_WEIGHTS");

@@ -216,7 +216,7 @@ Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
   if (!place) return Forward(place);
   if (Status fits = CheckLayoutArguments(arguments, layout, *place); !fits) return fits;
   if (Status free = CheckExportPlace(arguments, *place); !free) return free;
-  Expected<ClipsToExport> clips = OpenClipsToExport(arguments);
+  Expected<ClipsToExport> clips = OpenClipsToExport(arguments, {common.allow_include});
   if (!clips) return Forward(clips);
   if (place->one_clip && clips->set.ids.size() > 1) {
     return Fail(ErrorCode::kUsage,

@@ -107,8 +107,8 @@ Expected<ClipsToExport> OpenDataset(const ExportArguments& arguments) {
   return open;
 }
 
-Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments) {
-  Expected<DeclaredMotions> declared = DeclareMotions(arguments.path, arguments.source);
+Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments, const ConfigRules& rules) {
+  Expected<DeclaredMotions> declared = DeclareMotions(arguments.path, arguments.source, rules);
   if (!declared) return Forward(declared);
   Expected<ReadMotions> read = ReadAllMotions({declared->ingest, {}});
   if (!read) return Forward(read);
@@ -139,9 +139,9 @@ std::map<std::string, std::string> ActionsOfChecks() {
 
 }  // namespace
 
-Expected<ClipsToExport> OpenClipsToExport(const ExportArguments& arguments) {
+Expected<ClipsToExport> OpenClipsToExport(const ExportArguments& arguments, const ConfigRules& rules) {
   const bool ours = arguments.source.empty() && IsMotionStore(arguments.path);
-  Expected<ClipsToExport> open = ours ? OpenDataset(arguments) : ReadFiles(arguments);
+  Expected<ClipsToExport> open = ours ? OpenDataset(arguments) : ReadFiles(arguments, rules);
   if (open) open->set.checks = ActionsOfChecks();
   return open;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "canon/exports/layout.h"
+#include "core/base/config.h"
 #include "ingest/read_motions.h"
 #include "job/verbs/verbs.h"
 
@@ -19,6 +20,6 @@ struct ClipsToExport {
 
 /// A dataset of mocurate is streamed; other files are read by their declaration, all at once. Errors of reading; kUsage
 /// for an unknown --clip or --split.
-Expected<ClipsToExport> OpenClipsToExport(const ExportArguments& arguments);
+Expected<ClipsToExport> OpenClipsToExport(const ExportArguments& arguments, const ConfigRules& rules);
 
 }  // namespace mocurate

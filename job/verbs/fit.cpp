@@ -156,7 +156,8 @@ std::optional<Finding> FindMirror(const FitArguments& arguments, const SourceOpt
 }
 
 /// `findings`: what is assumed of the files, and what of them is left out.
-Expected<JobOptions> FitOptionsOf(const FitArguments& arguments, std::vector<Finding>& findings) {
+Expected<JobOptions> FitOptionsOf(const FitArguments& arguments, const ConfigRules& rules,
+                                  std::vector<Finding>& findings) {
   const Expected<Declared> declared = Declare(arguments, findings);
   if (!declared) return Forward(declared);
   if (Status known = CheckUnknown(arguments, *declared); !known) return Forward(known);
@@ -175,7 +176,7 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments, std::vector<Fin
   if (!arguments.skeleton.empty()) assignments.push_back("skeleton=" + arguments.skeleton);
   if (arguments.contacts) assignments.push_back("fitting.contacts.remove_sliding=true");
   assignments.insert(assignments.end(), arguments.assignments.begin(), arguments.assignments.end());
-  Expected<LoadedJob> job = LoadJob(declared->config, assignments);
+  Expected<LoadedJob> job = LoadJob(declared->config, assignments, rules);
   if (!job) return Forward(job);
   JobOptions options = std::move(job->options);
   // Not through YAML, as a path may contain any bytes.
@@ -294,7 +295,7 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   }
   if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
   std::vector<Finding> findings;
-  const Expected<JobOptions> options = FitOptionsOf(arguments, findings);
+  const Expected<JobOptions> options = FitOptionsOf(arguments, {common.allow_include}, findings);
   LogFindings(findings, 0);
   if (!options) return Forward(options);
   const TemporaryFolder scratch;

@@ -57,12 +57,12 @@ Status Unreadable(CommonArguments& common, const std::filesystem::path& path, co
 
 /// A config, or a source declaration by its name; a declaration whose folder variable is unset applies to the inspected
 /// files.
-Expected<SourceOptions> LoadSource(const InspectArguments& arguments) {
+Expected<SourceOptions> LoadSource(const InspectArguments& arguments, const ConfigRules& rules) {
   const std::string name = arguments.source.string();
   const Expected<ConfigSource> source = SourceOf(name);
   if (!source) return Forward(source);
-  auto job = LoadJob(*source, {});
-  if (!job && NamedSource(name)) job = LoadJob(*source, {"ingest.path=."});
+  auto job = LoadJob(*source, {}, rules);
+  if (!job && NamedSource(name)) job = LoadJob(*source, {"ingest.path=."}, rules);
   if (!job) return Forward(job);
   return job->options.ingest.source;
 }
@@ -93,7 +93,7 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
   }
   std::optional<SourceOptions> source;
   if (!arguments.source.empty()) {
-    Expected<SourceOptions> declared = LoadSource(arguments);
+    Expected<SourceOptions> declared = LoadSource(arguments, {common.allow_include});
     if (!declared) return Forward(declared);
     source = *std::move(declared);
   }

@@ -53,7 +53,7 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
   settings.cores = arguments.cores;
   settings.jobs = arguments.jobs;
   settings.quiet = common.quiet;
-  auto job = LoadJob(settings.config, arguments.assignments);
+  auto job = LoadJob(settings.config, arguments.assignments, {common.allow_include});
   if (!job) return Forward(job);
   if (!job->options.data.empty()) {
     return Fail(ErrorCode::kUnsupported, "a run over several sets is not planned as a whole",
@@ -88,10 +88,11 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
     const std::string each = made->seconds > 0.0
                                  ? ", about " + Duration(made->seconds / static_cast<double>(made->tasks)) + " each"
                                  : std::string();
-    std::printf("%s: %s in %s%s\nplan: %s\nrun task K of 0 to %zu:\n  mocurate run --plan %s --task K\n",
+    std::printf("%s: %s in %s%s\nplan: %s\nrun task K of 0 to %zu:\n  mocurate run --plan %s --task K%s\n",
                 made->stage.c_str(), Counted(static_cast<long long>(made->items), "item").c_str(),
                 Counted(static_cast<long long>(made->tasks), "task").c_str(), each.c_str(),
-                DisplayPath(made->file).c_str(), made->tasks - 1, DisplayPath(made->file).c_str());
+                DisplayPath(made->file).c_str(), made->tasks - 1, DisplayPath(made->file).c_str(),
+                common.allow_include ? " --allow-include" : "");
   }
   return {};
 }
@@ -103,6 +104,7 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
   const PlanHead& head = plan->head();
   std::string again = "plan again: mocurate plan " + head.config + " --stage " + head.stage;
   for (const std::string& assignment : head.arguments) again += " --set '" + assignment + "'";
+  if (common.allow_include) again += " --allow-include";
   again += " -o " + DisplayPath(fs::absolute(arguments.plan).parent_path().parent_path());
   const Expected<PlannedStage> stage = StageNamed(head.stage);
   if (!stage) {
@@ -117,7 +119,7 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
                     ", this program has version " + std::to_string(version),
                 DisplayPath(arguments.plan), again);
   }
-  const auto job = LoadJob(head.config, head.arguments);
+  const auto job = LoadJob(head.config, head.arguments, {common.allow_include});
   if (!job) return Forward(job);
   if (ConfigHash(job->options) != head.config_sha256) {
     return Fail(ErrorCode::kInconsistent, "the configuration has changed since the plan was made", head.config, again);

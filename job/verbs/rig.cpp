@@ -25,8 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A job whose evidence is keypoints of several cameras.
-Expected<JobOptions> RigJobOf(const RigAuditArguments& arguments) {
-  Expected<LoadedJob> job = LoadJob(arguments.config, arguments.assignments);
+Expected<JobOptions> RigJobOf(const RigAuditArguments& arguments, const ConfigRules& rules) {
+  Expected<LoadedJob> job = LoadJob(arguments.config, arguments.assignments, rules);
   if (!job) return Forward(job);
   JobOptions options = std::move(job->options);
   const auto refused = [](const std::string& what, const std::string& where, const char* hint) {
@@ -140,7 +140,7 @@ Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments)
   ChooseBlasKernels();
   if (Status named = CheckRigOutput(arguments.output); !named) return named;
   if (Status free = CheckOutputs({arguments.output}, {arguments.config}, arguments.force); !free) return free;
-  const Expected<JobOptions> options = RigJobOf(arguments);
+  const Expected<JobOptions> options = RigJobOf(arguments, {common.allow_include});
   if (!options) return Forward(options);
   const TemporaryFolder scratch;
   if (scratch.path().empty()) return TemporaryFolder::Missing();

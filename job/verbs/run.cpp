@@ -245,7 +245,7 @@ Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const
 
 Status RunVerb(CommonArguments& common, const RunArguments& arguments, SetsOfRun* sets_of_run) {
   ChooseBlasKernels();
-  auto job = LoadJob(arguments.config, arguments.assignments);
+  auto job = LoadJob(arguments.config, arguments.assignments, {common.allow_include});
   if (!job) return Forward(job);
   if (!arguments.executor.empty())
     job->options.executor = arguments.executor == "slurm" ? Executor::kSlurm : Executor::kLocal;

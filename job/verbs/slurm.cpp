@@ -430,7 +430,7 @@ Status JobsVerb(CommonArguments& common, const JobsArguments& arguments) {
                 "the run uses the cache " + DisplayPath(run->settings().cache) + ", here it is " + DisplayPath(cache),
                 DisplayPath(run->folder()), "set MOCURATE_CACHE to the cache of the run");
   }
-  const auto job = LoadJob(arguments.config, arguments.assignments);
+  const auto job = LoadJob(arguments.config, arguments.assignments, {common.allow_include});
   if (!job) return run->End(Forward(job));
   run = SlurmRun::Open(arguments.run, CommandOf(arguments.config, arguments.assignments, job->options));
   if (!run) return Forward(run);

@@ -34,7 +34,7 @@ struct SurveyFiles {
 };
 
 /// From --motions NAME=FILE, with --labels once for all or once for each. Error kUsage, kNotFound.
-Expected<std::vector<SurveyFiles>> FilesOfSources(const SurveyMakeArguments& arguments) {
+Expected<std::vector<SurveyFiles>> FilesOfSources(const SurveyMakeArguments& arguments, const ConfigRules& rules) {
   if (arguments.labels.size() > 1 && arguments.labels.size() != arguments.motions.size()) {
     return Fail(ErrorCode::kUsage,
                 Counted(static_cast<long long>(arguments.labels.size()), "file") + " of labels for " +
@@ -57,6 +57,7 @@ Expected<std::vector<SurveyFiles>> FilesOfSources(const SurveyMakeArguments& arg
     }
     const bool ours = IsMotionStore(source.files.path);
     if (!ours) source.files.source = arguments.source;
+    source.files.rules = rules;
     if (!arguments.labels.empty() && !(ours && arguments.labels.size() == 1)) {
       source.files.labels = arguments.labels[arguments.labels.size() > 1 ? sources.size() : 0];
     }
@@ -143,7 +144,7 @@ Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& argume
   options.seed = arguments.seed;
   options.labels = arguments.ask;
   options.seconds = arguments.seconds;
-  const auto sources = FilesOfSources(arguments);
+  const auto sources = FilesOfSources(arguments, {common.allow_include});
   if (!sources) return Forward(sources);
   std::vector<fs::path> inputs;
   for (const SurveyFiles& source : *sources) inputs.push_back(source.files.path);
@@ -152,7 +153,7 @@ Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& argume
   if (Status free = CheckOutputs({page, key}, inputs, arguments.force); !free) return free;
   ExtractorOptions extractor;
   if (!arguments.extractor.empty()) {
-    auto loaded = LoadExtractor(arguments.extractor);
+    auto loaded = LoadExtractor(arguments.extractor, {}, {common.allow_include});
     if (!loaded) return Forward(loaded);
     extractor = std::move(*loaded);
   }

@@ -16,11 +16,11 @@
 namespace mocurate {
 namespace {
 
-Expected<ConfigNode> Load(const SynthesizeArguments& arguments) {
+Expected<ConfigNode> Load(const SynthesizeArguments& arguments, const ConfigRules& rules) {
   std::vector<std::string> assignments = arguments.assignments;
   if (!arguments.layout.empty()) assignments.push_back("layout=" + arguments.layout);
   if (arguments.seed) assignments.push_back("seed=" + std::to_string(*arguments.seed));
-  if (!arguments.config.empty()) return LoadConfig(arguments.config, assignments);
+  if (!arguments.config.empty()) return LoadConfig(arguments.config, assignments, rules);
   return LoadConfig(ConfigSource{"", "synthesize", std::filesystem::current_path()}, assignments);
 }
 
@@ -162,7 +162,7 @@ std::string ReadAsText(const WrittenSource& source, const std::filesystem::path&
 }  // namespace
 
 Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& arguments) {
-  const Expected<ConfigNode> node = Load(arguments);
+  const Expected<ConfigNode> node = Load(arguments, {common.allow_include});
   if (!node) return Forward(node);
   const auto options = OptionsFromConfig<StudioOptions>(*node);
   if (!options) return Forward(options);

@@ -18,7 +18,8 @@ struct CommonArguments {
   bool json = false;
   bool quiet = false;  ///< errors only: no text of the result, no progress, no warning
   bool verbose = false;
-  bool answered = false;  ///< the verb has printed its JSON document: an error is not printed as another one
+  bool allow_include = false;  ///< configurations may include files from anywhere (ConfigRules)
+  bool answered = false;       ///< the verb has printed its JSON document: an error is not printed as another one
 };
 
 struct RunArguments {

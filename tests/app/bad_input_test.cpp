@@ -226,7 +226,7 @@ TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
     fs::copy_file(fs::path(data) / "kinect/kard" / name, folder / ("kard/" + name));
   }
   const std::string declaration = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml";
-  WriteText(folder / "mistaken.yaml", "include: " + declaration + "\ningest:\n  source:\n    axes: \"+x +y +z\"\n");
+  WriteText(folder / "mistaken.yaml", "include: resource:kard.yaml\ningest:\n  source:\n    axes: \"+x +y +z\"\n");
   std::size_t clips = 0;
   for (const bool mistaken : {false, true}) {
     const std::filesystem::path output = folder / (mistaken ? "mistaken" : "r");  // a folder for each configuration

@@ -24,9 +24,9 @@ class RigVerb : public ::testing::Test {
                              "subjects=1", "--set", "actions=[walk, throw, warm_up_bow_left]", "--set", "rig.kind=ring",
                              "--set", "rig.moved=0.12"});
     ASSERT_EQ(studio.exit_code, 0) << studio.err;
-    WriteText(folder_ / "job.yaml", "include: " + std::string(MOCURATE_SOURCE_FOLDER) +
-                                        "/configs/sources/studio_keypoints.yaml\nname: moved\nskeleton: smpl24\n"
-                                        "fitting: {method: keypoints, joint_tracks: {solver: banded}}\n");
+    WriteText(folder_ / "job.yaml",
+              "include: sources/studio_keypoints.yaml\nname: moved\nskeleton: smpl24\n"
+              "fitting: {method: keypoints, joint_tracks: {solver: banded}}\n");
   }
 
   Result Audit(const std::vector<std::string>& more) {
@@ -82,14 +82,14 @@ TEST_F(RigVerb, WritesAFileThatOtherTakesUse) {
   WriteText(folder_ / "config/rig.yaml", text);
   WriteText(folder_ / "config/job.yaml",
             "include: ../job.yaml\nfitting: {keypoints: {rig: rig.yaml}}\ningest: {path: ../studio/openpose}\n");
-  const Result same =
-      RunProgram(folder_, {"run", File("config/job.yaml"), "--to", "fitting", "-o", File("s"), "--json"});
+  const Result same = RunProgram(
+      folder_, {"run", File("config/job.yaml"), "--to", "fitting", "-o", File("s"), "--json", "--allow-include"});
   ASSERT_EQ(same.exit_code, 0) << same.err;
   const int whole = FromCache(same.Json());
   EXPECT_GE(whole, 7) << "the same content in another file: three clips, their body and three fits";
   WriteText(folder_ / "config/rig.yaml", text + "# edited\n");
-  const Result changed =
-      RunProgram(folder_, {"run", File("config/job.yaml"), "--to", "fitting", "-o", File("s"), "--json"});
+  const Result changed = RunProgram(
+      folder_, {"run", File("config/job.yaml"), "--to", "fitting", "-o", File("s"), "--json", "--allow-include"});
   ASSERT_EQ(changed.exit_code, 0) << changed.err;
   EXPECT_LE(FromCache(changed.Json()), whole - 3) << "another content refits";
 }

@@ -471,9 +471,10 @@ TEST(TrainingRun, NetworksOfMultiActAreRowsOfTransitionsAndAnswerScripts) {
 
   // A chain's steps are rows, of actions and of transitions.
   const fs::path config = folder / "steps.yaml";
-  program::WriteText(config, "include: " + papers +
-                                 "figure6.yaml\nevaluate: {rows: [{name: Ours, network: MACVAE (Ours), script: chain, "
-                                 "steps: 2, first: ACTOR}]}\n");
+  program::WriteText(config,
+                     "include: resource:papers/multiact/figure6.yaml\nevaluate: {rows: [{name: Ours, network: MACVAE "
+                     "(Ours), script: chain, "
+                     "steps: 2, first: ACTOR}]}\n");
   const Result run_of_steps = TrainingProgram(
       folder, {"run", config.string(), "--set", "profile=smoke", "-o", (folder / "steps").string(), "--json"});
   ASSERT_EQ(run_of_steps.exit_code, 0) << run_of_steps.err;

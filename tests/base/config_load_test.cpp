@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "core/base/file.h"
 #include "core/base/resources.h"
@@ -92,11 +94,78 @@ TEST(ConfigInclude, MayNameTheEnvironment) {
   const ScratchFolder folder;
   ::setenv("MOCURATE_CONFIG_TEST", folder.path().c_str(), 1);
   ASSERT_TRUE(WriteFile(folder / "a.yaml", "seed: 5\n"));
-  EXPECT_EQ(ReadSample("include: ${MOCURATE_CONFIG_TEST}/a.yaml")->seed, 5);
+  const auto node = LoadConfig(ConfigSource{"include: ${MOCURATE_CONFIG_TEST}/a.yaml", "c.yaml", "folder"}, {}, {true});
+  ASSERT_TRUE(node) << node.error().Message();
+  EXPECT_EQ(node->Find("seed")->scalar, "5");
   ::unsetenv("MOCURATE_CONFIG_TEST");
   EXPECT_EQ(MessageOf("include: ${MOCURATE_CONFIG_TEST}/a.yaml"),
             "c.yaml:1:10: ${MOCURATE_CONFIG_TEST} names no environment variable (include: cannot use keys) (export "
             "MOCURATE_CONFIG_TEST=..., or give the value with --set)");
+}
+
+TEST(ConfigInclude, FilesOutsideOfTheFolderNeedAPermission) {
+  const ScratchFolder folder, outside;
+  ASSERT_TRUE(MakeFolder(folder / "jobs/sub"));
+  const std::string secret = "seed: 5\nTOP-SECRET: 1\nTOP-SECRET: 2\n";
+  ASSERT_TRUE(WriteFile(outside / "a.yaml", secret));
+  ASSERT_TRUE(WriteFile(folder / "beside.yaml", secret));
+  ASSERT_TRUE(WriteFile(folder / "jobs/inner.yaml", "seed: 5\n"));
+  std::filesystem::create_symlink(outside / "a.yaml", folder / "jobs/link.yaml");
+  std::filesystem::create_directory_symlink(outside.path(), folder / "jobs/linked");
+  ASSERT_TRUE(WriteFile(folder / "jobs/sub/up.yaml", "include: ../../beside.yaml\n"));
+  const auto load = [&](const std::string& name, bool allowed) {
+    EXPECT_TRUE(WriteFile(folder / "jobs/main.yaml", "include: " + name + "\n"));
+    return LoadConfig(folder / "jobs/main.yaml", {}, {allowed});
+  };
+  for (const std::string& name :
+       {(outside / "a.yaml").native(), std::string("../beside.yaml"), std::string("link.yaml"),
+        std::string("linked/a.yaml"), std::string("sub/../../beside.yaml"), std::string("sub/up.yaml"),
+        std::string("/etc/passwd")}) {
+    const auto node = load(name, false);
+    ASSERT_FALSE(node) << name;
+    EXPECT_EQ(node.error().code, ErrorCode::kConfig);
+    const std::string message = node.error().Message();
+    EXPECT_THAT(message, HasSubstr("--allow-include"));
+    EXPECT_THAT(message, HasSubstr(name == "sub/up.yaml" ? "up.yaml:1:10" : "main.yaml:1:10"));
+    EXPECT_EQ(message.find("TOP-SECRET"), std::string::npos) << name;
+    EXPECT_EQ(message.find("root:"), std::string::npos) << name;
+  }
+  for (const char* name : {"inner.yaml", "sub/../inner.yaml", "./inner.yaml"}) {
+    const auto node = load(name, false);
+    ASSERT_TRUE(node) << node.error().Message();
+    EXPECT_EQ(node->Find("seed")->scalar, "5");
+  }
+  ASSERT_TRUE(WriteFile(folder / "beside.yaml", "seed: 5\n"));
+  const auto allowed = load("../beside.yaml", true);
+  ASSERT_TRUE(allowed) << allowed.error().Message();
+  EXPECT_EQ(allowed->Find("seed")->scalar, "5");
+}
+
+TEST(ConfigInclude, OnlyRegularFilesOfABoundedSizeAreRead) {
+  const ScratchFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe.yaml").c_str(), 0600), 0);
+  ASSERT_TRUE(MakeFolder(folder / "folder.yaml"));
+  for (const char* name : {"large.yaml", "more.yaml"})
+    ASSERT_TRUE(WriteFile(folder / name, "# " + std::string(9 << 20, 'x')));
+  ASSERT_TRUE(WriteFile(folder / "huge.yaml", "# " + std::string(16 << 20, 'x')));
+  for (const char* name : {"/dev/zero", "pipe.yaml", "folder.yaml", "huge.yaml", "[large.yaml, more.yaml]"}) {
+    ASSERT_TRUE(WriteFile(folder / "main.yaml", std::string("include: ") + name + "\n"));
+    const auto node = LoadConfig(folder / "main.yaml", {}, {true});
+    ASSERT_FALSE(node) << name;
+    EXPECT_THAT(node.error().where, HasSubstr("main.yaml:1:"));
+  }
+  EXPECT_EQ(LoadConfig("/dev/zero").error().code, ErrorCode::kUnreadable);
+}
+
+TEST(ConfigInclude, AConfigurationOfACommandLineMayBeAPipe) {
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  ASSERT_EQ(::write(ends[1], "seed: 6\n", 8), 8);
+  ::close(ends[1]);
+  const auto node = LoadConfig("/dev/fd/" + std::to_string(ends[0]));
+  ::close(ends[0]);
+  ASSERT_TRUE(node) << node.error().Message();
+  EXPECT_EQ(node->Find("seed")->scalar, "6");
 }
 
 TEST(Config, AMissingFileIsNotFound) {

@@ -85,7 +85,7 @@ TEST(ConfigReference, AVariableThatIsNotSetIsKeptWhereThatIsAsked) {
       "labels: {a: '${MOCURATE_NO_SUCH}', b: '$${x}'}\n",
       "c.yaml", "/folder"};
   EXPECT_FALSE(LoadConfig(source));
-  const auto node = LoadConfig(source, {}, UnsetVariables::kKeep);
+  const auto node = LoadConfig(source, {}, {false, UnsetVariables::kKeep});
   ASSERT_TRUE(node) << node.error().Message();
   EXPECT_TRUE(node->Find("path")->unset && node->Find("title")->unset);
   const auto options = OptionsFromConfig<SampleOptions>(*node);
@@ -95,7 +95,7 @@ TEST(ConfigReference, AVariableThatIsNotSetIsKeptWhereThatIsAsked) {
   EXPECT_NE(shown.find("path: \"${MOCURATE_NO_SUCH}/kard\"\n"), std::string::npos) << shown;
   EXPECT_NE(shown.find("people: [\"${MOCURATE_NO_SUCH}\", a]\n"), std::string::npos) << shown;
   EXPECT_NE(shown.find("  a: \"${MOCURATE_NO_SUCH}\"\n  b: \"$${x}\"\n"), std::string::npos) << shown;
-  EXPECT_FALSE(LoadConfig(ConfigSource{"title: ${titel}", "c.yaml", {}}, {}, UnsetVariables::kKeep));
+  EXPECT_FALSE(LoadConfig(ConfigSource{"title: ${titel}", "c.yaml", {}}, {}, {false, UnsetVariables::kKeep}));
 }
 
 TEST(ConfigReference, ASetValueMakesAReferenceUnneeded) {

@@ -126,9 +126,8 @@ inline std::string Job(const fs::path& folder, const std::string& skeleton, cons
 /// A job that includes a declaration of configs/sources.
 inline std::string JobOf(const std::string& declaration, const fs::path& folder, const std::string& skeleton,
                          const std::vector<std::string>& source = {}, const std::string& more = "") {
-  std::string text = "include: " + std::string(MOCURATE_SOURCE_FOLDER) + "/configs/sources/" + declaration +
-                     ".yaml\nname: v\nskeleton: \"" + skeleton + "\"\n" + more + "ingest:\n  path: " + folder.string() +
-                     "\n";
+  std::string text = "include: sources/" + declaration + ".yaml\nname: v\nskeleton: \"" + skeleton + "\"\n" + more +
+                     "ingest:\n  path: " + folder.string() + "\n";
   if (!source.empty()) text += "  source:\n";
   for (const std::string& line : source) text += "    " + line + "\n";
   return text;
