@@ -179,7 +179,7 @@ Expected<RigFile> ReadRigFile(const std::filesystem::path& path) {
     if (error.hint.empty() && error.code == ErrorCode::kMalformed) error.hint = kAuditAgain;
     return tl::unexpected<Error>(error);
   };
-  const auto node = LoadConfig(path);
+  const auto node = LoadData(path);
   if (!node) return malformed(node.error());
   const ConfigNode* version = node->Find("version");
   const std::string expected = std::to_string(RigFile::kVersion);

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "core/base/config.h"
-#include "core/base/file.h"
 #include "core/base/resources.h"
 #include "core/base/text.h"
 
@@ -28,15 +27,11 @@ std::vector<std::string> BuiltInLists() {
   return names;
 }
 
-Expected<ConfigSource> ReadIssues(const std::string& name) {
+Expected<ConfigNode> ReadIssues(const std::string& name) {
   const std::string resource = "known_issues/" + name + ".yaml";
-  if (const auto text = FindResource(resource)) return ConfigSource{std::string(*text), resource, {}};
+  if (const auto text = FindResource(resource)) return LoadData(ConfigSource{std::string(*text), resource, {}});
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(name, ignored)) {
-    auto text = ReadFile(name);
-    if (!text) return Forward(text);
-    return ConfigSource{*std::move(text), DisplayPath(name), {}};
-  }
+  if (std::filesystem::is_regular_file(name, ignored)) return LoadData(std::filesystem::path(name));
   std::string known;
   for (const std::string& list : BuiltInLists()) known += (known.empty() ? "" : ", ") + list;
   const auto nearest = Nearest(name, BuiltInLists());
@@ -56,15 +51,13 @@ void KnownIssue::Declare(OptionVisitor& v) {
 Expected<KnownIssues> KnownIssues::Load(const std::vector<std::string>& names) {
   KnownIssues known;
   for (const std::string& name : names) {
-    const auto source = ReadIssues(name);
-    if (!source) return Forward(source);
-    const auto node = LoadConfig(*source);
+    const auto node = ReadIssues(name);
     if (!node) return Forward(node);
     auto file = OptionsFromConfig<IssueFile>(*node);
     if (!file) return Forward(file);
     for (KnownIssue& issue : file->issues) {
       if (issue.source.empty()) {
-        return Fail(ErrorCode::kConfig, "issue '" + issue.kind + "' does not declare its source", source->name,
+        return Fail(ErrorCode::kConfig, "issue '" + issue.kind + "' does not declare its source", node->origin.file,
                     "a known issue needs its origin: name it under `source`");
       }
       known.issues_.push_back(std::move(issue));

@@ -264,7 +264,7 @@ void Review::Declare(OptionVisitor& v) {
 }
 
 Expected<Review> ReadReview(const std::filesystem::path& path) {
-  const auto node = LoadConfig(path);
+  const auto node = LoadData(path);
   if (!node) return Forward(node);
   auto review = OptionsFromConfig<Review>(*node);
   if (!review) return Forward(review);
@@ -282,7 +282,7 @@ std::string ReviewText(const Review& review) {
   const auto quoted = [](const std::string& text) {
     std::string json = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     for (std::size_t at = json.find("${"); at != std::string::npos; at = json.find("${", at + 3)) json.insert(at, "$");
-    return json;  // a config reads ${NAME} as a reference
+    return json;  // $${ is read as ${
   };
   std::string text =
       "dataset: " + quoted(review.dataset) + "\ndecisions:" + (review.decisions.empty() ? " []" : "") + "\n";

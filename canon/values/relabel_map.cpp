@@ -31,6 +31,10 @@ std::vector<std::string> CellsOf(std::string_view line) {
 }
 
 Status ReadTable(const fs::path& path, std::map<std::string, std::string>& table) {
+  std::error_code unknown;
+  if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown)) {
+    return Fail(ErrorCode::kUnreadable, "is not a file", DisplayPath(path), "name the table under `clips`");
+  }
   const auto text = ReadFile(path);
   if (!text) return Forward(text);
   const std::string name = DisplayPath(path);
@@ -120,7 +124,7 @@ void RelabelMap::Declare(OptionVisitor& v) {
 }
 
 Expected<RelabelMap> ReadRelabelMap(const fs::path& path) {
-  const auto node = LoadConfig(path);
+  const auto node = LoadData(path);
   if (!node) return Forward(node);
   RelabelMap map;
   if (IsPlain(*node)) {

@@ -60,6 +60,12 @@ Expected<ConfigNode> LoadConfig(const ConfigSource& source, const std::vector<st
 /// Text of a configuration's file. Errors of ReadSmallFile beyond 16 MiB; a pipe is read.
 Expected<ConfigSource> ReadConfigFile(const std::filesystem::path& file);
 
+/// Reads YAML that people exchange: decisions, maps, lists, skeletons, rigs, scripts. Nothing but its text counts:
+/// `include` is a key as any other, and `${NAME}` is plain text (`$${` is `${` here too). `file` is a regular file of
+/// at most 16 MiB.
+Expected<ConfigNode> LoadData(const std::filesystem::path& file);
+Expected<ConfigNode> LoadData(const ConfigSource& source);
+
 namespace internal {
 Status FromConfig(Declaration declaration, const ConfigNode& node);
 nlohmann::json SchemaOf(Declaration declaration);

@@ -277,4 +277,18 @@ Expected<ConfigNode> LoadConfig(const fs::path& file, const std::vector<std::str
 
 Expected<ConfigSource> ReadConfigFile(const fs::path& file) { return FileSource(file, true); }
 
+Expected<ConfigNode> LoadData(const ConfigSource& source) {
+  ProblemList problems;
+  ConfigNode root = internal::ParseYaml(source, true, problems);
+  if (Status read = problems.Result(); !read) return Forward(read);
+  internal::KeepReferences(root);
+  return root;
+}
+
+Expected<ConfigNode> LoadData(const fs::path& file) {
+  const Expected<ConfigSource> source = FileSource(file, false);
+  if (!source) return Forward(source);
+  return LoadData(*source);
+}
+
 }  // namespace mocurate

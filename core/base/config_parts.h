@@ -36,15 +36,18 @@ void Assign(ConfigNode& root, const std::string& assignment, ProblemList& proble
 /// Replaces `${...}` in every scalar.
 void ResolveReferences(ConfigNode& root, UnsetVariables unset, ProblemList& problems);
 
+/// Replaces `$${` by `${` in every scalar, and nothing else.
+void KeepReferences(ConfigNode& root);
+
 /// Replaces `${NAME}` by the environment alone, for `include:`.
 std::string ResolveEnvironment(const ConfigNode& scalar, ProblemList& problems);
 
 /// The number of values in a tree, itself included.
 std::size_t CountOf(const ConfigNode& node);
+/// The bytes of their texts and keys.
+std::size_t TextBytesOf(const ConfigNode& node);
 
 /// Text in quotes for a message: cut when long, control characters escaped.
 std::string Quoted(std::string_view text);
-/// The bytes of their texts and keys.
-std::size_t TextBytesOf(const ConfigNode& node);
 
 }  // namespace mocurate::internal

@@ -223,6 +223,12 @@ void ResolveReferences(ConfigNode& root, UnsetVariables unset, ProblemList& prob
   Resolver(root, unset, problems).Resolve(root);
 }
 
+void KeepReferences(ConfigNode& root) {
+  for (std::size_t at = 0; (at = root.scalar.find("$${", at)) != std::string::npos; at += 2) root.scalar.erase(at, 1);
+  for (ConfigNode& child : root.sequence) KeepReferences(child);
+  for (auto& entry : root.mapping) KeepReferences(entry.second);
+}
+
 std::string ResolveEnvironment(const ConfigNode& scalar, ProblemList& problems) {
   std::string text;
   for (const Piece& piece : PiecesOf(scalar, problems)) {

@@ -211,7 +211,7 @@ std::vector<std::string> BuiltInNames() {
 }
 
 Expected<SkeletonFile> ParseFile(const std::string& yaml, const std::string& name) {
-  const auto node = LoadConfig(ConfigSource{yaml, name, {}});
+  const auto node = LoadData(ConfigSource{yaml, name, {}});
   if (!node) return Forward(node);
   return OptionsFromConfig<SkeletonFile>(*node);
 }
@@ -222,9 +222,9 @@ Expected<std::pair<std::string, std::string>> FindText(const std::string& name_o
   if (const auto text = FindResource(resource)) return std::pair(std::string(*text), resource);
   std::error_code ignored;
   if (std::filesystem::is_regular_file(name_or_path, ignored)) {
-    auto text = ReadFile(name_or_path);
-    if (!text) return Forward(text);
-    return std::pair(*std::move(text), DisplayPath(name_or_path));
+    auto file = ReadConfigFile(name_or_path);
+    if (!file) return Forward(file);
+    return std::pair(std::move(file->text), std::move(file->name));
   }
   std::string known;
   for (const std::string& name : BuiltInNames()) known += (known.empty() ? "" : ", ") + name;

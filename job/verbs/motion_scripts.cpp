@@ -40,10 +40,10 @@ void ScriptOptions::Declare(OptionVisitor& v) {
 Expected<ScriptOptions> ReadScript(const std::string& text) {
   const std::string resource = "scripts/" + text + ".yaml";
   if (const auto found = FindResource(resource)) {
-    return OptionsOfNode(LoadConfig(ConfigSource{std::string(*found), "resource:" + resource, {}}), text);
+    return OptionsOfNode(LoadData(ConfigSource{std::string(*found), "resource:" + resource, {}}), text);
   }
   const std::filesystem::path file(text);
-  if (file.extension() == ".yaml" || file.extension() == ".yml") return OptionsOfNode(LoadConfig(file), text);
+  if (file.extension() == ".yaml" || file.extension() == ".yml") return OptionsOfNode(LoadData(file), text);
   ScriptOptions script;
   for (const std::string_view part : SplitText(text, ',')) {
     const std::size_t colon = part.rfind(':');

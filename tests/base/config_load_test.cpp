@@ -154,6 +154,9 @@ TEST(ConfigInclude, OnlyRegularFilesOfABoundedSizeAreRead) {
     ASSERT_FALSE(node) << name;
     EXPECT_THAT(node.error().where, HasSubstr("main.yaml:1:"));
   }
+  for (const char* name : {"pipe.yaml", "folder.yaml", "huge.yaml"}) {
+    EXPECT_EQ(LoadData(folder / name).error().code, ErrorCode::kUnreadable) << name;
+  }
   EXPECT_EQ(LoadConfig("/dev/zero").error().code, ErrorCode::kUnreadable);
 }
 
@@ -166,6 +169,21 @@ TEST(ConfigInclude, AConfigurationOfACommandLineMayBeAPipe) {
   ::close(ends[0]);
   ASSERT_TRUE(node) << node.error().Message();
   EXPECT_EQ(node->Find("seed")->scalar, "6");
+}
+
+TEST(ConfigData, NamesNeitherTheEnvironmentNorOtherFiles) {
+  ::setenv("MOCURATE_CONFIG_TEST", "TOP-SECRET", 1);
+  const auto node = LoadData(
+      ConfigSource{"include: a.yaml\ntitle: ${MOCURATE_CONFIG_TEST}\nnote: [\"a $${b} ${\", '$$${c}']\nkey: ${title}\n",
+                   "d.yaml",
+                   {}});
+  ::unsetenv("MOCURATE_CONFIG_TEST");
+  ASSERT_TRUE(node) << node.error().Message();
+  EXPECT_EQ(node->Find("include")->scalar, "a.yaml");
+  EXPECT_EQ(node->Find("title")->scalar, "${MOCURATE_CONFIG_TEST}");
+  EXPECT_EQ(node->Find("key")->scalar, "${title}");
+  EXPECT_EQ(node->Find("note")->sequence[0].scalar, "a ${b} ${");
+  EXPECT_EQ(node->Find("note")->sequence[1].scalar, "$${c}");
 }
 
 TEST(Config, AMissingFileIsNotFound) {

@@ -202,6 +202,16 @@ TEST_F(Reviewed, DecisionsThatContradictEachOtherAreRefusedWithBothPlaces) {
   EXPECT_TRUE(WriteFile(folder_ / "x.yaml", "decisions: [{clip: a, descision: drop}]"));
   EXPECT_EQ(ReadReview(folder_ / "x.yaml").error().code, ErrorCode::kConfig);
   EXPECT_EQ(ReadReview(folder_ / "nowhere.yaml").error().code, ErrorCode::kNotFound);
+  EXPECT_TRUE(WriteFile(folder_ / "x.yaml", "include: decisions.yaml"));
+  EXPECT_EQ(ReadReview(folder_ / "x.yaml").error().code, ErrorCode::kConfig);
+}
+
+TEST_F(Reviewed, NotesNameNoEnvironment) {
+  Decision decision = About(0, Verdict::kDrop);
+  for (const char* note : {"${HOME}", "$${HOME}", "a ${", "$"}) {
+    decision.note = note;
+    EXPECT_EQ(Read({decision})->decisions.at(0).note, note);
+  }
 }
 
 TEST_F(Reviewed, AssemblingTakesDecisionsAndAnAuditIsSilentAboutWhatWasKept) {

@@ -133,6 +133,14 @@ TEST(Skeletons, AnUnknownKeyIsRefused) {
   EXPECT_THAT(skeleton.error().Message(), HasSubstr("colour"));
 }
 
+TEST(Skeletons, NameNoEnvironmentAndNoOtherFile) {
+  const auto skeleton = ParseSkeleton("name: '${HOME}'\njoints:\n  - {name: hip}\n", "s.yaml");
+  ASSERT_TRUE(skeleton) << skeleton.error().Message();
+  EXPECT_EQ((*skeleton)->name, "${HOME}");
+  EXPECT_EQ(ParseSkeleton("include: /dev/zero\nname: s\njoints:\n  - {name: hip}\n", "s.yaml").error().code,
+            ErrorCode::kConfig);
+}
+
 /// A valid skeleton of three joints, to be broken in one place.
 Skeleton Small() {
   Skeleton s;

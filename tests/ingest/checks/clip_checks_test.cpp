@@ -191,6 +191,10 @@ TEST(KnownIssueLists, CustomListDropsReportsOrIgnoresAndRequiresASource) {
   EXPECT_EQ(ingested.outcome->findings.at(0).code, "known_issue");
   options.source.known_issues = KnownIssueAction::kIgnore;
   EXPECT_EQ(RunIngest(Discover(options)->items.at(0), "silent").outcome->findings.size(), 0u);
+  Put(list, "issues:\n  - {kind: broken, source: '${HOME}', clips: [a1_s1]}\n");
+  EXPECT_EQ(KnownIssues::Load({list.string()})->Find("a1_s1")->source, "${HOME}") << "data name no environment";
+  Put(list, "include: /dev/zero\nissues: []\n");
+  ExpectError(Discover(options), ErrorCode::kConfig, list.string() + ":1:1");
   Put(list, "issues:\n  - {kind: broken, clips: [a1_s1]}\n");
   ExpectError(Discover(options), ErrorCode::kConfig, list.string());
 }
