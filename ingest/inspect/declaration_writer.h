@@ -21,7 +21,11 @@ class DeclarationWriter {
  public:
   explicit DeclarationWriter(WrittenDeclaration& out) : out_(out) {}
 
-  void Line(const std::string& text) { out_.yaml += text + "\n"; }
+  /// One line, whatever the texts of the files hold.
+  void Line(const std::string& text) {
+    for (const char c : text) out_.yaml += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    out_.yaml += '\n';
+  }
   /// A long comment stands above the value.
   void Value(const std::string& key, const std::string& value, const std::string& comment) {
     const std::string line = "    " + key + ": " + value;
@@ -61,7 +65,8 @@ class DeclarationWriter {
     std::string line = "    " + key + ": [";
     if (texts.empty()) line += "]";
     for (std::size_t i = 0; i < texts.size(); ++i) {
-      const std::string word = (texts[i] == "-" ? "\"-\"" : texts[i]) + (i + 1 < texts.size() ? "," : "]");
+      const bool plain = texts[i] != "-" && texts[i].find_first_of(",[]{}#&*!|>'\"%@`\\$") == std::string::npos;
+      const std::string word = (plain ? texts[i] : Quoted(texts[i])) + (i + 1 < texts.size() ? "," : "]");
       if (line.size() + word.size() + 1 > kTextWidth) {
         Line(line);
         line = "            ";

@@ -65,7 +65,7 @@ void WriteCalibration(const Inspection& inspection, const std::filesystem::path&
       if (Below(path, camera.file) == folder) ids.push_back(camera.id);
     }
     const CameraNames names = NamesOfCameras(ids);
-    writer.List("calibration", {Quoted((folder.empty() ? "" : folder + "/") + names.before + "{camera}" + names.after)},
+    writer.List("calibration", {(folder.empty() ? "" : folder + "/") + names.before + "{camera}" + names.after},
                 "a file per camera");
   } else if (first.format == "opencv_rig") {
     writer.List("calibration", FilesIn(path, folder, {".yml", ".yaml", ".xml"}), "the files of cameras in the folder");
@@ -88,9 +88,10 @@ void WriteCalibration(const Inspection& inspection, const std::filesystem::path&
 
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text.compare(i, 2, "${") == 0) quoted += '$';  // of a file's name: no reference
+    if (text[i] == '"' || text[i] == '\\') quoted += '\\';
+    quoted += text[i];
   }
   return quoted + "\"";
 }
