@@ -127,7 +127,7 @@ TEST(Babel, NamesEveryFieldOfAWrongType) {
     value = value.is_number() ? ordered_json("x") : ordered_json(-1.5);
     ExpectMalformed(ParseBabel(bad.dump(), "train.json"), "train.json:" + path);
   }
-  ExpectMalformed(ParseBabel("{", "b.json"), "b.json");
+  ExpectMalformed(ParseBabel("{", "b.json"), "b.json:1:2");
   ExpectMalformed(ParseBabel("[1]", "b.json"), "b.json");
 }
 

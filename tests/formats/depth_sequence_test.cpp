@@ -40,7 +40,7 @@ TEST(DepthSequence, ReadsCamerasLabelsAndGroundTruthSeparately) {
 
 TEST(DepthSequence, RejectsBadInputWithItsKey) {
   ExpectMalformed(ParseDepthSequence("", "s.json"), "s.json");
-  ExpectMalformed(ParseDepthSequence("{\"fps\": 12", "s.json"), "s.json");
+  ExpectMalformed(ParseDepthSequence("{\"fps\": 12", "s.json"), "s.json:1:11");
   ExpectMalformed(ParseDepthSequence("[]", "s.json"), "s.json:");
   ExpectMalformed(AlteredSequence("\"fps\": 12", "\"fps\": 0"), "s.json:/fps");
   ExpectError(AlteredSequence("[0, -1, 0]", "[0, 1, 0]"), ErrorCode::kInconsistent, "s.json:/views/d1/R_p_to_d");

@@ -139,7 +139,7 @@ TEST(Bandai, ReadsALabelAsTwoIndices) {
                                     {R"({"content": 1, "stile": 2})", "a.json:/"},
                                     {"{\"content\": 6,\n \"style\": }", "a.json:2:11"},
                                     {"[]", "a.json:/"},
-                                    {"", "a.json:1:1"},
+                                    {"", "a.json"},
                                     {R"({"content": 99999999999999999999, "style": 1})", "a.json:/content"},
                                     {R"({"content": 1e999, "style": 1})", "a.json"}}) {
     ExpectMalformed(ParseBandaiLabel(text, "a.json"), where);
