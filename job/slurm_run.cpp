@@ -169,9 +169,9 @@ Expected<SlurmRun> SlurmRun::Open(const fs::path& folder, SlurmCommand command) 
     return Fail(ErrorCode::kNotFound, "this is no run on Slurm", DisplayPath(folder),
                 "start one: mocurate run CONFIG --executor slurm -o " + DisplayPath(folder));
   }
-  const Expected<json> read = ReadJson(file);
-  if (!read) return Forward(read);
-  const json& value = *read;
+  const Expected<json> text = ReadJson(file);
+  if (!text) return Forward(text);
+  const json& value = *text;
   try {
     SlurmSettings& settings = run.settings_;
     settings.to = value.at("to").get<std::string>();

@@ -44,8 +44,6 @@ Status SyncFile(const fs::path& path) {
 
 Expected<Content> ContentOf(const fs::path& path) {
   std::error_code problem;
-  if (fs::is_other(fs::status(path, problem)))
-    return Fail(ErrorCode::kUnreadable, "is a device or a pipe, a file is expected", DisplayPath(path));
   if (!fs::is_directory(path, problem)) {
     if (fs::is_other(path, problem)) {
       return Fail(ErrorCode::kUnreadable, "is a device or a pipe, a file or folder is expected", DisplayPath(path));
