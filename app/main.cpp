@@ -14,6 +14,7 @@
 #include "app/usage.h"
 #include "core/base/json_text.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/version.h"
 #include "job/verbs/verbs.h"
 
@@ -27,7 +28,7 @@ constexpr const char* kFooter =
     "this machine (see mocurate doctor); 70 a defect of mocurate; 74 output cannot be written; 75 interrupted, run "
     "again to continue.";
 
-void PrintError(const Error& error, int exit_code) {
+void PrintErrorDocument(const Error& error, int exit_code) {
   const nlohmann::json document = {{"error",
                                     {{"code", Name(error.code)},
                                      {"what", error.what},
@@ -40,15 +41,15 @@ void PrintError(const Error& error, int exit_code) {
                                       {"where", error.where},
                                       {"value", nullptr},
                                       {"message", error.what + (error.hint.empty() ? "" : " (" + error.hint + ")")}}}}};
-  std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  PrintJson(document);
 }
 
 int Report(const Status& status, const CommonArguments& common) {
   if (status) return static_cast<int>(ExitCode::kDone);
   const Error& error = status.error();
   const int exit_code = static_cast<int>(ExitCodeOf(error.code));
-  if (common.json && !common.answered) PrintError(error, exit_code);
-  std::fprintf(stderr, "mocurate: %s\n", error.Message().c_str());
+  if (common.json && !common.answered) PrintErrorDocument(error, exit_code);
+  PrintError("mocurate: " + error.Message() + "\n");
   return exit_code;
 }
 
@@ -57,7 +58,7 @@ void PrintAnswer(const CLI::App& app, const CLI::ParseError& asked) {
   const bool version = dynamic_cast<const CLI::CallForVersion*>(&asked) != nullptr;
   const nlohmann::json document =
       version ? nlohmann::json{{"program", "mocurate"}, {"version", Version()}} : nlohmann::json{{"help", app.help()}};
-  std::printf("%s\n", document.dump(1).c_str());
+  PrintJson(document);
 }
 
 /// Help and version are printed to stdout without an error, unless they are requested for a verb that does not exist;
@@ -86,8 +87,7 @@ int ExitCodeAfterFlush(int exit_code) {
   const bool flushed = std::fflush(stdout) == 0;
   if (flushed && std::ferror(stdout) == 0) return exit_code;
   const std::string why = errno == 0 ? "" : std::string(": ") + std::strerror(errno);
-  std::fprintf(stderr, "mocurate: stdout: cannot be written%s (free space or send the output elsewhere)\n",
-               why.c_str());
+  PrintError("mocurate: stdout: cannot be written" + why + " (free space or send the output elsewhere)\n");
   return exit_code == 0 ? static_cast<int>(ExitCode::kCannotWrite) : exit_code;
 }
 

@@ -1,10 +1,10 @@
 // Worker program for everything that needs no libtorch: ingesting, fitting, canonicalising, reporting.
 
-#include <cstdio>
 #include <cstring>
 
 #include "canon/options.h"
 #include "canon/stages.h"
+#include "core/base/terminal.h"
 #include "core/base/version.h"
 #include "core/pipeline/worker.h"
 #include "eval/options.h"
@@ -23,7 +23,7 @@
 int main(int argc, char** argv) {
   using namespace mocurate;
   if (argc == 2 && std::strcmp(argv[1], "--version") == 0) {
-    std::printf("%s\n", std::string(CreatedBy()).c_str());
+    Print("%s\n", std::string(CreatedBy()).c_str());
     return 0;
   }
   return RunWorker({{CaptureDeclaration().name, CaptureStage},

@@ -1,8 +1,8 @@
 // Worker program for everything that needs libtorch: training and evaluating.
 
-#include <cstdio>
 #include <cstring>
 
+#include "core/base/terminal.h"
 #include "core/base/version.h"
 #include "core/pipeline/worker.h"
 #include "eval/options.h"
@@ -40,7 +40,7 @@ mocurate::Expected<mocurate::AnswerRequests> OpenGenerators(const mocurate::Gene
 int main(int argc, char** argv) {
   using namespace mocurate;
   if (argc == 2 && std::strcmp(argv[1], "--version") == 0) {
-    std::printf("%s\n", std::string(CreatedBy()).c_str());
+    Print("%s\n", std::string(CreatedBy()).c_str());
     return 0;
   }
   return RunWorker({{TrainDeclaration().name, TrainStage},

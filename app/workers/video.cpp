@@ -7,6 +7,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "core/base/terminal.h"
 #include "core/base/version.h"
 #include "core/pipeline/worker.h"
 #include "ingest/sources/video.h"
@@ -16,7 +17,7 @@
 int main(int argc, char** argv) {
   using namespace mocurate;
   if (argc == 2 && std::strcmp(argv[1], "--version") == 0) {
-    std::printf("%s\n", std::string(CreatedBy()).c_str());
+    Print("%s\n", std::string(CreatedBy()).c_str());
     return 0;
   }
   if (argc == 1)
@@ -36,7 +37,7 @@ int main(int argc, char** argv) {
       line = {{"error", video.error().what}, {"hint", video.error().hint}};
     }
     line["index"] = i - 1;
-    std::printf("%s\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    PrintJson(line, -1);
     std::fflush(stdout);
   }
   return 0;

@@ -4,6 +4,9 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 
 #include <memory>
+#include <string>
+
+#include "core/base/terminal.h"
 
 namespace mocurate {
 namespace {
@@ -39,7 +42,8 @@ spdlog::logger& StderrLogger() {
 void SetLogLevel(LogLevel level) { StderrLogger().set_level(LevelOf(level)); }
 
 void Log(LogLevel level, std::string_view message) {
-  StderrLogger().log(LevelOf(level), spdlog::string_view_t(message.data(), message.size()));
+  const std::string text = TerminalText(message);
+  StderrLogger().log(LevelOf(level), spdlog::string_view_t(text.data(), text.size()));
 }
 
 }  // namespace mocurate

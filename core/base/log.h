@@ -6,7 +6,7 @@ namespace mocurate {
 
 enum class LogLevel { kError, kWarning, kInfo, kDebug };
 
-/// Lines go to stderr, never to stdout, prefixed by level; colour only on a terminal.
+/// Lines go to stderr, never to stdout, prefixed by level, as TerminalText; colour only on a terminal.
 void SetLogLevel(LogLevel level);
 void Log(LogLevel level, std::string_view message);
 inline void LogInfo(std::string_view message) { Log(LogLevel::kInfo, message); }

@@ -1,23 +1,8 @@
+#include "core/base/characters.h"
 #include "core/base/file.h"
 
 namespace mocurate {
 namespace {
-
-/// Length of the UTF-8 character that `bytes` begins with; 0 when it begins with none.
-std::size_t Utf8Length(std::string_view bytes) {
-  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
-  const unsigned char first = at(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || bytes.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((at(i) & 0xC0) != 0x80) return 0;
-  }
-  const unsigned char second = at(1);
-  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F)) return 0;
-  if ((first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F)) return 0;
-  return length;
-}
 
 int HexDigit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -25,20 +10,17 @@ int HexDigit(char c) {
   return -1;
 }
 
-void AppendEscaped(std::string& text, unsigned char byte) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  text += "\\x";
-  text += kDigits[byte >> 4];
-  text += kDigits[byte & 15];
-}
-
 }  // namespace
 
 std::optional<std::size_t> FirstNotUtf8(std::string_view bytes) {
   for (std::size_t i = 0; i < bytes.size();) {
-    const std::size_t length = Utf8Length(bytes.substr(i));
-    if (length == 0) return i;
-    i += length;
+    if (static_cast<unsigned char>(bytes[i]) < 0x80) {
+      ++i;
+      continue;
+    }
+    const Character character = FirstCharacter(bytes.substr(i));
+    if (character.kind == CharacterKind::kNotUtf8) return i;
+    i += character.bytes;
   }
   return std::nullopt;
 }
@@ -47,15 +29,16 @@ std::string DisplayPath(const std::filesystem::path& path) {
   const std::string& bytes = path.native();
   std::string text;
   for (std::size_t i = 0; i < bytes.size();) {
-    const std::size_t length = Utf8Length(std::string_view(bytes).substr(i));
+    const Character character = FirstCharacter(std::string_view(bytes).substr(i));
     const auto byte = static_cast<unsigned char>(bytes[i]);
+    const bool utf8 = character.kind != CharacterKind::kNotUtf8;
     const bool looks_escaped = bytes[i] == '\\' && i + 1 < bytes.size() && bytes[i + 1] == 'x';
-    if (length == 0 || byte < 0x20 || byte == 0x7F || looks_escaped) {
-      AppendEscaped(text, byte);
+    if (!utf8 || byte < 0x20 || byte == 0x7F || looks_escaped) {
+      text += EscapedByte(bytes[i]);
       ++i;
     } else {
-      text.append(bytes, i, length);
-      i += length;
+      text.append(bytes, i, character.bytes);
+      i += character.bytes;
     }
   }
   return text;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "core/base/terminal.h"
+
 namespace mocurate {
 namespace {
 
@@ -19,7 +21,7 @@ std::string Duration(double seconds) {
   return std::to_string(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
 }
 
-void Print(const std::string& text) {
+void Write(const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
 }
@@ -63,11 +65,11 @@ void Progress::Draw() {
   if (!shown_ || now - last_draw_ < kDrawEvery) return;
   last_draw_ = now;
   drawn_ = true;
-  Print("\r\x1b[K" + (stage_ + " " + Text()).substr(0, kWidest));
+  Write("\r\x1b[K" + TerminalLine((stage_ + " " + Text()).substr(0, kWidest)));
 }
 
 void Progress::Clear() {
-  if (drawn_) Print("\r\x1b[K");
+  if (drawn_) Write("\r\x1b[K");
   drawn_ = false;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/pipeline/stage_run.h"
 #include "core/pipeline/wire.h"
@@ -123,13 +124,7 @@ void StageRun::Forward(WorkerProcess& worker) {
   for (const std::string& line : worker.TakeLines()) text += line + "\n";
   if (text.empty() || state_.options.quiet) return;
   progress_.Clear();
-  const char* at = text.data();
-  for (std::size_t left = text.size(); left > 0;) {
-    const ssize_t count = write(STDERR_FILENO, at, left);
-    if (count <= 0) return;
-    at += count;
-    left -= static_cast<std::size_t>(count);
-  }
+  PrintError(text);
 }
 
 void StageRun::Answer(Seat& seat, const json& message) {

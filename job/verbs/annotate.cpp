@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -9,6 +8,7 @@
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/resources.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "job/run_outputs.h"
 #include "job/verbs/dataset_stages.h"
@@ -103,15 +103,14 @@ Expected<nlohmann::json> SessionJson(const fs::path& path) {
 
 void PrintPage(const ReviewArguments& arguments, const nlohmann::json& summary) {
   const auto count = [&](const char* key, const char* noun) { return Counted(summary.value(key, 0LL), noun); };
-  std::printf("%s: %s, %s, %s; open it in a browser, mark spans, save spans.csv\n",
-              DisplayPath(arguments.output).c_str(), count("clips", "clip").c_str(), count("spans", "span").c_str(),
-              count("labels", "label").c_str());
+  Print("%s: %s, %s, %s; open it in a browser, mark spans, save spans.csv\n", DisplayPath(arguments.output).c_str(),
+        count("clips", "clip").c_str(), count("spans", "span").c_str(), count("labels", "label").c_str());
   if (summary.value("not_shown", 0) > 0) {
-    std::printf("%s of clips that are not shown will be saved unchanged\n", count("not_shown", "span").c_str());
+    Print("%s of clips that are not shown will be saved unchanged\n", count("not_shown", "span").c_str());
   }
   if (summary.value("excluded", 0) > 0) {
-    std::printf("%s in frames of clips that are not shown will not be saved, as their rate is unknown\n",
-                count("excluded", "span").c_str());
+    Print("%s in frames of clips that are not shown will not be saved, as their rate is unknown\n",
+          count("excluded", "span").c_str());
   }
 }
 
@@ -151,7 +150,7 @@ Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments) {
     common.answered = true;
     nlohmann::json answer = page->summary;
     answer["page"] = DisplayPath(arguments.output);
-    std::printf("%s\n", answer.dump(1).c_str());
+    PrintJson(answer);
   } else if (!common.quiet) {
     PrintPage(arguments, page->summary);
   }

@@ -10,6 +10,7 @@
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/motion/fingerprint.h"
 #include "core/store/dataset_clips.h"
@@ -33,30 +34,30 @@ std::string Shortened(const std::string& text, std::size_t most) {
 
 void PrintAudit(const nlohmann::json& audit, const std::string& written) {
   const nlohmann::json &findings = audit.at("findings"), &summary = audit.at("summary");
-  std::printf("%s, %s, %s\n", Counted(summary.at("clips").get<long long>(), "clip").c_str(),
-              Counted(static_cast<long long>(summary.at("per_label").size()), "label").c_str(),
-              Counted(static_cast<long long>(summary.at("per_person").size()), "person").c_str());
+  Print("%s, %s, %s\n", Counted(summary.at("clips").get<long long>(), "clip").c_str(),
+        Counted(static_cast<long long>(summary.at("per_label").size()), "label").c_str(),
+        Counted(static_cast<long long>(summary.at("per_person").size()), "person").c_str());
   for (const nlohmann::json& split : summary.at("splits")) {
     const auto leaks = split.at("leaks").get<long long>();
-    std::printf("split %s: %s\n", split.at("name").get<std::string>().c_str(),
-                leaks == 0 ? "no leak" : Counted(leaks, "leak").c_str());
+    Print("split %s: %s\n", split.at("name").get<std::string>().c_str(),
+          leaks == 0 ? "no leak" : Counted(leaks, "leak").c_str());
   }
   if (const int accepted = summary.value("accepted", 0); accepted > 0) {
-    std::printf("%s accepted by the review\n", Counted(accepted, "finding").c_str());
+    Print("%s accepted by the review\n", Counted(accepted, "finding").c_str());
   }
-  if (findings.empty()) std::printf("nothing was found\n");
+  if (findings.empty()) Print("nothing was found\n");
   for (const auto& [code, count] : summary.at("findings").items()) {
-    std::printf("%-16s %d\n", code.c_str(), count.get<int>());
+    Print("%-16s %d\n", code.c_str(), count.get<int>());
   }
   for (std::size_t i = 0; i < std::min(kMostShown, findings.size()); ++i) {
     const nlohmann::json& finding = findings[i];
-    std::printf("%-8s %-15s %s: %s\n", finding.at("severity").get<std::string>().c_str(),
-                finding.at("code").get<std::string>().c_str(), finding.at("clip").get<std::string>().c_str(),
-                Shortened(finding.at("message").get<std::string>(), 120).c_str());
+    Print("%-8s %-15s %s: %s\n", finding.at("severity").get<std::string>().c_str(),
+          finding.at("code").get<std::string>().c_str(), finding.at("clip").get<std::string>().c_str(),
+          Shortened(finding.at("message").get<std::string>(), 120).c_str());
   }
   if (findings.size() > kMostShown) {
-    std::printf("and %s%s\n", Counted(static_cast<long long>(findings.size() - kMostShown), "more finding").c_str(),
-                written.empty() ? ": -o FOLDER or --json lists all" : (": " + written + " lists all").c_str());
+    Print("and %s%s\n", Counted(static_cast<long long>(findings.size() - kMostShown), "more finding").c_str(),
+          written.empty() ? ": -o FOLDER or --json lists all" : (": " + written + " lists all").c_str());
   }
 }
 
@@ -192,7 +193,7 @@ Status WriteFixes(const fs::path& dataset, const nlohmann::json& audit, const fs
 }
 
 void PrintWritten(const CommonArguments& common, const std::string& what, const fs::path& path) {
-  if (!common.json && !common.quiet) std::printf("%s %s\n", what.c_str(), DisplayPath(path).c_str());
+  if (!common.json && !common.quiet) Print("%s %s\n", what.c_str(), DisplayPath(path).c_str());
 }
 
 }  // namespace
@@ -226,7 +227,7 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
   }
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", audit->dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    PrintJson(*audit);
   } else if (!common.quiet) {
     PrintAudit(*audit, keeps ? DisplayPath(json_file) : "");
   }
@@ -275,9 +276,9 @@ Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments) {
   if (Status copied = CopyWhole(*page, arguments.output); !copied) return copied;
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", nlohmann::json{{"page", DisplayPath(arguments.output)}}.dump(1).c_str());
+    PrintJson({{"page", DisplayPath(arguments.output)}});
   } else if (!common.quiet) {
-    std::printf("%s: open it in a browser, decide, save decisions.yaml\n", DisplayPath(arguments.output).c_str());
+    Print("%s: open it in a browser, decide, save decisions.yaml\n", DisplayPath(arguments.output).c_str());
   }
   return {};
 }

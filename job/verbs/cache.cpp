@@ -1,8 +1,8 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/pipeline/runner.h"
 #include "job/verbs/verbs.h"
@@ -10,9 +10,13 @@
 namespace mocurate {
 namespace {
 
-void Print(CommonArguments& common, const nlohmann::json& document, const std::string& text) {
+void PrintAnswer(CommonArguments& common, const nlohmann::json& document, const std::string& text) {
   common.answered = common.json;
-  std::printf("%s\n", common.json ? document.dump(1).c_str() : text.c_str());
+  if (common.json) {
+    PrintJson(document);
+  } else {
+    PrintLine(text);
+  }
 }
 
 }  // namespace
@@ -26,7 +30,7 @@ Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
     const std::string count = Counted(static_cast<long long>(damaged.size()), "cache object");
     std::string text = folder + ": damaged: " + count;
     for (const std::string& key : damaged) text += "\n  " + key;
-    Print(common, {{"folder", folder}, {"damaged", damaged}}, text);
+    PrintAnswer(common, {{"folder", folder}, {"damaged", damaged}}, text);
     if (damaged.empty()) return {};
     return Fail(ErrorCode::kInconsistent, "damaged: " + count + " with another hash than recorded", folder,
                 "delete them (mocurate cache prune --days 0 removes all objects); they are computed again when needed");
@@ -34,14 +38,14 @@ Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
   const bool prune = arguments.action == "prune";
   const Cache::Statistics statistics = prune ? cache.Prune(arguments.days, arguments.dry_run) : cache.Stat();
   const char* removed = !prune ? "" : arguments.dry_run ? "would remove " : "removed ";
-  Print(common,
-        {{"folder", folder},
-         {"objects", statistics.objects},
-         {"bytes", statistics.bytes},
-         {"action", arguments.action},
-         {"dry_run", arguments.dry_run}},
-        folder + ": " + removed + Counted(static_cast<long long>(statistics.objects), "object") + ", " +
-            std::to_string(statistics.bytes / 1000000) + " MB");
+  PrintAnswer(common,
+              {{"folder", folder},
+               {"objects", statistics.objects},
+               {"bytes", statistics.bytes},
+               {"action", arguments.action},
+               {"dry_run", arguments.dry_run}},
+              folder + ": " + removed + Counted(static_cast<long long>(statistics.objects), "object") + ", " +
+                  std::to_string(statistics.bytes / 1000000) + " MB");
   return {};
 }
 

@@ -1,7 +1,7 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "ingest/synthetic/studio_options.h"
 #include "job/config_loading.h"
 #include "job/verbs/verbs.h"
@@ -45,17 +45,16 @@ Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments)
   WarnOfUnset(job->node);
   const nlohmann::json options = OptionsToJson(job->options);
   if (common.json && arguments.origins)
-    std::printf("%s\n",
-                nlohmann::json{{"options", options}, {"origins", OriginsOf(options, &job->node)}}.dump(1).c_str());
+    PrintJson({{"options", options}, {"origins", OriginsOf(options, &job->node)}});
   else if (common.json)
-    std::printf("%s\n", options.dump(1).c_str());
+    PrintJson(options);
   else
-    std::printf("%s", ShowOptions(job->options, job->node, arguments.origins).c_str());
+    Print("%s", ShowOptions(job->options, job->node, arguments.origins).c_str());
   return {};
 }
 
 Status ConfigSchemaVerb(CommonArguments&) {
-  std::printf("%s\n", OptionsSchema<JobOptions>().dump(1).c_str());
+  PrintJson(OptionsSchema<JobOptions>());
   return {};
 }
 
@@ -63,9 +62,9 @@ Status ConfigReferenceVerb(CommonArguments& common) {
   const std::string reference = OptionsReference<JobOptions>("Options of a job") + "\n" +
                                 OptionsReference<StudioOptions>("Options of `mocurate synthesize`");
   if (common.json)
-    std::printf("%s\n", nlohmann::json{{"markdown", reference}}.dump(1).c_str());
+    PrintJson({{"markdown", reference}});
   else
-    std::printf("%s", reference.c_str());
+    Print("%s", reference.c_str());
   return {};
 }
 

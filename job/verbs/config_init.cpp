@@ -1,8 +1,8 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "ingest/inspect/inspect.h"
 #include "ingest/inspect/source_declaration.h"
 #include "job/verbs/output_checks.h"
@@ -42,13 +42,10 @@ Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& argume
   std::string unknowns;
   for (const std::string& option : written->unknown) unknowns += (unknowns.empty() ? "" : ", ") + option;
   if (common.json) {
-    std::printf("%s\n", nlohmann::json{{"declaration", written->yaml},
-                                       {"unknown", written->unknown},
-                                       {"output", DisplayPath(arguments.output)}}
-                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
-                            .c_str());
+    PrintJson(
+        {{"declaration", written->yaml}, {"unknown", written->unknown}, {"output", DisplayPath(arguments.output)}});
   } else if (arguments.output.empty()) {
-    std::printf("%s", written->yaml.c_str());
+    Print("%s", written->yaml.c_str());
   }
   if (!unknowns.empty()) LogWarning("fill in before a run: " + unknowns);
   return {};

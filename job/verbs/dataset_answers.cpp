@@ -1,15 +1,11 @@
 #include "job/verbs/dataset_answers.h"
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 
 namespace mocurate {
-
-std::string JsonText(const nlohmann::json& document) {
-  return document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-}
 
 void AnswerWithDataset(CommonArguments& common, const Dataset& dataset, const std::vector<Finding>& findings,
                        const std::string& text, const nlohmann::json& more) {
@@ -18,7 +14,7 @@ void AnswerWithDataset(CommonArguments& common, const Dataset& dataset, const st
     LogWarning((finding.clip.empty() ? "" : finding.clip + ": ") + finding.message);
   }
   if (!common.json) {
-    if (!common.quiet) std::printf("%s\n", text.c_str());
+    if (!common.quiet) Print("%s\n", text.c_str());
     return;
   }
   std::int64_t frames = 0;
@@ -37,7 +33,7 @@ void AnswerWithDataset(CommonArguments& common, const Dataset& dataset, const st
   }
   answer.update(more);
   common.answered = true;
-  std::printf("%s", JsonText(answer).c_str());
+  PrintJson(answer);
 }
 
 }  // namespace mocurate

@@ -9,9 +9,6 @@
 
 namespace mocurate {
 
-/// A document as printed to stdout.
-std::string JsonText(const nlohmann::json& document);
-
 /// Reports a dataset that a verb wrote: warnings on stderr; then `text`, or with --json {"clips", "frames", "labels",
 /// "splits": [{name, train, validation, test, leak_check}], "findings", and the fields of `more`}.
 void AnswerWithDataset(CommonArguments& common, const Dataset& dataset, const std::vector<Finding>& findings,

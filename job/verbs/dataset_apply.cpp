@@ -1,4 +1,3 @@
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +6,7 @@
 #include "canon/values/set_files.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "job/verbs/dataset_answers.h"
@@ -77,18 +77,16 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
   }
   if (common.json) {
     common.answered = true;
-    std::printf("%s", JsonText({{"clips", dataset->clips.size()},
-                                {"dropped", counts["review_drop"]},
-                                {"relabelled", counts["review_relabel"]},
-                                {"cut", counts["review_cut"]},
-                                {"stale", counts["review_stale"]},
-                                {"findings", of_set}})
-                          .c_str());
+    PrintJson({{"clips", dataset->clips.size()},
+               {"dropped", counts["review_drop"]},
+               {"relabelled", counts["review_relabel"]},
+               {"cut", counts["review_cut"]},
+               {"stale", counts["review_stale"]},
+               {"findings", of_set}});
   } else if (!common.quiet) {
-    std::printf("%s: %s; %d dropped, %d relabelled, %d cut, %d that match no clip\n",
-                DisplayPath(arguments.output).c_str(),
-                Counted(static_cast<long long>(dataset->clips.size()), "clip").c_str(), counts["review_drop"],
-                counts["review_relabel"], counts["review_cut"], counts["review_stale"]);
+    Print("%s: %s; %d dropped, %d relabelled, %d cut, %d that match no clip\n", DisplayPath(arguments.output).c_str(),
+          Counted(static_cast<long long>(dataset->clips.size()), "clip").c_str(), counts["review_drop"],
+          counts["review_relabel"], counts["review_cut"], counts["review_stale"]);
   }
   return {};
 }

@@ -1,26 +1,28 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "canon/card/dataset_card.h"
 #include "core/base/file.h"
-#include "job/verbs/dataset_answers.h"
+#include "core/base/terminal.h"
 #include "job/verbs/output_checks.h"
+#include "job/verbs/verbs.h"
 
 namespace mocurate {
 
 Status DatasetCardVerb(CommonArguments& common, const DatasetArguments& arguments) {
   const auto card = DescribeDataset(arguments.path);
   if (!card) return Forward(card);
-  const std::string text = arguments.croissant ? JsonText(CardCroissant(*card)) : CardMarkdown(*card);
+  constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
+  const std::string text =
+      arguments.croissant ? CardCroissant(*card).dump(1, ' ', true, kReplace) + "\n" : CardMarkdown(*card);
   if (!arguments.output.empty()) {
     if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
     if (Status written = WriteFile(arguments.output, text); !written) return written;
   }
   if (common.json) {
     common.answered = true;
-    std::printf("%s", JsonText(*card).c_str());
+    PrintJson(*card);
   } else if (arguments.output.empty()) {
-    std::printf("%s", text.c_str());
+    Print("%s", text.c_str());
   }
   return {};
 }

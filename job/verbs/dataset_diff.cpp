@@ -1,7 +1,7 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "canon/diff/dataset_diff.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "job/verbs/dataset_answers.h"
 
@@ -9,24 +9,28 @@ namespace mocurate {
 namespace {
 
 /// A difference as a line: "name: 12".
-void PrintCount(const char* name, const nlohmann::json& list) { std::printf("%-12s %zu\n", name, list.size()); }
+void PrintCount(const char* name, const nlohmann::json& list) { Print("%-12s %zu\n", name, list.size()); }
+
+std::string ShownValue(const nlohmann::json& value) {
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
 
 void PrintDiff(const nlohmann::json& diff) {
   constexpr std::size_t kMostLines = 20;
-  std::printf("%-12s %d\n", "equal", diff.at("equal").get<int>());
+  Print("%-12s %d\n", "equal", diff.at("equal").get<int>());
   for (const char* kind : {"added", "removed", "relabelled", "refitted", "moved", "changed"}) {
     PrintCount(kind, diff.at(kind));
   }
   for (const nlohmann::json& one : diff.at("dataset")) {
-    std::printf("dataset      %s: %s -> %s\n", one.at("field").get<std::string>().c_str(),
-                one.at("before").dump().c_str(), one.at("after").dump().c_str());
+    Print("dataset      %s: %s -> %s\n", one.at("field").get<std::string>().c_str(),
+          ShownValue(one.at("before")).c_str(), ShownValue(one.at("after")).c_str());
   }
   for (const char* kind : {"splits_added", "splits_removed"}) {
     if (!diff.at(kind).empty()) PrintCount(kind, diff.at(kind));
   }
   std::size_t shown = 0;
   const auto show = [&](const std::string& line) {
-    if (shown++ < kMostLines) std::printf("%s\n", line.c_str());
+    if (shown++ < kMostLines) Print("%s\n", line.c_str());
   };
   for (const nlohmann::json& clip : diff.at("added")) show("added       " + clip.get<std::string>());
   for (const nlohmann::json& clip : diff.at("removed")) show("removed     " + clip.get<std::string>());
@@ -50,7 +54,7 @@ void PrintDiff(const nlohmann::json& diff) {
     if (one.at("rotation_deg").is_number()) how += ", " + RoundedText(one.at("rotation_deg").get<double>(), 3) + " deg";
     show("refitted    " + one.at("clip").get<std::string>() + ": " + how);
   }
-  if (shown > kMostLines) std::printf("and %zu more: --json lists all\n", shown - kMostLines);
+  if (shown > kMostLines) Print("and %zu more: --json lists all\n", shown - kMostLines);
 }
 
 }  // namespace
@@ -60,7 +64,7 @@ Status DatasetDiffVerb(CommonArguments& common, const DatasetArguments& argument
   if (!diff) return Forward(diff);
   if (common.json) {
     common.answered = true;
-    std::printf("%s", JsonText(*diff).c_str());
+    PrintJson(*diff);
   } else {
     PrintDiff(*diff);
   }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/pipeline/runner.h"
@@ -160,11 +161,11 @@ Status DoctorVerb(CommonArguments& common) {
     document["checks"].push_back(
         {{"name", check.name}, {"ok", check.ok}, {"found", check.found}, {"advice", check.advice}});
     if (common.json) continue;
-    std::printf("%-4s %-20s %s\n", check.ok ? "ok" : "BAD", check.name.c_str(), check.found.c_str());
-    if (!check.advice.empty()) std::printf("     %-20s %s\n", "", check.advice.c_str());
+    Print("%-4s %-20s %s\n", check.ok ? "ok" : "BAD", check.name.c_str(), check.found.c_str());
+    if (!check.advice.empty()) Print("     %-20s %s\n", "", check.advice.c_str());
   }
   document["ok"] = missing == 0;
-  if (common.json) std::printf("%s\n", document.dump(1).c_str());
+  if (common.json) PrintJson(document);
   common.answered = common.json;
   if (missing == 0) return {};
   return Fail(ErrorCode::kMissingOnHost, Counted(missing, "check") + " failed", "doctor",

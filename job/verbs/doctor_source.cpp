@@ -1,9 +1,9 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "core/base/config.h"
 #include "core/base/file.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "ingest/expected_files.h"
 #include "job/job_options.h"
@@ -77,18 +77,18 @@ Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& argument
   }
   document["ok"] = missing == 0;
   if (common.json) {
-    std::printf("%s\n", document.dump(1).c_str());
+    PrintJson(document);
   } else {
-    std::printf("source   %s\nlicence  %s\n", ingest->source.name.c_str(),
-                ingest->source.licence.empty() ? "not stated" : ingest->source.licence.c_str());
-    if (!ingest->obtain.empty()) std::printf("obtain   %s\n", ingest->obtain.c_str());
-    std::printf("folder   %s\n", made      ? "none: the program generates the files"
-                                 : !placed ? "unknown: set ingest.path, or use --path here"
-                                           : (folder + (there ? "" : " (does not exist)")).c_str());
+    Print("source   %s\nlicence  %s\n", ingest->source.name.c_str(),
+          ingest->source.licence.empty() ? "not stated" : ingest->source.licence.c_str());
+    if (!ingest->obtain.empty()) Print("obtain   %s\n", ingest->obtain.c_str());
+    Print("folder   %s\n", made      ? "none: the program generates the files"
+                           : !placed ? "unknown: set ingest.path, or use --path here"
+                                     : (folder + (there ? "" : " (does not exist)")).c_str());
     for (const ExpectedFile& file : *wanted) {
-      std::printf("%-8s %s: %s", file.found > 0 ? "ok" : "MISSING", file.pattern.c_str(), file.what.c_str());
-      if (file.found > 0) std::printf(" (%zu files)", file.found);
-      std::printf("%s\n", RemarkOfFile(file).c_str());
+      Print("%-8s %s: %s", file.found > 0 ? "ok" : "MISSING", file.pattern.c_str(), file.what.c_str());
+      if (file.found > 0) Print(" (%zu files)", file.found);
+      Print("%s\n", RemarkOfFile(file).c_str());
     }
   }
   common.answered = common.json;

@@ -3,6 +3,7 @@
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "job/config_loading.h"
 #include "job/motion_files.h"
@@ -109,9 +110,9 @@ Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
   const long long rows = drawn->summary.value("rows", 0LL);
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)}, {"rows", rows}}).dump(1).c_str());
+    PrintJson({{"path", DisplayPath(arguments.output)}, {"rows", rows}});
   } else if (!common.quiet) {
-    std::printf("%s in %s\n", Counted(rows, "motion").c_str(), DisplayPath(arguments.output).c_str());
+    Print("%s in %s\n", Counted(rows, "motion").c_str(), DisplayPath(arguments.output).c_str());
   }
   return {};
 }

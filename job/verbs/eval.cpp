@@ -8,6 +8,7 @@
 #include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/resources.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "eval/published/published.h"
 #include "eval/tables/result_table.h"
@@ -249,14 +250,14 @@ Status WriteResults(const nlohmann::json& result, const EvaluationResult& evalua
 /// `instead`: text instead of the table of rows, or empty.
 void PrintEvaluation(const CommonArguments& common, const nlohmann::json& result, const std::string& instead) {
   if (common.json) {
-    std::printf("%s\n", result.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    PrintJson(result);
     return;
   }
   if (common.quiet) return;
   const Table table = ResultTable(result, result.at("protocol").get<std::string>() + ", variant " +
                                               result.at("variant").get<std::string>() + ", extractor " +
                                               result.at("extractor").get<std::string>());
-  std::printf("%s", (instead.empty() ? ToMarkdown(table) : instead).c_str());
+  Print("%s", (instead.empty() ? ToMarkdown(table) : instead).c_str());
   for (const nlohmann::json& warning : result.at("warnings")) {
     const std::string row = warning.at("row").get<std::string>();
     LogWarning((row.empty() ? "" : row + ": ") + warning.at("message").get<std::string>());
@@ -390,10 +391,12 @@ Status DoctorProtocolVerb(CommonArguments& common, const DoctorArguments& argume
   nlohmann::json answer = {{"protocol", protocol->name}, {"extractor", protocol->extractor}};
   if (protocol->extractor.empty()) {
     answer["weights"] = nullptr;
-    std::printf("%s\n", common.json
-                            ? answer.dump(1).c_str()
-                            : "protocol 'own' scores with a recogniser of yours: --run RUN or --extractor FILE");
     common.answered = common.json;
+    if (common.json) {
+      PrintJson(answer);
+    } else {
+      PrintLine("protocol 'own' scores with a recogniser of yours: --run RUN or --extractor FILE");
+    }
     return {};
   }
   const auto extractor = LoadExtractor(protocol->extractor, {}, {common.allow_include});
@@ -407,9 +410,9 @@ Status DoctorProtocolVerb(CommonArguments& common, const DoctorArguments& argume
   answer["recipe"] = protocol->recipe;
   common.answered = common.json;
   if (common.json) {
-    std::printf("%s\n", answer.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    PrintJson(answer);
   } else {
-    std::printf(
+    Print(
         "protocol   %s (%s on %s)\nextractor  %s\nweights    %s\nfolder     %s\nfound      %s\nobtain     %s\nreal     "
         "  "
         "recipe %s\n",

@@ -5,6 +5,7 @@
 
 #include "canon/exports/layout.h"
 #include "core/base/file.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/motion/gaps.h"
 #include "job/verbs/export_clips.h"
@@ -17,10 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void PrintDocument(const nlohmann::json& document) {
-  std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-}
-
 /// The weights of a checkpoint for other programs.
 Status ExportNetwork(CommonArguments& common, const ExportArguments& arguments) {
   if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
@@ -29,12 +26,12 @@ Status ExportNetwork(CommonArguments& common, const ExportArguments& arguments) 
   if (Status written = ExportSafetensors(*checkpoint, arguments.output); !written) return written;
   common.answered = common.json;
   if (common.json) {
-    PrintDocument({{"path", DisplayPath(arguments.output)},
-                   {"network", checkpoint->kind},
-                   {"tensors", checkpoint->parameters.size()}});
+    PrintJson({{"path", DisplayPath(arguments.output)},
+               {"network", checkpoint->kind},
+               {"tensors", checkpoint->parameters.size()}});
   } else {
-    std::printf("%s of %s in %s\n", Counted(static_cast<long long>(checkpoint->parameters.size()), "tensor").c_str(),
-                checkpoint->kind.c_str(), DisplayPath(arguments.output).c_str());
+    Print("%s of %s in %s\n", Counted(static_cast<long long>(checkpoint->parameters.size()), "tensor").c_str(),
+          checkpoint->kind.c_str(), DisplayPath(arguments.output).c_str());
   }
   return {};
 }
@@ -195,16 +192,16 @@ void PrintExported(const CommonArguments& common, const ExportArguments& argumen
     nlohmann::json answer = {
         {"layout", arguments.layout}, {"files", exported.files}, {"refused", refused}, {"notes", exported.notes}};
     if (!representation.empty()) answer["representation"] = representation;
-    PrintDocument(answer);
+    PrintJson(answer);
     return;
   }
-  std::printf("%s as %s in %s\n", Counted(static_cast<long long>(exported.files.size()), "clip").c_str(),
-              representation.empty() ? arguments.layout.c_str() : representation.c_str(),
-              DisplayPath(arguments.output).c_str());
+  Print("%s as %s in %s\n", Counted(static_cast<long long>(exported.files.size()), "clip").c_str(),
+        representation.empty() ? arguments.layout.c_str() : representation.c_str(),
+        DisplayPath(arguments.output).c_str());
   for (const RefusedClip& clip : exported.refused) {
-    std::printf("refused: %s: %s\n", clip.item.c_str(), clip.error.Message().c_str());
+    Print("refused: %s: %s\n", clip.item.c_str(), clip.error.Message().c_str());
   }
-  for (const std::string& note : exported.notes) std::printf("note: %s\n", note.c_str());
+  for (const std::string& note : exported.notes) Print("note: %s\n", note.c_str());
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 #include "canon/values/set_files.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/geometry/axes.h"
@@ -328,16 +328,14 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   LogFindings(findings, logged);
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", AnswerOf(*result, arguments.output, findings)
-                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
-                            .c_str());
+    PrintJson(AnswerOf(*result, arguments.output, findings));
   } else {
     for (const ClipRecord& clip : result->clips) {
       if (IsFitted(clip)) PrintFit(clip);
     }
     PrintSharedBodies(*result);
-    std::printf("%s in %s\n", Counted(static_cast<long long>(whole->clips.size()), "clip").c_str(),
-                DisplayPath(arguments.output).c_str());
+    Print("%s in %s\n", Counted(static_cast<long long>(whole->clips.size()), "clip").c_str(),
+          DisplayPath(arguments.output).c_str());
   }
   if (result->counts.failed == 0 && result->counts.suspect == 0) return {};
   if (result->counts.failed == 0) {

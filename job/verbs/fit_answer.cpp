@@ -1,11 +1,11 @@
 #include "job/verbs/fit_answer.h"
 
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -31,7 +31,7 @@ void PrintRepairs(const ItemResult& item) {
     if (of_code.empty()) continue;
     text += (text.empty() ? "" : ", ") + code + " in " + Counted(static_cast<long long>(of_code.size()), "frame");
   }
-  if (!text.empty()) std::printf("  repaired: %s (places: see the clip's findings)\n", text.c_str());
+  if (!text.empty()) Print("  repaired: %s (places: see the clip's findings)\n", text.c_str());
 }
 
 /// Clips fitted as one body: the body's name and their number, for several clips.
@@ -50,23 +50,23 @@ bool IsFitted(const ClipRecord& clip) { return !clip.motion.artifact.empty(); }
 
 void PrintFit(const ClipRecord& clip) {
   const nlohmann::json fit = clip.motion.summary;
-  std::printf("%s\n", clip.item.c_str());
+  Print("%s\n", clip.item.c_str());
   const auto number = [](const nlohmann::json& from, const char* key) {
     return from.is_object() && from.contains(key) && from[key].is_number() ? from[key].get<double>() : 0.0;
   };
   if (fit.value("method", "none") != "none") {
-    std::printf("  residual %.1f mm RMS, %.1f mm 95 %%, %.1f %% rejected\n", number(fit, "residual_rms_mm"),
-                number(fit, "residual_p95_mm"), 100.0 * number(fit, "rejected_share"));
+    Print("  residual %.1f mm RMS, %.1f mm 95 %%, %.1f %% rejected\n", number(fit, "residual_rms_mm"),
+          number(fit, "residual_p95_mm"), 100.0 * number(fit, "rejected_share"));
   }
   if (fit.contains("before")) {
     const nlohmann::json& before = fit["before"];
     const nlohmann::json& after = fit["after"];
-    std::printf("  bones change by %.1f -> %.1f mm, jerk %.0f -> %.0f m/s3\n", number(before, "bone_spread_mm"),
-                number(after, "bone_spread_mm"), number(before, "jerk"), number(after, "jerk"));
+    Print("  bones change by %.1f -> %.1f mm, jerk %.0f -> %.0f m/s3\n", number(before, "bone_spread_mm"),
+          number(after, "bone_spread_mm"), number(before, "jerk"), number(after, "jerk"));
   }
   if (fit.contains("contacts")) {
     const nlohmann::json& contacts = fit["contacts"];
-    std::printf(
+    Print(
         "  standing feet slide %.3f -> %.3f m/s, the fastest %.2f -> %.2f (they stand %.0f %% of the time); the "
         "largest change is %.0f mm (%s, "
         "frame %d), %.1f degrees\n",
@@ -79,14 +79,14 @@ void PrintFit(const ClipRecord& clip) {
   for (const Finding& finding : FindingsOf(clip)) {
     if (finding.severity == Severity::kInfo) continue;
     const char* mark = finding.severity == Severity::kError ? "error: " : "";
-    std::printf("  %s%s: %s\n", mark, finding.code.c_str(), finding.message.c_str());
+    Print("  %s%s: %s\n", mark, finding.code.c_str(), finding.message.c_str());
   }
 }
 
 void PrintSharedBodies(const JobResult& result) {
   for (const auto& [body, clips] : SharedBodies(result)) {
-    std::printf("%s were measured as one body, %s (--set proportions.body_of=recording measures each separately)\n",
-                Counted(clips, "clip").c_str(), body.c_str());
+    Print("%s were measured as one body, %s (--set proportions.body_of=recording measures each separately)\n",
+          Counted(clips, "clip").c_str(), body.c_str());
   }
 }
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -8,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/random.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/motion/limbs.h"
 #include "core/motion/request.h"
@@ -433,17 +433,15 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   }
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", nlohmann::json({{"path", DisplayPath(arguments.output)},
-                                        {"network", checkpoint->kind},
-                                        {"motions", asked},
-                                        {"meshes", meshes}})
-                            .dump(1)
-                            .c_str());
+    PrintJson({{"path", DisplayPath(arguments.output)},
+               {"network", checkpoint->kind},
+               {"motions", asked},
+               {"meshes", meshes}});
   } else if (!common.quiet) {
-    std::printf("%s by %s in %s\n", Counted(static_cast<long long>(asked), "motion").c_str(), options->name.c_str(),
-                DisplayPath(arguments.output).c_str());
+    Print("%s by %s in %s\n", Counted(static_cast<long long>(asked), "motion").c_str(), options->name.c_str(),
+          DisplayPath(arguments.output).c_str());
     if (meshes > 0) {
-      std::printf("%s in %s\n", Counted(meshes, "mesh file").c_str(), DisplayPath(arguments.mesh).c_str());
+      Print("%s in %s\n", Counted(meshes, "mesh file").c_str(), DisplayPath(arguments.mesh).c_str());
     }
   }
   return {};

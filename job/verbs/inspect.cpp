@@ -4,6 +4,7 @@
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "ingest/inspect/inspect.h"
 #include "job/config_loading.h"
 #include "job/named_configs.h"
@@ -13,10 +14,6 @@
 
 namespace mocurate {
 namespace {
-
-void PrintJson(const nlohmann::json& document) {
-  std::printf("%s\n", document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-}
 
 /// Logs the progress of a large folder on stderr.
 InspectProgress PrintProgress() {
@@ -88,7 +85,7 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
     if (common.json)
       PrintJson(*description);
     else
-      std::printf("%s", MadeText(arguments.path, *description).c_str());
+      Print("%s", MadeText(arguments.path, *description).c_str());
     return {};
   }
   std::optional<SourceOptions> source;
@@ -103,7 +100,7 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
   if (common.json)
     PrintJson(inspection);
   else
-    std::printf("%s", InspectionText(inspection).c_str());
+    Print("%s", InspectionText(inspection).c_str());
   return FirstError(inspection);
 }
 

@@ -1,10 +1,10 @@
 #include "core/pipeline/plan.h"
 
-#include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/pipeline/journal.h"
 #include "job/blas_kernels.h"
@@ -75,24 +75,21 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
   }
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", nlohmann::json({{"plan", DisplayPath(made->file)},
-                                        {"stage", made->stage},
-                                        {"items", made->items},
-                                        {"tasks", made->tasks},
-                                        {"seconds", made->seconds}})
-                            .dump(1)
-                            .c_str());
+    PrintJson({{"plan", DisplayPath(made->file)},
+               {"stage", made->stage},
+               {"items", made->items},
+               {"tasks", made->tasks},
+               {"seconds", made->seconds}});
   } else if (made->items == 0) {
-    std::printf("%s: nothing is missing, no task\n", made->stage.c_str());
+    Print("%s: nothing is missing, no task\n", made->stage.c_str());
   } else if (!common.quiet) {
     const std::string each = made->seconds > 0.0
                                  ? ", about " + Duration(made->seconds / static_cast<double>(made->tasks)) + " each"
                                  : std::string();
-    std::printf("%s: %s in %s%s\nplan: %s\nrun task K of 0 to %zu:\n  mocurate run --plan %s --task K%s\n",
-                made->stage.c_str(), Counted(static_cast<long long>(made->items), "item").c_str(),
-                Counted(static_cast<long long>(made->tasks), "task").c_str(), each.c_str(),
-                DisplayPath(made->file).c_str(), made->tasks - 1, DisplayPath(made->file).c_str(),
-                common.allow_include ? " --allow-include" : "");
+    Print("%s: %s in %s%s\nplan: %s\nrun task K of 0 to %zu:\n  mocurate run --plan %s --task K%s\n",
+          made->stage.c_str(), Counted(static_cast<long long>(made->items), "item").c_str(),
+          Counted(static_cast<long long>(made->tasks), "task").c_str(), each.c_str(), DisplayPath(made->file).c_str(),
+          made->tasks - 1, DisplayPath(made->file).c_str(), common.allow_include ? " --allow-include" : "");
   }
   return {};
 }
@@ -161,19 +158,17 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
   if (!report) return ended(Forward(report));
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", nlohmann::json({{"stage", head.stage},
-                                        {"task", *arguments.task},
-                                        {"tasks", head.tasks},
-                                        {"items", report->items.size()},
-                                        {"done", report->done},
-                                        {"suspect", report->suspect},
-                                        {"excluded", report->excluded},
-                                        {"refused", report->refused},
-                                        {"crashed", report->crashed},
-                                        {"from_cache", report->from_cache},
-                                        {"seconds", report->seconds}})
-                            .dump(1)
-                            .c_str());
+    PrintJson({{"stage", head.stage},
+               {"task", *arguments.task},
+               {"tasks", head.tasks},
+               {"items", report->items.size()},
+               {"done", report->done},
+               {"suspect", report->suspect},
+               {"excluded", report->excluded},
+               {"refused", report->refused},
+               {"crashed", report->crashed},
+               {"from_cache", report->from_cache},
+               {"seconds", report->seconds}});
   }
   if (report->crashed + report->unrecorded == 0) return ended({});
   return ended(Fail(ErrorCode::kTooManyFailures,

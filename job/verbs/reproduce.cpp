@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -9,6 +8,7 @@
 #include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/resources.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/base/units.h"
 #include "core/store/store.h"
@@ -62,10 +62,10 @@ Status ListItems(CommonArguments& common, const ReproduceArguments& arguments) {
   }
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", items.dump(1).c_str());
+    PrintJson(items);
     return {};
   }
-  std::printf("%-20s %-8s %-6s %-6s %-6s %s\n", "item", "kind", "smoke", "small", "paper", "content; missing parts");
+  Print("%-20s %-8s %-6s %-6s %-6s %s\n", "item", "kind", "smoke", "small", "paper", "content; missing parts");
   const auto hours = [](const nlohmann::json& item, const char* profile) {
     const nlohmann::json value = item.at("profiles").value(profile, nlohmann::json());
     return value.is_number() ? RoundedText(value.get<double>(), 2) + "h" : std::string("-");
@@ -75,9 +75,9 @@ Status ListItems(CommonArguments& common, const ReproduceArguments& arguments) {
     for (const nlohmann::json& one : item.at("missing")) {
       missing += (missing.empty() ? "; missing: " : ", ") + one.at("name").get<std::string>();
     }
-    std::printf("%-20s %-8s %-6s %-6s %-6s %s%s\n", item.at("id").get<std::string>().c_str(),
-                item.at("kind").get<std::string>().c_str(), hours(item, "smoke").c_str(), hours(item, "small").c_str(),
-                hours(item, "paper").c_str(), item.at("shows").get<std::string>().c_str(), missing.c_str());
+    Print("%-20s %-8s %-6s %-6s %-6s %s%s\n", item.at("id").get<std::string>().c_str(),
+          item.at("kind").get<std::string>().c_str(), hours(item, "smoke").c_str(), hours(item, "small").c_str(),
+          hours(item, "paper").c_str(), item.at("shows").get<std::string>().c_str(), missing.c_str());
   }
   return {};
 }
@@ -439,13 +439,13 @@ class Reproduction {
   void Answer() {
     if (common_.json) {
       common_.answered = true;
-      std::printf("%s\n", json_.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+      PrintJson(json_);
       return;
     }
     if (common_.quiet || arguments_.dry_run) return;
-    if (!text_.empty()) std::printf("\n%s", text_.c_str());
-    if (json_["table"].is_string()) std::printf("table     %s\n", json_["table"].get<std::string>().c_str());
-    for (const nlohmann::json& file : json_["pictures"]) std::printf("picture   %s\n", file.get<std::string>().c_str());
+    if (!text_.empty()) Print("\n%s", text_.c_str());
+    if (json_["table"].is_string()) Print("table     %s\n", json_["table"].get<std::string>().c_str());
+    for (const nlohmann::json& file : json_["pictures"]) Print("picture   %s\n", file.get<std::string>().c_str());
   }
 
   CommonArguments& common_;

@@ -1,11 +1,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "fitting/options.h"
 #include "job/blas_kernels.h"
@@ -116,7 +116,7 @@ void PrintRig(const nlohmann::json& summary, const fs::path& output) {
       line += of == "spans_of_one_take" ? "; repeatable to " + percent + " within this take"
                                         : "; confidence " + percent + (of == "takes" ? " between takes" : "");
     }
-    std::printf("%s\n", line.c_str());
+    Print("%s\n", line.c_str());
   }
   const nlohmann::json& takes = summary.at("takes");
   for (const nlohmann::json& take : takes) {
@@ -126,12 +126,12 @@ void PrintRig(const nlohmann::json& summary, const fs::path& output) {
       if (verdict != "kept") line += (line.empty() ? "" : ", ") + camera + " " + verdict.get<std::string>();
     }
     if (take.at("verdicts").empty()) line = "no verdicts of its own";
-    std::printf("%s alone: %s\n", take.at("name").get<std::string>().c_str(), line.empty() ? "all kept" : line.c_str());
+    Print("%s alone: %s\n", take.at("name").get<std::string>().c_str(), line.empty() ? "all kept" : line.c_str());
   }
   for (const auto& [test, action] : summary.at("audit").items()) {
-    if (action == "off") std::printf("not tested, because fitting.keypoints.audit.%s is off\n", test.c_str());
+    if (action == "off") Print("not tested, because fitting.keypoints.audit.%s is off\n", test.c_str());
   }
-  std::printf("%s in %s\n", Counted(static_cast<long long>(takes.size()), "take").c_str(), DisplayPath(output).c_str());
+  Print("%s in %s\n", Counted(static_cast<long long>(takes.size()), "take").c_str(), DisplayPath(output).c_str());
 }
 
 }  // namespace
@@ -170,7 +170,7 @@ Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments)
     nlohmann::json answer = rig->summary;
     answer["rig"] = DisplayPath(arguments.output);
     answer["findings"] = rig->outcome.findings;
-    std::printf("%s\n", answer.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    PrintJson(answer);
   } else if (!common.quiet) {
     PrintRig(rig->summary, arguments.output);
   }

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "job/blas_kernels.h"
 #include "job/config_loading.h"
@@ -168,9 +168,7 @@ Status Perform(CommonArguments& common, const JobOptions& options, JobStage last
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", ResultJson(*result, runner.options(), seconds)
-                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
-                            .c_str());
+    PrintJson(ResultJson(*result, runner.options(), seconds));
   } else if (runner.options().dry_run) {
     PrintPlan(*result, last);
   } else {
@@ -216,14 +214,11 @@ Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const
         own.run_folder = settings.run_folder / "data" / set.set.name;
         sets[set.set.name] = ResultJson(set.result, own, seconds);
       }
-      std::printf("%s\n",
-                  nlohmann::json({{"run", DisplayPath(settings.run_folder)}, {"sets", sets}, {"table", run->table}})
-                      .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
-                      .c_str());
+      PrintJson({{"run", DisplayPath(settings.run_folder)}, {"sets", sets}, {"table", run->table}});
     }
     for (const SetResult& set : run->sets) {
       if (!common.json && !common.quiet && !arguments.dry_run) {
-        std::printf("\n%s%s\n", set.set.name.c_str(), set.substitute ? " (substitute: synthetic motions)" : "");
+        Print("\n%s%s\n", set.set.name.c_str(), set.substitute ? " (substitute: synthetic motions)" : "");
         PrintResult(set.result, seconds);
       }
       if (outcome) outcome = CheckEvaluation(set.result);

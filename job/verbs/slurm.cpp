@@ -8,6 +8,7 @@
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/pipeline/interruption.h"
 #include "core/pipeline/runner.h"
@@ -215,32 +216,31 @@ void PrintUse(const SlurmRun& run, const SubmittedJob& job, const std::vector<Ta
     measured += task.seconds > 0.0 ? 1 : 0;
   }
   if (measured > 0) {
-    std::printf("  %s: asked %s, %s; used at most %s, %s\n", job.stage.c_str(),
-                job.time_s ? MinutesText(*job.time_s).c_str() : "no time",
-                job.memory_bytes ? MegabytesText(*job.memory_bytes).c_str() : "no memory", MinutesText(longest).c_str(),
-                MegabytesText(bytes).c_str());
+    Print("  %s: asked %s, %s; used at most %s, %s\n", job.stage.c_str(),
+          job.time_s ? MinutesText(*job.time_s).c_str() : "no time",
+          job.memory_bytes ? MegabytesText(*job.memory_bytes).c_str() : "no memory", MinutesText(longest).c_str(),
+          MegabytesText(bytes).c_str());
     const auto fitting = static_cast<std::size_t>(std::max(1.0, std::ceil(whole / wished_s)));
     if (measured == tasks.size() && job.tasks > 1 && (fitting * 2 < job.tasks || fitting > job.tasks * 2))
-      std::printf("    tasks of %s would be %zu, not %zu\n", MinutesText(wished_s).c_str(), fitting, job.tasks);
+      Print("    tasks of %s would be %zu, not %zu\n", MinutesText(wished_s).c_str(), fitting, job.tasks);
     most = {std::max(most.seconds, longest), std::max(most.bytes, bytes)};
   }
   for (std::size_t k = 0; k < tasks.size(); ++k) {
     if (tasks[k].state != TaskState::kFailed && tasks[k].state != TaskState::kLost) continue;
-    std::printf(
-        "  task %zu of %s %s%s\n    %s\n", k, job.stage.c_str(),
-        tasks[k].state == TaskState::kLost ? "ended without a word"
-                                           : ("ended with exit code " + std::to_string(tasks[k].exit_code)).c_str(),
-        tasks[k].message.empty() ? "" : (": " + tasks[k].message).c_str(), DisplayPath(run.Log(job, k)).c_str());
-    for (const std::string& line : LastLines(run.Log(job, k))) std::printf("      | %s\n", line.c_str());
+    Print("  task %zu of %s %s%s\n    %s\n", k, job.stage.c_str(),
+          tasks[k].state == TaskState::kLost ? "ended without a word"
+                                             : ("ended with exit code " + std::to_string(tasks[k].exit_code)).c_str(),
+          tasks[k].message.empty() ? "" : (": " + tasks[k].message).c_str(), DisplayPath(run.Log(job, k)).c_str());
+    for (const std::string& line : LastLines(run.Log(job, k))) Print("      | %s\n", line.c_str());
   }
 }
 
 /// What to ask for instead.
 void PrintSuggestions(const std::optional<double>& memory_bytes, const std::optional<double>& time_s, const Use& most) {
   if (most.bytes > 0.0 && (!memory_bytes || *memory_bytes > kSparing * most.bytes))
-    std::printf("  --set slurm.memory='%s' would do\n", MegabytesText(2.0 * most.bytes).c_str());
+    Print("  --set slurm.memory='%s' would do\n", MegabytesText(2.0 * most.bytes).c_str());
   if (most.seconds > 0.0 && time_s && *time_s > kSparing * most.seconds + 1800.0)
-    std::printf("  --set slurm.time='%s' would do\n", MinutesText(2.0 * most.seconds + 600.0).c_str());
+    Print("  --set slurm.time='%s' would do\n", MinutesText(2.0 * most.seconds + 600.0).c_str());
 }
 
 Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
@@ -252,8 +252,8 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
   const std::string active = lines && !outcome ? ActiveIds(*lines) : std::string();
   nlohmann::json shown = nlohmann::json::array();
   if (!common.json)
-    std::printf("%-14s %10s %7s %7s %7s %8s %8s %7s\n", "stage", "job", "items", "tasks", "done", "running", "waiting",
-                "failed");
+    Print("%-14s %10s %7s %7s %7s %8s %8s %7s\n", "stage", "job", "items", "tasks", "done", "running", "waiting",
+          "failed");
   const auto tasks_of = [&](const SubmittedJob& job) {
     if (job.kind != SlurmKind::kArray) return std::vector<TaskReport>();
     const bool ended = outcome || (&job != &jobs.back() && &job != &jobs[jobs.size() - 2]);
@@ -268,10 +268,10 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
     }
     if (job.kind == SlurmKind::kArray) {
       const Counts counts = CountsOf(tasks);
-      std::printf("%-14s %10s %7zu %7zu %7zu %8zu %8zu %7zu\n", job.stage.c_str(), job.id.c_str(), job.items, job.tasks,
-                  counts.done, counts.running, counts.waiting, counts.failed + counts.lost);
+      Print("%-14s %10s %7zu %7zu %7zu %8zu %8zu %7zu\n", job.stage.c_str(), job.id.c_str(), job.items, job.tasks,
+            counts.done, counts.running, counts.waiting, counts.failed + counts.lost);
     } else if (&job == &jobs.back()) {
-      std::printf("%-14s %10s\n", TitleOf(job).c_str(), job.id.c_str());
+      Print("%-14s %10s\n", TitleOf(job).c_str(), job.id.c_str());
     }
   }
   if (common.json) {
@@ -279,7 +279,7 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
     nlohmann::json value = {{"run", DisplayPath(run.folder())}, {"jobs", shown}, {"queued", nullptr}};
     if (lines) value["queued"] = active;
     if (outcome) value["outcome"] = {{"exit_code", outcome->exit_code}, {"message", outcome->message}};
-    std::printf("%s\n", value.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    PrintJson(value);
     return {};
   }
   Use most;
@@ -296,17 +296,17 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
     for (const QueuedJob& job : ParseQueue(*lines)) {
       if (job.state == "PENDING" && job.reason != "None" && job.reason != "Dependency") ++reasons[job.reason];
     }
-    for (const auto& [reason, count] : reasons) std::printf("  %zu waiting for: %s\n", count, reason.c_str());
+    for (const auto& [reason, count] : reasons) Print("  %zu waiting for: %s\n", count, reason.c_str());
   }
   if (outcome) {
-    std::printf("the run has ended%s\n", outcome->exit_code == 0 ? "" : (": " + outcome->message).c_str());
+    Print("the run has ended%s\n", outcome->exit_code == 0 ? "" : (": " + outcome->message).c_str());
   } else if (!active.empty()) {
-    std::printf("queued: %s; to cancel: scancel %s\n", active.c_str(), active.c_str());
+    Print("queued: %s; to cancel: scancel %s\n", active.c_str(), active.c_str());
   } else if (lines) {
-    std::printf("no job is queued; to go on: mocurate run with the same arguments\n");
+    Print("no job is queued; to go on: mocurate run with the same arguments\n");
   }
   if (!jobs.empty() && !outcome && jobs.back().kind != SlurmKind::kArray) {
-    for (const std::string& line : LastLines(run.Log(jobs.back()))) std::printf("  | %s\n", line.c_str());
+    for (const std::string& line : LastLines(run.Log(jobs.back()))) Print("  | %s\n", line.c_str());
   }
   return {};
 }
@@ -403,14 +403,12 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
   const std::string log = jobs.empty() ? std::string() : DisplayPath(run->Log(jobs.back()));
   if (common.json) {
     common.answered = true;
-    std::printf("%s\n", nlohmann::json({{"run", DisplayPath(run->folder())},
-                                        {"exit_code", outcome->exit_code},
-                                        {"message", outcome->message},
-                                        {"log", log}})
-                            .dump(1, ' ', false, nlohmann::json::error_handler_t::replace)
-                            .c_str());
+    PrintJson({{"run", DisplayPath(run->folder())},
+               {"exit_code", outcome->exit_code},
+               {"message", outcome->message},
+               {"log", log}});
   } else if (!common.quiet && outcome->exit_code == 0) {
-    for (const std::string& line : LastLines(log)) std::printf("%s\n", line.c_str());
+    for (const std::string& line : LastLines(log)) Print("%s\n", line.c_str());
   }
   if (outcome->exit_code == 0) return {};
   return Fail(CodeOfExit(outcome->exit_code), outcome->message, DisplayPath(run->folder()),

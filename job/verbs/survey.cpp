@@ -5,6 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "job/motion_files.h"
 #include "job/protocols.h"
@@ -87,12 +88,12 @@ Expected<StageInput> SourceInput(const SurveyFiles& source, const ExtractorOptio
 
 void PrintSurvey(const SurveyMakeArguments& arguments, const nlohmann::json& summary) {
   const nlohmann::json& key = summary.at("key");
-  std::printf("%s: %s about %s of %s; send it to the participants\n", DisplayPath(arguments.output / kPageFile).c_str(),
-              Counted(static_cast<long long>(key.at("questions").size()), "question").c_str(),
-              Counted(static_cast<long long>(key.at("labels").size()), "label").c_str(),
-              Counted(static_cast<long long>(key.at("sources").size()), "source").c_str());
-  std::printf("%s: the key of the motions; do not send it, `mocurate survey tally` needs it\n",
-              DisplayPath(arguments.output / kKeyFile).c_str());
+  Print("%s: %s about %s of %s; send it to the participants\n", DisplayPath(arguments.output / kPageFile).c_str(),
+        Counted(static_cast<long long>(key.at("questions").size()), "question").c_str(),
+        Counted(static_cast<long long>(key.at("labels").size()), "label").c_str(),
+        Counted(static_cast<long long>(key.at("sources").size()), "source").c_str());
+  Print("%s: the key of the motions; do not send it, `mocurate survey tally` needs it\n",
+        DisplayPath(arguments.output / kKeyFile).c_str());
 }
 
 /// Valid answers, and reasons for excluded ones.
@@ -126,8 +127,8 @@ CollectedAnswers CollectAnswers(const std::vector<fs::path>& files, const Survey
 }
 
 void PrintTally(const SurveyTallyArguments& arguments, const SurveyTally& tally) {
-  std::printf("%s", TallyToMarkdown(tally).c_str());
-  std::printf("\nalso in %s as tally.json, tally.csv, tally.md, figure.svg\n", DisplayPath(arguments.output).c_str());
+  Print("%s", TallyToMarkdown(tally).c_str());
+  Print("\nalso in %s as tally.json, tally.csv, tally.md, figure.svg\n", DisplayPath(arguments.output).c_str());
 }
 
 }  // namespace
@@ -174,15 +175,14 @@ Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& argume
   for (const nlohmann::json& note : summary.at("notes")) LogWarning(note.get<std::string>());
   if (common.json) {
     common.answered = true;
-    std::printf("%s", SurveyJsonText({{"page", DisplayPath(page)},
-                                      {"key", DisplayPath(key)},
-                                      {"survey", summary.at("key").at("survey")},
-                                      {"questions", summary.at("key").at("questions").size()},
-                                      {"labels", summary.at("key").at("labels")},
-                                      {"motions", summary.at("motions")},
-                                      {"bytes", summary.at("bytes")},
-                                      {"notes", summary.at("notes")}})
-                          .c_str());
+    PrintJson({{"page", DisplayPath(page)},
+               {"key", DisplayPath(key)},
+               {"survey", summary.at("key").at("survey")},
+               {"questions", summary.at("key").at("questions").size()},
+               {"labels", summary.at("key").at("labels")},
+               {"motions", summary.at("motions")},
+               {"bytes", summary.at("bytes")},
+               {"notes", summary.at("notes")}});
   } else if (!common.quiet) {
     PrintSurvey(arguments, summary);
   }
@@ -213,15 +213,15 @@ Status SurveyTallyVerb(CommonArguments& common, const SurveyTallyArguments& argu
     tally.skipped.push_back({DisplayPath(file), error.Message()});
   }
   if (Status folder = MakeFolder(arguments.output); !folder) return folder;
-  const std::string json = SurveyJsonText(TallyToJson(tally));
+  const nlohmann::json json = TallyToJson(tally);
   for (const auto& [name, text] :
-       {std::pair("tally.json", json), std::pair("tally.csv", TallyToCsv(tally)),
+       {std::pair("tally.json", SurveyJsonText(json)), std::pair("tally.csv", TallyToCsv(tally)),
         std::pair("tally.md", TallyToMarkdown(tally)), std::pair("figure.svg", TallyToSvg(tally))}) {
     if (Status written = WriteFile(output(name), text); !written) return written;
   }
   if (common.json) {
     common.answered = true;
-    std::printf("%s", json.c_str());
+    PrintJson(json);
   } else if (!common.quiet) {
     PrintTally(arguments, tally);
   }

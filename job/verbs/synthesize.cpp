@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/renamed.h"
+#include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "ingest/synthetic/studio_layouts.h"
 #include "job/verbs/verbs.h"
@@ -169,9 +170,9 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
   if (Status used = CheckUsed(*options, *node); !used) return used;
   if (arguments.show) {
     if (common.json)
-      std::printf("%s\n", OptionsToJson(*options).dump(1).c_str());
+      PrintJson(OptionsToJson(*options));
     else
-      std::printf("%s", ShowOptions(*options, *node, false).c_str());
+      Print("%s", ShowOptions(*options, *node, false).c_str());
     return {};
   }
   if (arguments.output.empty()) {
@@ -197,14 +198,14 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
                                      {"frames", counts->frames},
                                      {"seconds", seconds},
                                      {"options", OptionsToJson(*options)}};
-    std::printf("%s\n", document.dump(1).c_str());
+    PrintJson(document);
   } else {
     std::string read;
     for (const WrittenSource& source : SourcesOf(options->layout, options->depth.enabled))
       read += ReadAsText(source, arguments.output);
-    std::printf("%s: %zu clips, %zu frames, %zu files, %.1f MB, %.1f s\n", folder.c_str(), counts->clips,
-                counts->frames, counts->files, static_cast<double>(counts->bytes) / 1e6, seconds);
-    std::printf("%s", read.c_str());
+    Print("%s: %zu clips, %zu frames, %zu files, %.1f MB, %.1f s\n", folder.c_str(), counts->clips, counts->frames,
+          counts->files, static_cast<double>(counts->bytes) / 1e6, seconds);
+    Print("%s", read.c_str());
   }
   return {};
 }

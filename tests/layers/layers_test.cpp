@@ -222,6 +222,27 @@ TEST(Layers, JsonIsReadByOneFunction) {
   EXPECT_TRUE(ParsesJson("  const auto value = nlohmann::json::parse(text, nullptr, false);"));
 }
 
+/// Names in files may hold what a terminal obeys: core/base/terminal.h escapes all that is printed.
+bool WritesToTheTerminal(const std::string& text) {
+  static const std::regex kWrites(
+      "\\b(v?f?printf|fputs|puts|putchar|fputc|putc|perror)\\s*\\(|\\b(cout|cerr|clog)\\b|"
+      "\\b(fwrite|write)\\([^;\n]*\\b(stdout|stderr|STDOUT_FILENO|STDERR_FILENO)\\b");
+  return std::regex_search(text, kWrites);
+}
+
+TEST(Layers, OneWriterPrints) {
+  const std::set<std::string> writers = {"core/base/terminal.cpp", "core/pipeline/progress.cpp"};
+  for (const std::string& path : SourceFiles()) {
+    EXPECT_TRUE(writers.count(path) == 1 || !WritesToTheTerminal(ReadText(kRoot / path)))
+        << path << ": use Print, PrintJson or PrintError of core/base/terminal.h";
+  }
+  for (const char* line : {"std::printf(\"%s\", name);", "fprintf(stderr, \"x\")", "std::cout << name;",
+                           "write(STDERR_FILENO, at, left)", "std::fwrite(a, 1, 2, stdout);"}) {
+    EXPECT_TRUE(WritesToTheTerminal(line)) << line;
+  }
+  EXPECT_FALSE(WritesToTheTerminal("std::snprintf(text, sizeof text, \"%d\", 1); std::fflush(stdout);"));
+}
+
 TEST(Layers, EveryLinkIsAllowed) {
   for (const char* top : {"core", "ingest", "fitting", "canon", "train", "eval", "report"}) {
     const std::string text = ReadText(kRoot / top / "CMakeLists.txt");
