@@ -6,6 +6,7 @@
 #include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/sha256.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "ingest/synthetic/studio_layouts.h"
@@ -143,7 +144,7 @@ Expected<JobOptions> JobOfSet(const JobOptions& options, const DataSetOptions& s
 
 /// Heading of the table of a set, with the data it is based on.
 std::string HeadOf(const SetResult& set) {
-  std::string head = "## " + set.set.name + "\n\n";
+  std::string head = "## " + MarkdownText(set.set.name) + "\n\n";
   if (!set.substitute) return head;
   const std::string& own = set.set.like.empty() ? set.set.name : set.set.like;
   return head + "**Substitute**: synthetic motions in the layout `" + set.set.substitute + "`, not " + own +
@@ -256,10 +257,11 @@ Expected<DataSetsRun> RunOverSets(const JobOptions& options, JobStage last, doub
   if (Status made = MakeFolder(folder); !made) return Forward(made);
   for (const CollectedTable& table : tables) {
     const bool none = table.json.at("rows").empty() && table.name != "table";
-    const std::pair<const char*, std::string> files[] = {{".md", "# " + options.name + "\n\n" + table.markdown},
-                                                         {".csv", table.csv},
-                                                         {".tex", table.latex},
-                                                         {".json", table.json.dump(1) + "\n"}};
+    const std::pair<const char*, std::string> files[] = {
+        {".md", "# " + MarkdownText(options.name) + "\n\n" + table.markdown},
+        {".csv", table.csv},
+        {".tex", table.latex},
+        {".json", table.json.dump(1) + "\n"}};
     for (const auto& [ending, text] : files) {
       if (none) continue;
       if (Status written = WriteFile(folder / (table.name + ending), text); !written) return Forward(written);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/random.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "report/html.h"
 #include "report/svg.h"
@@ -77,22 +78,8 @@ nlohmann::json IntervalJson(const std::optional<ShareInterval>& interval) {
   return {interval->low, interval->high};
 }
 
-std::string CsvField(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 std::string CsvNumbers(const std::optional<ShareInterval>& interval) {
   return interval ? FixedText(interval->low, 4) + "," + FixedText(interval->high, 4) : ",";
-}
-
-/// Text escaped for a cell of a Markdown table.
-std::string MarkdownCell(const std::string& text) {
-  std::string cell;
-  for (const char c : text) cell += c == '|' ? std::string("\\|") : std::string(1, c == '\n' || c == '\r' ? ' ' : c);
-  return cell;
 }
 
 std::string PercentCell(const std::optional<ShareInterval>& interval) {
@@ -111,7 +98,7 @@ std::string MarkdownIntroduction(const SurveyTally& tally) {
   }
   text += preference ? "The share is that of votes for the first motion of a pair.\n\n"
                      : "The share is that of votes that a motion of the source is real; recordings are " +
-                           MarkdownCell(tally.real) + ".\n\n";
+                           MarkdownText(tally.real) + ".\n\n";
   text +=
       "Wilson's 95 % interval assumes independent votes. Votes of one participant are not: the bootstrap draws\n"
       "participants. ";
@@ -188,7 +175,7 @@ std::string TallyToCsv(const SurveyTally& tally) {
   std::string csv = preference ? "first,second,label,preferred_first" : "source,label,judged_real";
   csv += ",votes,share,wilson_low,wilson_high,bootstrap_low,bootstrap_high\n";
   for (const TallyRow& row : tally.rows) {
-    csv += CsvField(row.first) + "," + (preference ? CsvField(row.second) + "," : "") + CsvField(row.label) + "," +
+    csv += CsvCell(row.first) + "," + (preference ? CsvCell(row.second) + "," : "") + CsvCell(row.label) + "," +
            std::to_string(row.chosen) + "," + std::to_string(row.votes) + "," +
            (row.votes > 0 ? FixedText(row.share(), 4) : "") + "," + CsvNumbers(row.wilson) + "," +
            CsvNumbers(row.bootstrap) + "\n";
@@ -204,13 +191,13 @@ std::string TallyToMarkdown(const SurveyTally& tally) {
   text += " share, % | Wilson 95 %, % | bootstrap 95 %, % |\n";
   text += std::string(preference ? "|---|---|---|" : "|---|---|") + "---:|---:|---:|---:|---:|\n";
   for (const TallyRow& row : tally.rows) {
-    text += "| " + MarkdownCell(row.first) + (preference ? " | " + MarkdownCell(row.second) : "") + " | " +
-            (row.label.empty() ? "all" : MarkdownCell(row.label)) + " | " + std::to_string(row.chosen) + " | " +
+    text += "| " + MarkdownText(row.first) + (preference ? " | " + MarkdownText(row.second) : "") + " | " +
+            (row.label.empty() ? "all" : MarkdownText(row.label)) + " | " + std::to_string(row.chosen) + " | " +
             std::to_string(row.votes) + " | " + (row.votes > 0 ? FixedText(100.0 * row.share(), 1) : "-") + " | " +
             PercentCell(row.wilson) + " | " + PercentCell(row.bootstrap) + " |\n";
   }
   if (!tally.skipped.empty()) text += "\nFiles that are not counted (--skip-bad):\n\n";
-  for (const SkippedAnswers& file : tally.skipped) text += "- " + MarkdownCell(file.reason) + "\n";
+  for (const SkippedAnswers& file : tally.skipped) text += "- " + MarkdownText(file.reason) + "\n";
   return text;
 }
 

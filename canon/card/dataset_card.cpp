@@ -5,21 +5,15 @@
 
 #include "core/base/file.h"
 #include "core/base/sha256.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/store/dataset_clips.h"
 
 namespace mocurate {
 namespace {
 
-/// A cell of a Markdown table, with special characters escaped.
-std::string Cell(const std::string& text) {
-  std::string cell;
-  for (const char c : text) {
-    if (c == '|' || c == '\\') cell += '\\';
-    cell += c == '\n' ? ' ' : c;
-  }
-  return cell.empty() ? "-" : cell;
-}
+/// A cell of a Markdown table.
+std::string Cell(const std::string& text) { return text.empty() ? "-" : MarkdownText(text); }
 
 /// "a 3, b 5"
 std::string CountsText(const nlohmann::json& counts) {
@@ -108,9 +102,9 @@ Expected<nlohmann::json> DescribeDataset(const std::filesystem::path& path) {
 
 std::string CardMarkdown(const nlohmann::json& card) {
   const auto number = [&](const char* key) { return std::to_string(card.at(key).get<long long>()); };
-  std::string text = "# " + card.at("name").get<std::string>() + "\n\n";
+  std::string text = "# " + MarkdownText(card.at("name").get<std::string>()) + "\n\n";
   const std::string recipe = card.at("recipe").get<std::string>();
-  if (!recipe.empty()) text += recipe + ".\n\n";
+  if (!recipe.empty()) text += MarkdownText(recipe) + ".\n\n";
   text += "| | |\n|---|---|\n";
   const std::pair<const char*, std::string> rows[] = {
       {"clips", number("clips")},

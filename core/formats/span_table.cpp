@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/formats/humanact12_names.h"
 #include "core/formats/line_reader.h"
@@ -28,7 +29,7 @@ std::optional<std::vector<std::string>> CellsOfLine(std::string_view line) {
     }
   }
   if (quoted) return std::nullopt;
-  for (std::string& cell : cells) cell = std::string(Trim(cell));
+  for (std::string& cell : cells) cell = TextOfCsvCell(Trim(cell));
   return cells;
 }
 

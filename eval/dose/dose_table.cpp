@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -140,7 +141,8 @@ DoseTable MakeDoseTable(const nlohmann::json& rows, const std::vector<DoseSeries
 }
 
 std::string DoseMarkdown(const DoseTable& table, const std::string& title) {
-  std::string text = "# " + title + "\n\nThe smallest dose that each metric responds to; –: to none of the doses.\n\n" +
+  std::string text = "# " + MarkdownText(title) +
+                     "\n\nThe smallest dose that each metric responds to; –: to none of the doses.\n\n" +
                      HeaderOf("damage", table.metrics);
   for (const DoseSeries& series : table.series) {
     text += std::string("| ") + InfoOf(series.damage).name + " |";

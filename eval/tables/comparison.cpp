@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "eval/tables/metric_columns.h"
 
@@ -223,7 +224,7 @@ std::string ComparisonCsvHead() {
 
 std::string ComparisonCsv(const std::string& set, const Comparison& comparison) {
   const auto text = [](const nlohmann::json& value) {
-    return value.is_string() ? CsvText(value.get<std::string>()) : std::string();
+    return value.is_string() ? QuotedCsvCell(value.get<std::string>()) : std::string();
   };
   const auto number = [](const nlohmann::json& value) {
     return value.is_number() ? FormatDouble(value.get<double>()) : std::string();
@@ -236,7 +237,7 @@ std::string ComparisonCsv(const std::string& set, const Comparison& comparison) 
     const nlohmann::json& metrics = row.at("metrics");
     for (const auto& [metric, one] : metrics.items()) {
       if (!one.at("value").is_number() && !one.at("published").is_number()) continue;
-      csv += CsvText(set) + "," + text(row.at("method")) + "," + text(row.at("published_as")) + "," +
+      csv += QuotedCsvCell(set) + "," + text(row.at("method")) + "," + text(row.at("published_as")) + "," +
              text(row.at("profile")) + "," + metric + "," + number(one.at("value")) + "," + pair(one.at("interval")) +
              "," + text(one.at("interval_kind")) + "," + number(one.at("published")) + "," +
              number(one.at("published_pm")) + "," + text(one.at("pm_kind")) + "," + number(one.at("ratio")) + "," +

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -52,17 +53,6 @@ std::vector<std::string> Meanings(const Table& table) {
   return meanings;
 }
 
-/// A name in one line of Markdown, with markup characters escaped.
-std::string MarkdownText(std::string_view text) {
-  constexpr std::string_view kMarkup = "\\`*_|<[]";
-  std::string escaped;
-  for (const char c : text) {
-    if (kMarkup.find(c) != std::string_view::npos) escaped += '\\';
-    escaped += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return escaped;
-}
-
 /// A name in LaTeX text, with the arrows and signs of our columns and notes.
 std::string LatexText(std::string_view text) {
   constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {{"\\", "\\textbackslash{}"},
@@ -100,12 +90,6 @@ std::string LatexText(std::string_view text) {
 
 }  // namespace
 
-std::string CsvText(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 std::string ToMarkdown(const Table& table) {
   std::string text = "**" + MarkdownText(table.title) + "**\n\n| method |";
   for (const std::string& column : table.columns) text += " " + MarkdownText(column) + " |";
@@ -135,14 +119,14 @@ std::string ToCsv(const Table& table) {
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Table::Cell& cell = row.cells[c];
       if (!cell.value) continue;
-      text += CsvText(row.name) + "," + CsvText(table.columns[c]) + "," + FormatDouble(*cell.value) + ",";
+      text += QuotedCsvCell(row.name) + "," + QuotedCsvCell(table.columns[c]) + "," + FormatDouble(*cell.value) + ",";
       text += cell.interval ? FormatDouble((*cell.interval)[0]) + "," + FormatDouble((*cell.interval)[1]) : ",";
       text += "," + cell.interval_kind;
       for (const IntervalKind kind : {IntervalKind::kStudent, IntervalKind::kAction2Motion, IntervalKind::kActor}) {
         text += "," + (cell.repetitions.size() > 1 ? FormatDouble(Summarise(cell.repetitions, kind).half_width) : "");
       }
-      text += "," + std::to_string(std::max<std::size_t>(1, cell.repetitions.size())) + "," + CsvText(row.source) +
-              "," + (row.unconverged ? "no" : "") + "\n";
+      text += "," + std::to_string(std::max<std::size_t>(1, cell.repetitions.size())) + "," +
+              QuotedCsvCell(row.source) + "," + (row.unconverged ? "no" : "") + "\n";
     }
   }
   return text;

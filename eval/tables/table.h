@@ -31,9 +31,6 @@ struct Table {
   std::vector<std::string> notes;
 };
 
-/// A text as a field of a CSV file, in quotes.
-std::string CsvText(const std::string& text);
-
 /// "0.923 ± 0.002" per cell, † after a marked value, ‡ after the name of an unconverged row; published rows follow ours
 /// under their own heading. Below are the meanings of ±, then the notes. Names and notes are plain text: markup
 /// characters are escaped.

@@ -10,6 +10,7 @@
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/log.h"
+#include "core/base/table_text.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/motion/fingerprint.h"
@@ -159,9 +160,7 @@ Status WriteClipMeasures(const nlohmann::json& audit, const fs::path& path) {
       const nlohmann::json& value = clip.at(key);
       if (value.is_null()) return "";
       if (!value.is_string()) return FormatDouble(value.get<double>());
-      std::string text = "\"";
-      for (const char c : value.get_ref<const std::string&>()) text += c == '"' ? "\"\"" : std::string(1, c);
-      return text + "\"";
+      return QuotedCsvCell(value.get_ref<const std::string&>());
     });
   }
   return WriteFile(path, csv);

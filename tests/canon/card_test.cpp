@@ -70,6 +70,23 @@ TEST_F(TwoSets, TheCardCountsClassesPersonsSplitsAndFindings) {
   EXPECT_FALSE(DescribeDataset(folder_ / "nowhere.h5"));
 }
 
+TEST_F(TwoSets, NamesOnTheCardAreNoMarkup) {
+  dataset_.recipe = "# heading <script>alert(1)</script>";
+  dataset_.clips[0].identity.person = "[a](http://b) \x1b[2J";
+  dataset_.clips[0].label = dataset_.labels[0] = "<img src=x>";
+  dataset_.splits[0].name = "> `s`";
+  const auto card = DescribeDataset(Written(dataset_, "a.h5"));
+  ASSERT_TRUE(card) << card.error().Message();
+  const std::string text = CardMarkdown(*card);
+  for (std::size_t i = 1; i < text.size(); ++i) {
+    const bool markup = text[i] == '<' || text[i] == '[' || text[i] == '`';
+    EXPECT_TRUE(!markup || text[i - 1] == '\\') << text.substr(i, 20);
+    EXPECT_NE(text[i], '\x1b');
+  }
+  EXPECT_THAT(text, HasSubstr("\n\\# heading"));
+  EXPECT_THAT(text, HasSubstr("| \\> "));
+}
+
 TEST_F(TwoSets, EachKindOfDifferenceIsReportedOnceAndEqualSetsDifferInNothing) {
   const fs::path before = Written(dataset_, "a.h5");
   const auto none = DiffDatasets(before, Written(dataset_, "same.h5"));

@@ -32,6 +32,16 @@ TEST(SpanTable, ReadsColumnsInAnyOrder) {
   EXPECT_EQ(ParseSpanTable("clip,begin_s,end_s,label\n", "spans.csv")->size(), 0u);
 }
 
+TEST(SpanTable, ReadsTextsThatASpreadsheetMustNotCompute) {
+  const auto spans =
+      ParseSpanTable("clip,begin_s,end_s,label\n\"'=a,b\",0,1,'-x\nc,0,1,''=1\nc,0,1,'quoted'\n", "t.csv");
+  ASSERT_TRUE(spans) << spans.error().Message();
+  EXPECT_EQ(spans->at(0).clip, "=a,b");
+  EXPECT_EQ(spans->at(0).label, "-x");
+  EXPECT_EQ(spans->at(1).label, "'=1");
+  EXPECT_EQ(spans->at(2).label, "'quoted'");
+}
+
 TEST(SpanTable, ReadsFramesAndLabelsFromHumanAct12Names) {
   for (const char* text : {"P03G02R04F0012T0075A0803.npy\n", "P03G02R04F0012T0075A0803\n", "0324001200750803\n"}) {
     const auto spans = ParseSpanTable(text, "names");

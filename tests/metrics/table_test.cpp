@@ -77,6 +77,12 @@ TEST(Csv, HasTheValueItsIntervalAndThePapersValues) {
   EXPECT_EQ(lines[3], "\"Ours, \"\"new\"\"\",\"FID\",12.5,,,student_95,,,,1,\"\",");
 }
 
+TEST(Csv, HoldsNoFormula) {
+  Table table = TwoMethods();
+  table.rows[0].name = "=HYPERLINK(\"http://a\")";
+  EXPECT_EQ(ToCsv(table).find("\n\"="), std::string::npos);
+}
+
 TEST(Latex, IsABooktabsTabularWithDashesForMissingValuesAndNotes) {
   EXPECT_EQ(ToLatex(TwoMethods()),
             "% toy\n"

@@ -156,6 +156,19 @@ TEST(SurveyTally, WithoutAnswersFilesSayThatThereAreNone) {
   EXPECT_THAT(TallyToMarkdown(tally), HasSubstr("no answers"));
 }
 
+TEST(SurveyTally, NamesAreNeitherMarkupNorFormulas) {
+  SurveyKey key = KnownKey();
+  key.labels[0] = key.questions[2].label = "=1+1";
+  key.sources[0] = "<b>A</b>";
+  for (SurveyQuestion& question : key.questions) {
+    for (ShownMotion& shown : question.shown) shown.source = shown.source == "A" ? key.sources[0] : shown.source;
+  }
+  const SurveyTally tally = TallySurvey(key, {{"p", {0, 1, 1, 0}}});
+  EXPECT_THAT(TallyToCsv(tally), HasSubstr(",B,'=1+1,"));
+  EXPECT_THAT(TallyToMarkdown(tally), Not(HasSubstr("| <b>")));
+  EXPECT_THAT(TallyToMarkdown(tally), HasSubstr("| \\<b>A\\</b> | B | \\=1+1 |"));
+}
+
 TEST(SurveyFiles, WhatWasEditedIsRefusedWithItsPlace) {
   const SurveyKey key = KnownKey();
   nlohmann::json good = {{"survey", SurveyId(key)}, {"participant", "p-1"}, {"missing", nlohmann::json::array()}};

@@ -1,0 +1,48 @@
+#include "core/base/table_text.h"
+
+#include "core/base/terminal.h"
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+/// Whether the text behind leading ' is a formula to a spreadsheet.
+bool IsFormula(std::string_view text) {
+  const std::size_t first = text.find_first_not_of('\'');
+  if (first == std::string_view::npos) return false;
+  return std::string_view("=+-@\t\r").find(text[first]) != std::string_view::npos && !ParseDouble(text);
+}
+
+std::string InQuotes(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string NoFormula(std::string_view text) { return (IsFormula(text) ? "'" : "") + std::string(text); }
+
+}  // namespace
+
+std::string CsvCell(std::string_view text) {
+  const std::string cell = NoFormula(text);
+  return cell.find_first_of(",\"\r\n") == std::string::npos ? cell : InQuotes(cell);
+}
+
+std::string QuotedCsvCell(std::string_view text) { return InQuotes(NoFormula(text)); }
+
+std::string TextOfCsvCell(std::string_view cell) {
+  return std::string(!cell.empty() && cell[0] == '\'' && IsFormula(cell) ? cell.substr(1) : cell);
+}
+
+std::string MarkdownText(std::string_view text) {
+  constexpr std::string_view kMarkup = "\\`*_|<[]", kMarkupOfLine = "#>+-=";
+  std::string escaped;
+  for (const char c : TerminalText(text)) {
+    const std::string_view markup = escaped.empty() ? kMarkupOfLine : "";
+    if (kMarkup.find(c) != std::string_view::npos || markup.find(c) != std::string_view::npos) escaped += '\\';
+    escaped += c == '\n' || c == '\t' ? ' ' : c;
+  }
+  return escaped;
+}
+
+}  // namespace mocurate
