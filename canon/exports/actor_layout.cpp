@@ -8,6 +8,7 @@
 #include "canon/exports/clip_names.h"
 #include "canon/exports/smpl_arrays.h"
 #include "canon/exports/written_set.h"
+#include "core/base/characters.h"
 #include "core/base/text.h"
 #include "core/formats/array_fields.h"
 #include "core/formats/pickle_writer.h"
@@ -45,6 +46,8 @@ class ActorWriter : public LayoutWriter {
     return std::vector<ExportedFile>();
   }
 
+  void RemoveLast() override {}  // no clip has a file of its own
+
   Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) override {
     if (clips_.empty()) return std::vector<ExportedFile>();
     Expected<std::string> bytes = Pickle();
@@ -74,7 +77,7 @@ class ActorWriter : public LayoutWriter {
                            {"label", YamlText("{action}")},
                            {"labels", YamlMap(labels)}};
     const std::string name =
-        set_.file.empty() ? "source.yaml" : std::filesystem::path(set_.file).stem().string() + ".source.yaml";
+        set_.file.empty() ? kDeclarationFile : std::filesystem::path(set_.file).stem().string() + ".source.yaml";
     ExportSet without_splits = set_;
     without_splits.splits.clear();  // ingest does not read persons back
     for (ExportedFile& file : DeclarationFiles(without_splits, clips_, declaration, name, notes)) {
@@ -89,7 +92,7 @@ class ActorWriter : public LayoutWriter {
   static void AddTexts(PickleWriter& writer, const char* key, const std::vector<std::string>& texts) {
     writer.Text(key);
     writer.BeginList();
-    for (const std::string& text : texts) writer.Text(text);
+    for (const std::string& text : texts) writer.Text(WithoutControls(text));
     writer.End();
   }
 
@@ -105,7 +108,7 @@ class ActorWriter : public LayoutWriter {
     writer.BeginDict();
     for (const Split& split : set_.splits) {
       const std::vector<std::string> parts = PartOfEachClip(split, set_.ids.size());
-      writer.Text(split.name);
+      writer.Text(WithoutControls(split.name));
       writer.BeginDict();
       for (const char* part : {"train", "validation", "test"}) {
         writer.Text(part);

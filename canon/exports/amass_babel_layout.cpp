@@ -12,6 +12,8 @@
 #include "canon/exports/smpl_arrays.h"
 #include "canon/exports/written_set.h"
 #include "canon/frames/level.h"
+#include "core/base/characters.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/formats/amass.h"
 #include "core/formats/babel.h"
@@ -20,7 +22,7 @@ namespace mocurate {
 namespace {
 
 constexpr const char* kZUp = "+x -z +y";
-constexpr const char* kBabelFolder = "babel_v1.0_release/";
+constexpr const char* kBabelFolder = "babel_v1.0_release";
 constexpr const char* kLabelTable = "labels.csv";
 /// Part of a split -> file; clips of no part go to the last one. All other files are always written.
 constexpr std::pair<const char*, const char*> kBabelParts[] = {
@@ -122,12 +124,13 @@ Raise RaiseOf(const Clip& clip, const Motion& own, const Motion& written) {
 
 /// A text that fits a cell of labels.csv: ingest splits lines at commas and strips blanks.
 bool FitsCell(const std::string& text) {
-  return !text.empty() && Trim(text) == text && text.find_first_of(",\r\n") == std::string::npos;
+  return !text.empty() && Trim(text) == text && WithoutControls(text) == text && CsvCell(text) == text;
 }
 
 class AmassBabelWriter : public LayoutWriter {
  public:
   explicit AmassBabelWriter(const ExportSet& set) : set_(set), names_(set.ids, RecordingNames::kOfSet) {
+    source_ = FileNames({kClipTable, kDeclarationFile, kSkeletonFile, kLabelTable, kBabelFolder}).Of(names_.source());
     for (std::size_t i = 0; i < set.ids.size(); ++i) named_poses_ = named_poses_ && EndsInPoses(names_.Recording(i));
     if (!set.splits.empty()) parts_ = PartOfEachClip(set.splits.front(), set.ids.size());
   }
@@ -154,14 +157,14 @@ class AmassBabelWriter : public LayoutWriter {
     for (std::size_t f = 0; f < amass.frames; ++f) amass.translation_m[3 * f + 2] += raise.metres;
     amass.betas.assign(kShapeNumbers, 0.0);
     const std::string take = names_.Recording(position) + (named_poses_ ? "" : kPoses);
-    const std::string file = names_.source() + "/" + names_.Person(position) + "/" + take + ".npz";
+    const std::string file = source_ + "/" + names_.Person(position) + "/" + take + ".npz";
     Expected<std::string> bytes = EncodeAmass(amass, clip.id());
     if (!bytes) return Forward(bytes);
     const std::string part = parts_.empty() ? "train" : parts_[position];
     const bool annotated = !clip.label.empty() || !clip.segments.empty();
     parts_come_back_ = parts_come_back_ && annotated && !part.empty();
     if (annotated) {
-      BabelSequence sequence = SequenceOf(clip, names_.source() + "/" + file);
+      BabelSequence sequence = SequenceOf(clip, source_ + "/" + file);
       const auto sid = clip.provenance.find("babel_sid");
       const std::optional<long long> known = sid == clip.provenance.end() ? std::nullopt : ParseInteger(sid->second);
       if (known && *known > 0 && sids_.insert(*known).second) sequence.babel_sid = *known;
@@ -175,19 +178,27 @@ class AmassBabelWriter : public LayoutWriter {
     return std::vector<ExportedFile>{{file, *std::move(bytes)}};
   }
 
+  void RemoveLast() override {
+    for (auto& [part, sequences] : sequences_) {
+      if (!sequences.empty() && sequences.back().feat_p == source_ + "/" + clips_.back().file) sequences.pop_back();
+    }
+    clips_.pop_back();
+    takes_.pop_back();
+  }
+
   Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) override {
     std::vector<ExportedFile> files = {ClipTable(set_, clips_)};
     if (clips_.empty()) return files;
     NoteLosses(notes);
     FileDeclaration declaration;
     declaration.layout = "amass_babel";
-    declaration.source = names_.source();
+    declaration.source = source_;
     std::vector<std::string> annotations;
     std::map<std::string, std::string> roles;
     for (const auto& [part, name] : kBabelParts) {
       std::vector<BabelSequence>& sequences = sequences_[part];
       if (sequences.empty() && std::string(part) == "other") continue;
-      annotations.push_back(kBabelFolder + std::string(name));
+      annotations.push_back(kBabelFolder + std::string("/") + name);
       roles[annotations.back()] = part;
       files.push_back({annotations.back(), EncodeBabel(Numbered(sequences))});
     }
@@ -207,7 +218,7 @@ class AmassBabelWriter : public LayoutWriter {
       declaration.role_split = set_.splits.front().name;
     }
     if (!codes.empty()) declaration.options.emplace_back("labels", YamlMap(codes));
-    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, "source.yaml", notes)) {
+    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, kDeclarationFile, notes)) {
       files.push_back(std::move(file));
     }
     return files;
@@ -269,6 +280,7 @@ class AmassBabelWriter : public LayoutWriter {
 
   const ExportSet set_;
   const ClipNames names_;
+  std::string source_;              ///< top folder
   std::vector<std::string> parts_;  ///< of the split; empty: there is none
   std::vector<WrittenClip> clips_;
   std::vector<std::string> takes_;                               ///< of clips_

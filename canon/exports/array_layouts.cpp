@@ -3,13 +3,17 @@
 #include <cmath>
 #include <cstdio>
 
+#include "canon/exports/clip_names.h"
 #include "canon/exports/labelled_folder.h"
 #include "canon/exports/written_set.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {
 namespace {
+
+constexpr const char* kNotInCsvNames = ", \"";
 
 using DeclaredOptions = std::vector<std::pair<std::string, std::string>>;
 
@@ -37,10 +41,8 @@ Expected<std::string> CsvOfClip(const Clip& clip, const ExportSet&) {
   Motion motion = *clip.motion;
   if (!motion.joints_only()) ComputeJoints(motion);
   std::string text = "time_s";
-  for (const Joint& joint : motion.skeleton->joints) {
-    std::string name = joint.name;
-    for (char& c : name) c = std::string_view(", \"\t").find(c) == std::string_view::npos ? c : '_';
-    for (const char* axis : {"_x", "_y", "_z"}) text += "," + name + axis;
+  for (const std::string& name : JointNamesForFile(*motion.skeleton, kNotInCsvNames)) {
+    for (const char* axis : {"_x", "_y", "_z"}) text += "," + CsvCell(name + axis);
   }
   text += '\n';
   const std::size_t numbers = 3 * static_cast<std::size_t>(motion.joint_count());
@@ -76,6 +78,7 @@ std::unique_ptr<LayoutWriter> MakeNpzLayout(const ExportSet& set) {
 std::unique_ptr<LayoutWriter> MakeCsvLayout(const ExportSet& set) {
   LabelledFolder folder{"csv", ".csv", CsvOfClip, DeclareCsv};
   folder.joint_table = true;
+  folder.not_in_joint_names = kNotInCsvNames;
   return MakeLabelledFolder(set, folder);
 }
 

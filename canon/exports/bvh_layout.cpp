@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "canon/exports/clip_names.h"
 #include "canon/exports/labelled_folder.h"
 #include "canon/exports/written_set.h"
 #include "core/base/pi.h"
@@ -10,6 +11,7 @@
 namespace mocurate {
 namespace {
 
+constexpr const char* kNotInBvhNames = " {}";
 constexpr double kCentimetresPerMetre = 100.0;
 constexpr double kEndSiteShare = 0.5;  ///< length of an End Site relative to the bone that ends at the leaf
 
@@ -33,16 +35,12 @@ std::vector<int> OrderOfBranches(const Skeleton& skeleton) {
   return order;
 }
 
-std::string NameWithoutBlanks(std::string name) {
-  for (char& c : name) c = c == ' ' || c == '\t' ? '_' : c;
-  return name;
-}
-
 /// The tree of a motion with this person's bone lengths.
 std::vector<BvhJoint> TreeOf(const Motion& motion, const std::vector<int>& order) {
   using Channel = BvhChannel;
   const Skeleton& skeleton = *motion.skeleton;
   const std::vector<std::vector<int>> children = skeleton.Children();
+  const std::vector<std::string> names = JointNamesForFile(skeleton, kNotInBvhNames);
   std::vector<int> place(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<int>(k);
   std::vector<BvhJoint> tree;
@@ -53,7 +51,7 @@ std::vector<BvhJoint> TreeOf(const Motion& motion, const std::vector<int>& order
                               ? joint.rest_offset
                               : Vector3d(motion.bone_length[j] * joint.rest_offset.stableNormalized());
     BvhJoint own;
-    own.name = NameWithoutBlanks(joint.name);
+    own.name = names[static_cast<std::size_t>(j)];
     own.parent = joint.parent < 0 ? -1 : place[joint.parent];
     own.offset = j == 0 ? Vector3d(Vector3d::Zero()) : RoundedOffset(bone);
     own.channels = {Channel::kZRotation, Channel::kXRotation, Channel::kYRotation};
@@ -111,6 +109,7 @@ std::unique_ptr<LayoutWriter> MakeBvhLayout(const ExportSet& set) {
   folder.holds_rate = true;
   folder.declares_rate = false;
   folder.holds_tree = true;
+  folder.not_in_joint_names = kNotInBvhNames;
   return MakeLabelledFolder(set, folder);
 }
 

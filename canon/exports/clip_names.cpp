@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "core/base/file.h"
+#include "core/base/characters.h"
 
 namespace mocurate {
 namespace {
@@ -13,7 +13,36 @@ std::string LowerCase(std::string text) {
   return text;
 }
 
-/// `name`, with a number appended where it is used already.
+constexpr std::size_t kLongestName = 200;  // bytes; with a span, a number and an ending a file system's 255 suffice
+
+std::string Shortened(std::string name) {
+  if (name.size() <= kLongestName) return name;
+  std::size_t end = kLongestName;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;
+  return name.substr(0, end);
+}
+
+/// `text` with '_' for what is no plain character and for those of `refused`.
+std::string Replaced(std::string_view text, std::string_view refused) {
+  std::string name;
+  while (!text.empty()) {
+    const Character character = FirstCharacter(text);
+    const bool plain = character.kind == CharacterKind::kPlain && refused.find(text[0]) == std::string_view::npos;
+    name += plain ? text.substr(0, character.bytes) : "_";
+    text.remove_prefix(character.bytes);
+  }
+  return name;
+}
+
+/// Whether Windows takes the name for a device, with or without an ending: "con", "Aux.txt", "COM1".
+bool IsDevice(const std::string& name) {
+  const std::string base = LowerCase(name.substr(0, name.find('.')));
+  if (base == "con" || base == "prn" || base == "aux" || base == "nul") return true;
+  return base.size() == 4 && (base.substr(0, 3) == "com" || base.substr(0, 3) == "lpt") && base[3] >= '1' &&
+         base[3] <= '9';
+}
+
+/// `name`, with a number appended where it is used already; `taken` are in lower case.
 std::string Untaken(const std::string& name, std::set<std::string>& taken) {
   std::string free = name;
   for (int copy = 2; !taken.insert(LowerCase(free)).second; ++copy) free = name + "~" + std::to_string(copy);
@@ -38,16 +67,26 @@ ClipIdParts PartsOfClipId(std::string_view id) {
 }
 
 std::string NameForFile(std::string_view text) {
-  std::string name(text);
-  for (auto bad = FirstNotUtf8(name); bad; bad = FirstNotUtf8(name)) name[*bad] = '_';
-  for (char& c : name) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7F || std::string_view("/\\:*?\"<>|#{},").find(c) != std::string_view::npos) c = '_';
-  }
+  std::string name = Shortened(Replaced(text, "/\\:*?\"<>|#{},"));
   if (name.empty()) return "_";
-  if (name.front() == '.' || name.front() == ' ') name.front() = '_';
+  if (std::string_view(". -=+@").find(name.front()) != std::string_view::npos) name.front() = '_';
   if (name.back() == '.' || name.back() == ' ') name.back() = '_';
-  return name;
+  return IsDevice(name) ? "_" + name : name;
+}
+
+std::vector<std::string> JointNamesForFile(const Skeleton& skeleton, std::string_view refused) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const Joint& joint : skeleton.joints) {
+    std::string name = joint.name.empty() ? "_" : Replaced(joint.name, refused);
+    while (!taken.insert(name).second) name += '_';
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+FileNames::FileNames(const std::vector<std::string>& taken) {
+  for (const std::string& name : taken) taken_.insert(LowerCase(name));
 }
 
 const std::string& FileNames::Of(const std::string& text) {
@@ -62,8 +101,9 @@ std::map<std::string, std::string> FileNames::Texts() const {
   return texts;
 }
 
-bool FileNames::Plain() const {
-  return std::all_of(names_.begin(), names_.end(), [](const auto& named) { return named.first == named.second; });
+std::size_t FileNames::renamed() const {
+  return static_cast<std::size_t>(
+      std::count_if(names_.begin(), names_.end(), [](const auto& named) { return named.first != named.second; }));
 }
 
 ClipNames::ClipNames(const std::vector<std::string>& ids, RecordingNames unique) {
@@ -88,13 +128,14 @@ ClipNames::ClipNames(const std::vector<std::string>& ids, RecordingNames unique)
     const std::string& person = persons.Of(sources.size() == 1 ? part.person : part.source + "." + part.person);
     std::string name = NameForFile(part.recording);
     const bool met = unique == RecordingNames::kOfSet && persons_of_name[LowerCase(name)].size() > 1;
-    if (met) name = person + "_" + name;
+    if (met) name = Shortened(person + "_" + name);
     if (clips_of_recording[recording_of(part)] > 1) name += "." + part.span;
     name = Untaken(name, taken[unique == RecordingNames::kOfSet ? "" : person]);
     persons_.push_back(person);
     recordings_.push_back(name);
     renamed_ += name != part.recording ? 1 : 0;
   }
+  renamed_persons_ = persons.renamed();
 }
 
 }  // namespace mocurate

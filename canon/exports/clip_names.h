@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/motion/skeleton.h"
+
 namespace mocurate {
 
 /// The parts of a clip's id, "source/person/recording#begin-end".
@@ -19,20 +21,28 @@ struct ClipIdParts {
 
 ClipIdParts PartsOfClipId(std::string_view id);
 
-/// A text as the name of a file or folder. Characters that a file system or a file pattern refuses (control characters,
-/// blanks at the ends, / \ : * ? " < > | # { } and commas, a leading dot, bytes that are not UTF-8) become '_'; an
-/// empty text is "_".
+/// A text as the name of a file or folder, at most 200 bytes. Characters that a file system, a file pattern, a shell or
+/// a spreadsheet takes for something else (control characters, marks of direction, blanks at the ends, / \ : * ? " < >
+/// | # { } and commas, a leading . - = + @, a last dot, bytes that are not UTF-8) become '_'; an empty text is "_".
+/// Names of Windows' devices begin with '_'.
 std::string NameForFile(std::string_view text);
+
+/// The joints' names without control characters and those of `refused`, which become '_'; two joints never share one.
+std::vector<std::string> JointNamesForFile(const Skeleton& skeleton, std::string_view refused);
 
 /// Assigns file names to texts: the same text gets the same name, two texts never share one, even up to case: "Walk",
 /// "walk~2".
 class FileNames {
  public:
+  /// `taken`: names that no text gets.
+  explicit FileNames(const std::vector<std::string>& taken = {});
   const std::string& Of(const std::string& text);
   /// name -> text of all texts so far.
   std::map<std::string, std::string> Texts() const;
+  /// Number of texts whose name differs.
+  std::size_t renamed() const;
   /// Whether all names equal their texts.
-  bool Plain() const;
+  bool Plain() const { return renamed() == 0; }
 
  private:
   std::map<std::string, std::string> names_;  ///< by text
@@ -57,12 +67,15 @@ class ClipNames {
   const std::string& Recording(std::size_t position) const { return recordings_[position]; }
   /// Number of recordings whose name differs from the id.
   std::size_t renamed() const { return renamed_; }
+  /// Number of persons whose name differs from the id.
+  std::size_t renamed_persons() const { return renamed_persons_; }
 
  private:
   std::string source_;
   std::vector<std::string> persons_;
   std::vector<std::string> recordings_;
   std::size_t renamed_ = 0;
+  std::size_t renamed_persons_ = 0;
 };
 
 }  // namespace mocurate

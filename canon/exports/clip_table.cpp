@@ -3,18 +3,12 @@
 
 #include "canon/exports/clip_names.h"
 #include "canon/exports/written_set.h"
+#include "core/base/characters.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 
 namespace mocurate {
 namespace {
-
-/// A cell of RFC 4180.
-std::string CsvCell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 std::string CsvLine(const std::vector<std::string>& cells) {
   std::string line;
@@ -54,7 +48,7 @@ ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& cli
   if (states_origin) header.insert(header.end(), {"origin", "raised_m"});
   std::vector<std::vector<std::string>> parts;
   for (const Split& split : set.splits) {
-    header.push_back("split_" + split.name);
+    header.push_back("split_" + WithoutControls(split.name));
     parts.push_back(PartOfEachClip(split, set.ids.size()));
   }
   std::string text = CsvLine(header);
@@ -62,12 +56,12 @@ ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& cli
     const auto label = std::find(set.labels.begin(), set.labels.end(), clip.label);
     const ClipIdParts id = PartsOfClipId(set.ids[clip.position]);
     std::vector<std::string> cells = {clip.file,
-                                      set.ids[clip.position],
-                                      id.person,
-                                      id.recording,
-                                      clip.label,
+                                      WithoutControls(set.ids[clip.position]),
+                                      WithoutControls(id.person),
+                                      WithoutControls(id.recording),
+                                      WithoutControls(clip.label),
                                       label == set.labels.end() ? "" : std::to_string(label - set.labels.begin()),
-                                      clip.fine_label,
+                                      WithoutControls(clip.fine_label),
                                       std::to_string(clip.frames),
                                       FormatDouble(clip.rate.hz())};
     if (states_origin) cells.insert(cells.end(), {clip.origin, RoundedText(clip.raised_m, 6)});

@@ -128,6 +128,8 @@ class HumanAct12Writer : public LayoutWriter {
     return std::vector<ExportedFile>{{clips_.back().file, *std::move(bytes)}};
   }
 
+  void RemoveLast() override { clips_.pop_back(); }
+
   Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) override {
     std::vector<ExportedFile> files = {ClipTable(set_, clips_)};
     if (clips_.empty()) return files;
@@ -155,7 +157,7 @@ class HumanAct12Writer : public LayoutWriter {
       say("fine_label", YamlText("{action}{fine}"));
       say("fine_labels", YamlMap(codes_.FineLabels()));
     }
-    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, "source.yaml", notes)) {
+    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, kDeclarationFile, notes)) {
       files.push_back(std::move(file));
     }
     return files;

@@ -28,11 +28,10 @@ class LabelledFolderWriter : public LayoutWriter {
     return std::vector<ExportedFile>{{std::move(path), *std::move(bytes)}};
   }
 
+  void RemoveLast() override { clips_.pop_back(); }
+
   Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) override {
-    if (names_.renamed() > 0) {
-      notes.push_back(Counted(static_cast<long long>(names_.renamed()), "recording") +
-                      " come back with the file names; clips.csv has the clips' ids");
-    }
+    NoteNames(notes);
     std::vector<ExportedFile> files = {ClipTable(set_, clips_)};
     if (clips_.empty()) return files;
     const FrameRate& first = clips_.front().rate;
@@ -59,18 +58,38 @@ class LabelledFolderWriter : public LayoutWriter {
     if (!labels_.Plain()) say("labels", YamlMap(labels_.Texts()));
     if (fine) say("fine_label", YamlText("{fine}"));
     if (!fine_labels_.Plain()) say("fine_labels", YamlMap(fine_labels_.Texts()));
-    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, "source.yaml", notes)) {
+    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, kDeclarationFile, notes)) {
       files.push_back(std::move(file));
     }
     return files;
   }
 
  private:
+  void NoteNames(std::vector<std::string>& notes) const {
+    for (const auto& [renamed, noun] :
+         {std::pair(names_.renamed(), "recording"), {names_.renamed_persons(), "person"}}) {
+      if (renamed == 0) continue;
+      notes.push_back(Counted(static_cast<long long>(renamed), noun) +
+                      " come back with the file names; clips.csv has the clips' ids");
+    }
+    if (const std::size_t renamed = labels_.renamed() + fine_labels_.renamed(); renamed > 0) {
+      notes.push_back(Counted(static_cast<long long>(renamed), "label") +
+                      " got another name as folder; clips.csv has the labels");
+    }
+    const std::vector<std::string> joints = JointNamesForFile(*set_.skeleton, folder_.not_in_joint_names);
+    std::string renamed;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const std::string& name = set_.skeleton->joints[j].name;
+      if (joints[j] != name) renamed += (renamed.empty() ? "" : ", ") + joints[j] + " for '" + name + "'";
+    }
+    if (!renamed.empty()) notes.push_back("names of joints in the files: " + renamed);
+  }
+
   const ExportSet set_;
   const LabelledFolder folder_;
   const ClipNames names_;
   OneRate rate_;
-  FileNames labels_;
+  FileNames labels_{{kClipTable, kDeclarationFile, kSkeletonFile}};
   FileNames fine_labels_;
   std::vector<WrittenClip> clips_;
 };

@@ -19,10 +19,11 @@ struct LabelledFolder {
   Expected<std::string> (*encode)(const Clip& clip, const ExportSet& set);
   /// Options of ingest.source, except those for names, and their values in YAML. `rate` is the first clip's.
   std::vector<std::pair<std::string, std::string>> (*declare)(const ExportSet& set, const FrameRate& rate);
-  bool holds_rate = false;    ///< each file states its rate
-  bool declares_rate = true;  ///< the declaration must state the rate, even where the files do
-  bool holds_tree = false;    ///< each file contains the tree of joints
-  bool joint_table = false;   ///< read as joint tracks
+  bool holds_rate = false;              ///< each file states its rate
+  bool declares_rate = true;            ///< the declaration must state the rate, even where the files do
+  bool holds_tree = false;              ///< each file contains the tree of joints
+  bool joint_table = false;             ///< read as joint tracks
+  const char* not_in_joint_names = "";  ///< characters that the files' names of joints cannot hold
 };
 
 std::unique_ptr<LayoutWriter> MakeLabelledFolder(const ExportSet& set, const LabelledFolder& folder);

@@ -55,6 +55,8 @@ class LayoutWriter {
   /// The files of the clip at `position` of ExportSet::ids. Error: why the layout cannot write it; the export continues
   /// with the others.
   virtual Expected<std::vector<ExportedFile>> Add(std::size_t position, const Clip& clip) = 0;
+  /// Takes back the clip that was added last: its files could not be written.
+  virtual void RemoveLast() = 0;
   /// After the last clip: tables, and source.yaml, the declaration that reads the export again. Appends notes for the
   /// user about lost information.
   virtual Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) = 0;

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "canon/exports/clip_names.h"
+#include "core/base/characters.h"
 #include "core/geometry/rotation.h"
 #include "core/motion/kinematics.h"
 
@@ -24,7 +26,10 @@ void Add(Npz& npz, const char* name, std::vector<std::size_t> shape, std::vector
 
 void AddTexts(Npz& npz, const char* name, std::vector<std::size_t> shape, std::vector<std::string> texts) {
   std::size_t longest = 1;
-  for (const std::string& text : texts) longest = std::max(longest, text.size());
+  for (std::string& text : texts) {
+    text = WithoutControls(text);
+    longest = std::max(longest, text.size());
+  }
   npz.members.push_back({name, {std::move(shape), "<U" + std::to_string(longest), {}, std::move(texts)}, ""});
 }
 
@@ -153,9 +158,7 @@ Expected<Npz> ArraysOfMotion(const Clip& clip, RotationArrays rotations) {
   const auto joints = static_cast<std::size_t>(motion.joint_count());
   Add(npz, "joints", {static_cast<std::size_t>(motion.frame_count()), joints, 3}, motion.joints.xyz);
   AddBody(motion, lie, npz);
-  std::vector<std::string> names;
-  for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
-  AddTexts(npz, "joint_names", {joints}, names);
+  AddTexts(npz, "joint_names", {joints}, JointNamesForFile(*motion.skeleton, ""));
   Add(npz, "mocap_frame_rate", {}, {motion.rate.hz()});
   AddTexts(npz, "representation", {}, {std::string(NameOfRotations(rotations))});
   AddTexts(npz, "skeleton", {}, {motion.skeleton->name});

@@ -10,8 +10,6 @@
 namespace mocurate {
 namespace {
 
-constexpr const char* kSkeletonFile = "skeleton.yaml";
-
 /// Whether the name is a built-in skeleton's with the same joints.
 bool IsBuiltIn(const Skeleton& skeleton) {
   if (skeleton.name.empty() || skeleton.name.find_first_of("/.") != std::string::npos) return false;

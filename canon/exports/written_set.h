@@ -30,8 +30,10 @@ struct WrittenClip {
 
 WrittenClip WrittenClipOf(std::size_t position, const Clip& clip, std::string file);
 
-/// Name of the table beside the clips.
+/// Names of the files beside the clips.
 inline constexpr const char* kClipTable = "clips.csv";
+inline constexpr const char* kDeclarationFile = "source.yaml";
+inline constexpr const char* kSkeletonFile = "skeleton.yaml";
 
 /// clips.csv: file, clip, person, recording, label, class, fine_label, frames, rate_hz, of layouts that state it origin
 /// and raised_m, and for each split a column "split_NAME" of train, validation, test or nothing. RFC 4180.

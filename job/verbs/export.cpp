@@ -4,6 +4,7 @@
 #include <set>
 
 #include "canon/exports/layout.h"
+#include "core/base/characters.h"
 #include "core/base/file.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
@@ -133,8 +134,8 @@ Status CheckInferred(const Clip& clip, const Layout& layout, bool keep) {
               clip.id(), "use --inferred keep, or --layout npz, which holds the states of frames");
 }
 
-/// Exports clip by clip. Errors of writing; a clip that cannot be read or exported is refused and does not stop the
-/// others.
+/// Exports clip by clip; a clip that cannot be read, exported or written is refused and does not stop the others.
+/// Errors: no clip was exported, or of writing the tables.
 Status ExportClips(const ClipsToExport& clips, const Layout& layout, const ExportPlace& place, bool keep_inferred,
                    Exported& exported) {
   const std::unique_ptr<LayoutWriter> writer = layout.make(clips.set);
@@ -151,8 +152,16 @@ Status ExportClips(const ClipsToExport& clips, const Layout& layout, const Expor
       continue;
     }
     if (place.one_clip) files->front().path = place.file;
-    if (Status written = WriteFiles(*files, place.folder, exported); !written) return written;
+    if (Status written = WriteFiles(*files, place.folder, exported); !written) {
+      writer->RemoveLast();
+      exported.refused.push_back({id, written.error()});
+      continue;
+    }
     lost.Count(*clip);
+    if (WithoutControls(id + clip->label + clip->fine_label) != id + clip->label + clip->fine_label) {
+      exported.notes.push_back("clip '" + id + "', label '" + clip->label +
+                               "': '_' stands for control characters and bytes that are not UTF-8");
+    }
     exported.files.push_back({{"clip", id}, {"path", files->empty() ? "" : files->front().path}});
   }
   if (exported.files.empty()) return tl::unexpected<Error>(exported.refused.front().error);

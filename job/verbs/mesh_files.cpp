@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "canon/exports/clip_names.h"
 #include "core/base/file.h"
 #include "core/formats/npz.h"
 #include "core/skin/skin.h"
@@ -62,8 +63,7 @@ Expected<int> WriteMeshes(const Dataset& motions, const MeshBodies& bodies, cons
     const Skin body = Shaped(*mean, shape);
     const double lift = HeightOfRoot(body) - HeightOfRoot(*mean);
     for (const Clip& clip : motions.clips) {
-      std::string name = FileNameOf(clip.id()) + "_shape" + std::to_string(k) + ".npz";
-      std::replace(name.begin(), name.end(), '#', '_');
+      const std::string name = NameForFile(FileNameOf(clip.id())) + "_shape" + std::to_string(k) + ".npz";
       if (!clip.motion || clip.motion->joints_only()) {
         return Fail(ErrorCode::kUsage, "the motion has no rotations, which meshes need", clip.id(),
                     "use a network of rotations: kind actor");

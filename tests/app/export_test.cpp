@@ -59,6 +59,16 @@ class ExportVerbs : public ::testing::Test {
   ScratchFolder folder_;
 };
 
+TEST_F(ExportVerbs, OneClipThatCannotBeWrittenCostsItself) {
+  std::filesystem::create_directories(folder_ / "out/_/anna/c.csv/in the way");
+  const Result result = Export({"--layout", "csv", "-o", (folder_ / "out").string(), "--force", "--json"});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_EQ(result.Json()["files"].size(), 1u);
+  EXPECT_TRUE(result.Json()["refused"].contains("set/anna/c#0-3")) << result.out;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/_/anna/a_b.csv"));
+  EXPECT_THAT(ReadText(folder_ / "out/clips.csv"), ::testing::Not(HasSubstr("anna/c")));
+}
+
 TEST_F(ExportVerbs, WritesAFileForEachClip) {
   const Result result = Export({"-o", (folder_ / "arrays").string(), "--as", "axis_angle", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;

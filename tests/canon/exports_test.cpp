@@ -10,6 +10,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "canon/exports/clip_names.h"
@@ -17,6 +18,7 @@
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "core/formats/bvh.h"
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
 #include "ingest/read_motions.h"
@@ -35,6 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 struct Written {
@@ -44,7 +47,9 @@ struct Written {
   std::vector<std::string> files;
 };
 
-Written WriteExport(const std::string& layout, const Dataset& dataset, const fs::path& folder) {
+/// `lost`: position of a clip whose files cannot be written.
+Written WriteExport(const std::string& layout, const Dataset& dataset, const fs::path& folder,
+                    std::optional<std::size_t> lost = std::nullopt) {
   ExportSet set;
   set.skeleton = dataset.skeleton;
   set.joints_only = dataset.joints_only;
@@ -66,6 +71,10 @@ Written WriteExport(const std::string& layout, const Dataset& dataset, const fs:
     const auto files = writer->Add(i, dataset.clips[i]);
     if (!files) {
       written.refused.push_back(dataset.clips[i].id());
+      continue;
+    }
+    if (i == lost) {
+      writer->RemoveLast();
       continue;
     }
     write(*files);
@@ -212,6 +221,42 @@ TEST_P(EveryLayout, GivesTheSameBytesAgain) {
   for (const std::string& file : first.files) {
     EXPECT_EQ(ReadFile(once.path() / file).value(), ReadFile(twice.path() / file).value()) << file;
   }
+}
+
+TEST_P(EveryLayout, TakesEveryNameOfAStranger) {
+  Dataset dataset = SwingingSet("smpl24");
+  dataset.labels[0] = "clips.csv";
+  dataset.labels[1] = std::string(300, 'x');
+  for (Clip& clip : dataset.clips) clip.label = clip.label == "walk" ? dataset.labels[0] : dataset.labels[1];
+  dataset.clips[0].identity.recording = "CON";
+  dataset.clips[1].identity.recording = "\xFF\ntake" + std::string(300, 'y');
+  dataset.clips[1].fine_label = "\x1b\xE2\x80\xAE";
+  dataset.clips[2].identity.person = dataset.clips[3].identity.person = "..";
+  for (Clip& clip : dataset.clips) clip.identity.source = "source.yaml";
+  const ScratchFolder folder;
+  const Written written = WriteExport(GetParam().layout, dataset, folder.path());
+  EXPECT_THAT(written.refused, IsEmpty());
+  for (const std::string& file : written.files) {
+    EXPECT_TRUE(fs::is_regular_file(folder.path() / file)) << file;
+    EXPECT_EQ(file.find("../"), std::string::npos) << file;
+    for (const char c : file) EXPECT_TRUE(c >= 0x20 && c < 0x7F) << file;
+  }
+  const std::map<std::size_t, Clip> back = ReadBack(written, folder.path());
+  ASSERT_EQ(back.size(), dataset.clips.size());
+  for (const auto& [position, clip] : back) EXPECT_EQ(clip.label, dataset.clips[position].label);
+  if (GetParam().layout == std::string("actor")) return;  // one file
+  const std::string table = ReadFile(folder.path() / "clips.csv").value();
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 5);
+  EXPECT_FALSE(FirstNotUtf8(table));
+}
+
+TEST_P(EveryLayout, ListsNoClipWhoseFilesCouldNotBeWritten) {
+  if (GetParam().layout == std::string("actor")) GTEST_SKIP() << "no clip has a file of its own";
+  const ScratchFolder folder;
+  const Written written = WriteExport(GetParam().layout, SwingingSet("smpl24"), folder.path(), 2);
+  const std::string table = ReadFile(folder.path() / "clips.csv").value();
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 4);
+  EXPECT_EQ(ReadBack(written, folder.path()).size(), 3u);
 }
 
 TEST_P(EveryLayout, RefusesAClipThatItCannotTakeAndNoOther) {
@@ -417,6 +462,54 @@ TEST(ExportedJoints, OfAForeignTreeComeBackWithIt) {
   }
 }
 
+/// Two clips of a tree whose names break lines of text files, open blocks of BVH, are formulas, or are not UTF-8.
+TEST(ExportedJoints, WithNamesOfAStrangerStayOneFieldEach) {
+  auto tree = std::make_shared<Skeleton>();
+  tree->name = "odd\xFF";
+  const char* const names[] = {"body", "a\nb {c}", "a_b _c_", "=1+1", "\xFF\x1b\xC2\x9B,\""};
+  for (int j = 0; j < 5; ++j) {
+    Joint joint;
+    joint.name = names[j];
+    joint.parent = j - 1;
+    joint.mirror = j;
+    if (j > 0) joint.rest_offset = {0.0, 0.4, 0.0};
+    tree->joints.push_back(joint);
+  }
+  Dataset dataset;
+  dataset.skeleton = tree;
+  dataset.clips = {Swinging(tree, StudioTake("p", "r", 0, 20), "", 1.0)};
+  for (const char* layout : {"csv", "bvh", "npz"}) {
+    SCOPED_TRACE(layout);
+    const ScratchFolder folder;
+    const Written written = WriteExport(layout, dataset, folder.path());
+    ASSERT_THAT(written.refused, IsEmpty());
+    EXPECT_THAT(written.notes, Not(IsEmpty()));
+    const std::string bytes = ReadFile(folder.path() / written.files.front()).value();
+    if (layout == std::string("csv")) {
+      const auto lines = SplitText(bytes, '\n');
+      ASSERT_EQ(lines.size(), 22u);
+      EXPECT_EQ(lines[0],
+                "time_s,body_x,body_y,body_z,a_b_{c}_x,a_b_{c}_y,a_b_{c}_z,a_b__c__x,a_b__c__y,a_b__c__z,"
+                "'=1+1_x,'=1+1_y,'=1+1_z,______x,______y,______z");
+    } else if (layout == std::string("bvh")) {
+      const auto bvh = ParseBvh(bytes, "a.bvh");
+      ASSERT_TRUE(bvh) << bvh.error().Message();
+      std::vector<std::string> read;
+      for (const BvhJoint& joint : bvh->joints) read.push_back(joint.name);
+      EXPECT_THAT(read, ElementsAre("body", "a_b__c_", "a_b__c__", "=1+1", "___,\""));
+    }
+  }
+}
+
+TEST(ExportedTexts, ThatAreNotUtf8AreWrittenByActor) {
+  Dataset dataset = SwingingSet("smpl24");
+  dataset.clips[2].identity.recording = "\xFFlong";
+  const ScratchFolder folder;
+  const Written written = WriteExport("actor", dataset, folder.path());
+  EXPECT_THAT(written.refused, IsEmpty());
+  EXPECT_TRUE(fs::exists(folder.path() / "actor.pkl"));
+}
+
 TEST(ExportNames, AreNamesForFilesAndNeverOneForTwo) {
   EXPECT_EQ(NameForFile("walk fast"), "walk fast");
   EXPECT_EQ(NameForFile("a/b:c{d}"), "a_b_c_d_");
@@ -424,6 +517,17 @@ TEST(ExportNames, AreNamesForFilesAndNeverOneForTwo) {
   EXPECT_EQ(NameForFile(""), "_");
   EXPECT_EQ(NameForFile("gr\xC3\xBC\xC3\x9F"), "gr\xC3\xBC\xC3\x9F");
   EXPECT_EQ(NameForFile("\xFFx"), "_x");
+  for (const char* name : {".", "/", "-", "=", "\n", "\x7F", "\xC2\x9B", "\xE2\x80\xAE", " "}) {
+    EXPECT_EQ(NameForFile(name), "_") << name;
+  }
+  EXPECT_EQ(NameForFile(".."), "__");
+  EXPECT_EQ(NameForFile("-rf"), "_rf");
+  EXPECT_EQ(NameForFile(std::string("a\0b", 3)), "a_b");
+  EXPECT_EQ(NameForFile("con"), "_con");
+  EXPECT_EQ(NameForFile("Lpt1.txt"), "_Lpt1.txt");
+  EXPECT_EQ(NameForFile("console"), "console");
+  EXPECT_EQ(NameForFile(std::string(199, 'a') + "\xC3\xBC"), std::string(199, 'a')) << "200 bytes of whole characters";
+  EXPECT_EQ(FileNames({"clips.csv"}).Of("Clips.csv"), "Clips.csv~2");
   FileNames names;
   EXPECT_EQ(names.Of("a/b"), "a_b");
   EXPECT_EQ(names.Of("a:b"), "a_b~2");
