@@ -12,6 +12,7 @@
 #include "job/job_checks.h"
 #include "job/job_items.h"
 #include "job/run_folder.h"
+#include "job/slurm.h"
 #include "job/stage_plan.h"
 #include "job/task_claim.h"
 #include "job/verbs/verbs.h"
@@ -89,7 +90,7 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
     Print("%s: %s in %s%s\nplan: %s\nrun task K of 0 to %zu:\n  mocurate run --plan %s --task K%s\n",
           made->stage.c_str(), Counted(static_cast<long long>(made->items), "item").c_str(),
           Counted(static_cast<long long>(made->tasks), "task").c_str(), each.c_str(), DisplayPath(made->file).c_str(),
-          made->tasks - 1, DisplayPath(made->file).c_str(), common.allow_include ? " --allow-include" : "");
+          made->tasks - 1, ShellQuoted(made->file.native()).c_str(), common.allow_include ? " --allow-include" : "");
   }
   return {};
 }

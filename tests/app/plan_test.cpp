@@ -249,17 +249,19 @@ TEST_F(Plans, ExamplesForOtherEnginesGiveTheBytesOfAPlainRun) {
   const Result config = RunProgram(*folder_, show);
   ASSERT_EQ(config.exit_code, 0) << config.err;
   WriteText(*folder_ / "small.yaml", config.out);
+  // The run folder's name is a command to a shell that takes it for one.
   const auto engine = [](const std::string& name, const std::string& command) {
     const std::string line = "cd '" + folder_->path().native() +
                              "' && PATH='" MOCURATE_BINARY_FOLDER "':\"$PATH\" MOCURATE_CACHE=" + name +
                              "_cache HOME=$PWD " + command + " > " + name + ".log 2>&1";
     EXPECT_EQ(std::system(line.c_str()), 0) << ReadText(*folder_ / (name + ".log"));
-    EXPECT_EQ(ReadText(*folder_ / name / "dataset.h5"), ReadText(*folder_ / "plain/dataset.h5")) << name;
+    EXPECT_EQ(ReadText(*folder_ / (name + ";touch PWN;x") / "dataset.h5"), ReadText(*folder_ / "plain/dataset.h5"));
+    EXPECT_FALSE(fs::exists(*folder_ / "PWN")) << name;
   };
   const std::string examples = MOCURATE_SOURCE_FOLDER "/examples/";
-  engine("parallel", "sh " + examples + "gnu_parallel/run.sh small.yaml parallel 2");
-  engine("snakemake",
-         "snakemake -q -s " + examples + "snakemake/Snakefile -j 2 --config job=small.yaml run=snakemake tasks=2");
+  engine("parallel", "sh " + examples + "gnu_parallel/run.sh small.yaml 'parallel;touch PWN;x' 2");
+  engine("snakemake", "snakemake -q -s " + examples +
+                          "snakemake/Snakefile -j 2 --config job=small.yaml 'run=snakemake;touch PWN;x' tasks=2");
 }
 
 }  // namespace
