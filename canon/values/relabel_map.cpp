@@ -3,32 +3,13 @@
 #include "canon/values/relabel.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 
 namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Cells of a line of CSV; quoted cells may contain commas, and doubled quotes.
-std::vector<std::string> CellsOf(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const bool two = quoted && line[i] == '"' && i + 1 < line.size() && line[i + 1] == '"';
-    if (two) {
-      cells.back() += line[i++];
-    } else if (line[i] == '"') {
-      quoted = !quoted;
-    } else if (line[i] == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += line[i];
-    }
-  }
-  for (std::string& cell : cells) cell = std::string(Trim(cell));
-  return cells;
-}
 
 Status ReadTable(const fs::path& path, std::map<std::string, std::string>& table) {
   std::error_code unknown;
@@ -42,8 +23,10 @@ Status ReadTable(const fs::path& path, std::map<std::string, std::string>& table
   for (std::string_view line : SplitText(*text, '\n')) {
     ++number;
     if (Trim(line).empty()) continue;
-    const std::vector<std::string> cells = CellsOf(line);
     const std::string place = name + ":" + std::to_string(number);
+    const auto read = CellsOfCsvLine(line);
+    if (!read) return Fail(ErrorCode::kConfig, "a quote is not closed", place);
+    const std::vector<std::string>& cells = *read;
     if (columns == 0) {
       columns = cells.size();
       clip = static_cast<std::size_t>(std::find(cells.begin(), cells.end(), "clip") - cells.begin());

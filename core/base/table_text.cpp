@@ -34,6 +34,26 @@ std::string TextOfCsvCell(std::string_view cell) {
   return std::string(!cell.empty() && cell[0] == '\'' && IsFormula(cell) ? cell.substr(1) : cell);
 }
 
+std::optional<std::vector<std::string>> CellsOfCsvLine(std::string_view line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"') {
+      cells.back() += line[i++];
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  if (quoted) return std::nullopt;
+  for (std::string& cell : cells) cell = TextOfCsvCell(Trim(cell));
+  return cells;
+}
+
 std::string MarkdownText(std::string_view text) {
   constexpr std::string_view kMarkup = "\\`*_|<[]", kMarkupOfLine = "#>+-=";
   std::string escaped;

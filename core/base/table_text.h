@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mocurate {
 
@@ -12,6 +14,8 @@ std::string CsvCell(std::string_view text);
 std::string QuotedCsvCell(std::string_view text);
 /// Inverse of the leading ', for a cell without its quotes.
 std::string TextOfCsvCell(std::string_view cell);
+/// Texts of a line: those in quotes may hold commas, "" in them is a quote. Nothing where a quote is left open.
+std::optional<std::vector<std::string>> CellsOfCsvLine(std::string_view line);
 
 /// A text in one line of Markdown, with markup and HTML escaped.
 std::string MarkdownText(std::string_view text);

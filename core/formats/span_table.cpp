@@ -12,27 +12,6 @@
 namespace mocurate {
 namespace {
 
-/// Cells of a line: those in quotes may hold commas, "" in them is a quote. Nothing where a quote is left open.
-std::optional<std::vector<std::string>> CellsOfLine(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"') {
-      cells.back() += line[i++];
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  if (quoted) return std::nullopt;
-  for (std::string& cell : cells) cell = TextOfCsvCell(Trim(cell));
-  return cells;
-}
-
 /// The position of each column; -1: absent.
 struct SpanColumns {
   std::ptrdiff_t clip = -1, begin = -1, end = -1, label = -1, fine_label = -1;
@@ -59,7 +38,7 @@ constexpr const char* kHeaderHint =
     "begin the table with clip,begin_s,end_s,label (or begin_frame, end_frame), or write one HumanAct12 name a line";
 
 Expected<ListedSpan> SpanOfRow(const SpanColumns& columns, std::string_view line, const LineReader& reader) {
-  const auto cells = CellsOfLine(line);
+  const auto cells = CellsOfCsvLine(line);
   if (!cells) return reader.Bad("a quote is not closed");
   if (cells->size() != columns.count) {
     return reader.Bad(
@@ -128,7 +107,7 @@ Expected<std::vector<ListedSpan>> ParseSpanTable(std::string_view bytes, const s
   for (std::string_view line = reader.Next(); !line.empty(); line = reader.Next()) {
     if (line[0] == '#') continue;
     if (!columns && spans.empty() && line.find_first_of(",;\t") != std::string_view::npos) {
-      const auto header = CellsOfLine(line);
+      const auto header = CellsOfCsvLine(line);
       if (header) columns = ColumnsOfHeader(*header);
       if (!columns) return reader.Bad("'" + Shown(line) + "' is not a header of a table of spans", kHeaderHint);
       continue;

@@ -6,6 +6,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace mocurate {
 namespace {
@@ -22,6 +23,14 @@ TEST(CsvCells, AreNoFormulasAndNumbersStay) {
     EXPECT_EQ(TextOfCsvCell(cell), text);
   }
   EXPECT_EQ(CsvCell("=a,\"b\"\n"), "\"'=a,\"\"b\"\"\n\"");
+}
+
+TEST(CsvCells, ComeBackFromALine) {
+  const std::vector<std::string> texts = {"=a,\"b\"", "-1", "", "'=1", "c d"};
+  std::string line;
+  for (const std::string& text : texts) line += (line.empty() ? "" : ",") + CsvCell(text);
+  EXPECT_EQ(CellsOfCsvLine(line), texts);
+  EXPECT_FALSE(CellsOfCsvLine("a,\"b"));
 }
 
 TEST(MarkdownTexts, HoldNoMarkup) {

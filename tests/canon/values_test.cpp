@@ -202,6 +202,9 @@ TEST_F(Relabelling, DropsOrdersAndDecidesByRulesAndTables) {
   EXPECT_THAT(LabelsBy(rules), ElementsAre("d, e", "q", "r", "r", "r", "r"));
   EXPECT_THAT(By(rules)->dataset.labels, ElementsAre("b", "c", "q", "r", "d, e"));
   EXPECT_EQ(By(rules)->dataset.clips[0].fine_label, "") << "it was of class a";
+
+  ASSERT_TRUE(WriteFile(folder_ / "clips.csv", "clip,label\n" + SixClips().clips[0].id() + ",'=1\n"));
+  EXPECT_EQ(LabelsBy(rules).front(), "=1") << "as exports write it";
 }
 
 TEST_F(Relabelling, ReportsWhatFitsNothingAndRefusesWhatCannotBe) {
