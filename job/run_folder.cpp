@@ -4,6 +4,7 @@
 
 #include "core/base/file.h"
 #include "core/base/json_text.h"
+#include "core/base/links.h"
 #include "core/base/text.h"
 #include "job/run_file.h"
 #include "job/run_outputs.h"
@@ -12,6 +13,30 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// What verbs write in a run folder, but for `capture` and `data`, which may hold files of others.
+constexpr const char* kWritten[] = {"capture.json",
+                                    "checkpoints",
+                                    "curation_log.jsonl",
+                                    "dataset.h5",
+                                    "dose_response.svg",
+                                    "doses",
+                                    "features",
+                                    "journal.jsonl",
+                                    "lock",
+                                    "metrics.json",
+                                    "motions",
+                                    "pictures",
+                                    "plan",
+                                    "released",
+                                    "report",
+                                    "report_input.json",
+                                    "run.json",
+                                    kSetFindings,
+                                    "slurm",
+                                    "survey",
+                                    "tables",
+                                    "time_budget.json"};
 
 /// Whether a file is left by a run that ended before it wrote run.json: a lock with a process number, an empty journal.
 bool IsBeginning(const fs::path& folder, const std::string& name) {
@@ -46,7 +71,22 @@ Expected<fs::path> RunFolder(const std::optional<fs::path>& named, const std::st
   return fs::path("runs") / name;
 }
 
+Status CheckRunFiles(const fs::path& folder) {
+  for (const char* name : kWritten) {
+    if (Status plain = CheckNoLinks(folder / name); !plain) return plain;
+  }
+  return {};
+}
+
 Status CheckRunFolder(const fs::path& folder, const LoadedJob& job, bool replace) {
+  if (Status plain = CheckRunFiles(folder); !plain) return plain;
+  for (const DataSetOptions& set : job.options.data) {
+    const fs::path all = folder / "data", own = all / set.name;
+    for (const fs::path& place : {all, own}) {
+      if (Status plain = CheckNotLink(place); !plain) return plain;
+    }
+    if (Status plain = CheckRunFiles(own); !plain) return plain;
+  }
   if (const nlohmann::json run = ReadRunFile(folder); run.is_object()) {
     std::string name, config;
     const Status read = GuardJson(DisplayPath(folder / "run.json"), [&] {

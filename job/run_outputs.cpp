@@ -1,11 +1,6 @@
 #include "job/run_outputs.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
@@ -127,22 +122,14 @@ std::map<std::string, nlohmann::json> JournalOf(const fs::path& folder, const st
 }
 
 Status CopyWhole(const std::filesystem::path& from, const std::filesystem::path& to) {
-  return WriteFileWith(to, [&](const std::filesystem::path& temporary) -> Status {
-    const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    int problem = file < 0 ? errno : 0;
-    Status read = ReadFileInParts(from, [&](std::string_view part) {
-      while (problem == 0 && !part.empty()) {
-        const ssize_t count = write(file, part.data(), part.size());
-        if (count > 0) part.remove_prefix(static_cast<std::size_t>(count));
-        if (count < 0 && errno != EINTR) problem = errno;
-      }
-    });
-    if (file >= 0 && close(file) != 0 && problem == 0) problem = errno;
-    if (!read) return read;
-    if (problem == 0) return {};
-    return Fail(ErrorCode::kCannotWrite, std::string("cannot be written: ") + std::strerror(problem), DisplayPath(to),
-                "free space or choose another -o");
+  Expected<PendingFile> copy = PendingFile::CreateOutput(to);
+  if (!copy) return Forward(copy);
+  Status written;
+  const Status read = ReadFileInParts(from, [&](std::string_view part) {
+    if (written) written = copy->Write(part);
   });
+  if (!read) return read;
+  return written ? copy->Publish() : written;
 }
 
 }  // namespace mocurate

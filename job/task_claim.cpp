@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "core/base/file.h"
+#include "core/base/links.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -31,12 +32,9 @@ std::string Host() {
 
 /// Now, by the clock that gives files in this folder their times; that of the file server, which may differ from ours.
 std::time_t NowBeside(const fs::path& file) {
-  const fs::path probe = file.native() + ".now." + Host() + "." + std::to_string(getpid());
-  const int descriptor = open(probe.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  Expected<PendingFile> probe = PendingFile::Create(file.parent_path() / "now");
   struct stat made {};
-  const bool known = descriptor >= 0 && write(descriptor, "1", 1) == 1 && fstat(descriptor, &made) == 0;
-  if (descriptor >= 0) close(descriptor);
-  unlink(probe.c_str());
+  const bool known = probe && probe->Write("1") && fstat(probe->descriptor(), &made) == 0;
   return known ? made.st_mtim.tv_sec : std::time(nullptr);
 }
 
@@ -56,7 +54,9 @@ bool Alive(const fs::path& file, const std::string& text) {
 }  // namespace
 
 Expected<std::unique_ptr<TaskClaim>> TaskClaim::Take(const fs::path& file) {
-  if (Status made = MakeFolder(file.parent_path()); !made) return Forward(made);
+  const fs::path folder = file.parent_path();
+  const Expected<fs::path> place = FileBelow(folder.parent_path(), folder.filename() / file.filename());
+  if (!place) return Forward(place);
   const std::string text = Host() + " " + std::to_string(getpid()) + "\n";
   for (int tries = 0; tries < kTries; ++tries) {
     const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -83,7 +83,7 @@ Expected<std::unique_ptr<TaskClaim>> TaskClaim::Take(const fs::path& file) {
     const fs::path away = file.native() + "." + Host() + "." + std::to_string(getpid());
     if (rename(file.c_str(), away.c_str()) != 0) continue;
     struct stat taken {};
-    if (stat(away.c_str(), &taken) == 0 && taken.st_ino != judged.st_ino && link(away.c_str(), file.c_str()) != 0) {
+    if (lstat(away.c_str(), &taken) == 0 && taken.st_ino != judged.st_ino && link(away.c_str(), file.c_str()) != 0) {
       return Fail(ErrorCode::kUsage, "other processes claim this task at the same time", DisplayPath(file),
                   "start it again when they have ended");
     }
@@ -94,6 +94,7 @@ Expected<std::unique_ptr<TaskClaim>> TaskClaim::Take(const fs::path& file) {
 }
 
 bool TaskClaim::Held(const fs::path& file) {
+  if (!CheckNotLink(file)) return false;
   const auto holder = ReadFile(file);
   return holder && Alive(file, *holder);
 }

@@ -1,14 +1,19 @@
 #include "core/base/file.h"
 
 #include <fcntl.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
+#include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <new>
 #include <system_error>
+#include <utility>
+
+#include "core/base/links.h"
 
 namespace mocurate {
 namespace {
@@ -26,11 +31,6 @@ class Descriptor {
   }
   int number() const { return number_; }
   bool is_open() const { return number_ >= 0; }
-  int Close() {
-    const int closed = ::close(number_);
-    number_ = -1;
-    return closed;
-  }
 
  private:
   int number_;
@@ -45,27 +45,6 @@ tl::unexpected<Error> CannotRead(const fs::path& path, int error) {
   if (error == ENOENT || error == ENOTDIR) return Fail(ErrorCode::kNotFound, "no such file", DisplayPath(path));
   if (error == EISDIR) return Fail(ErrorCode::kUnreadable, "is a folder, a file is expected", DisplayPath(path));
   return Fail(ErrorCode::kUnreadable, "cannot be read: " + ReasonOf(error), DisplayPath(path));
-}
-
-tl::unexpected<Error> CannotWrite(const fs::path& path, int error) {
-  const std::string what = "cannot be written: " + ReasonOf(error);
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-      return Fail(ErrorCode::kCannotWrite, what + ", the disk is full", DisplayPath(path),
-                  "free space there, or write to another folder");
-    case EROFS:
-    case EACCES:
-    case EPERM:
-      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path), "write to a folder that you may change");
-    case ENOENT:
-      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path), "its folder does not exist");
-    case EFBIG:
-      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path),
-                  "raise the limit on the size of files (ulimit -f), or write where there is more space");
-    default:
-      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path), "write to another folder");
-  }
 }
 
 int WriteAll(int descriptor, std::string_view bytes) {
@@ -87,66 +66,15 @@ int SyncPath(const fs::path& path, int flags) {
 
 fs::path FolderOf(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
-/// Name beside `path` that no other thread, process or machine uses at the same time.
-fs::path TemporaryBeside(const fs::path& path) {
-  static std::atomic<unsigned> count{0};
-  char host[256] = {};
-  ::gethostname(host, sizeof(host) - 1);
-  unsigned machine = 2166136261u;
-  for (const char* c = host; *c != '\0'; ++c) machine = (machine ^ static_cast<unsigned char>(*c)) * 16777619u;
-  std::string extension = path.extension().string();
-  if (extension.size() > 32) extension.clear();
-  return FolderOf(path) / (".tmp-" + std::to_string(machine) + "-" + std::to_string(::getpid()) + "-" +
-                           std::to_string(count++) + extension);
-}
-
-/// The place that is really written: the target of a link.
-fs::path TargetOf(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_symlink(path, error)) return path;
-  const fs::path target = fs::weakly_canonical(path, error);
-  return error ? path : target;
-}
-
 bool IsSpecial(const fs::path& path) {
   std::error_code error;
   return fs::is_other(fs::status(path, error));
 }
 
-Status FillTemporary(const fs::path& temporary, const fs::path& path, std::string_view bytes) {
-  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (!file.is_open()) return CannotWrite(path, errno);
-  if (const int error = WriteAll(file.number(), bytes); error != 0) return CannotWrite(path, error);
-  if (::fsync(file.number()) != 0 && errno != EINVAL) return CannotWrite(path, errno);
-  if (file.Close() != 0) return CannotWrite(path, errno);
-  return {};
-}
-
 Status WriteSpecial(const fs::path& path, std::string_view bytes) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-  if (!file.is_open()) return CannotWrite(path, errno);
-  if (const int error = WriteAll(file.number(), bytes); error != 0) return CannotWrite(path, error);
-  return {};
-}
-
-/// `fill` writes and syncs the temporary file, which is then renamed to `path`.
-Status Publish(const fs::path& path, const std::function<Status(const fs::path& temporary)>& fill) {
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return CannotWrite(path, EISDIR);
-  const fs::path temporary = TemporaryBeside(path);
-  ::unlink(temporary.c_str());  // left by a killed process that had our number
-  if (Status filled = fill(temporary); !filled) {
-    ::unlink(temporary.c_str());
-    return filled;
-  }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int error = errno;
-    ::unlink(temporary.c_str());
-    return CannotWrite(path, error);
-  }
-  if (const int error = SyncPath(FolderOf(path), O_DIRECTORY); error != 0 && error != EACCES) {
-    return CannotWrite(path, error);
-  }
+  if (!file.is_open()) return CannotWriteFile(path, errno);
+  if (const int error = WriteAll(file.number(), bytes); error != 0) return CannotWriteFile(path, error);
   return {};
 }
 
@@ -205,31 +133,103 @@ Expected<std::string> ReadSmallFile(const fs::path& path, std::size_t most, bool
   }
 }
 
+tl::unexpected<Error> CannotWriteFile(const fs::path& path, int error) {
+  const std::string what = "cannot be written: " + ReasonOf(error);
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return Fail(ErrorCode::kCannotWrite, what + ", the disk is full", DisplayPath(path),
+                  "free space there, or write to another folder");
+    case EROFS:
+    case EACCES:
+    case EPERM:
+      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path), "write to a folder that you may change");
+    case ENOENT:
+      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path), "its folder does not exist");
+    case EFBIG:
+      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path),
+                  "raise the limit on the size of files (ulimit -f), or write where there is more space");
+    default:
+      return Fail(ErrorCode::kCannotWrite, what, DisplayPath(path), "write to another folder");
+  }
+}
+
+Expected<PendingFile> PendingFile::Create(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return CannotWriteFile(path, EISDIR);
+  std::uint64_t number = 0;
+  if (::getrandom(&number, sizeof number, 0) != sizeof number) return CannotWriteFile(path, errno);
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(number));
+  std::string extension = path.extension().string();
+  if (extension.size() > 32) extension.clear();
+  fs::path temporary = FolderOf(path) / (std::string(".tmp-") + digits + extension);
+  const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) return CannotWriteFile(path, errno);
+  return PendingFile(path, std::move(temporary), descriptor);
+}
+
+Expected<PendingFile> PendingFile::CreateOutput(const fs::path& named) {
+  const Expected<fs::path> output = OutputOf(named);
+  if (!output) return Forward(output);
+  if (!IsSpecial(*output)) return Create(*output);
+  return Fail(ErrorCode::kCannotWrite, "is a device or a pipe, a file is expected", DisplayPath(named));
+}
+
+PendingFile::PendingFile(PendingFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      temporary_(std::exchange(other.temporary_, fs::path())),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+PendingFile::~PendingFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+Status PendingFile::Write(std::string_view bytes) {
+  if (const int error = WriteAll(descriptor_, bytes); error != 0) return CannotWriteFile(path_, error);
+  return {};
+}
+
+Status PendingFile::PublishUnsynced() {
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) return CannotWriteFile(path_, errno);
+  temporary_.clear();
+  return {};
+}
+
+Status PendingFile::Publish() {
+  if (::fsync(descriptor_) != 0 && errno != EINVAL) return CannotWriteFile(path_, errno);
+  if (Status published = PublishUnsynced(); !published) return published;
+  if (const int error = SyncPath(FolderOf(path_), O_DIRECTORY); error != 0 && error != EACCES) {
+    return CannotWriteFile(path_, error);
+  }
+  return {};
+}
+
 Status WriteFile(const fs::path& path, std::string_view bytes) {
-  if (IsSpecial(path)) return WriteSpecial(path, bytes);
-  const fs::path target = TargetOf(path);
-  return Publish(target, [&](const fs::path& temporary) { return FillTemporary(temporary, target, bytes); });
+  const Expected<fs::path> output = OutputOf(path);
+  if (!output) return Forward(output);
+  if (IsSpecial(*output)) return WriteSpecial(*output, bytes);
+  Expected<PendingFile> file = PendingFile::Create(*output);
+  if (!file) return Forward(file);
+  if (Status written = file->Write(bytes); !written) return written;
+  return file->Publish();
 }
 
 Status WriteFileWith(const fs::path& path, const std::function<Status(const fs::path& temporary)>& write) {
-  if (IsSpecial(path)) {
-    return Fail(ErrorCode::kCannotWrite, "is a device or a pipe, a file is expected", DisplayPath(path));
-  }
-  const fs::path target = TargetOf(path);
-  return Publish(target, [&](const fs::path& temporary) -> Status {
-    // A folder that cannot be written gets our error message, not that of the writer's library.
-    if (Status possible = FillTemporary(temporary, target, {}); !possible) return possible;
-    if (Status written = write(temporary); !written) return written;
-    if (const int error = SyncPath(temporary, 0); error != 0) return CannotWrite(target, error);
-    return {};
-  });
+  Expected<PendingFile> file = PendingFile::CreateOutput(path);
+  if (!file) return Forward(file);
+  if (Status written = write(file->temporary()); !written) return written;
+  // The writer may have made a new file of that name.
+  if (const int error = SyncPath(file->temporary(), 0); error != 0) return CannotWriteFile(path, error);
+  return file->Publish();
 }
 
 Status MakeFolder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
-  if (error) return CannotWrite(path, error.value());
-  if (!fs::is_directory(path, error)) return CannotWrite(path, ENOTDIR);
+  if (error) return CannotWriteFile(path, error.value());
+  if (!fs::is_directory(path, error)) return CannotWriteFile(path, ENOTDIR);
   return {};
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/error.h"
 
@@ -21,15 +22,52 @@ Status ReadFileInParts(const std::filesystem::path& path, const std::function<vo
 /// without it the call never waits.
 Expected<std::string> ReadSmallFile(const std::filesystem::path& path, std::size_t most, bool pipes = false);
 
-/// Writes a file atomically: temporary file in the same folder, fsync, rename, fsync of the
-/// folder. A link is followed; a device or a pipe is written directly. Error kCannotWrite; the temporary file is
-/// removed.
+/// A new file in the folder of `path`, which gets this name when it is complete. Until then its name is random and was
+/// free (O_EXCL): neither a link nor a file that somebody put there is opened. Mode by the umask. Removed unless
+/// published.
+class PendingFile {
+ public:
+  /// A link at `path` is not followed, it will be replaced. Error kCannotWrite.
+  static Expected<PendingFile> Create(const std::filesystem::path& path);
+  /// For a path that the user names, whose links are followed (OutputOf in links.h). Error kCannotWrite, also for a
+  /// device or a pipe.
+  static Expected<PendingFile> CreateOutput(const std::filesystem::path& named);
+
+  PendingFile(PendingFile&& other) noexcept;
+  PendingFile& operator=(PendingFile&&) = delete;
+  ~PendingFile();
+
+  /// Open for reading and writing.
+  int descriptor() const { return descriptor_; }
+  /// Present name, with the extension of `path`.
+  const std::filesystem::path& temporary() const { return temporary_; }
+  /// Error kCannotWrite.
+  Status Write(std::string_view bytes);
+  /// fsync, rename, fsync of the folder. Error kCannotWrite.
+  Status Publish();
+  /// Without fsync: the name appears at once, a power cut may lose or cut the content. Error kCannotWrite.
+  Status PublishUnsynced();
+
+ private:
+  PendingFile(std::filesystem::path path, std::filesystem::path temporary, int descriptor)
+      : path_(std::move(path)), temporary_(std::move(temporary)), descriptor_(descriptor) {}
+
+  std::filesystem::path path_, temporary_;
+  int descriptor_;
+};
+
+/// Writes a file atomically, as a PendingFile that is published. Links are followed as in CreateOutput; a device or a
+/// pipe is written directly. Error kCannotWrite; the temporary file is removed.
 Status WriteFile(const std::filesystem::path& path, std::string_view bytes);
 
-/// The same for a writer that needs a path (HDF5, OpenCV): `write` fills the temporary path it is given, which has the
-/// extension of `path`. An error of `write` is passed on.
+/// The same for a writer that needs a path: `write` opens the temporary file by its name and fills it. Where others may
+/// write the folder, the sticky bit (as of /tmp) keeps them from replacing it in between. An error of `write` is passed
+/// on.
 Status WriteFileWith(const std::filesystem::path& path,
                      const std::function<Status(const std::filesystem::path& temporary)>& write);
+
+/// Error kCannotWrite in words of a system's error.
+tl::unexpected<Error> CannotWriteFile(const std::filesystem::path& path, int error);
 
 /// Makes a folder and its parents. Error kCannotWrite.
 Status MakeFolder(const std::filesystem::path& path);

@@ -5,10 +5,10 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
 
 #include "core/base/file.h"
+#include "core/base/links.h"
 #include "core/base/sha256.h"
 #include "core/pipeline/cache_layout.h"
 #include "core/pipeline/content.h"
@@ -73,21 +73,11 @@ Status MoveTo(const fs::path& temporary, const fs::path& target) {
 /// Atomic, without fsync: a record that a power cut damages or loses is not served, and its item runs again. Waiting
 /// for the disk here would stop all workers.
 Status WriteRecord(const fs::path& file, const std::string& text) {
-  std::string temporary = file.native() + "-XXXXXX";
-  const int descriptor = mkostemp(temporary.data(), O_CLOEXEC);
-  bool written = descriptor >= 0 && fchmod(descriptor, 0644) == 0;
-  for (std::size_t done = 0; written && done < text.size();) {
-    const ssize_t count = write(descriptor, text.data() + done, text.size() - done);
-    written = count > 0 || (count < 0 && errno == EINTR);
-    done += count > 0 ? static_cast<std::size_t>(count) : 0;
-  }
-  written = written && rename(temporary.c_str(), file.c_str()) == 0;
-  const int problem = errno;
-  if (descriptor >= 0) close(descriptor);
-  if (written) return {};
-  if (descriptor >= 0) unlink(temporary.c_str());
-  return Fail(ErrorCode::kCannotWrite, std::string("cache record cannot be written: ") + std::strerror(problem),
-              DisplayPath(file), "free some space or choose another cache with MOCURATE_CACHE");
+  Expected<PendingFile> record = PendingFile::Create(file);
+  Status written = record ? record->Write(text) : Forward(record);
+  if (written) written = record->PublishUnsynced();
+  if (!written) written.error().hint = "free some space or choose another cache with MOCURATE_CACHE";
+  return written;
 }
 
 /// Canonical text of one part, so that no two lists of parts read the same.
@@ -129,9 +119,9 @@ std::optional<Cache::Entry> Cache::Find(const std::string& key) const {
 }
 
 Expected<Cache::Entry> Cache::Put(const std::string& key, const fs::path& temporary, const StageOutcome& outcome) {
-  const fs::path file = RecordPath(folder_, key);
-  if (Status plain = CheckNoLinks(folder_, file); !plain) return Forward(plain);
-  if (Status made = MakeFolder(file.parent_path()); !made) return Forward(made);
+  const Expected<fs::path> place = FileBelow(folder_, RecordPath("", key));
+  if (!place) return Forward(place);
+  const fs::path& file = *place;
   CacheRecord record{key, outcome, {}, {}, 0};
   Entry entry{outcome, {}, {}};
   if (!temporary.empty()) {

@@ -123,21 +123,11 @@ std::optional<std::uint64_t> BytesOfArtifact(const fs::path& artifact) {
   return problem ? std::nullopt : std::optional<std::uint64_t>(total);
 }
 
-Status CheckNoLinks(const fs::path& cache, const fs::path& path) {
-  fs::path folder = cache;
-  std::error_code none;
-  for (const fs::path& part : path.parent_path().lexically_relative(cache)) {
-    folder /= part;
-    if (!fs::is_symlink(folder, none)) continue;
-    return Fail(ErrorCode::kCannotWrite, "this folder of the cache is a link, which is not followed",
-                DisplayPath(folder),
-                "remove it, or choose another cache with MOCURATE_CACHE; the cache's own folder may be a link");
-  }
-  return {};
-}
-
 void DropObject(const fs::path& cache, const fs::path& artifact) {
-  if (!IsObject(cache, artifact) || !CheckNoLinks(cache, artifact)) return;
+  if (!IsObject(cache, artifact)) return;
+  for (fs::path folder = artifact.parent_path(); folder != cache; folder = folder.parent_path()) {
+    if (!IsRealFolder(folder)) return;
+  }
   std::error_code ignored;
   fs::remove(RecordOf(artifact), ignored);
   fs::remove_all(artifact, ignored);

@@ -47,9 +47,6 @@ bool IsObject(const std::filesystem::path& cache, const std::filesystem::path& p
 /// (a link, a pipe).
 std::optional<std::uint64_t> BytesOfArtifact(const std::filesystem::path& artifact);
 
-/// Error kCannotWrite where a folder between the cache's own and `path` is a link.
-Status CheckNoLinks(const std::filesystem::path& cache, const std::filesystem::path& path);
-
 /// Removes an artifact of the cache and its record: the item is made again when it is next asked for. Leaves anything
 /// else as it is.
 void DropObject(const std::filesystem::path& cache, const std::filesystem::path& artifact);

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/file.h"
+#include "core/base/links.h"
 #include "core/pipeline/wire.h"
 
 namespace mocurate {
@@ -82,8 +83,9 @@ Journal::~Journal() {
 Expected<Journal> Journal::Open(const std::filesystem::path& path) {
   Journal journal;
   journal.path_ = path;
-  journal.file_ = open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (journal.file_ < 0) return CannotWrite(path, errno);
+  const Expected<int> file = OpenInPlace(path, O_APPEND);
+  if (!file) return Forward(file);
+  journal.file_ = *file;
   // A full disk may have cut the last line short: the next one starts anew.
   char last = '\n';
   const off_t end = lseek(journal.file_, 0, SEEK_END);

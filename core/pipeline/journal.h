@@ -28,7 +28,7 @@ class Journal {
   Journal& operator=(Journal&& other) noexcept;
   ~Journal();
 
-  /// Error kCannotWrite.
+  /// Error kCannotWrite, also for a link.
   static Expected<Journal> Open(const std::filesystem::path& file);
   /// Adds the time to `entry` and appends it. Error kCannotWrite.
   Status Add(nlohmann::json entry);

@@ -1,6 +1,5 @@
 #include "core/pipeline/lock.h"
 
-#include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "core/base/file.h"
+#include "core/base/links.h"
 
 namespace mocurate {
 namespace {
@@ -32,8 +32,9 @@ bool StillThere(int file, const std::filesystem::path& path) {
 
 Expected<std::optional<FileLock>> FileLock::Try(const std::filesystem::path& path, int operation) {
   while (true) {
-    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (file < 0) return CannotLock(path, errno);
+    const Expected<int> opened = OpenInPlace(path, 0);
+    if (!opened) return Forward(opened);
+    const int file = *opened;
     FileLock lock(file);
     int result = 0;
     do {

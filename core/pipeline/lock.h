@@ -7,7 +7,8 @@
 
 namespace mocurate {
 
-/// An exclusive lock on a file, made when missing. Held until destroyed or until the process ends, however it ends.
+/// An exclusive lock on a file, made when missing; a link is refused. Held until destroyed or until the process ends,
+/// however it ends.
 class FileLock {
  public:
   /// Empty when another process holds it. Error kCannotWrite.

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/file.h"
-#include "core/pipeline/cache_layout.h"
+#include "core/base/links.h"
 
 namespace mocurate {
 namespace {
@@ -47,19 +47,22 @@ void Sweep(const fs::path& tmp) {
 }  // namespace
 
 Expected<Workspace> Workspace::Make(const fs::path& cache_folder, const fs::path& node_folder) {
-  // No lock and no removal where other nodes write; a disk of a node is shared by users.
-  const fs::path above = node_folder.empty() ? cache_folder : node_folder;
-  const fs::path tmp =
-      node_folder.empty() ? above / "tmp" / HostName() : above / ("mocurate-" + std::to_string(geteuid()));
-  if (Status plain = CheckNoLinks(above, tmp / kLockName); !plain) return Forward(plain);
-  if (Status made = MakeFolder(tmp); !made) return Forward(made);
-  const Expected<FileLock> sweeping = FileLock::Take(tmp / kLockName);
+  // No lock and no removal where other nodes write. A folder of the node may be shared by users, as /tmp.
+  const Expected<fs::path> tmp = node_folder.empty()
+                                     ? FolderBelow(cache_folder, fs::path("tmp") / HostName())
+                                     : FolderBelow(node_folder, "mocurate-" + std::to_string(geteuid()));
+  if (!tmp) return Forward(tmp);
+  if (!node_folder.empty() && MadeByAnother(*tmp)) {
+    return Fail(ErrorCode::kCannotWrite, "the folder belongs to another user", DisplayPath(*tmp),
+                "name a folder of your own with --scratch");
+  }
+  const Expected<FileLock> sweeping = FileLock::Take(*tmp / kLockName);
   if (!sweeping) return Forward(sweeping);
-  Sweep(tmp);
-  std::string pattern = (tmp / (std::to_string(getpid()) + "-XXXXXX")).native();
+  Sweep(*tmp);
+  std::string pattern = (*tmp / (std::to_string(getpid()) + "-XXXXXX")).native();
   if (mkdtemp(pattern.data()) == nullptr) {
     return Fail(ErrorCode::kCannotWrite, std::string("no folder can be made: ") + std::strerror(errno),
-                DisplayPath(tmp));
+                DisplayPath(*tmp));
   }
   Expected<FileLock> own = FileLock::Take(fs::path(pattern) / kLockName);
   if (!own) return Forward(own);
@@ -86,18 +89,18 @@ bool Workspace::Scratch::HoldsFiles() const {
 }
 
 Expected<Workspace::Scratch> Workspace::ScratchOf(const std::string& key) {
-  Scratch scratch{cache_ / "scratch" / key, std::nullopt};
-  if (Status plain = CheckNoLinks(cache_, scratch.folder / kLockName); !plain) return Forward(plain);
   // Another runner may take the folder away between any two steps; only a failure that stays is one.
   for (int tries_left = kTries;; --tries_left) {
-    const Status made = MakeFolder(scratch.folder);
+    const Expected<fs::path> made = FolderBelow(cache_, fs::path("scratch") / key);
     if (!made && tries_left == 0) return Forward(made);
     if (!made) continue;
-    Expected<std::optional<FileLock>> lock = FileLock::TryTake(scratch.folder / kLockName);
+    Expected<std::optional<FileLock>> lock = FileLock::TryTake(*made / kLockName);
     if (!lock && tries_left > 0) continue;
     if (lock && lock->has_value()) {
-      scratch.lock = std::move(*lock);
-      return scratch;
+      Scratch scratch{*made, std::move(*lock)};
+      if (CheckNoLinks(scratch.folder)) return scratch;
+      Discard(scratch);  // a cache of others: what a worker writes must stay in it
+      if (tries_left > 0) continue;
     }
     const Expected<fs::path> other = NewFolder();
     if (!other) return Forward(other);

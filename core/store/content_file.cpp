@@ -84,8 +84,9 @@ Expected<ContentWriter> ContentWriter::Create(const Schema& schema, Content cont
     return Forward(checked);
   }
   std::optional<PendingFile> file;
-  if (BytesOf(content) >= kOnDisk && PendingFile::Possible(path)) {
-    auto pending = PendingFile::Create(path);
+  std::error_code unknown;
+  if (BytesOf(content) >= kOnDisk && !std::filesystem::is_other(std::filesystem::status(path, unknown))) {
+    auto pending = PendingFile::CreateOutput(path);
     if (!pending) return Forward(pending);
     file.emplace(std::move(*pending));
   }

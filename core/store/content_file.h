@@ -4,10 +4,10 @@
 #include <map>
 #include <optional>
 
+#include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/motion/skeleton.h"
 #include "core/store/hdf5_file.h"
-#include "core/store/pending_file.h"
 #include "core/store/table.h"
 
 namespace mocurate::store {

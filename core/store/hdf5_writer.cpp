@@ -2,9 +2,9 @@
 #include <atomic>
 #include <utility>
 
+#include "core/base/file.h"
 #include "core/store/hdf5_file.h"
 #include "core/store/hdf5_values.h"
-#include "core/store/pending_file.h"
 
 namespace mocurate::store {
 namespace {

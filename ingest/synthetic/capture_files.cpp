@@ -5,6 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/base/json_text.h"
+#include "core/base/links.h"
 #include "core/base/sha256.h"
 
 namespace mocurate {
@@ -65,7 +66,7 @@ Expected<std::set<std::string>> CaptureFileNames(const fs::path& artifact) {
 Status UnpackCapture(const fs::path& artifact, const fs::path& folder) {
   const auto files = ReadCapture(artifact);
   if (!files) return Forward(files);
-  if (Status made = MakeFolder(folder); !made) return made;
+  if (const auto made = FolderBelow(folder.parent_path(), folder.filename()); !made) return Forward(made);
   fs::path list = folder;
   list += ".json";
   const std::map<std::string, std::string> before = ReadWritten(list);
@@ -85,7 +86,9 @@ Status UnpackCapture(const fs::path& artifact, const fs::path& folder) {
   }
   for (const auto& [name, text] : *files) {
     if (HoldsContent(folder / name, now[name])) continue;
-    if (Status written = WriteFile(folder / name, text); !written) return written;
+    const auto file = FileBelow(folder, name);
+    if (!file) return Forward(file);
+    if (Status written = WriteFile(*file, text); !written) return written;
   }
   for (const auto& [name, sha256] : before) {
     std::error_code left;

@@ -9,6 +9,7 @@
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/json_text.h"
+#include "core/base/links.h"
 #include "core/base/log.h"
 #include "core/base/table_text.h"
 #include "core/base/terminal.h"
@@ -207,6 +208,9 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
                                  {arguments.path, arguments.review, arguments.probabilities}, arguments.force);
       !free) {
     return free;
+  }
+  for (const fs::path& file : {json_file, page_file, csv_file}) {
+    if (Status plain = CheckNotLink(file); !plain) return plain;
   }
   auto stages = DatasetStages::Make(common);
   if (!stages) return Forward(stages);

@@ -17,6 +17,7 @@
 #include "job/motion_files.h"
 #include "job/protocols.h"
 #include "job/run_file.h"
+#include "job/run_folder.h"
 #include "job/run_outputs.h"
 #include "job/temporary_folder.h"
 #include "job/verbs/dose_response.h"
@@ -278,6 +279,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   settings.quiet = common.quiet;
   settings.log_failures = false;
   if (settings.run_folder.empty()) return scratch.Missing();
+  if (Status plain = CheckRunFiles(settings.run_folder); !plain) return plain;
   if (Status made = MakeFolder(settings.run_folder); !made) return made;
   auto runner = Runner::Make(settings);
   if (!runner) return Forward(runner);

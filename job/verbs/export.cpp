@@ -7,6 +7,7 @@
 #include "core/base/characters.h"
 #include "core/base/file.h"
 #include "core/base/terminal.h"
+#include "core/base/links.h"
 #include "core/base/text.h"
 #include "core/motion/gaps.h"
 #include "job/verbs/export_clips.h"
@@ -110,12 +111,14 @@ struct Exported {
   std::vector<std::string> notes;
 };
 
-Status WriteFiles(const std::vector<ExportedFile>& files, const fs::path& folder, Exported& exported) {
+Status WriteFiles(const std::vector<ExportedFile>& files, const ExportPlace& place, Exported& exported) {
+  if (Status made = MakeFolder(place.folder); !made) return made;
   for (const ExportedFile& file : files) {
-    const fs::path path = folder / fs::path(file.path);
-    if (Status made = MakeFolder(path.parent_path()); !made) return made;
-    if (Status written = WriteFile(path, file.bytes); !written) return written;
-    exported.written.insert(path.lexically_normal());
+    const bool named = file.path == place.file;  // by the user, who may name a link
+    const Expected<fs::path> path = named ? place.folder / place.file : FileBelow(place.folder, fs::path(file.path));
+    if (!path) return Forward(path);
+    if (Status written = WriteFile(*path, file.bytes); !written) return written;
+    exported.written.insert(path->lexically_normal());
   }
   return {};
 }
@@ -152,7 +155,7 @@ Status ExportClips(const ClipsToExport& clips, const Layout& layout, const Expor
       continue;
     }
     if (place.one_clip) files->front().path = place.file;
-    if (Status written = WriteFiles(*files, place.folder, exported); !written) {
+    if (Status written = WriteFiles(*files, place, exported); !written) {
       writer->RemoveLast();
       exported.refused.push_back({id, written.error()});
       continue;
@@ -178,7 +181,7 @@ Status ExportClips(const ClipsToExport& clips, const Layout& layout, const Expor
     if (path.empty()) path = beside.front().path;
     file["path"] = DisplayPath(place.folder / path);
   }
-  return WriteFiles(beside, place.folder, exported);
+  return WriteFiles(beside, place, exported);
 }
 
 /// Number of files of the folder that this export did not write.

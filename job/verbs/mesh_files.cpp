@@ -4,6 +4,7 @@
 
 #include "canon/exports/clip_names.h"
 #include "core/base/file.h"
+#include "core/base/links.h"
 #include "core/formats/npz.h"
 #include "core/skin/skin.h"
 #include "train/items.h"
@@ -68,10 +69,11 @@ Expected<int> WriteMeshes(const Dataset& motions, const MeshBodies& bodies, cons
         return Fail(ErrorCode::kUsage, "the motion has no rotations, which meshes need", clip.id(),
                     "use a network of rotations: kind actor");
       }
-      const std::filesystem::path file = folder / name;
-      const auto bytes = EncodeNpz(MeshOf(*clip.motion, body, shape, lift), file.string());
+      const auto file = FileBelow(folder, name);
+      if (!file) return Forward(file);
+      const auto bytes = EncodeNpz(MeshOf(*clip.motion, body, shape, lift), file->string());
       if (!bytes) return Forward(bytes);
-      if (Status done = WriteFile(file, *bytes); !done) return Forward(done);
+      if (Status done = WriteFile(*file, *bytes); !done) return Forward(done);
       ++written;
     }
   }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/links.h"
 #include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
@@ -152,6 +153,9 @@ Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& argume
   inputs.insert(inputs.end(), arguments.labels.begin(), arguments.labels.end());
   const fs::path page = arguments.output / kPageFile, key = arguments.output / kKeyFile;
   if (Status free = CheckOutputs({page, key}, inputs, arguments.force); !free) return free;
+  for (const fs::path& file : {page, key}) {
+    if (Status plain = CheckNotLink(file); !plain) return plain;
+  }
   ExtractorOptions extractor;
   if (!arguments.extractor.empty()) {
     auto loaded = LoadExtractor(arguments.extractor, {}, {common.allow_include});
@@ -193,10 +197,11 @@ Status SurveyTallyVerb(CommonArguments& common, const SurveyTallyArguments& argu
   std::vector<fs::path> inputs = arguments.answers;
   inputs.push_back(arguments.key);
   const auto output = [&](const char* name) { return arguments.output / name; };
-  if (Status free = CheckOutputs({output("tally.json"), output("tally.csv"), output("tally.md"), output("figure.svg")},
-                                 inputs, arguments.force);
-      !free) {
-    return free;
+  const std::vector<fs::path> outputs = {output("tally.json"), output("tally.csv"), output("tally.md"),
+                                         output("figure.svg")};
+  if (Status free = CheckOutputs(outputs, inputs, arguments.force); !free) return free;
+  for (const fs::path& file : outputs) {
+    if (Status plain = CheckNotLink(file); !plain) return plain;
   }
   const auto bytes = ReadFile(arguments.key);
   if (!bytes) return Forward(bytes);

@@ -105,5 +105,19 @@ TEST_F(Audit, APersonInTwoPartsOfASplitByAnotherRuleIsNoError) {
   }
 }
 
+TEST_F(Audit, LinksInTheFolderOfTheOutputAreNotFollowed) {
+  program::WriteText(folder_ / "victim", "old");
+  std::filesystem::create_directories(folder_ / "out");
+  for (const char* name : {"audit.json", "audit.html", "clips.csv"}) {
+    for (const char* target : {"victim", "none"}) {
+      std::filesystem::create_symlink(folder_ / target, folder_ / "out" / name);
+      EXPECT_EQ(Run(LeakingSet(), {}).exit_code, 74) << name;
+      std::filesystem::remove(folder_ / "out" / name);
+    }
+  }
+  EXPECT_EQ(ReadText(folder_ / "victim"), "old");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none"));
+}
+
 }  // namespace
 }  // namespace mocurate

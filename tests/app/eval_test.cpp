@@ -171,6 +171,13 @@ TEST(Eval, RealComesFirstRowsFollowAndReleasedDrawsAsThePaperDoes) {
        {"metrics.json", "tables/table.md", "tables/table.tex", "tables/table.csv", "features/a.h5"}) {
     EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
   }
+  WriteText(folder / "outside/victim", "old");
+  fs::rename(folder / "out/tables", folder / "tables");
+  fs::create_directory_symlink(folder / "outside", folder / "out/tables");
+  EXPECT_EQ(Eval(folder, arguments).exit_code, 74) << "a link below the named folder";
+  fs::remove(folder / "out/tables");
+  fs::rename(folder / "tables", folder / "out/tables");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "outside"), {}), 1);
   std::vector<std::string> released = arguments;
   for (const char* option : {"variant=released", "released.repetitions=3", "released.motions=50"}) {
     released.insert(released.end(), {"--set", option});

@@ -95,6 +95,24 @@ TEST_F(ExportVerbs, OneFileHoldsOneClip) {
   EXPECT_EQ(Export({"-o", file, "--clip", "c#0-3", "--force"}).exit_code, 0);
 }
 
+TEST_F(ExportVerbs, LinksBelowTheNamedFolderAreNotFollowed) {
+  const std::string output = (folder_ / "named").string(), file = (folder_ / "link.npz").string();
+  std::filesystem::create_directories(folder_ / "disk");
+  std::filesystem::create_directory_symlink("disk", folder_ / "named");
+  program::WriteText(folder_ / "victim.npz", "old");
+  const Result first = Export({"-o", output, "--json"});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const std::filesystem::path written = first.Json()["files"][0]["path"].get<std::string>();
+  std::filesystem::remove(written);
+  std::filesystem::create_symlink(folder_ / "victim.npz", written);
+  EXPECT_EQ(Export({"-o", output, "--force"}).exit_code, 74);
+  EXPECT_EQ(ReadText(folder_ / "victim.npz"), "old");
+  std::filesystem::create_symlink("victim.npz", file);
+  EXPECT_EQ(Export({"-o", file, "--clip", "c#0-3", "--force"}).exit_code, 0) << "the user named this one";
+  EXPECT_NE(ReadText(folder_ / "victim.npz"), "old");
+  EXPECT_TRUE(std::filesystem::is_symlink(file));
+}
+
 TEST_F(ExportVerbs, NamesUnknownClipsAndRepresentations) {
   const std::string output = (folder_ / "arrays").string();
   const Result clip = Export({"-o", output, "--clip", "d"});

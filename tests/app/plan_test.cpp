@@ -1,6 +1,8 @@
 // Stages cut into tasks: the same bytes as a plain run, nothing done twice, and clear refusals.
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <functional>
@@ -204,6 +206,37 @@ TEST_F(Plans, OfMotionsWithTheirOwnTree) {
   EXPECT_EQ(made.Json()["items"], 1);
   const Result task = RunProgram(*folder_, Task("own_run", "ingest", 0), "own_cache");
   EXPECT_EQ(task.exit_code, 0) << task.err << task.out;
+}
+
+TEST_F(Plans, ATaskWritesNothingThroughLinks) {
+  ASSERT_EQ(RunProgram(*folder_, PlanOf("links", "ingest", "2"), "links_cache").exit_code, 0);
+  const fs::path own = *folder_ / "links/plan/ingest", victim = *folder_ / "outside/victim";
+  WriteText(victim, "old");
+  program::Surroundings here{"links_cache"};
+  const auto task = [&] { return RunProgram(*folder_, Task("links", "ingest", 0), here).exit_code; };
+  const auto as_link = [&](const fs::path& link, const fs::path& target) {
+    fs::create_symlink(target, link);
+    EXPECT_EQ(task(), 74) << link;
+    fs::remove(link);
+  };
+  as_link(own, victim.parent_path());
+  fs::create_directories(own);
+  as_link(own / "0.jsonl", victim);
+  as_link(own / "0.claim", victim);
+  ASSERT_EQ(mkfifo((own / "0.claim").c_str(), 0600), 0);
+  EXPECT_EQ(task(), 74);
+  fs::remove(own / "0.claim");
+
+  // The clock of the folder was asked by a file of a known name.
+  WriteText(own / "0.claim", "another_host 1\n");
+  here.before_start = [&] {
+    char host[256] = {};
+    gethostname(host, sizeof(host) - 1);
+    fs::create_symlink(victim, own / ("0.claim.now." + std::string(host) + "." + std::to_string(getpid())));
+  };
+  EXPECT_EQ(task(), 2) << "at work elsewhere";
+  EXPECT_EQ(ReadText(victim), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(victim.parent_path()), {}), 1);
 }
 
 TEST_F(Plans, APilotGivesTheNumberOfTasks) {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <map>
@@ -150,6 +151,69 @@ TEST(RunFolder, AFolderOfAnotherJobOrConfigurationFileIsRefusedUnlessReplaced) {
   EXPECT_EQ(StaleOf(folder / "r"), nlohmann::json::array({{{"file", "dataset.h5"}, {"stage", "assemble"}}}));
   EXPECT_EQ(run(b).exit_code, 0) << "the folder is b's now";
   EXPECT_EQ(run(a).exit_code, 2);
+}
+
+/// A run folder of somebody else, in which a name of an output is a link.
+TEST(RunFolder, NothingIsWrittenThroughALinkInIt) {
+  const ScratchFolder folder;
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "sent")).exit_code, 0);
+  WriteText(folder / "outside/victim", "old");
+  const auto before = FilesOf(folder / "outside");
+  const std::string run = (folder / "r").string();
+  const auto refuses = [&](const std::string& name, const fs::path& target, const std::vector<std::string>& command) {
+    fs::remove_all(run);
+    fs::copy(folder / "sent", run, fs::copy_options::recursive);
+    fs::remove_all(folder / "r" / name);
+    fs::create_directories((folder / "r" / name).parent_path());
+    fs::create_symlink(target, folder / "r" / name);
+    const Result result = RunProgram(folder, command);
+    EXPECT_EQ(result.exit_code, 74) << command.front() << ", link " << name << ": " << result.err;
+    EXPECT_THAT(result.err, HasSubstr((folder / "r" / name).string()));
+    EXPECT_EQ(FilesOf(folder / "outside"), before) << name;
+  };
+  for (const char* name :
+       {"lock", "journal.jsonl", "run.json", "curation_log.jsonl", "dataset.h5", "metrics.json", "capture.json",
+        "set_findings.json", "report_input.json", "time_budget.json", "checkpoints/gru_1.h5", "tables/table.md",
+        "report/index.html", "plan/ingest.json", "plan/ingest/0.jsonl", "slurm/jobs.jsonl", "slurm/logs/a.log"}) {
+    for (const char* target : {"outside/victim", "outside/none"}) {
+      refuses(name, folder / target, SmallJob(folder, "r"));
+    }
+  }
+  std::vector<std::string> plan = SmallJob(folder, "r");
+  plan.front() = "plan";
+  plan[3] = "--stage", plan[4] = "ingest";
+  const std::vector<std::string> reproduce = {"reproduce", "a2m/table3", "-o", run};
+  for (const char* name : {"checkpoints", "tables", "report", "plan", "plan/ingest", "slurm"}) {
+    refuses(name, folder / "outside", SmallJob(folder, "r"));
+    refuses(name, folder / "outside", plan);
+    refuses(name, folder / "outside", reproduce);
+  }
+  refuses("capture", folder / "outside", SmallJob(folder, "r"));
+  for (const char* name : {"data", "data/humanact12"}) refuses(name, folder / "outside", reproduce);
+}
+
+TEST(RunFolder, APipeInsteadOfAFileIsRefused) {
+  const ScratchFolder folder;
+  fs::create_directories(folder / "r");
+  for (const char* name : {"lock", "journal.jsonl", "run.json"}) {
+    ASSERT_EQ(mkfifo((folder / "r" / name).c_str(), 0600), 0);
+    EXPECT_EQ(RunProgram(folder, IngestOnly(folder, "r")).exit_code, 74) << name;
+    fs::remove(folder / "r" / name);
+  }
+}
+
+TEST(RunFolder, MayBeALinkAndHoldLinksOfOtherNames) {
+  const ScratchFolder folder;
+  fs::create_directories(folder / "disk/r");
+  fs::create_directory_symlink(folder / "disk", folder / "runs");
+  WriteText(folder / "notes.txt", "mine");
+  fs::create_symlink(folder / "notes.txt", folder / "disk/r/notes.txt");
+  fs::create_directory_symlink(folder / "disk/r", folder / "direct");
+  EXPECT_EQ(RunProgram(folder, IngestOnly(folder, "runs/r")).exit_code, 0);
+  const Result again = RunProgram(folder, IngestOnly(folder, "direct"));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_TRUE(fs::exists(folder / "disk/r/run.json"));
+  EXPECT_EQ(ReadText(folder / "notes.txt"), "mine");
 }
 
 TEST(RunFolder, ANameThatIsAPathIsRefused) {

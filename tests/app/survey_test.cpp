@@ -55,6 +55,14 @@ TEST(Surveyed, AnswersAreCountedAndEditedOnesRefused) {
   EXPECT_EQ(make({"real_or_fake", "--motions", ours, "--motions", theirs, "--real", "ours_4711", "--force"}).exit_code,
             0);
 
+  WriteText(folder / "victim", "old");
+  for (const char* file : {"survey/key.json", "tally/figure.svg"}) {
+    std::filesystem::create_directories((folder / file).parent_path());
+    std::filesystem::remove(folder / file);
+    std::filesystem::create_symlink(folder / "victim", folder / file);
+  }
+  EXPECT_EQ(make({"preference", "--motions", ours, "--motions", theirs, "--force"}).exit_code, 74) << "a link";
+
   WriteText(folder / "key.json", key.dump());
   const auto tally = [&](std::vector<std::string> files) {
     files.insert(files.begin(), {"survey", "tally", (folder / "key.json").string(), "--json", "--force", "-o",
@@ -65,6 +73,9 @@ TEST(Surveyed, AnswersAreCountedAndEditedOnesRefused) {
     WriteText(folder / name, answers.dump(1));
     return (folder / name).string();
   };
+  EXPECT_EQ(tally({}).exit_code, 74) << "a link";
+  EXPECT_EQ(ReadText(folder / "victim"), "old");
+  std::filesystem::remove(folder / "tally/figure.svg");
   const Result none = tally({});
   ASSERT_EQ(none.exit_code, 0) << none.err;
   EXPECT_EQ(none.Json()["rows"][0]["votes"], 0);

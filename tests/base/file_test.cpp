@@ -7,6 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "tests/support/scratch_folder.h"
 
 namespace mocurate {
@@ -126,6 +128,51 @@ TEST(File, AWriterWithAPathGetsTheExtensionAndItsErrorIsPassedOn) {
       WriteFileWith(folder / "y", [](const fs::path&) -> Status { return Fail(ErrorCode::kInternal, "no"); });
   EXPECT_EQ(failed.error().what, "no");
   EXPECT_EQ(EntriesOf(folder.path()), 1u);
+}
+
+TEST(File, NoNameOfATemporaryFileFollowsFromAnother) {
+  const ScratchFolder folder;
+  std::string names[2];
+  for (std::string& name : names) {
+    ASSERT_TRUE(WriteFileWith(folder / "x", [&](const fs::path& temporary) -> Status {
+      name = temporary.filename().native();
+      return {};
+    }));
+  }
+  const auto alike = std::mismatch(names[0].begin(), names[0].end(), names[1].begin(), names[1].end()).first;
+  EXPECT_LT(alike - names[0].begin(), 12) << names[0] << " " << names[1];
+}
+
+TEST(File, PermissionsFollowTheUmask) {
+  const ScratchFolder folder;
+  for (const auto& [mask, mode] : {std::pair<::mode_t, ::mode_t>(077, 0600), {002, 0664}}) {
+    EXPECT_TRUE(InChild([&, masked = mask, expected = mode] {
+      ::umask(masked);
+      struct ::stat whole = {}, pending = {};
+      Expected<PendingFile> file = PendingFile::Create(folder / "pending");
+      return WriteFile(folder / "whole", "x") && file && file->PublishUnsynced() &&
+             ::stat((folder / "whole").c_str(), &whole) == 0 && ::stat((folder / "pending").c_str(), &pending) == 0 &&
+             (whole.st_mode & 0777u) == expected && (pending.st_mode & 0777u) == expected;
+    }));
+  }
+}
+
+TEST(File, APendingFileReplacesALinkAndIsRemovedUnlessPublished) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(WriteFile(folder / "target", "old"));
+  fs::create_symlink("target", folder / "link");
+  {
+    Expected<PendingFile> file = PendingFile::Create(folder / "link");
+    ASSERT_TRUE(file && file->Write("new"));
+  }
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(EntriesOf(folder.path()), 2u);
+  Expected<PendingFile> file = PendingFile::Create(folder / "link");
+  ASSERT_TRUE(file && file->Write("new") && file->Publish());
+  EXPECT_FALSE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(ReadFile(folder / "link").value(), "new");
+  EXPECT_EQ(ReadFile(folder / "target").value(), "old");
+  EXPECT_EQ(EntriesOf(folder.path()), 2u);
 }
 
 TEST(File, ALinkIsFollowed) {

@@ -193,6 +193,33 @@ TEST_F(CacheOfArtifacts, TakesOutputsFromAnotherFileSystem) {
   EXPECT_EQ(std::distance(fs::directory_iterator(entry->artifact.parent_path()), {}), 2) << "and its record";
 }
 
+TEST_F(CacheOfArtifacts, PermissionsOfRecordsFollowTheUmask) {
+  EXPECT_EQ(Wait(Fork([&] {
+              umask(077);
+              const auto entry = Put(one, "bytes");
+              if (!entry) return 1;
+              for (const auto& file : fs::directory_iterator(entry->artifact.parent_path())) {
+                if ((file.status().permissions() & fs::perms::mask) != (fs::perms::owner_read | fs::perms::owner_write))
+                  return 2;
+              }
+              return 0;
+            })),
+            0);
+}
+
+TEST_F(CacheOfArtifacts, NothingIsPutThroughALink) {
+  const fs::path outside = folder / "outside", objects = cache.folder() / "objects";
+  ASSERT_TRUE(MakeFolder(outside) && MakeFolder(objects));
+  for (const fs::path& link : {objects / one.substr(0, 2), objects}) {
+    fs::remove_all(link);
+    fs::create_directory_symlink(outside, link);
+    const auto put = Put(one, "bytes");
+    ASSERT_FALSE(put);
+    EXPECT_EQ(put.error().code, ErrorCode::kCannotWrite);
+    EXPECT_TRUE(fs::is_empty(outside));
+  }
+}
+
 TEST_F(CacheOfArtifacts, VerifyFindsAnArtifactWhoseBytesChanged) {
   ASSERT_TRUE(Put(one, "good bytes"));
   const fs::path artifact = Put(two, "more bytes")->artifact;

@@ -1,6 +1,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include "core/pipeline/workspace.h"
 #include "tests/pipeline/runs.h"
 
 namespace mocurate {
@@ -273,6 +274,60 @@ TEST_F(Faults, OutputsOfKilledRunsAreClearedAway) {
   EXPECT_EQ(left, 0);
   EXPECT_EQ(std::distance(fs::directory_iterator(options.cache_folder / "scratch"), {}), 1)
       << "that of the killed item";
+}
+
+TEST_F(Faults, ALinkInsteadOfTheLockOrTheJournalEndsWith74) {
+  const fs::path victim = Source("victim", "old");
+  for (const char* name : {"lock", "journal.jsonl"}) {
+    for (const char* kind : {"link", "dangling link", "hard link", "pipe"}) {
+      options.run_folder = folder / name / kind;
+      ASSERT_TRUE(MakeFolder(options.run_folder));
+      const fs::path file = options.run_folder / name;
+      if (kind == std::string("link")) fs::create_symlink(victim, file);
+      if (kind == std::string("dangling link")) fs::create_symlink(folder / "none", file);
+      if (kind == std::string("hard link")) fs::create_hard_link(victim, file);
+      if (kind == std::string("pipe")) mkfifo(file.c_str(), 0666);
+      EXPECT_EQ(ExitOf(Stage("sleep"), Many(1, {{"seconds", 0.0}})), static_cast<int>(ExitCode::kCannotWrite)) << file;
+      fs::remove(file);
+    }
+  }
+  EXPECT_EQ(ReadFile(victim).value(), "old");
+  EXPECT_FALSE(fs::exists(folder / "none"));
+}
+
+TEST_F(Faults, WhatAWorkerWritesStaysInACacheWithLinks) {
+  const fs::path outside = folder / "outside", victim = outside / "victim";
+  ASSERT_TRUE(MakeFolder(outside) && WriteFile(victim, "old"));
+  char host[256] = {};
+  gethostname(host, sizeof(host) - 1);
+  const fs::path &cache = options.cache_folder, tmp = cache / "tmp" / host;
+  ASSERT_TRUE(MakeFolder(tmp) && MakeFolder(cache / "scratch/with_link"));
+  fs::create_directory_symlink(outside, tmp / "killed");
+  fs::create_symlink(victim, cache / "scratch/with_link/state");
+  fs::create_directory_symlink(outside, cache / "scratch/is_link");
+  auto workspace = Workspace::Make(cache, {});
+  ASSERT_TRUE(workspace) << workspace.error().Message();
+  const auto cleared = workspace->ScratchOf("with_link");
+  ASSERT_TRUE(cleared) << cleared.error().Message();
+  EXPECT_TRUE(cleared->lock) << "the folder of the key, without the link";
+  EXPECT_TRUE(WriteFile(cleared->folder / "state", "x"));
+  const auto refused = workspace->ScratchOf("is_link");
+  EXPECT_TRUE(!refused && refused.error().code == ErrorCode::kCannotWrite);
+
+  ASSERT_TRUE(MakeFolder(folder / "node"));
+  fs::create_directory_symlink(outside, folder / "node" / ("mocurate-" + std::to_string(geteuid())));
+  EXPECT_FALSE(Workspace::Make(cache, folder / "node"));
+  EXPECT_EQ(ReadFile(victim).value(), "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(outside), {}), 1);
+}
+
+TEST_F(Faults, AFolderOfTheNodeThatAnotherUserMadeIsRefused) {
+  const fs::path node = folder / "node", ours = node / ("mocurate-" + std::to_string(geteuid()));
+  ASSERT_TRUE(MakeFolder(ours));
+  ASSERT_EQ(chmod(node.c_str(), 01777), 0);
+  EXPECT_TRUE(Workspace::Make(options.cache_folder, node));
+  if (chown(ours.c_str(), 65534, 65534) != 0) GTEST_SKIP() << "needs the administrator";
+  EXPECT_FALSE(Workspace::Make(options.cache_folder, node));
 }
 
 }  // namespace
