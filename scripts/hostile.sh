@@ -8,4 +8,4 @@ if ! "$python" -c 'import h5py, numpy' 2>/dev/null; then
   echo "hostile.sh: $python lacks h5py or numpy; install them with: scripts/install.sh tests" >&2
   exit 4
 fi
-exec "$python" -B "$here/hostile_cases.py" "$@"
+exec "$python" -B "$here/hostile/cases.py" "$@"

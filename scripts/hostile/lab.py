@@ -1,7 +1,8 @@
-"""Runs a program on hostile files, each case in a folder of its own, and judges what it did. Used by hostile_cases.py."""
+"""Runs a program on hostile files, each case in a folder of its own, and judges what it did. Used by cases.py."""
 import argparse
 import fnmatch
 import hashlib
+import json
 import math
 import os
 import re
@@ -18,11 +19,17 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parent.parent.parent
 SECRET = "secret-5d1c7e"  # value of the environment variable SECRET
 PRIVATE = "private-9e2b41"  # a line of a file outside the folder of the data
 ALLOWED = ("out", "cache", "home", "tmp")  # where the program may write
 LARGEST_SPACE = 16 << 30  # address space of a process
+REFUSED = {3}  # the input is unusable
+CONFIG = {2}  # a config, map or option is wrong
+NOT_READ = {2, 3}  # refused, by whichever rule comes first
+READ = {0}
+READ_OR_REFUSED = {0, 3}
+ANY = {0, 1, 2, 3, 4, 74, 75}  # whatever it says, it does no harm
 CASES = []
 
 
@@ -39,6 +46,17 @@ def case(name, title, codes):
         return make
 
     return add
+
+
+def inspected(name, title, codes, file, build):
+    """A case that inspects one file. `build(box)` gives its bytes, or writes it and gives None."""
+
+    @case(name, title, codes)
+    def try_it(box):
+        content = build(box)
+        if content is not None:
+            box.write(file, content)
+        box.call("inspect", file)
 
 
 class Skipped(Exception):
@@ -67,10 +85,13 @@ def processes_below(pid):
 
 
 def resident_bytes(pid):
+    """Now, and the most that the kernel saw."""
     try:
-        return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * resource.getpagesize()
-    except (OSError, IndexError):
-        return 0
+        facts = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return 0, 0
+    sizes = dict(re.findall(r"^(VmRSS|VmHWM):\s+(\d+) kB", facts, re.MULTILINE))
+    return 1024 * int(sizes.get("VmRSS", 0)), 1024 * int(sizes.get("VmHWM", 0))
 
 
 class Outcome:
@@ -83,21 +104,28 @@ class Outcome:
 
 def measured(arguments, folder, environment, stdin, limits, log, umask):
     """Runs a program. Resident memory of all its processes is summed every 5 ms; the kernel's peak of the largest one
-    covers what lies between. Three times a limit ends it."""
+    covers what lies between. (wait4's peak includes our own memory before the exec.) Three times a limit ends it."""
     with open(stdin or os.devnull, "rb") as source, open(log, "wb") as sink:
         begin = time.monotonic()
         process = subprocess.Popen(
-            [os.fsencode(a) if isinstance(a, str) else a for a in arguments], cwd=folder, env=environment, stdin=source,
-            stdout=sink, stderr=subprocess.STDOUT, start_new_session=True, umask=umask,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (LARGEST_SPACE, LARGEST_SPACE)))
+            [os.fsencode(a) if isinstance(a, str) else a for a in arguments],
+            cwd=folder,
+            env=environment,
+            stdin=source,
+            stdout=sink,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            umask=umask,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (LARGEST_SPACE, LARGEST_SPACE)),
+        )
         peak, stopped, known = 0, "", {process.pid}
         while True:
-            # WNOWAIT leaves the process there to be reaped with its resources below.
             if os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None:
                 break
             tree = processes_below(process.pid)
             known.update(tree)
-            peak = max(peak, sum(map(resident_bytes, tree)))
+            sizes = [resident_bytes(one) for one in tree]
+            peak = max([peak, sum(now for now, _ in sizes), *(most for _, most in sizes)])
             seconds = time.monotonic() - begin
             if peak > 3e6 * limits.memory or seconds > 3 * limits.time:
                 stopped = "memory" if peak > 3e6 * limits.memory else "time"
@@ -107,19 +135,18 @@ def measured(arguments, folder, environment, stdin, limits, log, umask):
                     except ProcessLookupError:
                         pass
             time.sleep(0.005)
-        _, status, used = os.wait4(process.pid, 0)
         seconds = time.monotonic() - begin
-        process.returncode = os.waitstatus_to_exitcode(status)
-    left = [one for one in known - {process.pid} if Path(f"/proc/{one}").exists() and resident_bytes(one) > 0]
+        process.wait()
+    left = [one for one in known - {process.pid} if Path(f"/proc/{one}").exists() and resident_bytes(one)[0] > 0]
     deadline = time.monotonic() + 3
     while left and time.monotonic() < deadline:  # the kernel ends workers with their runner
         time.sleep(0.02)
-        left = [one for one in left if resident_bytes(one) > 0]
+        left = [one for one in left if resident_bytes(one)[0] > 0]
     for one in left:
         os.kill(one, signal.SIGKILL)
     with open(log, "rb") as lines:
         text = lines.read(64 << 20)
-    outcome = Outcome(arguments, process.returncode, seconds, max(peak, used.ru_maxrss * 1024) / 1e6, text, stopped)
+    outcome = Outcome(arguments, process.returncode, seconds, peak / 1e6, text, stopped)
     return outcome, left
 
 
@@ -164,7 +191,7 @@ def holds(file, text):
         while part := stream.read(1 << 22):
             if text in before + part:
                 return True
-            before = part[-len(text):]
+            before = part[-len(text) :]
     return False
 
 
@@ -195,9 +222,14 @@ class Box:
             os.utime(old, (1, 1))
 
     def environment(self):
-        return {"PATH": ":".join([*map(str, self.path), "/usr/bin:/bin"]), "HOME": str(self.folder / "home"),
-                "MOCURATE_CACHE": str(self.cache), "TMPDIR": str(self.folder / "tmp"), "LC_ALL": "C.UTF-8",
-                "SECRET": SECRET}
+        return {
+            "PATH": ":".join([*map(str, self.path), "/usr/bin:/bin"]),
+            "HOME": str(self.folder / "home"),
+            "MOCURATE_CACHE": str(self.cache),
+            "TMPDIR": str(self.folder / "tmp"),
+            "LC_ALL": "C.UTF-8",
+            "SECRET": SECRET,
+        }
 
     def write(self, name, content):
         path = self.input / name
@@ -211,14 +243,21 @@ class Box:
 
     def sound(self, *arguments, codes=(0,)):
         """A call on sound files that prepares a case. Not judged."""
-        outcome, _ = measured([self.lab.program, *map(str, arguments)], self.input, self.environment(), None,
-                              self.lab.limits.wide(), self.folder / "prepared.log", -1)
+        outcome, _ = measured(
+            [self.lab.program, *map(str, arguments)],
+            self.input,
+            self.environment(),
+            None,
+            self.lab.limits.wide(),
+            self.folder / "prepared.log",
+            -1,
+        )
         if outcome.code not in codes:
             raise Broken(f"{' '.join(map(str, arguments))}: exit code {outcome.code}: {outcome.text[-300:]!r}")
         return outcome
 
-    def call(self, *arguments, codes=None, program=None, stdin=None, umask=-1):
-        """A judged call."""
+    def call(self, *arguments, codes=None, program=None, stdin=None, umask=-1, binary=False):
+        """A judged call. `binary`: its output is not for a terminal."""
         codes = self.judged.codes if codes is None else frozenset(codes)
         before = snapshot(self.folder)
         self.count += 1
@@ -250,7 +289,7 @@ class Box:
                 wrong(f"made {name!r}")
             elif before[path] != after[path]:
                 wrong(f"changed {name!r}")
-        if control := control_bytes(outcome.text):
+        if not binary and (control := control_bytes(outcome.text)):
             wrong(f"prints {control}")
         for text, what in ((SECRET, "the variable SECRET"), (PRIVATE, "a private file")):
             if text.encode() in outcome.text:
@@ -289,7 +328,6 @@ class Box:
         """`about` and `parameters` change the description (a mapping) and the arrays of a sound network."""
         fields = {path: (kind, value) for path, (kind, value) in self.lab.network().items()}
         if about is not None:
-            import json
             told = json.loads(fields["/about"][1][()])
             text = about(told)
             if text is None:
@@ -305,9 +343,21 @@ class Box:
         self.sound("run", "job.yaml", "--to", "assemble", "-o", self.out / "rr")
         return self.out / "rr"
 
+    def tables(self):
+        """The clips as tables of joints, with the config that reads them."""
+        shutil.copytree(self.lab.tables(), self.input / "tables", dirs_exist_ok=True)
+        return self.input / "tables" / "source.yaml"
+
+    def views(self):
+        """A capture by several cameras, with the config that reads it."""
+        shutil.copytree(self.lab.views(), self.input / "openpose_depth")
+        self.write(
+            "views.yaml", "include: sources/studio_keypoints_depth.yaml\nname: views\ningest: {path: openpose_depth}\n"
+        )
+        return self.input / "openpose_depth"
+
     def plan(self):
-        self.job()
-        self.sound("plan", "job.yaml", "--stage", "ingest", "--tasks", "2", "-o", self.out / "rr")
+        self.sound("plan", self.tables(), "--stage", "ingest", "--tasks", "2", "-o", self.out / "rr")
         return self.out / "rr" / "plan" / "ingest.json"
 
     def program_file(self, name, script):
@@ -327,18 +377,27 @@ class Box:
     def slurm_run(self):
         self.slurm()
         self.job()
-        self.sound("run", "job.yaml", "-o", self.out / "rr", "--executor", "slurm", "--no-wait")
+        self.sound("run", self.input / "job.yaml", "-o", self.out / "rr", "--executor", "slurm", "--no-wait")
         return self.out / "rr" / "slurm"
 
 
 # --- builders ----------------------------------------------------------------------------------------------------
 
-JOINTS = [("Hips", "", (0, 90, 0)), ("Spine", "Hips", (0, 20, 0)), ("Head", "Spine", (0, 40, 0)),
-          ("LeftArm", "Spine", (20, 30, 0)), ("LeftHand", "LeftArm", (30, 0, 0)),
-          ("RightArm", "Spine", (-20, 30, 0)), ("RightHand", "RightArm", (-30, 0, 0)),
-          ("LeftUpLeg", "Hips", (10, 0, 0)), ("LeftLeg", "LeftUpLeg", (0, -40, 0)),
-          ("LeftFoot", "LeftLeg", (0, -40, 0)), ("RightUpLeg", "Hips", (-10, 0, 0)),
-          ("RightLeg", "RightUpLeg", (0, -40, 0)), ("RightFoot", "RightLeg", (0, -40, 0))]
+JOINTS = [
+    ("Hips", "", (0, 90, 0)),
+    ("Spine", "Hips", (0, 20, 0)),
+    ("Head", "Spine", (0, 40, 0)),
+    ("LeftArm", "Spine", (20, 30, 0)),
+    ("LeftHand", "LeftArm", (30, 0, 0)),
+    ("RightArm", "Spine", (-20, 30, 0)),
+    ("RightHand", "RightArm", (-30, 0, 0)),
+    ("LeftUpLeg", "Hips", (10, 0, 0)),
+    ("LeftLeg", "LeftUpLeg", (0, -40, 0)),
+    ("LeftFoot", "LeftLeg", (0, -40, 0)),
+    ("RightUpLeg", "Hips", (-10, 0, 0)),
+    ("RightLeg", "RightUpLeg", (0, -40, 0)),
+    ("RightFoot", "RightLeg", (0, -40, 0)),
+]
 
 
 def bvh_text(frames=60, phase=0.0, head="Head"):
@@ -350,8 +409,12 @@ def bvh_text(frames=60, phase=0.0, head="Head"):
         lines.append(indent + ("JOINT " if indent else "ROOT ") + (head if name == "Head" else name))
         lines.append(indent + "{")
         lines.append(indent + "  OFFSET %g %g %g" % offset)
-        lines.append(indent + "  CHANNELS " + ("3" if indent else "6 Xposition Yposition Zposition") +
-                     " Zrotation Xrotation Yrotation")
+        lines.append(
+            indent
+            + "  CHANNELS "
+            + ("3" if indent else "6 Xposition Yposition Zposition")
+            + " Zrotation Xrotation Yrotation"
+        )
         for child, at in children:
             joint(child, at, indent + "  ")
         if not children:
@@ -363,14 +426,20 @@ def bvh_text(frames=60, phase=0.0, head="Head"):
     for f in range(frames):
         row = [2 * math.sin(0.1 * f), 90.0, 1.0 * f, 0.0, 0.0, 0.0]
         for i in range(len(JOINTS) - 1):
-            row += [20 * math.sin(0.2 * f + i + phase), 10 * math.cos(0.13 * f + (1 + phase) * i), 5 * math.sin(0.3 * f + i)]
+            row += [
+                20 * math.sin(0.2 * f + i + phase),
+                10 * math.cos(0.13 * f + (1 + phase) * i),
+                5 * math.sin(0.3 * f + i),
+            ]
         lines.append(" ".join("%.4f" % value for value in row))
     return "\n".join(lines) + "\n"
 
 
 def job_text(source="", more="", include=""):
     """A config of the six recordings; `source` and `more` are lines of YAML of ingest.source and of the top."""
-    return include + f"""name: small
+    return (
+        include
+        + f"""name: small
 ingest:
   path: bvhs
   source:
@@ -383,6 +452,7 @@ ingest:
     recording: "{{label}}_{{person}}"
     label: "{{label}}"
 {source}{more}"""
+    )
 
 
 KINDS = {"f4": "<f4", "f8": "<f8", "i4": "<i4", "i8": "<i8", "u1": "u1"}
@@ -448,41 +518,122 @@ def texts(*values):
 def replaced(now, wanted):
     """The list `now` with its first entries replaced; texts become bytes."""
     wanted = [w if isinstance(w, bytes) else w.encode() for w in wanted or []]
-    return wanted + list(now)[len(wanted):]
+    return wanted + list(now)[len(wanted) :]
 
 
-def change_dataset(fields, labels=None, persons=None, recordings=None, sources=None, licences=None, rates=None, joints=None,
-                   findings=None, more=None):
+def change_dataset(
+    fields,
+    labels=None,
+    persons=None,
+    recordings=None,
+    sources=None,
+    licences=None,
+    rates=None,
+    joints=None,
+    findings=None,
+    more=None,
+):
     """Other names of clips (the first ones), joints, and findings (clip, code, message)."""
     clips = len(fields["/clips/id"][1])
-    column = {name: replaced(fields["/clips/" + name][1], wanted)
-              for name, wanted in (("label", labels), ("person", persons), ("recording", recordings), ("source", sources),
-                                   ("licence", licences), ("rate", rates))}
+    column = {
+        name: replaced(fields["/clips/" + name][1], wanted)
+        for name, wanted in (
+            ("label", labels),
+            ("person", persons),
+            ("recording", recordings),
+            ("source", sources),
+            ("licence", licences),
+            ("rate", rates),
+        )
+    }
     ends = fields["/clips/end_frame"][1]
-    ids = [b"%s/%s/%s#0-%d" % (column["source"][i], column["person"][i], column["recording"][i], ends[i])
-           for i in range(clips)]
+    ids = [
+        b"%s/%s/%s#0-%d" % (column["source"][i], column["person"][i], column["recording"][i], ends[i])
+        for i in range(clips)
+    ]
     order = sorted(range(clips), key=lambda i: ids[i])
     for name, values in column.items():
         fields["/clips/" + name] = texts(*[values[i] for i in order])
     fields["/clips/id"] = texts(*[ids[i] for i in order])
     classes = sorted({label for label in column["label"] if label})
     fields["/labels/name"] = texts(*classes)
-    fields["/clips/class"] = ("i4", np.array([classes.index(column["label"][i]) if column["label"][i] else -1 for i in order],
-                                             dtype="<i4"))
+    fields["/clips/class"] = (
+        "i4",
+        np.array([classes.index(column["label"][i]) if column["label"][i] else -1 for i in order], dtype="<i4"),
+    )
     if rates:
         fields["/@rate"] = ("text", np.array(b"mixed", dtype=object))
     if joints:
         fields["/skeleton/names"] = texts(*replaced(fields["/skeleton/names"][1], joints))
     if findings is not None:
         count = len(findings)
-        for name, values in (("clip", [f[0] or os.fsdecode(ids[order[0]]) for f in findings]), ("code", [f[1] for f in findings]),
-                             ("message", [f[2] for f in findings]), ("joint", [""] * count), ("severity", ["warning"] * count),
-                             ("action", ["flagged"] * count)):
+        for name, values in (
+            ("clip", [f[0] or os.fsdecode(ids[order[0]]) for f in findings]),
+            ("code", [f[1] for f in findings]),
+            ("message", [f[2] for f in findings]),
+            ("joint", [""] * count),
+            ("severity", ["warning"] * count),
+            ("action", ["flagged"] * count),
+        ):
             fields["/findings/" + name] = texts(*values)
         for name in ("frame_begin", "frame_end"):
             fields["/findings/" + name] = ("i4", np.zeros(count, dtype="<i4"))
         fields["/findings/value"] = ("f8", np.zeros(count))
     fields.update(more or {})
+
+
+def shifted_plan(plan, change):
+    """Changes the head of a plan, and its offsets by what the first line grows."""
+    first, rest = plan.read_bytes().split(b"\n", 1)
+    head = json.loads(first.rstrip(b",") + b"}")
+    change(head["head"])
+    body = json.dumps(head["head"], separators=(",", ":")).encode()
+    before = first[: first.index(b'"head": ') + len(b'"head": ')]
+    room = len(first) - len(before) - 1
+    if len(body) <= room:
+        plan.write_bytes(before + body + b" " * (room - len(body)) + b",\n" + rest)
+        return
+    grown = len(body) - room
+    values = {key: head[key] + grown for key in ("item_index", "option_index", "task_index")}
+    before = b'{"mocurate_plan": 1, "item_index": %16d, "option_index": %16d, "task_index": %16d, "head": ' % (
+        values["item_index"],
+        values["option_index"],
+        values["task_index"],
+    )
+    lines = rest.split(b"\n")
+    out, section = [], ""
+    for line in lines:
+        if line.startswith(b'"'):
+            section = line
+        elif section.endswith(b'_offsets": [') and line[:16].strip().isdigit():
+            line = b"%16d" % (int(line[:16]) + grown) + line[16:]
+        out.append(line)
+    plan.write_bytes(before + body + b",\n" + b"\n".join(out))
+
+
+def run_tasks(box, plan, codes=None):
+    box.call("run", "--plan", plan, "--task", "0", codes=codes)
+
+
+def survey(box, name="sound.h5", **changes):
+    """A key, and answers to it."""
+    box.dataset(name, **changes)
+    box.sound(
+        "survey",
+        "make",
+        "real_or_fake",
+        "--questions",
+        "2",
+        "--motions",
+        f"real={name}",
+        "--motions",
+        f"b={name}",
+        "-o",
+        box.out / "survey",
+    )
+    key = json.loads((box.out / "survey" / "key.json").read_text())
+    answers = [{"question": question["question"], "answer": "real"} for question in key["questions"]]
+    return key, {"survey": key["survey"], "participant": "p1", "answers": answers, "missing": []}
 
 
 # --- the laboratory ----------------------------------------------------------------------------------------------
@@ -519,6 +670,52 @@ class Lab:
         self._dataset = self._dataset or self._made("sound_dataset", "", "assemble", "dataset.h5")
         return self._dataset
 
+    def tables(self):
+        folder = self.work / "sound_tables"
+        if not folder.exists():
+            box = Box(folder, self, Case("sound_tables", "", {0}, None))
+            box.sound(
+                "export", write_fields(box.input / "d.h5", self.dataset()), "-o", box.out / "tables", "--layout", "csv"
+            )
+        return folder / "out" / "tables"
+
+    def views(self):
+        """A walk before four colour cameras with keypoints and three depth cameras."""
+        folder = self.work / "sound_views"
+        if not folder.exists():
+            box = Box(folder, self, Case("sound_views", "", {0}, None))
+            box.sound(
+                "synthesize",
+                "--layout",
+                "openpose_depth",
+                "-o",
+                box.out / "views",
+                "--set",
+                "subjects=1",
+                "--set",
+                "clips=1",
+                "--set",
+                "actions=[walk]",
+                "--set",
+                "duration=1 s",
+                codes=(0, 2),
+            )
+            if not (box.out / "views").exists():
+                box.sound(
+                    "synthesize",
+                    "--layout",
+                    "openpose_depth",
+                    "-o",
+                    box.out / "views",
+                    "--set",
+                    "subjects=1",
+                    "--set",
+                    "clips=1",
+                    "--set",
+                    "actions=[walk]",
+                )
+        return folder / "out" / "views" / "openpose_depth"
+
     def network(self):
         """A network after one iteration."""
         more = """assemble:
@@ -536,14 +733,17 @@ train:
             verdict = "WRONG" if box.problems else "ok"
         except Skipped as reason:
             verdict, box.problems = "skipped", [str(reason)]
-        except Broken as reason:
-            verdict, box.problems = "WRONG", [f"not tried: {reason}"]
+        except Exception as reason:
+            verdict, box.problems = "WRONG", [*box.problems, f"not tried: {type(reason).__name__}: {reason}"]
         codes = ",".join(str(o.code) for o in box.outcomes) or "-"
         seconds = max([o.seconds for o in box.outcomes] or [0.0])
         megabytes = max([o.megabytes for o in box.outcomes] or [0.0])
         expected = "|".join(map(str, sorted(one.codes)))
-        print(f"{one.name:<28} {expected:>9} {codes:>8} {seconds:7.1f} {megabytes:7.0f}  {verdict}"
-              + ("" if not box.problems else ": " + "; ".join(dict.fromkeys(box.problems))), flush=True)
+        print(
+            f"{one.name:<28} {expected:>9} {codes:>8} {seconds:7.1f} {megabytes:7.0f}  {verdict}"
+            + ("" if not box.problems else ": " + "; ".join(dict.fromkeys(box.problems))),
+            flush=True,
+        )
         return verdict
 
 
@@ -558,16 +758,28 @@ def remove(folder):
 
 def main():
     parser = argparse.ArgumentParser(prog="hostile.sh", description=__doc__.split("\n")[0])
-    parser.add_argument("--program", default=os.environ.get("MOCURATE") or str(ROOT / "build/release/bin/mocurate"),
-                        help="mocurate to try (default: $MOCURATE, else build/release/bin/mocurate)")
-    parser.add_argument("--only", action="append", metavar="PATTERN", help="cases whose id matches, e.g. 'J1*'; may be repeated")
-    parser.add_argument("--list", action="store_true", help="show the cases with their expected exit codes, run nothing")
+    parser.add_argument(
+        "--program",
+        default=os.environ.get("MOCURATE") or str(ROOT / "build/release/bin/mocurate"),
+        help="mocurate to try (default: $MOCURATE, else build/release/bin/mocurate)",
+    )
+    parser.add_argument(
+        "--only", action="append", metavar="PATTERN", help="cases whose id matches, e.g. 'J1*'; may be repeated"
+    )
+    parser.add_argument(
+        "--list", action="store_true", help="show the cases with their expected exit codes, run nothing"
+    )
     parser.add_argument("--keep", metavar="DIR", help="build in DIR (new or empty) and keep it")
-    parser.add_argument("--memory", type=float, default=1000, metavar="MB", help="resident memory of program and workers (default 1000)")
+    parser.add_argument(
+        "--memory", type=float, default=1000, metavar="MB", help="resident memory of program and workers (default 1000)"
+    )
     parser.add_argument("--time", type=float, default=10, metavar="S", help="seconds of a call (default 10)")
     arguments = parser.parse_args()
-    chosen = [one for one in CASES
-              if not arguments.only or any(fnmatch.fnmatch(one.name, pattern) for pattern in arguments.only)]
+    chosen = [
+        one
+        for one in CASES
+        if not arguments.only or any(fnmatch.fnmatch(one.name, pattern) for pattern in arguments.only)
+    ]
     if arguments.list:
         for one in chosen:
             print(f"{one.name:<28} {'|'.join(map(str, sorted(one.codes))):>9}  {one.title}")
@@ -594,8 +806,10 @@ def main():
             if not arguments.keep:
                 remove(work / one.name)
         wrong, skipped = verdicts.count("WRONG"), verdicts.count("skipped")
-        print(f"{len(verdicts)} cases: {verdicts.count('ok')} ok, {wrong} wrong, {skipped} skipped; "
-              f"limits {arguments.memory:g} MB, {arguments.time:g} s")
+        print(
+            f"{len(verdicts)} cases: {verdicts.count('ok')} ok, {wrong} wrong, {skipped} skipped; "
+            f"limits {arguments.memory:g} MB, {arguments.time:g} s"
+        )
         return 1 if wrong else 0
     finally:
         if not arguments.keep:
