@@ -262,7 +262,7 @@ def _(box):
         box.call("dataset", "apply", "d.h5", "decisions.yaml", "-o", box.out / "new.h5")
 
 
-@case("relabel-bombs", "a map of 90,000 classes, of 30,000 rules", {0, 2, 3})
+@case("relabel-bombs", "a map of 90,000 classes, of 19,000 rules", {0, 2, 3})
 def _(box):
     box.dataset()
     box.write(
