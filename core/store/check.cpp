@@ -114,11 +114,10 @@ std::vector<Field> ConcreteFields(const Schema& schema, const Content& content) 
   return fields;
 }
 
-Status CheckContent(const Schema& schema, const Content& content, ErrorCode code,
-                    const std::function<std::string(const std::string&)>& where) {
-  const std::vector<Field> fields = ConcreteFields(schema, content);
+Status CheckFields(const Schema& schema, const Content& content, ErrorCode code,
+                   const std::function<std::string(const std::string&)>& where) {
   Extents extents;
-  for (const Field& field : fields) {
+  for (const Field& field : ConcreteFields(schema, content)) {
     const Array* array = content.Find(field.path);
     auto problem = PresenceProblem(field, content);
     if (!problem && array != nullptr && array->type() != field.type) {
@@ -127,13 +126,20 @@ Status CheckContent(const Schema& schema, const Content& content, ErrorCode code
     }
     if (!problem && array != nullptr)
       problem = ShapeProblem(field, *array, content.later.count(field.path) == 0, extents);
-    if (!problem && array != nullptr) problem = ZeroByte(*array);
+    const bool read = code == ErrorCode::kMalformed;  // its texts end at a zero byte
+    if (!problem && array != nullptr && !read) problem = ZeroByte(*array);
     if (!problem) continue;
-    const bool read_without = array == nullptr && code == ErrorCode::kMalformed;
+    const bool read_without = array == nullptr && read;
     return Fail(code, *problem, where(field.path),
                 "docs/store_format.md: " + field.meaning + (read_without ? "; " + schema.MakeAgain() : ""));
   }
-  return CheckRules(fields, schema, content, code, where);
+  return {};
+}
+
+Status CheckContent(const Schema& schema, const Content& content, ErrorCode code,
+                    const std::function<std::string(const std::string&)>& where) {
+  if (Status fields = CheckFields(schema, content, code, where); !fields) return fields;
+  return CheckRules(ConcreteFields(schema, content), schema, content, code, where);
 }
 
 Status CheckRulesBelow(const std::string& group, const Schema& schema, const Content& content, ErrorCode code,

@@ -63,10 +63,15 @@ struct DatasetClips::File {
   std::map<std::string, std::vector<std::uint64_t>> frame_fields;  ///< path -> shape
   SkeletonPtr skeleton;
   AxisConvention axes;
-  std::optional<std::pair<std::size_t, Content>> first;  ///< valid clip with its row: files of one clip are read once
+  std::vector<std::vector<std::size_t>> segments;  ///< rows of /segments of each clip
+  mutable Content one;                             ///< what all clips share, and the clip read last
+  mutable std::optional<std::size_t> held;         ///< its row; files of one clip are read once
+  mutable bool shared_is_sound = false;            ///< the rules for what all clips share
 
   std::string Where(const std::string& field) const { return store::Where(reader.file(), field); }
-  Expected<Content> OneClip(std::size_t row) const;
+  void SortByClip();
+  Expected<const Content*> OneClip(std::size_t row) const;
+  Status CheckClip() const;
   Expected<Array> FramesOf(std::size_t row, const Field& field) const;
   /// Whether `path` is a field of /frames that the clip has.
   bool HasField(std::size_t row, const std::string& path) const;
@@ -77,7 +82,7 @@ struct DatasetClips::File {
 Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Check check) {
   Expected<Hdf5Reader> reader = Hdf5Reader::Open(path);
   if (!reader) return Forward(reader);
-  auto file = std::make_shared<File>(File{std::move(*reader), {}, {}, {}, {}, {}});
+  auto file = std::make_shared<File>(File{std::move(*reader), {}, {}, {}, {}, {}, {}, {}, false});
   if (Status schema = store::CheckSchemaName(store::DatasetSchema(), file->reader); !schema) return Forward(schema);
   std::map<std::string, std::string> lines;
   for (const std::string& name : file->reader.GroupsBelow("/splits")) file->content.splits.insert(name);
@@ -126,17 +131,16 @@ Expected<DatasetClips> DatasetClips::Open(const std::filesystem::path& path, Che
   file->axes = *axes;
   // All clips share the skeleton: it is checked with the content of the first valid clip.
   const std::size_t rows = file->content.fields.at("/clips/id").rows();
+  file->SortByClip();
   if (rows > 0) {
-    Expected<Content> first = file->OneClip(0);
-    std::size_t row = 0;
-    while (!first && row + 1 < rows) {
-      if (Expected<Content> next = file->OneClip(++row)) first = std::move(next);
+    Expected<const Content*> first = file->OneClip(0);
+    for (std::size_t row = 1; !first && row < rows; ++row) {
+      if (const Expected<const Content*> next = file->OneClip(row)) first = next;
     }
     if (!first) return Forward(first);
-    auto skeleton = std::make_shared<Skeleton>(store::UnpackSkeleton(*first, ""));
+    auto skeleton = std::make_shared<Skeleton>(store::UnpackSkeleton(**first, ""));
     if (Status sound = store::CheckSkeleton(*skeleton, ErrorCode::kMalformed, path, ""); !sound) return Forward(sound);
     file->skeleton = std::move(skeleton);
-    file->first.emplace(row, *std::move(first));
   }
   return DatasetClips(std::move(file));
 }
@@ -236,7 +240,9 @@ OtherFields DatasetClips::ReadOtherFields() const {
   const std::uint64_t frames = joints == file_->frame_fields.end() ? 0 : joints->second.front();
   OtherFields others;
   std::set<std::string> read;  // datasets, which come before their attributes
-  for (const std::string& path : reader.PathsBeyond(known)) {
+  const auto paths = reader.PathsBeyond(known);
+  if (!paths) others.unreadable["/"] = paths.error().what;
+  for (const std::string& path : paths ? *paths : std::vector<std::string>()) {
     const auto of = DatasetOfAttribute(path);
     if (of && !of->empty() && read.count(*of) == 0) {
       if (others.unreadable.count(*of) == 0) others.unreadable[path] = "belongs to a field or group of the format";
@@ -311,60 +317,79 @@ Expected<Array> DatasetClips::File::FramesOf(std::size_t row, const Field& field
   return reader.ReadRows(field.path, field.type, static_cast<std::uint64_t>(offset), static_cast<std::uint64_t>(count));
 }
 
-/// Content with this clip alone, checked.
-Expected<Content> DatasetClips::File::OneClip(std::size_t row) const {
+void DatasetClips::File::SortByClip() {
+  segments.resize(content.fields.at("/clips/id").rows());
+  const Array* of_clips = content.Find("/segments/clip");
+  for (std::size_t i = 0; of_clips != nullptr && i < of_clips->size(); ++i) {
+    const auto row = static_cast<std::size_t>(of_clips->as<std::int32_t>()[i]);
+    if (row < segments.size()) segments[row].push_back(i);
+  }
+  for (const auto& [path, array] : content.fields) {
+    const bool of_one = Below(path, "/clips/") || Below(path, "/segments/");
+    if (!of_one && !Below(path, "/splits/") && !Below(path, "/findings/")) one.fields[path] = array;
+  }
+}
+
+/// By the rules of the table.
+Status DatasetClips::File::CheckClip() const {
+  const auto where = [this](const std::string& field) { return Where(field); };
+  const store::Schema& schema = store::DatasetSchema();
+  if (!shared_is_sound) {
+    Status sound = store::CheckContent(schema, one, ErrorCode::kMalformed, where);
+    shared_is_sound = sound.has_value();
+    return sound;
+  }
+  Status sound = store::CheckFields(schema, one, ErrorCode::kMalformed, where);
+  for (const char* group : {"/clips/", "/segments/", "/frames/"}) {
+    if (sound) sound = store::CheckRulesBelow(group, schema, one, ErrorCode::kMalformed, where);
+  }
+  return sound;
+}
+
+/// Content with this clip alone, checked; until the next call.
+Expected<const Content*> DatasetClips::File::OneClip(std::size_t row) const {
+  if (held == row) return &one;
+  held.reset();
   const std::uint64_t clips = content.fields.at("/clips/id").rows();
   const Array* of_clips = content.Find("/segments/clip");
   const std::uint64_t segment_count = of_clips == nullptr ? 0 : of_clips->rows();
-  std::vector<std::size_t> segments;
-  for (std::size_t i = 0; of_clips != nullptr && i < of_clips->size(); ++i) {
-    if (of_clips->as<std::int32_t>()[i] == static_cast<std::int32_t>(row)) segments.push_back(i);
-  }
-  Content one;
   for (const auto& [path, array] : content.fields) {
-    if (Below(path, "/splits/") || Below(path, "/findings/")) continue;
-    if (!Below(path, "/clips/") && !Below(path, "/segments/")) {
-      one.fields[path] = array;
-      continue;
-    }
     const bool of_clip = Below(path, "/clips/");
+    if (!of_clip && !Below(path, "/segments/")) continue;
     const std::uint64_t rows = of_clip ? clips : segment_count;
     if (array.shape.empty() || array.rows() != rows || array.count() != array.size()) {
       return Fail(ErrorCode::kMalformed, "has shape " + array.ShapeText() + ", not a row each", Where(path));
     }
-    one.fields[path] = RowsOf(array, of_clip ? std::vector<std::size_t>{row} : segments);
+    one.fields[path] = RowsOf(array, of_clip ? std::vector<std::size_t>{row} : segments[row]);
   }
-  if (one.Has("/segments/clip")) {
-    one.Put("/segments/clip", {segments.size()}, std::vector<std::int32_t>(segments.size(), 0));
+  if (of_clips != nullptr) {
+    one.Put("/segments/clip", {segments[row].size()}, std::vector<std::int32_t>(segments[row].size(), 0));
   }
   one.Put("/clips/offset", {1}, std::vector<std::int64_t>{0});
   one.PutText("/@rate", content.Values<std::string>("/clips/rate")[row]);
   for (const Field& field : store::DatasetSchema().fields) {
+    if (frame_fields.count(field.path) == 0) continue;
+    one.fields.erase(field.path);
     if (!HasField(row, field.path)) continue;
     auto array = FramesOf(row, field);
     if (!array) return Forward(array);
     one.fields[field.path] = std::move(*array);
   }
-  const auto where = [this](const std::string& field) { return Where(field); };
-  Status sound = store::CheckContent(store::DatasetSchema(), one, ErrorCode::kMalformed, where);
-  if (!sound) {
+  if (Status sound = CheckClip(); !sound) {
     Error error = sound.error();
     error.hint += (error.hint.empty() ? "" : "; ") + std::string("correct the clip or exclude it: the others are read");
     return tl::unexpected<Error>(error);
   }
-  return one;
+  held = row;
+  return &one;
 }
 
 Expected<Clip> DatasetClips::Read(std::size_t row) const {
-  const auto unpacked = [this](const Content& one) {
-    Clip clip = std::move(store::UnpackClips(one)[0]);
-    clip.motion = std::move(store::UnpackMotions(one, "", file_->skeleton)[0]);
-    return clip;
-  };
-  if (file_->first && file_->first->first == row) return unpacked(file_->first->second);
-  const Expected<Content> one = file_->OneClip(row);
+  const Expected<const Content*> one = file_->OneClip(row);
   if (!one) return Forward(one);
-  return unpacked(*one);
+  Clip clip = std::move(store::UnpackClips(**one)[0]);
+  clip.motion = std::move(store::UnpackMotions(**one, "", file_->skeleton)[0]);
+  return clip;
 }
 
 }  // namespace mocurate

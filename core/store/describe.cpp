@@ -63,11 +63,13 @@ nlohmann::json FieldsOf(const Schema& schema, const Content& content) {
   return fields;
 }
 
-nlohmann::json UnknownPaths(const Schema& schema, const Content& content, const store::Hdf5Reader& reader) {
+Expected<nlohmann::json> UnknownPaths(const Schema& schema, const Content& content, const store::Hdf5Reader& reader) {
   std::set<std::string> known;
   for (const Field& field : store::ConcreteFields(schema, content)) known.insert(field.path);
   nlohmann::json unknown = nlohmann::json::array();
-  for (const std::string& path : reader.AllPaths()) {
+  const auto paths = reader.AllPaths();
+  if (!paths) return Forward(paths);
+  for (const std::string& path : *paths) {
     if (known.count(path) == 0) unknown.push_back(DisplayPath(path));
   }
   return unknown;
@@ -110,6 +112,8 @@ Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path) {
   if (!schema) return Forward(schema);
   auto content = store::ReadContent(**schema, *reader);
   if (!content) return Forward(content);
+  auto unknown = UnknownPaths(**schema, *content, *reader);
+  if (!unknown) return Forward(unknown);
   nlohmann::json json = {{"schema", (*schema)->name},
                          {"purpose", (*schema)->purpose},
                          {"bytes", reader->bytes()},
@@ -117,7 +121,7 @@ Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path) {
                          {"kinematics", content->Text("/@kinematics")},
                          {"counts", CountsOf(**schema, *content)},
                          {"fields", FieldsOf(**schema, *content)},
-                         {"unknown", UnknownPaths(**schema, *content, *reader)}};
+                         {"unknown", std::move(*unknown)}};
   for (const char* name : {"skeleton", "rate", "axes", "created_by"}) {
     if (content->Has(std::string("/@") + name)) json[name] = DisplayPath(content->Text(std::string("/@") + name));
   }

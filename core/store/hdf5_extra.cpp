@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/base/unpacked_limit.h"
 #include "core/store/hdf5_file.h"
 #include "core/store/hdf5_values.h"
 
@@ -139,54 +140,23 @@ Expected<ExtraField> WithValues(ExtraField field, std::string bytes, const Opene
 /// Texts of variable length.
 Expected<std::vector<std::string>> TextsOfAttribute(const Opened& opened, std::uint64_t count, std::uint64_t most,
                                                     const std::string& where) {
-  if (count > kMostAttributeTexts) {
-    return Fail(ErrorCode::kUnsupported, "has more than " + std::to_string(kMostAttributeTexts) + " texts", where);
+  // HDF5 reads all of them at once, and each may be one that fills the file.
+  if (count > kMostAttributeTexts || count * most > MostUnpacked(most)) {
+    return Fail(
+        ErrorCode::kUnsupported,
+        "has " + std::to_string(count) + " texts of any length, of at most " +
+            std::to_string(std::min(kMostAttributeTexts, MostUnpacked(most) / std::max<std::uint64_t>(1, most))),
+        where);
   }
   std::vector<char*> pointers(count, nullptr);
   if (count > 0 && H5Aread(opened.object.get(), opened.type.get(), pointers.data()) < 0) {
     return Fail(ErrorCode::kMalformed, "texts cannot be read: " + Reason(), where);
   }
   std::vector<std::string> texts;
-  std::uint64_t total = 0;
-  for (const char* text : pointers) {
-    texts.emplace_back(text == nullptr ? "" : text);
-    total += texts.back().size();
-  }
+  for (const char* text : pointers) texts.emplace_back(text == nullptr ? "" : text);
   H5Dvlen_reclaim(opened.type.get(), opened.space.get(), H5P_DEFAULT, pointers.data());
-  if (total > most) return Fail(ErrorCode::kMalformed, "texts are longer than the file", where);
+  if (BytesOf(texts) > most) return Fail(ErrorCode::kMalformed, "texts are longer than the file", where);
   return texts;
-}
-
-struct Listing {
-  const std::set<std::string>* known;
-  std::vector<std::string>* paths;
-  std::string object;  ///< whose attributes are visited; empty: the root
-};
-
-std::string PathOfName(const char* name) { return std::string(name) == "." ? "" : "/" + std::string(name); }
-
-herr_t VisitAttribute(hid_t, const char* name, const H5A_info_t*, void* data) {
-  const auto& listing = *static_cast<const Listing*>(data);
-  const std::string path = listing.object + "/@" + name;
-  const bool of_table =
-      listing.known->count(path) > 0 || (listing.known->count(listing.object) > 0 && std::string(name) == "sha256");
-  if (!of_table) listing.paths->push_back(path);
-  return 0;
-}
-
-herr_t VisitObject(hid_t object, const char* name, const H5O_info_t* info, void* data) {
-  auto& listing = *static_cast<Listing*>(data);
-  listing.object = PathOfName(name);
-  if (info->type != H5O_TYPE_GROUP && listing.known->count(listing.object) == 0) {
-    listing.paths->push_back(listing.object);
-  }
-  if (info->num_attrs == 0) return 0;
-  return H5Aiterate_by_name(object, name, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, VisitAttribute, data, H5P_DEFAULT);
-}
-
-herr_t VisitLink(hid_t, const char* name, const H5L_info_t* link, void* data) {
-  if (link->type != H5L_TYPE_HARD) static_cast<Listing*>(data)->paths->push_back(PathOfName(name));
-  return 0;
 }
 
 }  // namespace
@@ -196,12 +166,16 @@ std::uint64_t ValueBytes(const ExtraField& field) {
   return type.ok() ? H5Tget_size(type.get()) : 0;
 }
 
-std::vector<std::string> Hdf5Reader::PathsBeyond(const std::set<std::string>& known) const {
-  SilenceHdf5();
+Expected<std::vector<std::string>> Hdf5Reader::PathsBeyond(const std::set<std::string>& known) const {
   std::vector<std::string> paths;
-  Listing listing{&known, &paths, ""};
-  H5Ovisit2(id_.get(), H5_INDEX_NAME, H5_ITER_NATIVE, VisitObject, &listing, H5O_INFO_BASIC | H5O_INFO_NUM_ATTRS);
-  H5Lvisit(id_.get(), H5_INDEX_NAME, H5_ITER_NATIVE, VisitLink, &listing);
+  const Status whole = Walk([&](const std::string& path, hid_t object, H5O_type_t type) {
+    if (object < 0 || (type != H5O_TYPE_GROUP && known.count(path) == 0)) paths.push_back(path);
+    for (const std::string& name : AttributesOf(object)) {
+      const bool of_table = known.count(path + "/@" + name) > 0 || (known.count(path) > 0 && name == "sha256");
+      if (!of_table) paths.push_back(path + "/@" + name);
+    }
+  });
+  if (!whole) return Forward(whole);
   std::sort(paths.begin(), paths.end());
   return paths;
 }
@@ -238,12 +212,17 @@ Expected<ExtraField> Hdf5Reader::ReadExtra(const std::string& path) const {
   Expected<ExtraField> field = ShapeOfExtra(path);
   if (!field) return field;
   const Opened opened(id_.get(), path);
-  if (!opened.attribute && !field->shape.empty()) return ReadExtraRows(path, 0, field->rows());
+  if (!opened.attribute && !field->shape.empty()) {
+    Expected<ExtraField> rows = ReadExtraRows(path, 0, field->rows());
+    if (Status fits = rows ? Charge(BytesOf(rows->texts), path) : Status(); !fits) return Forward(fits);
+    return rows;
+  }
   const std::string where = WhereOf(path);
   if (opened.variable) {
     auto texts = opened.attribute ? TextsOfAttribute(opened, field->count(), bytes_, where)
-                                  : ReadVariableTexts(opened.object.get(), 0, 1, path);
+                                  : ReadVariableTexts(opened.object.get(), H5S_ALL, 1, path);
     if (!texts) return Forward(texts);
+    if (Status fits = Charge(BytesOf(*texts), path); !fits) return Forward(fits);
     field->texts = std::move(*texts);
     return field;
   }
@@ -266,8 +245,8 @@ Expected<ExtraField> Hdf5Reader::ReadExtraRows(const std::string& path, std::uin
   field->shape[0] = count;
   const Opened opened(id_.get(), path);
   if (opened.variable) {
-    const std::uint64_t width = count == 0 ? 0 : field->count() / count;
-    auto texts = ReadVariableTexts(opened.object.get(), first * width, field->count(), path);
+    SelectRows(opened.space.get(), first, *field);
+    auto texts = ReadVariableTexts(opened.object.get(), opened.space.get(), field->count(), path);
     if (!texts) return Forward(texts);
     field->texts = std::move(*texts);
     return field;

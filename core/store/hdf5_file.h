@@ -47,8 +47,9 @@ std::uint64_t ValueBytes(const ExtraField& field);
 std::string Where(const std::filesystem::path& file, const std::string& field);
 
 /// Reads fields of an HDF5 file that may be damaged or hostile. Sizes are compared with the stored bytes before memory
-/// is allocated; links that are not hard, external and virtual storage and filters other than deflate, shuffle
-/// and fletcher32 are refused.
+/// is allocated, chunks with their declared size before HDF5 unpacks them, and all fields together with MostUnpacked;
+/// links that are not hard, external and virtual storage and filters other than one deflate, shuffle and fletcher32 are
+/// refused.
 class Hdf5Reader {
  public:
   /// Error kNotFound, kUnreadable, kMalformed (not HDF5, truncated).
@@ -67,11 +68,12 @@ class Hdf5Reader {
   std::optional<std::string> AttributeOf(const std::string& path, const std::string& name) const;
   /// Names of the groups directly below `group`, sorted; empty when the group does not exist.
   std::vector<std::string> GroupsBelow(const std::string& group) const;
-  /// Paths of all datasets and "/@name" of all attributes of the root, sorted.
-  std::vector<std::string> AllPaths() const;
+  /// Paths of all datasets and "/@name" of all attributes of the root, sorted. Error kMalformed for groups nested too
+  /// deep, or paths that are too long together.
+  Expected<std::vector<std::string>> AllPaths() const;
   /// Paths beyond `known`, as of ExtraFields, sorted: of datasets, of named types, of links that are not hard, and of
-  /// attributes of the root, of groups and of datasets; not "sha256" of a known one.
-  std::vector<std::string> PathsBeyond(const std::set<std::string>& known) const;
+  /// attributes of the root, of groups and of datasets; not "sha256" of a known one. Errors as of AllPaths.
+  Expected<std::vector<std::string>> PathsBeyond(const std::set<std::string>& known) const;
   /// Any dataset or attribute of values of a fixed size, or of texts: its type and shape, and its values. Error
   /// kUnsupported for other types and for links, kMalformed as of Read.
   Expected<ExtraField> ShapeOfExtra(const std::string& path) const;
@@ -84,10 +86,25 @@ class Hdf5Reader {
  private:
   Expected<Array> ReadDataset(const std::string& path, FieldType type) const;
   Expected<Array> ReadAttribute(const std::string& path, FieldType type) const;
+  /// Whether a field may be read: once for each path.
   Status CheckStorage(hid_t dataset, std::uint64_t count, std::uint64_t element_size, const std::string& path) const;
+  Status CheckChunks(hid_t dataset, const std::vector<hsize_t>& chunk, std::uint64_t most, int deflate,
+                     const std::string& path) const;
+  /// Adds to what the fields take in memory.
+  Status Charge(std::uint64_t bytes, const std::string& path) const;
+  /// Calls `visit` once with every object, the root first, and with every link that is not hard (object: -1).
+  Status Walk(const std::function<void(const std::string& path, hid_t object, H5O_type_t type)>& visit) const;
+  /// An open dataset of numbers with rows.
+  struct Rows {
+    FieldType type;
+    Hdf5Id dataset;
+    std::vector<std::uint64_t> shape;
+  };
+  Expected<const Rows*> OpenRows(const std::string& path, FieldType type) const;
   Expected<std::vector<std::string>> ReadTexts(hid_t dataset, hid_t type, std::uint64_t count,
                                                const std::string& path) const;
-  Expected<std::vector<std::string>> ReadVariableTexts(hid_t dataset, std::uint64_t first, std::uint64_t count,
+  /// Those that are selected in `space`.
+  Expected<std::vector<std::string>> ReadVariableTexts(hid_t dataset, hid_t space, std::uint64_t count,
                                                        const std::string& path) const;
 
   std::string WhereOf(const std::string& path) const { return shown_ + path; }
@@ -96,6 +113,9 @@ class Hdf5Reader {
   std::string shown_;  ///< Where(path_, "")
   std::uint64_t bytes_ = 0;
   Hdf5Id id_;
+  mutable std::set<std::string> checked_;     ///< paths of fields that may be read
+  mutable std::uint64_t charged_ = 0;         ///< bytes that they take in memory
+  mutable std::map<std::string, Rows> rows_;  ///< stay open, so that HDF5 unpacks a chunk once
 };
 
 /// Builds an HDF5 file, in memory or in a file that is open: no input or output can fail inside HDF5. Same calls, same

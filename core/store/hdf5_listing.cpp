@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/base/unpacked_limit.h"
 #include "core/store/hdf5_file.h"
+#include "core/store/hdf5_values.h"
 
 namespace mocurate::store {
 
@@ -37,20 +39,83 @@ std::vector<std::string> Hdf5Reader::GroupsBelow(const std::string& group) const
   return names;
 }
 
-std::vector<std::string> Hdf5Reader::AllPaths() const {
+std::vector<std::string> AttributesOf(hid_t object) {
+  std::vector<std::string> names;
+  const auto visit = [](hid_t, const char* name, const H5A_info_t*, void* data) -> herr_t {
+    static_cast<std::vector<std::string>*>(data)->emplace_back(name);
+    return 0;
+  };
+  if (object >= 0) H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit, &names);
+  return names;
+}
+
+namespace {
+
+constexpr std::size_t kDeepestGroup = 64;  // no format nests deeper; the walk keeps each of them open
+
+/// A walk through the objects of a file.
+struct Walker {
+  const std::function<void(const std::string&, hid_t, H5O_type_t)>& visit;
+  std::uint64_t left;              ///< bytes that more paths may take
+  std::set<haddr_t> seen = {};     ///< objects: a group may hold itself
+  std::vector<std::size_t> above;  ///< lengths of the paths of the groups around
+  std::string path = {};
+  std::string fault = {};
+
+  /// 0, or that the walk ends.
+  herr_t Object(hid_t file, haddr_t address) {
+    if (!seen.insert(address).second) return 0;
+    const Hdf5Id object(H5Oopen_by_addr(file, address), H5Oclose);
+    H5O_info_t info{};
+    if (!object.ok() || H5Oget_info2(object.get(), &info, H5O_INFO_BASIC) < 0) return 0;
+    visit(path, object.get(), info.type);
+    if (info.type != H5O_TYPE_GROUP) return 0;
+    if (above.size() == kDeepestGroup) {
+      fault = "holds groups inside each other, more than " + std::to_string(kDeepestGroup) + " deep";
+      return 1;
+    }
+    above.push_back(path.size());
+    const auto link = [](hid_t group, const char* name, const H5L_info_t* found, void* data) -> herr_t {
+      auto& own = *static_cast<Walker*>(data);
+      own.path.resize(own.above.back());
+      own.path += "/" + std::string(name);
+      if (own.path.size() > own.left) {
+        own.fault = "holds objects whose paths take more memory than a file of its size may";
+        return 1;
+      }
+      own.left -= own.path.size();
+      if (found->type == H5L_TYPE_HARD) return own.Object(group, found->u.address);
+      own.visit(own.path, -1, H5O_TYPE_UNKNOWN);
+      return 0;
+    };
+    const herr_t ended = H5Literate(object.get(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, link, this);
+    above.pop_back();
+    return ended;
+  }
+};
+
+}  // namespace
+
+Status Hdf5Reader::Walk(const std::function<void(const std::string&, hid_t, H5O_type_t)>& visit) const {
   SilenceHdf5();
+  H5O_info_t root{};
+  if (H5Oget_info2(id_.get(), &root, H5O_INFO_BASIC) < 0) {
+    return Fail(ErrorCode::kMalformed, "cannot be listed: " + Reason(), WhereOf("/"));
+  }
+  Walker walker{visit, MostUnpacked(bytes_), {}, {}, {}, {}};
+  walker.Object(id_.get(), root.addr);
+  if (walker.fault.empty()) return {};
+  return Fail(ErrorCode::kMalformed, walker.fault, WhereOf(walker.path.substr(0, 200)), "remove the groups");
+}
+
+Expected<std::vector<std::string>> Hdf5Reader::AllPaths() const {
   std::vector<std::string> paths;
-  const auto visit_object = [](hid_t, const char* name, const H5O_info_t* info, void* data) -> herr_t {
-    if (info->type == H5O_TYPE_DATASET)
-      static_cast<std::vector<std::string>*>(data)->push_back("/" + std::string(name));
-    return 0;
-  };
-  H5Ovisit2(id_.get(), H5_INDEX_NAME, H5_ITER_NATIVE, visit_object, &paths, H5O_INFO_BASIC);
-  const auto visit_attribute = [](hid_t, const char* name, const H5A_info_t*, void* data) -> herr_t {
-    static_cast<std::vector<std::string>*>(data)->push_back("/@" + std::string(name));
-    return 0;
-  };
-  H5Aiterate_by_name(id_.get(), "/", H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit_attribute, &paths, H5P_DEFAULT);
+  const Status whole = Walk([&paths](const std::string& path, hid_t object, H5O_type_t type) {
+    if (type == H5O_TYPE_DATASET) paths.push_back(path);
+    if (!path.empty()) return;
+    for (const std::string& name : AttributesOf(object)) paths.push_back("/@" + name);
+  });
+  if (!whole) return Forward(whole);
   std::sort(paths.begin(), paths.end());
   return paths;
 }

@@ -1,9 +1,15 @@
+#include <zlib.h>
+
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <cstring>
 #include <set>
 #include <system_error>
+#include <utility>
 
 #include "core/base/file.h"
+#include "core/base/unpacked_limit.h"
 #include "core/store/hdf5_file.h"
 #include "core/store/hdf5_values.h"
 
@@ -26,6 +32,12 @@ std::optional<std::uint64_t> Product(const std::vector<hsize_t>& extents, std::u
     if (__builtin_mul_overflow(product, static_cast<std::uint64_t>(extent), &product)) return std::nullopt;
   }
   return product;
+}
+
+std::uint64_t BytesOf(const std::vector<std::string>& texts) {
+  std::uint64_t bytes = 0;
+  for (const std::string& text : texts) bytes += text.size();
+  return bytes;
 }
 
 std::optional<std::vector<hsize_t>> ShapeOf(hid_t space) {
@@ -53,7 +65,9 @@ std::optional<std::string> Unpad(const char* text, std::size_t size, H5T_str_t p
 
 namespace {
 
-constexpr std::uint64_t kSmall = 64ull << 20;  // a compressed field may always grow to this
+constexpr std::uint64_t kMostDeflated = 1032;   // bytes out of one of a deflate stream [zlib's technical details]
+constexpr std::uint64_t kBytesPerChunk = 1024;  // that HDF5 takes for each chunk of a dataset it reads
+constexpr std::uint64_t kTextReference = 16;    // bytes of the place of a text of variable length
 
 std::optional<FieldType> TypeOf(hid_t type) {
   const std::size_t size = H5Tget_size(type);
@@ -93,6 +107,56 @@ Expected<Array> ReadNumbers(hid_t dataset, hid_t memory_type, std::uint64_t coun
 }
 
 herr_t FreeVariable(hid_t type, hid_t space, char** text) { return H5Dvlen_reclaim(type, space, H5P_DEFAULT, text); }
+
+/// Memory for texts of variable length, of which HDF5 reads no more than fit: a hostile file may point many elements at
+/// one long text.
+class TextMemory {
+ public:
+  explicit TextMemory(std::uint64_t bytes) : left_(bytes) {}
+  TextMemory(const TextMemory&) = delete;
+  TextMemory& operator=(const TextMemory&) = delete;
+  ~TextMemory() {
+    while (last_ != nullptr) std::free(std::exchange(last_, static_cast<Block*>(last_)->before));
+  }
+  bool exhausted() const { return exhausted_; }
+
+  static void* Take(std::size_t size, void* memory) {
+    auto& own = *static_cast<TextMemory*>(memory);
+    own.exhausted_ = own.exhausted_ || size > own.left_;
+    void* const block = own.exhausted_ ? nullptr : std::malloc(sizeof(Block) + size);
+    if (block == nullptr) return nullptr;
+    static_cast<Block*>(block)->before = std::exchange(own.last_, block);
+    own.left_ -= size;
+    return static_cast<Block*>(block) + 1;
+  }
+  static void Give(void*, void*) {}  // all at the end
+
+ private:
+  struct Block {
+    void* before;
+  };
+  std::uint64_t left_;
+  void* last_ = nullptr;
+  bool exhausted_ = false;
+};
+
+/// Bytes that a deflate stream unpacks to; beyond `most`, any number above it.
+std::uint64_t UnpackedSize(const std::vector<unsigned char>& packed, std::uint64_t most) {
+  z_stream stream{};
+  stream.next_in = const_cast<unsigned char*>(packed.data());
+  stream.avail_in = static_cast<uInt>(packed.size());
+  if (inflateInit(&stream) != Z_OK) return 0;
+  static thread_local std::array<unsigned char, std::size_t{1} << 16> part;
+  std::uint64_t size = 0;
+  for (int state = Z_OK; state == Z_OK && size <= most;) {
+    stream.next_out = part.data();
+    stream.avail_out = static_cast<uInt>(part.size());
+    state = inflate(&stream, Z_NO_FLUSH);
+    size += part.size() - stream.avail_out;
+  }
+  inflateEnd(&stream);
+  return size;
+}
 
 }  // namespace
 
@@ -175,16 +239,63 @@ Expected<Array> Hdf5Reader::ReadDataset(const std::string& path, FieldType type)
     case FieldType::kText:
       break;
   }
-  auto texts = variable ? ReadVariableTexts(dataset.get(), 0, *count, path)
+  auto texts = variable ? ReadVariableTexts(dataset.get(), H5S_ALL, *count, path)
                         : ReadTexts(dataset.get(), stored_type.get(), *count, path);
   if (!texts) return Forward(texts);
+  if (Status fits = variable ? Charge(BytesOf(*texts), path) : Status(); !fits) return Forward(fits);
   return MakeArray(std::move(shape), std::move(*texts));
+}
+
+Status Hdf5Reader::Charge(std::uint64_t bytes, const std::string& path) const {
+  const std::uint64_t most = MostUnpacked(bytes_);
+  if (bytes <= most - charged_) {
+    charged_ += bytes;
+    return {};
+  }
+  return Fail(ErrorCode::kMalformed,
+              "takes " + std::to_string(bytes) + " bytes of memory after " + std::to_string(charged_) +
+                  " of other fields; a file of " + std::to_string(bytes_) + " bytes may take " + std::to_string(most),
+              WhereOf(path), "a file that is packed so tightly holds no recorded motion; store it unpacked to read it");
+}
+
+/// A packed stream does not state its length, and HDF5 unpacks all of it, whatever the chunk's size: each is unpacked
+/// here first, and not kept. `most`: bytes of a chunk before it is packed; `deflate`: place of that filter, -1: none.
+Status Hdf5Reader::CheckChunks(hid_t dataset, const std::vector<hsize_t>& chunk, std::uint64_t most, int deflate,
+                               const std::string& path) const {
+  if (deflate < 0 || chunk.empty()) return {};
+  const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
+  const auto extents = ShapeOf(space.get());
+  std::vector<hsize_t> at(chunk.size(), 0);
+  std::vector<unsigned char> packed;
+  for (bool more = true; more;) {
+    unsigned skipped = 0;
+    haddr_t address = 0;
+    hsize_t size = 0;
+    const bool found = H5Dget_chunk_info_by_coord(dataset, at.data(), &skipped, &address, &size) >= 0 && size <= bytes_;
+    packed.resize(found ? static_cast<std::size_t>(size) : 0);
+    if (!found || (size > 0 && H5Dread_chunk(dataset, H5P_DEFAULT, at.data(), &skipped, packed.data()) < 0)) {
+      return Fail(ErrorCode::kMalformed, "values cannot be read: " + Reason(), WhereOf(path));
+    }
+    const bool is_packed = (skipped & (1u << deflate)) == 0;
+    if ((is_packed ? UnpackedSize(packed, most) : size) > most) {
+      return Fail(ErrorCode::kMalformed, "has a chunk that unpacks to more than its " + std::to_string(most) + " bytes",
+                  WhereOf(path), "the file is damaged: copy it again");
+    }
+    more = false;
+    for (std::size_t axis = at.size(); axis-- > 0 && !more;) {
+      at[axis] += chunk[axis];
+      more = at[axis] < (*extents)[axis];
+      if (!more) at[axis] = 0;
+    }
+  }
+  return {};
 }
 
 Status Hdf5Reader::CheckStorage(hid_t dataset, std::uint64_t count, std::uint64_t element_size,
                                 const std::string& path) const {
+  if (checked_.count(path) > 0) return {};
   const std::string where = WhereOf(path);
-  const auto needed = Product({count}, element_size);
+  const auto needed = Product({count}, std::max<std::uint64_t>(1, element_size));
   const std::uint64_t stored = H5Dget_storage_size(dataset);
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
   const H5D_layout_t layout = H5Pget_layout(creation.get());
@@ -192,7 +303,8 @@ Status Hdf5Reader::CheckStorage(hid_t dataset, std::uint64_t count, std::uint64_
       H5Pget_external_count(creation.get()) != 0) {
     return Fail(ErrorCode::kMalformed, "keeps its values outside this file", where);
   }
-  std::uint64_t limit = stored;
+  int deflate = -1;
+  std::uint64_t checksums = 0;  // that are packed with the values
   const int filters = layout == H5D_CHUNKED ? H5Pget_nfilters(creation.get()) : 0;
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0;
@@ -200,25 +312,47 @@ Status Hdf5Reader::CheckStorage(hid_t dataset, std::uint64_t count, std::uint64_
     std::size_t values = 0;
     const H5Z_filter_t filter =
         H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, &config);
-    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32) {
-      return Fail(ErrorCode::kMalformed, "is stored with HDF5 filter " + std::to_string(filter), where,
-                  "deflate, shuffle and fletcher32 are read");
+    const bool checksum = filter == H5Z_FILTER_FLETCHER32;
+    const bool known =
+        deflate < 0 ? filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE || checksum : checksum;
+    if (!known) {
+      return Fail(ErrorCode::kMalformed,
+                  "is stored with HDF5 filter " + std::to_string(filter) + (deflate < 0 ? "" : " after deflate"), where,
+                  "shuffle, then one deflate, and fletcher32 are read");
     }
+    if (filter == H5Z_FILTER_DEFLATE) deflate = i;
+    if (checksum && deflate < 0) ++checksums;
   }
-  if (filters > 0) limit = std::max(64 * stored, std::min(1032 * stored, kSmall));
-  std::optional<std::uint64_t> chunk = 0;
-  if (layout == H5D_CHUNKED && count > 0) {
-    std::vector<hsize_t> extents(H5S_MAX_RANK);
-    const int rank = H5Pget_chunk(creation.get(), H5S_MAX_RANK, extents.data());
-    extents.resize(static_cast<std::size_t>(std::max(rank, 0)));
-    chunk = Product(extents, element_size);
+  const auto limit = Product({stored}, deflate < 0 ? 1 : kMostDeflated);
+  std::vector<hsize_t> chunk(layout == H5D_CHUNKED && count > 0 ? H5S_MAX_RANK : 0);
+  if (!chunk.empty()) {
+    const int rank = H5Pget_chunk(creation.get(), H5S_MAX_RANK, chunk.data());
+    chunk.resize(static_cast<std::size_t>(std::max(rank, 0)));
   }
-  if (!needed || !chunk || stored > bytes_ || *needed > limit || *chunk > limit) {
+  const auto of_chunk = Product(chunk, element_size);
+  const bool has_chunks = chunk.empty() || (of_chunk && limit && *of_chunk > 0 && *of_chunk <= *limit);
+  if (!needed || !limit || !has_chunks || stored > bytes_ || *needed > *limit) {
     return Fail(ErrorCode::kMalformed,
                 "announces " + (needed ? std::to_string(*needed) : std::string("more than 2^64")) + " bytes, but " +
                     std::to_string(stored) + " are stored in a file of " + std::to_string(bytes_),
                 where);
   }
+  const Hdf5Id type(H5Dget_type(dataset), H5Tclose), space(H5Dget_space(dataset), H5Sclose);
+  const auto extents = ShapeOf(space.get());
+  if (!extents || (!chunk.empty() && chunk.size() != extents->size())) {
+    return Fail(ErrorCode::kMalformed, "has no usable shape", where);
+  }
+  std::uint64_t chunks = chunk.empty() ? 0 : 1;
+  for (std::size_t axis = 0; axis < chunk.size(); ++axis) chunks *= ((*extents)[axis] + chunk[axis] - 1) / chunk[axis];
+  const bool texts = H5Tget_class(type.get()) == H5T_STRING, variable = texts && H5Tis_variable_str(type.get()) > 0;
+  const auto unpacked = Product({chunks}, *of_chunk + kBytesPerChunk);  // to the ends of the last chunks
+  if (!unpacked) return Fail(ErrorCode::kMalformed, "has no usable shape", where);
+  const std::uint64_t values = chunk.empty() ? *needed : *unpacked;
+  if (Status fits = Charge(values, path); !fits) return fits;
+  if (Status fits = Charge(texts ? count * sizeof(std::string) : 0, path); !fits) return fits;
+  const std::uint64_t most = *of_chunk * (variable ? kTextReference : 1) + 4 * checksums;
+  if (Status sound = CheckChunks(dataset, chunk, most, deflate, path); !sound) return sound;
+  checked_.insert(path);
   return {};
 }
 
@@ -241,33 +375,23 @@ Expected<std::vector<std::string>> Hdf5Reader::ReadTexts(hid_t dataset, hid_t ty
   return texts;
 }
 
-Expected<std::vector<std::string>> Hdf5Reader::ReadVariableTexts(hid_t dataset, std::uint64_t first,
-                                                                 std::uint64_t count, const std::string& path) const {
-  // One by one: a hostile file may point many elements at one long text.
-  const Hdf5Id type(H5Dget_type(dataset), H5Tclose);
-  const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
-  const hsize_t one = 1;
-  const Hdf5Id memory(H5Screate_simple(1, &one, nullptr), H5Sclose);
-  const auto extents = ShapeOf(space.get());
+Expected<std::vector<std::string>> Hdf5Reader::ReadVariableTexts(hid_t dataset, hid_t space, std::uint64_t count,
+                                                                 const std::string& path) const {
   std::vector<std::string> texts;
-  std::uint64_t total = 0;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    std::vector<hsize_t> start(extents->size());
-    const std::vector<hsize_t> ones(extents->size(), 1);
-    std::uint64_t rest = first + i;
-    for (std::size_t d = start.size(); d-- > 0; rest /= (*extents)[d]) start[d] = rest % (*extents)[d];
-    if (!start.empty()) {
-      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, ones.data(), nullptr);
-    }
-    char* text = nullptr;
-    if (H5Dread(dataset, type.get(), memory.get(), space.get(), H5P_DEFAULT, &text) < 0) {
-      return Fail(ErrorCode::kMalformed, "texts cannot be read: " + Reason(), WhereOf(path));
-    }
-    texts.emplace_back(text == nullptr ? "" : text);
-    FreeVariable(type.get(), memory.get(), &text);
-    total += texts.back().size();
-    if (total > bytes_) return Fail(ErrorCode::kMalformed, "texts are longer than the file", WhereOf(path));
+  if (count == 0) return texts;
+  const Hdf5Id type(H5Dget_type(dataset), H5Tclose);
+  const hsize_t extent = count;
+  const Hdf5Id selected(H5Screate_simple(1, &extent, nullptr), H5Sclose);
+  const Hdf5Id transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+  TextMemory memory(bytes_);
+  H5Pset_vlen_mem_manager(transfer.get(), TextMemory::Take, &memory, TextMemory::Give, nullptr);
+  std::vector<const char*> pointers(count, nullptr);
+  if (H5Dread(dataset, type.get(), selected.get(), space, transfer.get(), pointers.data()) < 0) {
+    return Fail(ErrorCode::kMalformed,
+                memory.exhausted() ? "texts are longer than the file" : "texts cannot be read: " + Reason(),
+                WhereOf(path));
   }
+  for (const char* text : pointers) texts.emplace_back(text == nullptr ? "" : text);
   return texts;
 }
 

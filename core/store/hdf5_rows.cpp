@@ -2,6 +2,7 @@
 
 #include "core/base/sha256.h"
 #include "core/store/hdf5_file.h"
+#include "core/store/hdf5_values.h"
 
 namespace mocurate::store {
 namespace {
@@ -25,10 +26,12 @@ auto WithNumber(FieldType type, const Work& work) {
 
 }  // namespace
 
-Expected<std::vector<std::uint64_t>> Hdf5Reader::ShapeOfRows(const std::string& path, FieldType type) const {
+Expected<const Hdf5Reader::Rows*> Hdf5Reader::OpenRows(const std::string& path, FieldType type) const {
   SilenceHdf5();
+  const auto open = rows_.find(path);
+  if (open != rows_.end() && open->second.type == type) return &open->second;
   const std::string where = WhereOf(path);
-  const Hdf5Id dataset(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
+  Hdf5Id dataset(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.ok()) return Fail(ErrorCode::kMalformed, "cannot be opened as a dataset", where);
   const Hdf5Id space(H5Dget_space(dataset.get()), H5Sclose);
   const Hdf5Id stored(H5Dget_type(dataset.get()), H5Tclose);
@@ -39,34 +42,50 @@ Expected<std::vector<std::uint64_t>> Hdf5Reader::ShapeOfRows(const std::string& 
   if (type == FieldType::kText || !fits) {
     return Fail(ErrorCode::kMalformed, "is of another type; the format asks for " + std::string(Name(type)), where);
   }
-  const int rank = H5Sget_simple_extent_type(space.get()) == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space.get()) : 0;
-  if (rank < 1) return Fail(ErrorCode::kMalformed, "has no rows", where);
-  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
-  H5Sget_simple_extent_dims(space.get(), extents.data(), nullptr);
-  std::uint64_t count = 1;
-  for (const hsize_t extent : extents) {
-    if (__builtin_mul_overflow(count, static_cast<std::uint64_t>(extent), &count)) {
-      return Fail(ErrorCode::kMalformed, "has no usable shape", where);
+  const auto extents = ShapeOf(space.get());
+  if (!extents || extents->empty()) return Fail(ErrorCode::kMalformed, "has no rows", where);
+  const auto count = Product(*extents);
+  if (!count) return Fail(ErrorCode::kMalformed, "has no usable shape", where);
+  if (Status whole = CheckStorage(dataset.get(), *count, H5Tget_size(stored.get()), path); !whole)
+    return Forward(whole);
+  // Rows are read a clip at a time: HDF5 keeps the chunks that the last ones were in.
+  const Hdf5Id creation(H5Dget_create_plist(dataset.get()), H5Pclose);
+  std::vector<hsize_t> chunk(extents->size());
+  if (*count > 0 && H5Pget_layout(creation.get()) == H5D_CHUNKED &&
+      H5Pget_chunk(creation.get(), static_cast<int>(chunk.size()), chunk.data()) > 0) {
+    std::uint64_t bytes = chunk[0] * H5Tget_size(stored.get());  // at most about those of the dataset
+    for (std::size_t axis = 1; axis < chunk.size(); ++axis) {
+      bytes *= ((*extents)[axis] + chunk[axis] - 1) / chunk[axis] * chunk[axis];
     }
+    const Hdf5Id access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+    H5Pset_chunk_cache(access.get(), H5D_CHUNK_CACHE_NSLOTS_DEFAULT, std::max<std::size_t>(bytes, 1 << 20), 1.0);
+    dataset = Hdf5Id(H5Dopen2(id_.get(), path.c_str(), access.get()), H5Dclose);
   }
-  if (Status whole = CheckStorage(dataset.get(), count, H5Tget_size(stored.get()), path); !whole) return Forward(whole);
-  return std::vector<std::uint64_t>(extents.begin(), extents.end());
+  Rows rows{type, std::move(dataset), {extents->begin(), extents->end()}};
+  return &rows_.emplace(path, std::move(rows)).first->second;
+}
+
+Expected<std::vector<std::uint64_t>> Hdf5Reader::ShapeOfRows(const std::string& path, FieldType type) const {
+  const auto rows = OpenRows(path, type);
+  if (!rows) return Forward(rows);
+  return (*rows)->shape;
 }
 
 Expected<Array> Hdf5Reader::ReadRows(const std::string& path, FieldType type, std::uint64_t first,
                                      std::uint64_t count) const {
-  const auto shape = ShapeOfRows(path, type);
-  if (!shape) return Forward(shape);
+  const auto rows = OpenRows(path, type);
+  if (!rows) return Forward(rows);
   const std::string where = WhereOf(path);
-  if (first > shape->front() || count > shape->front() - first) {
+  const std::vector<std::uint64_t>& shape = (*rows)->shape;
+  if (first > shape.front() || count > shape.front() - first) {
     return Fail(
         ErrorCode::kMalformed,
-        "has " + std::to_string(shape->front()) + " rows; those from " + std::to_string(first) + " on were requested",
+        "has " + std::to_string(shape.front()) + " rows; those from " + std::to_string(first) + " on were requested",
         where);
   }
-  const Hdf5Id dataset(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
-  const Hdf5Id space(H5Dget_space(dataset.get()), H5Sclose);
-  std::vector<hsize_t> start(shape->size(), 0), extent(shape->begin(), shape->end());
+  const hid_t dataset = (*rows)->dataset.get();
+  const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
+  std::vector<hsize_t> start(shape.size(), 0), extent(shape.begin(), shape.end());
   start[0] = first;
   extent[0] = count;
   std::uint64_t values = 1;
@@ -77,7 +96,7 @@ Expected<Array> Hdf5Reader::ReadRows(const std::string& path, FieldType type, st
     const bool read =
         values == 0 ||
         (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) >= 0 &&
-         H5Dread(dataset.get(), native, memory.get(), space.get(), H5P_DEFAULT, held.data()) >= 0);
+         H5Dread(dataset, native, memory.get(), space.get(), H5P_DEFAULT, held.data()) >= 0);
     if (!read) return Fail(ErrorCode::kMalformed, "values cannot be read", where);
     return MakeArray(std::vector<std::uint64_t>(extent.begin(), extent.end()), std::move(held));
   });

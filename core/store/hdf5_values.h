@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-/// What the readers of values share; defined in hdf5_reader.cpp.
+/// What the readers of values share; defined in hdf5_reader.cpp and hdf5_listing.cpp.
 namespace mocurate::store {
 
 /// An attribute must fit an object header of 64 kB.
@@ -17,6 +17,10 @@ inline constexpr std::size_t kLongestAttribute = 60000;
 std::string Reason();
 /// Product of the extents; empty on overflow.
 std::optional<std::uint64_t> Product(const std::vector<hsize_t>& extents, std::uint64_t start = 1);
+/// Names of the attributes of an object; none of -1.
+std::vector<std::string> AttributesOf(hid_t object);
+/// Without their ends.
+std::uint64_t BytesOf(const std::vector<std::string>& texts);
 /// Empty: no usable shape.
 std::optional<std::vector<hsize_t>> ShapeOf(hid_t space);
 /// Text up to the padding; empty when it contains a zero byte.

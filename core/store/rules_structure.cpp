@@ -151,11 +151,13 @@ Rule ClassOfLabel() {
             const auto& classes = c.array.as<std::int32_t>();
             const auto& labels = c.content.Values<std::string>("/clips/label");
             const Array* names = c.content.Find("/labels/name");
+            const std::vector<std::string> none;
+            const auto& known = names == nullptr ? none : names->as<std::string>();
             for (std::size_t i = 0; i < classes.size(); ++i) {
-              int expected = -1;
-              for (std::size_t k = 0; names != nullptr && expected < 0 && k < names->rows(); ++k) {
-                if (names->as<std::string>()[k] == labels[i]) expected = static_cast<int>(k);
-              }
+              const auto own = static_cast<std::size_t>(classes[i]);
+              if (own < known.size() && known[own] == labels[i]) continue;  // names are unique
+              const auto found = std::find(known.begin(), known.end(), labels[i]);
+              const int expected = found == known.end() ? -1 : static_cast<int>(found - known.begin());
               if (classes[i] != expected) {
                 return Row(i) + "is " + std::to_string(classes[i]) + "; label '" + labels[i] + "' has row " +
                        std::to_string(expected);

@@ -73,8 +73,12 @@ std::vector<std::pair<std::string, std::string>> Symbols();
 /// The table with * replaced by every split of `content`.
 std::vector<Field> ConcreteFields(const Schema& schema, const Content& content);
 
-/// Checks presence, type, shape and rule of every field; of those in Content::later no rule. `where` makes the place of
-/// a field from its path; `code` is the code of the error.
+/// Checks presence, type and shape of every field. `where` makes the place of a field from its path; `code` is the code
+/// of the error, kMalformed for a content that was read.
+Status CheckFields(const Schema& schema, const Content& content, ErrorCode code,
+                   const std::function<std::string(const std::string& path)>& where);
+
+/// CheckFields, and the rule of every field but of those in Content::later.
 Status CheckContent(const Schema& schema, const Content& content, ErrorCode code,
                     const std::function<std::string(const std::string& path)>& where);
 

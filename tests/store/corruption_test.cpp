@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "core/store/hdf5_file.h"
 #include "core/store/table.h"
@@ -235,6 +238,123 @@ TEST(StoreCorruption, AFieldThatDeclaresMoreThanTheFileHoldsIsRefusedBeforeAlloc
   EXPECT_EQ(read.error().code, ErrorCode::kMalformed);
   EXPECT_NE(read.error().Message().find("huge.h5:/frames/joints: announces"), std::string::npos)
       << read.error().Message();
+}
+
+/// A dataset with one chunk of all its values, packed by deflate `times` times.
+void Pack(hid_t file, const char* path, const std::vector<hsize_t>& shape, int times, const std::string& packed) {
+  H5Ldelete(file, path, H5P_DEFAULT);
+  const Hdf5Id space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  const Hdf5Id properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(properties.get(), static_cast<int>(shape.size()), shape.data());
+  for (int i = 0; i < times; ++i) H5Pset_deflate(properties.get(), 9);
+  const Hdf5Id made(H5Dcreate2(file, path, H5T_IEEE_F32LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+                    H5Dclose);
+  ASSERT_TRUE(made.ok());
+  const std::vector<hsize_t> first(shape.size(), 0);
+  ASSERT_GE(H5Dwrite_chunk(made.get(), H5P_DEFAULT, 0, first.data(), packed.size(), packed.data()), 0);
+}
+
+/// A deflate stream of 1 MiB of zeros, without its end.
+std::string PackedZeros() {
+  std::string zeros(std::size_t{1} << 20, '\0'), packed(zeros.size(), '\0');
+  z_stream stream{};
+  deflateInit(&stream, 9);
+  stream.next_in = reinterpret_cast<Bytef*>(zeros.data());
+  stream.avail_in = static_cast<uInt>(zeros.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  deflate(&stream, Z_FULL_FLUSH);
+  packed.resize(packed.size() - stream.avail_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+TEST(StoreCorruption, AChunkThatUnpacksToMoreThanItsDeclaredSizeIsRefused) {
+  const ScratchFolder folder;
+  const Field joints{"/frames/joints", {}, {}, {}, {}, {}, {}, {}};
+  for (const int times : {1, 2}) {
+    ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "packed.h5"));
+    Change(folder / "packed.h5",
+           [&](hid_t file) { Pack(file, "/frames/joints", ShapeOf(file, joints), times, PackedZeros()); });
+    const auto read = ReadDataset(folder / "packed.h5");
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().code, ErrorCode::kMalformed);
+    EXPECT_NE(read.error().where.find("packed.h5:/frames/joints"), std::string::npos) << read.error().Message();
+    EXPECT_EQ(read.error().what.find("values cannot be read"), std::string::npos) << "they were unpacked";
+  }
+}
+
+TEST(StoreCorruption, FieldsThatTogetherTakeMoreMemoryThanTheFileMayAreRefused) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "texts.h5"));
+  Change(folder / "texts.h5", [](hid_t file) {
+    const hsize_t count = 1'600'000;  // of one byte in the file
+    const Hdf5Id space(H5Screate_simple(1, &count, nullptr), H5Sclose), type(H5Tcopy(H5T_C_S1), H5Tclose);
+    const Hdf5Id properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY);
+    H5Ldelete(file, "/clips/label", H5P_DEFAULT);
+    H5Ldelete(file, "/clips/view", H5P_DEFAULT);
+    const Hdf5Id made(
+        H5Dcreate2(file, "/clips/label", type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+        H5Dclose);
+    ASSERT_TRUE(made.ok());
+    ASSERT_GE(H5Lcreate_hard(file, "/clips/label", file, "/clips/view", H5P_DEFAULT, H5P_DEFAULT), 0);
+  });
+  const auto read = ReadDataset(folder / "texts.h5");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kMalformed);
+  EXPECT_NE(read.error().where.find("texts.h5:/clips/label"), std::string::npos) << read.error().Message();
+}
+
+TEST(StoreCorruption, GroupsInsideEachOtherAreListedToALimit) {
+  const ScratchFolder folder;
+  for (const int depth : {50, 100}) {
+    ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "deep.h5"));
+    Change(folder / "deep.h5", [depth](hid_t file) {
+      std::string path;
+      for (int i = 0; i < depth; ++i) {
+        path += "/g";
+        const Hdf5Id made(H5Gcreate2(file, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+        ASSERT_TRUE(made.ok());
+      }
+      H5Lcreate_hard(file, "/g", file, (path + "/g").c_str(), H5P_DEFAULT, H5P_DEFAULT);  // a group inside itself
+    });
+    const auto described = DescribeStore(folder / "deep.h5");
+    EXPECT_EQ(described.has_value(), depth == 50);
+    EXPECT_TRUE(described || described.error().code == ErrorCode::kMalformed);
+  }
+}
+
+TEST(StoreCorruption, ManyTextsOfAnyLengthMayNotBeOneLongText) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(WriteDataset(test::MakeDataset(), folder / "long.h5"));
+  Change(folder / "long.h5", [](hid_t file) {
+    const hsize_t count = 100;
+    const Hdf5Id space(H5Screate_simple(1, &count, nullptr), H5Sclose), type(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(type.get(), H5T_VARIABLE);
+    const Hdf5Id properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_chunk(properties.get(), 1, &count);
+    H5Ldelete(file, "/labels/name", H5P_DEFAULT);
+    const Hdf5Id made(
+        H5Dcreate2(file, "/labels/name", type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+        H5Dclose);
+    const std::string text(1'000'000, 'a');
+    std::vector<const char*> texts(count, "");
+    texts[0] = text.c_str();
+    ASSERT_GE(H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()), 0);
+    H5Fflush(file, H5F_SCOPE_GLOBAL);
+    constexpr std::size_t kReference = 16;
+    const hsize_t first = 0;
+    std::uint32_t skipped = 0;
+    std::vector<char> chunk(kReference * count);
+    ASSERT_GE(H5Dread_chunk(made.get(), H5P_DEFAULT, &first, &skipped, chunk.data()), 0);
+    for (std::size_t i = 1; i < count; ++i) std::copy_n(chunk.begin(), kReference, chunk.begin() + i * kReference);
+    ASSERT_GE(H5Dwrite_chunk(made.get(), H5P_DEFAULT, 0, &first, chunk.size(), chunk.data()), 0);
+  });
+  const auto read = ReadDataset(folder / "long.h5");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kMalformed);
+  EXPECT_NE(read.error().where.find("long.h5:/labels/name"), std::string::npos) << read.error().Message();
 }
 
 TEST(StoreCorruption, UnknownFieldsAreIgnored) {

@@ -115,7 +115,9 @@ Expected<nlohmann::json> RecordHdf5(const std::filesystem::path& artifact) {
   const auto reader = store::Hdf5Reader::Open(artifact);
   if (!reader) return Forward(reader);
   nlohmann::json record = nlohmann::json::object();
-  for (const std::string& path : reader->AllPaths()) {
+  const auto paths = reader->AllPaths();
+  if (!paths) return Forward(paths);
+  for (const std::string& path : *paths) {
     if (Excluded(path)) continue;
     Expected<store::Array> read = Fail(ErrorCode::kUnsupported, "a field of no known type", path);
     for (const store::FieldType type : {store::FieldType::kText, store::FieldType::kFloat32, store::FieldType::kFloat64,
