@@ -73,7 +73,7 @@ Status CheckMissingBones(const std::vector<int>& frame_lines, bool reports, cons
   return {};
 }
 
-Status LeaveAmcGaps(const std::string& name, Amc& amc) {
+Status LeaveAmcGaps(const std::string& name, const std::function<Status(std::size_t)>& fits, Amc& amc) {
   const std::vector<int> numbers = amc.frame_numbers;
   int least = 0;
   for (std::size_t f = 1; f < numbers.size(); ++f) {
@@ -86,6 +86,7 @@ Status LeaveAmcGaps(const std::string& name, Amc& amc) {
   if (!places) return Forward(places);
   if (places->place.empty() || places->every_row()) return {};
   const auto frames = static_cast<std::size_t>(places->frames()), rows = numbers.size();
+  if (Status memory = fits(frames); !memory) return memory;
   const auto channels = static_cast<std::size_t>(amc.channel_count), bones = amc.bones.size();
   const auto at = [&](std::size_t row) { return static_cast<std::size_t>(places->place[row]); };
   std::vector<double> values(frames * channels, 0.0);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ Status CheckMissingBones(const std::vector<int>& frame_lines, bool reports, cons
 
 /// Inserts a damaged frame for each number that is skipped, so that later frames keep their time: "time_gap" replaces
 /// "frame_number" there. Numbers that step by more than one throughout, or fall, are left as they are. Error
-/// kInconsistent at "name" where more than 10000 are skipped.
-Status LeaveAmcGaps(const std::string& name, Amc& amc);
+/// kInconsistent at "name" where more than 10000 are skipped; that of `fits` for the count of frames with these.
+Status LeaveAmcGaps(const std::string& name, const std::function<Status(std::size_t frames)>& fits, Amc& amc);
 
 }  // namespace mocurate

@@ -10,6 +10,7 @@
 #include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
+#include "core/formats/pose_memory.h"
 
 namespace mocurate {
 namespace {
@@ -56,7 +57,8 @@ class AmcParser {
     if (misread_ && 2 * amc_.damaged.size() > static_cast<std::size_t>(amc_.frames))
       return tl::unexpected<Error>(*std::move(misread_));
     if (Status missing = CheckMissingBones(frame_lines_, Reports(), name_, amc_); !missing) return Forward(missing);
-    if (Status gaps = LeaveAmcGaps(name_, amc_); !gaps) return Forward(gaps);
+    const auto fits = [this](std::size_t frames) { return CheckMemory(frames); };
+    if (Status gaps = LeaveAmcGaps(name_, fits, amc_); !gaps) return Forward(gaps);
     return std::move(amc_);
   }
 
@@ -175,8 +177,15 @@ class AmcParser {
     return {};
   }
 
+  /// A bone of the skeleton has a pose in every frame, with numbers or without.
+  Status CheckMemory(std::size_t frames) const {
+    const std::size_t bones = options_.skeleton == nullptr ? amc_.bones.size() : options_.skeleton->bones.size();
+    return CheckPoseMemory(std::max(bones, static_cast<std::size_t>(amc_.channel_count) / 7), frames, bytes_, name_);
+  }
+
   Status Begin(int number, bool unnumbered = false) {
     if (Status closed = CloseFrame(false); !closed) return closed;
+    if (Status fits = CheckMemory(static_cast<std::size_t>(amc_.frames) + 1); !fits) return fits;
     if (amc_.frames == std::numeric_limits<int>::max() / 2) return Bad("too many frames");
     amc_.frame_numbers.push_back(number);
     ++amc_.frames;

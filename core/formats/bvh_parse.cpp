@@ -10,6 +10,7 @@
 #include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
+#include "core/formats/pose_memory.h"
 
 namespace mocurate {
 namespace {
@@ -39,7 +40,7 @@ std::string CommaHint(std::string_view text) {
 class BvhParser {
  public:
   BvhParser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
-      : lines_(bytes, name), name_(name), reports_(damaged_rows == DamagedRows::kReport) {}
+      : lines_(bytes, name), name_(name), bytes_(bytes.size()), reports_(damaged_rows == DamagedRows::kReport) {}
 
   Expected<Bvh> Run() {
     const std::string_view first = lines_.Next();
@@ -236,11 +237,9 @@ class BvhParser {
     return std::nullopt;
   }
 
-  /// Keeps the place of the row, which holds the numbers of the one before it.
+  /// Keeps the place of the row; PlaceDamage fills it.
   void Damage(const char* code, double value, int line, long long row, const std::string& what, std::size_t begin) {
-    const auto wide = static_cast<std::size_t>(bvh_.channel_count);
     bvh_.values.resize(begin);
-    for (std::size_t c = 0; c < wide; ++c) bvh_.values.push_back(begin == 0 ? 0.0 : bvh_.values[begin - wide + c]);
     bvh_.damaged.push_back(static_cast<int>(std::min<long long>(row, std::numeric_limits<int>::max() - 1)));
     if (first_damage_.what.empty()) first_damage_ = {ErrorCode::kMalformed, what, PlaceOfLine(line), ""};
     constexpr std::size_t kMostFindings = 1000;
@@ -263,7 +262,8 @@ class BvhParser {
            (without == bvh_.joints.end() ? "" : "; joint '" + Shown(without->name) + "' has none");
   }
 
-  /// Damaged rows before the first complete one get its numbers. Damage that may have split or joined rows is an error.
+  /// Damaged rows get the numbers of the one before, or of the first complete one. Damage that may have split or joined
+  /// rows is an error.
   Status PlaceDamage(long long rows) {
     if (bvh_.damaged.empty()) return {};
     const auto wide = static_cast<std::size_t>(bvh_.channel_count);
@@ -279,11 +279,19 @@ class BvhParser {
                             " rows: damage may have split or joined rows, so that later frame numbers are "
                             "unreliable; repair the file, or leave it out");
     }
-    std::size_t whole = 0;
-    while (whole < bvh_.damaged.size() && bvh_.damaged[whole] == static_cast<int>(whole)) ++whole;
-    for (std::size_t row = 0; row < whole; ++row) {
-      for (std::size_t c = 0; c < wide; ++c) bvh_.values[row * wide + c] = bvh_.values[whole * wide + c];
+    std::vector<double> placed;
+    placed.reserve(static_cast<std::size_t>(rows) * wide);
+    std::size_t taken = 0;  // complete rows
+    auto next = bvh_.damaged.begin();
+    for (int row = 0; row < static_cast<int>(rows); ++row) {
+      const bool damage = next != bvh_.damaged.end() && *next == row;
+      const std::size_t from = damage ? std::max<std::size_t>(taken, 1) - 1 : taken;
+      const auto begin = bvh_.values.begin() + static_cast<std::ptrdiff_t>(from * wide);
+      placed.insert(placed.end(), begin, begin + static_cast<std::ptrdiff_t>(wide));
+      if (damage) ++next;
+      if (!damage) ++taken;
     }
+    bvh_.values = std::move(placed);
     return {};
   }
 
@@ -346,6 +354,8 @@ class BvhParser {
                                       "' declares none either: nothing was recorded; export it again, or exclude it");
     }
     if (rows > std::numeric_limits<int>::max()) return Bad("too many frames");
+    if (Status fits = CheckPoseMemory(bvh_.joints.size(), static_cast<std::size_t>(rows), bytes_, name_); !fits)
+      return fits;
     if (Status placed = PlaceDamage(rows); !placed) return placed;
     if (rows != announced_) {
       const auto contradiction =
@@ -382,6 +392,7 @@ class BvhParser {
 
   LineReader lines_;
   const std::string& name_;
+  std::size_t bytes_;
   Error first_damage_;
   bool reports_;
   Bvh bvh_;

@@ -12,6 +12,7 @@
 #include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
+#include "core/formats/pose_memory.h"
 
 namespace mocurate {
 namespace {
@@ -47,7 +48,7 @@ auto Tied(const NtuBody& b) {
 class NtuParser {
  public:
   NtuParser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
-      : scanner_(bytes, false), name_(name), reports_(damaged_rows == DamagedRows::kReport) {}
+      : scanner_(bytes, false), bytes_(bytes.size()), name_(name), reports_(damaged_rows == DamagedRows::kReport) {}
 
   Expected<NtuSkeleton> Run() {
     const Expected<int> frames = Count("frame count", std::numeric_limits<int>::max());
@@ -66,6 +67,7 @@ class NtuParser {
       break;
     }
     frame_ = body_ = joint_ = -1;
+    if (Status fits = CheckPoseMemory(kNtuJoints, skeleton_.frames.size(), bytes_, name_); !fits) return Forward(fits);
     if (const int found = static_cast<int>(skeleton_.frames.size()); found != *frames) {
       const auto contradiction =
           CountContradiction("the frame count", *frames, found, name_ + ":" + std::to_string(line));
@@ -263,6 +265,7 @@ class NtuParser {
   }
 
   NumberScanner scanner_;
+  std::size_t bytes_;
   const std::string& name_;
   bool reports_;
   NtuSkeleton skeleton_;

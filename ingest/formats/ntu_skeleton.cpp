@@ -5,6 +5,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/ntu_skeleton.h"
+#include "core/formats/pose_memory.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/ntu_people.h"
@@ -166,6 +167,10 @@ Expected<RawFile> NtuIn(const FileBytes& file) {
   if (ids.empty()) {
     return Fail(ErrorCode::kInconsistent, "no frame has a body: one of the set's files with missing skeletons", name,
                 "remove the file");
+  }
+  // A clip of a body has all frames of the file.
+  if (Status fits = CheckPoseMemory(kNtuJoints * ids.size(), skeleton->frames.size(), file.bytes.size(), name); !fits) {
+    return Forward(fits);
   }
   std::vector<RawClip> clips;
   for (const std::uint64_t id : ids) {

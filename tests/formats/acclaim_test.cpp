@@ -315,6 +315,21 @@ TEST(Amc, RejectsSparseFramesWithoutAllocatingThem) {
   ExpectMalformed(ParseAmc(text, {}, "sparse.amc"), "sparse.amc:20040");
 }
 
+TEST(Amc, RejectsBonesWithoutNumbersThatTakeMoreMemoryThanTheFileMay) {
+  Asf asf = Arm();
+  std::string text = ":DEGREES\n";
+  for (int frame = 1; frame <= 2000; ++frame) {
+    text += std::to_string(frame) + "\nroot 1 2 3 0 0 0\nupper 0 90\nlower 90\n";
+  }
+  EXPECT_TRUE(Wave(text, asf));
+  const AsfBone fixed = asf.bones[1];
+  for (int bone = 0; bone < 2000; ++bone) {
+    asf.bones.push_back(fixed);
+    asf.bones.back().name += std::to_string(bone);
+  }
+  ExpectMalformed(Wave(text, asf), "wave.amc");
+}
+
 // Recorded files.
 
 TEST(AcclaimFiles, RoundTripEverySkeletonAndMotion) {

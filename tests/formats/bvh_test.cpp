@@ -87,6 +87,29 @@ TEST(Bvh, ReportsDamageAmongThousandsOfJointsWithOneName) {
   ExpectMalformed(ParseBvh(text, "clip.bvh", DamagedRows::kReport), "clip.bvh:8010");
 }
 
+TEST(Bvh, RejectsJointsWithoutNumbersThatTakeMoreMemoryThanTheFileMay) {
+  const auto of = [](int joints, int frames) {
+    std::string text = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n";
+    for (int j = 1; j < joints; ++j) text += "JOINT j\n{\nOFFSET 0 1 0\n}\n";
+    text += "}\nMOTION\nFrames: " + std::to_string(frames) + "\nFrame Time: 0.1\n";
+    for (int f = 0; f < frames; ++f) text += "1\n";
+    return ParseBvh(text, "clip.bvh");
+  };
+  ExpectMalformed(of(2000, 2000), "clip.bvh");
+  EXPECT_TRUE(of(100, 2000));
+}
+
+TEST(Bvh, FillsDamagedRowsFromTheNearestRowBefore) {
+  const auto bvh =
+      ParseBvh(TwoJoints("x\n1 2 3 0 0 90 7 0 0 0\n4\n4 5 6 0 0 0 8 0 90 0\ny\n1 1 1 1 1 1 1 1 1 1\n", "6"), "clip.bvh",
+               DamagedRows::kReport);
+  ASSERT_TRUE(bvh) << bvh.error().Message();
+  EXPECT_EQ(bvh->damaged, (std::vector<int>{0, 2, 4}));
+  for (const auto& [frame, first] : {std::pair{0, 1}, {1, 1}, {2, 1}, {3, 4}, {4, 4}, {5, 1}}) {
+    EXPECT_EQ(bvh->value(frame, 0), first) << frame;
+  }
+}
+
 TEST(Bvh, RejectsARepeatedAxisWithItsLine) {
   std::string text = "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n}\n";
   text += "MOTION\nFrames: 2\nFrame Time: 0.1\n1 2 3\n4 5 6\n";

@@ -60,6 +60,16 @@ TEST(NtuSkeletonText, IgnoresCarriageReturnsAndReadsAnEmptyTake) {
   EXPECT_TRUE(ParseNtuSkeleton("0\r\n", "a.skeleton").value().frames.empty());
 }
 
+TEST(NtuSkeletonText, RejectsEmptyFramesThatTakeMoreMemoryThanTheFileMay) {
+  const auto of = [](int frames) {
+    std::string text = std::to_string(frames) + "\n";
+    for (int f = 0; f < frames; ++f) text += "0\n";
+    return ParseNtuSkeleton(text, "a.skeleton");
+  };
+  EXPECT_TRUE(of(1000));
+  ExpectMalformed(of(60000), "a.skeleton");
+}
+
 TEST(NtuSkeletonText, RejectsCountsThatContradictTheDataWithTheirLine) {
   const std::string text = WriteNtuSkeleton(Scene());
   const std::string same_id = Replaced(text, std::to_string(kFirst + 1), std::to_string(kFirst));

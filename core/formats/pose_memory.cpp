@@ -1,0 +1,20 @@
+#include "core/formats/pose_memory.h"
+
+#include "core/base/text.h"
+#include "core/base/unpacked_limit.h"
+
+namespace mocurate {
+
+Status CheckPoseMemory(std::size_t joints, std::size_t frames, std::size_t bytes, const std::string& name) {
+  constexpr std::uint64_t kPose = 7 * sizeof(double);
+  const std::uint64_t most = MostUnpacked(bytes) / kPose;  // joints of all frames
+  if (joints == 0 || frames <= most / joints) return {};
+  return Fail(ErrorCode::kMalformed,
+              Counted(static_cast<long long>(joints), "joint") + " in " +
+                  Counted(static_cast<long long>(frames), "frame") + " take more memory than a file of " +
+                  Counted(static_cast<long long>(bytes), "byte") + " may: " + std::to_string(most) +
+                  " joints of all frames",
+              name, "remove the joints that have no numbers, or cut the motion into files");
+}
+
+}  // namespace mocurate
