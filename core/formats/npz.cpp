@@ -1,8 +1,10 @@
 #include "core/formats/npz.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
+#include "core/base/unpacked_limit.h"
 #include "core/formats/pickle.h"
 
 namespace mocurate {
@@ -27,7 +29,9 @@ Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const Np
   Expected<ZipArchive> archive = ZipArchive::Open(bytes, name, limits.zip);
   if (!archive) return Forward(archive);
   Npz npz;
+  std::set<std::string> names;
   std::size_t numbers = 0;
+  const std::size_t most = std::min<std::size_t>(limits.numbers, MostUnpacked(bytes.size()) / sizeof(double));
   for (std::size_t i = 0; i < archive->members().size(); ++i) {
     const std::string& file = archive->members()[i];
     if (EndsWith(file, ".pkl") || EndsWith(file, ".pickle")) {
@@ -39,8 +43,8 @@ Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const Np
     NpzMember member;
     member.name = file.substr(0, file.size() - kExtension.size());
     const std::string where = name + ":" + member.name;
-    for (const NpzMember& other : npz.members) {
-      if (other.name == member.name) return Fail(ErrorCode::kInconsistent, "two members have this name", where);
+    if (!names.insert(member.name).second) {
+      return Fail(ErrorCode::kInconsistent, "two members have this name", where);
     }
     const Expected<std::string> content = archive->Read(i);
     if (!content) return Forward(content);
@@ -49,8 +53,10 @@ Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const Np
       for (const std::size_t extent : header->shape)
         announced = std::min(announced * std::min(extent, content->size()), content->size());
       numbers += announced;
-      if (numbers > limits.numbers) {
-        return Fail(ErrorCode::kUnsupported, "more than " + std::to_string(limits.numbers) + " numbers", where);
+      if (numbers > most) {
+        return Fail(ErrorCode::kUnsupported,
+                    "more than the " + std::to_string(most) + " numbers that an archive of this size may hold", where,
+                    "save the arrays that are needed in a file of their own");
       }
     }
     Expected<NpyArray> array = ParseNpy(*content, where);

@@ -28,7 +28,7 @@ struct Npz {
 
 struct NpzLimits {
   ZipLimits zip;
-  std::size_t numbers = std::size_t{1} << 27;  ///< over all members
+  std::size_t numbers = std::size_t{1} << 27;  ///< over all members; at most MostUnpacked bytes of them as well
 };
 
 /// numpy.savez, packed or not. Members that are neither numbers nor texts are listed and skipped, never

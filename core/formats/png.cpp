@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "core/base/unpacked_limit.h"
 #include "core/formats/binary_numbers.h"
 
 namespace mocurate {
@@ -22,6 +23,7 @@ class PngReader {
   explicit PngReader(std::string_view bytes)
       : next_(reinterpret_cast<png_const_bytep>(bytes.data())),
         left_(bytes.size()),
+        bytes_(bytes.size()),
         png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, this, OnError, OnWarning)),
         info_(png_ == nullptr ? nullptr : png_create_info_struct(png_)) {}
   PngReader(const PngReader&) = delete;
@@ -69,6 +71,7 @@ class PngReader {
 
   int passes() const { return passes_; }
   std::size_t row_bytes() const { return png_get_rowbytes(png_, info_); }
+  std::size_t file_bytes() const { return bytes_; }
   PngHeader header() const {
     return {static_cast<int>(png_get_image_width(png_, info_)), static_cast<int>(png_get_image_height(png_, info_)),
             png_get_bit_depth(png_, info_), png_get_channels(png_, info_)};
@@ -108,7 +111,7 @@ class PngReader {
   }
 
   png_const_bytep next_;
-  std::size_t left_;
+  std::size_t left_, bytes_;
   bool is_cut_ = false, in_rows_ = false;
   int passes_ = 1;
   std::array<char, 128> message_ = {"no memory"};
@@ -120,6 +123,14 @@ class PngReader {
 Status ReadRows(PngReader& reader, const std::string& name, bool keep, std::vector<std::uint8_t>& rows) {
   const std::size_t size = reader.row_bytes();
   const auto height = static_cast<std::size_t>(reader.header().height);
+  const std::uint64_t most = MostUnpacked(reader.file_bytes());
+  if (height > most / size) {
+    return Fail(ErrorCode::kMalformed,
+                "an image of " + std::to_string(reader.header().width) + " x " + std::to_string(height) +
+                    " pixels unpacks to " + std::to_string(height * size) + " bytes; a file of " +
+                    std::to_string(reader.file_bytes()) + " bytes may hold " + std::to_string(most),
+                name + ":IHDR", "make the image smaller");
+  }
   rows.resize(keep ? size * height : size);
   for (int pass = 0; pass < reader.passes(); ++pass) {
     for (std::size_t y = 0; y < height; ++y) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <deque>
+#include <unordered_map>
 #include <utility>
 
 #include "core/base/file.h"
+#include "core/base/unpacked_limit.h"
 #include "core/formats/pickle_machine.h"
 #include "core/formats/zip_archive.h"
 
@@ -25,7 +27,11 @@ const char* ElementName(std::string_view dtype) {
 class TorchReader {
  public:
   TorchReader(std::string_view bytes, const std::string& name, const TorchLimits& limits)
-      : bytes_(bytes), name_(name), limits_(limits) {}
+      : bytes_(bytes), name_(name), limits_(limits) {
+    // Tensors may share numbers, or repeat them.
+    limits_.elements =
+        std::min(limits.elements, static_cast<std::int64_t>(MostUnpacked(bytes.size()) / sizeof(double)));
+  }
 
   Expected<TorchTable> ReadLegacy();
   Expected<TorchTable> ReadZip();
@@ -180,8 +186,11 @@ Expected<TorchTable> TorchReader::ReadZip() {
   Expected<ZipArchive> archive = ZipArchive::Open(bytes_, name_, limits);
   if (!archive) return Forward(archive);
   const std::vector<std::string>& members = archive->members();
+  std::unordered_map<std::string_view, std::size_t> places;  // the first of a name
+  for (std::size_t i = 0; i < members.size(); ++i) places.emplace(members[i], i);
   const auto find = [&](const std::string& member) {
-    return static_cast<std::size_t>(std::find(members.begin(), members.end(), member) - members.begin());
+    const auto found = places.find(member);
+    return found == places.end() ? members.size() : found->second;
   };
   const auto top = std::find_if(members.begin(), members.end(), [](const std::string& member) {
     return member == kTop ||

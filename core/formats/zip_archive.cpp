@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/file.h"
+#include "core/base/unpacked_limit.h"
 
 namespace mocurate {
 namespace {
@@ -49,6 +50,7 @@ Expected<ZipArchive> ZipArchive::Open(std::string_view bytes, const std::string&
   archive.handle_->zip = zip;
   archive.name_ = name;
   archive.limits_ = limits;
+  archive.limits_.bytes = std::min<std::size_t>(limits.bytes, MostUnpacked(bytes.size()));
   const zip_int64_t count = zip_get_num_entries(zip, 0);
   if (count < 0 || static_cast<std::size_t>(count) > limits.members) {
     return Fail(ErrorCode::kUnsupported,
@@ -76,7 +78,18 @@ Expected<std::string> ZipArchive::Read(std::size_t index) {
     return Fail(encrypted || unknown ? ErrorCode::kUnsupported : ErrorCode::kMalformed,
                 "the member cannot be opened: " + text, where);
   }
+  zip_stat_t declared;
+  const bool has_size = zip_stat_index(zip, index, 0, &declared) == 0 && (declared.valid & ZIP_STAT_SIZE) != 0;
+  if (!has_size || declared.size > limits_.bytes - unpacked_) {
+    zip_fclose(file);
+    return Fail(ErrorCode::kUnsupported,
+                std::to_string(has_size ? declared.size : 0) + " bytes when unpacked, after " +
+                    std::to_string(unpacked_) + " of other members; at most " + std::to_string(limits_.bytes) +
+                    " of an archive of this size are read",
+                where, "save the arrays that are needed in a file of their own");
+  }
   std::string content;
+  content.reserve(static_cast<std::size_t>(declared.size) + kPart);
   while (true) {
     const std::size_t before = content.size();
     content.resize(before + kPart);
@@ -88,13 +101,14 @@ Expected<std::string> ZipArchive::Read(std::size_t index) {
     }
     content.resize(before + static_cast<std::size_t>(got));
     if (got == 0) break;
-    unpacked_ += static_cast<std::size_t>(got);
-    if (unpacked_ > limits_.bytes) {
+    if (content.size() > declared.size) {
       zip_fclose(file);
-      return Fail(ErrorCode::kUnsupported, "more than " + std::to_string(limits_.bytes) + " bytes when unpacked",
-                  where);
+      return Fail(ErrorCode::kMalformed,
+                  "unpacks to more than the " + std::to_string(declared.size) + " bytes that are declared", where,
+                  "copy the file again");
     }
   }
+  unpacked_ += content.size();
   if (const int closed = zip_fclose(file); closed != 0) {
     return Fail(ErrorCode::kMalformed, "the member is damaged (checksum)", where, "copy the file again");
   }

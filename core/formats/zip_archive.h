@@ -14,11 +14,11 @@ namespace mocurate {
 /// Bounds on what an archive may request, whatever it declares.
 struct ZipLimits {
   std::size_t members = 1u << 20;
-  std::size_t bytes = std::size_t{1} << 30;  ///< unpacked, over all members that are read
+  std::size_t bytes = std::size_t{1} << 30;  ///< unpacked, over all members that are read; at most MostUnpacked as well
 };
 
-/// A zip archive in memory, read through libzip. Declared sizes are not used for allocation: a member grows
-/// as its bytes are read.
+/// A zip archive in memory, read through libzip. A member that declares more than the limits is not unpacked, and one
+/// that unpacks to more than it declares no further.
 class ZipArchive {
  public:
   /// `bytes` must outlive the archive. Errors kMalformed, kUnsupported (too many members).
@@ -30,7 +30,7 @@ class ZipArchive {
   /// In the order of the archive.
   const std::vector<std::string>& members() const { return members_; }
   /// The unpacked bytes of members()[index]. Errors kMalformed (damaged, checksum), kUnsupported (encrypted, unknown
-  /// packing, more bytes than the limit).
+  /// packing, more bytes than the limits).
   Expected<std::string> Read(std::size_t index);
 
  private:

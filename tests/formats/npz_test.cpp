@@ -118,6 +118,14 @@ TEST(Npz, LimitsTheUnpackedSize) {
   ExpectError(ParseNpz(bytes, "a.npz", few_members), ErrorCode::kUnsupported, "a.npz");
 }
 
+TEST(Npz, LimitsWhatAnArchiveOfItsSizeMayUnpackTo) {
+  std::string bytes = WriteStoredZip({{"a.npy", WriteNpy(MakeArray({1}, {7}))}}, "z").value();
+  const std::size_t entry = bytes.find("PK\x01\x02");
+  bytes.replace(entry + 24, 4, std::string("\0\0\0\x20", 4));  // declares 512 MiB
+  bytes.replace(22, 4, std::string("\0\0\0\x20", 4));
+  ExpectError(ParseNpz(bytes, "a.npz"), ErrorCode::kUnsupported, "a.npz:a.npy");
+}
+
 TEST(Npz, ReadsACompressedArchive) {
   const char* data = std::getenv("MOCURATE_DATA");
   if (data == nullptr) GTEST_SKIP() << "MOCURATE_DATA is not set";

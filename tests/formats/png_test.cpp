@@ -35,6 +35,11 @@ const std::string kPalette = FromHex(
     "41"
     "5478da637060680000014400c10487cffa0000000049454e44ae426082");
 
+/// 16384 x 4096 pixels of 16 bits, 128 MiB, of which there are 9 bytes.
+const std::string kLarge = FromHex(
+    "89504e470d0a1a0a0000000d4948445200004000000010001000000000ffe67aac0000000b49444154789c636080020000090001fb52b8"
+    "a90000000049454e44ae426082");
+
 /// The place that CheckPng reports; "whole" without an error.
 std::string Place(const std::string& bytes) {
   const Status checked = CheckPng(bytes, "d.png");
@@ -56,6 +61,8 @@ TEST(Png, RoundTripsADepthImage) {
   EXPECT_FALSE(EncodePng(DepthImage{4, 4, {1, 2}}));
   EXPECT_FALSE(EncodePng(DepthImage{}));
 }
+
+TEST(Png, RejectsAnImageThatTakesMoreMemoryThanTheFileMay) { EXPECT_EQ(Place(kLarge), "d.png:IHDR"); }
 
 TEST(Png, ReadsTheHeaderFromTheFirstBytesOfAFile) {
   const std::string bytes = EncodePng(Slope()).value();
