@@ -6,12 +6,13 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kLongestLiteral = 32;
-constexpr std::size_t kLongestCopy = 264;  // 2 + 7 + 255 out of three bytes
+constexpr std::size_t kLongestCopy = 264;  // 2 + 7 + 255
+constexpr std::size_t kShortestCopy = 3;   // bytes of the block that it takes
 
 }  // namespace
 
 std::optional<std::string> UnpackLzf(std::string_view block, std::size_t size) {
-  if (size / kLongestCopy > block.size()) return std::nullopt;
+  if (size / kLongestCopy > block.size() / kShortestCopy) return std::nullopt;
   std::string bytes;
   bytes.reserve(size);
   std::size_t at = 0;

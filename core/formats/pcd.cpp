@@ -5,8 +5,10 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "core/base/text.h"
+#include "core/base/unpacked_limit.h"
 #include "core/formats/header_count.h"
 #include "core/formats/largest_number.h"
 #include "core/formats/lzf.h"
@@ -90,10 +92,11 @@ class PcdParser {
       return known ? Status() : BadLine("only versions 0.7 and 0.6 are known");
     }
     if (key == "FIELDS") {
+      std::set<std::string_view> names;
       for (std::size_t i = 1; i < words.size(); ++i) {
         PcdField field;
         field.name = std::string(words[i]);
-        if (field.name != "_" && pcd_.Find(field.name) != nullptr) {
+        if (field.name != "_" && !names.insert(words[i]).second) {
           return BadLine("the field '" + ShownText(field.name) + "' appears twice");
         }
         pcd_.fields.push_back(std::move(field));
@@ -179,6 +182,12 @@ class PcdParser {
     return bytes;
   }
 
+  std::size_t NumbersPerPoint() const {
+    std::size_t numbers = 0;
+    for (const PcdField& field : pcd_.fields) numbers += static_cast<std::size_t>(field.count);
+    return numbers;
+  }
+
   /// Takes a number over; empty: it is nan. Infinite ones are refused.
   Status Put(std::size_t point, PcdField& field, std::optional<double> value) {
     const auto where = [&] {
@@ -204,8 +213,7 @@ class PcdParser {
   }
 
   Status Ascii() {
-    std::size_t columns = 0;
-    for (const PcdField& field : pcd_.fields) columns += static_cast<std::size_t>(field.count);
+    const std::size_t columns = NumbersPerPoint();
     if (const std::size_t most = (bytes_.size() - at_) / (2 * columns) + 1; points() > most)
       return Contradiction(most, true);
     pcd_.missing.assign(points(), 0);
@@ -259,6 +267,14 @@ class PcdParser {
       if (packed != data.size() || size / stride != points() || size % stride != 0) {
         return Fail(ErrorCode::kInconsistent, "the sizes of the compressed block do not fit the header", name_,
                     "is the file cut off?");
+      }
+      if (const std::uint64_t most = MostUnpacked(bytes_.size());
+          size > most || points() > most / 8 / NumbersPerPoint()) {
+        return Fail(ErrorCode::kMalformed,
+                    "the compressed block unpacks to " + std::to_string(size) + " bytes in " +
+                        std::to_string(points()) + " points, which take more than the " + std::to_string(most) +
+                        " bytes that a file of this size may",
+                    name_ + ":" + std::to_string(points_line_), "remove the points that are not measured");
       }
       std::optional<std::string> block = UnpackLzf(data, size);
       if (!block) return Fail(ErrorCode::kMalformed, "the compressed block is damaged", name_);

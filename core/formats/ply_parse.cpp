@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "core/base/text.h"
@@ -127,11 +128,12 @@ class PlyParser {
     if (!count || *count < 0 || static_cast<std::size_t>(*count) > kMaxItems) {
       return BadLine("'" + ShownText(words[2]) + "' is not a count of elements");
     }
-    if (ply_.Find(words[1]) != nullptr) return BadLine("the element '" + ShownText(words[1]) + "' appears twice");
+    if (!elements_.insert(words[1]).second) return BadLine("the element '" + ShownText(words[1]) + "' appears twice");
     PlyElement element;
     element.name = std::string(words[1]);
     element.count = static_cast<std::size_t>(*count);
     ply_.elements.push_back(std::move(element));
+    properties_.clear();
     return {};
   }
 
@@ -143,7 +145,7 @@ class PlyParser {
     if (ply_.elements.empty()) return BadLine("a property comes before any element");
     PlyProperty property;
     property.name = std::string(words.back());
-    if (ply_.elements.back().Find(property.name) != nullptr) {
+    if (!properties_.insert(words.back()).second) {
       return BadLine("the property '" + ShownText(property.name) + "' appears twice");
     }
     for (std::size_t i = list ? 2 : 1; i + 1 < words.size(); ++i) {
@@ -319,6 +321,7 @@ class PlyParser {
   std::size_t at_ = 0;
   int line_ = 0;
   Ply ply_;
+  std::set<std::string_view> elements_, properties_;  ///< names; of the last element
 };
 
 }  // namespace

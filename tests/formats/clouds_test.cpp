@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <set>
 
 #include "core/formats/lzf.h"
@@ -52,6 +53,19 @@ TEST(Ply, RoundTripsInEveryEncoding) {
     EXPECT_THAT(*triangles, ::testing::ElementsAre(std::array{0, 1, 2}, std::array{3, 2, 1}, std::array{3, 1, 0}));
     EXPECT_EQ((*PlyPoints(*back, "c.ply"))[0], Vector3d(0, 0, -300));
   }
+}
+
+TEST(Clouds, ReadHeadersOfManyNamesInLinearTime) {
+  std::string ply = "ply\nformat ascii 1.0\nelement vertex 0\n", pcd = "VERSION 0.7\nFIELDS";
+  for (int i = 0; i < 60000; ++i) {
+    ply += "property float x" + std::to_string(i) + "\n";
+    pcd += " x" + std::to_string(i);
+  }
+  for (int i = 0; i < 60000; ++i) ply += "element e" + std::to_string(i) + " 0\n";
+  const std::clock_t begin = std::clock();
+  EXPECT_TRUE(ParsePly(ply + "end_header\n", "c.ply"));
+  EXPECT_FALSE(ParsePcd(pcd + "\n", "c.pcd"));
+  EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC) << "comparing all names takes ten times as long";
 }
 
 TEST(Ply, RejectsABinaryFileTruncatedAtAnyByte) {
@@ -162,6 +176,17 @@ TEST(Pcd, RejectsABinaryFileTruncatedAtAnyByte) {
     }
     EXPECT_FALSE(ParsePcd(bytes + "x", "c.pcd"));
   }
+}
+
+TEST(Pcd, RejectsACompressedBlockThatTakesMoreMemoryThanTheFileMay) {
+  constexpr int kPoints = 8'000'000;
+  std::string bytes =
+      "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 8000000\nHEIGHT 1\nPOINTS 8000000\nDATA "
+      "binary_compressed\n";
+  const std::string block(kPoints * 12 / 88 + 1, 'x');
+  AppendNumber(bytes, static_cast<double>(block.size()), NumberType::kUint32, ByteOrder::kLittle);
+  AppendNumber(bytes, 12.0 * kPoints, NumberType::kUint32, ByteOrder::kLittle);
+  ExpectMalformed(ParsePcd(bytes + block, "c.pcd"), "c.pcd:7");
 }
 
 TEST(Pcd, UnpacksBackReferencesOfCompressedBlocks) {
