@@ -183,8 +183,10 @@ Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, const Exam
   if (!options.rate.empty()) {
     const auto rate = FrameRate::Parse(options.rate);
     if (!rate) return Forward(rate);
+    if (Status near = rate->hz() > clip.rate.hz() ? CheckFrameSteps(clip) : Status(); !near) return Forward(near);
     clip = Resample(clip, *rate);
   }
+  if (Status near = EstimatesCuts(options.trim.rule) ? CheckFrameSteps(clip) : Status(); !near) return Forward(near);
   auto cuts = CutClips(options.trim, examples, clip, findings);
   if (!cuts) return Forward(cuts);
   std::vector<Clip> faced;

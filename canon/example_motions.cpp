@@ -23,6 +23,7 @@ Expected<std::map<std::string, std::vector<Motion>>> ReadExamples(const CanonOpt
     auto clip = ReadMotionClip(input, nullptr);
     if (!clip) return Forward(clip);
     clip->evidence = Evidence();
+    if (Status near = CheckFrameSteps(*clip); !near) return Forward(near);
     for (const StageInput& floor : inputs) {
       if (floor.role != kExampleFloorRole || floor.name != input.name) continue;
       if (Status levelled = LevelByFloor(floor, *clip); !levelled) return Forward(levelled);

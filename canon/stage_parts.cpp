@@ -6,6 +6,7 @@
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/text.h"
+#include "core/motion/gaps.h"
 
 namespace mocurate {
 
@@ -41,6 +42,16 @@ Status LevelByFloor(const StageInput& input, Clip& clip) {
   return GuardJson(input.name, [&] {
     if (!floor->is_null()) LevelClip(floor->get<FloorPlane>(), clip);
   });
+}
+
+Status CheckFrameSteps(const Clip& clip) {
+  const double step_s = clip.motion ? clip.motion->rate.FrameTime(1) : 0.0;
+  if (step_s <= kMaxGap_s) return {};
+  return Fail(ErrorCode::kInconsistent,
+              "its frames lie " + RoundedText(step_s) + " s apart; motion is estimated between frames at most " +
+                  RoundedText(kMaxGap_s) + " s apart",
+              clip.id(),
+              "correct the rate of its source (ingest.source.rate), or leave canon.rate and canon.trim empty");
 }
 
 void SortById(std::vector<Clip>& clips) {

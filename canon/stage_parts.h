@@ -18,6 +18,10 @@ Expected<Clip> ReadMotionClip(const StageInput& input, std::vector<Finding>* fin
 /// LevelClip with the floor of the stage `level`; no change where it found none. Error kMalformed.
 Status LevelByFloor(const StageInput& input, Clip& clip);
 
+/// A motion that is sampled at another rate than its own must not have its frames further apart than is interpolated
+/// (kMaxGap_s). Error kInconsistent.
+Status CheckFrameSteps(const Clip& clip);
+
 void SortById(std::vector<Clip>& clips);
 
 /// {"name", "train", "validation", "test" (counts), "rule", "leak_check"}

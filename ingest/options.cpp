@@ -1,5 +1,7 @@
 #include "ingest/options.h"
 
+#include "core/motion/rate_limits.h"
+
 namespace mocurate {
 
 namespace {
@@ -45,7 +47,7 @@ void SourceOptions::Declare(OptionVisitor& v) {
       "unit of length of the files: m, cm, mm, inch, or a length such as '0.05 m' or '2.2222222222222 inch' (1 / 0.45, "
       "of the CMU database)");
   v.Text("axes", axes, "directions of the source's x, y and z in the canonical world (right-handed, y up, facing +z)");
-  v.OptionalNumber("rate", rate_hz, Unit::kHertz, {1e-3, 1e5},
+  v.OptionalNumber("rate", rate_hz, Unit::kHertz, {kSlowestRate_hz, kFastestRate_hz},
                    "frames per second; overrides another rate that the files declare, with a finding");
   v.Text("skeleton", skeleton, "skeleton that the joints belong to");
   v.Texts("joints", joints, "joint names in the order of the file; '-' skips a joint");

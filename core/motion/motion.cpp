@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
+#include "core/motion/rate_limits.h"
 
 namespace mocurate {
 namespace {
@@ -92,8 +93,9 @@ Status CheckKinematics(const Motion& m) {
 Expected<FrameRate> FrameRate::Parse(std::string_view text) {
   const auto malformed = [&] {
     return Fail(ErrorCode::kMalformed, "'" + std::string(text) + "' is no frame rate", {},
-                "write frames per second above zero as 30, 29.97, 120000/1001, 25 fps or 1 kHz");
+                "write frames per second, from 0.001 to 100000, as 30, 29.97, 120000/1001, 25 fps or 1 kHz");
   };
+  const auto in_range = [](double hz) { return hz >= kSlowestRate_hz && hz <= kFastestRate_hz; };
   std::string_view number = Trim(text);
   std::int64_t factor = 1;
   for (const std::pair<std::string_view, std::int64_t>& unit :
@@ -110,10 +112,11 @@ Expected<FrameRate> FrameRate::Parse(std::string_view text) {
     const auto denominator = ParseInteger(Trim(parts[1]));
     if (!numerator || !denominator || *numerator <= 0 || *denominator <= 0) return malformed();
     if (*numerator > 1000000000000) return malformed();
-    return Reduced(*numerator * factor, *denominator);
+    const FrameRate rate = Reduced(*numerator * factor, *denominator);
+    return in_range(rate.hz()) ? Expected<FrameRate>(rate) : malformed();
   }
   const auto hz = ParseDouble(Trim(number));
-  if (!hz || !std::isfinite(*hz) || *hz < 1e-6 || *hz > 1e6) return malformed();
+  if (!hz || !in_range(*hz * static_cast<double>(factor))) return malformed();
   return FromHz(*hz * static_cast<double>(factor));
 }
 

@@ -11,6 +11,8 @@
 #include <set>
 #include <tuple>
 
+#include "core/motion/gaps.h"
+
 namespace mocurate {
 namespace {
 
@@ -164,7 +166,8 @@ class StretchSearch {
   double PerLimit() const { return std::sqrt(static_cast<double>(pairs_.count())); }
 
   bool Comparable(const Motion* motion) const {
-    return motion != nullptr && motion->frame_count() > 1 && motion->joint_count() == skeleton_->joint_count();
+    return motion != nullptr && motion->frame_count() > 1 && motion->joint_count() == skeleton_->joint_count() &&
+           motion->rate.FrameTime(1) <= kMaxGap_s;
   }
 
   void LearnFrames() {

@@ -33,7 +33,8 @@ using MotionAt = std::function<const Motion*(std::size_t)>;
 /// other rates and small noise. Windows of `least_s` are looked up in a k-d tree of their principal components, then
 /// compared over the whole overlap at the best shift in time; at least 0.8 of the overlap must be shared, as takes of
 /// one person agree in parts. Joints are smoothed by a Gaussian of 0.08 s, so that interpolation and noise of
-/// millimetres do not hide a copy. Motions of one skeleton; each is requested twice and stored as about 2 kB per
+/// millimetres do not hide a copy. Motions of one skeleton whose frames lie at most
+/// kMaxGap_s apart, others match none; each is requested twice and stored as about 2 kB per
 /// second.
 std::vector<SharedStretch> FindSharedStretches(std::size_t count, const MotionAt& motion,
                                                const StretchLimits& limits = {});

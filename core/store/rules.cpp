@@ -152,7 +152,7 @@ Rule Sha256Digits(bool may_be_empty) {
 }
 
 Rule RateText() {
-  return Texts("a positive fraction", [](const std::string& text) { return !FrameRate::Parse(text); });
+  return Texts("a fraction from 1/1000 to 100000", [](const std::string& text) { return !FrameRate::Parse(text); });
 }
 
 Rule AxesText() {

@@ -14,7 +14,10 @@ TEST(FrameRate, ReadsWholeBrokenAndFractionalRates) {
   EXPECT_EQ(FrameRate::Parse("120000/1001").value(), (FrameRate{120000, 1001}));
   EXPECT_EQ(FrameRate::Parse("29.97").value(), (FrameRate{30000, 1001}));
   EXPECT_EQ(FrameRate::Parse(" 60/2 ").value(), (FrameRate{30, 1}));
-  for (const char* bad : {"", "fast", "0", "-30", "30/0", "30/1/1", "nan", "inf"}) {
+  EXPECT_EQ(FrameRate::Parse("1/1000").value(), (FrameRate{1, 1000}));
+  EXPECT_EQ(FrameRate::Parse("100 kHz").value(), (FrameRate{100000, 1}));
+  for (const char* bad : {"", "fast", "0", "-30", "30/0", "30/1/1", "nan", "inf", "1/5000", "1/1000000000000000000",
+                          "0.0001", "100001", "101 kHz"}) {
     const auto rate = FrameRate::Parse(bad);
     ASSERT_FALSE(rate) << bad;
     EXPECT_EQ(rate.error().code, ErrorCode::kMalformed);

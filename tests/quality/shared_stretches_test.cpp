@@ -99,6 +99,13 @@ TEST(SharedStretches, TakesOfOneMovementAndMotionlessPeopleAreNotCopies) {
   EXPECT_TRUE(Search({Moving(1, 1, 30.0), Moving(1, 2, 30.0)}).empty());
 }
 
+TEST(SharedStretches, MotionsAreNotEstimatedBetweenFramesThatLieFarApart) {
+  for (const double hz : {4.0, 1.5}) {
+    const Clip clip = Moving(1, 60, hz);
+    EXPECT_EQ(Search({clip, clip}).size(), hz == 4.0 ? 1u : 0u) << hz;
+  }
+}
+
 TEST(SharedStretches, SpansOfOneRecordingShareTheirOverlap) {
   const Clip clip = Moving(4, 240, 30.0);
   const std::vector<SharedStretch> found = Search({*Cut(clip, 0, 150), *Cut(clip, 90, 240)});

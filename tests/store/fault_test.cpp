@@ -120,6 +120,7 @@ TEST(StoreFaults, AViolatedRulePreventsWriting) {
   refused([](Dataset& d) { d.clips[2].motion->contact.pop_back(); }, "contact");
   refused([](Dataset& d) { d.clips[2].motion->rate = {30, 1}; }, "its motion's 30");
   refused([](Dataset& d) { d.clips[2].rate = d.clips[2].motion->rate = {0, 1}; }, "/clips/rate");
+  refused([](Dataset& d) { d.clips[2].rate = d.clips[2].motion->rate = {1, 5000}; }, "/clips/rate");
   refused([](Dataset& d) { d.joints_only = true; }, "has rotations");
   refused([](Dataset& d) { d.clips[0].motion->rotation_at(1, 1).coeffs() *= 2; }, "/frames/rotation");
   refused([](Dataset& d) { d.clips[0].motion->joints.at(1, 4).x() += 0.01; }, "right_knee");
