@@ -11,9 +11,12 @@
 namespace mocurate {
 namespace {
 
-bool IsNamed(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
+constexpr std::size_t kMostNearest = 10;   // names without a match that get a suggestion
+constexpr std::size_t kMostTests = 10000;  // of all rules
+
+using Names = std::set<std::string>;
+
+bool IsNamed(const Names& names, const std::string& name) { return names.count(name) > 0; }
 
 Finding AboutLabel(const char* code, Severity severity, std::size_t value, const std::string& message,
                    FindingAction action) {
@@ -55,10 +58,10 @@ Status ReportUnknown(const RelabelMap& map, const Dataset& dataset, std::vector<
       ++fitting;
       continue;
     }
-    findings.push_back(
-        AboutLabel("unknown_label", Severity::kWarning, 0,
-                   "no clip has the label '" + label + "' of " + map.name + MeantText(Nearest(label, known)),
-                   FindingAction::kExcluded));
+    const auto near = findings.size() < kMostNearest ? Nearest(label, known) : std::nullopt;
+    findings.push_back(AboutLabel("unknown_label", Severity::kWarning, 0,
+                                  "no clip has the label '" + label + "' of " + map.name + MeantText(near),
+                                  FindingAction::kExcluded));
   }
   std::vector<std::string> unknown;
   for (const auto& [clip, label] : map.table) {
@@ -79,7 +82,8 @@ Status ReportUnknown(const RelabelMap& map, const Dataset& dataset, std::vector<
 }
 
 /// The new label of each clip; empty optional: the clip is removed.
-Expected<std::vector<std::optional<std::string>>> NewLabels(const RelabelMap& map, const Dataset& dataset) {
+Expected<std::vector<std::optional<std::string>>> NewLabels(const RelabelMap& map, const Names& drop,
+                                                            const Dataset& dataset) {
   std::vector<std::optional<std::string>> labels(dataset.clips.size());
   std::vector<bool> decided(labels.size(), false);
   for (std::size_t row = 0; row < labels.size(); ++row) {
@@ -88,10 +92,16 @@ Expected<std::vector<std::optional<std::string>>> NewLabels(const RelabelMap& ma
     labels[row] = named->second;
     decided[row] = true;
   }
+  std::size_t tests = 0;
   for (const RelabelRule& rule : map.rules) {
     const auto condition = Condition::Parse(rule.where, rule.place + ":where");
     const auto holds = condition ? condition->Holds(dataset) : tl::unexpected<Error>(condition.error());
     if (!holds) return Fail(ErrorCode::kConfig, holds.error().what, holds.error().where, holds.error().hint);
+    tests += condition->tests();
+    if (tests > kMostTests) {
+      return Fail(ErrorCode::kConfig, "the rules compare more than " + std::to_string(kMostTests) + " times",
+                  rule.place, "compare with lists (id in [a, b]), or list the clips in a table under clips");
+    }
     for (std::size_t row = 0; row < labels.size(); ++row) {
       if (decided[row] || !(*holds)[row]) continue;
       labels[row] = rule.label;
@@ -100,19 +110,20 @@ Expected<std::vector<std::optional<std::string>>> NewLabels(const RelabelMap& ma
   }
   for (std::size_t row = 0; row < labels.size(); ++row) {
     const std::string& label = dataset.clips[row].label;
-    if (!decided[row] && !IsNamed(map.drop, label)) labels[row] = NewLabel(map, label);
+    if (!decided[row] && !IsNamed(drop, label)) labels[row] = NewLabel(map, label);
   }
   return labels;
 }
 
 /// Classes in their new order.
-Expected<std::vector<std::string>> NewClasses(const RelabelMap& map, const Dataset& dataset,
+Expected<std::vector<std::string>> NewClasses(const RelabelMap& map, const Names& drop, const Dataset& dataset,
                                               const std::vector<std::optional<std::string>>& of_clips) {
   std::vector<std::string> classes = map.classes;
+  Names listed(classes.begin(), classes.end());
   if (!classes.empty()) {
     std::map<std::string, std::size_t> lacking;
     for (std::size_t row = 0; row < of_clips.size(); ++row) {
-      if (of_clips[row] && !of_clips[row]->empty() && !IsNamed(classes, *of_clips[row])) ++lacking[*of_clips[row]];
+      if (of_clips[row] && !of_clips[row]->empty() && !IsNamed(listed, *of_clips[row])) ++lacking[*of_clips[row]];
     }
     if (lacking.empty()) return classes;
     const auto& [label, clips] = *lacking.begin();
@@ -122,11 +133,11 @@ Expected<std::vector<std::string>> NewClasses(const RelabelMap& map, const Datas
                     (clips == 1 ? " has" : " have"),
                 map.name, near ? "did you mean '" + *near + "'?" : "list it, rename it under labels, or drop it");
   }
-  const auto add = [&classes](const std::string& label) {
-    if (!label.empty() && !IsNamed(classes, label)) classes.push_back(label);
+  const auto add = [&](const std::string& label) {
+    if (!label.empty() && listed.insert(label).second) classes.push_back(label);
   };
   for (const std::string& label : dataset.labels) {
-    if (!IsNamed(map.drop, label)) add(NewLabel(map, label));
+    if (!IsNamed(drop, label)) add(NewLabel(map, label));
   }
   for (const RelabelRule& rule : map.rules) add(rule.label);
   const std::set<std::string> used = [&] {
@@ -141,24 +152,24 @@ Expected<std::vector<std::string>> NewClasses(const RelabelMap& map, const Datas
 }
 
 /// Fine labels follow their classes; those of a removed class are removed.
-std::vector<FineLabel> NewFineLabels(const RelabelMap& map, const Dataset& before,
+std::vector<FineLabel> NewFineLabels(const RelabelMap& map, const Names& drop, const Dataset& before,
                                      const std::vector<std::string>& classes) {
   std::vector<FineLabel> fine_labels;
   for (const FineLabel& fine : before.fine_labels) {
     const std::string& parent = before.labels[static_cast<std::size_t>(fine.parent)];
     const auto at = std::find(classes.begin(), classes.end(), NewLabel(map, parent));
-    if (IsNamed(map.drop, parent) || at == classes.end()) continue;
+    if (IsNamed(drop, parent) || at == classes.end()) continue;
     fine_labels.push_back({fine.name, static_cast<int>(at - classes.begin())});
   }
   return fine_labels;
 }
 
 /// Labels of segments; returns how many changed or were removed.
-std::size_t RelabelSegments(const RelabelMap& map, std::vector<Segment>& segments) {
+std::size_t RelabelSegments(const RelabelMap& map, const Names& drop, std::vector<Segment>& segments) {
   std::size_t changed = 0;
   std::vector<Segment> kept;
   for (Segment& segment : segments) {
-    const bool dropped = IsNamed(map.drop, segment.label);
+    const bool dropped = IsNamed(drop, segment.label);
     const std::string label = NewLabel(map, segment.label);
     changed += dropped || label != segment.label ? 1 : 0;
     if (dropped) continue;
@@ -195,12 +206,13 @@ void ReportChanges(RelabelledDataset& relabelled, const std::map<std::string, st
 Expected<RelabelledDataset> Relabel(Dataset dataset, const RelabelMap& map) {
   RelabelledDataset relabelled;
   if (Status fits = ReportUnknown(map, dataset, relabelled.findings); !fits) return Forward(fits);
-  const auto labels = NewLabels(map, dataset);
+  const Names drop(map.drop.begin(), map.drop.end());
+  const auto labels = NewLabels(map, drop, dataset);
   if (!labels) return Forward(labels);
-  const auto classes = NewClasses(map, dataset, *labels);
+  const auto classes = NewClasses(map, drop, dataset, *labels);
   if (!classes) return Forward(classes);
   const std::vector<FineLabel> old_fine_labels = dataset.fine_labels;
-  dataset.fine_labels = NewFineLabels(map, dataset, *classes);
+  dataset.fine_labels = NewFineLabels(map, drop, dataset, *classes);
   dataset.labels = *classes;
   std::vector<bool> keep(labels->size());
   std::map<std::string, std::size_t> dropped;
@@ -213,7 +225,7 @@ Expected<RelabelledDataset> Relabel(Dataset dataset, const RelabelMap& map) {
       ++dropped[clip.label];
       continue;
     }
-    relabelled.segments += RelabelSegments(map, clip.segments);
+    relabelled.segments += RelabelSegments(map, drop, clip.segments);
     const bool listed = std::any_of(old_fine_labels.begin(), old_fine_labels.end(),
                                     [&](const FineLabel& fine) { return fine.name == clip.fine_label; });
     const bool other = *label != clip.label;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 
 #include "canon/values/relabel.h"
 #include "core/base/config.h"
@@ -66,12 +67,10 @@ bool IsPlain(const ConfigNode& node) {
 
 /// Errors for labels that are named twice, and for empty ones.
 Status CheckMap(const RelabelMap& map, const fs::path& path) {
-  for (std::size_t i = 0; i < map.classes.size(); ++i) {
-    if (std::find(map.classes.begin(), map.classes.begin() + static_cast<std::ptrdiff_t>(i), map.classes[i]) ==
-        map.classes.begin() + static_cast<std::ptrdiff_t>(i)) {
-      continue;
-    }
-    return Fail(ErrorCode::kConfig, "classes lists '" + map.classes[i] + "' twice", DisplayPath(path));
+  std::set<std::string> classes;
+  for (const std::string& name : map.classes) {
+    if (classes.insert(name).second) continue;
+    return Fail(ErrorCode::kConfig, "classes lists '" + name + "' twice", DisplayPath(path));
   }
   for (const std::string& dropped : map.drop) {
     const auto renamed = map.labels.find(dropped);

@@ -14,6 +14,7 @@ namespace mocurate {
 namespace {
 
 using Node = Condition::Node;
+using Place = std::function<std::string(const Node& test)>;
 
 /// A field of all clips.
 struct FieldColumn {
@@ -75,11 +76,11 @@ Expected<std::vector<std::string>> PartsOfClips(const Dataset& dataset, const st
   return parts;
 }
 
-Expected<FieldColumn> ColumnOfField(const Node& test, const Dataset& dataset, const std::string& place) {
+Expected<FieldColumn> ColumnOfField(const Node& test, const Dataset& dataset, const Place& place) {
   FieldColumn column;
   const std::string_view field = test.field->name;
   if (field == "part") {
-    auto parts = PartsOfClips(dataset, test.argument, place);
+    auto parts = PartsOfClips(dataset, test.argument, place(test));
     if (!parts) return Forward(parts);
     column.texts = std::move(*parts);
   } else if (field == "findings") {
@@ -102,6 +103,31 @@ Expected<FieldColumn> ColumnOfField(const Node& test, const Dataset& dataset, co
   return column;
 }
 
+/// The fields of all clips that the tests of a condition look at.
+class Columns {
+ public:
+  Columns(const Dataset& dataset, const Place& place) : dataset_(dataset), place_(place) {}
+
+  /// Until the next call for the same field with another argument.
+  Expected<const FieldColumn*> Of(const Node& test) {
+    const auto known = columns_.find(test.field);
+    if (known != columns_.end() && known->second.first == test.argument) return &known->second.second;
+    auto column = ColumnOfField(test, dataset_, place_);
+    if (!column) return Forward(column);
+    auto& kept = columns_[test.field];
+    kept = {test.argument, std::move(*column)};
+    return &kept.second;
+  }
+
+  std::size_t rows() const { return dataset_.clips.size(); }
+
+ private:
+  const Dataset& dataset_;
+  const Place& place_;
+  std::map<const ConditionField*, std::pair<std::string, FieldColumn>> columns_;
+};
+
+/// `values` of a list are sorted.
 template <class Value>
 bool HoldsFor(const Node& test, const Value& value, const std::vector<Value>& values) {
   switch (test.test) {
@@ -116,31 +142,34 @@ bool HoldsFor(const Node& test, const Value& value, const std::vector<Value>& va
     default:
       break;
   }
-  const bool found = std::find(values.begin(), values.end(), value) != values.end();
+  const bool found = std::binary_search(values.begin(), values.end(), value);
   return found == (test.test == Node::Test::kEqual || test.test == Node::Test::kIn);
 }
 
-Expected<std::vector<bool>> HoldsOfTest(const Node& test, const Dataset& dataset, const std::string& place) {
-  const auto column = ColumnOfField(test, dataset, place);
+Expected<std::vector<bool>> HoldsOfTest(const Node& test, Columns& columns) {
+  const auto column = columns.Of(test);
   if (!column) return Forward(column);
-  std::vector<bool> holds(dataset.clips.size());
+  std::vector<std::string> texts = test.texts;
+  std::vector<double> numbers = test.numbers;
+  std::sort(texts.begin(), texts.end());
+  std::sort(numbers.begin(), numbers.end());
+  std::vector<bool> holds(columns.rows());
   for (std::size_t row = 0; row < holds.size(); ++row) {
     if (test.pattern) {
-      holds[row] = ::regexec(test.pattern.get(), column->texts[row].c_str(), 0, nullptr, 0) == 0;
+      holds[row] = ::regexec(test.pattern.get(), (*column)->texts[row].c_str(), 0, nullptr, 0) == 0;
     } else {
-      holds[row] = test.field->is_text ? HoldsFor(test, column->texts[row], test.texts)
-                                       : HoldsFor(test, column->numbers[row], test.numbers);
+      holds[row] = test.field->is_text ? HoldsFor(test, (*column)->texts[row], texts)
+                                       : HoldsFor(test, (*column)->numbers[row], numbers);
     }
   }
   return holds;
 }
 
-Expected<std::vector<bool>> HoldsOf(const Node& node, const Dataset& dataset,
-                                    const std::function<std::string(const Node&)>& place) {
-  if (node.kind == Node::Kind::kTest) return HoldsOfTest(node, dataset, place(node));
+Expected<std::vector<bool>> HoldsOf(const Node& node, Columns& columns) {
+  if (node.kind == Node::Kind::kTest) return HoldsOfTest(node, columns);
   std::vector<bool> all;
   for (const Node& part : node.parts) {
-    auto holds = HoldsOf(part, dataset, place);
+    auto holds = HoldsOf(part, columns);
     if (!holds) return holds;
     if (all.empty()) all = *holds;
     for (std::size_t row = 0; row < all.size(); ++row) {
@@ -157,18 +186,26 @@ void ForEachTest(const Node& node, const std::function<void(const Node&)>& take)
   for (const Node& part : node.parts) ForEachTest(part, take);
 }
 
+/// "--where:12", made where an error needs it: it counts the text's characters.
+Place PlaceIn(const std::string& text, const std::string& place) {
+  return [&](const Node& test) { return place + ":" + std::to_string(ColumnOf(text, test.begin)); };
+}
+
 }  // namespace
 
 Expected<std::vector<bool>> Condition::Holds(const Dataset& dataset) const {
-  return HoldsOf(*root_, dataset,
-                 [&](const Node& test) { return place_ + ":" + std::to_string(ColumnOf(text_, test.begin)); });
+  const Place place = PlaceIn(text_, place_);
+  Columns columns(dataset, place);
+  return HoldsOf(*root_, columns);
 }
 
 Expected<std::vector<std::pair<std::string, std::size_t>>> Condition::CountTests(const Dataset& dataset) const {
   std::vector<std::pair<std::string, std::size_t>> counts;
+  const Place place = PlaceIn(text_, place_);
+  Columns columns(dataset, place);
   Status failed;
   ForEachTest(*root_, [&](const Node& test) {
-    const auto holds = HoldsOfTest(test, dataset, place_ + ":" + std::to_string(ColumnOf(text_, test.begin)));
+    const auto holds = HoldsOfTest(test, columns);
     if (!holds) {
       failed = Forward(holds);
       return;
@@ -180,17 +217,32 @@ Expected<std::vector<std::pair<std::string, std::size_t>>> Condition::CountTests
   return counts;
 }
 
+std::size_t Condition::tests() const {
+  std::size_t count = 0;
+  ForEachTest(*root_, [&count](const Node&) { ++count; });
+  return count;
+}
+
 std::vector<Condition::UnknownValue> Condition::FindUnknownValues(const Dataset& dataset) const {
+  constexpr std::size_t kMostNearest = 10;
   std::vector<UnknownValue> unknown;
   if (dataset.clips.empty()) return unknown;
+  const Place place = PlaceIn(text_, place_);
+  Columns columns(dataset, place);
+  std::map<const FieldColumn*, std::vector<std::string>> present;  // sorted, each once
   ForEachTest(*root_, [&](const Node& test) {
     if (test.texts.empty() || test.field->argument != nullptr) return;
-    const auto column = ColumnOfField(test, dataset, place_);
+    const auto column = columns.Of(test);
     if (!column) return;
-    const std::set<std::string> present(column->texts.begin(), column->texts.end());
-    const std::vector<std::string> known(present.begin(), present.end());
+    const auto [known, added] = present.emplace(*column, std::vector<std::string>());
+    if (added) {
+      const std::set<std::string> texts((*column)->texts.begin(), (*column)->texts.end());
+      known->second.assign(texts.begin(), texts.end());
+    }
     for (const std::string& value : test.texts) {
-      if (present.count(value) == 0) unknown.push_back({test.field->name, value, Nearest(value, known)});
+      if (std::binary_search(known->second.begin(), known->second.end(), value)) continue;
+      unknown.push_back(
+          {test.field->name, value, unknown.size() < kMostNearest ? Nearest(value, known->second) : std::nullopt});
     }
   });
   return unknown;

@@ -40,7 +40,10 @@ class Condition {
   /// Every test as it is written, and the number of clips that it matches. Error as Holds.
   Expected<std::vector<std::pair<std::string, std::size_t>>> CountTests(const Dataset& dataset) const;
 
-  /// Values of ==, != and in that no clip of a non-empty dataset has.
+  /// Number of tests.
+  std::size_t tests() const;
+
+  /// Values of ==, != and in that no clip of a non-empty dataset has; the first ten with the nearest.
   std::vector<UnknownValue> FindUnknownValues(const Dataset& dataset) const;
 
   const std::string& text() const { return text_; }

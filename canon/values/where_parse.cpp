@@ -12,7 +12,8 @@ namespace {
 
 using Node = Condition::Node;
 
-constexpr int kDeepest = 100;  // brackets and nots inside each other
+constexpr int kDeepest = 100;              // brackets and nots inside each other
+constexpr std::size_t kMostTests = 10000;  // each looks at every clip
 
 constexpr std::pair<const char*, Node::Test> kTests[] = {
     {"==", Node::Test::kEqual},     {"!=", Node::Test::kNotEqual}, {"=~", Node::Test::kMatches},
@@ -124,6 +125,10 @@ class ConditionParser {
   Expected<Node> Test() {
     Node node;
     node.begin = token_.begin;
+    if (++tests_ > kMostTests) {
+      return Wrong(node.begin, "more than " + std::to_string(kMostTests) + " comparisons",
+                   "compare with a list: id in [a, b]");
+    }
     if (Status field = ReadField(node); !field) return Forward(field);
     const Token sign = token_;
     const auto* test =
@@ -232,6 +237,7 @@ class ConditionParser {
   const std::string& text_;
   const std::string& place_;
   Token token_;
+  std::size_t tests_ = 0;
 };
 
 }  // namespace

@@ -114,6 +114,22 @@ TEST(Where, NamesTheColumnOfWhatIsWrong) {
   EXPECT_EQ(absent.error().where, "--where:16");
 }
 
+TEST(Where, FindsAnyValueOfAList) {
+  const Dataset six = SixClips();
+  const std::string list = "id in [z, " + six.clips[4].id() + ", b, " + six.clips[1].id() + ", a]";
+  EXPECT_THAT(RowsWhere(list), ElementsAre(1, 4));
+  EXPECT_THAT(RowsWhere("not " + list), ElementsAre(0, 2, 3, 5));
+}
+
+TEST(Where, LimitsTheComparisonsOfACondition) {
+  std::string condition = "label == a";
+  for (int i = 1; i < 10000; ++i) condition += " and label == a";
+  EXPECT_TRUE(Condition::Parse(condition));
+  const auto more = Condition::Parse(condition + " and label == a");
+  ASSERT_FALSE(more);
+  EXPECT_EQ(more.error().code, ErrorCode::kUsage);
+}
+
 TEST(Where, KnowsValuesThatNoClipHas) {
   const auto unknown = Condition::Parse("label in [a, bb, c] or view != 'front veiw'")->FindUnknownValues(SixClips());
   ASSERT_THAT(unknown, SizeIs(3));
@@ -233,6 +249,11 @@ TEST_F(Relabelling, ReportsWhatFitsNothingAndRefusesWhatCannotBe) {
     ASSERT_FALSE(refused) << yaml;
     EXPECT_EQ(refused.error().code, code) << yaml << ": " << refused.error().Message();
   }
+  std::string rule = "label == z";
+  for (int i = 1; i < 6000; ++i) rule += " or label == z";
+  const auto many = By("rules: [{where: '" + rule + "', label: x}, {where: '" + rule + "', label: y}]");
+  ASSERT_FALSE(many);
+  EXPECT_EQ(many.error().code, ErrorCode::kConfig);
   Dataset labelled = SixClips();
   labelled.clips.pop_back();
   labelled.splits.clear();
