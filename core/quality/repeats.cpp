@@ -41,7 +41,8 @@ class Repeats {
         break;
       }
     }
-    still_clip_ = std::none_of(moves_.begin(), moves_.end(), [](char moves) { return moves != 0; });
+    moving_ = static_cast<int>(std::count(moves_.begin(), moves_.end(), 1));
+    for (int k = 0; k < points.count(); ++k) seen_ += EverSeen(k) ? 1 : 0;
   }
 
   bool Moves(int k) const { return moves_[static_cast<std::size_t>(k)] != 0; }
@@ -49,12 +50,7 @@ class Repeats {
   /// Whether a joint without motion is a repeated value: most other joints move, and so does its parent. A fixed root,
   /// and joints fixed to it, are intended.
   bool HeldThroughout(int k) const {
-    int seen = 0, moving = 0;
-    for (int other = 0; other < points_.count(); ++other) {
-      seen += EverSeen(other) ? 1 : 0;
-      moving += Moves(other) ? 1 : 0;
-    }
-    if (2 * moving <= seen) return false;
+    if (2 * moving_ <= seen_) return false;
     if (points_.parents.empty()) return true;
     const int parent = points_.parents[static_cast<std::size_t>(k)];
     return parent >= 0 && Moves(parent);
@@ -66,7 +62,7 @@ class Repeats {
     bool any = false;
     for (int k = 0; f > 0 && k < points_.count(); ++k) {
       if (points_.sees(f, k) != points_.sees(f - 1, k)) return false;
-      if (!points_.sees(f, k) || (!Moves(k) && !still_clip_)) continue;
+      if (!points_.sees(f, k) || (!Moves(k) && moving_ > 0)) continue;
       if (!Same(f, k)) return false;
       any = true;
     }
@@ -120,6 +116,7 @@ class Repeats {
   }
   /// Frames of the longest stillness of a joint that moves.
   int LongestStillness() const {
+    if (longest_) return *longest_;
     int longest = 0;
     for (int k = 0; k < points_.count(); ++k) {
       if (!Moves(k)) continue;
@@ -127,6 +124,7 @@ class Repeats {
           points_.frames(), [&](int f) { return Joint(f, k); },
           [&](int begin, int end) { longest = std::max(longest, end - begin + 1); });
     }
+    longest_ = longest;
     return longest;
   }
   bool Same(int f, int k) const { return points_.at(f, k) == points_.at(f - 1, k); }
@@ -134,7 +132,8 @@ class Repeats {
   const TrackedPoints& points_;
   std::vector<char> moves_;
   std::optional<Vector3d> grid_;
-  bool still_clip_ = false;
+  int seen_ = 0, moving_ = 0;           ///< joints
+  mutable std::optional<int> longest_;  ///< of LongestStillness
 };
 
 /// A joint that repeats its value exactly in [begin, end) while others move.
