@@ -371,6 +371,22 @@ TEST(Stages, CanonOfAnnotatedClipsReportsTheLabelsThatThereAre) {
   EXPECT_EQ(outcome->summary.at("labels"), nlohmann::json({"kick", "transition", "walk"}));
 }
 
+TEST(Stages, CanonTakesNoSamplesBetweenFramesThatLieFarApart) {
+  const ScratchFolder folder;
+  Clip clip = ClipMoving("p1", "", 90, 5, 80, 1);
+  CanonOptions options;
+  options.facing.rule = FacingRule::kNone;
+  options.rate = "30";
+  for (const FrameRate rate : {FrameRate{2, 1}, FrameRate{1, 1}}) {
+    clip.rate = clip.motion->rate = rate;
+    ASSERT_TRUE(WriteDataset(SetOf({clip}), folder / "fit.h5"));
+    const auto outcome = CanonStage(
+        {"canon", "x", OptionsToJson(options), {{"motion", "x", folder / "fit.h5", ""}}, folder / "canon.h5", folder});
+    EXPECT_EQ(outcome.has_value(), rate.numerator == 2) << (outcome ? "" : outcome.error().Message());
+    EXPECT_TRUE(outcome || outcome.error().code == ErrorCode::kInconsistent);
+  }
+}
+
 TEST(Stages, CanonThenAssembleGivesAReadableDataset) {
   const ScratchFolder folder;
   AssembleOptions options;
