@@ -416,6 +416,7 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
 }
 
 Status JobsVerb(CommonArguments& common, const JobsArguments& arguments) {
+  if (Status plain = CheckRunFiles(arguments.run); !plain) return plain;
   Expected<SlurmRun> run = SlurmRun::Open(arguments.run);
   if (!run) return Forward(run);
   if (!arguments.next && !arguments.last) return ShowJobs(common, *run);

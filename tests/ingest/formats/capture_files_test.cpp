@@ -56,6 +56,18 @@ TEST_F(CapturedFiles, RefuseToOverwriteAnotherFile) {
   EXPECT_EQ(Text("a.txt"), "mine");
 }
 
+TEST_F(CapturedFiles, AreNotWrittenThroughLinks) {
+  ASSERT_TRUE(Unpack({{"a.txt", "1"}}));
+  ASSERT_TRUE(WriteFile(folder_ / "victim", "old"));
+  for (const char* target : {"../victim", "../none"}) {
+    fs::remove(folder_ / "capture/a.txt");
+    fs::create_symlink(target, folder_ / "capture/a.txt");
+    EXPECT_EQ(Unpack({{"a.txt", "1"}}).error().code, ErrorCode::kCannotWrite);
+  }
+  EXPECT_EQ(ReadFile(folder_ / "victim").value(), "old");
+  EXPECT_FALSE(fs::exists(folder_ / "none"));
+}
+
 TEST_F(CapturedFiles, AreRestoredWhenMissing) {
   ASSERT_TRUE(Unpack({{"a.txt", "1"}}));
   fs::remove(folder_ / "capture/a.txt");
