@@ -160,6 +160,8 @@ class ModelReader {
     const Expected<NpyArray> array = Need("f");
     if (!array) return Forward(array);
     if (Status s = CheckField(*array, {kAnyExtent, 3}, Where("f")); !s) return s;
+    // A closed surface has twice as many triangles as vertices (Euler).
+    if (array->shape[0] > 2 * kMaxVertices) return Bad("f", std::to_string(array->shape[0]) + " triangles");
     const Expected<std::vector<std::int64_t>> corners =
         WholeNumbers(*array, 0, static_cast<std::int64_t>(model_.vertices) - 1, Where("f"));
     if (!corners) return Forward(corners);

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <fstream>
 #include <string>
 #include <utility>
 
@@ -17,6 +16,8 @@
 
 namespace mocurate {
 namespace {
+
+constexpr std::size_t kLongestLine = 16 << 20;
 
 tl::unexpected<Error> CannotWrite(const std::filesystem::path& path, int problem) {
   return Fail(ErrorCode::kCannotWrite, std::string("journal cannot be written: ") + std::strerror(problem),
@@ -51,11 +52,26 @@ std::string TimeNow() {
 void ForEachLine(const std::filesystem::path& file, const std::function<void(const nlohmann::json& line)>& visit) {
   std::error_code unreadable;
   if (!std::filesystem::is_regular_file(file, unreadable)) return;
-  std::ifstream lines(file);
-  for (std::string line; std::getline(lines, line);) {
-    const Expected<nlohmann::json> value = FromCanonicalText(line);
+  std::string line;
+  bool too_long = false;
+  const auto end_line = [&] {
+    const Expected<nlohmann::json> value = too_long ? nlohmann::json() : FromCanonicalText(line);
     if (value && value->is_object()) visit(*value);
-  }
+    line.clear();
+    too_long = false;
+  };
+  // Without one that can be read there is no line.
+  static_cast<void>(ReadFileInParts(file, [&](std::string_view part) {
+    for (std::size_t end = part.find('\n'); !part.empty(); end = part.find('\n')) {
+      too_long = too_long || line.size() + std::min(end, part.size()) > kLongestLine;
+      if (too_long) line.clear();
+      if (!too_long) line.append(part.substr(0, end));
+      if (end == std::string_view::npos) return;
+      end_line();
+      part.remove_prefix(end + 1);
+    }
+  }));
+  if (!line.empty()) end_line();
 }
 
 std::string TextField(const nlohmann::json& line, const char* name, std::string otherwise) {

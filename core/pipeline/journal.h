@@ -12,8 +12,8 @@ namespace mocurate {
 /// Now in UTC: "2024-05-01T12:34:56.789Z".
 std::string TimeNow();
 
-/// Calls `visit` with each line of a journal that is a JSON object. Others are passed over: a full disk may have cut
-/// one short. No line for a file that cannot be read.
+/// Calls `visit` with each line of a journal that is a JSON object. Others are passed over, as a full disk may have cut
+/// one short, and so are lines of more than 16 MiB. No line for a file that cannot be read.
 void ForEachLine(const std::filesystem::path& file, const std::function<void(const nlohmann::json& line)>& visit);
 
 /// A field of such a line; `otherwise` where it is missing or of another type.

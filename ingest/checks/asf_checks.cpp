@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "core/quality/tracked_points.h"
@@ -56,9 +57,11 @@ std::string PartnerBone(const std::string& bone) {
 /// Bones of both sides, left and right.
 std::vector<std::pair<const AsfBone*, const AsfBone*>> PairsOf(const Asf& asf) {
   std::vector<std::pair<const AsfBone*, const AsfBone*>> pairs;
+  std::map<std::string, const AsfBone*> by_name;
+  for (const AsfBone& bone : asf.bones) by_name.emplace(bone.name, &bone);
   for (const AsfBone& left : asf.bones) {
-    const int partner = asf.Find(PartnerBone(left.name));
-    if (partner >= 0) pairs.emplace_back(&left, &asf.bones[static_cast<std::size_t>(partner)]);
+    const auto partner = by_name.find(PartnerBone(left.name));
+    if (partner != by_name.end()) pairs.emplace_back(&left, partner->second);
   }
   return pairs;
 }

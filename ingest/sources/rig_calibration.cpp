@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -235,19 +236,18 @@ Expected<Partners> PartnersOf(const SourceFile& file, const Rig& rig,
                               const std::map<std::string, FilesOfCamera>& others) {
   Partners partners;
   std::vector<std::string> uncalibrated, unused;
+  std::set<const Camera*> used;
   for (const auto& [name, files] : cameras) {
     const Camera* camera = rig.Find(file.source, name);
     if (camera == nullptr)
       uncalibrated.push_back(name);
     else
       partners.emplace_back(name, camera);
+    used.insert(camera);
   }
+  for (const auto& other : others) used.insert(rig.Find(file.source, other.first));
   for (const Camera& camera : rig.cameras) {
-    const bool used =
-        std::any_of(partners.begin(), partners.end(), [&](const auto& partner) { return partner.second == &camera; }) ||
-        std::any_of(others.begin(), others.end(),
-                    [&](const auto& other) { return rig.Find(file.source, other.first) == &camera; });
-    if (!used) unused.push_back(camera.name);
+    if (used.count(&camera) == 0) unused.push_back(camera.name);
   }
   if (!uncalibrated.empty()) {
     findings.push_back(CameraFinding("camera_not_calibrated", static_cast<double>(uncalibrated.size()),

@@ -8,6 +8,7 @@
 #include "core/base/json_text.h"
 #include "core/base/renamed.h"
 #include "core/base/text.h"
+#include "core/pipeline/journal.h"
 #include "core/pipeline/lock.h"
 #include "core/store/describe_text.h"
 #include "core/store/store.h"
@@ -35,15 +36,9 @@ bool IsHdf5(const fs::path& path) {
   return std::string_view(head, read) == kHdf5Signature;
 }
 
-/// The lines of a file that are JSON objects; empty without a file.
 std::vector<Json> JsonLines(const fs::path& path) {
   std::vector<Json> lines;
-  const auto text = ReadFile(path);
-  if (!text) return lines;
-  for (const std::string_view line : SplitText(*text, '\n')) {
-    Expected<Json> json = ParseJson(line, "");
-    if (json && json->is_object()) lines.push_back(*std::move(json));
-  }
+  ForEachLine(path, [&lines](const Json& line) { lines.push_back(line); });
   return lines;
 }
 

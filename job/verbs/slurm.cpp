@@ -341,17 +341,21 @@ Status RunLast(CommonArguments& common, const JobsArguments& jobs, const SlurmRu
 
 }  // namespace
 
-Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, const LoadedJob& job) {
-  if (!job.options.data.empty()) {
+Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, const LoadedJob& started) {
+  if (!started.options.data.empty()) {
     return Fail(ErrorCode::kUnsupported, "a run over several sets cannot be handed to Slurm as a whole", "executor",
                 "run each set with a configuration of its own");
   }
   if (const Expected<SlurmLimits> there = AskSlurmLimits(); !there) return Forward(there);
-  const auto folder = RunFolder(arguments.output, job.options.name);
+  const auto folder = RunFolder(arguments.output, started.options.name);
   if (!folder) return Forward(folder);
-  if (Status ours = CheckRunFolder(*folder, job, arguments.replace); !ours) return ours;
+  if (Status ours = CheckRunFolder(*folder, started, arguments.replace); !ours) return ours;
   std::error_code problem;
-  const SlurmCommand command = CommandOf(arguments.config, arguments.assignments, job.options);
+  const SlurmCommand command = CommandOf(arguments.config, arguments.assignments, started.options);
+  // As jobs load it, from wherever they start: paths in it are relative to its own.
+  const auto reloaded = LoadJob(command.config, command.assignments, {common.allow_include});
+  if (!reloaded) return Forward(reloaded);
+  const LoadedJob& job = *reloaded;
   SlurmSettings settings;
   settings.to = arguments.to;
   settings.budget = arguments.budget;

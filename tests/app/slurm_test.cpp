@@ -113,6 +113,7 @@ class SlurmRuns : public ::testing::Test {
       const fs::path state = *folder_ / (run + "_shim");
       fs::create_directories(state);
       setenv("SHIM", state.c_str(), 1);
+      if (chdir(folder_->path().c_str()) != 0) _exit(127);
       setenv("SHIM_RECORDED", kRecorded.c_str(), 1);
       setenv("SHIM_REFUSE", refusal.c_str(), 1);
       setenv("PATH", (MOCURATE_SOURCE_FOLDER "/tests/app/slurm_shim:" + std::string(getenv("PATH"))).c_str(), 1);
@@ -214,6 +215,17 @@ TEST_F(SlurmRuns, ATaskThatCannotWorkIsTriedThreeTimes) {
   const Result repaired = Run(OnSlurm("broken", {"--set", "slurm.submit_from=login"}), "broken");
   EXPECT_EQ(repaired.exit_code, 0) << repaired.err << Logs("broken");
   ExpectPlainBytes("broken");
+}
+
+/// Jobs load the configuration from elsewhere; everything but the dataset is in the cache.
+TEST_F(SlurmRuns, PathsAreRelativeToTheConfiguration) {
+  WriteText(*folder_ / "relative.yaml", "include: demo.yaml\ningest:\n  path: capture\n");
+  std::vector<std::string> arguments = SmallJob(*folder_, "relative");
+  arguments.insert(arguments.begin() + 1, "relative.yaml");
+  arguments.insert(arguments.end(), {"--executor", "slurm"});
+  const Result ran = Run(arguments, "plain");
+  EXPECT_EQ(ran.exit_code, 0) << ran.err << Logs("relative");
+  EXPECT_TRUE(fs::exists(*folder_ / "relative/dataset.h5"));
 }
 
 /// A run folder is handed on: nothing in it is a command.
