@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/log.h"
@@ -236,10 +237,10 @@ StageInput SkeletonInput(const std::string& name_or_path) {
   std::string content;
   if (const auto resource = FindResource("skeletons/" + name_or_path + ".yaml")) {
     content = std::string(*resource);
-  } else if (const auto file = ReadFile(name_or_path)) {
-    content = *file;
+  } else if (const auto file = ReadConfigFile(name_or_path)) {
+    content = file->text;
   }
-  return {"skeleton", name_or_path, {}, Sha256Hex(content)};
+  return {kSkeletonRole, name_or_path, {}, Sha256Hex(content)};
 }
 
 std::optional<ItemSpec> DuplicatesItem(const std::vector<ClipRecord>& clips, const ItemOptions& options) {

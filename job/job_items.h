@@ -90,6 +90,8 @@ StageInput InputFrom(const char* role, const ItemResult& item);
 /// The configuration's limits of an item, where it sets them, instead of the stages' own.
 void LimitItems(const PipelineOptions& limits, RunnerOptions& runner);
 
+inline constexpr const char* kSkeletonRole = "skeleton";
+
 /// The content of a skeleton file as an input without a path: stages find the file by its name, the key contains its
 /// content. A missing file counts as an empty one; the stage reports it.
 StageInput SkeletonInput(const std::string& name_or_path);

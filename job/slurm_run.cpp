@@ -146,9 +146,7 @@ Expected<SlurmRun> SlurmRun::Begin(const fs::path& folder, SlurmSettings setting
   fs::remove(own / "outcome.json", problem);
   fs::remove(own / "queue.txt", problem);
   const SlurmSettings& kept = run.settings_;
-  const json value = {{"config", run.command_.config},
-                      {"assignments", run.command_.assignments},
-                      {"to", kept.to},
+  const json value = {{"to", kept.to},
                       {"budget", kept.budget},
                       {"replace", kept.replace},
                       {"config_sha256", kept.config_sha256},
@@ -179,7 +177,7 @@ Expected<SlurmRun> SlurmRun::Open(const fs::path& folder, SlurmCommand command) 
     settings.replace = value.value("replace", false);  // earlier versions did not write it
     settings.config_sha256 = value.at("config_sha256").get<std::string>();
     settings.cache = value.at("cache").get<std::string>();
-    settings.task_time_s = value.at("task_time_s").get<double>();
+    settings.task_time_s = value.value("task_time_s", settings.task_time_s);  // earlier versions did not write it
   } catch (const json::exception& wrong) {
     return Fail(ErrorCode::kMalformed, wrong.what(), DisplayPath(file), "start the run again: mocurate run");
   }

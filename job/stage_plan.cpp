@@ -69,8 +69,7 @@ std::string OtherOption(const json& item, const json& said, bool may_have_more) 
 
 /// Hash of what a stage finds by a name; empty for other inputs.
 std::string HashOfNamed(const StageInput& input) {
-  const StageInput skeleton = SkeletonInput(input.name);
-  if (input.role == skeleton.role) return skeleton.sha256;
+  if (input.role == kSkeletonRole) return SkeletonInput(input.name).sha256;
   const auto spans = input.role == kSpansRole ? BuiltInSpans(input.name) : std::nullopt;
   return spans ? Sha256Hex(std::string(*spans)) : std::string();
 }
@@ -153,7 +152,7 @@ Status CheckPlannedItems(const PlannedStage& stage, const JobOptions& options, c
     if (!other.empty())
       return refuse(item, "the plan's option '" + DisplayPath(other) + "' is not that of its configuration");
     for (const StageInput& input : item.inputs) {
-      if (!input.path.empty()) continue;
+      if (!input.path.empty() && input.role != kSkeletonRole) continue;
       if (const std::string now = HashOfNamed(input); now.empty() || now != input.sha256)
         return refuse(item, "'" + DisplayPath(input.name) + "' (" + DisplayPath(input.role) +
                                 ") is not what it was when the plan was made");

@@ -114,7 +114,8 @@ Expected<std::string> ReadSmallFile(const fs::path& path, std::size_t most, bool
   if (::stat(path.c_str(), &facts) != 0) return CannotRead(path, errno);
   if (S_ISDIR(facts.st_mode)) return CannotRead(path, EISDIR);
   if (!S_ISREG(facts.st_mode) && !(pipes && S_ISFIFO(facts.st_mode))) {
-    return Fail(ErrorCode::kUnreadable, "is a device or a pipe, a file is expected", DisplayPath(path));
+    return Fail(ErrorCode::kUnreadable, "is a device or a pipe, a file is expected", DisplayPath(path),
+                "copy what it gives into a file");
   }
   // Without O_NONBLOCK the call would wait for the writer of a pipe that took the file's place.
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | (pipes ? 0 : O_NONBLOCK)));
@@ -128,7 +129,9 @@ Expected<std::string> ReadSmallFile(const fs::path& path, std::size_t most, bool
     if (count == 0) return bytes;
     bytes.append(buffer, 0, static_cast<std::size_t>(count));
     if (bytes.size() > most) {
-      return Fail(ErrorCode::kUnreadable, "is larger than " + std::to_string(most >> 20) + " MiB", DisplayPath(path));
+      return Fail(ErrorCode::kUnreadable,
+                  "is larger than " + std::to_string(most >> 20) + " MiB, the limit of its kind", DisplayPath(path),
+                  "is this the right file? else split it");
     }
   }
 }

@@ -62,6 +62,15 @@ bool IsOurName(std::string_view name) {
          name.rfind(".tmp-", 0) == 0;
 }
 
+/// Whether no folder from `objects` down to this object is a link.
+bool BelowRealFolders(const fs::path& object) {
+  fs::path folder = object.parent_path();
+  for (; folder.filename() != "objects"; folder = folder.parent_path()) {
+    if (!folder.has_relative_path() || !IsRealFolder(folder)) return false;
+  }
+  return IsRealFolder(folder);
+}
+
 std::vector<fs::path> Sorted(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code problem;
@@ -124,10 +133,7 @@ std::optional<std::uint64_t> BytesOfArtifact(const fs::path& artifact) {
 }
 
 void DropObject(const fs::path& cache, const fs::path& artifact) {
-  if (!IsObject(cache, artifact)) return;
-  for (fs::path folder = artifact.parent_path(); folder != cache; folder = folder.parent_path()) {
-    if (!IsRealFolder(folder)) return;
-  }
+  if (!IsObject(cache, artifact) || !BelowRealFolders(artifact)) return;
   std::error_code ignored;
   fs::remove(RecordOf(artifact), ignored);
   fs::remove_all(artifact, ignored);
@@ -135,7 +141,7 @@ void DropObject(const fs::path& cache, const fs::path& artifact) {
 
 std::optional<CacheRecord> ReadRecord(const fs::path& file) {
   struct stat facts {};
-  if (lstat(file.c_str(), &facts) != 0 || !S_ISREG(facts.st_mode)) return std::nullopt;
+  if (lstat(file.c_str(), &facts) != 0 || !S_ISREG(facts.st_mode) || !BelowRealFolders(file)) return std::nullopt;
   if (static_cast<std::uint64_t>(facts.st_size) > kLargestRecord) return std::nullopt;
   const Expected<std::string> text = ReadFile(file);
   if (!text) return std::nullopt;

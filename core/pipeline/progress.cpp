@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "core/base/characters.h"
 #include "core/base/terminal.h"
 
 namespace mocurate {
@@ -65,7 +66,14 @@ void Progress::Draw() {
   if (!shown_ || now - last_draw_ < kDrawEvery) return;
   last_draw_ = now;
   drawn_ = true;
-  Write("\r\x1b[K" + TerminalLine((stage_ + " " + Text()).substr(0, kWidest)));
+  std::string line = TerminalLine(stage_ + " " + Text());
+  std::size_t length = 0;  // whole characters
+  while (length < line.size()) {
+    const std::size_t next = length + FirstCharacter(std::string_view(line).substr(length)).bytes;
+    if (next > kWidest) break;
+    length = next;
+  }
+  Write("\r\x1b[K" + line.substr(0, length));
 }
 
 void Progress::Clear() {

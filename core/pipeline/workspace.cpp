@@ -52,7 +52,8 @@ Expected<Workspace> Workspace::Make(const fs::path& cache_folder, const fs::path
                                      ? FolderBelow(cache_folder, fs::path("tmp") / HostName())
                                      : FolderBelow(node_folder, "mocurate-" + std::to_string(geteuid()));
   if (!tmp) return Forward(tmp);
-  if (!node_folder.empty() && MadeByAnother(*tmp)) {
+  struct stat facts {};
+  if (!node_folder.empty() && (lstat(tmp->c_str(), &facts) != 0 || facts.st_uid != geteuid())) {
     return Fail(ErrorCode::kCannotWrite, "the folder belongs to another user", DisplayPath(*tmp),
                 "name a folder of your own with --scratch");
   }

@@ -268,10 +268,9 @@ Status Hdf5Reader::CheckChunks(hid_t dataset, const std::vector<hsize_t>& chunk,
   std::vector<hsize_t> at(chunk.size(), 0);
   std::vector<unsigned char> packed;
   for (bool more = true; more;) {
-    unsigned skipped = 0;
-    haddr_t address = 0;
+    std::uint32_t skipped = 0;  // filters of this chunk
     hsize_t size = 0;
-    const bool found = H5Dget_chunk_info_by_coord(dataset, at.data(), &skipped, &address, &size) >= 0 && size <= bytes_;
+    const bool found = H5Dget_chunk_storage_size(dataset, at.data(), &size) >= 0 && size <= bytes_;
     packed.resize(found ? static_cast<std::size_t>(size) : 0);
     if (!found || (size > 0 && H5Dread_chunk(dataset, H5P_DEFAULT, at.data(), &skipped, packed.data()) < 0)) {
       return Fail(ErrorCode::kMalformed, "values cannot be read: " + Reason(), WhereOf(path));

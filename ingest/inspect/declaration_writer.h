@@ -65,7 +65,9 @@ class DeclarationWriter {
     std::string line = "    " + key + ": [";
     if (texts.empty()) line += "]";
     for (std::size_t i = 0; i < texts.size(); ++i) {
-      const bool plain = texts[i] != "-" && texts[i].find_first_of(",[]{}#&*!|>'\"%@`\\$") == std::string::npos;
+      const bool plain = !texts[i].empty() && texts[i] == Trim(texts[i]) && texts[i][0] != '-' && texts[i][0] != '?' &&
+                         texts[i].find_first_of(",[]{}#&*!|>'\"%@`\\$") == std::string::npos &&
+                         (texts[i] + " ").find(": ") == std::string::npos;
       const std::string word = (plain ? texts[i] : Quoted(texts[i])) + (i + 1 < texts.size() ? "," : "]");
       if (line.size() + word.size() + 1 > kTextWidth) {
         Line(line);

@@ -100,10 +100,10 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
   const Expected<Plan> plan = Plan::Open(arguments.plan);
   if (!plan) return Forward(plan);
   const PlanHead& head = plan->head();
-  std::string again = "plan again: mocurate plan " + head.config + " --stage " + head.stage;
-  for (const std::string& assignment : head.arguments) again += " --set '" + assignment + "'";
+  std::string again = "plan again: mocurate plan " + ShellQuoted(head.config) + " --stage " + ShellQuoted(head.stage);
+  for (const std::string& assignment : head.arguments) again += " --set " + ShellQuoted(assignment);
   if (common.allow_include) again += " --allow-include";
-  again += " -o " + DisplayPath(fs::absolute(arguments.plan).parent_path().parent_path());
+  again += " -o " + ShellQuoted(fs::absolute(arguments.plan).parent_path().parent_path().native());
   const Expected<PlannedStage> stage = StageNamed(head.stage);
   if (!stage) {
     return Fail(ErrorCode::kInconsistent,

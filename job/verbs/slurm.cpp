@@ -424,7 +424,7 @@ Status JobsVerb(CommonArguments& common, const JobsArguments& arguments) {
   Expected<SlurmRun> run = SlurmRun::Open(arguments.run);
   if (!run) return Forward(run);
   if (!arguments.next && !arguments.last) return ShowJobs(common, *run);
-  if ((arguments.next || arguments.last) && run->Outcome()) {
+  if (run->Outcome()) {
     return Fail(ErrorCode::kUsage, "the run has ended", DisplayPath(run->folder()),
                 "to do what is missing: mocurate run with the same arguments");
   }
@@ -434,12 +434,15 @@ Status JobsVerb(CommonArguments& common, const JobsArguments& arguments) {
                 DisplayPath(run->folder()), "set MOCURATE_CACHE to the cache of the run");
   }
   const auto job = LoadJob(arguments.config, arguments.assignments, {common.allow_include});
-  if (!job) return run->End(Forward(job));
+  const auto refuse = [&run](const Status& why) {  // a person may have mistyped the command
+    return std::getenv("SLURM_JOB_ID") != nullptr ? run->End(why) : why;
+  };
+  if (!job) return refuse(Forward(job));
   run = SlurmRun::Open(arguments.run, CommandOf(arguments.config, arguments.assignments, job->options));
   if (!run) return Forward(run);
   if (ConfigHash(job->options) != run->settings().config_sha256) {
-    return run->End(Fail(ErrorCode::kInconsistent, "the configuration has changed since the run was submitted",
-                         DisplayPath(arguments.config), "submit it again: mocurate run"));
+    return refuse(Fail(ErrorCode::kInconsistent, "the configuration is not that of the run, or has changed since",
+                       DisplayPath(arguments.config), "give its --set as well, or submit it again: mocurate run"));
   }
   ChooseBlasKernels();
   if (arguments.last) return RunLast(common, arguments, *run, static_cast<int>(job->options.slurm.last.cores));
