@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "core/base/json_text.h"
@@ -29,19 +28,11 @@ std::string ShownValue(const Json& value) {
 
 /// An object of JSON. A repeated key in an object is also an error, because only one of its values would count.
 Expected<Json> ParseObject(std::string_view bytes, const std::string& name, const char* hint) {
-  std::vector<std::set<std::string>> keys;
-  std::string twice;
-  const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second) {
-      twice = ShownValue(parsed);
-    }
-    return true;
-  };
-  const Expected<Json> json = ParseJson(bytes, name, watch);
+  const Expected<Json> json = ParseJson(bytes, name);
   if (!json) return Forward(json);
-  if (!twice.empty()) return Fail(ErrorCode::kMalformed, "the key " + twice + " is repeated", name, hint);
+  if (const auto twice = RepeatedKey(bytes)) {
+    return Fail(ErrorCode::kMalformed, "the key " + ShownValue(*twice) + " is repeated", name, hint);
+  }
   if (!json->is_object()) return Fail(ErrorCode::kMalformed, "the file is not a JSON object", name + ": /", hint);
   return json;
 }

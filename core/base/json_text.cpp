@@ -1,6 +1,8 @@
 #include "core/base/json_text.h"
 
 #include <algorithm>
+#include <set>
+#include <vector>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -38,14 +40,14 @@ std::string PlaceOf(std::string_view text, std::size_t offset, const std::string
 }
 
 template <class Json>
-Expected<Json> ParseAs(std::string_view text, const std::string& name, const typename Json::parser_callback_t& watch) {
+Expected<Json> ParseAs(std::string_view text, const std::string& name) {
   if (Trim(text).empty()) return EmptyFile(name);
   if (const std::size_t deep = TooDeepAt(text); deep != std::string_view::npos) {
     return Fail(ErrorCode::kMalformed, "the JSON is nested deeper than " + std::to_string(kDeepestJson) + " levels",
                 PlaceOf(text, deep, name), "no file that is read here needs as many: copy it again, or leave it out");
   }
   try {
-    return Json::parse(text.begin(), text.end(), watch);
+    return Json::parse(text.begin(), text.end());
   } catch (const typename Json::parse_error& error) {
     return Fail(ErrorCode::kMalformed, "the text is not valid JSON",
                 PlaceOf(text, error.byte > 0 ? error.byte - 1 : 0, name), "copy the file again, or correct it");
@@ -54,21 +56,58 @@ Expected<Json> ParseAs(std::string_view text, const std::string& name, const typ
   }
 }
 
+/// Sees the keys of a text and keeps no value. (A callback of Json::parse takes time with the square of a list.)
+class KeyWatch final : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  std::optional<std::string> repeated;
+
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool start_object(std::size_t) override {
+    keys_.emplace_back();
+    return true;
+  }
+  bool key(string_t& name) override {
+    if (!keys_.back().insert(name).second) repeated = name;
+    return !repeated;
+  }
+  bool end_object() override {
+    keys_.pop_back();
+    return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) override { return false; }
+
+ private:
+  std::vector<std::set<std::string>> keys_;  ///< of the open objects
+};
+
 }  // namespace
 
-Expected<nlohmann::json> ParseJson(std::string_view text, const std::string& name,
-                                   const nlohmann::json::parser_callback_t& watch) {
-  return ParseAs<nlohmann::json>(text, name, watch);
+Expected<nlohmann::json> ParseJson(std::string_view text, const std::string& name) {
+  return ParseAs<nlohmann::json>(text, name);
 }
 
 Expected<nlohmann::ordered_json> ParseOrderedJson(std::string_view text, const std::string& name) {
-  return ParseAs<nlohmann::ordered_json>(text, name, nullptr);
+  return ParseAs<nlohmann::ordered_json>(text, name);
 }
 
 Expected<nlohmann::json> ReadJson(const std::filesystem::path& file) {
   const Expected<std::string> text = ReadFile(file);
   if (!text) return Forward(text);
   return ParseJson(*text, DisplayPath(file));
+}
+
+std::optional<std::string> RepeatedKey(std::string_view text) {
+  KeyWatch watch;
+  nlohmann::json::sax_parse(text.begin(), text.end(), &watch);
+  return watch.repeated;
 }
 
 namespace internal {

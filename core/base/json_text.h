@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -14,15 +15,16 @@ namespace mocurate {
 /// and of the known formats have less than 20.
 constexpr int kDeepestJson = 200;
 
-/// The program's reader of JSON; tests/layers refuses any other. `name` is the file's in messages; `watch` sees the
-/// events of the parser. Error kMalformed at "name:line:column" for what is not JSON, for a number out of range, and
-/// beyond kDeepestJson.
-Expected<nlohmann::json> ParseJson(std::string_view text, const std::string& name,
-                                   const nlohmann::json::parser_callback_t& watch = nullptr);
+/// The program's reader of JSON; tests/layers refuses any other. `name` is the file's in messages. Error kMalformed at
+/// "name:line:column" for what is not JSON, for a number out of range, and beyond kDeepestJson.
+Expected<nlohmann::json> ParseJson(std::string_view text, const std::string& name);
 /// The same with the keys in the order of the text.
 Expected<nlohmann::ordered_json> ParseOrderedJson(std::string_view text, const std::string& name);
 /// The same of a file. Errors of ReadFile as well.
 Expected<nlohmann::json> ReadJson(const std::filesystem::path& file);
+
+/// The first key that an object of a text that ParseJson reads has twice; only the value of one of them counts.
+std::optional<std::string> RepeatedKey(std::string_view text);
 
 namespace internal {
 tl::unexpected<Error> WrongJson(const std::string& where, const nlohmann::json::exception& wrong);

@@ -40,6 +40,14 @@ TEST(Json, DamageHasItsPlace) {
   EXPECT_EQ(ReadJson(folder / "a.json").error().where, (folder / "a.json").native() + ":1:6");
 }
 
+TEST(Json, ARepeatedKeyIsFoundInAnyObjectOfALongList) {
+  EXPECT_EQ(RepeatedKey(R"({"a": {"b": 1}, "b": [{"a": "b"}, {"a": 1}]})"), std::nullopt);
+  EXPECT_EQ(RepeatedKey(R"({"a": {"b": 1, "c": {}, "b": 2}})"), "b");
+  std::string list = "[";
+  for (int i = 0; i < 1000000; ++i) list += "{},";
+  EXPECT_EQ(RepeatedKey(list + R"({"a": 1, "a": 2}])"), "a");
+}
+
 TEST(Json, AValueOfAnotherTypeIsAnErrorOfTheFile) {
   const nlohmann::json value = {{"list", {1, 2}}};
   const auto read = [&](const char* key) {
