@@ -143,8 +143,9 @@ Status CheckAbsent(const SplitOptions& options, const std::string& where, const 
                    const std::set<std::string>& there, std::vector<Finding>& findings) {
   if (absent.empty()) return {};
   std::set<std::string> nearest;
-  for (const std::string& name : absent) {
-    if (const auto one = Nearest(name, Names(there.begin(), there.end()))) nearest.insert(*one);
+  const Names known(there.begin(), there.end());
+  for (std::size_t i = 0; i < std::min<std::size_t>(absent.size(), 50); ++i) {
+    if (const auto one = Nearest(absent[i], known)) nearest.insert(*one);
   }
   const std::string near =
       nearest.empty() ? "" : "did you mean '" + Shortened({nearest.begin(), nearest.end()}) + "'? ";

@@ -154,12 +154,14 @@ Expected<std::vector<std::string>> NewClasses(const RelabelMap& map, const Names
 /// Fine labels follow their classes; those of a removed class are removed.
 std::vector<FineLabel> NewFineLabels(const RelabelMap& map, const Names& drop, const Dataset& before,
                                      const std::vector<std::string>& classes) {
+  std::map<std::string, int> index_of;
+  for (std::size_t c = 0; c < classes.size(); ++c) index_of.emplace(classes[c], static_cast<int>(c));
   std::vector<FineLabel> fine_labels;
   for (const FineLabel& fine : before.fine_labels) {
     const std::string& parent = before.labels[static_cast<std::size_t>(fine.parent)];
-    const auto at = std::find(classes.begin(), classes.end(), NewLabel(map, parent));
-    if (IsNamed(drop, parent) || at == classes.end()) continue;
-    fine_labels.push_back({fine.name, static_cast<int>(at - classes.begin())});
+    const auto at = index_of.find(NewLabel(map, parent));
+    if (drop.count(parent) > 0 || at == index_of.end()) continue;
+    fine_labels.push_back({fine.name, at->second});
   }
   return fine_labels;
 }

@@ -266,6 +266,14 @@ TEST_F(Relabelling, ReportsWhatFitsNothingAndRefusesWhatCannotBe) {
   EXPECT_EQ(table.error().code, ErrorCode::kConfig);
 }
 
+TEST_F(Relabelling, AListOfManyClassesTakesTimeInProportion) {
+  std::string names;
+  for (int i = 0; i < 90000; ++i) names += ", c" + std::to_string(i);
+  const auto ordered = By("classes: [a, b" + names + "]");
+  ASSERT_TRUE(ordered) << ordered.error().Message();
+  EXPECT_EQ(ordered->dataset.labels.size(), 90002u);
+}
+
 TEST(SetFiles, AreDistinguishedByTheEndsOfTheirPaths) {
   EXPECT_THAT(NamesOfFiles({"runs/a/dataset.h5", "b.h5"}), ElementsAre("a/dataset.h5", "b.h5"));
   EXPECT_THAT(NamesOfFiles({"x/a/set.h5", "y/a/set.h5"}), ElementsAre("x/a/set.h5", "y/a/set.h5"));
