@@ -222,13 +222,15 @@ Expected<StageOutcome> CanonStage(const StageRequest& request) {
   dataset.joints_only = clip->motion->joints_only();
   dataset.created_by = CreatedBy();
   StageOutcome outcome;
-  if (const StageInput* listed = FindInput(request, kSpansRole)) {
+  const StageInput* listed = FindInput(request, kSpansRole);
+  if (listed != nullptr) {
     TrimOptions tables = options->trim;
     tables.spans = listed->path;
     const auto spans = ListedSpans(tables);
     if (!spans) return Forward(spans);
     ApplySpans(*spans, *clip, outcome.findings);
   }
+  if (Status few = CheckOverlap(*clip, listed != nullptr ? listed->name : request.item); !few) return Forward(few);
   if (const StageInput* floor = FindInput(request, kFloorRole)) {
     if (Status levelled = LevelByFloor(*floor, *clip); !levelled) return Forward(levelled);
   }

@@ -30,6 +30,7 @@ Expected<std::map<std::string, std::vector<Motion>>> ReadExamples(const CanonOpt
     }
     std::vector<Finding> outside;
     ApplySpans(spans, *clip, outside);
+    if (Status few = CheckOverlap(*clip, clip->id()); !few) return Forward(few);
     for (const Finding& finding : outside) {
       if (finding.severity != Severity::kError) continue;
       return Fail(ErrorCode::kConfig, finding.message, finding.clip, "repair canon.trim.by_example.examples");

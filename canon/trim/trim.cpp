@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "canon/recipes/spans_file.h"
 #include "canon/trim/change_points.h"
@@ -10,6 +12,8 @@
 
 namespace mocurate {
 namespace {
+
+constexpr int kMostAtOnce = 100;  // segments; people mark less than ten
 
 Finding Dropped(const Clip& clip, const char* code, int begin, int end, double value, std::string message) {
   Finding finding;
@@ -27,6 +31,7 @@ Finding Dropped(const Clip& clip, const char* code, int begin, int end, double v
 std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
   const Motion& motion = *clip.motion;
   std::vector<KeptSpan> spans;
+  std::map<std::pair<int, int>, std::string> label_of;  // of the spans by their frames
   for (const Segment& segment : clip.segments) {
     const int begin =
         std::clamp(static_cast<int>(std::lround(segment.begin_s * motion.rate.hz())), 0, motion.frame_count());
@@ -39,13 +44,11 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
       findings.push_back(finding);
       continue;
     }
-    const auto same = std::find_if(spans.begin(), spans.end(), [&](const KeptSpan& span) {
-      return span.begin == begin && span.end == end;  // a clip id contains its frames
-    });
-    if (same != spans.end()) {
+    const auto [same, added] = label_of.emplace(std::pair(begin, end), "");  // a clip id contains its frames
+    if (!added) {
       findings.push_back(Dropped(
           clip, "same_frames", begin, end, segment.end_s - segment.begin_s,
-          "segment '" + segment.label + "' has the same frames as segment '" + same->label + "', which was kept"));
+          "segment '" + segment.label + "' has the same frames as segment '" + same->second + "', which was kept"));
       continue;
     }
     // A listed span with a fine label has one class; BABEL's labels have several categories, of which the first is
@@ -57,6 +60,7 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
     } else {
       spans.push_back({begin, end, segment.label, ""});
     }
+    same->second = spans.back().label;
   }
   if (clip.segments.empty()) {
     findings.push_back(Dropped(clip, "no_annotation", 0, motion.frame_count(), 0.0,
@@ -138,6 +142,28 @@ std::vector<KeptSpan> CycleSpans(const TrimOptions& options, const Clip& clip, s
 
 bool EstimatesCuts(TrimRule rule) {
   return rule == TrimRule::kChangePoints || rule == TrimRule::kCycles || rule == TrimRule::kByExample;
+}
+
+Status CheckOverlap(const Clip& clip, const std::string& where) {
+  const int frames = clip.motion->frame_count();
+  std::vector<int> change(static_cast<std::size_t>(frames) + 1, 0);  // of the number of segments from frame to frame
+  for (const Segment& segment : clip.segments) {
+    const auto frame = [&](double seconds) { return std::clamp(seconds * clip.motion->rate.hz(), 0.0, 1.0 * frames); };
+    const double begin = std::floor(frame(segment.begin_s)), end = std::ceil(frame(segment.end_s));
+    if (!(begin < end)) continue;
+    ++change[static_cast<std::size_t>(begin)];
+    --change[static_cast<std::size_t>(end)];
+  }
+  int there = 0;
+  for (int f = 0; f < frames; ++f) {
+    there += change[static_cast<std::size_t>(f)];
+    if (there <= kMostAtOnce) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "frame " + std::to_string(f) + " of " + clip.id() + " is in " + std::to_string(there) +
+                    " annotated segments, at most " + std::to_string(kMostAtOnce) + " are read",
+                where, "leave out spans that repeat others");
+  }
+  return {};
 }
 
 std::vector<double> FrameSpeeds(const Motion& motion, double window_s) {

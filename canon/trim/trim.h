@@ -22,6 +22,10 @@ struct KeptSpan {
 /// Whether a rule estimates cuts: change_points, cycles, by_example.
 bool EstimatesCuts(TrimRule rule);
 
+/// Error kInconsistent at `where` for more than 100 segments in one frame: the clips that are cut would repeat it as
+/// often, each with all of them.
+Status CheckOverlap(const Clip& clip, const std::string& where);
+
 /// Speed of the fastest joint in each frame, m/s, (F): the slope of a line fitted to the joint over the `window_s`
 /// seconds around the frame, at least its two neighbours. At the ends the window is shifted inwards, so that its length
 /// is constant. White noise of s metres at F frames in the window changes the slope by about 3.5 s / (window_s

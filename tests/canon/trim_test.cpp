@@ -146,6 +146,20 @@ TEST(Trim, AnnotatedSegmentsBecomeClipsAndUnwantedLabelsAreExcluded) {
   EXPECT_EQ(findings[1].code, "too_short");
 }
 
+TEST(Trim, AFrameOfMoreThanAHundredSegmentsIsRefused) {
+  Clip clip = ClipMoving("p", "a", 90, 10, 50, 1.0);
+  clip.segments.assign(100, {0.5, 1.0, "wave", "", "annotated"});
+  clip.segments.push_back({1.0, 9.0, "walk", "", "annotated"});
+  EXPECT_TRUE(CheckOverlap(clip, "spans.csv"));
+  clip.segments.push_back({0.9999, 1.0, "walk", "", "annotated"});
+  const Status refused = CheckOverlap(clip, "spans.csv");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(refused.error().where, "spans.csv");
+  clip.segments.clear();
+  EXPECT_TRUE(CheckOverlap(clip, "spans.csv"));
+}
+
 TEST(Trim, AStillStaysOnlyWhereNoLengthIsAskedFor) {
   Clip clip = ClipMoving("p", "a", 90, 10, 50, 1.0);
   clip.segments = {{1.0, 1.0 + 1.0 / 30.0, "pose", "", "annotated"}, {2.0, 2.0, "nothing", "", "annotated"}};
