@@ -23,6 +23,9 @@ constexpr std::pair<const char*, Verdict> kVerdicts[] = {{"undecided", Verdict::
                                                          {"relabel", Verdict::kRelabel},
                                                          {"cut", Verdict::kCut}};
 
+constexpr std::size_t kMostShown = 50;
+constexpr std::size_t kMostOfClip = 1000;  // each is compared with the others of its clip
+
 std::string VerdictName(Verdict verdict) {
   return std::find_if(std::begin(kVerdicts), std::end(kVerdicts),
                       [&](const auto& one) { return one.second == verdict; })
@@ -75,21 +78,32 @@ std::string Contradiction(const Decision& a, const Decision& b) {
 
 Status Check(const Review& review, const std::filesystem::path& path) {
   std::string problems;
+  std::size_t count = 0;
   bool contradicts = false;
-  const auto add = [&problems](const std::string& problem) { problems += (problems.empty() ? "" : "\n") + problem; };
+  const auto add = [&](const std::string& problem) {
+    if (++count <= kMostShown) problems += (problems.empty() ? "" : "\n") + problem;
+  };
   std::map<std::string, std::vector<const Decision*>> of_clip;
   for (const Decision& decision : review.decisions) {
+    if (count > kMostShown) break;
     if (const std::string why = Incomplete(decision); !why.empty()) add(decision.place + ": " + why);
-    for (const Decision* earlier : of_clip[decision.clip]) {
+    std::vector<const Decision*>& others = of_clip[decision.clip];
+    if (others.size() == kMostOfClip) {
+      return Fail(ErrorCode::kConfig,
+                  "more than " + std::to_string(kMostOfClip) + " decisions about clip '" + decision.clip + "'",
+                  decision.place, "keep one of those that repeat others");
+    }
+    for (const Decision* earlier : others) {
       const std::string why = Contradiction(*earlier, decision);
       if (!why.empty()) {
         contradicts = true;
         add(decision.place + ": clip '" + decision.clip + "' has another decision at " + earlier->place + ": " + why);
       }
     }
-    of_clip[decision.clip].push_back(&decision);
+    others.push_back(&decision);
   }
   if (problems.empty()) return {};
+  if (count > kMostShown) problems += "\nand more";
   return Fail(ErrorCode::kConfig, problems, DisplayPath(path),
               contradicts ? "keep one of the two contradicting decisions" : "docs/review.md lists the fields");
 }

@@ -195,6 +195,19 @@ TEST_F(Reviewed, DecisionsThatContradictEachOtherAreRefusedWithBothPlaces) {
     ASSERT_TRUE(twice) << twice.error().Message();
     EXPECT_EQ(twice->findings.size(), 1u);
   }
+  std::vector<Decision> many(1000, About(0, Verdict::kDrop));
+  EXPECT_TRUE(Read(many));
+  many.push_back(About(0, Verdict::kDrop));
+  EXPECT_EQ(Read(many).error().code, ErrorCode::kConfig) << "each is compared with the others of its clip";
+  many.assign(4000, Decision());
+  for (std::size_t i = 0; i < many.size(); ++i) {
+    many[i].clip = "c" + std::to_string(i / 900);
+    many[i].verdict = i % 2 == 0 ? Verdict::kDrop : Verdict::kCut;
+    many[i].end = i % 2 == 0 ? 0 : 9;
+  }
+  const auto listed = Read(many);
+  ASSERT_FALSE(listed);
+  EXPECT_LT(listed.error().what.size(), 100000u) << "the first contradictions";
   EXPECT_FALSE(Read({About(0, Verdict::kUndecided)}));
   Decision endless = About(0, Verdict::kCut);
   endless.end = endless.begin;
