@@ -102,7 +102,7 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
       nlohmann::json data = PlayerData(DrawnOf(clip), numbers);
       const auto begin = NumberOf(input.cards[i].finding, "frame_begin");
       const bool first = &clip == &input.cards[i].clips.front();
-      if (begin && first) data["start"] = static_cast<int>(*begin) / data.at("step").get<int>();
+      if (begin && first) data["start"] = static_cast<int>(std::clamp(*begin, 0.0, 1e9)) / data.at("step").get<int>();
       player_data.push_back(std::move(data));
     }
   }
@@ -152,6 +152,7 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request) {
   input.options = *options;
   input.decisions = nlohmann::json::array();
   nlohmann::json audit;
+  std::string audit_name;
   std::optional<DatasetClips> clips;
   for (const StageInput& given : request.inputs) {
     if (given.role == "dataset") {
@@ -166,17 +167,22 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request) {
     if (!text) return Forward(text);
     auto json = ParseJson(*text, given.name);
     if (!json) return Forward(json);
+    if (given.role == "audit") audit_name = given.name;
     (given.role == "audit" ? audit : input.decisions) = std::move(*json);
   }
   if (!clips) return Fail(ErrorCode::kInternal, "the stage review has no dataset", request.item);
   if (!audit.is_object() || !Field(audit, "findings").is_array()) {
-    return Fail(ErrorCode::kMalformed, "not an audit: it has no list of findings", request.item,
+    return Fail(ErrorCode::kMalformed, "not an audit: it has no list of findings", audit_name,
                 "create one with mocurate audit DATASET -o FOLDER");
   }
   std::map<std::string, std::size_t> row_of;
   for (std::size_t row = 0; row < clips->size(); ++row) row_of[clips->Id(row)] = row;
-  std::size_t unknown = 0;
+  std::size_t unknown = 0, number = 0;
   for (const nlohmann::json& finding : Elements(Field(audit, "findings"))) {
+    const Status texts = GuardJson(audit_name + ": /findings/" + std::to_string(number++), [&] {
+      for (const char* key : {"clip", "code", "severity", "message"}) finding.at(key).get_ref<const std::string&>();
+    });
+    if (!texts) return Forward(texts);
     const std::string of_clip = TextOf(finding, "clip");
     if (of_clip.empty()) {
       input.about_set.push_back(TextOf(finding, "code") + ": " + TextOf(finding, "message"));

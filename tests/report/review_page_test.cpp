@@ -133,5 +133,22 @@ TEST(ReviewPage, AuditsOfOtherDatasetsAreRefusedAndTheSameInputGivesTheSameBytes
   EXPECT_EQ(set.Make().error().code, ErrorCode::kMalformed);
 }
 
+TEST(ReviewPage, FindingsOfOtherTypesAreRefusedWithTheirPlace) {
+  for (const char* change : {"7", "{}", R"({"clip": 1})", R"({"code": []})", R"({"message": null})"}) {
+    SmallReview set;
+    nlohmann::json& finding = set.audit["findings"][1];
+    const nlohmann::json other = nlohmann::json::parse(change);
+    if (other.is_object() && !other.empty()) {
+      finding.update(other);
+    } else {
+      finding = other;
+    }
+    const auto page = set.Make();
+    ASSERT_FALSE(page) << change;
+    EXPECT_EQ(page.error().code, ErrorCode::kMalformed) << change;
+    EXPECT_EQ(page.error().where, "audit.json: /findings/1") << change;
+  }
+}
+
 }  // namespace
 }  // namespace mocurate::test
