@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/log.h"
@@ -233,12 +232,14 @@ void LimitItems(const PipelineOptions& limits, RunnerOptions& runner) {
   if (limits.item_memory_bytes) runner.item_memory_bytes = static_cast<std::uint64_t>(*limits.item_memory_bytes);
 }
 
+constexpr std::size_t kMostSkeletonBytes = 16 << 20;  // as of every configuration
+
 StageInput SkeletonInput(const std::string& name_or_path) {
   std::string content;
   if (const auto resource = FindResource("skeletons/" + name_or_path + ".yaml")) {
     content = std::string(*resource);
-  } else if (const auto file = ReadConfigFile(name_or_path)) {
-    content = file->text;
+  } else if (const auto file = ReadSmallFile(name_or_path, kMostSkeletonBytes)) {
+    content = *file;
   }
   return {kSkeletonRole, name_or_path, {}, Sha256Hex(content)};
 }

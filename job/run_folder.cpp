@@ -72,8 +72,15 @@ Expected<fs::path> RunFolder(const std::optional<fs::path>& named, const std::st
 }
 
 Status CheckRunFiles(const fs::path& folder) {
-  for (const char* name : kWritten) {
-    if (Status plain = CheckNoLinks(folder / name); !plain) return plain;
+  for (const std::string name : kWritten) {
+    // These may hold a file a task, which are opened without following links.
+    const bool tasks = name == "plan" || name == "slurm";
+    if (Status plain = tasks ? CheckNotLink(folder / name) : CheckNoLinks(folder / name); !plain) return plain;
+    std::error_code missing;
+    for (fs::directory_iterator at(folder / name, missing), end; tasks && !missing && at != end;
+         at.increment(missing)) {
+      if (Status plain = CheckNotLink(at->path()); !plain) return plain;
+    }
   }
   return {};
 }

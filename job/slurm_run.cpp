@@ -183,9 +183,16 @@ Expected<SlurmRun> SlurmRun::Open(const fs::path& folder, SlurmCommand command) 
   }
   const fs::path jobs = run.folder_ / "slurm" / "jobs.jsonl";
   Status read;
-  ForEachLine(jobs, [&read](const json& line) {
-    if (const auto job = JobOfLine(line); !job && read) read = Forward(job);
+  double tasks = 0.0;
+  ForEachLine(jobs, [&](const json& line) {
+    const auto job = JobOfLine(line);
+    if (!job && read) read = Forward(job);
+    if (job && *job) tasks += static_cast<double>((*job)->tasks);
   });
+  if (read && tasks > kMostTasks) {
+    read =
+        Fail(ErrorCode::kMalformed, FormatDouble(tasks) + " tasks, at most " + FormatDouble(kMostTasks), "its lines");
+  }
   if (read) return run;
   Error error = read.error();
   error.where = DisplayPath(jobs) + ": " + error.where;

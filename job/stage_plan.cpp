@@ -235,7 +235,7 @@ Expected<MadePlan> MakePlan(const LoadedJob& job, const PlanSettings& settings) 
   made.file = fs::absolute(settings.folder / "plan" / (made.stage + ".json"));
   made.items = missing.size();
   made.tasks = ends.size();
-  for (const fs::path& needed : {made.file.parent_path(), head.cache / "objects"}) {
+  for (const fs::path& needed : {made.file.parent_path(), head.cache}) {
     if (Status there = MakeFolder(needed); !there) return Forward(there);
   }
   if (Status written = Plan::Write(made.file, head, missing, ends); !written) return Forward(written);

@@ -42,10 +42,12 @@ bool IsDevice(const std::string& name) {
          base[3] <= '9';
 }
 
-/// `name`, with a number appended where it is used already; `taken` are in lower case.
-std::string Untaken(const std::string& name, std::set<std::string>& taken) {
+/// `name`, with a number appended where it is used already; `taken`: names in lower case, and the next number of each.
+std::string Untaken(const std::string& name, std::map<std::string, int>& taken) {
+  const auto [at, fresh] = taken.emplace(LowerCase(name), 2);
   std::string free = name;
-  for (int copy = 2; !taken.insert(LowerCase(free)).second; ++copy) free = name + "~" + std::to_string(copy);
+  for (bool found = fresh; !found; found = taken.emplace(LowerCase(free), 2).second)
+    free = name + "~" + std::to_string(at->second++);
   return free;
 }
 
@@ -76,17 +78,22 @@ std::string NameForFile(std::string_view text) {
 
 std::vector<std::string> JointNamesForFile(const Skeleton& skeleton, std::string_view refused) {
   std::vector<std::string> names;
-  std::set<std::string> taken;
+  std::map<std::string, int> taken;  // names, and the next number of each
   for (const Joint& joint : skeleton.joints) {
-    std::string name = joint.name.empty() ? "_" : Replaced(joint.name, refused);
-    while (!taken.insert(name).second) name += '_';
-    names.push_back(std::move(name));
+    const std::string name = joint.name.empty() ? "_" : Replaced(joint.name, refused);
+    const auto [at, fresh] = taken.emplace(name, 1);
+    std::string free = name;
+    for (bool found = fresh; !found; found = taken.emplace(free, 1).second) {
+      free = name + "_" + (at->second > 1 ? std::to_string(at->second) : "");
+      ++at->second;
+    }
+    names.push_back(std::move(free));
   }
   return names;
 }
 
 FileNames::FileNames(const std::vector<std::string>& taken) {
-  for (const std::string& name : taken) taken_.insert(LowerCase(name));
+  for (const std::string& name : taken) taken_.emplace(LowerCase(name), 2);
 }
 
 const std::string& FileNames::Of(const std::string& text) {
@@ -123,7 +130,7 @@ ClipNames::ClipNames(const std::vector<std::string>& ids, RecordingNames unique)
   }
   source_ = sources.size() == 1 ? NameForFile(*sources.begin()) : "export";
   FileNames persons;
-  std::map<std::string, std::set<std::string>> taken;  // by person; all under "" with kOfSet
+  std::map<std::string, std::map<std::string, int>> taken;  // by person; all under "" with kOfSet
   for (const ClipIdParts& part : parts) {
     const std::string& person = persons.Of(sources.size() == 1 ? part.person : part.source + "." + part.person);
     std::string name = NameForFile(part.recording);

@@ -46,7 +46,7 @@ class FileNames {
 
  private:
   std::map<std::string, std::string> names_;  ///< by text
-  std::set<std::string> taken_;               ///< in lower case
+  std::map<std::string, int> taken_;          ///< in lower case, and the next number of each
 };
 
 enum class RecordingNames {

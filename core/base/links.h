@@ -29,7 +29,8 @@ Expected<std::filesystem::path> FileBelow(const std::filesystem::path& folder, c
 Expected<std::filesystem::path> FolderBelow(const std::filesystem::path& folder, const std::filesystem::path& name);
 
 /// Opens a file that is changed in place (a lock, a journal) for reading and writing; made when missing. `flags`: e.g.
-/// O_APPEND. Error kCannotWrite; also for a link, a device, a pipe, and a file with another name (hard link).
-Expected<int> OpenInPlace(const std::filesystem::path& path, int flags);
+/// O_APPEND. Error kCannotWrite; also for a link, a device, a pipe, and, where it is `written`, a file with another
+/// name (hard link).
+Expected<int> OpenInPlace(const std::filesystem::path& path, int flags, bool written = true);
 
 }  // namespace mocurate

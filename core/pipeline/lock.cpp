@@ -32,7 +32,7 @@ bool StillThere(int file, const std::filesystem::path& path) {
 
 Expected<std::optional<FileLock>> FileLock::Try(const std::filesystem::path& path, int operation) {
   while (true) {
-    const Expected<int> opened = OpenInPlace(path, 0);
+    const Expected<int> opened = OpenInPlace(path, 0, false);
     if (!opened) return Forward(opened);
     const int file = *opened;
     FileLock lock(file);
@@ -72,6 +72,11 @@ FileLock::~FileLock() {
 }
 
 Status FileLock::WriteHolder(const std::string& text) const {
+  struct stat facts {};
+  if (fstat(file_, &facts) != 0 || facts.st_nlink > 1) {
+    return Fail(ErrorCode::kCannotWrite, "the lock file has another name (a hard link), which a change would reach", {},
+                "remove it, or choose another -o");
+  }
   if (ftruncate(file_, 0) != 0 || pwrite(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size())) {
     return Fail(ErrorCode::kCannotWrite, std::string("lock file cannot be written: ") + std::strerror(errno));
   }

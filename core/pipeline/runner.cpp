@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/file.h"
+#include "core/base/links.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/pipeline/cache_layout.h"
@@ -213,6 +214,7 @@ Expected<std::unique_ptr<Runner>> Runner::Make(const RunnerOptions& options) {
   const Expected<RunnerOptions> resolved = Resolved(options);
   if (!resolved) return Forward(resolved);
   auto impl = std::make_unique<Impl>(*resolved);
+  if (Status plain = CheckNotLink(resolved->cache_folder / "objects"); !plain) return Forward(plain);
   if (const std::string others = impl->cache.OthersWhoWrite(); !others.empty()) LogWarning(others);
   if (!options.dry_run || options.plan) {
     if (options.task_journal.empty()) {

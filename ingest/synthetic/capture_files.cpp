@@ -14,7 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool IsPlainName(const std::string& name) {
-  return !name.empty() && name != "." && name != ".." &&
+  constexpr std::size_t kLongest = 255;  // bytes of a name on common file systems
+  return !name.empty() && name.size() <= kLongest && name != "." && name != ".." &&
          name.find_first_of(std::string_view("/\0", 2)) == std::string::npos;
 }
 
@@ -49,6 +50,8 @@ Status WriteList(const std::map<std::string, std::string>& written, const fs::pa
 }
 
 bool HoldsContent(const fs::path& file, const std::string& sha256) {
+  std::error_code unknown;
+  if (!fs::is_regular_file(fs::symlink_status(file, unknown))) return false;
   const auto bytes = ReadFile(file);
   return bytes && Sha256Hex(*bytes) == sha256;
 }
@@ -77,8 +80,11 @@ Status UnpackCapture(const fs::path& artifact, const fs::path& folder) {
   std::map<std::string, std::string> both = now;
   both.insert(before.begin(), before.end());
   if (both != before) {
+    std::error_code unknown;
     for (const auto& [name, sha256] : now) {
-      if (before.count(name) != 0 || !fs::exists(folder / name) || HoldsContent(folder / name, sha256)) continue;
+      if (before.count(name) != 0 || !fs::exists(fs::symlink_status(folder / name, unknown)) ||
+          HoldsContent(folder / name, sha256))
+        continue;
       return Fail(ErrorCode::kCannotWrite, "another file has this name", DisplayPath(folder / name),
                   "move it away, or choose another run folder with -o");
     }

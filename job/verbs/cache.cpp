@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
+#include "core/base/links.h"
 #include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
@@ -23,6 +24,7 @@ void PrintAnswer(CommonArguments& common, const nlohmann::json& document, const 
 
 Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
   Cache cache(DefaultCacheFolder());
+  if (Status plain = CheckNotLink(cache.folder() / "objects"); !plain) return plain;
   if (const std::string others = cache.OthersWhoWrite(); !others.empty()) LogWarning(others);
   const std::string folder = DisplayPath(cache.folder());
   if (arguments.action == "verify") {

@@ -117,13 +117,22 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
                     ", this program has version " + std::to_string(version),
                 DisplayPath(arguments.plan), again);
   }
+  // A pipe that the plan names would be waited for.
+  if (std::error_code unknown; fs::is_other(fs::status(head.config, unknown)))
+    return Fail(ErrorCode::kInconsistent, "the plan's configuration is a device or a pipe", DisplayPath(head.config),
+                again);
   const auto job = LoadJob(head.config, head.arguments, {common.allow_include});
   if (!job) return Forward(job);
   if (ConfigHash(job->options) != head.config_sha256) {
     return Fail(ErrorCode::kInconsistent, "the configuration has changed since the plan was made", head.config, again);
   }
   if (Status pinned = PinKernels(head.blas_kernels, head.instructions); !pinned) return pinned;
-  if (std::error_code missing; !fs::is_directory(head.cache / "objects", missing)) {
+  if (const fs::path here = fs::absolute(DefaultCacheFolder()); here != head.cache) {
+    return Fail(ErrorCode::kInconsistent,
+                "the plan is of the cache " + DisplayPath(head.cache) + ", here it is " + DisplayPath(here),
+                DisplayPath(arguments.plan), "set MOCURATE_CACHE to the cache of the run, or " + again);
+  }
+  if (std::error_code missing; !fs::is_directory(head.cache, missing)) {
     return Fail(ErrorCode::kNotFound, "the plan's cache is not there", DisplayPath(head.cache),
                 "mount it there on this node, or " + again);
   }

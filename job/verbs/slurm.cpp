@@ -28,7 +28,8 @@ constexpr std::chrono::seconds kLook{2};         ///< between looks at the files
 constexpr std::chrono::seconds kLookAtMany{30};  ///< likewise, for arrays of many tasks
 constexpr std::size_t kMany = 50;
 constexpr std::size_t kLogLines = 5;
-constexpr double kSparing = 4.0;  ///< asked memory or time above this many times the used is worth a word
+constexpr std::size_t kMostFailed = 20;  ///< tasks of an array whose logs are shown
+constexpr double kSparing = 4.0;         ///< asked memory or time above this many times the used is worth a word
 
 struct Counts {
   std::size_t waiting = 0, running = 0, done = 0, failed = 0, lost = 0;
@@ -225,14 +226,18 @@ void PrintUse(const SlurmRun& run, const SubmittedJob& job, const std::vector<Ta
       Print("    tasks of %s would be %zu, not %zu\n", MinutesText(wished_s).c_str(), fitting, job.tasks);
     most = {std::max(most.seconds, longest), std::max(most.bytes, bytes)};
   }
+  std::size_t failed = 0;
   for (std::size_t k = 0; k < tasks.size(); ++k) {
     if (tasks[k].state != TaskState::kFailed && tasks[k].state != TaskState::kLost) continue;
+    if (++failed > kMostFailed) continue;
     Print("  task %zu of %s %s%s\n    %s\n", k, job.stage.c_str(),
           tasks[k].state == TaskState::kLost ? "ended without a word"
                                              : ("ended with exit code " + std::to_string(tasks[k].exit_code)).c_str(),
           tasks[k].message.empty() ? "" : (": " + tasks[k].message).c_str(), DisplayPath(run.Log(job, k)).c_str());
     for (const std::string& line : LastLines(run.Log(job, k))) Print("      | %s\n", line.c_str());
   }
+  if (failed > kMostFailed)
+    Print("  and %zu more tasks of %s failed or were lost\n", failed - kMostFailed, job.stage.c_str());
 }
 
 /// What to ask for instead.
