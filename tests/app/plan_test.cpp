@@ -227,7 +227,7 @@ TEST_F(Plans, ATaskWritesNothingThroughLinks) {
   EXPECT_EQ(task(), 74);
   fs::remove(own / "0.claim");
 
-  // The clock of the folder was asked by a file of a known name.
+  // Whoever knows the name of a file that asks for the clock of the folder might put a link there.
   WriteText(own / "0.claim", "another_host 1\n");
   here.before_start = [&] {
     char host[256] = {};

@@ -23,7 +23,6 @@ TEST(Json, IsReadToADepthThatRecursionSurvives) {
     const auto value = ParseJson(deep, "a.json");
     ASSERT_FALSE(value);
     EXPECT_EQ(value.error().code, ErrorCode::kMalformed);
-    EXPECT_NE(value.error().what.find("200"), std::string::npos);
   }
   EXPECT_EQ(ParseJson("{\n \"a\":" + Nested(kDeepestJson), "a.json").error().where, "a.json:2:205");
   EXPECT_FALSE(ParseOrderedJson(Nested(kDeepestJson + 1), "a.json"));
