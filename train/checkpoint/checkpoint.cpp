@@ -83,7 +83,9 @@ Expected<Fields> ReadFields(const std::filesystem::path& path) {
                 where, std::string("use a checkpoint of schema ") + kSchema);
   }
   Fields fields;
-  for (const std::string& field : reader->AllPaths()) {
+  const Expected<std::vector<std::string>> paths = reader->AllPaths();
+  if (!paths) return Forward(paths);
+  for (const std::string& field : *paths) {
     const store::FieldType type = field == "/about" || field[1] == '@'    ? store::FieldType::kText
                                   : field.compare(0, 9, "/history/") == 0 ? store::FieldType::kFloat64
                                                                           : store::FieldType::kFloat32;
