@@ -105,6 +105,14 @@ std::string ScriptHead(const std::string& name, const fs::path& log, const Slurm
 /// For the commands of scripts, which load the configuration again.
 const char* AllowedIncludes(const LoadedJob& job) { return job.options.allow_include ? " --allow-include" : ""; }
 
+Expected<SlurmOutcome> OutcomeOf(const fs::path& file) {
+  const Expected<json> value = ReadJson(file);
+  if (!value) return Forward(value);
+  return GuardJson(DisplayPath(file), [&value] {
+    return SlurmOutcome{value->at("exit_code").get<int>(), value->at("message").get<std::string>()};
+  });
+}
+
 bool WhollyThere(const Cache::Entry& entry) {
   if (entry.artifact.empty()) return true;
   const Expected<Content> content = ContentOf(entry.artifact);
@@ -193,6 +201,9 @@ Expected<SlurmRun> SlurmRun::Open(const fs::path& folder, SlurmCommand command) 
     read =
         Fail(ErrorCode::kMalformed, FormatDouble(tasks) + " tasks, at most " + FormatDouble(kMostTasks), "its lines");
   }
+  const fs::path outcome = run.folder_ / "slurm" / "outcome.json";
+  if (const auto ended = fs::exists(outcome, problem) ? OutcomeOf(outcome) : SlurmOutcome(); !ended)
+    return Forward(ended);
   if (read) return run;
   Error error = read.error();
   error.where = DisplayPath(jobs) + ": " + error.where;
@@ -211,11 +222,8 @@ std::vector<SubmittedJob> SlurmRun::Jobs() const {
 }
 
 std::optional<SlurmOutcome> SlurmRun::Outcome() const {
-  const Expected<json> value = ReadJson(folder_ / "slurm" / "outcome.json");
-  if (!value || !value->is_object()) return std::nullopt;
-  const double code = NumberField(*value, "exit_code");
-  const bool known = code >= 0.0 && code < 256.0;
-  return SlurmOutcome{known ? static_cast<int>(code) : static_cast<int>(ExitCode::kBug), TextField(*value, "message")};
+  const Expected<SlurmOutcome> outcome = OutcomeOf(folder_ / "slurm" / "outcome.json");
+  return outcome ? std::optional<SlurmOutcome>(*outcome) : std::nullopt;
 }
 
 Status SlurmRun::End(const Status& outcome) const {

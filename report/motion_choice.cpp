@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/characters.h"
 #include "core/base/text.h"
 #include "report/motion_rows.h"
 
@@ -54,7 +55,7 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
     }
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
     return Fail(ErrorCode::kNotFound, "no motion has this label", label,
-                (near ? "did you mean '" + *near + "'? " : std::string()) + "the labels are: " + list);
+                (near ? "did you mean '" + *near + "'? " : std::string()) + "the labels are: " + WithoutControls(list));
   }
   if (labels.empty() && options.clips.empty() && !some_long) {
     for (const NamedMotions& set : sets) {

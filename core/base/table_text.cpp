@@ -55,12 +55,16 @@ std::optional<std::vector<std::string>> CellsOfCsvLine(std::string_view line) {
 }
 
 std::string MarkdownText(std::string_view text) {
-  constexpr std::string_view kMarkup = "\\`*_|<[]", kMarkupOfLine = "#>+-=";
+  constexpr std::string_view kMarkup = "\\`*_|[]", kMarkupOfLine = "#>+-=";
   std::string escaped;
   for (const char c : TerminalText(Trim(text))) {
     const std::string_view markup = escaped.empty() ? kMarkupOfLine : "";
     if (kMarkup.find(c) != std::string_view::npos || markup.find(c) != std::string_view::npos) escaped += '\\';
-    escaped += c == '\n' || c == '\t' ? ' ' : c;
+    if (c == '<' || c == '&') {
+      escaped += c == '<' ? "&lt;" : "&amp;";  // no tag for a reader that takes HTML first
+    } else {
+      escaped += c == '\n' || c == '\t' ? ' ' : c;
+    }
   }
   return escaped;
 }

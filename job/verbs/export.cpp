@@ -162,7 +162,7 @@ Status ExportClips(const ClipsToExport& clips, const Layout& layout, const Expor
     }
     lost.Count(*clip);
     if (WithoutControls(id + clip->label + clip->fine_label) != id + clip->label + clip->fine_label) {
-      exported.notes.push_back("clip '" + id + "', label '" + clip->label +
+      exported.notes.push_back("clip '" + WithoutControls(id) + "', label '" + WithoutControls(clip->label) +
                                "': '_' stands for control characters and bytes that are not UTF-8");
     }
     exported.files.push_back({{"clip", id}, {"path", files->empty() ? "" : files->front().path}});

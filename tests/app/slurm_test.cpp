@@ -268,8 +268,9 @@ TEST_F(SlurmRuns, AFolderOfAStrangerIsOnlyRead) {
   WriteText(*folder_ / "theirs/plan/ingest/0.jsonl",
             "{\"task\":0,\"job\":7,\"event\":[]}\n{\"task\":0,\"job\":\"7\",\"event\":\"begun\",\"time\":9}\n"
             "{\"task\":0,\"job\":\"7\",\"event\":\"ended\",\"exit_code\":\"x\",\"workers\":{}}\n");
-  WriteText(own / "outcome.json", "{\"exit_code\":\"x\",\"message\":7}");
   EXPECT_EQ(Run({"jobs", folder}, "theirs").exit_code, 0);
+  WriteText(own / "outcome.json", "{\"exit_code\":\"x\",\"message\":7}");
+  EXPECT_EQ(Run({"jobs", folder}, "theirs").exit_code, 3);
 }
 
 /// Scripts have a line an option.

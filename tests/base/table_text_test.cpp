@@ -34,7 +34,7 @@ TEST(CsvCells, ComeBackFromALine) {
 }
 
 TEST(MarkdownTexts, HoldNoMarkup) {
-  EXPECT_EQ(MarkdownText("<script>alert(1)</script>"), "\\<script>alert(1)\\</script>");
+  EXPECT_EQ(MarkdownText("<script>a & b</script>"), "&lt;script>a &amp; b&lt;/script>");
   EXPECT_EQ(MarkdownText("[a](b) | ![c](d)"), "\\[a\\](b) \\| !\\[c\\](d)");
   EXPECT_EQ(MarkdownText("# a\n# b"), "\\# a # b");
   EXPECT_EQ(MarkdownText("a\n---\x1b"), "a ---\\\\x1b");
