@@ -149,6 +149,11 @@ class Loader {
     }
     const std::string name = internal::ResolveEnvironment(include, problems_);
     if (name.empty()) return;
+    if (open_.size() > kDeepestInclude || ++count_ > kMostIncludes || bytes_ > internal::kMostConfigBytes) {
+      return problems_.Add(
+          where, "too many includes",
+          "at most " + std::to_string(kDeepestInclude) + " deep and " + std::to_string(kMostIncludes) + " in all");
+    }
     const Expected<ConfigSource> source = FindSource(from, name);
     if (!source) {
       return problems_.Add(
@@ -158,11 +163,6 @@ class Loader {
     const std::string identity = Identity(*source);
     if (std::find(open_.begin(), open_.end(), identity) != open_.end()) {
       return problems_.Add(where, Quoted(name) + " includes itself" + ChainTo(identity));
-    }
-    if (open_.size() > kDeepestInclude || ++count_ > kMostIncludes) {
-      return problems_.Add(
-          where, "too many includes",
-          "at most " + std::to_string(kDeepestInclude) + " deep and " + std::to_string(kMostIncludes) + " in all");
     }
     bytes_ += source->text.size();
     if (bytes_ > internal::kMostConfigBytes) {

@@ -220,7 +220,9 @@ class ConfigReader final : public OptionVisitor {
       for (const std::string& option : level.options) known = known || option == key;
       for (const std::string& former : level.former) known = known || former == key;
       const std::string name = level.name.empty() ? key : level.name + "." + key;
-      if (!known) problems_.Add(value.key_origin.Text(), "unknown option " + Quoted(name), HintFor(key, level.options));
+      if (known) continue;
+      problems_.Add(value.key_origin.Text(), "unknown option " + Quoted(name),
+                    [&, &option = key] { return HintFor(option, level.options); });
     }
   }
 
@@ -290,9 +292,10 @@ class ConfigReader final : public OptionVisitor {
                     const std::vector<std::string>& names) {
     std::string wanted;
     for (const std::string& candidate : names) wanted += (wanted.empty() ? "" : ", ") + candidate;
-    const std::optional<std::string> nearest = Nearest(text, names);
-    Refuse(node, name, Quoted(text) + " must be one of " + wanted,
-           nearest ? "did you mean '" + *nearest + "'?" : std::string());
+    problems_.Add(node.origin.Text(), name + ": " + Quoted(text) + " must be one of " + wanted, [&] {
+      const std::optional<std::string> nearest = Nearest(text, names);
+      return nearest ? "did you mean '" + *nearest + "'?" : std::string();
+    });
   }
 
   bool ReadText(const ConfigNode& node, const std::string& name, std::string& text) {

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <set>
 
 #include "core/base/config_parts.h"
+#include "core/base/renamed.h"
 #include "core/base/text.h"
 
 namespace mocurate::internal {
@@ -10,6 +12,7 @@ namespace {
 
 constexpr std::size_t kDeepestReference = 500;
 constexpr std::size_t kMostResolvedBytes = std::size_t{16} << 20;
+constexpr std::size_t kMostNear = 1000;
 
 /// A piece of a scalar: literal text, or the name inside `${...}`.
 struct Piece {
@@ -61,16 +64,10 @@ std::string HowToSet(const std::string& name) {
   return "write $${ for a literal ${";
 }
 
-void AddUnresolved(const ConfigNode& node, const std::string& name, const std::vector<std::string>& near,
-                   const char* what, ProblemList& problems) {
-  const std::optional<std::string> nearest = Nearest(name, near);
-  problems.Add(node.origin.Text(), "${" + name + "} names " + what,
-               nearest ? "did you mean '" + *nearest + "'?" : HowToSet(name));
-}
-
+/// The first keys of a tree, for Nearest.
 void CollectKeys(const ConfigNode& node, const std::string& prefix, std::vector<std::string>& keys) {
-  if (keys.size() > 1000) return;
   for (const auto& [key, value] : node.mapping) {
+    if (keys.size() >= kMostNear) return;
     keys.push_back(prefix + key);
     CollectKeys(value, keys.back() + ".", keys);
   }
@@ -82,7 +79,7 @@ class Resolver {
       : root_(root), unset_(unset), problems_(problems) {}
 
   void Resolve(ConfigNode& node) {
-    if (done_.count(&node) != 0) return;
+    if (overspent_ || done_.count(&node) != 0) return;
     if (open_.size() >= kDeepestReference) {
       return problems_.Add(node.origin.Text(),
                            "more than " + std::to_string(kDeepestReference) + " references lead from one to the next");
@@ -153,9 +150,13 @@ class Resolver {
       return true;
     }
     if (variable == nullptr) {
-      std::vector<std::string> keys;
-      CollectKeys(root_, "", keys);
-      AddUnresolved(node, name, keys, "neither a key of this configuration nor an environment variable", problems_);
+      problems_.Add(node.origin.Text(),
+                    "${" + name + "} names neither a key of this configuration nor an environment variable", [&] {
+                      std::vector<std::string> keys;
+                      CollectKeys(root_, "", keys);
+                      const std::optional<std::string> nearest = Nearest(name, keys);
+                      return nearest ? "did you mean '" + *nearest + "'?" : HowToSet(name);
+                    });
       return false;
     }
     value.kind = ConfigNode::Kind::kScalar;
@@ -172,7 +173,7 @@ class Resolver {
         if (!RefuseCycle(from, *node, name)) return false;
         Resolve(*node);
       }
-      node = Child(*node, std::string(part));
+      node = Child(*node, part);
       if (node == nullptr) return true;
     }
     if (!RefuseCycle(from, *node, name)) return false;
@@ -187,8 +188,17 @@ class Resolver {
     return false;
   }
 
-  static ConfigNode* Child(ConfigNode& node, const std::string& key) {
-    if (auto* entry = EntryOf(node, key); entry != nullptr) return &entry->second;
+  /// As EntryOf, with an index of each mapping: many references name keys of one. A mapping that was looked up keeps
+  /// its entries.
+  ConfigNode* Child(ConfigNode& node, std::string_view key) {
+    auto& places = places_[&node];
+    if (places.empty()) {
+      for (auto& entry : node.mapping) places.emplace(entry.first, &entry.second);
+    }
+    if (const auto found = places.find(key); found != places.end()) return found->second;
+    for (const std::string_view other : OtherNamesOfOption(key)) {
+      if (const auto found = places.find(other); found != places.end()) return found->second;
+    }
     const std::optional<long long> index = ParseInteger(key);
     if (!index || *index < 0 || static_cast<std::size_t>(*index) >= node.sequence.size()) return nullptr;
     return &node.sequence[static_cast<std::size_t>(*index)];
@@ -212,6 +222,7 @@ class Resolver {
   UnsetVariables unset_;
   ProblemList& problems_;
   std::set<const ConfigNode*> done_;
+  std::map<const ConfigNode*, std::map<std::string_view, ConfigNode*>> places_;  ///< of keys, by mapping
   std::vector<const ConfigNode*> open_;
   std::size_t spent_ = 0;
   bool overspent_ = false;
@@ -234,7 +245,9 @@ std::string ResolveEnvironment(const ConfigNode& scalar, ProblemList& problems) 
   for (const Piece& piece : PiecesOf(scalar, problems)) {
     const char* value = piece.is_reference ? std::getenv(piece.text.c_str()) : piece.text.c_str();
     if (value == nullptr) {
-      AddUnresolved(scalar, piece.text, {}, "no environment variable (include: cannot use keys)", problems);
+      problems.Add(scalar.origin.Text(),
+                   "${" + piece.text + "} names no environment variable (include: cannot use keys)",
+                   HowToSet(piece.text));
       return {};
     }
     text += value;

@@ -1,7 +1,7 @@
 #include "core/base/problem_list.h"
 
-#include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "core/base/text.h"
 
@@ -14,18 +14,23 @@ constexpr std::size_t kMostListed = 16;
 }  // namespace
 
 void ProblemList::Add(std::string where, std::string what, std::string hint) {
-  problems_.push_back({ErrorCode::kConfig, std::move(what), std::move(where), std::move(hint)});
+  Add(std::move(where), std::move(what), [&hint] { return std::move(hint); });
+}
+
+void ProblemList::Add(std::string where, std::string what, const std::function<std::string()>& hint) {
+  if (problems_.size() == kMostShown) {
+    ++more_;
+    return;
+  }
+  problems_.push_back({ErrorCode::kConfig, std::move(what), std::move(where), hint()});
 }
 
 Status ProblemList::Result() const {
   if (problems_.empty()) return {};
   if (problems_.size() == 1) return tl::unexpected<Error>(problems_.front());
   std::string lines;
-  for (std::size_t i = 0; i < std::min(problems_.size(), kMostShown); ++i) {
-    if (i > 0) lines += '\n';
-    lines += problems_[i].Message();
-  }
-  if (problems_.size() > kMostShown) lines += "\nand " + std::to_string(problems_.size() - kMostShown) + " more";
+  for (const Error& problem : problems_) lines += (lines.empty() ? "" : "\n") + problem.Message();
+  if (more_ > 0) lines += "\nand " + std::to_string(more_) + " more";
   return Fail(ErrorCode::kConfig, lines);
 }
 

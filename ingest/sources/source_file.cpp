@@ -198,9 +198,10 @@ void CheckJointNames(const SourceOptions& source, const Skeleton& skeleton, Prob
       continue;
     }
     if (skeleton.FindJoint(name) || std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const std::optional<std::string> near = Nearest(name, known);
-    problems.Add(where, "joint '" + name + "' is unknown to skeleton '" + skeleton.name + "'",
-                 near ? "did you mean '" + *near + "'?" : "use the skeleton's names or synonyms");
+    problems.Add(where, "joint '" + name + "' is unknown to skeleton '" + skeleton.name + "'", [&] {
+      const std::optional<std::string> near = Nearest(name, known);
+      return near ? "did you mean '" + *near + "'?" : std::string("use the skeleton's names or synonyms");
+    });
   }
 }
 

@@ -72,6 +72,16 @@ TEST(ConfigInclude, FilesThatIncludeTwiceCannotGrowWithoutBound) {
   EXPECT_THAT(LoadMessage(folder), HasSubstr("too many includes (at most 32 deep and 256 in all)"));
 }
 
+TEST(ConfigInclude, FilesBeyondTheLimitsAreNotRead) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(WriteFile(folder / "a.yaml", "title: a\n"));
+  std::string list;
+  for (int i = 0; i < 300; ++i) list += (i > 0 ? ", " : "") + std::string(i < 256 ? "a.yaml" : "none.yaml");
+  ASSERT_TRUE(WriteFile(folder / "main.yaml", "include: [" + list + "]\n"));
+  EXPECT_THAT(LoadMessage(folder), HasSubstr("too many includes"));
+  EXPECT_EQ(LoadMessage(folder).find("none.yaml"), std::string::npos);
+}
+
 TEST(ConfigInclude, EmbeddedFilesAreFoundByName) {
   const std::vector<std::string> paths = ResourcePaths();
   if (paths.empty()) GTEST_SKIP() << "nothing is embedded";

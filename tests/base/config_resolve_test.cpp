@@ -127,5 +127,16 @@ TEST(ConfigReference, CannotGrowWithoutBound) {
   EXPECT_THAT(MessageOf(chain + "a5000: 1\n"), HasSubstr("more than 500 references lead from one to the next"));
 }
 
+TEST(ConfigReference, ManyReferencesTakeTimeInProportion) {
+  std::string none, known = "a: 1\n";
+  for (int i = 0; i < 40000; ++i) {
+    const std::string n = std::to_string(i);
+    none += "k" + n + ": ${n" + n + "}\n";
+    known += "k" + n + ": ${" + (i == 0 ? "a" : "k" + std::to_string(i - 1)) + "}\n";
+  }
+  EXPECT_THAT(MessageOf(none), HasSubstr("\nand 39950 more"));
+  EXPECT_TRUE(LoadConfig(ConfigSource{known, "c.yaml", {}}));
+}
+
 }  // namespace
 }  // namespace mocurate

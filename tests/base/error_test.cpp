@@ -46,5 +46,13 @@ TEST(ProblemList, StopsAfterFiftyLines) {
   EXPECT_NE(problems.Result().error().what.find("\nand 10 more"), std::string::npos);
 }
 
+TEST(ProblemList, AsksForTheHintsOfTheLinesThatItShows) {
+  ProblemList problems;
+  int asked = 0;
+  for (int i = 0; i < 60; ++i) problems.Add("", "p", [&asked] { return "hint " + std::to_string(++asked); });
+  EXPECT_EQ(asked, 50);
+  EXPECT_NE(problems.Result().error().what.find("(hint 50)"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace mocurate
