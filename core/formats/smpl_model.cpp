@@ -33,10 +33,13 @@ Expected<NpyArray> Dense(const SparseMatrix& matrix, const PickleRef& place) {
   return array;
 }
 
-Fields FieldsOf(const Npz& npz) {
+/// Each array once: it is moved out of the archive.
+Fields FieldsOf(Npz& npz) {
   return [&npz](const char* key) -> Expected<std::optional<NpyArray>> {
-    const NpyArray* array = npz.Find(key);
-    return array == nullptr ? std::nullopt : std::optional<NpyArray>(*array);
+    for (NpzMember& member : npz.members) {
+      if (member.name == key && npz.Find(key) != nullptr) return std::optional<NpyArray>(std::move(member.array));
+    }
+    return std::optional<NpyArray>();
   };
 }
 
@@ -178,7 +181,7 @@ class ModelReader {
 
 Expected<SmplModel> ParseSmplModel(std::string_view bytes, const std::string& name) {
   if (bytes.substr(0, 2) == "PK") {
-    const Expected<Npz> npz = ParseNpz(bytes, name);
+    Expected<Npz> npz = ParseNpz(bytes, name);
     if (!npz) return Forward(npz);
     Expected<SmplModel> model = ModelReader(FieldsOf(*npz), name).Read();
     if (!model && !npz->unsafe.empty()) return tl::unexpected<Error>(npz->unsafe.front());
