@@ -105,7 +105,7 @@ TEST_F(ExportVerbs, LinksBelowTheNamedFolderAreNotFollowed) {
   const std::filesystem::path written = first.Json()["files"][0]["path"].get<std::string>();
   std::filesystem::remove(written);
   std::filesystem::create_symlink(folder_ / "victim.npz", written);
-  EXPECT_EQ(Export({"-o", output, "--force"}).exit_code, 74);
+  EXPECT_EQ(Export({"-o", output, "--force"}).exit_code, 1) << "that clip alone";
   EXPECT_EQ(ReadText(folder_ / "victim.npz"), "old");
   std::filesystem::create_symlink("victim.npz", file);
   EXPECT_EQ(Export({"-o", file, "--clip", "c#0-3", "--force"}).exit_code, 0) << "the user named this one";
