@@ -10,17 +10,24 @@
 namespace mocurate {
 namespace {
 
+/// Offset of the quote that ends a text; npos: none does. One behind an odd number of backslashes is part of the text.
+std::size_t EndOfText(std::string_view text, std::size_t begin) {
+  for (std::size_t end = text.find('"', begin); end != std::string_view::npos; end = text.find('"', end + 1)) {
+    std::size_t slashes = 0;
+    while (end - slashes > begin && text[end - slashes - 1] == '\\') ++slashes;
+    if (slashes % 2 == 0) return end;
+  }
+  return std::string_view::npos;
+}
+
 /// Offset of the bracket that opens one level too many; npos: none does. Brackets inside texts do not count.
 std::size_t TooDeepAt(std::string_view text) {
   int depth = 0;
-  bool quoted = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      if (c == '"') quoted = false;
-    } else if (c == '"') {
-      quoted = true;
+    if (c == '"') {
+      i = EndOfText(text, i + 1);
+      if (i == std::string_view::npos) return i;
     } else if (c == '[' || c == '{') {
       if (++depth > kDeepestJson) return i;
     } else if (c == ']' || c == '}') {

@@ -137,8 +137,8 @@ std::string CanonicalText(const json& value) {
 }
 
 Expected<json> FromCanonicalText(std::string_view text, const std::string& name) {
-  const Expected<json> parsed = ParseJson(text, name);
-  if (!parsed) return Forward(parsed);
+  Expected<json> parsed = ParseJson(text, name);
+  if (!parsed || text.find('%') == std::string_view::npos) return parsed;  // no escape: no copy
   return WithStrings(*parsed, Unescape);
 }
 

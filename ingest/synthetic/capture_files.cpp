@@ -21,11 +21,12 @@ bool IsPlainName(const std::string& name) {
 
 /// Name -> text. The names are plain: no file of a capture gets out of its folder.
 Expected<std::map<std::string, std::string>> ReadCapture(const fs::path& artifact) {
-  const auto capture = ReadJson(artifact);
+  auto capture = ReadJson(artifact);
   if (!capture) return Forward(capture);
   return GuardJson(DisplayPath(artifact), [&]() -> Expected<std::map<std::string, std::string>> {
-    auto files = capture->at("files").get<std::map<std::string, std::string>>();
-    for (const auto& [name, text] : files) {
+    std::map<std::string, std::string> files;
+    for (const auto& [name, text] : capture->at("files").items()) {
+      files.emplace(name, std::move(text.get_ref<std::string&>()));
       if (IsPlainName(name)) continue;
       return Fail(ErrorCode::kMalformed, "'" + name + "' is not the name of a file of a capture", DisplayPath(artifact),
                   "mocurate cache verify");
