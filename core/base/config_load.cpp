@@ -92,9 +92,10 @@ Expected<ConfigSource> FileSource(const fs::path& path, bool pipes) {
 /// Whether a path is below a folder when its links and `..` are followed.
 bool IsBelow(const fs::path& folder, const fs::path& path) {
   std::error_code error;
-  const fs::path top = fs::weakly_canonical(folder.empty() ? "." : folder, error);
+  // Absolute first: a relative path that does not exist would stay relative.
+  const fs::path top = fs::weakly_canonical(fs::absolute(folder.empty() ? "." : folder, error), error);
   if (error) return false;
-  const fs::path whole = fs::weakly_canonical(path, error);
+  const fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error);
   return !error && std::mismatch(top.begin(), top.end(), whole.begin(), whole.end()).first == top.end();
 }
 
@@ -183,7 +184,11 @@ class Loader {
 
   Expected<ConfigSource> IncludedFile(const fs::path& path) const {
     if (!anywhere_ && !IsBelow(folder_, path)) {
-      return Fail(ErrorCode::kConfig, "is not below the folder of the configuration", DisplayPath(path),
+      std::error_code unknown;
+      return Fail(ErrorCode::kConfig,
+                  "its place " + internal::Quoted(DisplayPath(fs::weakly_canonical(path, unknown))) +
+                      " is not below the folder of the configuration",
+                  DisplayPath(path),
                   "copy the file there, or allow it with --allow-include");
     }
     return FileSource(path, false);

@@ -213,7 +213,7 @@ void PrintExported(const CommonArguments& common, const ExportArguments& argumen
   for (const RefusedClip& clip : exported.refused) {
     Print("refused: %s: %s\n", clip.item.c_str(), clip.error.Message().c_str());
   }
-  for (const std::string& note : exported.notes) Print("note: %s\n", note.c_str());
+  for (const std::string& note : exported.notes) Print("note: %s\n", TerminalLine(note).c_str());
 }
 
 }  // namespace

@@ -408,12 +408,12 @@ def _(box):
 # --- runs, journals, surveys -----------------------------------------------------------------------------------------------------
 
 
-@case("journal-line", "journals with a line of 2 GiB", {0, 2, 3})
+@case("journal-line", "journals with a line of 1 GiB", {0, 2, 3})
 def _(box):
     folder = box.run_folder()
     kept = (folder / "journal.jsonl").read_bytes()
-    sparse(folder / "journal.jsonl", 2 * GIB, kept + b'{"stage": "', b'"}\n')
-    sparse(folder / "curation_log.jsonl", 2 * GIB, b'{"decision": "', b'"}\n')
+    sparse(folder / "journal.jsonl", GIB, kept + b'{"stage": "', b'"}\n')
+    sparse(folder / "curation_log.jsonl", GIB, b'{"decision": "', b'"}\n')
     box.call("inspect", folder)
     box.call("plan", "job.yaml", "--stage", "ingest", "--task-minutes", "1", "-o", folder, codes=ANY)
     box.call("run", "job.yaml", "--to", "assemble", "-o", folder, codes=ANY)
