@@ -188,8 +188,7 @@ class Loader {
       return Fail(ErrorCode::kConfig,
                   "its place " + internal::Quoted(DisplayPath(fs::weakly_canonical(path, unknown))) +
                       " is not below the folder of the configuration",
-                  DisplayPath(path),
-                  "copy the file there, or allow it with --allow-include");
+                  DisplayPath(path), "copy the file there, or allow it with --allow-include");
     }
     return FileSource(path, false);
   }
