@@ -218,10 +218,11 @@ def _(box):
 def _(box):
     audited(box)
     objects = box.cache / "objects"
-    (objects / "00").symlink_to(box.outside / "thesis")
-    (objects / "01").mkdir(exist_ok=True)
-    (objects / "01" / "cd").symlink_to(box.outside / "thesis" / "ab" / "cd")
-    (objects / "02").symlink_to(box.outside / "thesis" / "ab")
+    free = [f"{i:02x}" for i in range(256) if not (objects / f"{i:02x}").exists()]  # keys differ from run to run
+    (objects / free[0]).symlink_to(box.outside / "thesis")
+    (objects / free[1]).mkdir()
+    (objects / free[1] / "cd").symlink_to(box.outside / "thesis" / "ab" / "cd")
+    (objects / free[2]).symlink_to(box.outside / "thesis" / "ab")
     box.call("cache", "stat")
     box.call("cache", "verify", codes={0, 1, 3})
     box.call("cache", "prune", "--days", "0")
