@@ -23,7 +23,7 @@ Status ReadFileInParts(const std::filesystem::path& path, const std::function<vo
 Expected<std::string> ReadSmallFile(const std::filesystem::path& path, std::size_t most, bool pipes = false);
 
 /// A new file in the folder of `path`, which gets this name when it is complete. Until then its name is random and was
-/// free (O_EXCL): neither a link nor a file that somebody put there is opened. Mode by the umask. Removed unless
+/// free (O_EXCL): neither a link nor a file of another user is opened. Mode by the umask. Removed unless
 /// published.
 class PendingFile {
  public:

@@ -1,7 +1,7 @@
 #pragma once
 
 // Which links are followed when files are written: those of the path that the user names, none of the names that the
-// program chooses below it. So a folder that somebody sent cannot make the program write outside of it.
+// program chooses below it. So a folder from elsewhere cannot make the program write outside of it.
 
 #include <filesystem>
 

@@ -108,7 +108,7 @@ class Cache {
   /// Removes objects not used for `days`; with `dry_run` only counts them. Only what the cache made is removed, and no
   /// link is followed.
   Statistics Prune(double days, bool dry_run = false);
-  /// Who else may change what is served from here, as a message; empty: nobody.
+  /// Who else may change what is served from here, as a message; empty: no other user.
   std::string OthersWhoWrite() const;
 
  private:
