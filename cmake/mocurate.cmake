@@ -3,9 +3,7 @@
 find_program(MOCURATE_CCACHE ccache)
 if(MOCURATE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_C_COMPILER_LAUNCHER ${MOCURATE_CCACHE})
-  # Settings that ccache requires with precompiled headers.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
-    ${MOCURATE_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${PROJECT_SOURCE_DIR}/cmake/ccache.sh ${MOCURATE_CCACHE} ${PROJECT_SOURCE_DIR})
 endif()
 find_program(MOCURATE_MOLD mold)
 if(MOCURATE_MOLD)
