@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/median.h"
-#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/limbs.h"
@@ -251,10 +250,7 @@ Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr&
   if (directions != json.end() && directions->is_object()) {
     if (Status taken = TakeDirections(*directions, *own, where); !taken) return Forward(taken);
   }
-  auto body_shape = json.find("body_shape");
-  for (const std::string_view former : FormerNamesOf(NameKind::kField, "body_shape")) {
-    if (body_shape == json.end()) body_shape = json.find(std::string(former));
-  }
+  const auto body_shape = json.find("body_shape");
   if (body_shape != json.end()) {
     if (Status taken = TakeShape(*body_shape, *own, where); !taken) return Forward(taken);
   }

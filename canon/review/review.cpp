@@ -9,7 +9,6 @@
 #include "canon/frames/facing.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
-#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/motion/fingerprint.h"
 #include "core/motion/operations.h"
@@ -286,7 +285,6 @@ Expected<Review> ReadReview(const std::filesystem::path& path) {
   for (std::size_t i = 0; i < review->decisions.size(); ++i) {
     const Origin& origin = list->sequence[i].origin;
     review->decisions[i].place = Origin{DisplayPath(path.filename()), origin.line, origin.column}.Text();
-    review->decisions[i].finding = PresentCode(review->decisions[i].finding);
   }
   if (Status sound = Check(*review, path); !sound) return Forward(sound);
   return review;

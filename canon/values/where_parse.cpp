@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include "canon/values/where_nodes.h"
-#include "core/base/renamed.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -189,7 +188,7 @@ class ConditionParser {
     if (token_.kind != Token::Kind::kWord && token_.kind != Token::Kind::kQuoted) {
       return Wrong(token_.begin, "a text is expected in the brackets", spelled);
     }
-    node.argument = node.field->name == std::string_view("findings") ? PresentCode(token_.text) : token_.text;
+    node.argument = token_.text;
     if (Status read = Advance(); !read) return read;
     return token_.Is(")") ? Advance() : Wrong(token_.begin, "')' is expected", spelled);
   }

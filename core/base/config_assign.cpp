@@ -29,9 +29,8 @@ ConfigNode* IntoSequence(ConfigNode& node, const std::string& key, const std::st
 }
 
 ConfigNode* IntoMapping(ConfigNode& node, const std::string& key) {
-  if (auto* entry = EntryOf(node, key); entry != nullptr) {
-    Rename(*entry, key);
-    return &entry->second;
+  for (auto& [name, value] : node.mapping) {
+    if (name == key) return &value;
   }
   ConfigNode fresh;
   MarkAsSet(fresh);

@@ -4,33 +4,11 @@
 
 #include "core/base/config_parts.h"
 #include "core/base/file.h"
-#include "core/base/log.h"
-#include "core/base/renamed.h"
 #include "core/base/resources.h"
 #include "core/base/text.h"
 
 namespace mocurate {
 namespace internal {
-std::pair<std::string, ConfigNode>* EntryOf(ConfigNode& node, const std::string& key) {
-  const auto with_name = [&node](std::string_view name) -> std::pair<std::string, ConfigNode>* {
-    const auto at =
-        std::find_if(node.mapping.begin(), node.mapping.end(), [&](const auto& entry) { return entry.first == name; });
-    return at == node.mapping.end() ? nullptr : &*at;
-  };
-  std::pair<std::string, ConfigNode>* entry = with_name(key);
-  for (const std::string_view other : OtherNamesOfOption(key)) {
-    if (entry == nullptr) entry = with_name(other);
-  }
-  return entry;
-}
-
-void Rename(std::pair<std::string, ConfigNode>& entry, const std::string& key) {
-  for (const NameKind kind : {NameKind::kOption, NameKind::kCode}) {
-    const std::string_view now = NewNameOf(kind, entry.first);
-    if (now == key) LogWarning(entry.second.key_origin.Text() + ": " + RenamedText(entry.first, key));
-  }
-  entry.first = key;
-}
 
 void Merge(ConfigNode& lower, ConfigNode upper) {
   if (lower.kind != ConfigNode::Kind::kMapping || upper.kind != ConfigNode::Kind::kMapping) {
@@ -39,22 +17,12 @@ void Merge(ConfigNode& lower, ConfigNode upper) {
   }
   std::map<std::string, std::size_t> places;
   for (std::size_t i = 0; i < lower.mapping.size(); ++i) places.emplace(lower.mapping[i].first, i);
-  std::vector<std::string> keys;
-  for (const auto& entry : upper.mapping) keys.push_back(entry.first);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    ConfigNode value = std::move(upper.mapping[i].second);
-    auto found = places.find(keys[i]);
-    for (const std::string_view name : OtherNamesOfOption(keys[i])) {
-      const std::string other(name);
-      if (found != places.end() || std::find(keys.begin(), keys.end(), other) != keys.end()) continue;
-      found = places.find(other);
-      if (found == places.end()) continue;
-      Rename(lower.mapping[found->second], keys[i]);
-    }
+  for (auto& [key, value] : upper.mapping) {
+    const auto found = places.find(key);
     if (found != places.end()) {
       Merge(lower.mapping[found->second].second, std::move(value));
     } else {
-      lower.mapping.emplace_back(keys[i], std::move(value));
+      lower.mapping.emplace_back(key, std::move(value));
     }
   }
   lower.origin = upper.origin;

@@ -2,7 +2,6 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "core/base/config.h"
@@ -19,15 +18,7 @@ constexpr std::size_t kMostConfigDepth = 64;
 /// Text of one YAML document. An empty document is an empty mapping when `need_mapping`, else null.
 ConfigNode ParseYaml(const ConfigSource& source, bool need_mapping, ProblemList& problems);
 
-/// The entry of a mapping with this key, or with another name of that option (a former one); null if it has neither.
-std::pair<std::string, ConfigNode>* EntryOf(ConfigNode& node, const std::string& key);
-
-/// Gives an entry another name of its option, with a warning where it had a former one: the reader of options will not
-/// meet that.
-void Rename(std::pair<std::string, ConfigNode>& entry, const std::string& key);
-
-/// Mappings are merged key by key; anything else of `upper` takes the place of `lower`. A key and its former name are
-/// one key, unless `upper` has both.
+/// Mappings are merged key by key; anything else of `upper` takes the place of `lower`.
 void Merge(ConfigNode& lower, ConfigNode upper);
 
 /// Applies "a.b.0.c=YAML" to the tree.

@@ -2,8 +2,6 @@
 
 #include "core/base/config_parts.h"
 #include "core/base/file.h"
-#include "core/base/log.h"
-#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/base/units.h"
 
@@ -128,14 +126,9 @@ class ConfigReader final : public OptionVisitor {
     std::string text;
     const ConfigNode* node = Find(name);
     if (node == nullptr || !ReadText(*node, Name(name), text)) return;
-    const std::string now(NewNameOf(NameKind::kChoice, text, name));
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (names[i] != text && names[i] != now) continue;
-      if (names[i] == now) LogWarning(node->origin.Text() + ": " + Name(name) + ": " + RenamedText(text, now));
-      index = i;
-      return;
-    }
-    RefuseChoice(*node, Name(name), text, names);
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end()) return RefuseChoice(*node, Name(name), text, names);
+    index = static_cast<std::size_t>(found - names.begin());
   }
 
   void ChoiceList(const char* name, std::vector<std::string>& value, const std::vector<std::string>& names,
@@ -153,7 +146,7 @@ class ConfigReader final : public OptionVisitor {
   }
 
   void BeginGroup(const char* name, const char*) override {
-    const ConfigNode* node = Find(name, NameKind::kCode);
+    const ConfigNode* node = Find(name);
     Open(node, Name(name));
   }
   void EndGroup() override { Close(); }
@@ -176,7 +169,6 @@ class ConfigReader final : public OptionVisitor {
     const ConfigNode* node;  ///< null when absent
     std::string name;
     std::vector<std::string> options = {};  ///< visited
-    std::vector<std::string> former = {};   ///< keys of the mapping that are former names of options
   };
   struct List {
     const ConfigNode* node;
@@ -218,7 +210,6 @@ class ConfigReader final : public OptionVisitor {
     for (const auto& [key, value] : level.node->mapping) {
       bool known = false;
       for (const std::string& option : level.options) known = known || option == key;
-      for (const std::string& former : level.former) known = known || former == key;
       const std::string name = level.name.empty() ? key : level.name + "." + key;
       if (known) continue;
       problems_.Add(value.key_origin.Text(), "unknown option " + Quoted(name),
@@ -226,25 +217,10 @@ class ConfigReader final : public OptionVisitor {
     }
   }
 
-  const ConfigNode* Find(const char* name, NameKind kind = NameKind::kOption) {
+  const ConfigNode* Find(const char* name) {
     Level& level = levels_.back();
     level.options.emplace_back(name);
-    if (level.node == nullptr) return nullptr;
-    const ConfigNode* node = level.node->Find(name);
-    for (const std::string_view former : FormerNamesOf(kind, name)) {
-      const ConfigNode* found = level.node->Find(std::string(former));
-      if (found == nullptr) continue;
-      level.former.emplace_back(former);
-      const std::string where = found->key_origin.Text();
-      if (node != nullptr) {
-        problems_.Add(where, Quoted(Name(std::string(former))) + " and " + Quoted(Name(name)) + " are one option",
-                      "remove the former name");
-        continue;
-      }
-      LogWarning(where + ": " + RenamedText(Name(std::string(former)), Name(name)));
-      node = found;
-    }
-    return node;
+    return level.node == nullptr ? nullptr : level.node->Find(name);
   }
 
   const ConfigNode* FindList(const char* name, const char* rule) {

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "core/base/config_parts.h"
-#include "core/base/renamed.h"
 #include "core/base/text.h"
 
 namespace mocurate::internal {
@@ -188,7 +187,7 @@ class Resolver {
     return false;
   }
 
-  /// As EntryOf, with an index of each mapping: many references name keys of one. A mapping that was looked up keeps
+  /// With an index of each mapping: many references name keys of one. A mapping that was looked up keeps
   /// its entries.
   ConfigNode* Child(ConfigNode& node, std::string_view key) {
     auto& places = places_[&node];
@@ -196,9 +195,6 @@ class Resolver {
       for (auto& entry : node.mapping) places.emplace(entry.first, &entry.second);
     }
     if (const auto found = places.find(key); found != places.end()) return found->second;
-    for (const std::string_view other : OtherNamesOfOption(key)) {
-      if (const auto found = places.find(other); found != places.end()) return found->second;
-    }
     const std::optional<long long> index = ParseInteger(key);
     if (!index || *index < 0 || static_cast<std::size_t>(*index) >= node.sequence.size()) return nullptr;
     return &node.sequence[static_cast<std::size_t>(*index)];

@@ -1,6 +1,5 @@
 #include "core/base/config_parts.h"
 #include "core/base/file.h"
-#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/base/units.h"
 
@@ -66,7 +65,7 @@ class ConfigShower final : public OptionVisitor {
   }
   void TextMap(const char* name, std::map<std::string, std::string>& value, const char*) override {
     if (value.empty()) return Put(name, "{}");
-    const ConfigNode* node = Below(name, NameKind::kCode);
+    const ConfigNode* node = Below(name);
     Line(name, "", node, false);
     open_.push_back({node, "", 0});
     for (const auto& [key, text] : value) PutText(key, text);
@@ -107,13 +106,8 @@ class ConfigShower final : public OptionVisitor {
     int lines;
   };
 
-  const ConfigNode* Below(const std::string& name, NameKind kind = NameKind::kOption) const {
-    if (open_.back().node == nullptr) return nullptr;
-    const ConfigNode* node = open_.back().node->Find(name);
-    for (const std::string_view former : FormerNamesOf(kind, name)) {
-      if (node == nullptr) node = open_.back().node->Find(std::string(former));
-    }
-    return node;
+  const ConfigNode* Below(const std::string& name) const {
+    return open_.back().node == nullptr ? nullptr : open_.back().node->Find(name);
   }
 
   /// A list and its elements share one step of two blanks: the bullet takes the room of the inner one.

@@ -4,8 +4,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/base/renamed.h"
-
 namespace mocurate {
 
 std::string_view Name(Severity severity) {
@@ -37,7 +35,6 @@ constexpr std::pair<FindingAction, std::string_view> kActions[] = {{FindingActio
 std::string_view Name(FindingAction action) { return kActions[static_cast<std::size_t>(action)].second; }
 
 FindingAction FindingActionFromName(std::string_view name) {
-  if (const std::string_view now = NewNameOf(NameKind::kAction, name); !now.empty()) name = now;
   for (const auto& [action, text] : kActions) {
     if (text == name) return action;
   }
@@ -82,7 +79,7 @@ void to_json(nlohmann::json& json, const Finding& finding) {
 
 void from_json(const nlohmann::json& json, Finding& finding) {
   json.at("clip").get_to(finding.clip);
-  finding.code = PresentCode(json.at("code").get<std::string>());
+  json.at("code").get_to(finding.code);
   const std::string severity = json.at("severity").get<std::string>();
   finding.severity = severity == "info" ? Severity::kInfo : severity == "error" ? Severity::kError : Severity::kWarning;
   json.at("frame_begin").get_to(finding.frame_begin);

@@ -27,7 +27,7 @@ enum class FindingAction {
 };
 
 std::string_view Name(FindingAction action);
-/// Inverse of Name; kFlagged for another text, as files of former versions have.
+/// Inverse of Name; kFlagged for another text.
 FindingAction FindingActionFromName(std::string_view name);
 
 /// Something wrong or suspect about a clip. `value` is the measured number that `message` explains. Frames are

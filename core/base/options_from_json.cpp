@@ -2,10 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
-#include "core/base/log.h"
 #include "core/base/options.h"
 #include "core/base/problem_list.h"
-#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/base/units.h"
 
@@ -108,14 +106,11 @@ class JsonReader final : public OptionVisitor {
     std::string text;
     const json* found = Find(name);
     if (found == nullptr || !ReadText(name, *found, text)) return;
-    const std::string_view now = NewNameOf(NameKind::kChoice, text, name);
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (names[i] != text && names[i] != now) continue;
-      if (names[i] == now) LogWarning(Where(name) + ": " + RenamedText(text, now));
-      index = i;
-      return;
+    const auto chosen = std::find(names.begin(), names.end(), text);
+    if (chosen == names.end()) {
+      return problems_.Add(Where(name), "unknown value '" + text + "'", HintFor(text, names));
     }
-    problems_.Add(Where(name), "unknown value '" + text + "'", HintFor(text, names));
+    index = static_cast<std::size_t>(chosen - names.begin());
   }
 
   void ChoiceList(const char* name, std::vector<std::string>& value, const std::vector<std::string>& names,
@@ -132,7 +127,7 @@ class JsonReader final : public OptionVisitor {
   }
 
   void BeginGroup(const char* name, const char*) override {
-    const json* found = Find(name, NameKind::kCode);
+    const json* found = Find(name);
     Open(found, Where(name));
   }
   void EndGroup() override { Close(); }
@@ -158,7 +153,7 @@ class JsonReader final : public OptionVisitor {
   struct Level {
     const json* object;  ///< null when absent
     std::string where;
-    std::vector<std::string> names = {};  ///< options visited, and keys that are former names of them
+    std::vector<std::string> names = {};  ///< options visited
   };
   struct List {
     const json* array;  ///< null when absent
@@ -193,25 +188,12 @@ class JsonReader final : public OptionVisitor {
     }
   }
 
-  const json* Find(const char* name, NameKind kind = NameKind::kOption) {
+  const json* Find(const char* name) {
     Level& level = levels_.back();
     level.names.emplace_back(name);
     if (level.object == nullptr) return nullptr;
-    const auto now = level.object->find(name);
-    const json* option = now == level.object->end() ? nullptr : &*now;
-    for (const std::string_view former : FormerNamesOf(kind, name)) {
-      const auto found = level.object->find(std::string(former));
-      if (found == level.object->end()) continue;
-      level.names.emplace_back(former);
-      if (option != nullptr) {
-        problems_.Add(Where(std::string(former)), "is the former name of '" + Where(name) + "', which is given too",
-                      "remove the former name");
-        continue;
-      }
-      LogWarning(RenamedText(Where(std::string(former)), Where(name)));
-      option = &*found;
-    }
-    return option;
+    const auto found = level.object->find(name);
+    return found == level.object->end() ? nullptr : &*found;
   }
 
   void Refuse(const std::string& name, const json& value, const std::string& rule) {

@@ -102,12 +102,8 @@ std::string Cache::Key(const StageDeclaration& stage, const ItemSpec& spec) {
 }
 
 std::optional<Cache::Entry> Cache::Find(const std::string& key) const {
-  fs::path file = RecordPath(folder_, key);
+  const fs::path file = RecordPath(folder_, key);
   std::optional<CacheRecord> record = ReadRecord(file);
-  if (!record) {
-    file = OldRecordPath(folder_, key);
-    record = ReadRecord(file);
-  }
   if (!record || record->key != key) return std::nullopt;
   Entry entry{std::move(record->outcome), {}, record->sha256};
   if (!record->artifact.empty()) {

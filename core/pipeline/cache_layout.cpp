@@ -42,11 +42,9 @@ bool IsRealFolder(const fs::path& path) {
 
 /// What follows the digits of the key in the name of an object; empty where the name does not begin with them.
 std::string_view AfterDigits(std::string_view name) {
-  for (const std::size_t digits : {kKeyDigits - 4, kKeyDigits - 2}) {
-    if (name.size() > digits && IsHex(name.substr(0, digits)) && !IsHex(name.substr(digits, 1)))
-      return name.substr(digits);
-  }
-  return {};
+  constexpr std::size_t kDigits = kKeyDigits - 4;  // the first four name the folders
+  if (name.size() <= kDigits || !IsHex(name.substr(0, kDigits)) || IsHex(name.substr(kDigits, 1))) return {};
+  return name.substr(kDigits);
 }
 
 bool IsArtifactName(std::string_view name) {
@@ -88,15 +86,9 @@ fs::path RecordPath(const fs::path& cache, const std::string& key) {
   return cache / "objects" / key.substr(0, 2) / key.substr(2, 2) / (key.substr(4) + ".json");
 }
 
-fs::path OldRecordPath(const fs::path& cache, const std::string& key) {
-  return cache / "objects" / key.substr(0, 2) / (key.substr(2) + ".json");
-}
-
 std::string KeyOfRecord(const fs::path& record) {
   const fs::path folder = record.parent_path();
-  const std::string name = record.stem().string();
-  if (name.size() == kKeyDigits - 2) return folder.filename().string() + name;
-  return folder.parent_path().filename().string() + folder.filename().string() + name;
+  return folder.parent_path().filename().string() + folder.filename().string() + record.stem().string();
 }
 
 std::string ArtifactName(const std::string& key, const std::string& sha256, const fs::path& artifact) {
@@ -112,9 +104,11 @@ bool IsObject(const fs::path& cache, const fs::path& path) {
   const std::string objects = (cache / "objects").native() + "/";
   if (path.native().compare(0, objects.size(), objects) != 0) return false;
   std::string_view place = std::string_view(path.native()).substr(objects.size());
-  for (int level = 0; level < 2 && place.size() > 3 && place[2] == '/' && IsHex(place.substr(0, 2)); ++level)
+  for (int level = 0; level < 2; ++level) {
+    if (place.size() < 3 || place[2] != '/' || !IsHex(place.substr(0, 2))) return false;
     place.remove_prefix(3);
-  return place.size() < path.native().size() - objects.size() && IsArtifactName(place);
+  }
+  return IsArtifactName(place);
 }
 
 std::optional<std::uint64_t> BytesOfArtifact(const fs::path& artifact) {
@@ -181,10 +175,7 @@ void ForEachObject(const fs::path& cache, const std::function<void(const fs::pat
   for (const fs::path& folder : Sorted(cache / "objects")) {
     if (!is_level(folder)) continue;
     for (const fs::path& entry : Sorted(folder)) {
-      if (!is_level(entry)) {
-        visit_object(entry);  // of a cache with one level
-        continue;
-      }
+      if (!is_level(entry)) continue;
       for (const fs::path& object : Sorted(entry)) visit_object(object);
     }
   }

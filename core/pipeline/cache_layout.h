@@ -23,9 +23,6 @@ struct CacheRecord {
 
 std::filesystem::path RecordPath(const std::filesystem::path& cache, const std::string& key);
 
-/// The record of a cache with one level of folders, which is still read.
-std::filesystem::path OldRecordPath(const std::filesystem::path& cache, const std::string& key);
-
 /// Key of a record's file, from its place: the content may be damaged.
 std::string KeyOfRecord(const std::filesystem::path& record);
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "core/base/json_text.h"
-#include "core/base/renamed.h"
 
 namespace mocurate {
 namespace {
@@ -107,7 +106,7 @@ bool IsPlain(const json& value) {
 OutcomeKind KindFromName(const std::string& name) {
   for (const OutcomeKind kind :
        {OutcomeKind::kDone, OutcomeKind::kSuspect, OutcomeKind::kExcluded, OutcomeKind::kRefused}) {
-    if (Name(kind) == name || Name(kind) == NewNameOf(NameKind::kOutcome, name)) return kind;
+    if (Name(kind) == name) return kind;
   }
   return OutcomeKind::kCrashed;
 }

@@ -1,12 +1,10 @@
 #include "core/store/dataset_clips.h"
 
-#include <algorithm>
 #include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 
-#include "core/base/renamed.h"
 #include "core/base/sha256.h"
 #include "core/store/content_file.h"
 #include "core/store/fields.h"
@@ -171,9 +169,7 @@ std::string DatasetClips::created_by() const {
 
 std::vector<std::string> DatasetClips::finding_codes() const {
   if (!file_->content.Has("/findings/code")) return {};
-  std::vector<std::string> codes = file_->content.Values<std::string>("/findings/code");
-  std::transform(codes.begin(), codes.end(), codes.begin(), PresentCode);
-  return codes;
+  return file_->content.Values<std::string>("/findings/code");
 }
 
 std::vector<Split> DatasetClips::splits() const { return store::UnpackSplits(file_->content); }

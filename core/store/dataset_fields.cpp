@@ -1,7 +1,5 @@
 #include "core/store/fields.h"
 
-#include "core/base/renamed.h"
-
 namespace mocurate::store {
 
 void PackLabels(const Dataset& dataset, Content& content) {
@@ -75,7 +73,7 @@ std::vector<Finding> UnpackFindings(const Content& content) {
     };
     Finding& finding = findings[i];
     finding.clip = text("clip");
-    finding.code = PresentCode(text("code"));
+    finding.code = text("code");
     for (const Severity severity : {Severity::kInfo, Severity::kWarning, Severity::kError}) {
       if (text("severity") == Name(severity)) finding.severity = severity;
     }

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "core/base/renamed.h"
 #include "core/body/capsule_body.h"
 #include "core/formats/ntu_skeleton.h"
 #include "core/formats/png.h"
@@ -23,6 +22,8 @@ constexpr std::int64_t kNtuRateHz = 30;
 constexpr std::uint64_t kFirstBody = 72057594037927936u;  // first id of the sensor
 constexpr double kColourFocal = 1050.0;
 constexpr double kColourShift = 0.052;  // metres from the depth to the colour camera
+/// Random stream of the false tracks. Another name would give other recordings for every seed.
+constexpr const char* kFalseTrackStream = "studio.ghost";
 
 /// One of the three sensors of a set-up: at -45, 0 and 45 degrees, all at one height.
 Camera SensorOf(std::int64_t seed, int camera) {

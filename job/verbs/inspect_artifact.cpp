@@ -6,7 +6,6 @@
 
 #include "core/base/file.h"
 #include "core/base/json_text.h"
-#include "core/base/renamed.h"
 #include "core/base/text.h"
 #include "core/pipeline/journal.h"
 #include "core/pipeline/lock.h"
@@ -53,7 +52,7 @@ Json StagesOf(const fs::path& folder, const std::string& started) {
     if (added) stages.push_back({{"stage", name}, {"items", 0}, {"outcomes", Json::object()}, {"from_cache", 0}});
     Json& stage = stages[place->second];
     stage["items"] = stage["items"].get<int>() + 1;
-    Json& count = stage["outcomes"][PresentOutcome(entry.value("outcome", ""))];
+    Json& count = stage["outcomes"][entry.value("outcome", "")];
     count = count.is_null() ? 1 : count.get<int>() + 1;
     if (entry.value("from_cache", false)) stage["from_cache"] = stage["from_cache"].get<int>() + 1;
   }
@@ -65,20 +64,12 @@ bool IsFolderLine(const Json& line) {
   return !line.contains("evidence_sha256") && !findings.empty() && findings.back().value("code", "") == kFolderNotRead;
 }
 
-/// Whether a line of the curation log has this flag, by its present or a former name.
-bool HasFlag(const Json& line, const std::string& flag) {
-  if (line.contains(flag)) return line.value(flag, false);
-  const auto names = FormerNamesOf(NameKind::kOutcome, flag);
-  return std::any_of(names.begin(), names.end(),
-                     [&line](std::string_view name) { return line.value(std::string(name), false); });
-}
-
 /// Counts of the decisions; folders are counted separately.
 Json DecisionsOf(const std::vector<Json>& lines) {
   Json decisions = Json::object();
   for (const Json& line : lines) {
     if (IsFolderLine(line)) continue;
-    Json& count = decisions[PresentOutcome(line.value("decision", ""))];
+    Json& count = decisions[line.value("decision", "")];
     count = count.is_null() ? 1 : count.get<int>() + 1;
   }
   return decisions;
@@ -165,7 +156,7 @@ Json DescribeRun(const fs::path& folder) {
     json["clips"] = DecisionsOf(lines);
     json["folders"] = std::count_if(lines.begin(), lines.end(), IsFolderLine);
     for (const char* flag : {"suspect", "replaces_rotations"}) {
-      json[flag] = std::count_if(lines.begin(), lines.end(), [&](const Json& line) { return HasFlag(line, flag); });
+      json[flag] = std::count_if(lines.begin(), lines.end(), [&](const Json& line) { return line.value(flag, false); });
     }
   }
   std::error_code ignored;

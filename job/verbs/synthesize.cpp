@@ -8,7 +8,6 @@
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
-#include "core/base/renamed.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "ingest/synthetic/studio_layouts.h"
@@ -25,13 +24,12 @@ Expected<ConfigNode> Load(const SynthesizeArguments& arguments, const ConfigRule
   return LoadConfig(ConfigSource{"", "synthesize", std::filesystem::current_path()}, assignments);
 }
 
-/// Given values, by the present names of their options.
+/// Given values, by the names of their options.
 void Collect(const ConfigNode& node, const std::string& name,
              std::vector<std::pair<std::string, const ConfigNode*>>& given) {
   if (node.kind != ConfigNode::Kind::kMapping) given.emplace_back(name, &node);
   for (const auto& [key, value] : node.mapping) {
-    const std::string_view now = NewNameOf(NameKind::kOption, key);
-    Collect(value, (name.empty() ? "" : name + ".") + (now.empty() ? key : std::string(now)), given);
+    Collect(value, (name.empty() ? "" : name + ".") + key, given);
   }
 }
 

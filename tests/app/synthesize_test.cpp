@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/base/renamed.h"
 #include "tests/app/disk.h"
 #include "tests/app/program.h"
 
@@ -88,18 +87,6 @@ TEST(Synthesize, AnOptionUnusedByTheLayoutIsRefusedAndItsLayoutsAreNamed) {
   EXPECT_EQ(clock.exit_code, 0) << clock.err;
   const Result ring = RunProgram(folder, {"synthesize", "--layout", "ntu", "--show", "--set", "rig.cameras=5"});
   EXPECT_EQ(ring.exit_code, 2);
-}
-
-TEST(Synthesize, AFormerOptionUnusedByTheLayoutIsRefused) {
-  const ScratchFolder folder;
-  std::vector<std::string> names = {"false_track"};
-  for (const std::string_view former : FormerNamesOf(NameKind::kOption, names[0])) names.emplace_back(former);
-  ASSERT_GE(names.size(), 2u);
-  for (const std::string& name : names) {
-    const std::string option = name + "=0.5";
-    EXPECT_EQ(RunProgram(folder, {"synthesize", "--layout", "humanact12", "--show", "--set", option}).exit_code, 2);
-    EXPECT_EQ(RunProgram(folder, {"synthesize", "--layout", "ntu", "--show", "--set", option}).exit_code, 0);
-  }
 }
 
 TEST(Synthesize, ShownOptionsOfOneLayoutAreValidForAnother) {

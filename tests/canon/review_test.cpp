@@ -119,16 +119,6 @@ TEST_F(Reviewed, AClipThatWasCutIsKnownByItsNewIdAfterwards) {
   EXPECT_EQ(dataset_.clips.size(), 3u);
 }
 
-TEST_F(Reviewed, ADecisionAboutAFormerCodeAcceptsTheFindingOfToday) {
-  Decision kept = About(0, Verdict::kKeep);
-  kept.finding = "teleport";
-  const auto review = Read({kept});
-  ASSERT_TRUE(review) << review.error().Message();
-  EXPECT_EQ(review->decisions[0].finding, "position_jump");
-  const std::map<std::string, std::string> contents = {{kept.clip, kept.content}};
-  EXPECT_TRUE(IsAccepted(*review, contents, kept.clip, "", "position_jump"));
-}
-
 TEST_F(Reviewed, WhatNoLongerFitsIsReportedAndNotCarriedOut) {
   Decision gone = About(0, Verdict::kDrop), changed = About(1, Verdict::kDrop);
   gone.clip = "test/p9/nowhere#0-10";

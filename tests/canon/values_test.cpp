@@ -64,7 +64,7 @@ TEST(Where, HoldsForTheClipsThatAPersonWouldPick) {
                                                 {"part(persons) == train and role == train", {0, 1, 4, 5}},
                                                 {"part('persons') in [test, validation]", {2, 3}},
                                                 {"findings(position_jump) > 1", {0}},
-                                                {"findings('teleport') > 1", {0}},
+                                                {"findings('position_jump') > 1", {0}},
                                                 {"findings('position_jump') == 0", {1, 3, 4, 5}},
                                                 {"segments(step) == 2", {2}},
                                                 {"session == morning and provenance(style) == 'old man'", {1}},

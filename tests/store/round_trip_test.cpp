@@ -102,18 +102,6 @@ TEST(Store, ADatasetComesBackAsItWasWritten) {
   EXPECT_TRUE(read->axes == written.axes);
 }
 
-TEST(Store, FormerCodesOfFindingsAreReadAsThoseOfToday) {
-  const ScratchFolder folder;
-  Dataset dataset = MakeDataset();
-  dataset.findings[0].code = "teleport";
-  ASSERT_TRUE(WriteDataset(dataset, folder / "former.h5"));
-  const auto read = ReadDataset(folder / "former.h5");
-  ASSERT_TRUE(read) << read.error().Message();
-  EXPECT_EQ(read->findings[0].code, "position_jump");
-  const auto clips = DatasetClips::Open(folder / "former.h5", DatasetClips::Check::kHashes);
-  ASSERT_TRUE(clips) << clips.error().Message();
-}
-
 TEST(Store, EachClipKeepsTheRestOffsetsOfItsPerson) {
   const ScratchFolder folder;
   Dataset written = MakeDataset();

@@ -126,7 +126,7 @@ TEST(DeclaredOptions, RejectActionsThatACheckDoesNotSupport) {
     const auto node = LoadConfig(ConfigSource{text, "checks.yaml", {}}, {});
     return node ? OptionsFromConfig<CheckOptions>(*node) : Forward(node);
   };
-  EXPECT_TRUE(read("repeated_value: {action: missing}\nteleport: {action: drop}\nduplicate: {action: drop}\n"));
+  EXPECT_TRUE(read("repeated_value: {action: missing}\nposition_jump: {action: drop}\nduplicate: {action: drop}\n"));
   for (const char* text : {"motionless_clip:\n  action: missing\n", "near_duplicate:\n  action: missing\n",
                            "frozen_view:\n  action: drop\n"}) {
     ExpectError(read(text), ErrorCode::kConfig, "checks.yaml:2:11");
