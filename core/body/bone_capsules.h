@@ -47,16 +47,6 @@ struct BodyPoint {
 /// capsules.
 std::optional<BodyPoint> ClosestOnBody(const BoneCapsules& body, const Vector3d* joints, const Vector3d& point);
 
-struct SurfaceSample {
-  int capsule = 0;
-  Vector3d point = Vector3d::Zero();
-  Vector3d normal = Vector3d::Zero();
-};
-
-/// Evenly spread points on the outer surface, one per `spacing`^2 of area (metres). Deterministic; points inside other
-/// capsules are removed.
-std::vector<SurfaceSample> SampleSurface(const BoneCapsules& body, const Vector3d* joints, double spacing);
-
 /// A capsule wherever it is: two ends and a radius, metres.
 struct PosedCapsule {
   Vector3d begin = Vector3d::Zero();
@@ -85,6 +75,5 @@ DepthRendering RenderBody(const BoneCapsules& body, const Vector3d* joints, cons
 /// The same for capsules in the world.
 DepthRendering RenderCapsules(const std::vector<PosedCapsule>& capsules, const Camera& camera,
                               const std::vector<Vector2d>& rays);
-std::vector<float> RenderDepth(const BoneCapsules& body, const Vector3d* joints, const Camera& camera);
 
 }  // namespace mocurate

@@ -163,8 +163,4 @@ DepthRendering RenderBody(const BoneCapsules& body, const Vector3d* joints, cons
   return RenderCapsules(capsules, camera, rays);
 }
 
-std::vector<float> RenderDepth(const BoneCapsules& body, const Vector3d* joints, const Camera& camera) {
-  return RenderBody(body, joints, camera, PixelRays(camera)).depth;
-}
-
 }  // namespace mocurate

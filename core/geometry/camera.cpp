@@ -1,5 +1,6 @@
 #include "core/geometry/camera.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -10,6 +11,7 @@ using Eigen::Matrix2d;
 
 constexpr int kMaxIterations = 100;
 constexpr double kTolerance = 1e-14;  ///< normalised units
+constexpr double kParallel = 1e-6;    ///< least eigenvalue that still determines a point, relative to the largest
 
 /// Distorted normalised point; `jacobian`, if not null, receives its derivative.
 Vector2d Distort(const LensDistortion& d, const Vector2d& p, Matrix2d* jacobian = nullptr) {
@@ -72,5 +74,32 @@ Vector3d Camera::Unproject(const Vector2d& pixel, double depth) const {
 }
 
 Vector3d Camera::Centre() const { return Inverse(camera_from_world).translation; }
+
+std::optional<AxesMeeting> NearestPointToAxes(const std::vector<RigidTransform>& camera_from_world) {
+  if (camera_from_world.size() < 2) return std::nullopt;
+  Matrix3d normal = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  std::vector<Vector3d> centres;
+  std::vector<Vector3d> axes;
+  for (const RigidTransform& pose : camera_from_world) {
+    const RigidTransform world_from_camera = Inverse(pose);
+    centres.push_back(world_from_camera.translation);
+    axes.push_back(world_from_camera.rotation * Vector3d::UnitZ());
+    const Matrix3d across = Matrix3d::Identity() - axes.back() * axes.back().transpose();
+    normal += across;
+    right += across * centres.back();
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(normal);
+  if (eigen.eigenvalues()[0] <= kParallel * eigen.eigenvalues()[2]) return std::nullopt;
+  AxesMeeting meeting;
+  meeting.point =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() * right;
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    const Vector3d to_point = meeting.point - centres[i];
+    meeting.depth.push_back(to_point.dot(axes[i]));
+    meeting.miss.push_back((to_point - meeting.depth.back() * axes[i]).norm());
+  }
+  return meeting;
+}
 
 }  // namespace mocurate

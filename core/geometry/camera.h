@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/geometry/rigid.h"
 
@@ -33,5 +34,15 @@ struct Camera {
   /// Centre of projection in the world.
   Vector3d Centre() const;
 };
+
+/// The point nearest to the optical axes of cameras, in the least-squares sense.
+struct AxesMeeting {
+  Vector3d point = Vector3d::Zero();
+  std::vector<double> miss;   ///< (cameras) distance of the point from the axis
+  std::vector<double> depth;  ///< (cameras) distance along the axis; negative behind the camera
+};
+
+/// Empty for fewer than two cameras or when all axes are parallel (to 1e-6).
+std::optional<AxesMeeting> NearestPointToAxes(const std::vector<RigidTransform>& camera_from_world);
 
 }  // namespace mocurate

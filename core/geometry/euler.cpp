@@ -45,11 +45,6 @@ Expected<EulerOrder> EulerOrder::Parse(std::string_view text) {
 
 bool operator==(const EulerOrder& a, const EulerOrder& b) { return a.axes == b.axes; }
 
-Matrix3d MatrixFromEuler(const Vector3d& angles, const EulerOrder& order) {
-  return AxisRotation(order.axes[0], angles[0]) * AxisRotation(order.axes[1], angles[1]) *
-         AxisRotation(order.axes[2], angles[2]);
-}
-
 Vector3d EulerFromMatrix(const Matrix3d& rotation, const EulerOrder& order) {
   const int i = order.axes[0];
   const int j = order.axes[1];

@@ -10,8 +10,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSmall6DNorm = 1e-12;
-
 /// (1 - cos t) / t^2.
 double CosineFactor(double angle) {
   if (angle < 1e-4) return 0.5 - angle * angle / 24.0;
@@ -52,12 +50,6 @@ Vector3d Perpendicular(const Vector3d& unit) {
   return unit.cross(Vector3d::Unit(least)).normalized();
 }
 
-Matrix3d Jacobian(const Vector3d& rotation_vector, double sign) {
-  const double angle = rotation_vector.stableNorm();
-  const Matrix3d hat = Hat(rotation_vector);
-  return Matrix3d::Identity() + sign * CosineFactor(angle) * hat + SineFactor(angle) * hat * hat;
-}
-
 }  // namespace
 
 Matrix3d Hat(const Vector3d& vector) {
@@ -89,9 +81,11 @@ Vector3d LogQuaternion(const Quaterniond& rotation) {
 
 Vector3d LogMatrix(const Matrix3d& rotation) { return LogQuaternion(Quaterniond(rotation)); }
 
-Matrix3d RightJacobian(const Vector3d& rotation_vector) { return Jacobian(rotation_vector, -1.0); }
-
-Matrix3d LeftJacobian(const Vector3d& rotation_vector) { return Jacobian(rotation_vector, 1.0); }
+Matrix3d RightJacobian(const Vector3d& rotation_vector) {
+  const double angle = rotation_vector.stableNorm();
+  const Matrix3d hat = Hat(rotation_vector);
+  return Matrix3d::Identity() - CosineFactor(angle) * hat + SineFactor(angle) * hat * hat;
+}
 
 Matrix3d RightJacobianInverse(const Vector3d& rotation_vector) {
   const Matrix3d hat = Hat(rotation_vector);
@@ -152,18 +146,6 @@ Quaterniond SwingBetween(const Vector3d& from, const Vector3d& to) {
 std::array<double, 6> Matrix6D(const Matrix3d& r, Rotation6D layout) {
   if (layout == Rotation6D::kRows) return {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2)};
   return {r(0, 0), r(0, 1), r(1, 0), r(1, 1), r(2, 0), r(2, 1)};
-}
-
-Matrix3d MatrixFrom6D(const std::array<double, 6>& v, Rotation6D layout) {
-  const bool rows = layout == Rotation6D::kRows;
-  const Vector3d a = rows ? Vector3d(v[0], v[1], v[2]) : Vector3d(v[0], v[2], v[4]);
-  const Vector3d b = rows ? Vector3d(v[3], v[4], v[5]) : Vector3d(v[1], v[3], v[5]);
-  const Vector3d first = a / std::max(a.norm(), kSmall6DNorm);
-  const Vector3d rest = b - first.dot(b) * first;
-  const Vector3d second = rest / std::max(rest.norm(), kSmall6DNorm);
-  Matrix3d columns;
-  columns << first, second, first.cross(second);
-  return rows ? Matrix3d(columns.transpose()) : columns;
 }
 
 void MakeSignContinuous(Quaterniond* first, std::size_t count, std::size_t stride) {

@@ -32,8 +32,6 @@ Vector3d LogMatrix(const Matrix3d& rotation);
 /// Right Jacobian of SO(3): Exp(w + d) ~ Exp(w) Exp(J_r(w) d), and its inverse (|w| < 2 pi).
 Matrix3d RightJacobian(const Vector3d& rotation_vector);
 Matrix3d RightJacobianInverse(const Vector3d& rotation_vector);
-/// Left Jacobian: Exp(w + d) ~ Exp(J_l(w) d) Exp(w).
-Matrix3d LeftJacobian(const Vector3d& rotation_vector);
 
 /// The rotation vector of the same rotation that lies nearest to `previous` (adds multiples of 2 pi along the axis).
 Vector3d UnwrapNear(const Vector3d& rotation_vector, const Vector3d& previous);
@@ -58,9 +56,6 @@ enum class Rotation6D { kRows, kColumns };
 /// kRows: (R00 R01 R02 R10 R11 R12). kColumns: (R00 R01 R10 R11 R20 R21), the first two columns interleaved.
 std::array<double, 6> Matrix6D(const Matrix3d& rotation, Rotation6D layout);
 
-/// Gram-Schmidt on the two vectors; norms are bounded below by 1e-12, so a zero vector gives zeros, never NaN.
-Matrix3d MatrixFrom6D(const std::array<double, 6>& values, Rotation6D layout);
-
 /// Axes of an Euler sequence, e.g. EulerOrder::Parse("ZXY"): R = R_z(a0) R_x(a1) R_y(a2), intrinsic, right-handed.
 struct EulerOrder {
   std::array<int, 3> axes{0, 1, 2};
@@ -68,7 +63,6 @@ struct EulerOrder {
 };
 bool operator==(const EulerOrder& a, const EulerOrder& b);
 
-Matrix3d MatrixFromEuler(const Vector3d& angles, const EulerOrder& order);
 /// Angles in (-pi, pi]; the middle one in [-pi/2, pi/2] (Tait-Bryan) or [0, pi] (proper). In gimbal lock the third is
 /// 0.
 Vector3d EulerFromMatrix(const Matrix3d& rotation, const EulerOrder& order);

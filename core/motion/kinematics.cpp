@@ -104,24 +104,6 @@ void LieForward(const Skeleton& skeleton, const double* parameters, const std::v
   }
 }
 
-void LieInverse(const Skeleton& skeleton, const Vector3d* joints, double* parameters) {
-  const LieChains& lie = *skeleton.lie;
-  for (int k = 0; k < 3; ++k) parameters[k] = joints[0][k];
-  for (const std::vector<int>& chain : lie.chains) {
-    Quaterniond rotation = Quaterniond::Identity();
-    for (std::size_t i = 1; i < chain.size(); ++i) {
-      const int c = chain[i];
-      const Vector3d bone = joints[c] - joints[chain[i - 1]];
-      Eigen::Map<Vector3d> w(parameters + std::ptrdiff_t{3} * c);
-      w.setZero();
-      if (bone.norm() == 0.0) continue;  // no direction: the bone keeps that of the one before it
-      const Quaterniond swing = SwingBetween(lie.raw_offsets[c], bone);
-      w = LogQuaternion(rotation.conjugate() * swing);
-      rotation = swing;
-    }
-  }
-}
-
 std::vector<double> BoneLengths(const Skeleton& skeleton, const Vector3d* joints) {
   std::vector<int> parents;
   if (skeleton.lie) {

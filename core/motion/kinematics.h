@@ -29,10 +29,6 @@ enum class LieExp { kReleased, kExact };
 void LieForward(const Skeleton& skeleton, const double* parameters, const std::vector<double>& bone_length, LieExp exp,
                 Vector3d* joints, const Vector3d* root_rotation = nullptr);
 
-/// The inverse (B.4): swing-only parameters of one frame. Exact where the released code gives NaN (bone along its raw
-/// offset: zero; bone opposite to it: a half turn about a fixed perpendicular axis). `parameters` receives 3*J numbers.
-void LieInverse(const Skeleton& skeleton, const Vector3d* joints, double* parameters);
-
 /// Bone lengths |p_j - p_parent| of one frame, 0 for the root. (J), metres. Parents along the Lie chains if `lie`.
 std::vector<double> BoneLengths(const Skeleton& skeleton, const Vector3d* joints);
 

@@ -230,33 +230,4 @@ void Transform(const RigidTransform& world_from_clip, Clip& clip) {
   clip.canonical_from_source = world_from_clip * clip.canonical_from_source;
 }
 
-Expected<Motion> MapJoints(const Motion& motion, const SkeletonPtr& target) {
-  const std::vector<int> match = MatchJoints(*motion.skeleton, *target);
-  std::string missing;
-  for (std::size_t t = 0; t < match.size(); ++t) {
-    if (match[t] < 0) missing += (missing.empty() ? "'" : ", '") + target->joints[t].name + "'";
-  }
-  if (!missing.empty()) {
-    return Fail(ErrorCode::kInconsistent,
-                "joints " + missing + " of skeleton '" + target->name + "' have no counterpart in '" +
-                    motion.skeleton->name + "'",
-                {}, "add the names as synonyms to one of the two skeletons");
-  }
-  Motion mapped = MakeJointsOnly(target, motion.rate, JointPositions(motion.frame_count(), target->joint_count()));
-  const int source_joints = motion.joint_count();
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    for (int t = 0; t < target->joint_count(); ++t) {
-      const int s = match[static_cast<std::size_t>(t)];
-      const std::size_t cell = static_cast<std::size_t>(f) * source_joints + s;
-      mapped.joints.at(f, t) = motion.joints.at(f, s);
-      if (!motion.state.empty()) mapped.state.push_back(motion.state[cell]);
-      for (int k = 0; k < 6 && !motion.position_cov.empty(); ++k) {
-        mapped.position_cov.push_back(motion.position_cov[6 * cell + k]);
-      }
-    }
-  }
-  mapped.contact = motion.contact;
-  return mapped;
-}
-
 }  // namespace mocurate

@@ -47,9 +47,4 @@ void RotateCovariances(const Matrix3d& map, std::vector<float>& covariances);
 /// `source`, then by those of `target`, among the joints left over.
 std::vector<int> MatchJoints(const Skeleton& source, const Skeleton& target);
 
-/// Joints renamed and reordered to another skeleton by names, then by synonyms among the joints left over; joints only,
-/// with states, position covariances and contacts. Error kInconsistent naming the
-/// joints without a counterpart.
-Expected<Motion> MapJoints(const Motion& motion, const SkeletonPtr& target);
-
 }  // namespace mocurate

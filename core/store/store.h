@@ -76,7 +76,4 @@ bool HasStoredRotations(const std::filesystem::path& path);
 /// What a file is and holds, as JSON: schema, skeleton, counts, fields with shape, type and unit.
 Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path);
 
-/// docs/store_format.md, generated from the table of fields.
-std::string StoreFormatDocument();
-
 }  // namespace mocurate

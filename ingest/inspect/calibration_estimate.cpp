@@ -10,8 +10,8 @@
 #include "core/base/median.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
+#include "core/geometry/camera.h"
 #include "core/geometry/point_grid.h"
-#include "core/geometry/triangulation.h"
 
 namespace mocurate {
 namespace {

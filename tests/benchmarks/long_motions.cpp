@@ -20,11 +20,11 @@
 #include "canon/trim/cycles.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
-#include "core/body/self_penetration.h"
 #include "core/motion/operations.h"
 #include "core/quality/contacts.h"
 #include "core/quality/measures.h"
 #include "core/store/store.h"
+#include "tests/body/self_penetration.h"
 
 namespace mocurate {
 namespace {

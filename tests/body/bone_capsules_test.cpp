@@ -1,6 +1,5 @@
 // Distances to capsules and points on them.
 #include "core/body/bone_capsules.h"
-#include "core/base/pi.h"
 
 #include <gtest/gtest.h>
 
@@ -86,61 +85,6 @@ TEST(Body, AssignsAPointToItsNearestCapsule) {
   EXPECT_EQ(ClosestOnBody(body, figure.joints.data(), Vector3d(0.3, 0.1, 0.0))->capsule, 0);
   EXPECT_EQ(ClosestOnBody(body, figure.joints.data(), Vector3d(-0.6, 0.6, 0.0))->capsule, 2);
   EXPECT_FALSE(ClosestOnBody(BoneCapsules{}, figure.joints.data(), Vector3d::Zero()).has_value());
-}
-
-TEST(SurfaceSamples, LieOnTheOuterSurfaceWithTheirNormals) {
-  const test::StickFigure figure = test::MakeStickFigure();
-  const BoneCapsules body = BoneCapsules::Make(figure.skeleton);
-  const std::vector<SurfaceSample> samples = SampleSurface(body, figure.joints.data(), 0.02);
-  ASSERT_GT(samples.size(), 1000u);
-  for (const SurfaceSample& sample : samples) {
-    const BodyPoint closest = ClosestOnBody(body, figure.joints.data(), sample.point).value();
-    EXPECT_NEAR(closest.on_capsule.distance, 0.0, 1e-9);
-    const Capsule& capsule = body.capsules[sample.capsule];
-    const CapsulePoint own =
-        ClosestOnCapsule(figure.joints[capsule.parent], figure.joints[capsule.joint], capsule.radius, sample.point);
-    EXPECT_LT((own.normal - sample.normal).norm(), 1e-12);
-  }
-}
-
-TEST(SurfaceSamples, AreSpreadEvenly) {
-  test::StickFigure figure = test::MakeStickFigure();
-  BoneCapsules body = BoneCapsules::Make(figure.skeleton);
-  body.capsules.resize(1);  // the trunk alone: mantle 0.6 m, radius 0.12 m
-  const double spacing = 0.01;
-  const std::vector<SurfaceSample> samples = SampleSurface(body, figure.joints.data(), spacing);
-  const double area = 2.0 * kPi * 0.12 * (0.6 + 0.24);
-  EXPECT_NEAR(static_cast<double>(samples.size()), area / (spacing * spacing), 1.0);
-  int on_caps = 0;
-  int in_front = 0;
-  Vector3d mean = Vector3d::Zero();
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Vector3d& point = samples[i].point;
-    on_caps += point.y() < 0.0 || point.y() > 0.6 ? 1 : 0;
-    in_front += point.z() > 0.0 ? 1 : 0;
-    mean += point / static_cast<double>(samples.size());
-  }
-  EXPECT_NEAR(on_caps / static_cast<double>(samples.size()), 0.24 / 0.84, 1e-3);
-  EXPECT_NEAR(in_front / static_cast<double>(samples.size()), 0.5, 5e-3);
-  EXPECT_LT((mean - Vector3d(0, 0.3, 0)).norm(), 1e-3);
-  // The nearest neighbour of any sample is about one spacing away.
-  for (std::size_t i = 0; i < samples.size(); i += 97) {
-    double nearest = HUGE_VAL;
-    for (std::size_t k = 0; k < samples.size(); ++k) {
-      if (k != i) nearest = std::min(nearest, (samples[i].point - samples[k].point).norm());
-    }
-    EXPECT_GT(nearest, 0.5 * spacing);
-    EXPECT_LT(nearest, 1.3 * spacing);
-  }
-}
-
-TEST(SurfaceSamples, AreTheSameEveryTime) {
-  const test::StickFigure figure = test::MakeStickFigure();
-  const BoneCapsules body = BoneCapsules::Make(figure.skeleton);
-  const auto first = SampleSurface(body, figure.joints.data(), 0.05);
-  const auto second = SampleSurface(body, figure.joints.data(), 0.05);
-  ASSERT_EQ(first.size(), second.size());
-  for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(first[i].point, second[i].point);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "core/base/random.h"
 #include "core/body/bone_capsules.h"
 #include "tests/body/stick_figure.h"
+#include "tests/support/render_depth.h"
 
 namespace mocurate {
 namespace {

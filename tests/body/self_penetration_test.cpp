@@ -1,5 +1,5 @@
 // How deep the limbs of a person lie inside the person.
-#include "core/body/self_penetration.h"
+#include "tests/body/self_penetration.h"
 
 #include <gtest/gtest.h>
 

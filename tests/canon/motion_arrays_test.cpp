@@ -7,6 +7,7 @@
 #include "core/base/random.h"
 #include "core/geometry/rotation.h"
 #include "core/motion/kinematics.h"
+#include "tests/support/rotations.h"
 
 namespace mocurate {
 namespace {

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/base/file.h"
-#include "core/body/bone_capsules.h"
 #include "core/formats/depth_sequence.h"
 #include "core/motion/clip.h"
 #include "core/motion/kinematics.h"
 #include "tests/support/depth_files.h"
+#include "tests/support/render_depth.h"
 
 namespace mocurate {
 

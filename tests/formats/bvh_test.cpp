@@ -8,6 +8,7 @@
 
 #include "tests/formats/corruption.h"
 #include "tests/formats/expect_error.h"
+#include "tests/support/rotations.h"
 
 namespace mocurate {
 namespace {

@@ -1,5 +1,6 @@
 // Euler angles of every sequence.
 #include "tests/geometry/samples.h"
+#include "tests/support/rotations.h"
 
 namespace mocurate {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "tests/geometry/samples.h"
 #include "tests/support/golden.h"
+#include "tests/support/rotations.h"
 
 namespace mocurate {
 namespace {

@@ -1,5 +1,6 @@
 // Interpolation, swings, projections onto rotations, 6D representations.
 #include "tests/geometry/samples.h"
+#include "tests/support/rotations.h"
 
 namespace mocurate {
 namespace {

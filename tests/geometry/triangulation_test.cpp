@@ -1,5 +1,3 @@
-#include "core/geometry/triangulation.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include "core/base/random.h"
 #include "core/geometry/depth_image.h"
 #include "core/geometry/point_grid.h"
+#include "tests/support/linear_triangulation.h"
 
 namespace mocurate {
 namespace {

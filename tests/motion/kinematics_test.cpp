@@ -1,6 +1,7 @@
 #include "core/motion/kinematics.h"
 
 #include "tests/motion/builders.h"
+#include "tests/motion/lie_inverse.h"
 
 namespace mocurate {
 namespace {

@@ -1,6 +1,7 @@
 // Parity with the released Action2Motion kinematics (goldens/lie_kinematics.h5).
 
 #include "tests/motion/builders.h"
+#include "tests/motion/lie_inverse.h"
 #include "tests/support/golden.h"
 
 namespace mocurate {

@@ -211,22 +211,6 @@ TEST(Transform, MovesEverythingThatHasAPlace) {
   ExpectSameClip(before, after, 1e-7);
 }
 
-TEST(MapJoints, FollowsNamesAndSynonymsAcrossSkeletons) {
-  Motion openni = test::SwingingPerson(Built("openni16"), 3);
-  const Motion mapped = MapJoints(openni, Built("openni15")).value();
-  EXPECT_TRUE(mapped.joints_only());
-  EXPECT_TRUE(mapped.Check()) << mapped.Check().error().Message();
-  EXPECT_EQ(mapped.joints.at(1, 0), openni.joints.at(1, 1)) << "torso";
-  const Motion smpl = test::SwingingPerson(Built("smpl24"), 3);
-  const Motion bandai = MapJoints(test::SwingingPerson(Built("bandai22"), 3), Built("openni16")).value();
-  EXPECT_EQ(bandai.joint_count(), 16);
-  const auto missing = MapJoints(openni, Built("smpl24"));
-  ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, ErrorCode::kInconsistent);
-  EXPECT_THAT(missing.error().Message(), HasSubstr("'left_foot'")) << "the ankle is not used again as the foot";
-  EXPECT_EQ(MapJoints(smpl, Built("humanact12")).value().joints.xyz, smpl.joints.xyz);
-}
-
 TEST(Resample, KeepsCountingInFramesOfTheRecordingWhenCut) {
   for (const double hz : {59.94005994, 120.0, 250.0}) {
     const FrameRate recorded = FrameRate::FromHz(hz);

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/motion/builders.h"
+#include "tests/motion/lie_inverse.h"
 #include "tests/support/golden.h"
 
 namespace mocurate {

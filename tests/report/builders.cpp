@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/support/depth_files.h"
+#include "tests/support/render_depth.h"
 
 namespace mocurate::test {
 namespace {

@@ -8,9 +8,9 @@
 #include "core/base/pi.h"
 #include "core/base/random.h"
 #include "core/base/sha256.h"
-#include "core/body/bone_capsules.h"
 #include "core/motion/kinematics.h"
 #include "tests/support/depth_files.h"
+#include "tests/support/render_depth.h"
 
 namespace mocurate::versions {
 namespace {

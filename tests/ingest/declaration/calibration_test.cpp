@@ -10,7 +10,6 @@
 #include "core/formats/opencv_storage.h"
 #include "core/formats/panoptic_bodies.h"
 #include "core/geometry/point_grid.h"
-#include "core/geometry/triangulation.h"
 #include "ingest/inspect/calibration_estimate.h"
 #include "tests/formats/damage.h"
 #include "tests/formats/expect_error.h"

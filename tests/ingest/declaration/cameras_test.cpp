@@ -10,13 +10,13 @@
 
 #include "core/base/sha256.h"
 #include "core/formats/png.h"
-#include "core/geometry/triangulation.h"
 #include "ingest/expected_files.h"
 #include "ingest/inspect/gathered_names.h"
 #include "ingest/inspect/inspect.h"
 #include "ingest/inspect/source_declaration.h"
 #include "tests/ingest/jpeg_masks.h"
 #include "tests/ingest/studio_folders.h"
+#include "tests/support/linear_triangulation.h"
 
 namespace mocurate {
 namespace {

@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "core/formats/openpose.h"
-#include "core/geometry/triangulation.h"
 #include "ingest/inspect/inspect.h"
 #include "tests/formats/expect_error.h"
 #include "tests/ingest/sources.h"
+#include "tests/support/linear_triangulation.h"
 
 namespace mocurate {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/body/self_penetration.h"
+#include "tests/body/self_penetration.h"
 
 #include <algorithm>
 
