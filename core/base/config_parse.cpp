@@ -268,6 +268,20 @@ void RunParser(const ConfigSource& source, TreeBuilder& builder, ProblemList& pr
 
 }  // namespace
 
+std::size_t CountOf(const ConfigNode& node) {
+  std::size_t count = 1;
+  for (const ConfigNode& child : node.sequence) count += CountOf(child);
+  for (const auto& entry : node.mapping) count += CountOf(entry.second);
+  return count;
+}
+
+std::size_t TextBytesOf(const ConfigNode& node) {
+  std::size_t bytes = node.scalar.size();
+  for (const ConfigNode& child : node.sequence) bytes += TextBytesOf(child);
+  for (const auto& [key, value] : node.mapping) bytes += key.size() + TextBytesOf(value);
+  return bytes;
+}
+
 ConfigNode ParseYaml(const ConfigSource& source, bool need_mapping, ProblemList& problems) {
   TreeBuilder builder(source, problems);
   if (IsText(source, problems)) RunParser(source, builder, problems);

@@ -53,26 +53,28 @@ TEST(OptionsJson, EveryProblemIsReportedAtOnce) {
                                {"trim", {{"enabled", 1}, {"sped", 2}}},
                                {"joints", {{{"weight", -1}}, 5}}};
   EXPECT_EQ(JsonMessage(json),
-            "options.seed: 1.5 must be a whole number\n"
-            "options.height: 9 is out of range (allowed: 0.5 to 2.5 m)\n"
-            "options.limit: \"none\" must be a number in m\n"
-            "options.offsets[1]: \"a\" must be a number in m\n"
-            "options.loss: unknown value 'hubert' (did you mean 'huber'?)\n"
-            "options.trim.enabled: 1 must be true or false\n"
-            "options.trim: unknown option 'sped' (known here: enabled, still_speed)\n"
-            "options.joints[0].weight: -1 is out of range (allowed: 0 to 100)\n"
-            "options.joints[1]: 5 must be a mapping\n"
-            "options: unknown option 'tittle' (did you mean 'title'?)");
+            "options.seed: '1.5' must be a whole number\n"
+            "options.height: '9' is out of range (allowed: 0.5 to 2.5 m)\n"
+            "options.limit: 'none' must be a number in m (a value in quotes is text, remove the quotes)\n"
+            "options.offsets.1: 'a' must be a number in m (a value in quotes is text, remove the quotes)\n"
+            "options.loss: 'hubert' must be one of mse, huber (did you mean 'huber'?)\n"
+            "options.trim.enabled: '1' must be true or false\n"
+            "options.trim: unknown option 'options.trim.sped' (known here: enabled, still_speed)\n"
+            "options.joints.0.weight: '-1' is out of range (allowed: 0 to 100)\n"
+            "options.joints.1: '5' must be a mapping\n"
+            "options: unknown option 'options.tittle' (did you mean 'title'?)");
 }
 
 TEST(OptionsJson, WrongShapesAreRefused) {
-  EXPECT_EQ(JsonMessage(nlohmann::json::array()), "options: [] must be a mapping");
-  EXPECT_EQ(JsonMessage({{"labels", {{"a", 1}}}}), "options.labels.a: 1 must be a text");
-  EXPECT_EQ(JsonMessage({{"people", "p1"}}), "options.people: \"p1\" must be a list of texts");
-  EXPECT_EQ(JsonMessage({{"joints", 1}}), "options.joints: 1 must be a list");
-  EXPECT_EQ(JsonMessage({{"seed", 18446744073709551615u}}),
-            "options.seed: 18446744073709551615 is out of range (allowed: 0 to 1000)");
-  EXPECT_EQ(JsonMessage({{"height", nullptr}}), "options.height: null must be a number in m");
+  EXPECT_EQ(JsonMessage(nlohmann::json::array()), "options: a list must be a mapping");
+  EXPECT_EQ(JsonMessage({{"labels", {{"a", 1}}}}), "options.labels.a: '1' must be a text");
+  EXPECT_EQ(JsonMessage({{"people", "p1"}}), "options.people: 'p1' must be a list of texts (write [a, b])");
+  EXPECT_EQ(JsonMessage({{"joints", 1}}), "options.joints: '1' must be a list of mappings (write [a, b])");
+  EXPECT_EQ(
+      JsonMessage({{"seed", 18446744073709551615u}}),
+      "options.seed: '18446744073709551615' does not fit 64 bits (whole numbers reach from -9223372036854775808 to "
+      "9223372036854775807)");
+  EXPECT_EQ(JsonMessage({{"height", nullptr}}), "options.height: no value must be a number in m");
 }
 
 TEST(Finding, SurvivesJson) {

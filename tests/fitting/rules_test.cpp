@@ -57,7 +57,7 @@ TEST(FittingRules, AnUnknownNameIsRefusedWithTheKnownOnes) {
   const auto from_json = OptionsFromJson<FittingOptions>(
       {{"without", nlohmann::json::array({"low_coverage", "gap_inflaton"})}}, "fitting");
   ASSERT_FALSE(from_json);
-  EXPECT_NE(from_json.error().Message().find("without[1]"), std::string::npos) << from_json.error().Message();
+  EXPECT_NE(from_json.error().Message().find("without.1"), std::string::npos) << from_json.error().Message();
   EXPECT_NE(from_json.error().Message().find("'gap_inflation'"), std::string::npos) << from_json.error().Message();
 
   const auto node = LoadConfig(ConfigSource{"without: [low_coverage, gap_inflaton]\n", "c.yaml", "folder"}, {});

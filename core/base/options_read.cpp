@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/base/config_parts.h"
 #include "core/base/file.h"
@@ -31,10 +32,33 @@ bool IsLongWhole(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// Reads every option it visits; absent ones keep what they hold. An empty group, list or mapping counts as absent.
-class ConfigReader final : public OptionVisitor {
+ConfigNode NodeOf(const nlohmann::json& value) {
+  ConfigNode node;
+  if (value.is_object()) {
+    node.kind = Kind::kMapping;
+    for (const auto& [key, element] : value.items()) node.mapping.emplace_back(key, NodeOf(element));
+  } else if (value.is_array()) {
+    node.kind = Kind::kSequence;
+    for (const nlohmann::json& element : value) node.sequence.push_back(NodeOf(element));
+  } else if (!value.is_null()) {
+    node.kind = Kind::kScalar;
+    node.quoted = value.is_string();
+    node.scalar = node.quoted ? value.get<std::string>() : value.dump();
+  }
+  return node;
+}
+
+enum class Written {
+  kByHand,  ///< an empty group, list or mapping counts as absent; errors name the place in the file
+  kAsJson   ///< by OptionsToJson: types are exact, paths final; errors name the option only
+};
+
+/// Reads every option it visits; absent ones keep what they hold.
+class OptionReader final : public OptionVisitor {
  public:
-  explicit ConfigReader(const ConfigNode& root) { Open(&root, ""); }
+  OptionReader(const ConfigNode& root, const std::string& name, Written written) : written_(written) {
+    Open(&root, name);
+  }
 
   Status Finish() {
     Close();
@@ -87,6 +111,10 @@ class ConfigReader final : public OptionVisitor {
     std::string text;
     const ConfigNode* node = Find(name);
     if (node == nullptr || !ReadText(*node, Name(name), text)) return;
+    if (written_ == Written::kAsJson) {
+      value = PathFromText(text);
+      return;
+    }
     if (text == "~" || text.substr(0, 2) == "~/") {
       return Refuse(*node, Name(name), Quoted(text) + ": '~' has no meaning here", "write ${HOME}");
     }
@@ -113,7 +141,7 @@ class ConfigReader final : public OptionVisitor {
 
   void TextMap(const char* name, std::map<std::string, std::string>& value, const char*) override {
     const ConfigNode* node = Find(name);
-    if (node == nullptr || node->kind == Kind::kNull) return;
+    if (node == nullptr || IsEmpty(*node)) return;
     if (node->kind != Kind::kMapping) {
       return Refuse(*node, Name(name), KindText(*node) + " must be a mapping of texts");
     }
@@ -197,7 +225,7 @@ class ConfigReader final : public OptionVisitor {
 
   void Open(const ConfigNode* node, const std::string& name) {
     if (node != nullptr && node->kind != Kind::kMapping) {
-      if (node->kind != Kind::kNull) Refuse(*node, name, KindText(*node) + " must be a mapping");
+      if (!IsEmpty(*node)) Refuse(*node, name, KindText(*node) + " must be a mapping");
       node = nullptr;
     }
     levels_.push_back({node, name});
@@ -212,8 +240,8 @@ class ConfigReader final : public OptionVisitor {
       for (const std::string& option : level.options) known = known || option == key;
       const std::string name = level.name.empty() ? key : level.name + "." + key;
       if (known) continue;
-      problems_.Add(value.key_origin.Text(), "unknown option " + Quoted(name),
-                    [&, &option = key] { return HintFor(option, level.options); });
+      problems_.Add(written_ == Written::kAsJson ? level.name : value.key_origin.Text(),
+                    "unknown option " + Quoted(name), [&, &option = key] { return HintFor(option, level.options); });
     }
   }
 
@@ -225,13 +253,21 @@ class ConfigReader final : public OptionVisitor {
 
   const ConfigNode* FindList(const char* name, const char* rule) {
     const ConfigNode* node = Find(name);
-    if (node == nullptr || node->kind == Kind::kNull) return nullptr;
+    if (node == nullptr || IsEmpty(*node)) return nullptr;
     if (node->kind == Kind::kSequence) return node;
     Refuse(*node, Name(name), KindText(*node) + " " + rule, node->kind == Kind::kScalar ? "write [a, b]" : "");
     return nullptr;
   }
 
+  bool IsEmpty(const ConfigNode& node) const { return node.kind == Kind::kNull && written_ == Written::kByHand; }
+
   void Refuse(const ConfigNode& node, const std::string& name, const std::string& what, const std::string& hint = {}) {
+    Refuse(node, name, what, [&hint] { return hint; });
+  }
+
+  void Refuse(const ConfigNode& node, const std::string& name, const std::string& what,
+              const std::function<std::string()>& hint) {
+    if (written_ == Written::kAsJson) return problems_.Add(name, what, hint);
     problems_.Add(node.origin.Text(), name.empty() ? what : name + ": " + what, hint);
   }
 
@@ -268,14 +304,14 @@ class ConfigReader final : public OptionVisitor {
                     const std::vector<std::string>& names) {
     std::string wanted;
     for (const std::string& candidate : names) wanted += (wanted.empty() ? "" : ", ") + candidate;
-    problems_.Add(node.origin.Text(), name + ": " + Quoted(text) + " must be one of " + wanted, [&] {
+    Refuse(node, name, Quoted(text) + " must be one of " + wanted, [&] {
       const std::optional<std::string> nearest = Nearest(text, names);
       return nearest ? "did you mean '" + *nearest + "'?" : std::string();
     });
   }
 
   bool ReadText(const ConfigNode& node, const std::string& name, std::string& text) {
-    if (node.kind != Kind::kScalar) {
+    if (node.kind != Kind::kScalar || (written_ == Written::kAsJson && !node.quoted)) {
       Refuse(node, name, KindText(node) + " must be a text", node.kind == Kind::kNull ? "write '' for none" : "");
       return false;
     }
@@ -283,6 +319,7 @@ class ConfigReader final : public OptionVisitor {
     return true;
   }
 
+  Written written_;
   ProblemList problems_;
   std::vector<Level> levels_;
   std::vector<List> lists_;
@@ -290,10 +327,35 @@ class ConfigReader final : public OptionVisitor {
 
 }  // namespace
 
+std::string Origin::Text() const {
+  if (line == 0) return file;
+  return file + ":" + std::to_string(line) + ":" + std::to_string(column);
+}
+
+const ConfigNode* ConfigNode::Find(const std::string& key) const {
+  for (const auto& [name, value] : mapping) {
+    if (name == key) return &value;
+  }
+  return nullptr;
+}
+
 namespace internal {
 
+std::string Quoted(std::string_view text) {
+  constexpr std::size_t kLongest = 80;
+  const std::string shown = DisplayPath(std::string(text.substr(0, kLongest)));
+  return "'" + shown + (text.size() > kLongest ? "...'" : "'");
+}
+
 Status FromConfig(Declaration declaration, const ConfigNode& node) {
-  ConfigReader reader(node);
+  OptionReader reader(node, "", Written::kByHand);
+  declaration.declare(declaration.options, reader);
+  return reader.Finish();
+}
+
+Status FromJson(Declaration declaration, const nlohmann::json& json, const std::string& where) {
+  const ConfigNode node = NodeOf(json);
+  OptionReader reader(node, where, Written::kAsJson);
   declaration.declare(declaration.options, reader);
   return reader.Finish();
 }
