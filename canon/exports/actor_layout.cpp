@@ -9,6 +9,7 @@
 #include "canon/exports/smpl_arrays.h"
 #include "canon/exports/written_set.h"
 #include "core/base/characters.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/formats/array_fields.h"
 #include "core/formats/pickle_writer.h"
@@ -68,13 +69,13 @@ class ActorWriter : public LayoutWriter {
       labels[(c + 1 < 10 ? "0" : "") + std::to_string(c + 1)] = set_.labels[c];
     }
     declaration.options = {{"format", "humanact12_pickle"},
-                           {"container", YamlText(FileName())},
-                           {"files", YamlText("c{clip}_y{action}")},
-                           {"axes", YamlText(kActorAxes)},
+                           {"container", YamlQuoted(FileName())},
+                           {"files", YamlQuoted("c{clip}_y{action}")},
+                           {"axes", YamlQuoted(kActorAxes)},
                            {"rate", FormatDouble(clips_.front().rate.hz()) + " Hz"},
                            {"person", "unknown"},
-                           {"recording", YamlText("c{clip}")},
-                           {"label", YamlText("{action}")},
+                           {"recording", YamlQuoted("c{clip}")},
+                           {"label", YamlQuoted("{action}")},
                            {"labels", YamlMap(labels)}};
     const std::string name =
         set_.file.empty() ? kDeclarationFile : std::filesystem::path(set_.file).stem().string() + ".source.yaml";

@@ -205,12 +205,12 @@ class AmassBabelWriter : public LayoutWriter {
     std::map<std::string, std::string> codes;
     files.push_back(LabelTable(codes));
     declaration.options = {{"format", "amass"},
-                           {"files", YamlText("{dataset}/{person}/{take}_poses.npz")},
+                           {"files", YamlQuoted("{dataset}/{person}/{take}_poses.npz")},
                            {"other_files", "ignore"},
-                           {"axes", YamlText(kZUp)},
+                           {"axes", YamlQuoted(kZUp)},
                            {"annotations", YamlList(annotations)},
-                           {"person", YamlText("{person}")},
-                           {"recording", YamlText(std::string("{take}") + (named_poses_ ? kPoses : ""))},
+                           {"person", YamlQuoted("{person}")},
+                           {"recording", YamlQuoted(std::string("{take}") + (named_poses_ ? kPoses : ""))},
                            {"label", "\"\""},
                            {"label_table", kLabelTable}};
     if (parts_come_back_ && !parts_.empty()) {

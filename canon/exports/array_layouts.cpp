@@ -63,7 +63,7 @@ DeclaredOptions DeclareCsv(const ExportSet& set, const FrameRate& rate) {
   return {{"format", "joint_table"},
           {"units", "m"},
           {"rate", RateText(rate)},
-          {"layout", YamlText("skip " + std::to_string(joints.size()) + "*(x y z)")},
+          {"layout", YamlQuoted("skip " + std::to_string(joints.size()) + "*(x y z)")},
           {"joints", YamlList(joints)}};
 }
 

@@ -10,6 +10,7 @@
 #include "canon/exports/clip_names.h"
 #include "canon/exports/smpl_arrays.h"
 #include "canon/exports/written_set.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/formats/npy.h"
 #include "core/formats/phspd_text.h"
@@ -144,17 +145,17 @@ class HumanAct12Writer : public LayoutWriter {
       declaration.options.emplace_back(option, value);
     };
     say("format", "npy");
-    say("files", YamlText("P{person:2}G{group:2}R{repetition:2}F{first:4}T{last:4}A{action:2}{fine:2}.npy"));
+    say("files", YamlQuoted("P{person:2}G{group:2}R{repetition:2}F{first:4}T{last:4}A{action:2}{fine:2}.npy"));
     say("other_files", "ignore");
     say("units", "m");
-    say("axes", YamlText(kYDown));
+    say("axes", YamlQuoted(kYDown));
     say("rate", FormatDouble(clips_.front().rate.hz()) + " Hz");
-    say("person", YamlText("P{person}"));
-    if (made_ == 0) say("session", YamlText("G{group}"));
-    say("label", YamlText("{action}"));
+    say("person", YamlQuoted("P{person}"));
+    if (made_ == 0) say("session", YamlQuoted("G{group}"));
+    say("label", YamlQuoted("{action}"));
     say("labels", YamlMap(codes_.Labels()));
     if (codes_.HasFineLabels()) {
-      say("fine_label", YamlText("{action}{fine}"));
+      say("fine_label", YamlQuoted("{action}{fine}"));
       say("fine_labels", YamlMap(codes_.FineLabels()));
     }
     for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, kDeclarationFile, notes)) {

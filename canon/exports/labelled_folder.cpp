@@ -4,6 +4,7 @@
 
 #include "canon/exports/clip_names.h"
 #include "canon/exports/written_set.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -49,14 +50,14 @@ class LabelledFolderWriter : public LayoutWriter {
       declaration.options.emplace_back(option, value);
     };
     say("files",
-        YamlText(std::string("{label}/") + (fine ? "{fine?/}" : "") + "{person}/{recording}" + folder_.ending));
+        YamlQuoted(std::string("{label}/") + (fine ? "{fine?/}" : "") + "{person}/{recording}" + folder_.ending));
     say("other_files", "ignore");
-    say("axes", YamlText("+x +y +z"));
-    say("person", YamlText("{person}"));
-    say("recording", YamlText("{recording}"));
-    say("label", YamlText("{label}"));
+    say("axes", YamlQuoted("+x +y +z"));
+    say("person", YamlQuoted("{person}"));
+    say("recording", YamlQuoted("{recording}"));
+    say("label", YamlQuoted("{label}"));
     if (!labels_.Plain()) say("labels", YamlMap(labels_.Texts()));
-    if (fine) say("fine_label", YamlText("{fine}"));
+    if (fine) say("fine_label", YamlQuoted("{fine}"));
     if (!fine_labels_.Plain()) say("fine_labels", YamlMap(fine_labels_.Texts()));
     for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, kDeclarationFile, notes)) {
       files.push_back(std::move(file));

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "canon/exports/clip_names.h"
 #include "canon/exports/written_set.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -23,14 +23,14 @@ std::string YamlNumbers(const Vector3d& v) {
 
 /// In the form of configs/skeletons: names, tree, rest pose, mirror partners, synonyms, limits.
 std::string SkeletonText(const Skeleton& skeleton) {
-  std::string text = "name: " + YamlText(skeleton.name) + "\njoints:\n";
+  std::string text = "name: " + YamlQuoted(skeleton.name) + "\njoints:\n";
   for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
     const Joint& joint = skeleton.joints[j];
-    text += "  - {name: " + YamlText(joint.name);
-    if (joint.parent >= 0) text += ", parent: " + YamlText(skeleton.joints[joint.parent].name);
+    text += "  - {name: " + YamlQuoted(joint.name);
+    if (joint.parent >= 0) text += ", parent: " + YamlQuoted(skeleton.joints[joint.parent].name);
     text += ", rest_offset: " + YamlNumbers(joint.rest_offset);
     if (joint.mirror >= 0 && joint.mirror != static_cast<int>(j)) {
-      text += ", mirror: " + YamlText(skeleton.joints[joint.mirror].name);
+      text += ", mirror: " + YamlQuoted(skeleton.joints[joint.mirror].name);
     }
     text += ", radius: " + FormatDouble(joint.radius);
     if (joint.landmark) text += ", landmark: true";
@@ -61,7 +61,7 @@ std::string SplitsText(const ExportSet& set, const std::vector<WrittenClip>& cli
   std::string text;
   for (const Split& split : set.splits) {
     if (split.name == role_split) {
-      text += "    - {name: " + YamlText(split.name) + ", by: role}\n";
+      text += "    - {name: " + YamlQuoted(split.name) + ", by: role}\n";
       continue;
     }
     const auto persons = PersonsOfParts(PartOfEachClip(split, set.ids.size()), clips);
@@ -69,7 +69,7 @@ std::string SplitsText(const ExportSet& set, const std::vector<WrittenClip>& cli
       notes.push_back("split '" + split.name + "' is not by person: source.yaml cannot declare it");
       continue;
     }
-    text += "    - {name: " + YamlText(split.name) + ", by: person, absent: refuse";
+    text += "    - {name: " + YamlQuoted(split.name) + ", by: person, absent: refuse";
     for (const char* part : {"test", "validation"}) {
       const auto of_part = persons->find(part);
       if (of_part == persons->end()) continue;
@@ -89,7 +89,7 @@ std::string ClassesText(const ExportSet& set, const std::vector<WrittenClip>& cl
   });
   if (!labelled) return "  label_order: " + YamlList(set.labels) + "\n";
   std::string text = "  classes:\n";
-  for (const std::string& label : set.labels) text += "    - {name: " + YamlText(label) + "}\n";
+  for (const std::string& label : set.labels) text += "    - {name: " + YamlQuoted(label) + "}\n";
   return text;
 }
 
@@ -115,23 +115,15 @@ std::map<std::string, std::string> RolesOf(const std::vector<WrittenClip>& clips
 
 }  // namespace
 
-std::string YamlText(std::string_view text) {
-  std::string quoted = nlohmann::json(std::string(text)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  for (std::size_t at = quoted.find("${"); at != std::string::npos; at = quoted.find("${", at + 3)) {
-    quoted.insert(at, "$");
-  }
-  return quoted;
-}
-
 std::string YamlList(const std::vector<std::string>& texts) {
   std::string list;
-  for (const std::string& text : texts) list += (list.empty() ? "" : ", ") + YamlText(text);
+  for (const std::string& text : texts) list += (list.empty() ? "" : ", ") + YamlQuoted(text);
   return "[" + list + "]";
 }
 
 std::string YamlMap(const std::map<std::string, std::string>& texts) {
   std::string map;
-  for (const auto& [key, text] : texts) map += (map.empty() ? "" : ", ") + YamlText(key) + ": " + YamlText(text);
+  for (const auto& [key, text] : texts) map += (map.empty() ? "" : ", ") + YamlQuoted(key) + ": " + YamlQuoted(text);
   return "{" + map + "}";
 }
 
@@ -158,20 +150,20 @@ std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vect
                      (joints ? " --as joints\n" : "\n");
   text += declaration.joint_table ? "# `mocurate run source.yaml --to assemble` fits rotations to the joints.\n"
                                   : "#   mocurate run source.yaml --to assemble\n";
-  text += "name: " + YamlText(declaration.source + "_" + declaration.layout) + "\n";
-  text += "skeleton: " + YamlText(skeleton) + "\n";
-  text += "ingest:\n  path: .\n  source:\n    name: " + YamlText(declaration.source) + "\n";
+  text += "name: " + YamlQuoted(declaration.source + "_" + declaration.layout) + "\n";
+  text += "skeleton: " + YamlQuoted(skeleton) + "\n";
+  text += "ingest:\n  path: .\n  source:\n    name: " + YamlQuoted(declaration.source) + "\n";
   for (const auto& [option, value] : declaration.options) text += "    " + option + ": " + value + "\n";
-  text += "    skeleton: " + YamlText(skeleton) + "\n";
+  text += "    skeleton: " + YamlQuoted(skeleton) + "\n";
   const std::string licence = InCommon(clips, [](const WrittenClip& clip) { return clip.licence; });
-  if (!licence.empty()) text += "    licence: " + YamlText(licence) + "\n";
+  if (!licence.empty()) text += "    licence: " + YamlQuoted(licence) + "\n";
   if (const auto roles = RolesOf(clips); !roles.empty() && declaration.role_split.empty())
     text += "    roles: " + YamlMap(roles) + "\n";
   if (!set.checks.empty()) text += "    checks:\n";
   for (const auto& [code, rule] : set.checks) text += "      " + code + ": " + rule + "\n";
   if (!declaration.joint_table) text += "fitting:\n  method: none\n";
   text += "canon:\n  trim: {min_length: 0 s}\n  facing: {rule: none}\n";
-  text += "assemble:\n  recipe: " + YamlText("read from an export, layout " + declaration.layout) + "\n" +
+  text += "assemble:\n  recipe: " + YamlQuoted("read from an export, layout " + declaration.layout) + "\n" +
           ClassesText(set, clips) + SplitsText(set, clips, declaration.role_split, notes);
   files.push_back({name, std::move(text)});
   return files;

@@ -51,8 +51,7 @@ class OneRate {
   std::optional<FrameRate> rate_;
 };
 
-/// A text in YAML, always quoted; "${" stays as it is.
-std::string YamlText(std::string_view text);
+/// Texts in YAML, always quoted.
 std::string YamlList(const std::vector<std::string>& texts);
 std::string YamlMap(const std::map<std::string, std::string>& texts);
 

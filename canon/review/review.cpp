@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "canon/frames/facing.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/motion/fingerprint.h"
 #include "core/motion/operations.h"
@@ -291,23 +291,18 @@ Expected<Review> ReadReview(const std::filesystem::path& path) {
 }
 
 std::string ReviewText(const Review& review) {
-  const auto quoted = [](const std::string& text) {
-    std::string json = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    for (std::size_t at = json.find("${"); at != std::string::npos; at = json.find("${", at + 3)) json.insert(at, "$");
-    return json;  // $${ is read as ${
-  };
   std::string text =
-      "dataset: " + quoted(review.dataset) + "\ndecisions:" + (review.decisions.empty() ? " []" : "") + "\n";
+      "dataset: " + YamlQuoted(review.dataset) + "\ndecisions:" + (review.decisions.empty() ? " []" : "") + "\n";
   for (const Decision& decision : review.decisions) {
-    text += "  - clip: " + quoted(decision.clip) + "\n    content: " + quoted(decision.content) +
-            "\n    finding: " + quoted(decision.finding) +
-            (decision.other.empty() ? "" : "\n    other: " + quoted(decision.other)) +
+    text += "  - clip: " + YamlQuoted(decision.clip) + "\n    content: " + YamlQuoted(decision.content) +
+            "\n    finding: " + YamlQuoted(decision.finding) +
+            (decision.other.empty() ? "" : "\n    other: " + YamlQuoted(decision.other)) +
             "\n    decision: " + VerdictName(decision.verdict) + "\n";
-    if (decision.verdict == Verdict::kRelabel) text += "    label: " + quoted(decision.label) + "\n";
+    if (decision.verdict == Verdict::kRelabel) text += "    label: " + YamlQuoted(decision.label) + "\n";
     if (decision.verdict == Verdict::kCut) {
       text += "    begin: " + std::to_string(decision.begin) + "\n    end: " + std::to_string(decision.end) + "\n";
     }
-    if (!decision.note.empty()) text += "    note: " + quoted(decision.note) + "\n";
+    if (!decision.note.empty()) text += "    note: " + YamlQuoted(decision.note) + "\n";
   }
   return text;
 }

@@ -23,6 +23,8 @@ Character FirstCharacter(std::string_view text);
 
 /// "\xNN"
 std::string EscapedByte(char byte);
+/// Value of a hexadecimal digit; -1 for another character.
+int HexDigit(char digit);
 
 /// `text` with '_' for each control character and byte that is not UTF-8.
 std::string WithoutControls(std::string_view text);

@@ -1,5 +1,6 @@
 #include "core/base/config_parts.h"
 #include "core/base/file.h"
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/base/units.h"
 
@@ -8,29 +9,16 @@ namespace {
 
 using Kind = ConfigNode::Kind;
 
-/// A text as YAML that reads back as itself: plain where that is safe, else in double quotes. `unset`: with references.
+/// A text as YAML that reads back as itself: plain where that is safe, else in double quotes. `unset`: with a reference
+/// to a variable that is not set.
 std::string YamlText(const std::string& text, bool unset = false) {
   constexpr std::string_view kSafe = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/.+-";
-  constexpr std::string_view kDigits = "0123456789abcdef";
   const bool plain = !text.empty() && text.find_first_not_of(kSafe) == std::string::npos && text[0] != '-' &&
                      text != "null" && text != "Null" && text != "NULL" && !ParseDouble(text);
   if (plain) return text;
-  std::string quoted = "\"";
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (!unset && text.compare(i, 2, "${") == 0) quoted += '$';
-    if (byte == '"' || byte == '\\') {
-      quoted += '\\';
-      quoted += text[i];
-    } else if (byte < 0x20 || byte == 0x7F) {
-      quoted += "\\x";
-      quoted += kDigits[byte >> 4];
-      quoted += kDigits[byte & 15];
-    } else {
-      quoted += text[i];
-    }
-  }
-  return quoted + "\"";
+  std::string quoted = YamlQuoted(text);
+  for (std::size_t at = 0; unset && (at = quoted.find("$${", at)) != std::string::npos;) quoted.erase(at, 1);
+  return quoted;
 }
 
 /// Writes options as YAML, one line per value.

@@ -1,5 +1,6 @@
 #include "core/base/table_text.h"
 
+#include "core/base/characters.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 
@@ -52,6 +53,24 @@ std::optional<std::vector<std::string>> CellsOfCsvLine(std::string_view line) {
   if (quoted) return std::nullopt;
   for (std::string& cell : cells) cell = TextOfCsvCell(Trim(cell));
   return cells;
+}
+
+std::string YamlQuoted(std::string_view text) {
+  std::string quoted = "\"";
+  while (!text.empty()) {
+    const Character character = FirstCharacter(text);
+    if (text.substr(0, 2) == "${") quoted += '$';
+    if (character.kind == CharacterKind::kNotUtf8) {
+      quoted += "\xEF\xBF\xBD";
+    } else if (character.kind == CharacterKind::kControl && character.bytes == 1) {
+      quoted += EscapedByte(text[0]);
+    } else {
+      if (text[0] == '"' || text[0] == '\\') quoted += '\\';
+      quoted += text.substr(0, character.bytes);
+    }
+    text.remove_prefix(character.bytes);
+  }
+  return quoted + "\"";
 }
 
 std::string MarkdownText(std::string_view text) {

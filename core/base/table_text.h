@@ -17,6 +17,10 @@ std::string TextOfCsvCell(std::string_view cell);
 /// Texts of a line: those in quotes may hold commas, "" in them is a quote. Nothing where a quote is left open.
 std::optional<std::vector<std::string>> CellsOfCsvLine(std::string_view line);
 
+/// A text in double quotes that YAML reads back as itself: "${" is no reference, bytes that are not UTF-8 become
+/// U+FFFD.
+std::string YamlQuoted(std::string_view text);
+
 /// A text in one line of Markdown, with markup and HTML escaped.
 std::string MarkdownText(std::string_view text);
 

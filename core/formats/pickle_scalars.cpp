@@ -2,19 +2,13 @@
 
 #include <cstring>
 
+#include "core/base/characters.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/pickle_machine.h"
 
 namespace mocurate {
 namespace {
-
-int HexDigit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
 
 /// `count` hexadecimal digits at `at`; empty when they are not there.
 std::optional<std::uint32_t> Hex(std::string_view text, std::size_t at, std::size_t count) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "core/base/characters.h"
+#include "core/base/file.h"
 #include "core/base/json_text.h"
 
 namespace mocurate {
@@ -13,51 +15,29 @@ using nlohmann::json;
 constexpr std::size_t kHeader = 4;
 constexpr std::uint32_t kLargestMessage = 1u << 28;
 
-/// Length of the UTF-8 sequence at `at`, 0 when the bytes there are not UTF-8 (overlong forms and surrogates are not).
-std::size_t SequenceLength(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[at + i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || at + length > text.size()) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-  }
-  const unsigned char second = byte(1);
-  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F)) return 0;
-  if ((first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F)) return 0;
-  return length;
-}
-
 std::string Escape(std::string_view bytes) {
   constexpr char kDigits[] = "0123456789ABCDEF";
   std::string text;
   text.reserve(bytes.size());
-  for (std::size_t i = 0; i < bytes.size();) {
-    const std::size_t length = bytes[i] == '%' ? 0 : SequenceLength(bytes, i);
-    if (length > 0) {
-      text.append(bytes.substr(i, length));
-      i += length;
-      continue;
+  while (!bytes.empty()) {
+    const Character character = FirstCharacter(bytes);
+    if (bytes[0] == '%' || character.kind == CharacterKind::kNotUtf8) {
+      const auto byte = static_cast<unsigned char>(bytes[0]);
+      text += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+    } else {
+      text += bytes.substr(0, character.bytes);
     }
-    const auto byte = static_cast<unsigned char>(bytes[i++]);
-    text += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+    bytes.remove_prefix(character.bytes);
   }
   return text;
-}
-
-int DigitValue(char digit) {
-  if (digit >= '0' && digit <= '9') return digit - '0';
-  if (digit >= 'A' && digit <= 'F') return digit - 'A' + 10;
-  return -1;
 }
 
 std::string Unescape(std::string_view text) {
   std::string bytes;
   bytes.reserve(text.size());
   for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '%' && i + 2 < text.size() && DigitValue(text[i + 1]) >= 0 && DigitValue(text[i + 2]) >= 0) {
-      bytes += static_cast<char>(DigitValue(text[i + 1]) * 16 + DigitValue(text[i + 2]));
+    if (text[i] == '%' && i + 2 < text.size() && HexDigit(text[i + 1]) >= 0 && HexDigit(text[i + 2]) >= 0) {
+      bytes += static_cast<char>(HexDigit(text[i + 1]) * 16 + HexDigit(text[i + 2]));
       i += 2;
     } else {
       bytes += text[i];
@@ -83,14 +63,7 @@ json WithStrings(const json& value, const Change& change) {
   return value;
 }
 
-bool IsPlain(std::string_view text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = text[i] == '%' ? 0 : SequenceLength(text, i);
-    if (length == 0) return false;
-    i += length;
-  }
-  return true;
-}
+bool IsPlain(std::string_view text) { return text.find('%') == std::string_view::npos && !FirstNotUtf8(text); }
 
 /// Whether no string or key needs an escape. A request may have 100,000 inputs, which are not copied then.
 bool IsPlain(const json& value) {

@@ -6,15 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "ingest/inspect/clip_consensus.h"
 #include "ingest/inspect/source_declaration.h"
 #include "ingest/options.h"
 
 namespace mocurate {
-
-/// A text as YAML.
-std::string Quoted(const std::string& text);
 
 /// Lines of ingest.source, each value with a comment that says where it comes from.
 class DeclarationWriter {
@@ -53,7 +51,7 @@ class DeclarationWriter {
   /// What must be declared and is not known.
   void Unknown(const std::string& key, const std::string& why) {
     out_.unknown.push_back(key);
-    Value(key, Quoted(std::string(kFillIn) + ": nothing in the files tells it"), "unknown: " + why);
+    Value(key, YamlQuoted(std::string(kFillIn) + ": nothing in the files tells it"), "unknown: " + why);
   }
   void UnknownList(const std::string& key, const std::string& why) {
     out_.unknown.push_back(key);
@@ -68,7 +66,7 @@ class DeclarationWriter {
       const bool plain = !texts[i].empty() && texts[i] == Trim(texts[i]) && texts[i][0] != '-' && texts[i][0] != '?' &&
                          texts[i].find_first_of(",[]{}#&*!|>'\"%@`\\$") == std::string::npos &&
                          (texts[i] + " ").find(": ") == std::string::npos;
-      const std::string word = (plain ? texts[i] : Quoted(texts[i])) + (i + 1 < texts.size() ? "," : "]");
+      const std::string word = (plain ? texts[i] : YamlQuoted(texts[i])) + (i + 1 < texts.size() ? "," : "]");
       if (line.size() + word.size() + 1 > kTextWidth) {
         Line(line);
         line = "            ";

@@ -92,12 +92,13 @@ void WriteNames(const ClipConsensus& source, const std::string& format, const st
   }
   if (format == "humanact12_pickle" || format == "uestc") {
     const bool uestc = format == "uestc";
-    writer.Value("container", Quoted(names.front()), "declared by the file: all clips are in it");
-    writer.Value("files", Quoted(uestc ? "a{action}_d{view}_p{person:3}_c{side}_color.avi" : "c{clip:4}_y{action:2}"),
+    writer.Value("container", YamlQuoted(names.front()), "declared by the file: all clips are in it");
+    writer.Value("files",
+                 YamlQuoted(uestc ? "a{action}_d{view}_p{person:3}_c{side}_color.avi" : "c{clip:4}_y{action:2}"),
                  "declared by the format");
-    writer.Value("person", Quoted(uestc ? "p{person}" : "unknown"),
+    writer.Value("person", YamlQuoted(uestc ? "p{person}" : "unknown"),
                  uestc ? "" : "unknown: the file does not declare it");
-    writer.Value("label", Quoted(uestc ? "" : "{action}"), "declared by the format");
+    writer.Value("label", YamlQuoted(uestc ? "" : "{action}"), "declared by the format");
     return;
   }
   if (format == "ntu_skeleton") return WriteNtuNames(source, writer);
@@ -121,30 +122,30 @@ void WriteNames(const ClipConsensus& source, const std::string& format, const st
   if (!narrow && !taken.empty())
     writer.Comment("`files` also matches files of another source, e.g. " + taken +
                    ": narrow the pattern, or move those files away.");
-  writer.Value("files", Quoted(root.prefix + guessed.pattern),
+  writer.Value("files", YamlQuoted(root.prefix + guessed.pattern),
                narrow ? "the name of one file: a pattern would also match files of another source, e.g. " + taken
                : guessed.common ? "guessed from " + std::to_string(names.size()) + " names: check the fields"
                                 : "the names have no common pattern");
   if (skeletons) {
-    writer.Value("skeleton_files", Quoted(*skeletons), "found beside the motions");
+    writer.Value("skeleton_files", YamlQuoted(*skeletons), "found beside the motions");
   } else if (format == "asf_amc") {
     writer.Unknown("skeleton_files", "no .asf beside the motions begins like the name of a motion");
   }
   const bool person = guessed.Has("person");
-  writer.Value("person", Quoted(person ? "{person}" : "unknown"),
+  writer.Value("person", YamlQuoted(person ? "{person}" : "unknown"),
                !person     ? "unknown: use the field that names the performer, where the file names have one"
                : skeletons ? "guessed: the person of the skeleton file"
                            : "guessed from the names");
   const bool action = guessed.Has("action");
   writer.Value(
-      "label", Quoted(action ? "{action}" : ""),
+      "label", YamlQuoted(action ? "{action}" : ""),
       action ? "guessed from the names; `labels: {a01: wave}` renames" : "unknown: the names do not declare it");
   if (format != "depth_sequence") return;
   const Expected<std::string> depth_files = EstimateDepthFiles(below, names, guessed.pattern);
   if (!depth_files)
     writer.Unknown("depth_files", depth_files.error().what);
   else
-    writer.Value("depth_files", Quoted(root.prefix + *depth_files), "guessed from the names of the images");
+    writer.Value("depth_files", YamlQuoted(root.prefix + *depth_files), "guessed from the names of the images");
 }
 
 }  // namespace mocurate

@@ -129,7 +129,7 @@ void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& 
   if (pattern.empty()) {
     writer.Unknown("files", "no name of a depth image holds that of a camera");
   } else {
-    writer.Value("files", Quoted(pattern),
+    writer.Value("files", YamlQuoted(pattern),
                  "guessed from the names of " + std::to_string(images.size()) +
                      " depth images: files that differ in {camera} and {frame} alone are one clip");
   }
@@ -138,11 +138,11 @@ void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& 
     if (name.find("mask") != std::string::npos || name.find("Mask") != std::string::npos) masks.push_back(name);
   }
   if (const std::string mask = EstimateImages(masks, cameras, "camera"); !mask.empty()) {
-    writer.Value("mask_files", Quoted(mask), "guessed from the names: images that are called masks");
+    writer.Value("mask_files", YamlQuoted(mask), "guessed from the names: images that are called masks");
   }
-  writer.Value("recording", Quoted("recording"), "a choice: all files are one recording");
-  writer.Value("person", Quoted("unknown"), "unknown: write who performs");
-  writer.Value("label", Quoted(""), "unknown: the names do not declare it");
+  writer.Value("recording", YamlQuoted("recording"), "a choice: all files are one recording");
+  writer.Value("person", YamlQuoted("unknown"), "unknown: write who performs");
+  writer.Value("label", YamlQuoted(""), "unknown: the names do not declare it");
   writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
   writer.Value("licence", "\"\"", "unknown: no file declares it");
   WriteCalibration(inspection, path, writer);

@@ -17,10 +17,10 @@ std::optional<FramePattern> WriteFrames(const std::vector<std::string>& names, b
   std::optional<FramePattern> guessed = EstimateFramePattern(names, views);
   if (guessed && views && guessed->pattern.find("{camera}") == std::string::npos) guessed.reset();
   if (guessed) {
-    writer.Value("files", Quoted(prefix + guessed->pattern),
+    writer.Value("files", YamlQuoted(prefix + guessed->pattern),
                  "guessed from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
                      " folders: files that differ in {camera} and {frame} alone are one clip");
-    writer.Value("recording", Quoted(guessed->recording ? "{recording}" : "recording"),
+    writer.Value("recording", YamlQuoted(guessed->recording ? "{recording}" : "recording"),
                  guessed->recording ? "guessed: the folder" : "a choice: all files are one recording");
   } else {
     writer.Unknown("files", views ? "the names of the files have no form in common that tells the camera"
@@ -79,21 +79,11 @@ void WriteCalibration(const Inspection& inspection, const std::filesystem::path&
     writer.Value("units", *first.units.value, "measured: " + first.units.evidence);
   }
   if (const auto axes = AxesFrom(first.up.value.value_or(""), true)) {
-    writer.Value("axes", Quoted(*axes),
+    writer.Value("axes", YamlQuoted(*axes),
                  "up from the cameras: " + first.up.evidence + "; which way is front is a choice");
   } else {
     writer.Unknown("axes", "the cameras do not agree which way is up");
   }
-}
-
-std::string Quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text.compare(i, 2, "${") == 0) quoted += '$';  // of a file's name: no reference
-    if (text[i] == '"' || text[i] == '\\') quoted += '\\';
-    quoted += text[i];
-  }
-  return quoted + "\"";
 }
 
 std::optional<std::string> AxesFrom(const std::string& up, bool right) {
@@ -120,16 +110,16 @@ void WriteGathered(const ClipConsensus& source, const Inspection& inspection, co
   const std::string depth =
       guessed && views ? EstimateDepthBeside(inspection, path, guessed->recording) : std::string();
   if (!depth.empty()) {
-    writer.Value("depth_files", Quoted(prefix + depth), "guessed from the names: depth cameras beside the others");
+    writer.Value("depth_files", YamlQuoted(prefix + depth), "guessed from the names: depth cameras beside the others");
     writer.Value("depth_unit", "1 mm", "a choice: images do not declare it; most sensors write millimetres");
   }
   const int most = source.Ask(&InspectedClip::people).value.value_or(1);
-  writer.Value("person", Quoted("p{body}"), "unknown who it is; {body} tells several people of a recording apart");
+  writer.Value("person", YamlQuoted("p{body}"), "unknown who it is; {body} tells several people of a recording apart");
   writer.Value("subjects", views ? "1" : std::to_string(std::max(1, most)),
                views
                    ? "a choice: in most files up to " + std::to_string(most) + " people are seen, bystanders among them"
                    : "measured: most bodies in a file");
-  writer.Value("label", Quoted(""), "unknown: the names do not declare it");
+  writer.Value("label", YamlQuoted(""), "unknown: the names do not declare it");
   if (!views) return;
   WriteCalibration(inspection, prefix.empty() ? path : path.parent_path(), writer);
   const Vote<std::string> layout = source.Ask(&InspectedClip::skeleton);
@@ -142,8 +132,8 @@ void WriteClouds(const Inspection& inspection, DeclarationWriter& writer) {
   std::vector<std::string> names;
   for (const auto& [folder, file] : first) names.push_back(file);
   WriteFrames(names, false, "", writer);
-  writer.Value("person", Quoted("unknown"), "unknown: write who performs");
-  writer.Value("label", Quoted(""), "unknown: the names do not declare it");
+  writer.Value("person", YamlQuoted("unknown"), "unknown: write who performs");
+  writer.Value("label", YamlQuoted(""), "unknown: the names do not declare it");
   writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
   writer.Value("licence", "\"\"", "unknown: no file declares it");
   const Reported<std::string>& units = inspection.clouds.front().units;

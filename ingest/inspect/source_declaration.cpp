@@ -42,14 +42,14 @@ void WriteAxes(const ClipConsensus& source, DeclarationWriter& writer) {
   const Vote<std::string> up = source.Ask(&InspectedClip::up);
   const Vote<std::string> hand = source.Ask(&InspectedClip::handedness);
   if (axes.value && axes.share >= kFacingHabit && axes.voters >= kFewestVoters) {
-    writer.Value("axes", Quoted(*axes.value), axes.comment);
+    writer.Value("axes", YamlQuoted(*axes.value), axes.comment);
     return;
   }
   const bool known = up.value && hand.value && std::min(up.voters, hand.voters) >= kFewestVoters;
   if (const auto turned = known ? AxesFrom(*up.value, hand.value == "right") : std::nullopt) {
     writer.Comment("Up: " + up.comment + ".");
     writer.Comment("Handedness: " + hand.comment + ".");
-    writer.Value("axes", Quoted(*turned), "people face no one way: which way is front is a choice");
+    writer.Value("axes", YamlQuoted(*turned), "people face no one way: which way is front is a choice");
     return;
   }
   const auto stated = [](const Vote<std::string>& vote) {
@@ -64,7 +64,7 @@ void WriteUnits(const ClipConsensus& source, const std::string& format, Declarat
   if (unit != UnitOf::kDeclaration) return writer.Line("    # units: metres, declared by the format");
   const Vote<std::string> units = source.Ask(&InspectedClip::units);
   if (!units.value) return writer.Unknown("units", units.comment);
-  writer.Value("units", Quoted(*units.value), units.comment);
+  writer.Value("units", YamlQuoted(*units.value), units.comment);
 }
 
 /// The usual rate that a measured one is near to.
@@ -157,7 +157,7 @@ void WriteSkeleton(const ClipConsensus& source, const std::string& format, Decla
   if (format == "bvh" || format == "asf_amc") {
     const std::string known = SkeletonOfRotations(source, format);
     return writer.Value(
-        "skeleton", Quoted(known),
+        "skeleton", YamlQuoted(known),
         known.empty() ? "the files' own tree: its joints are those of no known skeleton" : skeleton.comment);
   }
   if (IsSmpl(format)) return writer.Value("skeleton", "smpl24", "declared by the format: its rotations are SMPL's");
@@ -168,7 +168,7 @@ void WriteSkeleton(const ClipConsensus& source, const std::string& format, Decla
     return;
   }
   if (LoadSkeleton(*skeleton.value)) {
-    writer.Value("skeleton", Quoted(*skeleton.value), skeleton.comment);
+    writer.Value("skeleton", YamlQuoted(*skeleton.value), skeleton.comment);
   } else {
     writer.Unknown("skeleton", "the order is " + *skeleton.value + "'s, of which there is no tree");
   }
@@ -196,7 +196,7 @@ void WriteTable(const ClipConsensus& source, DeclarationWriter& writer) {
     const auto [text, clip] = UsualFact(source, option);
     if (clip == nullptr) continue;
     const bool layout = option == std::string("layout");
-    writer.Measured(option, layout ? Quoted(text) : "[" + text + "]", clip->frames.evidence,
+    writer.Measured(option, layout ? YamlQuoted(text) : "[" + text + "]", clip->frames.evidence,
                     text.find(kFillIn) != std::string::npos
                         ? "`frame` where the column counts frames, or its unit where it is a clock: "
                           "time_s, time_ms, time_us, time_100ns, time_ns; the findings have its steps"
@@ -229,7 +229,7 @@ void WriteAnnotations(const ClipConsensus& source, const Inspection& inspection,
   for (const RawCompanion& companion : inspection.companions) {
     if (companion.format != "babel") continue;
     files.push_back(companion.file);
-    list += (list.empty() ? "" : ", ") + Quoted(files.back());
+    list += (list.empty() ? "" : ", ") + YamlQuoted(files.back());
   }
   if (files.empty()) return writer.Comment("annotations: no file of BABEL's lies in the folder, clips have no labels");
   Expected<BabelIndex> babel = BabelIndex::Read(folder, files);
@@ -262,9 +262,9 @@ void WriteHead(const std::string& what, DeclarationWriter& writer) {
 void WriteSource(const std::filesystem::path& path, const std::string& name, const std::string& format,
                  DeclarationWriter& writer) {
   writer.Line("ingest:");
-  writer.Line("  path: " + Quoted(DisplayPath(path)));
+  writer.Line("  path: " + YamlQuoted(DisplayPath(path)));
   writer.Line("  source:");
-  writer.Value("name", Quoted(name), "a choice: the first part of every clip's id");
+  writer.Value("name", YamlQuoted(name), "a choice: the first part of every clip's id");
   writer.Value("format", format, "declared by the file");
 }
 
