@@ -21,9 +21,6 @@ ConfigNode ParseYaml(const ConfigSource& source, bool need_mapping, ProblemList&
 /// Mappings are merged key by key; anything else of `upper` takes the place of `lower`.
 void Merge(ConfigNode& lower, ConfigNode upper);
 
-/// Applies "a.b.0.c=YAML" to the tree.
-void Assign(ConfigNode& root, const std::string& assignment, ProblemList& problems);
-
 /// Replaces `${...}` in every scalar.
 void ResolveReferences(ConfigNode& root, UnsetVariables unset, ProblemList& problems);
 

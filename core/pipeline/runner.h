@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/pipeline/item_options.h"
-#include "core/pipeline/item_summary.h"
+#include "core/pipeline/item_values.h"
 #include "core/pipeline/path_text.h"
 #include "core/pipeline/stage.h"
 

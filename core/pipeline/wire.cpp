@@ -104,6 +104,22 @@ std::vector<StageInput> ReadInputs(const json& list) {
 
 }  // namespace
 
+std::string_view Name(OutcomeKind kind) {
+  switch (kind) {
+    case OutcomeKind::kDone:
+      return "done";
+    case OutcomeKind::kSuspect:
+      return "suspect";
+    case OutcomeKind::kExcluded:
+      return "excluded";
+    case OutcomeKind::kRefused:
+      return "refused";
+    case OutcomeKind::kCrashed:
+      return "crashed";
+  }
+  return "crashed";
+}
+
 std::string CanonicalText(const json& value) {
   return IsPlain(value) ? value.dump() : WithStrings(value, Escape).dump();
 }

@@ -75,5 +75,12 @@ bool HasStoredRotations(const std::filesystem::path& path);
 
 /// What a file is and holds, as JSON: schema, skeleton, counts, fields with shape, type and unit.
 Expected<nlohmann::json> DescribeStore(const std::filesystem::path& path);
+/// The result of DescribeStore as a few lines of text.
+std::string StoreText(const nlohmann::json& description);
+
+/// Lines of these texts: "  name        text" (none for an empty text), and "9: a (12), b (3) and 7 more" of names with
+/// their counts.
+std::string DescriptionLine(const std::string& name, const std::string& text);
+std::string TallyText(const nlohmann::json& tally);
 
 }  // namespace mocurate

@@ -9,7 +9,6 @@
 #include "core/base/text.h"
 #include "core/pipeline/journal.h"
 #include "core/pipeline/lock.h"
-#include "core/store/describe_text.h"
 #include "core/store/store.h"
 #include "ingest/discover.h"
 #include "job/clip_counts.h"
