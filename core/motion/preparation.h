@@ -30,24 +30,12 @@ Window DrawWindow(int frame_count, int length, LastStart last_start, Random& ran
 /// `centre_clip` (the loader's rule, A.1).
 std::vector<double> PrepareWindow(const JointPositions& joints, const Window& window, int length, bool centre_clip);
 
-/// ACTOR's frame sampling (a2m_actor.md A.7).
-struct ActorSampling {
-  enum class Kind { kConsecutive, kRandomConsecutive, kRandom };
-  Kind kind = Kind::kConsecutive;
-  int step = 1;         ///< -1: as large as fits
-  int num_frames = 60;  ///< -1: all; -2: drawn between min_len and max_len
-  int min_len = 60;
-  int max_len = -1;  ///< -1: no bound
-};
-
 /// Returns a whole number in [low, high], both included.
 using DrawInteger = std::function<std::int64_t(std::int64_t low, std::int64_t high)>;
 
-/// Indices of the chosen frames; a clip shorter than the sample repeats its last frame. Draws in this order: number of
-/// frames (num_frames -2), step (kRandomConsecutive), shift; for kRandom the i-th draw is in [i, frame_count-1] and
-/// picks a frame not yet taken (given in ascending order, the draws are the frames). Error kUsage for a clip without
-/// frames, a step or number of frames outside the rules, or a draw outside its range.
-Expected<std::vector<int>> SampleFrames(const ActorSampling& sampling, int frame_count, const DrawInteger& draw);
-Expected<std::vector<int>> SampleFrames(const ActorSampling& sampling, int frame_count, Random& random);
+/// ACTOR's consecutive frames of a clip (a2m_actor.md A.7): first their number in [`shortest`, `longest`] is drawn,
+/// then where they begin. A clip shorter than that repeats its last frame. `frame_count` and `shortest` at least 1.
+std::vector<int> SampleFrames(int shortest, int longest, int frame_count, const DrawInteger& draw);
+std::vector<int> SampleFrames(int shortest, int longest, int frame_count, Random& random);
 
 }  // namespace mocurate

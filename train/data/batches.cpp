@@ -94,13 +94,7 @@ std::vector<int> WindowFrames(int frame_count, const TrainingDataOptions& option
     std::iota(whole.begin(), whole.end(), 0);
     return whole;
   }
-  if (options.longest_frames > 0) {
-    ActorSampling sampling;
-    sampling.num_frames = -2;
-    sampling.min_len = T;
-    sampling.max_len = static_cast<int>(options.longest_frames);
-    if (auto frames = SampleFrames(sampling, frame_count, random)) return *std::move(frames);
-  }
+  if (options.longest_frames > 0) return SampleFrames(T, static_cast<int>(options.longest_frames), frame_count, random);
   const LastStart last = options.include_last_start ? LastStart::kIncluded : LastStart::kExcluded;
   const int start = DrawWindow(frame_count, T, last, random).start;
   std::vector<int> frames;
