@@ -193,9 +193,7 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
     if (!size) return Forward(size);
     size_differs = *std::move(size);
   }
-  if (options.rules.on(FittingRule::kFlatBody)) {
-    if (Status body = CheckBody(*tracks, clip.id()); !body) return tl::unexpected<Error>(body.error());
-  }
+  if (Status body = CheckBody(*tracks, clip.id()); !body) return tl::unexpected<Error>(body.error());
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
   Expected<FitResult> fit = RepairAndFit(*tracks, clip.rate, bones, options.repair, options.joint_tracks);
   if (!fit) return fit;

@@ -56,7 +56,6 @@ const std::vector<std::string>& FittingRuleNames() {
       "unexplained_joints",
       "joints_beyond_limits",
       "size_differs",
-      "flat_body",
       "size_suspect",
   };
   return names;

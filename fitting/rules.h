@@ -66,7 +66,6 @@ enum class FittingRule {
   kUnexplainedJoints,
   kJointsBeyondLimits,
   kSizeDiffers,
-  kFlatBody,
   kSizeSuspect,
   kCount,  ///< number of rules
 };

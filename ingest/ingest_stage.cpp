@@ -7,7 +7,6 @@
 #include "core/store/store.h"
 #include "ingest/checks/clip_checks.h"
 #include "ingest/checks/fault_codes.h"
-#include "ingest/checks/frozen_views.h"
 #include "ingest/formats/driver.h"
 #include "ingest/gap_rule.h"
 #include "ingest/inspect/comparison.h"
@@ -262,12 +261,6 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   const bool checks = !source->checks.IgnoresAll();
   if (checks && !InvalidatesPoses(ingested->findings)) CheckBody(*source, *ingested);
   if (Status near = CheckExtent(ingested->clip, name); !near && !RefuseUnit(ingested->findings)) return Forward(near);
-  if (source->checks.ActionFor("frozen_view") != OnFinding::kIgnore) {
-    std::map<std::string, std::filesystem::path> images;
-    for (const StageInput& image : file.depth_files) images.emplace(image.name, image.path);
-    for (Finding& frozen : FindFrozenViews(ingested->clip.evidence, images))
-      ingested->findings.push_back(std::move(frozen));
-  }
   const std::optional<DroppedClip> dropped = checks ? CheckClip(*source, *named, *ingested) : std::nullopt;
   if (!facts.known_issue.empty()) {
     ingested->findings.push_back(FrameFinding("known_issue", 0, 0, "", 0.0, facts.known_issue));

@@ -217,11 +217,6 @@ Status CheckPng(std::string_view bytes, const std::string& name) {
   return ReadRows(reader, name, false, row);
 }
 
-bool IsBlankPng(std::string_view bytes) {
-  const Expected<PngImage> image = DecodePng(bytes, "");
-  return image && std::all_of(image->bytes.begin(), image->bytes.end(), [](std::uint8_t byte) { return byte == 0; });
-}
-
 Expected<std::string> EncodePng(const DepthImage& image) {
   const bool is_whole = image.width > 0 && image.height > 0 &&
                         image.values.size() == static_cast<std::size_t>(image.width) * image.height;

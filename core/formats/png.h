@@ -40,9 +40,6 @@ Expected<DepthImage> DecodeDepthPng(std::string_view bytes, const std::string& n
 /// pixels as the header declares. The image is not kept.
 Status CheckPng(std::string_view bytes, const std::string& name);
 
-/// Whether every sample of a complete PNG is 0. False for an incomplete PNG or another file.
-bool IsBlankPng(std::string_view bytes);
-
 /// A depth image as PNG of one 16-bit channel (rows filtered by the one above, deflate). Same image, same bytes with
 /// one version of libpng and zlib. Error kInconsistent: the count of values is not width times height, or that is 0.
 Expected<std::string> EncodePng(const DepthImage& image);

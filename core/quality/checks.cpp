@@ -4,9 +4,7 @@
 #include <map>
 #include <tuple>
 
-#include "core/quality/flat.h"
 #include "core/quality/rate.h"
-#include "core/quality/repeated_stretches.h"
 
 namespace mocurate {
 namespace {
@@ -73,7 +71,6 @@ std::vector<Finding> CheckPoints(const TrackedPoints& given, double rate_hz, con
   const TrackedPoints points{given.positions, confidence,         given.time_s, given.names,
                              given.parents,   given.rest_lengths, given.body};
   Append(FindRepeats(points, limits.repeats), findings);
-  Append(FindRepeatedStretches(points), findings);
   std::vector<Finding> no_body = FindNonRigidBody(points, limits.rigidity);
   if (no_body.empty() && limits.metres) {
     Append(FindPositionJumps(points, limits.position_jumps), findings);
@@ -81,7 +78,6 @@ std::vector<Finding> CheckPoints(const TrackedPoints& given, double rate_hz, con
     if (rate_hz > 0.0) Append(FindWrongRate(points, rate_hz), findings);
   }
   Append(std::move(no_body), findings);
-  Append(FindFlat(points), findings);
   return Fewer(std::move(findings), static_cast<std::size_t>(std::max(1, limits.most_per_code)));
 }
 

@@ -129,7 +129,7 @@ Status CheckBody(const SkeletonTracks& clip, const std::string& where) {
   }
   if (flat < kFewestFlatFrames || flat < kNearlyAlways * static_cast<double>(bodies)) return {};
   return Fail(ErrorCode::kInconsistent,
-              "flat_body: all joints lie in one plane (to " + RoundedText(Tenths(MeanMedian(thickness)), 3) +
+              "all joints lie in one plane (to " + RoundedText(Tenths(MeanMedian(thickness)), 3) +
                   " mm in the median) in " + std::to_string(flat) + " of " + Counted(bodies, "frame") +
                   ": 2-D points without depth are not joint tracks, as the pose across the plane is unknown",
               where, "give positions with their depth, or the 2-D points of two calibrated cameras (keypoints)");

@@ -18,7 +18,7 @@ std::vector<std::pair<std::string, OnFinding>> ActionsOf(Checked check) {
   std::vector<std::pair<std::string, OnFinding>> actions = {{"ignore", OnFinding::kIgnore},
                                                             {"report", OnFinding::kReport}};
   if (check == Checked::kSamples) actions.emplace_back("missing", OnFinding::kMissing);
-  if (check != Checked::kView) actions.emplace_back("drop", OnFinding::kDrop);
+  actions.emplace_back("drop", OnFinding::kDrop);
   if (check == Checked::kSamples || check == Checked::kClip)
     actions.emplace_back("drop_recorded", OnFinding::kDropRecorded);
   return actions;

@@ -3,9 +3,7 @@
 #include <algorithm>
 
 #include "core/base/text.h"
-#include "core/quality/axes_changes.h"
 #include "core/quality/checks.h"
-#include "core/quality/unit_changes.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/tree_points.h"
 
@@ -57,18 +55,6 @@ void CheckMotionless(const CheckOptions& options, int frames, std::vector<Findin
   findings.push_back(std::move(finding));
 }
 
-/// Confidences in which the frames of `findings` are missing.
-std::vector<double> Without(const std::vector<Finding>& findings, const TrackedPoints& points) {
-  std::vector<double> confidence = points.confidence;
-  if (findings.empty()) return confidence;
-  const auto wide = static_cast<std::ptrdiff_t>(points.count());
-  if (confidence.empty()) confidence.assign(static_cast<std::size_t>(points.frames() * wide), 1.0);
-  for (const Finding& finding : findings) {
-    std::fill(confidence.begin() + finding.frame_begin * wide, confidence.begin() + finding.frame_end * wide, 0.0);
-  }
-  return confidence;
-}
-
 /// By `frames_in_name`, both ends included; may be less than 1.
 std::optional<long long> DeclaredFrames(const SourceOptions& source, const NamedFile& named) {
   if (source.frames_in_name.empty()) return std::nullopt;
@@ -82,26 +68,12 @@ std::optional<long long> DeclaredFrames(const SourceOptions& source, const Named
 
 }  // namespace
 
-std::vector<Finding> FindFramesUnlikeOthers(const TrackedPoints& points) {
-  std::vector<Finding> found = FindUnitChanges(points);
-  const std::vector<double> confidence = Without(found, points);
-  const TrackedPoints alike{points.positions, confidence,          points.time_s, points.names,
-                            points.parents,   points.rest_lengths, points.body};
-  for (Finding& axes : FindAxesChanges(alike)) found.push_back(std::move(axes));
-  return found;
-}
-
 std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
                                  std::optional<double> rate_hz, bool metres, int lost_frames) {
   CheckLimits limits = LimitsOf(options);
   limits.position_jumps.lost_frames = lost_frames;
   limits.metres = metres;
-  std::vector<Finding> others = FindFramesUnlikeOthers(points);
-  const std::vector<double> confidence = Without(others, points);
-  const TrackedPoints alike{points.positions, confidence,          points.time_s, points.names,
-                            points.parents,   points.rest_lengths, points.body};
-  std::vector<Finding> findings = CheckPoints(alike, rate_hz.value_or(0.0), limits);
-  findings.insert(findings.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));
+  std::vector<Finding> findings = CheckPoints(points, rate_hz.value_or(0.0), limits);
   CheckMotionless(options, points.frames(), findings);
   if (points.frames() == 1) {
     Finding finding = FrameFinding("single_frame", 0, 0, "", 1.0, "the clip holds 1 frame: a pose, no motion");

@@ -35,9 +35,6 @@ struct DroppedClip {
   double threshold = 0.0;
 };
 
-/// Frames whose unit or axes are not those of the others: "units_change", "axes_change".
-std::vector<Finding> FindFramesUnlikeOthers(const TrackedPoints& points);
-
 /// What is wrong with points, as CheckPoints says, and "motionless_clip": the same for what is inspected and what is
 /// ingested. `metres`: unit and up are beyond doubt. Without a rate none is doubted. `lost_frames`: that the clip may
 /// lack between two of its own.

@@ -24,7 +24,6 @@ enum class Checked {
   kSamples,  ///< frames or a joint of a clip, which may be taken as missing
   kClip,     ///< a clip as a whole
   kClips,    ///< several clips: one of them may be dropped
-  kView,     ///< images of a camera: it is reported or ignored
 };
 
 /// One kind of finding that `inspect` and the stage `ingest` report.

@@ -34,12 +34,11 @@ long long FrameNames::Sequence::last() const {
   return broken.empty() ? files.rbegin()->first : std::max(files.rbegin()->first, broken.rbegin()->first);
 }
 
-std::optional<long long> FrameNames::Add(const std::string& name) {
+void FrameNames::Add(const std::string& name) {
   const auto numbered = Numbered(name);
-  if (!numbered) return std::nullopt;
+  if (!numbered) return;
   const auto [first, fresh] = sequences_[numbered->first].files.emplace(numbered->second, name);
   if (!fresh) twice_.emplace_back(name, first->second);
-  return numbered->second;
 }
 
 bool FrameNames::AddBroken(const std::string& name, const Error& error) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,8 +21,8 @@ class FrameNames {
     long long last() const;
   };
 
-  /// The frame's number; nothing for a name without one.
-  std::optional<long long> Add(const std::string& name);
+  /// A name without a number is skipped.
+  void Add(const std::string& name);
   /// False where no sequence has such names.
   bool AddBroken(const std::string& name, const Error& error);
   const std::map<std::string, Sequence>& sequences() const { return sequences_; }

@@ -7,8 +7,6 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
-#include "core/quality/axes_changes.h"
-#include "core/quality/checks.h"
 #include "ingest/inspect/length_units.h"
 
 namespace mocurate {
@@ -27,7 +25,6 @@ constexpr double kNearlyAlways = 0.95;  // score of feet that point one way
 constexpr int kFewKnees = 4;            // fewer say nothing, as of any part
 constexpr double kUnsureHands = 0.5;    // most of hands that reach both ways
 constexpr double kByFeet = 0.6;         // how sure feet make then
-constexpr double kManyTurned = 0.1;     // share of frames with other axes than the rest, that measures may hold
 constexpr double kTypicalSpeed = 0.45;  // m/s, of the joint that nine in ten do not outrun, people in action
 constexpr double kSpeedSpread = 3.0;    // factor by which their speed differs from it
 
@@ -262,19 +259,6 @@ HandednessMeasure HandednessOf(const RawClip& clip) {
   return measure;
 }
 
-/// Axes that are not the same throughout the clip: what is measured over all frames is of neither part.
-void CheckAxesChange(const RawClip& clip, ClipMeasures& m) {
-  const bool named = static_cast<int>(clip.names.size()) == clip.positions.joints;
-  const std::vector<double> times;
-  const TrackedPoints points{clip.positions, clip.confidence, times, named ? clip.names : std::vector<std::string>()};
-  const std::vector<Finding> changes = FindAxesChanges(points);
-  if (CoveredShare(changes, "axes_change", clip.positions.frames) < kManyTurned) return;
-  const Finding& first = changes.front();
-  const int frame = first.frame_begin > 0 ? first.frame_begin : first.frame_end;
-  for (Measured* measured : {&m.up, &m.handedness, &m.facing, &m.axes})
-    *measured = {"", 0.0, "the axes of the body change at frame " + std::to_string(frame)};
-}
-
 }  // namespace
 
 ClipMeasures Measure(const RawClip& clip) {
@@ -311,7 +295,6 @@ ClipMeasures Measure(const RawClip& clip) {
     m.handedness.value = *handedness.handedness == Handedness::kRight ? "right" : "left";
   }
   MeasureFacing(body, m);
-  CheckAxesChange(clip, m);
   const Expected<double> metres = MetresPerUnit(m.units.value);
   if (metres && !clip.rate_hz) m.rate = StepEvidence(clip, *metres);
   return m;

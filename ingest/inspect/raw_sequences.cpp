@@ -2,7 +2,6 @@
 
 #include "core/formats/opencv_storage.h"
 #include "core/formats/png.h"
-#include "ingest/checks/frozen_views.h"
 #include "ingest/checks/keypoint_checks.h"
 #include "ingest/inspect/file_names.h"
 #include "ingest/inspect/keypoint_layout_estimate.h"
@@ -10,25 +9,7 @@
 #include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
-namespace {
-
-constexpr long long kMostNumbers = 1'000'000;  // from the first frame's to the last's
-
-/// The numbers of the people as bytes; empty where no person is observed.
-std::string TraceOf(const std::vector<OpenPosePerson>& people) {
-  std::string text;
-  bool seen = false;
-  for (const OpenPosePerson& person : people) {
-    for (const DetectedKeypoint& point : person.pose) {
-      seen = seen || point.detected();
-      const double numbers[] = {point.u_px, point.v_px, point.confidence};
-      text.append(reinterpret_cast<const char*>(numbers), sizeof(numbers));
-    }
-  }
-  return seen ? text : "";
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Status RawSequences::AddOpenPose(const FileBytes& file) {
   Expected<OpenPoseFrame> frame = ParseOpenPose(file.bytes, file.name);
@@ -36,8 +17,7 @@ Status RawSequences::AddOpenPose(const FileBytes& file) {
   Folder& folder = folders_[FolderOf(file.name)];
   folder.unsure.Add(frame->uncertain_points, file.name);
   folder.not_finite.Add(frame->not_finite, file.name);
-  const std::optional<long long> number = folder.frames.Add(file.name);
-  if (number) folder.traces.emplace(*number, TraceOf(frame->people));
+  folder.frames.Add(file.name);
   folder.keypoints.push_back(std::move(*frame));
   folder.keypoint_files.push_back(file.name);
   return {};
@@ -65,26 +45,6 @@ std::vector<const FrameNames*> RawSequences::FramesBeside(const std::string& nam
       beside.push_back(&folder.frames);
   }
   return beside;
-}
-
-std::map<std::string, std::vector<Finding>> RawSequences::FrozenFolders() const {
-  std::map<std::string, std::vector<ViewTrace>> recordings;
-  for (const auto& [name, folder] : folders_) {
-    if (folder.traces.empty() || folder.frames.sequences().size() != 1) continue;
-    ViewTrace view{name, {}};
-    const long long first = folder.traces.begin()->first;
-    for (const auto& [number, text] : folder.traces) {
-      if (number - first >= kMostNumbers) break;  // numbers that count no frames
-      view.frames.resize(static_cast<std::size_t>(number - first) + 1);
-      view.frames.back() = text;
-    }
-    recordings[FolderOf(name) + ' ' + std::to_string(first)].push_back(std::move(view));
-  }
-  std::map<std::string, std::vector<Finding>> frozen;
-  for (const auto& [recording, views] : recordings) {
-    for (const FrozenView& view : FindFrozenViews(views)) frozen[view.camera].push_back(view.Report());
-  }
-  return frozen;
 }
 
 std::map<std::string, std::vector<Finding>> RawSequences::ApartFolders() const {
@@ -145,10 +105,9 @@ std::map<std::string, RawFile> RawSequences::Finish(bool of_folder) const {
     }
   }
   std::map<std::string, RawFile> files;
-  std::map<std::string, std::vector<Finding>> frozen = FrozenFolders(), apart = ApartFolders();
+  std::map<std::string, std::vector<Finding>> apart = ApartFolders();
   for (const auto& [name, folder] : folders_) {
     RawFile file;
-    for (const Finding& finding : frozen[name]) file.remarks.push_back(finding);
     for (const Finding& finding : apart[name]) file.remarks.push_back(finding);
     if (!folder.keypoints.empty()) {
       file.clips.push_back(ReadRawKeypoints(folder.keypoints, everybody[FolderOf(name)]));

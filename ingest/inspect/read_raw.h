@@ -97,13 +97,10 @@ class RawSequences {
     PointsOfFiles unsure, not_finite;         ///< of the keypoints
     std::vector<PanopticBodies> scenes;
     FrameNames frames;
-    std::map<long long, std::string> traces;                    ///< of keypoints, by number of the frame
     std::vector<std::pair<std::string, std::string>> storages;  ///< name, bytes
     std::vector<std::pair<std::string, std::string>> beside;
     std::map<std::string, RawCompanion> images;  ///< by what is equal in them
   };
-  /// "frozen_view" by folder, of cameras side by side.
-  std::map<std::string, std::vector<Finding>> FrozenFolders() const;
   /// "view_numbering" by folder, of cameras side by side, or in one folder.
   std::map<std::string, std::vector<Finding>> ApartFolders() const;
   std::vector<const FrameNames*> FramesBeside(const std::string& name) const;

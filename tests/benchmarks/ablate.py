@@ -155,7 +155,7 @@ UNMEASURED = {
     "given_uncertainty": "a motion fitted again",
     "implausible_body": "findings of a clip", "unexplained_joints": "findings of a clip",
     "joints_beyond_limits": "findings of a clip", "size_differs": "findings and refusals of a clip",
-    "flat_body": "refusals of a clip", "size_suspect": "findings of a clip",
+    "size_suspect": "findings of a clip",
 }
 
 ERRORS = ["joint_mm", "median_mm", "camera_mm"]  # the first that a line has is its error

@@ -242,23 +242,6 @@ TEST(ClipChecks, ReportAPositionJumpAndMarkItMissingOnRequest) {
   EXPECT_DOUBLE_EQ(missing.outcome->summary["missing_share"].get<double>(), 5.0 / 40.0);
 }
 
-TEST(ClipChecks, ReportARepeatedStretchInRunAndInspect) {
-  const IngestOptions options = Swaying("section", [](int f, int j, Vector3d& place) {
-    const int from = f >= 24 && f < 34 ? f - 20 : f;
-    place = Vector3d(place.x(), place.y() + std::fmod(7.7 * from * (j + 3), 9.0), 2500.0 + 2.0 * from + j);
-    place.x() += 80.0 * (std::sin(0.2 * from + 0.1 * j) - std::sin(0.2 * f + 0.1 * j));
-  });
-  const Ingested ingested = OnlyClip(options, "section");
-  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
-  ASSERT_EQ(ingested.outcome->findings.size(), 1u);
-  EXPECT_EQ(ingested.outcome->findings[0].code, "repeated_stretch");
-  EXPECT_EQ(ingested.outcome->findings[0].frame_begin, 24);
-  EXPECT_EQ(ingested.outcome->findings[0].value, 10.0);
-  EXPECT_EQ(ingested.outcome->findings[0].action, FindingAction::kFlagged);
-  EXPECT_THAT(Places(InspectPath(options.path, options.source), "warning"),
-              ElementsAre("repeated_stretch a01_s01_e01_realworld.txt frames 24-34"));
-}
-
 TEST(ClipChecks, ExcludeDroppedClipsWithValueAndLimit) {
   IngestOptions options = Swaying("swap", [](int, int, Vector3d&) {});
   EXPECT_TRUE(OnlyClip(options, "sound").outcome->findings.empty());

@@ -127,8 +127,7 @@ TEST(DeclaredOptions, RejectActionsThatACheckDoesNotSupport) {
     return node ? OptionsFromConfig<CheckOptions>(*node) : Forward(node);
   };
   EXPECT_TRUE(read("repeated_value: {action: missing}\nposition_jump: {action: drop}\nduplicate: {action: drop}\n"));
-  for (const char* text : {"motionless_clip:\n  action: missing\n", "near_duplicate:\n  action: missing\n",
-                           "frozen_view:\n  action: drop\n"}) {
+  for (const char* text : {"motionless_clip:\n  action: missing\n", "near_duplicate:\n  action: missing\n"}) {
     ExpectError(read(text), ErrorCode::kConfig, "checks.yaml:2:11");
   }
 }

@@ -151,14 +151,6 @@ TEST_F(Arrays, ReportAllZerosAsOneError) {
   EXPECT_THAT(Codes(alone, "error"), ElementsAre("motionless_clip"));
 }
 
-TEST_F(Arrays, ReportPlanarPointsAsAFlatBody) {
-  const Reports reports = Of([](NpyArray& array) {
-    for (std::size_t i = 2; i < array.values.size(); i += 3) array.values[i] = 1.5;
-  });
-  EXPECT_THAT(reports.run_codes(), ElementsAre("flat_body"));
-  EXPECT_THAT(reports.codes(), ElementsAre("flat_body"));
-}
-
 TEST_F(Arrays, ReportAWrongUnitWithoutItsConsequences) {
   for (const auto& [factor, metres] : {std::pair{1000.0, 1504.08}, {1e-3, 0.0015}}) {
     const Reports reports = Of([factor = factor](NpyArray& array) {

@@ -106,28 +106,6 @@ TEST_F(RenderedSequence, KeepsTheTimeOfAViewThatStartsLater) {
   ExpectError(RunIngest(discovery->items[0], "rendered_late").outcome, ErrorCode::kNotFound, "seq_male.json");
 }
 
-TEST_F(RenderedSequence, ReportsTheFramesOfAFrozenView) {
-  auto discovery = Discover(Declared("rendered_seq"));
-  ASSERT_TRUE(discovery);
-  std::vector<StageInput>& inputs = discovery->items[0].inputs;
-  const auto image = [&](const std::string& name) -> StageInput& {
-    return *std::find_if(inputs.begin(), inputs.end(), [&](const StageInput& input) { return input.name == name; });
-  };
-  for (const char* later : {"depth/d2_0008.png", "depth/d2_0009.png", "depth/d2_0010.png"}) {
-    image(later).path = image("depth/d2_0007.png").path;
-    image(later).sha256 = image("depth/d2_0007.png").sha256;
-  }
-  const Ingested ingested = RunIngest(discovery->items[0], "rendered_frozen");
-  ASSERT_TRUE(ingested.outcome);
-  std::vector<Finding> findings;
-  for (const Finding& finding : ingested.outcome->findings) {
-    if (finding.code == "frozen_view") findings.push_back(finding);
-  }
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].frame_begin, 7);
-  EXPECT_EQ(findings[0].frame_end, 11);
-}
-
 TEST_F(RenderedSequence, ChangesTheEvidenceHashWithADepthImage) {
   auto discovery = Discover(Declared("rendered_seq"));
   ASSERT_TRUE(discovery);
