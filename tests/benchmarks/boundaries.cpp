@@ -21,8 +21,8 @@
 #include "core/base/text.h"
 #include "core/formats/depth_sequence.h"
 #include "core/motion/operations.h"
-#include "core/quality/boundaries.h"
 #include "tests/benchmarks/joined_recordings.h"
+#include "tests/support/boundary_score.h"
 
 namespace mocurate {
 namespace {

@@ -8,9 +8,9 @@
 #include "core/base/random.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
-#include "core/quality/boundaries.h"
 #include "tests/canon/moving_clips.h"
 #include "tests/canon/studio_recordings.h"
+#include "tests/support/boundary_score.h"
 
 namespace mocurate {
 namespace {

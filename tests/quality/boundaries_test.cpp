@@ -1,6 +1,6 @@
 // Found boundaries are matched to true ones one to one, as many as the tolerance allows.
 
-#include "core/quality/boundaries.h"
+#include "tests/support/boundary_score.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,14 @@
-#include "core/quality/boundaries.h"
+// Scores found boundaries of segments against true ones.
+#pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/base/median.h"
 
 namespace mocurate {
-namespace {
 
 /// Pairs and sum of distances of the first i found and j true times.
 struct MatchState {
@@ -18,10 +20,11 @@ struct MatchState {
   }
 };
 
-}  // namespace
-
-std::vector<std::pair<int, int>> MatchBoundaries(const std::vector<double>& found_s, const std::vector<double>& truth_s,
-                                                 double tolerance_s) {
+/// Pairs (index of found, index of truth) of two sorted lists of times, seconds: as many as possible that lie within
+/// `tolerance_s` of each other, each time in one pair at most, both indices increasing; of the largest sets of pairs
+/// the one with the least sum of distances.
+inline std::vector<std::pair<int, int>> MatchBoundaries(const std::vector<double>& found_s,
+                                                        const std::vector<double>& truth_s, double tolerance_s) {
   // Pairs of sorted lists need not cross, so that an alignment by dynamic programming is optimal.
   const std::size_t rows = found_s.size(), columns = truth_s.size();
   std::vector<MatchState> best((rows + 1) * (columns + 1));
@@ -53,18 +56,30 @@ std::vector<std::pair<int, int>> MatchBoundaries(const std::vector<double>& foun
   return pairs;
 }
 
-double BoundaryScore::precision() const { return found == 0 ? 1.0 : static_cast<double>(matched()) / found; }
-double BoundaryScore::recall() const { return truth == 0 ? 1.0 : static_cast<double>(matched()) / truth; }
-double BoundaryScore::f1() const { return found + truth == 0 ? 1.0 : 2.0 * matched() / (found + truth); }
-double BoundaryScore::median_s() const { return Median(error_s); }
+/// How well found boundaries agree with true ones. Sums over recordings are those of the counts and errors.
+struct BoundaryScore {
+  int found = 0;
+  int truth = 0;
+  std::vector<double> error_s;  ///< distance of each matched pair
 
-void BoundaryScore::Add(const BoundaryScore& other) {
-  found += other.found;
-  truth += other.truth;
-  error_s.insert(error_s.end(), other.error_s.begin(), other.error_s.end());
-}
+  int matched() const { return static_cast<int>(error_s.size()); }
+  /// 1 where nothing was found.
+  double precision() const { return found == 0 ? 1.0 : static_cast<double>(matched()) / found; }
+  /// 1 where there is nothing to find.
+  double recall() const { return truth == 0 ? 1.0 : static_cast<double>(matched()) / truth; }
+  /// 1 where both lists are empty.
+  double f1() const { return found + truth == 0 ? 1.0 : 2.0 * matched() / (found + truth); }
+  /// Of the matched; 0 of none.
+  double median_s() const { return Median(error_s); }
+  void Add(const BoundaryScore& other) {
+    found += other.found;
+    truth += other.truth;
+    error_s.insert(error_s.end(), other.error_s.begin(), other.error_s.end());
+  }
+};
 
-BoundaryScore ScoreBoundaries(std::vector<double> found_s, std::vector<double> truth_s, double tolerance_s) {
+/// Score of MatchBoundaries. Lists in any order.
+inline BoundaryScore ScoreBoundaries(std::vector<double> found_s, std::vector<double> truth_s, double tolerance_s) {
   std::sort(found_s.begin(), found_s.end());
   std::sort(truth_s.begin(), truth_s.end());
   BoundaryScore score;
