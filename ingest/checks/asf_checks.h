@@ -1,20 +1,15 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "core/base/finding.h"
 #include "core/formats/asf.h"
 
 namespace mocurate {
 
-/// What a skeleton cannot be, as errors; `file` is for messages. "length_unit_contradiction", value metres: a body of
-/// at least 15 bones whose rest pose is no person's by the file's own unit (`length` under :units; inches), outside 1
-/// to 3 m from end to end; or which is one, but of another length by `declared_m`, the metres of a unit that the source
-/// says, by more than 5 %. "bone_length", value the ratio: a bone that is more than 1.5 times its partner of the other
-/// side (lfemur, rfemur); 0: it has no length, and its partner has, or all other bones. "bone_direction", value
-/// degrees: at rest it is no mirror image of its partner's, as others are, but is with the sign along one axis changed.
-std::vector<Finding> CheckAsfSkeleton(const Asf& asf, const std::string& file,
-                                      std::optional<double> declared_m = std::nullopt);
+/// "length_unit_contradiction", an error whose value is metres: a skeleton of at least 15 bones whose rest pose is no
+/// person's by the file's own unit (`length` under :units; inches), outside 1 to 3 m from end to end; or which is one,
+/// but of another length by `declared_m`, the metres of a unit that the source declares, by more than 5 %.
+std::optional<Finding> CheckAsfUnit(const Asf& asf, std::optional<double> declared_m = std::nullopt);
 
 }  // namespace mocurate

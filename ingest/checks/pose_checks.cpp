@@ -92,31 +92,6 @@ std::optional<Finding> CheckTranslations(const Amass& amass) {
                           "use its rotations alone");
 }
 
-std::optional<Finding> CheckFrozenPoses(const HumanAct12Clip& clip) {
-  constexpr double kMoved = 0.01;  // metres, of a joint beside the root: rotations that stay keep it where it is
-  if (clip.frames < kFewestFrames) return std::nullopt;
-  const std::size_t columns = clip.poses.size() / clip.frames, wide = clip.joints.size() / clip.frames;
-  double moved = 0.0;
-  for (std::size_t f = 1; f < clip.frames; ++f) {
-    const double* pose = &clip.poses[f * columns];
-    if (!std::equal(pose, pose + columns, clip.poses.begin())) return std::nullopt;
-    const double* row = &clip.joints[f * wide];
-    for (std::size_t i = 3; i < wide; ++i)
-      moved = std::max(moved, std::abs(row[i] - row[i % 3] - clip.joints[i] + clip.joints[i % 3]));
-  }
-  if (moved < kMoved) return std::nullopt;
-  const int frames = static_cast<int>(clip.frames);
-  Finding finding = FrameFinding("frozen_pose", 0, frames, "", frames,
-                                 "no rotation in 'poses' changes in " + Counted(frames, "frame") +
-                                     ", while the joints in 'joints3D' "
-                                     "move by " +
-                                     Digits(moved) +
-                                     " m beside the root: the poses are repeated or of another clip; copy the "
-                                     "file again, or read its joints alone");
-  finding.severity = Severity::kError;
-  return finding;
-}
-
 std::optional<Finding> CheckMarkers(const Amass& amass, const JointPositions& posed) {
   constexpr int kFrames = 50;  // looked at, all over the clip
   std::vector<double> ratios;

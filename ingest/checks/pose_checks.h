@@ -5,7 +5,6 @@
 
 #include "core/base/finding.h"
 #include "core/formats/amass.h"
-#include "core/formats/humanact12_pickle.h"
 #include "core/motion/motion.h"
 
 namespace mocurate {
@@ -19,10 +18,6 @@ std::vector<Finding> CheckFrozenPoses(const Amass& amass);
 
 /// "path_missing": `trans` is 0 0 0 in every frame, 5 or more, while joints turn. Value: frames.
 std::optional<Finding> CheckTranslations(const Amass& amass);
-
-/// "frozen_pose" of a clip of `humanact12poses.pkl` of 5 frames or more: every rotation is what it was to the last
-/// digit in every frame, while the recorded joints move against each other; an error. Value: frames.
-std::optional<Finding> CheckFrozenPoses(const HumanAct12Clip& clip);
 
 /// "units_contradiction" where the markers are a power of ten larger or smaller than the body that poses and `trans`
 /// give, `posed` (frames, joints; metres): `marker_data` is of another unit, and the body is sound. Value: how many

@@ -6,7 +6,7 @@
 #include "core/base/text.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/motion/kinematics.h"
-#include "ingest/checks/posed_joint_checks.h"
+#include "ingest/checks/angle_checks.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/body_check.h"
@@ -112,7 +112,7 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
   ingested.clip.motion = MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), *std::move(rotation),
                                     FileBoneLengths(joints, **skeleton));
-  std::optional<Finding> invalid_poses = CheckGivenRotations(*clip);
+  std::optional<Finding> invalid_poses = CheckAngleUnits(*clip);
   if (invalid_poses)
     ingested.findings.push_back(*std::move(invalid_poses));
   else

@@ -84,13 +84,7 @@ Camera SensorCamera(const Sensor& sensor, const SourceOptions& source, std::vect
   camera.fx = nominal[0], camera.fy = nominal[1], camera.cx = nominal[2], camera.cy = nominal[3];
   const std::optional<std::array<double, 4>> measured = NtuIntrinsics(sensor.skeleton);
   from = "declared, nominal";
-  if (!measured) {
-    NoteCapture(
-        findings, "intrinsics_nominal", Severity::kInfo, camera.fx,
-        "the joints of " + camera.name + " do not determine its depth camera's intrinsics; the declared ones are used",
-        FindingAction::kKept);
-    return camera;
-  }
+  if (!measured) return camera;
   from = "measured from the joints' positions and pixels";
   camera.fx = -(*measured)[0], camera.fy = (*measured)[1], camera.cx = (*measured)[2], camera.cy = (*measured)[3];
   const bool other = std::abs(camera.fx - nominal[0]) > kOtherFocal * std::abs(nominal[0]) ||

@@ -8,7 +8,6 @@
 #include "core/formats/vibe_pickle.h"
 #include "ingest/checks/angle_checks.h"
 #include "ingest/checks/fault_codes.h"
-#include "ingest/checks/posed_joint_checks.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/people/uestc.h"
 
@@ -39,7 +38,7 @@ Expected<RawFile> HumanAct12In(const FileBytes& file) {
     observed.clips.push_back(ReadRawHumanAct12Clip(*entry));
     RawClip& clip = observed.clips.back();
     clip.id = "[" + std::to_string(i) + "]";
-    if (const auto invalid_poses = CheckGivenRotations(*entry)) clip.remarks.push_back(*invalid_poses);
+    if (const auto invalid_poses = CheckAngleUnits(*entry)) clip.remarks.push_back(*invalid_poses);
   }
   if (!observed.clips.empty() || archive->size() == 0) return observed;
   return Forward(archive->Clip(0));

@@ -10,7 +10,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kSuspect = 0.6;        // of max_disagreement
 constexpr double kLateFrames = 0.5;     // a finding
 constexpr double kVeryLate_s = 0.05;    // a warning
 constexpr double kAgree = 0.1;          // metres
@@ -126,26 +125,15 @@ std::optional<Error> FindApartClocks(const CameraPeople& a, const CameraPeople& 
 
 /// `declared_s`: the offset that is declared.
 void NoteUsed(const CameraPeople& camera, const std::string& reference, ViewAlignment view, double declared_s,
-              double rate_hz, const PlaceOptions& options, std::vector<Finding>& findings) {
+              double rate_hz, std::vector<Finding>& findings) {
   view.offset_s -= declared_s;
   const double ms = 1e3 * view.offset_s;
-  if (!view.offset_known) {
-    NoteCapture(findings, "clock_offset_unknown", Severity::kInfo, 1e3 * view.offset_sigma_s,
-                "too little moves to tell how the clock of " + camera.view + " differs from that of " + reference +
-                    "; taken as 0",
-                FindingAction::kKept);
-  } else if (std::abs(view.offset_s) >= kLateFrames / rate_hz) {
+  if (view.offset_known && std::abs(view.offset_s) >= kLateFrames / rate_hz) {
     NoteCapture(findings, "clock_offset", std::abs(view.offset_s) > kVeryLate_s ? Severity::kWarning : Severity::kInfo,
                 ms,
                 camera.view + " began " + Digits(std::abs(ms)) + " ms " + (ms > 0.0 ? "after " : "before ") +
                     reference + ", give or take " + Digits(1e3 * view.offset_sigma_s) + " ms" + "; taken out",
                 FindingAction::kKept);
-  }
-  if (view.median > kSuspect * options.max_disagreement) {
-    NoteCapture(findings, "views_disagree", Severity::kWarning, 1e3 * view.median,
-                "the joints of " + camera.view + " and " + reference + " lie " + DigitsOfMillimetres(view.median) +
-                    " apart when aligned (median of " + std::to_string(view.pairs) + ")",
-                FindingAction::kFlagged);
   }
 }
 
@@ -240,7 +228,7 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
     view.alignment = *pair.alignment;
     view.slots = pair.order;
     NoteUsed(cameras[i], reference.view, view.alignment, (reference.first - cameras[i].first) / rate_hz, rate_hz,
-             options, placed.findings);
+             placed.findings);
   }
   return placed;
 }

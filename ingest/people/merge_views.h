@@ -29,8 +29,7 @@ struct PlacedView {
 struct PlacedViews {
   std::size_t reference = 0;
   std::vector<PlacedView> views;  ///< as given; the reference is used and lies where it is
-  std::vector<Finding> findings;  ///< "no_person_in_view", "view_excluded", "clock_offset", "clock_offset_unknown",
-                                  ///< "views_disagree"
+  std::vector<Finding> findings;  ///< "no_person_in_view", "view_excluded", "clock_offset"
 };
 
 struct PlaceOptions {

@@ -122,12 +122,6 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
   const std::vector<BabelAnnotation>& annotations = whole ? sequence.seq_anns : sequence.frame_anns;
   std::vector<Segment> segments;
   if (annotations.empty()) return segments;
-  if (annotations.size() > 1) {
-    findings.push_back(Found(
-        "annotators", static_cast<double>(annotations.size()),
-        std::to_string(annotations.size()) + " annotators labelled the sequence" + "; the first one's labels are used",
-        FindingAction::kKept));
-  }
   if (auto duration = CheckDuration(sequence.dur, duration_s)) findings.push_back(*std::move(duration));
   int withheld = 0;
   for (const BabelLabel& label : annotations[0].labels) {

@@ -49,7 +49,7 @@ std::optional<Finding> CheckDuration(double annotated_s, double duration_s);
 
 /// Labels of the frames, or of the whole sequence where there are none, as segments ordered by their begin. The name is
 /// `proc_label`, else `raw_label`; categories are joined by ", ". Findings: "segment_times" (impossible: excluded; past
-/// the end of the motion by more than `frame_s`: cut), "label_withheld", "annotators" (the first is used).
+/// the end of the motion by more than `frame_s`: cut), "label_withheld". Of several annotators the first is used.
 std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s, double frame_s,
                                 std::vector<Finding>& findings);
 
