@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include "core/base/file.h"
 #include "ingest/checks/finding_table.h"
@@ -23,26 +24,69 @@ namespace fs = std::filesystem;
 constexpr const char* kBegin = "<!-- findings: made by test_ingest from ingest/checks/finding_table.cpp -->\n";
 constexpr const char* kEnd = "<!-- end of findings -->\n";
 
-/// All string literals of the sources that create findings.
-std::string SourcesOfFindings() {
-  std::string all;
-  for (const char* room : {"ingest", "core/formats", "core/quality", "core/base", "canon"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(MOCURATE_SOURCE_FOLDER) / room)) {
-      const std::string name = entry.path().filename().string();
-      if (name == "finding_table.cpp" || (entry.path().extension() != ".cpp" && entry.path().extension() != ".h"))
-        continue;
-      all += ReadFile(entry.path()).value_or("");
+/// Adds the words of lower-case letters and '_' within the quotes of a line, as far as a comment.
+void AddQuotedWords(const std::string& line, std::set<std::string>& words) {
+  bool quoted = false;
+  std::string word;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (!quoted && c == '/' && line[i + 1] == '/') return;
+    if (quoted && ((c >= 'a' && c <= 'z') || c == '_')) {
+      word += c;
+      continue;
     }
+    words.insert(std::move(word));
+    word.clear();
+    if (quoted && c == '\\') ++i;
+    if (c == '"') quoted = !quoted;
   }
-  return all;
 }
 
-TEST(FindingTable, ListsEveryReportedCodeOnce) {
-  const std::string sources = SourcesOfFindings();
+/// The quoted words of sources below these folders, without the table and its test.
+std::set<std::string> QuotedWords(const std::vector<const char*>& folders) {
+  std::set<std::string> words;
+  for (const char* folder : folders) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(MOCURATE_SOURCE_FOLDER) / folder)) {
+      const fs::path& file = entry.path();
+      if (file.stem().string().rfind("finding_table", 0) == 0) continue;
+      if (file.extension() != ".cpp" && file.extension() != ".h") continue;
+      std::istringstream text(ReadFile(file).value_or(""));
+      for (std::string line; std::getline(text, line);) AddQuotedWords(line, words);
+    }
+  }
+  return words;
+}
+
+/// Codes of the answers, "code:count".
+std::set<std::string> CodesOfAnswers() {
+  const fs::path answers = fs::path(MOCURATE_SOURCE_FOLDER) / "tests" / "ingest" / "inspect" / "answers.txt";
+  std::istringstream text(ReadFile(answers).value_or(""));
+  std::set<std::string> codes;
+  for (std::string line; std::getline(text, line);) {
+    std::istringstream after(line.substr(line.find('|') + 1));
+    for (std::string word; after >> word;) {
+      if (const std::size_t colon = word.find(':'); colon != std::string::npos) codes.insert(word.substr(0, colon));
+    }
+  }
+  return codes;
+}
+
+TEST(FindingTable, ListsEveryReportedCodeOnceAndNoOther) {
+  const std::set<std::string> reported = QuotedWords({"ingest", "core/formats", "core/quality", "core/base"});
   std::set<std::string> codes;
   for (const FindingKind& kind : FindingKinds()) {
     EXPECT_TRUE(codes.insert(kind.code).second) << kind.code;
-    EXPECT_NE(sources.find("\"" + std::string(kind.code) + "\""), std::string::npos) << kind.code;
+    EXPECT_EQ(reported.count(kind.code), 1u) << kind.code;
+  }
+  for (const std::string& code : CodesOfAnswers()) EXPECT_EQ(codes.count(code), 1u) << code;
+}
+
+TEST(FindingTable, HasNoCodeThatNoTestReports) {
+  const std::set<std::string> quoted = QuotedWords({"tests/app", "tests/formats", "tests/ingest"});
+  const std::set<std::string> answered = CodesOfAnswers();
+  for (const FindingKind& kind : FindingKinds()) {
+    EXPECT_TRUE(quoted.count(kind.code) + answered.count(kind.code) > 0)
+        << kind.code << ": no recorded, synthetic or damaged file of a test has this finding";
   }
 }
 

@@ -31,6 +31,7 @@ TEST(Declaration, SuggestsTheNearestNameForAnUnknownExcludedRecording) {
   ASSERT_TRUE(discovery) << discovery.error().Message();
   EXPECT_THAT(discovery->findings, IsEmpty());
   EXPECT_EQ(discovery->items.size(), 1u);
+  EXPECT_EQ(discovery->excluded.at(0).outcome.findings.at(0).code, "excluded");
   options.source.exclude = {{"a1_s01", "falls over"}};
   discovery = Discover(options);
   ASSERT_TRUE(discovery) << discovery.error().Message();

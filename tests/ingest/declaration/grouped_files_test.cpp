@@ -92,6 +92,25 @@ TEST(GroupedFiles, AreReportedBeforeTheirCalibrationWhenNoneCanBeRead) {
   EXPECT_THAT(discovery.error().what, HasSubstr("single/cam01_json/cam01.0000.json"));
 }
 
+TEST(GroupedFiles, WithoutTheirCalibrationAreExcluded) {
+  const std::filesystem::path folder = FreshFolder("openpose_calibrations");
+  for (const char* recording : {"band", "dance"}) {
+    for (const char* camera : {"cam01", "cam02"}) {
+      Put(folder / recording / (std::string(camera) + "_json") / (std::string(camera) + ".0000.json"),
+          "{\"version\": 1.3, \"people\": []}");
+    }
+  }
+  Put(folder / "dance/Calib.qca.txt", "<calibration>");
+  IngestOptions options = OpenPose(folder);
+  options.source.files = "{recording}/{camera}_json/{camera}.{frame}.json";
+  options.source.recording = "{recording}";
+  options.source.calibration = {"{recording}/Calib.qca.txt"};
+  const auto discovery = Discover(options);
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  EXPECT_EQ(discovery->items.size(), 1u);
+  EXPECT_EQ(discovery->excluded.at(0).outcome.findings.at(0).code, "calibration_missing");
+}
+
 TEST(GroupedFiles, OfPanopticLeaveMissingFramesInTheClip) {
   const std::filesystem::path folder = FreshFolder("panoptic_gaps");
   for (const int frame : {10, 11, 13, 14}) {

@@ -103,12 +103,15 @@ TEST(DeclaredOptions, RejectOptionsThatTheFormatIgnores) {
   ExpectError(CheckSource(uestc.source), ErrorCode::kConfig, "ingest.source.known_issue_lists");
 }
 
-TEST(DeclaredOptions, ReportAnUnknownSkeletonInTheInspection) {
+TEST(DeclaredOptions, ReportAnUnknownSkeletonOrUnitInTheInspection) {
   IngestOptions options = SmallTable(FreshFolder("no_skeleton"));
   Put(options.path / "a1_s1.txt", "10 20 30\n40 50 60\n");
-  options.source.skeleton = "bogus";
-  const Inspection inspection = InspectPath(options.path, options.source);
-  EXPECT_THAT(CodesOf(inspection.findings), Contains("unknown_skeleton"));
+  SourceOptions source = options.source;
+  source.skeleton = "bogus";
+  EXPECT_THAT(CodesOf(InspectPath(options.path, source).findings), Contains("unknown_skeleton"));
+  source = options.source;
+  source.units = "furlong";
+  EXPECT_THAT(CodesOf(InspectPath(options.path, source).findings), Contains("units_unknown"));
 }
 
 TEST(DeclaredOptions, AcceptASingleFileByRelativePath) {

@@ -85,6 +85,7 @@ TEST_F(ArrayClips, ReadAnArchiveAsOneClipPerJointArray) {
   EXPECT_THAT(Items(*discovery), ElementsAre("clips.runs.0000", "clips.runs.0001", "clips.walk"));
   ASSERT_EQ(discovery->excluded.size(), 1u);
   EXPECT_EQ(discovery->excluded[0].outcome.error.where, "clips.npz[kinect]");
+  EXPECT_EQ(discovery->excluded[0].outcome.findings.at(0).code, "other_joints");
   const Ingested run = RunIngest(discovery->items[1], "archive");
   ASSERT_TRUE(run.outcome) << run.outcome.error().Message();
   EXPECT_EQ(run.clip.motion->frame_count(), 9);

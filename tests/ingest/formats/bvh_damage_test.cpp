@@ -50,6 +50,12 @@ class DamagedBvh : public ChangedFiles {
   }
 };
 
+TEST_F(DamagedBvh, ReportsTwoJointsWithOneName) {
+  std::string text = Take();
+  Written(kTake, text.replace(text.find("JOINT Foot_R"), 12, "JOINT Foot_L"));
+  EXPECT_THAT(Codes(Inspect(), "warning"), Contains("joint_twice"));
+}
+
 // Rows.
 
 TEST_F(DamagedBvh, InterpolatesADamagedRowInARunAndReportsItInAnInspection) {

@@ -77,6 +77,34 @@ TEST_F(ChangedKard, ReportsFramesInMetresAmongMillimetresAsCollapsed) {
   EXPECT_THAT(FindingsOf(Run(), "collapsed_frames"), SizeIs(1));
 }
 
+TEST_F(ChangedKard, ReportsALowerRateInAFileOfAHigherOneAndKeepsTheClip) {
+  std::vector<Vector3d> twice;
+  const std::vector<Vector3d> rows = Rows();
+  for (std::size_t r = 0; r < rows.size(); r += 15) {
+    for (int copy = 0; copy < 2; ++copy) twice.insert(twice.end(), &rows[r], &rows[r] + 15);
+  }
+  Write(twice);
+  EXPECT_THAT(Codes(Inspect(Kard().source), "warning"), ElementsAre("repeated_frames"));
+  EXPECT_THAT(FindingsOf(Run(), "repeated_frames"), SizeIs(1));
+  EXPECT_EQ(Run().kind, OutcomeKind::kDone);
+}
+
+TEST_F(ChangedKard, ReportsRoundedAndMirroredCopies) {
+  const int mirrored[] = {0, 1, 5, 6, 7, 2, 3, 4, 8, 12, 13, 14, 9, 10, 11};
+  const std::vector<Vector3d> rows = Rows();
+  std::vector<Vector3d> rounded = rows, mirror = rows;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    rounded[r] = rows[r].array().round();
+    mirror[r] = rows[r / 15 * 15 + static_cast<std::size_t>(mirrored[r % 15])].cwiseProduct(Vector3d(-1.0, 1.0, 1.0));
+  }
+  Write(rows);
+  Write(rounded, "a02_s01_e01_realworld.txt");
+  Write(mirror, "a03_s01_e01_realworld.txt");
+  EXPECT_THAT(Places(Inspect(Kard().source), "warning"),
+              ::testing::IsSupersetOf(
+                  {"near_duplicate a02_s01_e01_realworld.txt", "mirrored_duplicate a03_s01_e01_realworld.txt"}));
+}
+
 TEST_F(ChangedKard, ReportsAClipWithExchangedAxesAsAnOutlier) {
   for (int action = 1; action <= 8; ++action) {
     const std::string name = "a0" + std::to_string(action) + "_s01_e01_realworld.txt";

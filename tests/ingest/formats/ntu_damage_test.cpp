@@ -26,10 +26,25 @@ TEST_F(DamagedNtu, ReportsANumberOfPeopleThatContradictsTheName) {
   };
   EXPECT_EQ(count("S001C001P001R001A050.skeleton", Ntu(kOne), "people_missing"), 1u);
   EXPECT_EQ(count("S001C003P008R002A001.skeleton", Ntu(kTwo), "bodies_skipped"), 1u);
+  EXPECT_EQ(count("S001C003P008R002A001.skeleton", Ntu(kTwo), "second_person"), 1u);
   for (const char* code : {"people_missing", "bodies_skipped"}) {
     EXPECT_EQ(count(kOne, Ntu(kOne), code), 0u);
     EXPECT_EQ(count(kTwo, Ntu(kTwo), code), 0u);
   }
+}
+
+TEST_F(DamagedNtu, JoinsAPersonWhoReturnsUnderAnotherId) {
+  NtuSkeleton skeleton = *ParseNtuSkeleton(Ntu(kOne), "a");
+  for (std::size_t f = 40; f < skeleton.frames.size(); ++f) {
+    if (f < 46) skeleton.frames[f].clear();
+    for (NtuBody& body : skeleton.frames[f]) ++body.id;
+  }
+  Written(kOne, WriteNtuSkeleton(skeleton));
+  const IngestOptions options = From("ntu");
+  EXPECT_EQ(FindingsOf(Inspect(options.source), "ids_stitched").size(), 1u);
+  const std::vector<Finding> findings = FindingsOf(RunOne(options), "ids_stitched");
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].value, 6.0);
 }
 
 TEST_F(DamagedNtu, ReportsATrackedJointAtZeroAsMissing) {

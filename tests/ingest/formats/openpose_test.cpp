@@ -274,6 +274,14 @@ TEST_F(BrokenRecording, CountsPointsWithoutConfidenceAsUndetected) {
   EXPECT_EQ(findings[0].at("value"), 2.0);
 }
 
+TEST_F(BrokenRecording, CountsPointsThatAreNoNumbersAsUndetected) {
+  const std::filesystem::path file = folder_ / "single/cam02_json/cam02.0001.json";
+  auto document = nlohmann::json::parse(*ReadFile(file));
+  document["people"][0]["pose_keypoints_2d"][0] = nullptr;
+  Put(file, document.dump());
+  EXPECT_THAT(CodesOfOutcome(*Ingest("not_finite").outcome), ::testing::ElementsAre("keypoints_not_finite"));
+}
+
 TEST_F(BrokenRecording, ReportsNumbersOutOfRangeInRunAndInspect) {
   const auto change = [&](const auto& of_point) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "single")) {

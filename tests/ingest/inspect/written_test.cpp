@@ -53,6 +53,12 @@ TEST_F(WrittenFormats, ReportBabelSegmentsAndImpossibleTimes) {
   EXPECT_THAT(Codes(inspection, "warning"), ElementsAre("babel_times"));
 }
 
+TEST_F(WrittenFormats, ReportAFileThatIsTooLarge) {
+  const std::filesystem::path file = Written("large.bvh", "HIERARCHY\nROOT hips\n");
+  std::filesystem::resize_file(file, (1u << 30) + 1);  // a hole: it takes no space
+  EXPECT_THAT(Codes(InspectPath(folder_, std::nullopt), "error"), ElementsAre("too_large", "no_clips"));
+}
+
 /// A swaying person of 24 joints.
 std::vector<double> StandingPerson(std::size_t frames) {
   constexpr double kRest[24][3] = {{0, 0, 0},           {0.06, 0.09, 0},      {-0.06, 0.09, 0},    {0, -0.12, 0},

@@ -166,6 +166,15 @@ TEST_F(NtuViews, RecoverPosesClocksAndMotionOfTheSensors) {
     }
     EXPECT_LT(sum / static_cast<double>(cloud.size()), 0.11) << view.camera.name;
   }
+  fs::remove(folder / clip.evidence.depth_views[2].files[static_cast<std::size_t>(frame)]);
+  const auto discovery = Discover(Declared(
+      "ntu_views", {"ingest.path=" + folder.string(), "ingest.source.views.intrinsics=[-500, 500, 255.5, 211.5]"}));
+  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const mocurate::Ingested without = RunIngest(discovery->items.at(0), "without");
+  ASSERT_TRUE(without.outcome) << without.outcome.error().Message();
+  EXPECT_EQ(without.clip.evidence.depth_views.size(), 2u);
+  EXPECT_THAT(Found(without, "depth_excluded"), ElementsAre(1.0));
+  EXPECT_THAT(Found(without, "intrinsics_contradiction"), SizeIs(2));
 }
 
 TEST_F(NtuViews, ReduceTheErrorOfASingleSensor) {
