@@ -9,7 +9,6 @@
 #include "core/base/text.h"
 #include "core/quality/contacts.h"
 #include "core/quality/measures.h"
-#include "core/quality/median_deviation.h"
 
 namespace mocurate {
 namespace {

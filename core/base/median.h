@@ -5,6 +5,9 @@
 
 namespace mocurate {
 
+/// Standard deviation of normal errors over their median absolute deviation.
+constexpr double kMadToSigma = 1.4826;
+
 /// The value in the middle, the upper of two; 0 of none. Any unit.
 inline double Median(std::vector<double> values) {
   if (values.empty()) return 0.0;

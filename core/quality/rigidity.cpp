@@ -6,7 +6,6 @@
 
 #include "core/base/median.h"
 #include "core/base/pi.h"
-#include "core/quality/median_deviation.h"
 
 namespace mocurate {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "core/base/median.h"
 #include "core/body/bone_capsules.h"
-#include "core/quality/median_deviation.h"
 
 namespace mocurate {
 namespace {

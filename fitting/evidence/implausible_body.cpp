@@ -9,7 +9,6 @@
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/rotation.h"
-#include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
 #include "fitting/association/body_shape.h"
 #include "fitting/costs/huber.h"

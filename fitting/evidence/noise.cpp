@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "core/quality/median_deviation.h"
 
 namespace mocurate {
 namespace {

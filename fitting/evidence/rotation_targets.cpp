@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/rotation.h"
-#include "core/quality/median_deviation.h"
 
 namespace mocurate {
 namespace {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "core/quality/median_deviation.h"
 #include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/rest_sigmas.h"

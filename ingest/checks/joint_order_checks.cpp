@@ -7,7 +7,7 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
-#include "ingest/checks/point_exchange.h"
+#include "ingest/inspect/joint_orders.h"
 
 namespace mocurate {
 namespace {

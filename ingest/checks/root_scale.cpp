@@ -8,6 +8,7 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
+#include "ingest/inspect/inspection.h"
 
 namespace mocurate {
 namespace {
@@ -19,6 +20,7 @@ constexpr std::size_t kFewestSteps = 20;
 constexpr double kLeastShare = 0.5;
 constexpr double kHighestFloor = 10.0;  // lengths of a leg
 constexpr double kHeightSure = 0.6;
+constexpr double kOtherUnit = 8.0;  // least factor between two units; metres and centimetres are 100 apart
 
 /// Between two frames in which one foot stands.
 struct RootStep {
@@ -121,6 +123,18 @@ std::optional<RootScale> MeasureRootScale(const JointPositions& places, const Bo
                          " on a standing foot agree: where the root moves by 1, the body moves by " + Digits(factor)};
   }
   return best ? best : ByHeight(places, standing->feet, standing->up, standing->reach);
+}
+
+std::optional<Finding> CheckRootPath(const JointPositions& places, const BodyLandmarks& body) {
+  const std::optional<RootScale> scale = MeasureRootScale(places, body);
+  if (!scale || !std::isfinite(scale->factor) || !(scale->factor > 0.0)) return std::nullopt;
+  if (scale->factor < kOtherUnit && scale->factor > 1.0 / kOtherUnit) return std::nullopt;
+  Finding finding = MakeFinding("units_contradiction", Severity::kError, FourDecimals(scale->factor),
+                                "the path of the root and the lengths of the bones are of two units (" +
+                                    scale->evidence + "): multiply the positions of the root by " +
+                                    Digits(scale->factor) + ", or give the bones the unit of the path");
+  finding.limit = scale->factor > 1.0 ? kOtherUnit : 1.0 / kOtherUnit;
+  return finding;
 }
 
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/finding.h"
 #include "core/motion/motion.h"
 #include "core/quality/handedness.h"
 
@@ -19,5 +20,9 @@ struct RootScale {
 /// moves against it as the body says. Joint 0 is the root; any unit, any axes, upright from feet to head on the whole.
 /// Where fewer than 20 moments show one, or they disagree, only feet that are 10 legs above zero tell; else nothing.
 std::optional<RootScale> MeasureRootScale(const JointPositions& places, const BodyLandmarks& body);
+
+/// "units_contradiction", an error whose value is the factor: bones of a file and the path of its root (joint 0) that
+/// are of two units, as that path is at least 8 times too long or too short for the body's steps (MeasureRootScale).
+std::optional<Finding> CheckRootPath(const JointPositions& places, const BodyLandmarks& body);
 
 }  // namespace mocurate

@@ -9,7 +9,6 @@
 
 #include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/inspect/clip_consensus.h"
 #include "ingest/inspect/comparison.h"

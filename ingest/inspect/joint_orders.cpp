@@ -6,8 +6,6 @@
 #include <mutex>
 
 #include "core/base/median.h"
-#include "core/quality/median_deviation.h"
-#include "ingest/checks/point_exchange.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/synthetic/tracker.h"
 
@@ -18,11 +16,14 @@ constexpr int kFramesLookedAt = 64;
 
 std::vector<std::string> SmplJoints(int count) { return {kSmplJointNames, kSmplJointNames + count}; }
 
-using Distance = PointDistance;
+/// Median length and robust relative spread of the distance between two points over the frames; spread 1 when they are
+/// hardly ever seen together.
+struct Distance {
+  double median = 0.0;
+  double spread = 1.0;
+};
 
-}  // namespace
-
-PointDistance DistanceBetween(const JointPositions& positions, const std::vector<double>& confidence, int a, int b) {
+Distance DistanceBetween(const JointPositions& positions, const std::vector<double>& confidence, int a, int b) {
   std::vector<double> lengths;
   const int step = std::max(1, positions.frames / kFramesLookedAt);
   const auto seen = [&](int f, int k) {
@@ -39,6 +40,8 @@ PointDistance DistanceBetween(const JointPositions& positions, const std::vector
   distance.spread = std::min(1.0, kMadToSigma * Median(lengths) / distance.median);
   return distance;
 }
+
+}  // namespace
 
 const std::vector<JointOrder>& KnownJointOrders() {
   static const std::vector<JointOrder> orders = {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,17 @@ std::vector<RawBone> BonesOf(const std::vector<std::string>& joints, const Skele
 /// Points with confidence 0 are not read. At most 64 frames are looked at, evenly spread.
 BodyScore ScoreBody(const JointPositions& positions, const std::vector<double>& confidence,
                     const std::vector<RawBone>& bones);
+
+/// Two points of an order and how body-like the others are with them once these two change places.
+struct PointExchange {
+  int first = 0;
+  int second = 0;
+  BodyScore score;
+};
+
+/// The one that leaves the best score; nothing of fewer than two frames.
+std::optional<PointExchange> BestExchange(const JointPositions& positions, const std::vector<double>& confidence,
+                                          const std::vector<RawBone>& bones);
 
 /// One order and how well it fits.
 struct OrderScore {

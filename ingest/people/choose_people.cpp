@@ -6,7 +6,6 @@
 
 #include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/median_deviation.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {
