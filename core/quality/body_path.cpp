@@ -1,16 +1,16 @@
 #include "core/quality/body_path.h"
-#include "core/base/median.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "core/base/median.h"
 
 namespace mocurate {
 namespace {
 
 constexpr double kSeen = 0.98;
 constexpr int kFewestPathFrames = 12;
-constexpr double kPace = 0.25;       // of the usual time between frames, that a step in time may differ by
-constexpr double kSoleShare = 0.05;  // of frames that a sole spends at its lowest
+constexpr double kPace = 0.25;  // of the usual time between frames, that a step in time may differ by
 
 using CentrePath = std::vector<Vector3d>;
 
@@ -50,16 +50,6 @@ double MedianDistance(const CentrePath& a, const CentrePath& b) {
   return Median(std::move(lengths));
 }
 
-void AddSole(const CentrePath& path, BodyPath& body) {
-  std::vector<double> heights;
-  for (const Vector3d& place : path) heights.push_back(place.y());
-  std::vector<double> sorted = heights;
-  const auto floor = sorted.begin() + static_cast<std::ptrdiff_t>(kSoleShare * static_cast<double>(sorted.size()));
-  std::nth_element(sorted.begin(), floor, sorted.end());
-  for (double& height : heights) height -= *floor;
-  body.sole.push_back(std::move(heights));
-}
-
 }  // namespace
 
 std::optional<BodyPath> PathOfBody(const TrackedPoints& points) {
@@ -84,8 +74,6 @@ std::optional<BodyPath> PathOfBody(const TrackedPoints& points) {
       body.limb_end.push_back(*end);
       for (std::size_t f = 0; f < end->size(); ++f) body.limb_end.back()[f] -= 0.5 * (hip[0][f] + hip[1][f]);
     }
-    AddSole(ankle[side], body);
-    if (!toe[side].empty()) AddSole(toe[side], body);
   }
   for (std::size_t f = 0; f < hip[0].size(); ++f) {
     const Vector3d hips = 0.5 * (hip[0][f] + hip[1][f]), shoulders = 0.5 * (shoulder[0][f] + shoulder[1][f]);
@@ -100,7 +88,6 @@ std::optional<BodyPath> PathOfBody(const TrackedPoints& points) {
       body.foot[side].push_back(toe[side].empty() ? ankle[side][f] : Vector3d(0.5 * (ankle[side][f] + toe[side][f])));
     }
     body.centre.emplace_back(sum / mass);
-    body.trunk.emplace_back(0.5 * (hips + shoulders));
   }
   return body;
 }

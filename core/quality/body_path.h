@@ -11,9 +11,7 @@ namespace mocurate {
 /// A person as mechanics sees one: metres, y up, one entry a frame.
 struct BodyPath {
   std::vector<Vector3d> centre;                 ///< of mass
-  std::vector<Vector3d> trunk;                  ///< middle of hips and shoulders
   std::array<std::vector<Vector3d>, 2> foot;    ///< left, right: between ankle and toe
-  std::vector<std::vector<double>> sole;        ///< heights of each ankle and toe over its own lowest twentieth
   std::vector<std::vector<Vector3d>> limb_end;  ///< observed wrists and ankles, relative to the middle of the hips
   double leg = 0.0;                             ///< hip to ankle along the bones
 

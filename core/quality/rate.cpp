@@ -2,30 +2,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/base/text.h"
-#include "core/quality/flights.h"
-#include "core/quality/step_pendulum.h"
+#include "core/quality/body_path.h"
 
 namespace mocurate {
 namespace {
 
 constexpr double kGravity = 9.81;
 
-// Flights: range of g / 9.81 m/s2 where the centre of mass is estimated from joints.
-constexpr double kFlightLeast = 0.65, kFlightMost = 1.5;
-constexpr double kFlightsAgree = 1.5;  // quartiles
-constexpr double kHighFlight = 0.08;   // metres of sag; enough alone
-constexpr double kFlightsSure = 0.9, kFlightSure = 0.7;
+// Stances: one foot is in contact, is the lower one, and the body is upright over it.
+constexpr double kStands = 0.35;     // of the other foot's speed
+constexpr double kUnderBody = 0.7;   // of the centre's speed
+constexpr double kLower = 0.02;      // metres that the standing foot may be higher
+constexpr double kUpright = 0.8;     // height of the centre over the foot, in leg lengths
+constexpr double kStanceToLag = 10;  // frames of a stance per frame of lag
+constexpr int kFewestStepFrames = 3;
+constexpr int kFewestSteps = 4;
+constexpr std::size_t kFewestSamples = 16;  // coordinates
 
 // Steps: feet are not points, and the pendulum is an approximation.
 constexpr double kStepLeast = 0.3, kStepMost = 2.8;
 constexpr double kCoarseLeast = 0.15;  // where accelerations are averaged over much of a step, at few frames
 constexpr int kFineStance = 8;         // frames
-constexpr double kStepUsual = 1.1;
 constexpr double kStepCorrelation = 0.7;
 constexpr double kStepLean = 0.08;
-constexpr double kStepsSure = 0.5;
 
 // Falls and limbs.
 constexpr double kFastestFall = 1.7;  // g
@@ -34,42 +36,95 @@ constexpr double kNoiseOfSecond = 5.0;     // sigmas of noise in a second differ
 constexpr double kLimbAcceleration = 150;  // m/s2
 constexpr double kLimbShare = 0.75;        // quantile of the frames
 constexpr std::size_t kLimbLag = 2;
-constexpr double kLimitSure = 0.3;
 
 /// Hz at which metres per frame^2 are `metres_per_s2`.
 double RateFor(double per_frame2, double metres_per_s2) { return std::sqrt(metres_per_s2 / per_frame2); }
 
-std::optional<RateClue> EstimateFromFlights(const BodyPath& body) {
-  const std::vector<Flight> flights = FindFlights(body);
-  if (flights.empty()) return std::nullopt;
-  std::vector<double> fall;
-  for (const Flight& flight : flights) fall.push_back(flight.fall);
-  std::sort(fall.begin(), fall.end());
-  const bool agree = fall[3 * fall.size() / 4] <= kFlightsAgree * fall[fall.size() / 4];
-  if (!agree || (fall.size() == 1 && flights[0].sag < kHighFlight)) return std::nullopt;
-  const double usual = fall[fall.size() / 2];
-  RateClue clue;
-  clue.rate_hz = RateFor(usual, kGravity);
-  clue.lowest = RateFor(usual, kFlightLeast * kGravity);
-  clue.highest = RateFor(usual, kFlightMost * kGravity);
-  clue.confidence = fall.size() > 1 ? kFlightsSure : kFlightSure;
-  clue.words = Counted(fall.size(), "flight") + " fall" + (fall.size() == 1 ? "s" : "") + " with 9.81 m/s2 at " +
-               Digits(clue.rate_hz) + " Hz";
-  return clue;
+void AddEvidence(const std::string& evidence, RateLimits& limits) {
+  limits.evidence += (limits.evidence.empty() ? "" : "; ") + evidence;
 }
 
-std::optional<RateClue> EstimateFromSteps(const BodyPath& body) {
-  const std::optional<StepPendulum> steps = MeasureStepPendulum(body);
-  if (!steps || steps->correlation < kStepCorrelation || steps->lean < kStepLean) return std::nullopt;
-  RateClue clue;
-  clue.rate_hz = RateFor(steps->gravity, kStepUsual * kGravity);
-  clue.lowest = RateFor(steps->gravity, (steps->stance < kFineStance ? kCoarseLeast : kStepLeast) * kGravity);
-  clue.highest = RateFor(steps->gravity, kStepMost * kGravity);
-  clue.confidence = kStepsSure * steps->correlation;
-  clue.words = Counted(static_cast<std::size_t>(steps->steps), "step") +
-               " match an inverted pendulum under gravity at " + Digits(clue.lowest) + " to " + Digits(clue.highest) +
-               " Hz";
-  return clue;
+/// Horizontal metres per frame, over the frame before and behind.
+std::vector<double> SpeedOf(const std::vector<Vector3d>& path) {
+  std::vector<double> speed(path.size(), 0.0);
+  for (std::size_t f = 1; f < path.size(); ++f) {
+    const double step = std::hypot(path[f].x() - path[f - 1].x(), path[f].z() - path[f - 1].z());
+    speed[f] += 0.5 * step;
+    speed[f - 1] += 0.5 * step;
+  }
+  return speed;
+}
+
+struct Stance {
+  int begin = 0;
+  int end = 0;
+  std::size_t foot = 0;
+};
+
+std::vector<Stance> StancesOf(const BodyPath& body) {
+  const std::vector<double> centre = SpeedOf(body.centre);
+  const std::vector<double> foot[2] = {SpeedOf(body.foot[0]), SpeedOf(body.foot[1])};
+  std::vector<Stance> stances;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto stands = [&](int frame) {
+      const auto f = static_cast<std::size_t>(frame);
+      const double here = body.foot[side][f].y(), other = body.foot[1 - side][f].y();
+      return foot[side][f] < kStands * foot[1 - side][f] && foot[side][f] < kUnderBody * centre[f] &&
+             here < other + kLower && body.centre[f].y() - here > kUpright * body.leg;
+    };
+    for (int f = 0; f < body.frames(); ++f) {
+      const int begin = f;
+      while (f < body.frames() && stands(f)) ++f;
+      if (f - begin >= kFewestStepFrames) stances.push_back({begin, f, side});
+    }
+  }
+  return stances;
+}
+
+/// While one foot bears the body, the centre of mass at height h and horizontal distance d from it is accelerated by
+/// g d / h (Winter 1995, Hof 2005). Times wrong by a factor n give n^2 times g with the same correlation. A low
+/// correlation means that the model does not hold (slow, leaning, hand-made motion).
+void LimitBySteps(const BodyPath& body, RateLimits& limits) {
+  const std::vector<Stance> stances = StancesOf(body);
+  if (stances.empty()) return;
+  std::vector<int> lasts;
+  for (const Stance& stance : stances) lasts.push_back(stance.end - stance.begin);
+  std::sort(lasts.begin(), lasts.end());
+  const int usual = lasts[lasts.size() / 2];
+  const int lag = std::max(1, static_cast<int>(std::lround(usual / kStanceToLag)));
+  const std::vector<Vector3d> accelerations = Accelerations(body.centre, lag);
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  std::size_t samples = 0;
+  int steps = 0;
+  for (const Stance& stance : stances) {
+    const bool whole = stance.end - stance.begin > 2 * lag;
+    const int middle = (stance.begin + stance.end) / 2;
+    const int begin = std::max(whole ? stance.begin + lag : middle, lag);
+    const int end = std::min(whole ? stance.end - lag : middle + 1, body.frames() - lag);
+    if (end <= begin) continue;
+    ++steps;
+    for (int frame = begin; frame < end; ++frame) {
+      const auto f = static_cast<std::size_t>(frame);
+      const Vector3d from_foot = body.centre[f] - body.foot[stance.foot][f];
+      for (const int axis : {0, 2}) {
+        const double x = from_foot[axis] / from_foot.y();
+        const double y = accelerations[f - static_cast<std::size_t>(lag)][axis];
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+        ++samples;
+      }
+    }
+  }
+  if (steps < kFewestSteps || samples < kFewestSamples || !(xx > 0.0) || !(yy > 0.0)) return;
+  const double correlation = xy / std::sqrt(xx * yy), lean = std::sqrt(xx / static_cast<double>(samples));
+  if (correlation < kStepCorrelation || lean < kStepLean) return;
+  const double per_frame2 = xy / xx;
+  limits.lowest = RateFor(per_frame2, (usual < kFineStance ? kCoarseLeast : kStepLeast) * kGravity);
+  limits.highest = std::min(limits.highest, RateFor(per_frame2, kStepMost * kGravity));
+  AddEvidence(Counted(static_cast<std::size_t>(steps), "step") + " match an inverted pendulum under gravity at " +
+                  Digits(limits.lowest) + " to " + Digits(RateFor(per_frame2, kStepMost * kGravity)) + " Hz",
+              limits);
 }
 
 /// The level that `count` separate stretches of `length` values reach throughout.
@@ -92,7 +147,7 @@ double ReachedBy(const std::vector<double>& values, int length, int count) {
 }
 
 /// The fastest fall of the centre of mass beyond noise, twice or for long.
-std::optional<RateClue> EstimateFromFall(const BodyPath& body) {
+void LimitByFall(const BodyPath& body, RateLimits& limits) {
   const double noise = MostNoise(body.centre, Vector3d::UnitY());
   double fall = 0.0;
   for (const int lag : kLags) {
@@ -102,15 +157,13 @@ std::optional<RateClue> EstimateFromFall(const BodyPath& body) {
     const double reached = std::max(ReachedBy(down, lag + 1, 2), ReachedBy(down, 2 * lag + 2, 1));
     fall = std::max(fall, reached - kNoiseOfSecond * noise / (lag * lag));
   }
-  if (!(fall > 0.0)) return std::nullopt;
-  RateClue clue;
-  clue.highest = RateFor(fall, kFastestFall * kGravity);
-  clue.confidence = kLimitSure;
-  clue.words = "above " + Digits(clue.highest) + " Hz the body would fall faster than under gravity";
-  return clue;
+  if (!(fall > 0.0)) return;
+  const double highest = RateFor(fall, kFastestFall * kGravity);
+  limits.highest = std::min(limits.highest, highest);
+  AddEvidence("above " + Digits(highest) + " Hz the body would fall faster than under gravity", limits);
 }
 
-std::optional<RateClue> EstimateFromLimbs(const BodyPath& body) {
+void LimitByLimbs(const BodyPath& body, RateLimits& limits) {
   double fastest = 0.0;
   for (const std::vector<Vector3d>& path : body.limb_end) {
     double noise2 = 0.0;
@@ -126,57 +179,34 @@ std::optional<RateClue> EstimateFromLimbs(const BodyPath& body) {
     std::nth_element(accelerations.begin(), reached, accelerations.end());
     fastest = std::max(fastest, *reached - kNoiseOfSecond * std::sqrt(noise2) / (kLimbLag * kLimbLag));
   }
-  if (!(fastest > 0.0)) return std::nullopt;
-  RateClue clue;
-  clue.highest = RateFor(fastest, kLimbAcceleration);
-  clue.confidence = kLimitSure;
-  clue.words = "above " + Digits(clue.highest) + " Hz hands or feet would be accelerated by more than 150 m/s2";
-  return clue;
+  if (!(fastest > 0.0)) return;
+  const double highest = RateFor(fastest, kLimbAcceleration);
+  limits.highest = std::min(limits.highest, highest);
+  AddEvidence("above " + Digits(highest) + " Hz hands or feet would be accelerated by more than 150 m/s2", limits);
 }
 
 }  // namespace
 
-std::optional<double> RateMeasure::rate_hz() const {
-  if (!IsConclusive() || clues[0].rate_hz <= 0.0) return std::nullopt;
-  return std::clamp(clues[0].rate_hz, lowest, highest);
-}
-
-std::string RateMeasure::Range() const {
-  if (!std::isfinite(highest)) return "at least " + Digits(lowest) + " Hz";
+std::string RateLimits::Range() const {
   if (lowest <= 0.0) return "at most " + Digits(highest) + " Hz";
   return Digits(lowest) + " to " + Digits(highest) + " Hz";
 }
 
-std::string RateMeasure::Words() const {
-  std::string words;
-  for (const RateClue& clue : clues) words += (words.empty() ? "" : "; ") + clue.words;
-  if (lowest > highest) words += "; these limits contradict each other";
-  return words;
-}
-
-RateMeasure MeasureRate(const TrackedPoints& points) {
-  RateMeasure measure;
+RateLimits MeasureRate(const TrackedPoints& points) {
+  RateLimits limits;
   const std::optional<BodyPath> body = PathOfBody(points);
-  if (!body) return measure;
-  for (const auto estimate : {EstimateFromFlights, EstimateFromSteps, EstimateFromFall, EstimateFromLimbs}) {
-    std::optional<RateClue> clue = estimate(*body);
-    if (!clue) continue;
-    measure.lowest = std::max(measure.lowest, clue->lowest);
-    measure.highest = std::min(measure.highest, clue->highest);
-    measure.clues.push_back(std::move(*clue));
-  }
-  return measure;
+  if (!body) return limits;
+  LimitBySteps(*body, limits);
+  LimitByFall(*body, limits);
+  LimitByLimbs(*body, limits);
+  return limits;
 }
 
 std::vector<Finding> FindWrongRate(const TrackedPoints& points, double rate_hz) {
-  const RateMeasure measure = MeasureRate(points);
-  if (measure.Allows(rate_hz)) return {};
-  const double nearest = rate_hz < measure.lowest ? measure.lowest : measure.highest;
-  const std::optional<double> likely = measure.rate_hz();
-  return {FrameFinding("rate_suspect", 0, 0, "", likely.value_or(nearest),
-                       "the motion fits " + measure.Range() +
-                           (likely ? ", most likely " + Digits(*likely) + " Hz" : "") + ", not " + Digits(rate_hz) +
-                           " Hz: " + measure.Words())};
+  const RateLimits limits = MeasureRate(points);
+  if (limits.Allows(rate_hz)) return {};
+  return {FrameFinding("rate_suspect", 0, 0, "", rate_hz < limits.lowest ? limits.lowest : limits.highest,
+                       "the motion fits " + limits.Range() + ", not " + Digits(rate_hz) + " Hz: " + limits.evidence)};
 }
 
 }  // namespace mocurate

@@ -119,10 +119,10 @@ MotionSignature SignatureShown(const RawClip& clip, const std::string& units, co
   return metres.known ? SignatureOf(metres.view(clip)) : MotionSignature();
 }
 
-RateMeasure RateShown(const RawClip& clip, const std::string& units, const std::string& up) {
+RateLimits RateShown(const RawClip& clip, const std::string& units, const std::string& up) {
   if (clip.positions.empty()) return {};
   const ClipInMetres metres(clip, units, up, kUsualRate);
-  return metres.known ? MeasureRate(metres.view(clip)) : RateMeasure();
+  return metres.known ? MeasureRate(metres.view(clip)) : RateLimits();
 }
 
 void ReportChecks(const RawClip& clip, const std::string& units, const std::string& up, const std::string& where,

@@ -10,8 +10,9 @@
 
 namespace mocurate {
 
-/// The rate that a clip declares; nothing where unit or up is not known. `units` and `up` as declared or measured.
-RateMeasure RateShown(const RawClip& clip, const std::string& units, const std::string& up);
+/// The rates that a clip's motion allows; no limits where unit or up is not known. `units` and `up` as declared or
+/// measured.
+RateLimits RateShown(const RawClip& clip, const std::string& units, const std::string& up);
 
 /// What a clip shows, to compare it with others; empty where unit or up is not known.
 MotionSignature SignatureShown(const RawClip& clip, const std::string& units, const std::string& up);

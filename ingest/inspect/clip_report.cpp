@@ -1,7 +1,6 @@
 #include "ingest/inspect/clip_report.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/text.h"
 #include "core/quality/rate.h"
@@ -11,10 +10,9 @@
 namespace mocurate {
 namespace {
 
-constexpr double kManyMissing = 0.2;   // share of missing samples worth a warning
-constexpr double kRateReported = 0.6;  // least confidence of a measured rate that is reported as a value
-constexpr double kSetSure = 0.5;       // files of a set may have been thinned out
-constexpr double kClockSure = 0.9;     // of a column that steps as a clock does
+constexpr double kManyMissing = 0.2;  // share of missing samples worth a warning
+constexpr double kSetSure = 0.5;      // files of a set may have been thinned out
+constexpr double kClockSure = 0.9;    // of a column that steps as a clock does
 
 /// A declared text, with what was measured beside it; without one the measured one.
 Reported<std::string> DeclaredText(const std::string& text, const std::string& who, const Measured& measured) {
@@ -30,37 +28,32 @@ std::string JoinedText(const std::string& first, const std::string& second) {
   return first + (first.empty() || second.empty() ? "" : "; ") + second;
 }
 
-std::optional<RateRange> RangeOf(const RateMeasure& measure) {
-  if (!measure.IsConclusive()) return std::nullopt;
-  const auto limit = [](double hz) {
-    return hz > 0.0 && std::isfinite(hz) ? std::optional<double>(FourDecimals(hz)) : std::nullopt;
-  };
-  return RateRange{limit(measure.lowest), limit(measure.highest)};
+std::optional<RateRange> RangeOf(const RateLimits& limits) {
+  if (!limits.IsConclusive()) return std::nullopt;
+  RateRange range;
+  if (limits.lowest > 0.0) range.lowest = FourDecimals(limits.lowest);
+  range.highest = FourDecimals(limits.highest);
+  return range;
 }
 
-/// By the file, the source, flights of the body, or the set; where none tells, the range that the motion allows.
-Reported<double> ReportedRate(const RawClip& clip, const std::optional<SourceOptions>& source, const ClipMeasures& m,
-                              const RateMeasure& measure) {
-  const std::string shown = measure.IsConclusive() ? "the motion fits " + measure.Range() + ": " + measure.Words() : "";
+/// By the file, the source or the set; beside it, or without it, the range that the motion allows.
+Reported<double> ReportedRate(const RawClip& clip, const std::optional<SourceOptions>& source,
+                              const RateLimits& limits) {
+  const std::string shown = limits.IsConclusive() ? "the motion fits " + limits.Range() + ": " + limits.evidence : "";
   Reported<double> rate;
   if (source && source->rate_hz) {
     rate = Report(source->rate_hz, Provenance::kDeclared, 1.0, "declared by the source '" + source->name + "'");
   } else if (clip.rate_hz) {
     rate = Report(clip.rate_hz, clip.rate_measured ? Provenance::kMeasured : Provenance::kDeclared,
                   clip.rate_measured ? kClockSure : 1.0, clip.rate_evidence);
-  } else if (clip.set_rate_hz > 0.0 && measure.Allows(clip.set_rate_hz)) {
+  } else if (clip.set_rate_hz > 0.0 && limits.Allows(clip.set_rate_hz)) {
     rate = Report<double>(clip.set_rate_hz, Provenance::kDeclared, kSetSure,
                           JoinedText(clip.set_evidence, "the file holds no times"));
-  } else if (measure.rate_hz() && measure.confidence() > kRateReported) {
-    return Report<double>(std::round(*measure.rate_hz() * 10.0) / 10.0, Provenance::kMeasured, measure.confidence(),
-                          shown);
   } else {
     const std::string silence = clip.rate_evidence.empty() ? "the file does not declare it" : clip.rate_evidence;
-    return Unknown<double>(JoinedText(silence, shown.empty() ? m.rate.evidence : shown));
+    return Unknown<double>(JoinedText(silence, shown));
   }
-  if (!measure.IsConclusive()) return rate;
-  rate.measured = Estimate<double>{measure.rate_hz(), FourDecimals(measure.confidence()), shown};
-  if (rate.measured->value) rate.measured->value = FourDecimals(*rate.measured->value);
+  if (limits.IsConclusive()) rate.measured = Estimate<double>{std::nullopt, 0.0, shown};
   return rate;
 }
 
@@ -164,8 +157,8 @@ InspectedClip DeclaredReport(const RawClip& clip, const std::string& file, const
   const DeclaredFrame said = DeclaredFrameOf(clip, source);
   InspectedClip report = FactsOfClip(clip, file, source, m, said);
   const Believed believed = BelievedOf(said, m, false);
-  const RateMeasure rate = RateShown(clip, believed.units, believed.up);
-  report.rate_hz = ReportedRate(clip, source, m, rate);
+  const RateLimits rate = RateShown(clip, believed.units, believed.up);
+  report.rate_hz = ReportedRate(clip, source, rate);
   report.rate_range = RangeOf(rate);
   return report;
 }
@@ -183,8 +176,8 @@ InspectedClip ClipReport(const RawClip& clip, const std::string& file, std::vect
   }
   const Believed believed = BelievedOf(said, m, HasFinding(clip.remarks, "units_contradiction"));
   const bool body = !HasFinding(clip.remarks, "not_joint_positions");
-  const RateMeasure rate = body ? RateShown(clip, believed.units, believed.up) : RateMeasure();
-  report.rate_hz = ReportedRate(clip, std::nullopt, m, rate);
+  const RateLimits rate = body ? RateShown(clip, believed.units, believed.up) : RateLimits();
+  report.rate_hz = ReportedRate(clip, std::nullopt, rate);
   report.rate_range = RangeOf(rate);
   const bool known = !believed.contradicted;
   ReportChecks(clip, known ? believed.units : "", known ? believed.up : "", where, findings);

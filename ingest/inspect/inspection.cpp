@@ -180,8 +180,8 @@ std::string FieldText(const char* name, const Reported<T>& field) {
   std::string text = ValueText(field.value) + "  ";
   text += field.from == Provenance::kMeasured ? "measured, " + SureText(field) : field.evidence;
   if (field.measured) {
-    text += "; measured " + (field.measured->value ? ValueText(field.measured->value) + ", " : "") +
-            SureText(*field.measured);
+    text += "; measured " + (field.measured->value ? ValueText(field.measured->value) + ", " + SureText(*field.measured)
+                                                   : field.measured->evidence);
   }
   return NamedLine(name, text);
 }

@@ -25,8 +25,6 @@ constexpr double kNearlyAlways = 0.95;  // score of feet that point one way
 constexpr int kFewKnees = 4;            // fewer say nothing, as of any part
 constexpr double kUnsureHands = 0.5;    // most of hands that reach both ways
 constexpr double kByFeet = 0.6;         // how sure feet make then
-constexpr double kTypicalSpeed = 0.45;  // m/s, of the joint that nine in ten do not outrun, people in action
-constexpr double kSpeedSpread = 3.0;    // factor by which their speed differs from it
 
 /// Sum of directions, one a frame.
 struct Directions {
@@ -205,34 +203,6 @@ void MeasureFacing(const Body& body, ClipMeasures& m) {
             "from up, handedness and facing; facing is a habit of the recording, not a rule"};
 }
 
-/// People in action move their faster joints at about half a metre per second, give or take a factor of 3: this tells
-/// no rate, but a person may judge by it.
-Measured StepEvidence(const RawClip& clip, double metres_per_unit) {
-  Measured rate;
-  std::vector<double> steps;
-  std::vector<double> frame;
-  for (int f = 0; f + 1 < clip.positions.frames; ++f) {
-    frame.clear();
-    for (int j = 0; j < clip.positions.joints; ++j) {
-      const std::size_t at = static_cast<std::size_t>(f) * clip.positions.joints + j;
-      if (!clip.confidence.empty() &&
-          (clip.confidence[at] == 0.0 || clip.confidence[at + clip.positions.joints] == 0.0))
-        continue;
-      frame.push_back((clip.positions.at(f + 1, j) - clip.positions.at(f, j)).norm());
-    }
-    if (frame.size() < 3) continue;
-    const auto tenth = frame.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(frame.size() - 1));
-    std::nth_element(frame.begin(), tenth, frame.end());
-    steps.push_back(*tenth * metres_per_unit);
-  }
-  const double step = Median(steps);
-  if (!(step > 1e-5)) return rate;
-  const double usual = kTypicalSpeed / step;
-  rate.evidence = "the faster joints move " + ShownLength(1000.0 * step) + " mm from frame to frame, as people do at " +
-                  ShownLength(usual / kSpeedSpread) + " to " + ShownLength(usual * kSpeedSpread) + " Hz";
-  return rate;
-}
-
 /// What feet that nearly always point one way say against hands that do not agree with themselves: feet hardly turn,
 /// hands reach anywhere. Nothing where knees or feet leave a doubt.
 std::optional<Handedness> NameFeet(const std::vector<HandednessCue>& cues) {
@@ -295,8 +265,6 @@ ClipMeasures Measure(const RawClip& clip) {
     m.handedness.value = *handedness.handedness == Handedness::kRight ? "right" : "left";
   }
   MeasureFacing(body, m);
-  const Expected<double> metres = MetresPerUnit(m.units.value);
-  if (metres && !clip.rate_hz) m.rate = StepEvidence(clip, *metres);
   return m;
 }
 

@@ -21,7 +21,6 @@ struct ClipMeasures {
   Measured handedness;            ///< "right", "left"
   Measured facing;                ///< "-z": where the person faces, in file axes
   Measured axes;                  ///< AxisConvention text that brings these to the canonical world
-  Measured rate;                  ///< never a value: what the speed of the joints would fit, for a person to judge by
   double body = 0.0;              ///< head to foot along trunk and leg, file units; 0: not measured
   std::optional<RootScale> root;  ///< of the path against the body, in the unit that is declared
   double missing_share = 0.0;

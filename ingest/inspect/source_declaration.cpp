@@ -67,7 +67,7 @@ void WriteUnits(const ClipConsensus& source, const std::string& format, Declarat
   writer.Value("units", YamlQuoted(*units.value), units.comment);
 }
 
-/// The usual rate that a measured one is near to.
+/// The usual rate that the one of a clock is near to.
 std::optional<double> UsualRate(double measured) {
   for (const double usual : {24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 100.0, 120.0, 200.0, 240.0}) {
     if (std::abs(measured / usual - 1.0) < kNearUsual) return usual;
@@ -90,12 +90,6 @@ std::pair<std::string, const InspectedClip*> UsualFact(const ClipConsensus& sour
   return usual;
 }
 
-/// Whether the tables of a source have a column of times.
-bool HasClock(const ClipConsensus& source) {
-  return UsualFact(source, "layout").first.find("time_") != std::string::npos ||
-         UsualFact(source, "columns").first.find("time_") != std::string::npos;
-}
-
 void WriteRate(const ClipConsensus& source, const std::string& format, DeclarationWriter& writer) {
   const Vote<double> rate = source.Ask(&InspectedClip::rate_hz);
   if (!rate.value) {
@@ -105,8 +99,7 @@ void WriteRate(const ClipConsensus& source, const std::string& format, Declarati
   const std::string hz = FormatDouble(*rate.value) + " Hz";
   if (rate.from == Provenance::kMeasured) {
     const std::optional<double> usual = UsualRate(*rate.value);
-    if (!usual && HasClock(source)) return writer.Comment("rate: by the times of each file, " + rate.comment);
-    if (!usual) return writer.Unknown("rate", rate.comment);  // near, but no rate to divide times by
+    if (!usual) return writer.Comment("rate: by the times of each file, " + rate.comment);
     return writer.Value("rate", FormatDouble(*usual) + " Hz",
                         "the usual rate that is nearest; " + rate.comment + ", " + hz);
   }

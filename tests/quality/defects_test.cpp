@@ -267,7 +267,7 @@ TEST(Defects, LieParametersAreNotJointPositionsAndGetNoFurtherChecks) {
   }
 }
 
-TEST(Defects, HoppingRevealsAWrongRateAndNotTheRightOne) {
+TEST(Defects, HoppingRevealsARateThatIsTooHigh) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     TakeOptions who;
     who.rate_hz = seed % 2 == 0 ? 60.0 : 30.0;
@@ -277,16 +277,12 @@ TEST(Defects, HoppingRevealsAWrongRateAndNotTheRightOne) {
     who.hop_s = 0.3 + 0.01 * static_cast<double>(seed % 10);
     Take take = Perform(seed, who);
     EXPECT_TRUE(Only("none", take, who.rate_hz).empty()) << "seed " << seed;
-    const RateMeasure measure = MeasureRate(take.view());
-    ASSERT_TRUE(measure.rate_hz()) << "seed " << seed << ": " << measure.Words();
-    EXPECT_NEAR(*measure.rate_hz(), who.rate_hz, 0.15 * who.rate_hz) << measure.Words();
-    EXPECT_TRUE(measure.Allows(who.rate_hz)) << measure.Words();
-    for (const double factor : {2.0, 4.0, 0.5}) {
+    for (const double factor : {2.0, 4.0}) {
       Take marked = take;
       for (double& time : marked.time_s) time /= factor;
       const auto found = Only("rate_suspect", marked, factor * who.rate_hz);
       ASSERT_EQ(found.size(), 1u) << "seed " << seed << " factor " << factor;
-      EXPECT_NEAR(found[0].value, who.rate_hz, 0.2 * who.rate_hz);
+      EXPECT_GE(found[0].value, who.rate_hz) << "the highest rate that the motion allows";
     }
   }
 }
@@ -294,10 +290,10 @@ TEST(Defects, HoppingRevealsAWrongRateAndNotTheRightOne) {
 TEST(Defects, WalkingAsAnInvertedPendulumRevealsARateThatIsTooHighOrTooLow) {
   for (const double rate : {30.0, 60.0, 120.0}) {
     const Take take = WalkAsAPendulum(rate, 4.0);
-    const RateMeasure measure = MeasureRate(take.view());
-    EXPECT_TRUE(measure.Allows(rate)) << rate << ": " << measure.Words();
+    const RateLimits limits = MeasureRate(take.view());
+    EXPECT_TRUE(limits.Allows(rate)) << rate << ": " << limits.evidence;
     for (const double factor : {0.125, 0.25, 0.5, 3.0, 4.0, 8.0}) {
-      EXPECT_FALSE(measure.Allows(factor * rate)) << rate << " marked " << factor * rate << ": " << measure.Words();
+      EXPECT_FALSE(limits.Allows(factor * rate)) << rate << " marked " << factor * rate << ": " << limits.evidence;
     }
   }
 }
@@ -305,9 +301,9 @@ TEST(Defects, WalkingAsAnInvertedPendulumRevealsARateThatIsTooHighOrTooLow) {
 TEST(Defects, PuppetMotionNeverReportsARateThatIsTooLow) {
   for (std::uint64_t seed = 0; seed < 2 * kSeeds; ++seed) {
     const TakeOptions who = RecordedPerson(seed);
-    const RateMeasure measure = MeasureRate(Perform(seed, who).view());
-    EXPECT_EQ(measure.lowest, 0.0) << "seed " << seed << ": " << measure.Words();
-    EXPECT_TRUE(measure.Allows(who.rate_hz)) << "seed " << seed << ": " << measure.Words();
+    const RateLimits limits = MeasureRate(Perform(seed, who).view());
+    EXPECT_EQ(limits.lowest, 0.0) << "seed " << seed << ": " << limits.evidence;
+    EXPECT_TRUE(limits.Allows(who.rate_hz)) << "seed " << seed << ": " << limits.evidence;
   }
 }
 
@@ -324,16 +320,6 @@ TEST(Defects, AnImpossibleAccelerationOfAHandReportsARateThatIsTooHigh) {
   EXPECT_TRUE(MeasureRate(take.view()).Allows(60.0));
   EXPECT_FALSE(MeasureRate(take.view()).Allows(240.0));
   EXPECT_NEAR(MeasureRate(take.view()).highest, 80.0, 8.0);
-}
-
-TEST(Defects, TheBestEstimateLiesWithinTheLimitsOfAllClues) {
-  RateMeasure measure;
-  measure.clues = {{40.0, 120.0, 100.0, 0.9, "flights"}, {0.0, 60.0, 0.0, 0.3, "limbs"}};
-  measure.lowest = 40.0;
-  measure.highest = 60.0;
-  EXPECT_EQ(measure.rate_hz(), 60.0);
-  measure.clues[0].rate_hz = 50.0;
-  EXPECT_EQ(measure.rate_hz(), 50.0);
 }
 
 TEST(Defects, WithoutAConstantRateNothingIsMeasured) {

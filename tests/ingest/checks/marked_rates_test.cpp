@@ -1,4 +1,4 @@
-// Frame rates estimated from motion: recorded files marked with wrong rates.
+// Frame rates that motion allows: recorded files marked with wrong rates.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -38,11 +38,13 @@ class MarkedRates : public WrittenFormats {
   fs::path data_;
 };
 
-TEST_F(MarkedRates, AreCorrectedByTheJumpsOfALongTake) {
-  for (const double rate : {15.0, 30.0, 60.0, 240.0, 480.0}) {
-    EXPECT_NEAR(SuspectRate(Marked("cmu/asf_amc/01_01.bvh", rate)), 120.0, 6.0) << "marked " << rate;
-  }
+TEST_F(MarkedRates, AreSuspectWhenTooHighForJumps) {
   EXPECT_EQ(SuspectRate(Marked("cmu/asf_amc/01_01.bvh", 120.0)), 0.0);
+  for (const double rate : {240.0, 480.0}) {
+    const double suspect = SuspectRate(Marked("cmu/asf_amc/01_01.bvh", rate));
+    EXPECT_GT(suspect, 120.0) << "marked " << rate;
+    EXPECT_LT(suspect, rate);
+  }
 }
 
 TEST_F(MarkedRates, AreSuspectWhenTooLowOrTooHighForAWalk) {
@@ -57,14 +59,13 @@ TEST_F(MarkedRates, AreSuspectOnlyWhenTooHighForRaisingHands) {
   EXPECT_GT(SuspectRate(Marked(hands, 240.0)), 0.0);
 }
 
-TEST_F(MarkedRates, AreEstimatedFromJumpsWhenMissing) {
+TEST_F(MarkedRates, AreLimitedAndNotGuessedWhereTheFileHasNone) {
   fs::copy_file(data_ / "cmu/asf_amc/01.asf", folder_ / "01.asf");
   fs::copy_file(data_ / "cmu/asf_amc/01_01.amc", folder_ / "01_01.amc");
   const Json rate = Json(InspectPath(folder_ / "01_01.amc", std::nullopt)).at("clips").at(0).at("rate_hz");
-  EXPECT_EQ(rate.at("from"), "measured");
-  EXPECT_NEAR(rate.at("value"), 120.0, 6.0);
-  EXPECT_LT(rate.at("range")[0], 120.0);
+  EXPECT_EQ(rate.at("from"), "unknown");
   EXPECT_GT(rate.at("range")[1], 120.0);
+  EXPECT_LT(rate.at("range")[1], 240.0);
 }
 
 }  // namespace
