@@ -87,7 +87,7 @@ void AddSetFinding(const Finding& of_the_set, bool refuse, std::vector<ItemResul
       continue;
     }
     own.action = FindingAction::kRefused;
-    clip.summary.Set("threshold", own.code == "rate_suspect" ? 1.0 / static_cast<double>(kLeastDenials) : kAgreement);
+    clip.summary.Set("threshold", own.code == "rate_suspect" ? kShareOfWrongRate : kAgreement);
     clip.outcome.kind = OutcomeKind::kRefused;
     clip.outcome.error = Error{ErrorCode::kInconsistent, own.message, clip.item,
                                "set ingest.source.on_contradiction: flag to keep such clips"};

@@ -112,8 +112,8 @@ TEST_F(RecordedSets, OtherSetsHaveNoFindings) {
   }
 }
 
-TEST_F(RecordedSets, JumpsAndRunsRevealAWrongFrameRate) {
-  for (const char* rate : {"30 Hz", "60 Hz", "240 Hz", "480 Hz"}) {
+TEST_F(RecordedSets, JumpsRevealAFrameRateThatIsTooHigh) {
+  for (const char* rate : {"240 Hz", "480 Hz"}) {
     EXPECT_THAT(Found("cmu_amc", {std::string("ingest.source.rate=") + rate, "ingest.source.files='01_{take:2}.amc'",
                                   "ingest.source.person='1'", "ingest.source.recording='{take}'",
                                   "ingest.source.skeleton_files=01.asf"}),

@@ -30,6 +30,47 @@ class RecordedRates : public RecordedFormats {
   }
 };
 
+/// 500 clips marked with 60 Hz, of which the first `denying` fit at most 30 Hz.
+std::vector<ItemResult> ClipsThatDeny(std::size_t denying) {
+  std::vector<ItemResult> clips(500);
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    clips[i].item = "set/p0/" + std::to_string(i);
+    clips[i].summary.Set("rate_hz", 60.0);
+    if (i < denying) clips[i].outcome.findings.push_back(MakeFinding("rate_suspect", Severity::kWarning, 30.0, ""));
+  }
+  return clips;
+}
+
+std::ptrdiff_t CountKind(const std::vector<ItemResult>& clips, OutcomeKind kind) {
+  return std::count_if(clips.begin(), clips.end(), [&](const ItemResult& clip) { return clip.outcome.kind == kind; });
+}
+
+TEST(RatesOfSets, FiveClipsOf500LeaveTheOthersAsTheyAre) {
+  for (const OnContradiction action : {OnContradiction::kFlag, OnContradiction::kRefuse}) {
+    SourceOptions source;
+    source.on_contradiction = action;
+    std::vector<ItemResult> clips = ClipsThatDeny(5);
+    EXPECT_TRUE(FindSetContradictions(source, clips).empty());
+    EXPECT_EQ(CountKind(clips, OutcomeKind::kDone), 500);
+  }
+}
+
+TEST(RatesOfSets, AreWrongWhereAsManyClipsAsOfAWrongSetDenyThem) {
+  SourceOptions source;
+  std::vector<ItemResult> clips = ClipsThatDeny(40);  // 8 %, as UTKinect with 4 times its rate
+  const std::vector<Finding> findings = FindSetContradictions(source, clips);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "rate_suspect");
+  EXPECT_EQ(findings[0].severity, Severity::kError);
+  EXPECT_EQ(findings[0].value, 0.08);
+  EXPECT_EQ(CountKind(clips, OutcomeKind::kSuspect), 500);
+  source.on_contradiction = OnContradiction::kRefuse;
+  clips = ClipsThatDeny(40);
+  ASSERT_EQ(FindSetContradictions(source, clips).size(), 1u);
+  EXPECT_EQ(CountKind(clips, OutcomeKind::kRefused), 500);
+  EXPECT_EQ(clips[0].summary.at("threshold"), 0.05);
+}
+
 TEST_F(RecordedRates, UseTheDeclaredRateAndReportContradictoryFiles) {
   const IngestOptions options = Marked(60.0, "marked60");
   std::vector<ItemResult> clips = RunAll(options);
