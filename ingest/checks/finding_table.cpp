@@ -188,9 +188,6 @@ const std::vector<FindingKind>& FindingKinds() {
       {"length_unit_contradiction", "error", "an ASF whose rest pose does not fit a person; value: metres"},
       {"frozen_pose", "warning; error from half of the clip on", "rotations that repeat while the body moves"},
       {"path_missing", "warning", "the root is at 0 0 0 in every frame while the body rotates; value: frames"},
-      {"units_outlier", "error", "a clip that differs from its folder by a power of ten (value)"},
-      {"axes_outlier", "warning", "a clip that fits its folder only with two axes exchanged"},
-      {"handedness_outlier", "warning", "a clip with another handedness than its folder; value: confidence"},
       {"joints_displaced", "info", "recorded joints are displaced from those of the rotations; value: median, metres"},
       {"bones_not_the_subjects", "info", "bone lengths are the skeleton's: the file does not declare the body's shape"},
       // Declarations against data.

@@ -109,7 +109,7 @@ std::optional<Finding> CompareRate(const SourceOptions& source, double file_hz) 
 
 bool RateDenials::OfTheSet() const {
   const std::size_t most = std::max(too_fast, too_slow);
-  return most >= kFewestVotes && Share() >= kShareOfWrongRate && std::min(too_fast, too_slow) == 0;
+  return most >= kFewestWrongRates && Share() >= kShareOfWrongRate && std::min(too_fast, too_slow) == 0;
 }
 
 std::string RateDenials::Words() const {

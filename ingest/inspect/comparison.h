@@ -41,6 +41,7 @@ std::optional<Finding> CompareRate(const SourceOptions& source, double file_hz);
 /// rate, or 4 times that, it is 7.5 % to 91 %, or none; 3 % of KARD's gestures with 4 times theirs. With true rates no
 /// clip of 1,460 denies it (docs/real_sets.md).
 inline constexpr double kShareOfWrongRate = 0.05;
+inline constexpr std::size_t kFewestWrongRates = 5;
 
 /// Of all clips together: whether those whose motion denies their rate make that a fact about the set. One that allows
 /// it says little, as people may do anything slowly: 5 that deny it in the same direction, and 5 %, are enough.
@@ -58,10 +59,8 @@ struct RateDenials {
 /// A declared order of joints that scores better (BodyScore::total) is not doubted.
 inline constexpr double kPlausibleOrder = 0.12;
 
-/// Clips of one source or folder that decide for the others, and the least share of their votes.
-inline constexpr std::size_t kFewestVotes = 5;
-/// The same against a declaration: no clip of KARD, MSR-Action3D, UTKinect and Florence3D
-/// contradicts a correct one.
+/// Clips that contradict a declaration together, and the least share of what the clips that decide it say: no clip of
+/// KARD, MSR-Action3D, UTKinect and Florence3D contradicts a correct one.
 inline constexpr std::size_t kFewestDenials = 3;
 inline constexpr double kAgreement = 0.95;
 

@@ -105,20 +105,6 @@ TEST_F(ChangedKard, ReportsRoundedAndMirroredCopies) {
                   {"near_duplicate a02_s01_e01_realworld.txt", "mirrored_duplicate a03_s01_e01_realworld.txt"}));
 }
 
-TEST_F(ChangedKard, ReportsAClipWithExchangedAxesAsAnOutlier) {
-  for (int action = 1; action <= 8; ++action) {
-    const std::string name = "a0" + std::to_string(action) + "_s01_e01_realworld.txt";
-    std::vector<Vector3d> rows = Rows(name);
-    for (Vector3d& row : rows) {
-      if (action == 3) std::swap(row[0], row[2]);
-    }
-    Write(rows, name);
-  }
-  const std::vector<Json> findings = FindingsOf(Inspect(), "axes_outlier");
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].at("where"), "a03_s01_e01_realworld.txt");
-}
-
 TEST_F(ChangedKard, MarksJointsWithImplausibleNumbersMissing) {
   for (const auto& [row, code] :
        {std::pair<std::string, std::string>{"1e300 4 5", "number_too_large"}, {"1e300 nan inf", "not_a_number"}}) {

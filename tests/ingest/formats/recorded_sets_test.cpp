@@ -38,18 +38,22 @@ struct RealSet {
 };
 
 constexpr const char* kPixels = "pixels: no person in 3-D";
+constexpr const char* kStill = "a standing person with hanging arms shows no handedness";
+constexpr const char* kNoRateAndStill =
+    "no rate in the files, and the motion does not determine it; a standing person with hanging arms shows no "
+    "handedness";
 constexpr const char* kNoRate = "no rate in the files, and the motion does not determine it";
 constexpr const char* kNoisy = "feet and knees are too noisy to determine the handedness";
 constexpr const char* kNoSkeleton = "rotations whose skeleton is not in the folder";
 
 const std::vector<RealSet>& RealSets() {
   static const std::vector<RealSet> sets = {
-      {"KARD", "kinect/kard", "a", "mm", "+y", "left", 0, kNoRate, {}, 30},
+      {"KARD", "kinect/kard", "a", "mm", "+y", "left", 0, kNoRateAndStill, {"handedness"}, 30},
       {"KARD, pixels and depth", "kinect/kard", "screen/", "", "-y", "right", 0, kPixels, {"up", "handedness"}},
-      {"MSR-Action3D", "kinect/msr_action3d", "a", "m", "+y", "right", 15},
+      {"MSR-Action3D", "kinect/msr_action3d", "a", "m", "+y", "right", 15, kStill, {"handedness"}},
       {"MSR-Action3D, pixels and depth (mirrored)", "kinect/msr_action3d", "screen/", "", "-y", "left", 15, kPixels},
-      {"UTKinect", "kinect/utkinect", "", "m", "+y", "right", 0, kNoRate, {}, 15},
-      {"Florence3D", "kinect/florence3d", "", "mm", "+y", "right", 0, kNoRate, {}, 15},
+      {"UTKinect", "kinect/utkinect", "", "m", "+y", "right", 0, kNoRateAndStill, {"handedness"}, 15},
+      {"Florence3D", "kinect/florence3d", "", "mm", "+y", "right", 0, kNoRateAndStill, {"handedness"}, 15},
       {"CAD-60", "kinect/cad60", "", "mm", "+y", "right", 30},
       {"NTU RGB+D", "ntu", "", "m", "+y", "right", 30},
       {"Bandai 1", "bvh/bandai1", "", "cm", "+y", "right", 30},
