@@ -30,26 +30,51 @@ double ExtentAtRest(const Asf& asf) {
   return (high - low).maxCoeff();
 }
 
+Finding AsfContradiction(const char* code, const std::string& bone, double value, std::string message) {
+  Finding finding = MakeFinding(code, Severity::kError, FourDecimals(value), std::move(message));
+  finding.joint = bone;
+  return finding;
+}
+
+/// Bones that only turn are of no length in some dialects, several of them. One alone is a length that got lost.
+void CheckLostLength(const Asf& asf, const std::string& file, std::vector<Finding>& findings) {
+  const AsfBone* none = nullptr;
+  for (const AsfBone& bone : asf.bones) {
+    if (bone.length > 0.0) continue;
+    if (none != nullptr) return;
+    none = &bone;
+  }
+  if (none == nullptr || asf.bones.size() < kBonesOfPerson) return;
+  findings.push_back(AsfContradiction("bone_length", none->name, 0.0,
+                                      file + (none->line > 0 ? ":" + std::to_string(none->line) : "") + ": bone '" +
+                                          none->name + "' has length 0, all " + std::to_string(asf.bones.size() - 1) +
+                                          " others have one: correct its `length`"));
+}
+
 }  // namespace
 
-std::optional<Finding> CheckAsfUnit(const Asf& asf, std::optional<double> declared_m) {
+std::vector<Finding> CheckAsfSkeleton(const Asf& asf, const std::string& file, std::optional<double> declared_m) {
+  std::vector<Finding> findings;
+  CheckLostLength(asf, file, findings);
+  if (asf.bones.size() < kBonesOfPerson || !(asf.length_unit > 0.0)) return findings;
   const double units = ExtentAtRest(asf);
-  if (asf.bones.size() < kBonesOfPerson || !(asf.length_unit > 0.0) || !(units > 0.0)) return std::nullopt;
   const double metres = units / asf.length_unit * kMetresPerInch;
+  if (!(units > 0.0)) return findings;
   const std::string own = "the rest pose measures " + Digits(units) + " file units from end to end; with `length " +
                           Digits(asf.length_unit) + "` in :units (file units per inch) that is " + Digits(metres) +
                           " m";
   const std::string said = declared_m ? Digits(units * *declared_m) + " m by the source's `units`" : std::string();
-  std::string message;
   if (metres < kShortestRestPose || metres > kLongestRestPose) {
-    message = own + " (a person: " + Digits(kShortestRestPose) + " to " + Digits(kLongestRestPose) + " m)" +
-              (said.empty() ? "" : " (" + said + ")") + ": correct `length` in :units, or the lengths of the bones";
+    findings.push_back(AsfContradiction("length_unit_contradiction", "", metres,
+                                        own + " (a person: " + Digits(kShortestRestPose) + " to " +
+                                            Digits(kLongestRestPose) + " m)" + (said.empty() ? "" : " (" + said + ")") +
+                                            ": correct `length` in :units, or the lengths of the bones"));
   } else if (declared_m && std::abs(units * *declared_m / metres - 1.0) > kSameUnit) {
-    message = own + ", but " + said + ": correct `length` in :units, or declare ingest.source.units of this skeleton";
-  } else {
-    return std::nullopt;
+    findings.push_back(AsfContradiction(
+        "length_unit_contradiction", "", metres,
+        own + ", but " + said + ": correct `length` in :units, or declare ingest.source.units of this skeleton"));
   }
-  return MakeFinding("length_unit_contradiction", Severity::kError, FourDecimals(metres), std::move(message));
+  return findings;
 }
 
 }  // namespace mocurate

@@ -7,8 +7,8 @@
 #include "core/motion/kinematics.h"
 #include "ingest/checks/angle_checks.h"
 #include "ingest/checks/asf_checks.h"
-#include "ingest/checks/rate_checks.h"
 #include "ingest/checks/root_scale.h"
+#include "ingest/checks/rate_checks.h"
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
@@ -26,12 +26,13 @@ struct AcclaimFindings {
   std::optional<Finding> rate;
 };
 
-AcclaimFindings CheckAcclaim(const Asf* asf, const Amc& amc, const std::string& name,
+AcclaimFindings CheckAcclaim(const Asf* asf, const std::string& skeleton, const Amc& amc, const std::string& name,
                              std::optional<double> declared_m) {
   AcclaimFindings checked;
   checked.findings = amc.findings;
   if (asf != nullptr) {
-    if (auto unit = CheckAsfUnit(*asf, declared_m)) checked.findings.push_back(*std::move(unit));
+    for (Finding& finding : CheckAsfSkeleton(*asf, skeleton, declared_m))
+      checked.findings.push_back(std::move(finding));
   }
   std::optional<Finding> angles = asf != nullptr ? CheckAngleUnits(*asf, &amc) : std::nullopt;
   if (!angles) angles = CheckAngleUnits(amc, asf);
@@ -136,7 +137,7 @@ Expected<IngestedClip> ReadAsfAmcClip(const SourceFile& file) {
 
   IngestedClip ingested;
   ingested.findings = asf->findings;
-  const AcclaimFindings checked = CheckAcclaim(&*asf, *amc, file.name, DeclaredUnit(source));
+  const AcclaimFindings checked = CheckAcclaim(&*asf, file.skeleton_name, *amc, file.name, DeclaredUnit(source));
   ingested.findings.insert(ingested.findings.end(), checked.findings.begin(), checked.findings.end());
   ingested.clip.rate =
       amc->hz ? RateOfFile(source, *amc->hz, ingested, checked.rate) : FrameRate::FromHz(*source.rate_hz);
@@ -291,7 +292,7 @@ Expected<RawFile> AmcIn(const FileBytes& file) {
     clip.rate_hz = rate;
     clip.rate_evidence = "the name: HDM05's end with the rate";
   }
-  const AcclaimFindings checked = CheckAcclaim(asf ? &*asf : nullptr, *amc, file.name, std::nullopt);
+  const AcclaimFindings checked = CheckAcclaim(asf ? &*asf : nullptr, skeleton_name, *amc, file.name, std::nullopt);
   clip.AddRemarks(checked.findings);
   clip.rate_finding = checked.rate;
   if (asf && amc->frames > 0) {
@@ -321,9 +322,11 @@ Expected<RawFile> AsfIn(const FileBytes& file) {
        "asf",
        {{"angles", asf->degrees ? "degrees" : "radians"}},
        {{"bones", static_cast<double>(asf->bones.size())}, {"length_unit", asf->length_unit}}});
-  observed.remarks = asf->findings;
-  if (auto unit = CheckAsfUnit(*asf)) observed.remarks.push_back(*std::move(unit));
-  if (auto angles = CheckAngleUnits(*asf)) observed.remarks.push_back(*std::move(angles));
+  std::vector<Finding> checked = CheckAsfSkeleton(*asf, file.name);
+  if (auto angles = CheckAngleUnits(*asf)) checked.push_back(*std::move(angles));
+  for (const std::vector<Finding>& findings : {asf->findings, checked}) {
+    for (const Finding& finding : findings) observed.remarks.push_back(finding);
+  }
   return observed;
 }
 

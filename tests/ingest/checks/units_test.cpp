@@ -207,14 +207,7 @@ TEST_F(WrongUnits, ReportsALengthUnitThatContradictsThePersonOrTheSource) {
 
 TEST_F(WrongUnits, ReportsAnAcclaimLengthThatIsAHundredthOfItsTrueValue) {
   ExpectAcclaim(Replaced(Cmu("01.asf"), "length 0.45", "length 0.0045"), Cmu("01_01.amc"), "length_unit_contradiction");
-  const std::string skeleton = Cmu("01.asf");
-  const std::size_t bone = skeleton.find("length", skeleton.find("name lfemur")) + 7;
-  const std::size_t end = skeleton.find_first_of(" \r\n", bone);
-  const double length = std::stod(skeleton.substr(bone, end - bone));
-  std::string shorter = skeleton;
-  shorter.replace(bone, end - bone, std::to_string(length / 100.0));
-  ExpectAcclaim(shorter, Cmu("01_01.amc"), "bone_length");
-  Written("01.asf", skeleton);
+  Written("01.asf", Cmu("01.asf"));
   EXPECT_TRUE(Codes(Inspect(), "error").empty());
 }
 
