@@ -11,7 +11,6 @@
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/camera.h"
-#include "core/geometry/point_grid.h"
 
 namespace mocurate {
 namespace {
@@ -20,8 +19,6 @@ constexpr std::array<PoseConvention, 3> kPoseConventions = {PoseConvention::kWor
                                                             PoseConvention::kCameraToWorld};
 constexpr double kAimError = 8.0 * kPi / 180.0;  ///< how far cameras aim beside the common point
 constexpr double kDepthRange = 5.0;              ///< metres; Kinect-like depth cameras measure nothing beyond
-constexpr std::size_t kMaxPointsPerCloud = 1500;
-constexpr std::size_t kMaxPairs = 12;
 constexpr double kContradiction = 0.99;
 
 std::string ThreeDigits(double value) {
@@ -36,7 +33,6 @@ struct ConventionScore {
   std::vector<double> distance;  ///< camera to the common point, file units; in front only
   std::size_t behind = 0;        ///< cameras that have the common point behind them
   std::optional<double> subject_share;
-  std::vector<double> cloud_distance;  ///< per pair of views, file units
 };
 
 /// Optical axes of one world: each camera's angle to the common point, heavy-tailed; and the distance of that point,
@@ -93,50 +89,11 @@ void ScoreSubject(const std::vector<Camera>& cameras, const std::vector<double>&
   }
 }
 
-std::vector<Vector3d> Thinned(const std::vector<Vector3d>& points) {
-  const std::size_t step = points.size() / kMaxPointsPerCloud + 1;
-  std::vector<Vector3d> thinned;
-  for (std::size_t i = 0; i < points.size(); i += step) thinned.push_back(points[i]);
-  return thinned;
-}
-
-/// Median distance of each cloud's points from the cloud before it.
-std::vector<double> CloudDistances(const std::vector<ViewCloud>& clouds, const std::vector<Camera>& cameras) {
-  std::vector<double> distances;
-  const std::size_t step = clouds.size() / kMaxPairs + 1;
-  for (std::size_t i = 1; i < clouds.size(); i += step) {
-    const ViewCloud& a = clouds[i - 1];
-    const ViewCloud& b = clouds[i];
-    if (a.points.empty() || b.points.empty() || a.view >= cameras.size() || b.view >= cameras.size()) continue;
-    double extent = 0.0;
-    for (const Vector3d& point : a.points) extent = std::max(extent, (point - a.points.front()).norm());
-    if (!(extent > 0.0)) continue;
-    const PointGrid grid(a.points, extent / 50.0);
-    const RigidTransform a_from_b = cameras[a.view].camera_from_world * Inverse(cameras[b.view].camera_from_world);
-    std::vector<double> nearest;
-    for (const Vector3d& point : Thinned(b.points)) nearest.push_back(grid.Distance(a_from_b * point, extent / 4.0));
-    distances.push_back(Median(nearest));
-  }
-  return distances;
-}
-
 class Judge {
  public:
-  Judge(const Calibration& calibration, const CalibrationEvidence& evidence)
-      : calibration_(calibration), evidence_(evidence) {
+  explicit Judge(const Calibration& calibration) : calibration_(calibration) {
     for (std::size_t i = 0; i < calibration.views.size(); ++i) worlds_[calibration.views[i].world].push_back(i);
     for (const PoseConvention reading : kPoseConventions) scores_.push_back(Score(reading));
-    // Distances between clouds count by their ratio to the best reading's.
-    std::vector<double> medians;
-    for (const ConventionScore& score : scores_) medians.push_back(Median(score.cloud_distance));
-    const double least = *std::min_element(medians.begin(), medians.end());
-    for (std::size_t r = 0; r < scores_.size(); ++r) {
-      if (least > 0.0) {
-        scores_[r].log_likelihood -= 1.5 *
-                                     std::min<double>(6.0, static_cast<double>(scores_[r].cloud_distance.size())) *
-                                     std::log(medians[r] / least);
-      }
-    }
   }
 
   CalibrationEstimate Decide() const {
@@ -183,10 +140,8 @@ class Judge {
       }
       ScoreAxes(poses, score);
       std::vector<Vector3d> points;
-      for (const auto* list : {&calibration_.subject_points, &evidence_.subject_points}) {
-        for (const Calibration::SubjectPoint& point : *list) {
-          if (point.world == world) points.push_back(point.position);
-        }
+      for (const Calibration::SubjectPoint& point : calibration_.subject_points) {
+        if (point.world == world) points.push_back(point.position);
       }
       ScoreSubject(cameras, reach, points, score, shares);
     }
@@ -195,7 +150,6 @@ class Judge {
       for (const double share : shares) sum += share;
       score.subject_share = sum / static_cast<double>(shares.size());
     }
-    score.cloud_distance = CloudDistances(evidence_.clouds, all);
     return score;
   }
 
@@ -207,12 +161,9 @@ class Judge {
              ThreeDigits(Median(score.distance)) + " units away, " + std::to_string(score.behind) + " of " +
              std::to_string(score.miss.size()) + " cameras have it behind them";
     }
-    const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
     if (score.subject_share)
-      add(ThreeDigits(100.0 * *score.subject_share) + " % of the subject's points are in view and in reach");
-    if (!score.cloud_distance.empty()) {
-      add("clouds of neighbouring views lie " + ThreeDigits(Median(score.cloud_distance)) + " units apart");
-    }
+      text += (text.empty() ? "" : "; ") + ThreeDigits(100.0 * *score.subject_share) +
+              " % of the subject's points are in view and in reach";
     return text.empty() ? "nothing to compare" : text;
   }
 
@@ -241,8 +192,7 @@ class Judge {
       return {declared, 1.0, "the format declares it; " + Words(scores_[IndexOf(declared)])};
     }
     const ConventionScore& score = scores_[best];
-    const bool seen = score.subject_share || !score.cloud_distance.empty();
-    if (!seen && !score.miss.empty() && 2 * score.behind >= score.miss.size()) {
+    if (!score.subject_share && !score.miss.empty() && 2 * score.behind >= score.miss.size()) {
       sense.remarks.push_back(
           MakeFinding("calibration_contradiction", Severity::kError, static_cast<double>(score.behind),
                       "in no reading do most cameras look at one point before them: " + reading.evidence +
@@ -375,16 +325,15 @@ class Judge {
   }
 
   const Calibration& calibration_;
-  const CalibrationEvidence& evidence_;
   std::map<std::string, std::vector<std::size_t>> worlds_;
   std::vector<ConventionScore> scores_;
 };
 
 }  // namespace
 
-CalibrationEstimate EstimateCalibration(const Calibration& calibration, const CalibrationEvidence& evidence) {
+CalibrationEstimate EstimateCalibration(const Calibration& calibration) {
   if (calibration.views.empty()) return {};
-  return Judge(calibration, evidence).Decide();
+  return Judge(calibration).Decide();
 }
 
 }  // namespace mocurate

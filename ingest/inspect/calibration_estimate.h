@@ -9,18 +9,6 @@
 
 namespace mocurate {
 
-/// What one view measured, in its own camera's frame and the file's units (a masked depth view, back-projected).
-struct ViewCloud {
-  std::size_t view = 0;  ///< index of Calibration::views
-  std::vector<Vector3d> points;
-};
-
-/// What is known besides the calibration file. All of it may be empty.
-struct CalibrationEvidence {
-  std::vector<Calibration::SubjectPoint> subject_points;  ///< besides those of the file
-  std::vector<ViewCloud> clouds;                          ///< neighbours in the list see parts of the same surface
-};
-
 /// A calibration with everything decided, by the file where it says so and by evidence where it is silent. A value is
 /// empty where the evidence does not tell; then `cameras` is empty.
 struct CalibrationEstimate {
@@ -37,10 +25,9 @@ inline constexpr double kSureOfCalibration = 0.9;
 
 /// Decides
 /// - what R and t mean: optical axes that meet near one point in front of the cameras, subject points in front,
-///   inside the images and no farther than a depth camera measures, clouds of neighbouring views that lie on each
-///   other;
+///   inside the images and no farther than a depth camera measures;
 /// - the unit: cameras stand about 1 to 10 m from what they look at (log-normal around 3 m); inches are rare;
 /// - up: against the image rows' direction, on the average.
-CalibrationEstimate EstimateCalibration(const Calibration& calibration, const CalibrationEvidence& evidence = {});
+CalibrationEstimate EstimateCalibration(const Calibration& calibration);
 
 }  // namespace mocurate

@@ -4,8 +4,8 @@
 
 #include "core/base/random.h"
 #include "core/geometry/depth_image.h"
-#include "core/geometry/point_grid.h"
 #include "tests/support/linear_triangulation.h"
+#include "tests/support/point_grid.h"
 
 namespace mocurate {
 namespace {

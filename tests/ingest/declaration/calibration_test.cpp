@@ -9,7 +9,6 @@
 #include "core/formats/camera_files.h"
 #include "core/formats/opencv_storage.h"
 #include "core/formats/panoptic_bodies.h"
-#include "core/geometry/point_grid.h"
 #include "ingest/inspect/calibration_estimate.h"
 #include "tests/formats/damage.h"
 #include "tests/formats/expect_error.h"
@@ -24,8 +23,8 @@ Calibration Recorded(const std::string& path) {
 }
 
 void ExpectEstimate(const Calibration& calibration, const std::string& reading, const std::string& unit,
-                    const std::string& up, const CalibrationEvidence& evidence = {}) {
-  const CalibrationEstimate estimate = EstimateCalibration(calibration, evidence);
+                    const std::string& up) {
+  const CalibrationEstimate estimate = EstimateCalibration(calibration);
   EXPECT_EQ(estimate.reading.value, reading) << estimate.reading.confidence << " " << estimate.reading.evidence;
   EXPECT_EQ(estimate.unit.value, unit) << estimate.unit.confidence << " " << estimate.unit.evidence;
   EXPECT_EQ(estimate.up.value, up) << estimate.up.evidence;

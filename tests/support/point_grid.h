@@ -1,11 +1,44 @@
-#include "core/geometry/point_grid.h"
+#pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "core/geometry/rotation.h"
 
 namespace mocurate {
 
-std::size_t PointGrid::Hash::operator()(const Cell& cell) const {
+/// Points sorted into cubes, for nearest neighbours within a reach.
+class PointGrid {
+ public:
+  /// `cell` is the side of a cube, metres, positive: best near the distances asked for. Keeps a copy of the points,
+  /// which must be finite.
+  PointGrid(std::vector<Vector3d> points, double cell);
+
+  /// Index of the nearest point, the lowest of equally near ones; -1 when none lies within `reach`.
+  int Nearest(const Vector3d& query, double reach) const;
+  /// Distance to it; `reach` when none is nearer.
+  double Distance(const Vector3d& query, double reach) const;
+  const std::vector<Vector3d>& points() const { return points_; }
+
+ private:
+  struct Cell {
+    std::int64_t x, y, z;
+    bool operator==(const Cell& other) const { return x == other.x && y == other.y && z == other.z; }
+  };
+  struct Hash {
+    std::size_t operator()(const Cell& cell) const;
+  };
+  Cell CellOf(const Vector3d& point) const;
+
+  std::vector<Vector3d> points_;
+  double cell_;
+  std::unordered_map<Cell, std::vector<int>, Hash> cells_;
+};
+
+inline std::size_t PointGrid::Hash::operator()(const Cell& cell) const {
   std::uint64_t hash = 0;
   for (const std::int64_t part : {cell.x, cell.y, cell.z}) {
     hash = (hash ^ static_cast<std::uint64_t>(part)) * 0x9E3779B97F4A7C15ULL;
@@ -14,11 +47,11 @@ std::size_t PointGrid::Hash::operator()(const Cell& cell) const {
   return static_cast<std::size_t>(hash);
 }
 
-PointGrid::PointGrid(std::vector<Vector3d> points, double cell) : points_(std::move(points)), cell_(cell) {
+inline PointGrid::PointGrid(std::vector<Vector3d> points, double cell) : points_(std::move(points)), cell_(cell) {
   for (std::size_t i = 0; i < points_.size(); ++i) cells_[CellOf(points_[i])].push_back(static_cast<int>(i));
 }
 
-PointGrid::Cell PointGrid::CellOf(const Vector3d& point) const {
+inline PointGrid::Cell PointGrid::CellOf(const Vector3d& point) const {
   const auto part = [&](double value) {
     constexpr double kFar = 1e15;
     return static_cast<std::int64_t>(std::clamp(std::floor(value / cell_), -kFar, kFar));
@@ -26,7 +59,7 @@ PointGrid::Cell PointGrid::CellOf(const Vector3d& point) const {
   return {part(point.x()), part(point.y()), part(point.z())};
 }
 
-int PointGrid::Nearest(const Vector3d& query, double reach) const {
+inline int PointGrid::Nearest(const Vector3d& query, double reach) const {
   const Cell centre = CellOf(query);
   const auto rings = static_cast<std::int64_t>(std::ceil(reach / cell_));
   int best = -1;
@@ -55,7 +88,7 @@ int PointGrid::Nearest(const Vector3d& query, double reach) const {
   return best;
 }
 
-double PointGrid::Distance(const Vector3d& query, double reach) const {
+inline double PointGrid::Distance(const Vector3d& query, double reach) const {
   const int nearest = Nearest(query, reach);
   return nearest < 0 ? reach : (points_[static_cast<std::size_t>(nearest)] - query).norm();
 }
