@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "core/base/text.h"
+#include "ingest/inspect/comparison.h"
 #include "ingest/inspect/file_names.h"
 
 namespace mocurate {
@@ -16,13 +18,19 @@ std::string VoteText(const std::string& value) { return value; }
 std::string VoteText(double value) { return FormatDouble(value); }
 std::string VoteText(int value) { return std::to_string(value); }
 
-}  // namespace
-
-std::string TwoDecimals(double value) { return FormatDouble(std::round(value * 100.0) / 100.0); }
-
+/// The number of joints, "null" where it is unknown.
 std::string JointsText(const InspectedClip& clip) {
   return clip.joints.value ? std::to_string(*clip.joints.value) : "null";
 }
+
+/// The most frequent value of a field, weighted by confidence.
+template <class T>
+struct Consensus {
+  const Reported<T>* clearest = nullptr;  ///< of the highest confidence; none: no clip has a value
+  const Reported<T>* last = nullptr;
+  double share = 0.0;     ///< of the votes
+  std::size_t clips = 0;  ///< that report this value
+};
 
 template <class T>
 Consensus<T> ConsensusOf(const std::vector<const InspectedClip*>& clips, Reported<T> InspectedClip::*field) {
@@ -50,10 +58,61 @@ Consensus<T> ConsensusOf(const std::vector<const InspectedClip*>& clips, Reporte
   return most->second.votes;
 }
 
-template Consensus<std::string> ConsensusOf(const std::vector<const InspectedClip*>&,
-                                            Reported<std::string> InspectedClip::*);
-template Consensus<double> ConsensusOf(const std::vector<const InspectedClip*>&, Reported<double> InspectedClip::*);
-template Consensus<int> ConsensusOf(const std::vector<const InspectedClip*>&, Reported<int> InspectedClip::*);
+/// Clips by folder, format and joints.
+std::map<std::string, std::vector<InspectedClip*>> Members(std::vector<InspectedClip>& clips) {
+  std::map<std::string, std::vector<InspectedClip*>> members;
+  for (InspectedClip& clip : clips) {
+    members[FolderOf(clip.file) + "\n" + clip.format + "\n" + JointsText(clip)].push_back(&clip);
+  }
+  return members;
+}
+
+/// Rates that motions deny, of the clips of a folder together.
+void ReportRates(const std::vector<InspectedClip*>& group, std::vector<Finding>& findings) {
+  std::map<std::string, const InspectedClip*> by_id;
+  for (const InspectedClip* clip : group) by_id[clip->id] = clip;
+  RateDenials denials;
+  denials.clips = group.size();
+  for (const Finding& finding : findings) {
+    if (finding.code != "rate_suspect") continue;
+    const auto clip = by_id.find(finding.clip);
+    if (clip != by_id.end()) denials.Add(clip->second->rate_hz.value.value_or(0.0), finding.value);
+  }
+  if (!denials.OfTheSet()) return;
+  const std::string folder = FolderOf(group[0]->file);
+  findings.push_back(FindingAt(folder.empty() ? "." : folder, "rate_suspect", Severity::kError,
+                               FourDecimals(denials.Share()),
+                               "the motions of the whole folder contradict its rate: " + denials.Words()));
+}
+
+template <class T>
+Pooled<T> PooledOf(const std::vector<const InspectedClip*>& clips, Reported<T> InspectedClip::*field) {
+  const Consensus<T> most = ConsensusOf(clips, field);
+  if (most.last == nullptr) return {};
+  return {most.last->value, most.last->from, FourDecimals(most.share)};
+}
+
+InspectedGroup GroupOf(const std::vector<const InspectedClip*>& clips) {
+  InspectedGroup group;
+  group.folder = FolderOf(clips[0]->file);
+  group.format = clips[0]->format;
+  group.joints = clips[0]->joints.value;
+  group.clips = clips.size();
+  group.fewest_frames = *clips[0]->frames.value;
+  for (const InspectedClip* clip : clips) {
+    const int frames = *clip->frames.value;
+    group.frames += frames;
+    group.fewest_frames = std::min(group.fewest_frames, frames);
+    group.most_frames = std::max(group.most_frames, frames);
+  }
+  group.rate_hz = PooledOf(clips, &InspectedClip::rate_hz);
+  ForEachSharedText([&](const char*, auto of_clip, auto of_group) { group.*of_group = PooledOf(clips, of_clip); });
+  return group;
+}
+
+}  // namespace
+
+std::string TwoDecimals(double value) { return FormatDouble(std::round(value * 100.0) / 100.0); }
 
 ClipConsensus::ClipConsensus(const Inspection& inspection, std::string format) : format_(std::move(format)) {
   std::set<std::string> no_bodies;
@@ -142,6 +201,13 @@ std::vector<std::string> ClipConsensus::Facts(const char* key) const {
   std::vector<std::string> facts;
   for (const InspectedClip* clip : clips_) facts.push_back(clip->Fact(key));
   return facts;
+}
+
+void CompareGroups(Inspection& inspection) {
+  for (const auto& [key, group] : Members(inspection.clips)) {
+    ReportRates(group, inspection.findings);
+    inspection.groups.push_back(GroupOf({group.begin(), group.end()}));
+  }
 }
 
 }  // namespace mocurate

@@ -8,18 +8,6 @@
 
 namespace mocurate {
 
-/// The most frequent value of a field, weighted by confidence.
-template <class T>
-struct Consensus {
-  const Reported<T>* clearest = nullptr;  ///< of the highest confidence; none: no clip has a value
-  const Reported<T>* last = nullptr;
-  double share = 0.0;     ///< of the votes
-  std::size_t clips = 0;  ///< that report this value
-};
-
-template <class T>
-Consensus<T> ConsensusOf(const std::vector<const InspectedClip*>& clips, Reported<T> InspectedClip::*field);
-
 /// What the clips of a source report of one thing.
 template <class T>
 struct Vote {
@@ -59,10 +47,11 @@ class ClipConsensus {
   std::vector<std::string> other_files_;
 };
 
-/// The number of joints, "null" where it is unknown.
-std::string JointsText(const InspectedClip& clip);
-
 /// "0.93", as a declaration says how sure it is.
 std::string TwoDecimals(double value);
+
+/// Fills `groups`: clips of one folder, format and joint count together. Rates that enough motions of a folder deny are
+/// "rate_suspect" of the folder (RateDenials).
+void CompareGroups(Inspection& inspection);
 
 }  // namespace mocurate
