@@ -124,6 +124,15 @@ bool InvalidatesPoses(const std::vector<Finding>& findings) {
                      [](const Finding& finding) { return finding.code == "angle_unit_contradiction"; });
 }
 
+namespace {
+
+/// Frames that the name declares, by `frames_in_name`, and the file does not hold.
+int FramesLost(const SourceOptions& source, const NamedFile& named, int frames) {
+  const long long said = DeclaredFrames(source, named).value_or(0);
+  return static_cast<int>(std::clamp(said - frames, 0LL, 1'000'000LL));
+}
+
+/// A rate that the source declares and the motion denies is an error, as any contradiction of a declaration.
 void EscalateRateFindings(std::vector<Finding>& findings) {
   for (Finding& finding : findings) {
     if (finding.code != "rate_suspect") continue;
@@ -132,6 +141,8 @@ void EscalateRateFindings(std::vector<Finding>& findings) {
   }
 }
 
+/// "name_contradiction" by `frames_in_name`: "{first}-{last}", both ends included. Annotation may have gaps, so that
+/// fewer frames are right.
 void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, std::vector<Finding>& findings) {
   const std::optional<long long> said = DeclaredFrames(source, named);
   if (!said || frames <= *said) return;
@@ -140,13 +151,6 @@ void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, 
                                       FillFields(source.frames_in_name, named.fields) + "), the file holds " +
                                       std::to_string(frames)));
 }
-
-int FramesLost(const SourceOptions& source, const NamedFile& named, int frames) {
-  const long long said = DeclaredFrames(source, named).value_or(0);
-  return static_cast<int>(std::clamp(said - frames, 0LL, 1'000'000LL));
-}
-
-namespace {
 
 OnFinding ActionFor(const CheckOptions& options, const std::string& code, const Clip& clip) {
   const OnFinding action = options.ActionFor(code);

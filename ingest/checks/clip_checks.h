@@ -52,16 +52,6 @@ std::vector<Finding> FindNeverObserved(const TrackedPoints& points, const std::v
 /// HumanAct12's clips, which omit frames without annotation, lack up to 17 frames.
 inline constexpr int kLostWithoutRate = 15;
 
-/// Frames that the name speaks of, by `frames_in_name`, and the file does not hold.
-int FramesLost(const SourceOptions& source, const NamedFile& named, int frames);
-
-/// A rate that the source declares and the motion denies is an error, as any contradiction of a declaration.
-void EscalateRateFindings(std::vector<Finding>& findings);
-
-/// "name_contradiction" by `frames_in_name`: "{first}-{last}", both ends included. Annotation may have gaps, so that
-/// fewer frames are right.
-void JudgeName(const SourceOptions& source, const NamedFile& named, int frames, std::vector<Finding>& findings);
-
 /// Asks core/quality what is wrong with the clip, which is in metres and canonical axes, and the name whether it agrees
 /// with the content; appends findings and does about them what `source.checks` says: each finding's action tells.
 /// Samples that are to be missing lose their confidence. Returns the first finding that drops the clip. Where the body
