@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "core/quality/tracked_points.h"
@@ -36,26 +37,41 @@ Finding AsfContradiction(const char* code, const std::string& bone, double value
   return finding;
 }
 
-/// Bones that only turn are of no length in some dialects, several of them. One alone is a length that got lost.
-void CheckLostLength(const Asf& asf, const std::string& file, std::vector<Finding>& findings) {
-  const AsfBone* none = nullptr;
-  for (const AsfBone& bone : asf.bones) {
-    if (bone.length > 0.0) continue;
-    if (none != nullptr) return;
-    none = &bone;
+/// "rfemur" of "lfemur" and the other way round, "RightLeg" of "LeftLeg"; else empty.
+std::string PartnerBone(std::string bone) {
+  for (const auto& [left, right] : {std::pair<std::string, std::string>{"left", "right"}, {"Left", "Right"}}) {
+    if (bone.rfind(left, 0) == 0) return right + bone.substr(left.size());
+    if (bone.rfind(right, 0) == 0) return left + bone.substr(right.size());
   }
-  if (none == nullptr || asf.bones.size() < kBonesOfPerson) return;
-  findings.push_back(AsfContradiction("bone_length", none->name, 0.0,
-                                      file + (none->line > 0 ? ":" + std::to_string(none->line) : "") + ": bone '" +
-                                          none->name + "' has length 0, all " + std::to_string(asf.bones.size() - 1) +
-                                          " others have one: correct its `length`"));
+  const std::string sides = "lrLR", partners = "rlRL";
+  const std::size_t side = bone.empty() ? std::string::npos : sides.find(bone[0]);
+  if (side == std::string::npos) return "";
+  bone[0] = partners[side];
+  return bone;
+}
+
+/// Bones that only turn are of no length in some dialects, several of them on both sides. One alone, or one whose
+/// partner of the other side has a length, has lost its own.
+void CheckLostLengths(const Asf& asf, const std::string& file, std::vector<Finding>& findings) {
+  std::map<std::string, double> lengths;
+  for (const AsfBone& bone : asf.bones) lengths[bone.name] = bone.length;
+  const auto none = [](const AsfBone& bone) { return !(bone.length > 0.0); };
+  const bool alone = asf.bones.size() >= kBonesOfPerson && std::count_if(asf.bones.begin(), asf.bones.end(), none) == 1;
+  for (const AsfBone& bone : asf.bones) {
+    const auto partner = lengths.find(PartnerBone(bone.name));
+    if (!none(bone) || !(alone || (partner != lengths.end() && partner->second > 0.0))) continue;
+    findings.push_back(AsfContradiction(
+        "bone_length", bone.name, 0.0,
+        file + (bone.line > 0 ? ":" + std::to_string(bone.line) : "") + ": bone '" + bone.name + "' has length 0, " +
+            (alone ? "all others have one" : "'" + partner->first + "' has one") + ": correct its `length`"));
+  }
 }
 
 }  // namespace
 
 std::vector<Finding> CheckAsfSkeleton(const Asf& asf, const std::string& file, std::optional<double> declared_m) {
   std::vector<Finding> findings;
-  CheckLostLength(asf, file, findings);
+  CheckLostLengths(asf, file, findings);
   if (asf.bones.size() < kBonesOfPerson || !(asf.length_unit > 0.0)) return findings;
   const double units = ExtentAtRest(asf);
   const double metres = units / asf.length_unit * kMetresPerInch;

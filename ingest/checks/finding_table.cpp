@@ -186,7 +186,7 @@ const std::vector<FindingKind>& FindingKinds() {
       {"rate_implausible", "error", "a rate of 1 Hz or less, or of more than 2000 Hz"},
       {"angle_unit_contradiction", "error", "angles of another unit than the file declares; value: the largest"},
       {"length_unit_contradiction", "error", "an ASF whose rest pose does not fit a person; value: metres"},
-      {"bone_length", "error", "a bone of an ASF of length 0, while all others have one; value: 0"},
+      {"bone_length", "error", "a bone of an ASF of length 0, while its partner or all others have one; value: 0"},
       {"frozen_pose", "warning; error from half of the clip on", "rotations that repeat while the body moves"},
       {"path_missing", "warning", "the root is at 0 0 0 in every frame while the body rotates; value: frames"},
       {"joints_displaced", "info", "recorded joints are displaced from those of the rotations; value: median, metres"},
