@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/text.h"
-
 namespace mocurate {
 namespace {
 
@@ -56,25 +54,6 @@ int Amc::Find(std::string_view bone) const {
     if (bones[i].name == bone) return static_cast<int>(i);
   }
   return -1;
-}
-
-std::string WriteAmc(const Amc& amc) {
-  std::string text;
-  text.reserve(amc.values.size() * 10);
-  if (amc.fully_specified) text += ":FULLY-SPECIFIED\n";
-  if (amc.degrees) text += *amc.degrees ? ":DEGREES\n" : ":RADIANS\n";
-  if (amc.hz) text += ":SAMPLES-PER-SECOND " + FormatDouble(*amc.hz) + "\n";
-  for (int frame = 0; frame < amc.frames; ++frame) {
-    text += std::to_string(amc.frame_numbers[static_cast<std::size_t>(frame)]) + "\n";
-    for (std::size_t bone = 0; bone < amc.bones.size(); ++bone) {
-      if (!amc.has(frame, static_cast<int>(bone))) continue;
-      const AmcBone& row = amc.bones[bone];
-      text += row.name;
-      for (int i = 0; i < row.channels; ++i) text += " " + FormatDouble(amc.value(frame, row.first_channel + i));
-      text += "\n";
-    }
-  }
-  return text;
 }
 
 Matrix3d AcclaimLocalRotation(const Asf& asf, const Amc& amc, int frame, int bone) {

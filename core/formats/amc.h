@@ -59,8 +59,6 @@ struct AmcOptions {
 /// in most frames is reported once.
 Expected<Amc> ParseAmc(std::string_view bytes, const AmcOptions& options, const std::string& name);
 
-std::string WriteAmc(const Amc& amc);
-
 /// parent_from_bone: C L C^-1, C the bone's axis, L its dof; a missing bone or dof has angle 0. `amc` must have been
 /// read with `asf`.
 Matrix3d AcclaimLocalRotation(const Asf& asf, const Amc& amc, int frame, int bone);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <type_traits>
+#include <utility>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -27,13 +29,6 @@ void Store(T value, bool swap, std::string& bytes) {
   char raw[sizeof(T)];
   std::memcpy(raw, &value, sizeof(T));
   for (std::size_t i = 0; i < sizeof(T); ++i) bytes += raw[swap ? sizeof(T) - 1 - i : i];
-}
-
-template <class T>
-void Decode(const ElementType& type, std::string_view data, std::vector<double>& values) {
-  for (std::size_t at = 0; at + sizeof(T) <= data.size(); at += sizeof(T)) {
-    values.push_back(static_cast<double>(LoadElement<T>(data.data() + at, type.big_endian)));
-  }
 }
 
 double HalfToDouble(std::uint16_t half) {
@@ -71,40 +66,54 @@ bool Holds(double value) {
   return value >= low && value < beyond && value == std::floor(value);
 }
 
-template <class T>
-bool StoreInteger(double value, bool swap, std::string& bytes) {
-  if (!Holds<T>(value)) return false;
-  Store(static_cast<T>(value), swap, bytes);
-  return true;
-}
+struct Boolean {
+  std::uint8_t byte = 0;
+  explicit operator double() const { return byte != 0 ? 1.0 : 0.0; }
+};
 
-bool StoreNumber(const ElementType& type, double value, std::string& bytes) {
-  const bool swap = type.big_endian;
+struct Half {
+  std::uint16_t bits = 0;
+  explicit operator double() const { return HalfToDouble(bits); }
+};
+
+/// Calls `visit` with a value of the C++ type that a numeric type is.
+template <class Visit>
+auto Typed(const ElementType& type, const Visit& visit) {
   switch (type.kind) {
     case ElementKind::kBool:
+      return visit(Boolean{});
+    case ElementKind::kSigned:
+      if (type.bytes == 1) return visit(std::int8_t{});
+      if (type.bytes == 2) return visit(std::int16_t{});
+      if (type.bytes == 4) return visit(std::int32_t{});
+      return visit(std::int64_t{});
+    case ElementKind::kUnsigned:
+      if (type.bytes == 1) return visit(std::uint8_t{});
+      if (type.bytes == 2) return visit(std::uint16_t{});
+      if (type.bytes == 4) return visit(std::uint32_t{});
+      return visit(std::uint64_t{});
+    default:
+      if (type.bytes == 2) return visit(Half{});
+      if (type.bytes == 4) return visit(float{});
+      return visit(double{});
+  }
+}
+
+/// False where the type cannot hold the value.
+bool StoreNumber(const ElementType& type, double value, std::string& bytes) {
+  return Typed(type, [&](auto typed) {
+    using T = decltype(typed);
+    if constexpr (std::is_same_v<T, Boolean>) {
       if (value != 0.0 && value != 1.0) return false;
       bytes += static_cast<char>(value);
-      return true;
-    case ElementKind::kSigned:
-      if (type.bytes == 1) return StoreInteger<std::int8_t>(value, swap, bytes);
-      if (type.bytes == 2) return StoreInteger<std::int16_t>(value, swap, bytes);
-      if (type.bytes == 4) return StoreInteger<std::int32_t>(value, swap, bytes);
-      return StoreInteger<std::int64_t>(value, swap, bytes);
-    case ElementKind::kUnsigned:
-      if (type.bytes == 1) return StoreInteger<std::uint8_t>(value, swap, bytes);
-      if (type.bytes == 2) return StoreInteger<std::uint16_t>(value, swap, bytes);
-      if (type.bytes == 4) return StoreInteger<std::uint32_t>(value, swap, bytes);
-      return StoreInteger<std::uint64_t>(value, swap, bytes);
-    default:
-      if (type.bytes == 2) {
-        Store(DoubleToHalf(value), swap, bytes);
-      } else if (type.bytes == 4) {
-        Store(static_cast<float>(value), swap, bytes);
-      } else {
-        Store(value, swap, bytes);
-      }
-      return true;
-  }
+    } else if constexpr (std::is_same_v<T, Half>) {
+      Store(DoubleToHalf(value), type.big_endian, bytes);
+    } else {
+      if (std::is_integral_v<T> && !Holds<T>(value)) return false;
+      Store(static_cast<T>(value), type.big_endian, bytes);
+    }
+    return true;
+  });
 }
 
 }  // namespace
@@ -161,33 +170,41 @@ std::optional<std::size_t> ElementCount(const std::vector<std::size_t>& shape, s
   return count;
 }
 
+double LoadNumber(const char* bytes, const ElementType& type) {
+  return Typed(type,
+               [&](auto typed) { return static_cast<double>(LoadElement<decltype(typed)>(bytes, type.big_endian)); });
+}
+
 void DecodeNumbers(const ElementType& type, std::string_view data, std::vector<double>& values) {
-  if (type.bytes == 0) return;
+  if (type.bytes == 0 || !type.is_number()) return;
   values.reserve(values.size() + data.size() / type.bytes);
-  switch (type.kind) {
-    case ElementKind::kBool:
-      for (const char byte : data) values.push_back(byte != 0 ? 1.0 : 0.0);
-      return;
-    case ElementKind::kSigned:
-      if (type.bytes == 1) return Decode<std::int8_t>(type, data, values);
-      if (type.bytes == 2) return Decode<std::int16_t>(type, data, values);
-      if (type.bytes == 4) return Decode<std::int32_t>(type, data, values);
-      return Decode<std::int64_t>(type, data, values);
-    case ElementKind::kUnsigned:
-      if (type.bytes == 1) return Decode<std::uint8_t>(type, data, values);
-      if (type.bytes == 2) return Decode<std::uint16_t>(type, data, values);
-      if (type.bytes == 4) return Decode<std::uint32_t>(type, data, values);
-      return Decode<std::uint64_t>(type, data, values);
-    case ElementKind::kReal:
-      if (type.bytes == 4) return Decode<float>(type, data, values);
-      if (type.bytes == 8) return Decode<double>(type, data, values);
-      for (std::size_t at = 0; at + 2 <= data.size(); at += 2) {
-        values.push_back(HalfToDouble(LoadElement<std::uint16_t>(data.data() + at, type.big_endian)));
-      }
-      return;
-    default:
-      return;
+  Typed(type, [&](auto typed) {
+    for (std::size_t at = 0; at + sizeof(typed) <= data.size(); at += sizeof(typed)) {
+      values.push_back(static_cast<double>(LoadElement<decltype(typed)>(data.data() + at, type.big_endian)));
+    }
+    return 0;
+  });
+}
+
+double RoundedTo(const ElementType& type, double value) {
+  if (!(type == kFloat32)) return value;
+  // Beyond the range of float the conversion is undefined; the value stays, and NumberFault reports it.
+  return std::abs(value) <= std::numeric_limits<float>::max() ? static_cast<double>(static_cast<float>(value)) : value;
+}
+
+std::string NumberFault(double value, const ElementType& type) {
+  if (!std::isfinite(value)) return "is not finite";
+  if (type == kFloat32) {
+    return std::abs(value) <= std::numeric_limits<float>::max() ? "" : "is beyond the range of float";
   }
+  if (!type.is_integer()) return {};
+  const auto [min, max] = Typed(type, [](auto typed) {
+    using T = decltype(typed);
+    return std::pair(static_cast<double>(std::numeric_limits<T>::min()),
+                     static_cast<double>(std::numeric_limits<T>::max()));
+  });
+  if (value >= min && value <= max && value == std::floor(value)) return {};
+  return "is not a whole number from " + FormatDouble(min) + " to " + FormatDouble(max);
 }
 
 std::optional<std::vector<std::string>> DecodeTexts(const ElementType& type, std::string_view data) {

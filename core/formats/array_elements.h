@@ -11,7 +11,7 @@
 
 namespace mocurate {
 
-/// Type of one element of a numpy array.
+/// Type of one element of a numpy array, or of a value of a PLY or PCD file.
 enum class ElementKind { kBool, kSigned, kUnsigned, kReal, kText, kBytes, kObject };
 
 /// A numpy type as text ("<f4", "|b1", ">i8", "<U6", "|S7", "|O").
@@ -21,7 +21,15 @@ struct ElementType {
   bool big_endian = false;
 
   bool is_number() const { return kind <= ElementKind::kReal; }
+  bool is_integer() const { return kind == ElementKind::kSigned || kind == ElementKind::kUnsigned; }
 };
+
+/// Byte order aside.
+inline bool operator==(const ElementType& a, const ElementType& b) { return a.kind == b.kind && a.bytes == b.bytes; }
+
+inline constexpr ElementType kInt8{ElementKind::kSigned, 1}, kInt16{ElementKind::kSigned, 2},
+    kInt32{ElementKind::kSigned, 4}, kUint8{ElementKind::kUnsigned, 1}, kUint16{ElementKind::kUnsigned, 2},
+    kUint32{ElementKind::kUnsigned, 4}, kFloat32{ElementKind::kReal, 4}, kFloat64{ElementKind::kReal, 8};
 
 /// Empty for any other type (complex numbers, dates, long doubles, records).
 std::optional<ElementType> ParseElementType(std::string_view dtype);
@@ -30,6 +38,13 @@ std::optional<ElementType> ParseElementType(std::string_view dtype);
 /// axes. Never overflows.
 std::optional<std::size_t> ElementCount(const std::vector<std::size_t>& shape, std::size_t bytes_each,
                                         std::size_t stored);
+
+/// The number at `bytes`, which holds an element of a numeric type.
+double LoadNumber(const char* bytes, const ElementType& type);
+/// The value as the type holds it: of kFloat32 rounded.
+double RoundedTo(const ElementType& type, double value);
+/// Why a value cannot be of this type ("is not a whole number from 0 to 255", "is not finite"); empty if it can.
+std::string NumberFault(double value, const ElementType& type);
 
 /// Numbers of `data`, which holds whole elements of a numeric type, appended to `values` in the order of `data`.
 /// Integers beyond 2^53 lose their last digits.

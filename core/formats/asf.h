@@ -25,8 +25,6 @@ struct AcclaimAxis {
   std::string order = "XYZ";
 };
 
-bool operator==(const AcclaimAxis& a, const AcclaimAxis& b);
-
 /// In the angle unit of the file (kLength: in its length unit); infinite for "inf".
 struct AsfLimit {
   double least = 0.0;
@@ -74,14 +72,12 @@ struct Asf {
 /// or hangs on itself. Source: Acclaim ASF/AMC as Vicon writes it.
 Expected<Asf> ParseAsf(std::string_view bytes, const std::string& name);
 
-std::string WriteAsf(const Asf& asf);
-
 /// From the start of a bone to its end in world axes at rest: the unit direction times the length, file units.
 Vector3d AsfOffset(const AsfBone& bone);
 /// The matrix of a rotation; `radians_per_unit` of its angles.
 Matrix3d AcclaimMatrix(const AcclaimAxis& axis, double radians_per_unit);
 
-/// "rx"; upper-case in the root's order by custom.
+/// "rx".
 const char* Name(AcclaimChannel channel);
 
 }  // namespace mocurate

@@ -1,10 +1,8 @@
 #include "core/formats/bandai_label.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "core/base/json_text.h"
-#include "core/base/text.h"
 #include "core/formats/line_reader.h"
 
 namespace mocurate {
@@ -41,27 +39,6 @@ Expected<BandaiLabel> ParseBandaiLabel(std::string_view bytes, const std::string
   const Expected<int> style = Index(*label, "style", name);
   if (!style) return Forward(style);
   return BandaiLabel{*content, *style};
-}
-
-Expected<std::vector<std::string>> ParseBandaiLabelList(std::string_view bytes, const std::string& name) {
-  std::vector<std::string> labels;
-  LineReader lines(bytes, name);
-  for (std::string_view line = lines.Next(); !line.empty(); line = lines.Next()) {
-    if (lines.number() != static_cast<int>(labels.size()) + 1) {
-      return lines.Bad("an empty line precedes label '" + Shown(line) + "'", "labels are counted by lines");
-    }
-    const std::size_t prefix = line.find('_');
-    std::string label(prefix == std::string_view::npos ? line : line.substr(prefix + 1));
-    if (label.empty()) return lines.Bad("'" + Shown(line) + "' names no label");
-    if (std::find(labels.begin(), labels.end(), label) != labels.end()) {
-      return lines.Bad("label '" + Shown(label) + "' appears twice");
-    }
-    constexpr std::size_t kMostLabels = 10000;
-    if (labels.size() == kMostLabels) return lines.Bad("more than 10000 labels");
-    labels.push_back(std::move(label));
-  }
-  if (labels.empty()) return Fail(ErrorCode::kMalformed, "the list holds no label", name, "is the file empty?");
-  return labels;
 }
 
 }  // namespace mocurate

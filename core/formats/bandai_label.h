@@ -2,7 +2,6 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/base/error.h"
 
@@ -18,10 +17,5 @@ struct BandaiLabel {
 /// Error kMalformed with "name:line:column" where it is not JSON, "name:/key" where a key is missing, unknown, or not
 /// a whole number from 0 on.
 Expected<BandaiLabel> ParseBandaiLabel(std::string_view bytes, const std::string& name);
-
-/// One label a line ("dataset-1_walk-back"); the set's prefix up to the first '_' is removed, also where it
-/// is empty ("_raise-up-right-hand"). The last line needs no line end. Error kMalformed "name:line": no label,
-/// an empty line between labels (it would shift those after it), a label twice.
-Expected<std::vector<std::string>> ParseBandaiLabelList(std::string_view bytes, const std::string& name);
 
 }  // namespace mocurate

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/text.h"
 #include "core/formats/joint_table.h"
 #include "core/formats/line_reader.h"
 
@@ -54,17 +53,6 @@ Expected<ExpmapTable> ParseExpmapTable(std::string_view bytes, const std::string
     table.rotation_rad.insert(table.rotation_rad.end(), row + 3, row + read->columns);
   }
   return table;
-}
-
-std::string WriteExpmapTable(const ExpmapTable& table) {
-  const std::size_t numbers = static_cast<std::size_t>(table.joints) * 3;
-  std::string text;
-  for (std::size_t f = 0; f < static_cast<std::size_t>(table.frames); ++f) {
-    for (std::size_t i = 0; i < 3; ++i) text += (i == 0 ? "" : ",") + FormatDouble(table.root[f * 3 + i]);
-    for (std::size_t i = 0; i < numbers; ++i) text += "," + FormatDouble(table.rotation_rad[f * numbers + i]);
-    text += "\n";
-  }
-  return text;
 }
 
 }  // namespace mocurate

@@ -27,6 +27,4 @@ struct ExpmapTable {
 Expected<ExpmapTable> ParseExpmapTable(std::string_view bytes, const std::string& name, int columns = 0,
                                        DamagedRows damaged_rows = DamagedRows::kRefuse);
 
-std::string WriteExpmapTable(const ExpmapTable& table);
-
 }  // namespace mocurate

@@ -77,18 +77,6 @@ Expected<HumanAct12Clip> HumanAct12Archive::Clip(std::size_t index) const {
   return clip;
 }
 
-Expected<std::vector<HumanAct12Clip>> ParseHumanAct12Pickle(std::string_view bytes, const std::string& name) {
-  const Expected<HumanAct12Archive> archive = HumanAct12Archive::Open(bytes, name);
-  if (!archive) return Forward(archive);
-  std::vector<HumanAct12Clip> clips;
-  for (std::size_t i = 0; i < archive->size(); ++i) {
-    Expected<HumanAct12Clip> clip = archive->Clip(i);
-    if (!clip) return Forward(clip);
-    clips.push_back(std::move(*clip));
-  }
-  return clips;
-}
-
 Expected<std::string> EncodeHumanAct12Pickle(const std::vector<HumanAct12Clip>& clips, const std::string& name) {
   PickleWriter writer;
   writer.BeginDict();

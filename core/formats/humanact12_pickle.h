@@ -20,9 +20,6 @@ struct HumanAct12Clip {
 
 /// `humanact12poses.pkl`: lists `poses`, `joints3D`, `y` with one entry per clip; `oldposes` is not data. A list
 /// `labels` names the classes; the published file does not have it. Errors kMalformed name list and clip.
-Expected<std::vector<HumanAct12Clip>> ParseHumanAct12Pickle(std::string_view bytes, const std::string& name);
-
-/// The same, a clip at a time.
 class HumanAct12Archive {
  public:
   /// `bytes` must outlive the archive.

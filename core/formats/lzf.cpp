@@ -1,7 +1,5 @@
 #include "core/formats/lzf.h"
 
-#include <algorithm>
-
 namespace mocurate {
 namespace {
 
@@ -41,17 +39,6 @@ std::optional<std::string> UnpackLzf(std::string_view block, std::size_t size) {
   }
   if (bytes.size() != size) return std::nullopt;
   return bytes;
-}
-
-std::string PackLzf(std::string_view bytes) {
-  std::string block;
-  block.reserve(bytes.size() + bytes.size() / kLongestLiteral + 1);
-  for (std::size_t at = 0; at < bytes.size(); at += kLongestLiteral) {
-    const std::string_view run = bytes.substr(at, kLongestLiteral);
-    block += static_cast<char>(run.size() - 1);
-    block += run;
-  }
-  return block;
 }
 
 }  // namespace mocurate

@@ -10,7 +10,4 @@ namespace mocurate {
 /// `size` bytes; nothing beyond what the block could give is allocated.
 std::optional<std::string> UnpackLzf(std::string_view block, std::size_t size);
 
-/// A valid block of literals only: a little longer than `bytes`.
-std::string PackLzf(std::string_view bytes);
-
 }  // namespace mocurate

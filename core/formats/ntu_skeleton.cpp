@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "core/base/text.h"
@@ -34,16 +33,6 @@ constexpr std::array<const char*, 12> kJointFields = {"x",        "y",  "z",  "d
 constexpr int kMostBodies = 1000;   // the sensor follows six; bounds a damaged count
 constexpr int kLargestWhole = 255;  // of the flags of a body
 constexpr int kTracked = 2;
-
-auto Tied(const NtuJoint& j) {
-  return std::tie(j.x_m, j.y_m, j.z_m, j.depth_u, j.depth_v, j.colour_u, j.colour_v, j.qw, j.qx, j.qy, j.qz,
-                  j.tracking);
-}
-
-auto Tied(const NtuBody& b) {
-  return std::tie(b.id, b.clipped_edges, b.hand_left_confidence, b.hand_left_state, b.hand_right_confidence,
-                  b.hand_right_state, b.is_restricted, b.lean_x, b.lean_y, b.tracking, b.joints);
-}
 
 class NtuParser {
  public:
@@ -286,9 +275,6 @@ std::string ThreeDigits(char letter, int number) {
 
 }  // namespace
 
-bool operator==(const NtuJoint& a, const NtuJoint& b) { return Tied(a) == Tied(b); }
-bool operator==(const NtuBody& a, const NtuBody& b) { return Tied(a) == Tied(b); }
-
 Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name, DamagedRows damaged_rows) {
   return NtuParser(bytes, name, damaged_rows).Run();
 }
@@ -318,38 +304,11 @@ std::string WriteNtuSkeleton(const NtuSkeleton& skeleton) {
   return text;
 }
 
-std::string NtuName::Capture() const {
-  return ThreeDigits('S', setup) + ThreeDigits('P', performer) + ThreeDigits('R', replication) +
-         ThreeDigits('A', action);
-}
-
 std::string NtuName::Text() const {
   return ThreeDigits('S', setup) + ThreeDigits('C', camera) + ThreeDigits('P', performer) +
          ThreeDigits('R', replication) + ThreeDigits('A', action);
 }
 
 int FirstSetupOf(int action) { return action > kLastNtu60Action ? kLastNtu60Setup + 1 : 1; }
-
-bool operator==(const NtuName& a, const NtuName& b) {
-  return std::tie(a.setup, a.camera, a.performer, a.replication, a.action) ==
-         std::tie(b.setup, b.camera, b.performer, b.replication, b.action);
-}
-
-std::optional<NtuName> ParseNtuName(std::string_view file_name) {
-  constexpr std::string_view kLetters = "SCPRA";
-  NtuName name;
-  int* const numbers[] = {&name.setup, &name.camera, &name.performer, &name.replication, &name.action};
-  for (std::size_t i = 0; i < kLetters.size(); ++i) {
-    const std::string_view part = file_name.substr(std::min(i * 4, file_name.size()), 4);
-    if (part.size() != 4 || !SameWord(part.substr(0, 1), kLetters.substr(i, 1))) return std::nullopt;
-    int number = 0;
-    const auto [stop, error] = std::from_chars(part.begin() + 1, part.end(), number);
-    if (error != std::errc() || stop != part.end() || number < 1) return std::nullopt;
-    *numbers[i] = number;
-  }
-  const bool longer_number = file_name.size() > 20 && file_name[20] >= '0' && file_name[20] <= '9';
-  if (longer_number) return std::nullopt;
-  return name;
-}
 
 }  // namespace mocurate

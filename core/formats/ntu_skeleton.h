@@ -22,11 +22,7 @@ struct NtuJoint {
   double colour_u = 0, colour_v = 0;      ///< pixels of the colour image, 1920 x 1080
   double qw = 0, qx = 0, qy = 0, qz = 0;  ///< orientation as written; 0 0 0 0 at the leaves: none
   int tracking = 0;                       ///< 0 not tracked, 1 inferred, 2 tracked
-
-  bool HasOrientation() const { return qw != 0 || qx != 0 || qy != 0 || qz != 0; }
 };
-
-bool operator==(const NtuJoint& a, const NtuJoint& b);
 
 /// One person in one frame; the fields of the Kinect v2 body.
 struct NtuBody {
@@ -40,16 +36,11 @@ struct NtuBody {
   std::array<NtuJoint, kNtuJoints> joints;
 };
 
-bool operator==(const NtuBody& a, const NtuBody& b);
-
 /// An NTU RGB+D `.skeleton` file: bodies of each frame, none to many, in the file's order.
 struct NtuSkeleton {
   std::vector<std::vector<NtuBody>> frames;
   std::vector<Finding> findings;  ///< with DamagedRows::kReport: "not_a_number", "row_length", "count_contradiction"
 };
-
-/// Of the frames; what was found on the way does not count.
-inline bool operator==(const NtuSkeleton& a, const NtuSkeleton& b) { return a.frames == b.frames; }
 
 /// Text: count of frames; per frame the count of bodies; per body a line of 10 numbers, a line "25", 25 lines of 12.
 /// A file of 0 frames is valid. Error kMalformed "name:line" names frame, body, joint and field. Faults: a line with
@@ -73,21 +64,13 @@ struct NtuName {
   int replication = 0;
   int action = 0;
 
-  /// The capture: what C001 to C003 of one performance share, "S001P001R001A011".
-  std::string Capture() const;
   std::string Text() const;
 };
-
-bool operator==(const NtuName& a, const NtuName& b);
 
 /// The last ones of NTU RGB+D 60; setups and actions above are those that NTU RGB+D 120 added.
 inline constexpr int kLastNtu60Setup = 17, kLastNtu60Action = 60;
 
 /// The first setup in which an action was recorded.
 int FirstSetupOf(int action);
-
-/// The name at the begin of a file name without its folder ("S001C002P003R001A058.skeleton", "..._rgb.avi"); letters of
-/// either case; nothing where the text does not begin so, or a number is 0.
-std::optional<NtuName> ParseNtuName(std::string_view file_name);
 
 }  // namespace mocurate

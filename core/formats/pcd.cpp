@@ -11,6 +11,7 @@
 #include "core/base/unpacked_limit.h"
 #include "core/formats/header_count.h"
 #include "core/formats/largest_number.h"
+#include "core/formats/line_reader.h"
 #include "core/formats/lzf.h"
 #include "core/formats/number_scanner.h"
 
@@ -20,13 +21,6 @@ namespace {
 using Token = NumberScanner::Token;
 
 constexpr std::uint32_t kColourMask = 0xFFFFFFU;
-
-float ColourAsFloat(double colour) {
-  const auto bits = static_cast<std::uint32_t>(colour);
-  float value = 0.0F;
-  std::memcpy(&value, &bits, sizeof value);
-  return value;
-}
 
 double ColourFromFloat(float value) {
   std::uint32_t bits = 0;
@@ -76,7 +70,7 @@ class PcdParser {
       // COUNT and VIEWPOINT are optional.
       if (words[0] != kOrder[next] && (kOrder[next] == "COUNT" || kOrder[next] == "VIEWPOINT")) ++next;
       if (words[0] != kOrder[next]) {
-        return BadLine("'" + std::string(kOrder[next]) + "' is expected, not '" + ShownText(words[0]) + "'");
+        return BadLine("'" + std::string(kOrder[next]) + "' is expected, not '" + Shown(words[0]) + "'");
       }
       if (Status read = HeaderLine(words); !read) return read;
       if (++next == std::size(kOrder)) return {};
@@ -97,7 +91,7 @@ class PcdParser {
         PcdField field;
         field.name = std::string(words[i]);
         if (field.name != "_" && !names.insert(words[i]).second) {
-          return BadLine("the field '" + ShownText(field.name) + "' appears twice");
+          return BadLine("the field '" + Shown(field.name) + "' appears twice");
         }
         pcd_.fields.push_back(std::move(field));
       }
@@ -108,7 +102,7 @@ class PcdParser {
       if (words.size() != 8) return BadLine("VIEWPOINT has 7 numbers");
       for (std::size_t i = 0; i < 7; ++i) {
         const std::optional<double> value = ParseDouble(words[i + 1]);
-        if (!value || !std::isfinite(*value)) return BadLine("'" + ShownText(words[i + 1]) + "' is not a number");
+        if (!value || !std::isfinite(*value)) return BadLine("'" + Shown(words[i + 1]) + "' is not a number");
         pcd_.viewpoint[i] = *value;
       }
       return {};
@@ -124,7 +118,7 @@ class PcdParser {
     const std::optional<long long> value = ParseInteger(words[1]);
     const long long min = key == "HEIGHT" ? 1 : 0;
     if (!value || *value < min || *value > std::numeric_limits<int>::max()) {
-      return BadLine("'" + ShownText(words[1]) + "' is not a count");
+      return BadLine("'" + Shown(words[1]) + "' is not a count");
     }
     if (key == "WIDTH") pcd_.width = static_cast<int>(*value);
     if (key == "HEIGHT") pcd_.height = static_cast<int>(*value);
@@ -146,11 +140,11 @@ class PcdParser {
       const std::optional<long long> number = ParseInteger(words[i]);
       if (words[0] == "SIZE") {
         if (!number || (*number != 1 && *number != 2 && *number != 4 && *number != 8)) {
-          return BadLine("the size '" + ShownText(words[i]) + "' is not 1, 2, 4 or 8");
+          return BadLine("the size '" + Shown(words[i]) + "' is not 1, 2, 4 or 8");
         }
         sizes_.push_back(*number);
       } else if (words[0] == "COUNT") {
-        if (!number || *number < 1 || *number > 100'000) return BadLine("'" + ShownText(words[i]) + "' is not a count");
+        if (!number || *number < 1 || *number > 100'000) return BadLine("'" + Shown(words[i]) + "' is not a count");
         field.count = static_cast<int>(*number);
       } else if (Status type = TypeOf(words[i], sizes_[i - 1], field); !type) {
         return type;
@@ -161,15 +155,15 @@ class PcdParser {
 
   Status TypeOf(std::string_view type, long long size, PcdField& field) const {
     if (type == "F" && (size == 4 || size == 8)) {
-      field.type = size == 4 ? NumberType::kFloat32 : NumberType::kFloat64;
+      field.type = size == 4 ? kFloat32 : kFloat64;
     } else if ((type == "I" || type == "U") && size == 8) {
       return Fail(ErrorCode::kUnsupported, "the field '" + field.name + "' has whole numbers of 8 bytes", name_);
     } else if (type == "I") {
-      field.type = size == 1 ? NumberType::kInt8 : size == 2 ? NumberType::kInt16 : NumberType::kInt32;
+      field.type = size == 1 ? kInt8 : size == 2 ? kInt16 : kInt32;
     } else if (type == "U") {
-      field.type = size == 1 ? NumberType::kUint8 : size == 2 ? NumberType::kUint16 : NumberType::kUint32;
+      field.type = size == 1 ? kUint8 : size == 2 ? kUint16 : kUint32;
     } else {
-      return BadLine("the type '" + ShownText(type) + "' of " + std::to_string(size) +
+      return BadLine("the type '" + Shown(type) + "' of " + std::to_string(size) +
                      " bytes is not F (4, 8), I or U (1, 2, 4)");
     }
     return {};
@@ -178,7 +172,7 @@ class PcdParser {
   std::size_t points() const { return static_cast<std::size_t>(pcd_.width) * static_cast<std::size_t>(pcd_.height); }
   std::size_t BytesPerPoint() const {
     std::size_t bytes = 0;
-    for (const PcdField& field : pcd_.fields) bytes += SizeOf(field.type) * static_cast<std::size_t>(field.count);
+    for (const PcdField& field : pcd_.fields) bytes += field.type.bytes * static_cast<std::size_t>(field.count);
     return bytes;
   }
 
@@ -195,7 +189,7 @@ class PcdParser {
       return name_ + ":" + line + "point " + std::to_string(point) + "/" + field.name;
     };
     if (!value) {
-      if (IsInteger(field.type)) return Fail(ErrorCode::kMalformed, "a whole number is nan", where());
+      if (field.type.is_integer()) return Fail(ErrorCode::kMalformed, "a whole number is nan", where());
       if (IsAxis(field)) pcd_.missing[point] = 1;
       field.values.push_back(0.0);
       return {};
@@ -229,13 +223,13 @@ class PcdParser {
           const bool nan = token == Token::kNotFinite && scanner.text().find_first_of("nN") < 2 &&
                            scanner.text().find_first_of("fF") == std::string_view::npos;
           if (token != Token::kNumber && !nan) {
-            return BadLine("'" + ShownText(scanner.text()) + "' is not a value for '" + field.name + "'");
+            return BadLine("'" + Shown(scanner.text()) + "' is not a value for '" + field.name + "'");
           }
           if (Status put = Put(i, field, nan ? std::nullopt : std::optional(scanner.value())); !put) return put;
         }
       }
       if (token != Token::kEnd && token != Token::kLineEnd) {
-        return BadLine("'" + ShownText(scanner.text()) + "' is left over on the line");
+        return BadLine("'" + Shown(scanner.text()) + "' is left over on the line");
       }
     }
     while (token == Token::kLineEnd) token = scanner.Next();
@@ -261,8 +255,8 @@ class PcdParser {
     const bool by_field = pcd_.encoding == Pcd::Encoding::kBinaryCompressed;
     if (by_field) {
       if (data.size() < 8) return Contradiction(0);
-      const auto packed = static_cast<std::size_t>(LoadNumber(data.data(), NumberType::kUint32, ByteOrder::kLittle));
-      const auto size = static_cast<std::size_t>(LoadNumber(data.data() + 4, NumberType::kUint32, ByteOrder::kLittle));
+      const auto packed = static_cast<std::size_t>(LoadNumber(data.data(), kUint32));
+      const auto size = static_cast<std::size_t>(LoadNumber(data.data() + 4, kUint32));
       data.remove_prefix(8);
       if (packed != data.size() || size / stride != points() || size % stride != 0) {
         return Fail(ErrorCode::kInconsistent, "the sizes of the compressed block do not fit the header", name_,
@@ -289,7 +283,7 @@ class PcdParser {
     pcd_.missing.assign(points(), 0);
     std::size_t begin = 0;  // of the field, in the point or in the file
     for (PcdField& field : pcd_.fields) {
-      const std::size_t size = SizeOf(field.type);
+      const std::size_t size = field.type.bytes;
       const std::size_t own = size * static_cast<std::size_t>(field.count);
       for (std::size_t i = 0; i < points(); ++i) {
         for (int k = 0; k < field.count; ++k) {
@@ -305,11 +299,11 @@ class PcdParser {
   Status PutBinary(std::size_t point, PcdField& field, const char* bytes) {
     if (field.PackedColour()) {
       // The bits are the colour; as a float they may be nan.
-      const double bits = LoadNumber(bytes, NumberType::kUint32, ByteOrder::kLittle);
+      const double bits = LoadNumber(bytes, kUint32);
       field.values.push_back(static_cast<std::uint32_t>(bits) & kColourMask);
       return {};
     }
-    const double value = LoadNumber(bytes, field.type, ByteOrder::kLittle);
+    const double value = LoadNumber(bytes, field.type);
     return Put(point, field, std::isnan(value) ? std::nullopt : std::optional(value));
   }
 
@@ -322,26 +316,6 @@ class PcdParser {
   Pcd pcd_;
 };
 
-/// The value as the file holds it.
-double StoredValue(const Pcd& pcd, const PcdField& field, std::size_t i) {
-  const std::size_t point = i / static_cast<std::size_t>(field.count);
-  if (IsAxis(field) && pcd.missing[point] != 0) return std::numeric_limits<double>::quiet_NaN();
-  return field.PackedColour() ? static_cast<double>(ColourAsFloat(field.values[i])) : field.values[i];
-}
-
-void AppendPoint(const Pcd& pcd, const PcdField& field, std::size_t point, std::string& bytes) {
-  for (int k = 0; k < field.count; ++k) {
-    const std::size_t i = point * static_cast<std::size_t>(field.count) + static_cast<std::size_t>(k);
-    const double value = StoredValue(pcd, field, i);
-    if (pcd.encoding != Pcd::Encoding::kAscii) {
-      AppendNumber(bytes, value, field.type, ByteOrder::kLittle);
-    } else {
-      if (bytes.back() != '\n') bytes += ' ';
-      bytes += std::isnan(value) ? "nan" : FormatNumber(value, field.type);
-    }
-  }
-}
-
 }  // namespace
 
 const PcdField* Pcd::Find(std::string_view field) const {
@@ -350,49 +324,7 @@ const PcdField* Pcd::Find(std::string_view field) const {
   return found == fields.end() ? nullptr : &*found;
 }
 
-bool operator==(const PcdField& a, const PcdField& b) {
-  return a.name == b.name && a.type == b.type && a.count == b.count && a.values == b.values;
-}
-
-bool operator==(const Pcd& a, const Pcd& b) {
-  return a.encoding == b.encoding && a.width == b.width && a.height == b.height && a.viewpoint == b.viewpoint &&
-         a.fields == b.fields && a.missing == b.missing;
-}
-
 Expected<Pcd> ParsePcd(std::string_view bytes, const std::string& name) { return PcdParser(bytes, name).Parse(); }
-
-std::string WritePcd(const Pcd& pcd) {
-  std::string names = "FIELDS", sizes = "SIZE", types = "TYPE", counts = "COUNT", viewpoint = "VIEWPOINT";
-  for (const PcdField& field : pcd.fields) {
-    const bool is_signed =
-        field.type == NumberType::kInt8 || field.type == NumberType::kInt16 || field.type == NumberType::kInt32;
-    names += " " + field.name;
-    sizes += " " + std::to_string(SizeOf(field.type));
-    types += !IsInteger(field.type) ? " F" : is_signed ? " I" : " U";
-    counts += " " + std::to_string(field.count);
-  }
-  for (const double value : pcd.viewpoint) viewpoint += " " + FormatDouble(value);
-  constexpr std::string_view kEncodings[] = {"ascii", "binary", "binary_compressed"};
-  std::string bytes = "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n" + names + "\n" + sizes + "\n" +
-                      types + "\n" + counts + "\nWIDTH " + std::to_string(pcd.width) + "\nHEIGHT " +
-                      std::to_string(pcd.height) + "\n" + viewpoint + "\nPOINTS " + std::to_string(pcd.point_count()) +
-                      "\nDATA " + std::string(kEncodings[static_cast<std::size_t>(pcd.encoding)]) + "\n";
-  if (pcd.encoding == Pcd::Encoding::kBinaryCompressed) {
-    std::string data;
-    for (const PcdField& field : pcd.fields) {
-      for (std::size_t i = 0; i < pcd.point_count(); ++i) AppendPoint(pcd, field, i, data);
-    }
-    const std::string block = PackLzf(data);
-    AppendNumber(bytes, static_cast<double>(block.size()), NumberType::kUint32, ByteOrder::kLittle);
-    AppendNumber(bytes, static_cast<double>(data.size()), NumberType::kUint32, ByteOrder::kLittle);
-    return bytes + block;
-  }
-  for (std::size_t i = 0; i < pcd.point_count(); ++i) {
-    for (const PcdField& field : pcd.fields) AppendPoint(pcd, field, i, bytes);
-    if (pcd.encoding == Pcd::Encoding::kAscii) bytes += '\n';
-  }
-  return bytes;
-}
 
 Expected<std::vector<Vector3d>> PcdPoints(const Pcd& pcd, const std::string& name) {
   const PcdField* axes[] = {pcd.Find("x"), pcd.Find("y"), pcd.Find("z")};

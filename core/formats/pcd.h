@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/formats/binary_numbers.h"
+#include "core/formats/array_elements.h"
 #include "core/geometry/rotation.h"
 
 namespace mocurate {
@@ -16,11 +16,11 @@ namespace mocurate {
 /// whole number 0xRRGGBB: as floats they are denormal or, with an alpha, NaN; that alpha is dropped.
 struct PcdField {
   std::string name;
-  NumberType type = NumberType::kFloat32;
+  ElementType type = kFloat32;
   int count = 1;
   std::vector<double> values;  ///< (points * count), rounded to `type`; 0 where the file has nan, and at missing points
 
-  bool PackedColour() const { return type == NumberType::kFloat32 && (name == "rgb" || name == "rgba"); }
+  bool PackedColour() const { return type == kFloat32 && (name == "rgb" || name == "rgba"); }
 };
 
 /// A PCD file of version 0.7 (0.6 without VIEWPOINT): a cloud, organised as an image when height > 1.
@@ -37,16 +37,10 @@ struct Pcd {
   const PcdField* Find(std::string_view field) const;
 };
 
-bool operator==(const PcdField& a, const PcdField& b);
-bool operator==(const Pcd& a, const Pcd& b);
-
 /// ascii, binary (little-endian) and binary_compressed (LZF). Error kMalformed or kInconsistent with "name:line"
 /// (header, ascii) or "name:point 12/x"; kUnsupported for 8-byte whole numbers and for coordinates
 /// beyond kLargestCoordinate.
 Expected<Pcd> ParsePcd(std::string_view bytes, const std::string& name);
-
-/// In the file's encoding; compressed files are stored without compression.
-std::string WritePcd(const Pcd& pcd);
 
 /// Points measured, x y z in file units. Error kMalformed when these fields are missing.
 Expected<std::vector<Vector3d>> PcdPoints(const Pcd& pcd, const std::string& name);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/formats/binary_numbers.h"
+#include "core/formats/array_elements.h"
 #include "core/geometry/rotation.h"
 
 namespace mocurate {
@@ -16,10 +16,10 @@ namespace mocurate {
 /// i.
 struct PlyProperty {
   std::string name;
-  NumberType type = NumberType::kFloat32;
-  std::optional<NumberType> list_count;  ///< set: a list, with counts of this type
-  std::vector<double> values;            ///< rounded to `type`
-  std::vector<std::size_t> first;        ///< lists only, (items + 1)
+  ElementType type = kFloat32;
+  std::optional<ElementType> list_count;  ///< set: a list, with counts of this type
+  std::vector<double> values;             ///< rounded to `type`
+  std::vector<std::size_t> first;         ///< lists only, (items + 1)
 };
 
 struct PlyElement {
@@ -40,17 +40,10 @@ struct Ply {
   const PlyElement* Find(std::string_view element) const;
 };
 
-bool operator==(const PlyProperty& a, const PlyProperty& b);
-bool operator==(const PlyElement& a, const PlyElement& b);
-bool operator==(const Ply& a, const Ply& b);
-
 /// Error kMalformed with "name:line" (header, ASCII) or "name:vertex 12/x" (binary) for anything that is not the
 /// format, is cut off or has bytes left over; values that are not finite are refused,
 /// and coordinates of vertices beyond kLargestCoordinate.
 Expected<Ply> ParsePly(std::string_view bytes, const std::string& name);
-
-/// In the file's encoding; values must fit their types.
-std::string WritePly(const Ply& ply);
 
 /// Vertices x y z in file units. Error kMalformed when there is no vertex element with them.
 Expected<std::vector<Vector3d>> PlyPoints(const Ply& ply, const std::string& name);

@@ -7,6 +7,7 @@
 #include "core/base/text.h"
 #include "core/formats/header_count.h"
 #include "core/formats/largest_number.h"
+#include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 #include "core/formats/ply.h"
 
@@ -17,24 +18,24 @@ using Token = NumberScanner::Token;
 
 constexpr std::size_t kMaxItems = 2'000'000'000;
 
-std::optional<NumberType> TypeFromName(std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, NumberType>, 16> kTypes = {{
-      {"char", NumberType::kInt8},
-      {"int8", NumberType::kInt8},
-      {"uchar", NumberType::kUint8},
-      {"uint8", NumberType::kUint8},
-      {"short", NumberType::kInt16},
-      {"int16", NumberType::kInt16},
-      {"ushort", NumberType::kUint16},
-      {"uint16", NumberType::kUint16},
-      {"int", NumberType::kInt32},
-      {"int32", NumberType::kInt32},
-      {"uint", NumberType::kUint32},
-      {"uint32", NumberType::kUint32},
-      {"float", NumberType::kFloat32},
-      {"float32", NumberType::kFloat32},
-      {"double", NumberType::kFloat64},
-      {"float64", NumberType::kFloat64},
+std::optional<ElementType> TypeFromName(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, ElementType>, 16> kTypes = {{
+      {"char", kInt8},
+      {"int8", kInt8},
+      {"uchar", kUint8},
+      {"uint8", kUint8},
+      {"short", kInt16},
+      {"int16", kInt16},
+      {"ushort", kUint16},
+      {"uint16", kUint16},
+      {"int", kInt32},
+      {"int32", kInt32},
+      {"uint", kUint32},
+      {"uint32", kUint32},
+      {"float", kFloat32},
+      {"float32", kFloat32},
+      {"double", kFloat64},
+      {"float64", kFloat64},
   }};
   for (const auto& [known, type] : kTypes) {
     if (known == name) return type;
@@ -100,7 +101,7 @@ class PlyParser {
       } else if (words[0] == "property") {
         read = Property(words);
       } else if (words[0] != "obj_info") {
-        return BadLine("'" + ShownText(words[0]) + "' is not a keyword of a PLY header");
+        return BadLine("'" + Shown(words[0]) + "' is not a keyword of a PLY header");
       }
       if (!read) return read;
     }
@@ -116,8 +117,7 @@ class PlyParser {
     } else if (words[1] == "binary_big_endian") {
       ply_.encoding = Ply::Encoding::kBinaryBigEndian;
     } else {
-      return BadLine("the format '" + ShownText(words[1]) +
-                     "' is not ascii, binary_little_endian or binary_big_endian");
+      return BadLine("the format '" + Shown(words[1]) + "' is not ascii, binary_little_endian or binary_big_endian");
     }
     return {};
   }
@@ -126,9 +126,9 @@ class PlyParser {
     if (words.size() != 3) return BadLine("'element NAME COUNT' is expected");
     const std::optional<long long> count = ParseInteger(words[2]);
     if (!count || *count < 0 || static_cast<std::size_t>(*count) > kMaxItems) {
-      return BadLine("'" + ShownText(words[2]) + "' is not a count of elements");
+      return BadLine("'" + Shown(words[2]) + "' is not a count of elements");
     }
-    if (!elements_.insert(words[1]).second) return BadLine("the element '" + ShownText(words[1]) + "' appears twice");
+    if (!elements_.insert(words[1]).second) return BadLine("the element '" + Shown(words[1]) + "' appears twice");
     PlyElement element;
     element.name = std::string(words[1]);
     element.count = static_cast<std::size_t>(*count);
@@ -146,13 +146,14 @@ class PlyParser {
     PlyProperty property;
     property.name = std::string(words.back());
     if (!properties_.insert(words.back()).second) {
-      return BadLine("the property '" + ShownText(property.name) + "' appears twice");
+      return BadLine("the property '" + Shown(property.name) + "' appears twice");
     }
     for (std::size_t i = list ? 2 : 1; i + 1 < words.size(); ++i) {
-      const std::optional<NumberType> type = TypeFromName(words[i]);
-      if (!type) return BadLine("'" + ShownText(words[i]) + "' is not a type of a property");
+      std::optional<ElementType> type = TypeFromName(words[i]);
+      if (!type) return BadLine("'" + Shown(words[i]) + "' is not a type of a property");
+      type->big_endian = ply_.encoding == Ply::Encoding::kBinaryBigEndian;
       if (list && i == 2) {
-        if (!IsInteger(*type)) return BadLine("the count of a list must be a whole number");
+        if (!type->is_integer()) return BadLine("the count of a list must be a whole number");
         property.list_count = type;
       } else {
         property.type = *type;
@@ -166,7 +167,7 @@ class PlyParser {
   std::size_t SmallestItem(const PlyElement& element) const {
     std::size_t smallest = 0;
     for (const PlyProperty& property : element.properties) {
-      const std::size_t binary = SizeOf(property.list_count.value_or(property.type));
+      const std::size_t binary = property.list_count.value_or(property.type).bytes;
       smallest += ply_.encoding == Ply::Encoding::kAscii ? 1 : binary;
     }
     return smallest;
@@ -219,18 +220,17 @@ class PlyParser {
   }
 
   Status Binary() {
-    const ByteOrder order = ply_.encoding == Ply::Encoding::kBinaryBigEndian ? ByteOrder::kBig : ByteOrder::kLittle;
     for (PlyElement& element : ply_.elements) {
       for (std::size_t i = 0; i < element.count && !element.properties.empty(); ++i) {
         for (PlyProperty& property : element.properties) {
           double count = 1.0;
           if (property.list_count) {
-            if (!Load(*property.list_count, order, count)) return CutOff(element, i);
+            if (!Load(*property.list_count, count)) return CutOff(element, i);
             if (count < 0.0) return BadItem(element, i, property, "a list of " + FormatDouble(count) + " values");
           }
           for (double k = 0.0; k < count; ++k) {
             double value = 0.0;
-            if (!Load(property.type, order, value)) return CutOff(element, i);
+            if (!Load(property.type, value)) return CutOff(element, i);
             if (Status put = Put(element, i, property, value); !put) return put;
           }
           if (property.list_count) property.first.push_back(property.values.size());
@@ -250,10 +250,10 @@ class PlyParser {
                 "the counts or types of the header are wrong");
   }
 
-  bool Load(NumberType type, ByteOrder order, double& value) {
-    if (bytes_.size() - at_ < SizeOf(type)) return false;
-    value = LoadNumber(bytes_.data() + at_, type, order);
-    at_ += SizeOf(type);
+  bool Load(const ElementType& type, double& value) {
+    if (bytes_.size() - at_ < type.bytes) return false;
+    value = LoadNumber(bytes_.data() + at_, type);
+    at_ += type.bytes;
     return true;
   }
 
@@ -280,7 +280,7 @@ class PlyParser {
               return BadItem(element, i, property, "the line has too few numbers");
             }
             if (token != Token::kNumber) {
-              return BadItem(element, i, property, "'" + ShownText(scanner.text()) + "' is not a finite number");
+              return BadItem(element, i, property, "'" + Shown(scanner.text()) + "' is not a finite number");
             }
             if (k < 0.0) {
               count = scanner.value();
@@ -297,7 +297,7 @@ class PlyParser {
         }
         if (token != Token::kEnd && token != Token::kLineEnd) {
           return BadItem(element, i, element.properties.back(),
-                         "'" + ShownText(scanner.text()) + "' is left over on the line");
+                         "'" + Shown(scanner.text()) + "' is left over on the line");
         }
       }
     }

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "core/base/unpacked_limit.h"
-#include "core/formats/binary_numbers.h"
+#include "core/formats/line_reader.h"
 
 namespace mocurate {
 namespace {
@@ -107,7 +107,7 @@ class PngReader {
     if (type == 0) return "";
     std::string text;
     for (int shift = 24; shift >= 0; shift -= 8) text += static_cast<char>((type >> shift) & 0xFF);
-    return ":" + ShownText(text);
+    return ":" + Shown(text);
   }
 
   png_const_bytep next_;

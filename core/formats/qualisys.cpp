@@ -5,8 +5,8 @@
 #include <pugixml.hpp>
 
 #include "core/base/text.h"
-#include "core/formats/binary_numbers.h"
 #include "core/formats/json_place.h"
+#include "core/formats/line_reader.h"
 #include "core/formats/xml.h"
 
 namespace mocurate {
@@ -32,7 +32,7 @@ struct QualisysElement {
     if (!attribute) return Fail(ErrorCode::kMalformed, "the attribute is missing", Where(key));
     const std::optional<double> number = ParseDouble(Trim(attribute.value()));
     if (number && std::isfinite(*number)) return *number;
-    return Fail(ErrorCode::kMalformed, "'" + ShownText(attribute.value()) + "' is not a finite number", Where(key));
+    return Fail(ErrorCode::kMalformed, "'" + Shown(attribute.value()) + "' is not a finite number", Where(key));
   }
   Expected<std::vector<double>> Numbers(const std::vector<std::string>& keys) const {
     std::vector<double> numbers;
@@ -137,7 +137,7 @@ Expected<Calibration> ParseQualisys(std::string_view bytes, const std::string& n
     if (node.type() != pugi::node_element) continue;
     const QualisysElement camera{node, bytes, name};
     if (std::string_view(node.name()) != "camera") {
-      return Fail(ErrorCode::kMalformed, "'" + ShownText(node.name()) + "' is not a camera", camera.Line());
+      return Fail(ErrorCode::kMalformed, "'" + Shown(node.name()) + "' is not a camera", camera.Line());
     }
     Expected<CalibratedView> view = ParseCamera(camera);
     if (!view) return Forward(view);

@@ -29,7 +29,4 @@ struct SmplModel {
 /// is checked against the others. Errors kMalformed name the field.
 Expected<SmplModel> ParseSmplModel(std::string_view bytes, const std::string& name);
 
-/// As .npz. Error kInconsistent: sizes that do not fit.
-Expected<std::string> EncodeSmplModelNpz(const SmplModel& model, const std::string& name);
-
 }  // namespace mocurate

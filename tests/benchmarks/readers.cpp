@@ -28,6 +28,8 @@
 #include "core/formats/ply.h"
 #include "core/formats/vibe_pickle.h"
 #include "tests/benchmarks/json_line.h"
+#include "tests/support/cloud_writers.h"
+#include "tests/support/humanact12_clips.h"
 
 #ifdef MOCURATE_ASSIMP
 #include <assimp/scene.h>
@@ -110,12 +112,12 @@ Ply Sphere(Ply::Encoding encoding) {
   ply.encoding = encoding;
   PlyElement vertices{"vertex", kSide * kSide, {}};
   for (const char* axis : {"x", "y", "z"}) {
-    vertices.properties.push_back({axis, NumberType::kFloat32, {}, {}, {}});
+    vertices.properties.push_back({axis, kFloat32, {}, {}, {}});
     for (std::size_t i = 0; i < vertices.count; ++i) {
-      vertices.properties.back().values.push_back(RoundedTo(NumberType::kFloat32, Wave(7 * i + axis[0])));
+      vertices.properties.back().values.push_back(RoundedTo(kFloat32, Wave(7 * i + axis[0])));
     }
   }
-  PlyProperty corners{"vertex_indices", NumberType::kInt32, NumberType::kUint8, {}, {0}};
+  PlyProperty corners{"vertex_indices", kInt32, kUint8, {}, {0}};
   for (std::size_t i = 0; i + kSide + 1 < vertices.count; ++i) {
     for (const std::size_t corner : {i, i + 1, i + kSide}) corners.values.push_back(static_cast<double>(corner));
     corners.first.push_back(corners.values.size());

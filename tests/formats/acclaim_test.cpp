@@ -10,6 +10,7 @@
 #include "core/formats/bvh.h"
 #include "tests/formats/corruption.h"
 #include "tests/formats/expect_error.h"
+#include "tests/support/acclaim_writers.h"
 
 namespace mocurate {
 namespace {

@@ -15,6 +15,7 @@
 #include "tests/formats/corruption.h"
 #include "tests/formats/damage.h"
 #include "tests/formats/expect_error.h"
+#include "tests/support/cloud_writers.h"
 
 namespace mocurate {
 namespace {
@@ -24,15 +25,14 @@ Ply SmallPly(Ply::Encoding encoding) {
   ply.encoding = encoding;
   ply.comments = {"made by hand", ""};
   PlyElement vertex{"vertex", 4, {}};
-  vertex.properties.push_back({"x", NumberType::kFloat64, {}, {0, 1, 0, 0.1}, {}});
-  vertex.properties.push_back({"y", NumberType::kFloat32, {}, {0, 0, 1, static_cast<double>(0.1F)}, {}});
-  vertex.properties.push_back({"z", NumberType::kInt16, {}, {-300, 0, 0, 32767}, {}});
-  vertex.properties.push_back({"red", NumberType::kUint8, {}, {0, 255, 1, 2}, {}});
+  vertex.properties.push_back({"x", kFloat64, {}, {0, 1, 0, 0.1}, {}});
+  vertex.properties.push_back({"y", kFloat32, {}, {0, 0, 1, static_cast<double>(0.1F)}, {}});
+  vertex.properties.push_back({"z", kInt16, {}, {-300, 0, 0, 32767}, {}});
+  vertex.properties.push_back({"red", kUint8, {}, {0, 255, 1, 2}, {}});
   PlyElement face{"face", 2, {}};
-  face.properties.push_back(
-      {"vertex_indices", NumberType::kInt32, NumberType::kUint8, {0, 1, 2, 3, 2, 1, 0}, {0, 3, 7}});
-  face.properties.push_back({"weights", NumberType::kFloat32, NumberType::kUint16, {1.5}, {0, 0, 1}});
-  ply.elements = {vertex, face, {"empty", 0, {{"q", NumberType::kInt8, {}, {}, {}}}}};
+  face.properties.push_back({"vertex_indices", kInt32, kUint8, {0, 1, 2, 3, 2, 1, 0}, {0, 3, 7}});
+  face.properties.push_back({"weights", kFloat32, kUint16, {1.5}, {0, 0, 1}});
+  ply.elements = {vertex, face, {"empty", 0, {{"q", kInt8, {}, {}, {}}}}};
   return ply;
 }
 
@@ -107,7 +107,7 @@ TEST(Ply, ReadsTheDoublePrecisionMeshOfTheHandheldScan) {
   const auto ply = ParsePly(bytes, "mesh.ply");
   ASSERT_TRUE(ply) << ply.error().Message();
   EXPECT_EQ(ply->Find("vertex")->count, 8611u);
-  EXPECT_EQ(ply->Find("vertex")->Find("nx")->type, NumberType::kFloat64);
+  EXPECT_EQ(ply->Find("vertex")->Find("nx")->type, kFloat64);
   EXPECT_EQ(PlyTriangles(*ply, "mesh.ply")->size(), 16672u);
   const auto points = PlyPoints(*ply, "mesh.ply");
   for (const Vector3d& point : *points) ASSERT_LT(point.norm(), 3.0);
@@ -119,11 +119,11 @@ Pcd SmallPcd(Pcd::Encoding encoding) {
   pcd.encoding = encoding;
   pcd.width = 3;
   pcd.viewpoint = {0.5, 0, 0, 1, 0, 0, 0};
-  pcd.fields = {{"x", NumberType::kFloat32, 1, {1, 0, 3}},
-                {"y", NumberType::kFloat32, 1, {1, 0, static_cast<double>(0.1F)}},
-                {"z", NumberType::kFloat64, 1, {0.1, 0, 5}},
-                {"rgb", NumberType::kFloat32, 1, {0xA05030, 0x000001, 0xFFFFFF}},
-                {"histogram", NumberType::kUint8, 2, {0, 1, 2, 3, 4, 255}}};
+  pcd.fields = {{"x", kFloat32, 1, {1, 0, 3}},
+                {"y", kFloat32, 1, {1, 0, static_cast<double>(0.1F)}},
+                {"z", kFloat64, 1, {0.1, 0, 5}},
+                {"rgb", kFloat32, 1, {0xA05030, 0x000001, 0xFFFFFF}},
+                {"histogram", kUint8, 2, {0, 1, 2, 3, 4, 255}}};
   pcd.missing = {0, 1, 0};
   return pcd;
 }
@@ -152,8 +152,8 @@ TEST(Pcd, MarksAPointMissingWhenOneCoordinateIsMissing) {
 TEST(Pcd, ReadsColoursWithAlphaAsValidPoints) {
   std::string bytes =
       "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA binary\n";
-  for (const double value : {1.0, 2.0, 3.0}) AppendNumber(bytes, value, NumberType::kFloat32, ByteOrder::kLittle);
-  AppendNumber(bytes, 0xFFC0A050, NumberType::kUint32, ByteOrder::kLittle);
+  for (const double value : {1.0, 2.0, 3.0}) AppendNumber(bytes, value, kFloat32);
+  AppendNumber(bytes, 0xFFC0A050, kUint32);
   const auto pcd = ParsePcd(bytes, "c.pcd");
   ASSERT_TRUE(pcd) << pcd.error().Message();
   EXPECT_EQ(pcd->Find("rgb")->values[0], 0xC0A050);
@@ -184,8 +184,8 @@ TEST(Pcd, RejectsACompressedBlockThatTakesMoreMemoryThanTheFileMay) {
       "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 8000000\nHEIGHT 1\nPOINTS 8000000\nDATA "
       "binary_compressed\n";
   const std::string block(kPoints * 12 / 88 + 1, 'x');
-  AppendNumber(bytes, static_cast<double>(block.size()), NumberType::kUint32, ByteOrder::kLittle);
-  AppendNumber(bytes, 12.0 * kPoints, NumberType::kUint32, ByteOrder::kLittle);
+  AppendNumber(bytes, static_cast<double>(block.size()), kUint32);
+  AppendNumber(bytes, 12.0 * kPoints, kUint32);
   ExpectMalformed(ParsePcd(bytes + block, "c.pcd"), "c.pcd:7");
 }
 
@@ -224,9 +224,9 @@ TEST(Clouds, ReadNormalsOnlyWhenEveryPointHasOne) {
   EXPECT_EQ(bare->triangles, 3u);
   EXPECT_TRUE(bare->normals.empty());
   std::vector<PlyProperty>& columns = ply.elements[0].properties;
-  columns.push_back({"nx", NumberType::kFloat32, {}, {0, 0, 2, 1}, {}});
-  columns.push_back({"ny", NumberType::kFloat32, {}, {1, 0, 0, 0}, {}});
-  columns.push_back({"nz", NumberType::kFloat32, {}, {0, -1, 0, 0}, {}});
+  columns.push_back({"nx", kFloat32, {}, {0, 0, 2, 1}, {}});
+  columns.push_back({"ny", kFloat32, {}, {1, 0, 0, 0}, {}});
+  columns.push_back({"nz", kFloat32, {}, {0, -1, 0, 0}, {}});
   const auto cloud = ParsePointCloud(WritePly(ply), "c.ply");
   ASSERT_TRUE(cloud) << cloud.error().Message();
   EXPECT_THAT(cloud->normals,

@@ -5,6 +5,7 @@
 #include "core/formats/array_fields.h"
 #include "core/formats/pickle_writer.h"
 #include "tests/formats/expect_error.h"
+#include "tests/support/humanact12_clips.h"
 
 namespace mocurate {
 namespace {

@@ -8,6 +8,7 @@
 #include "core/formats/npz.h"
 #include "core/formats/pickle_writer.h"
 #include "tests/formats/expect_error.h"
+#include "tests/support/smpl_model_writer.h"
 
 namespace mocurate {
 namespace {

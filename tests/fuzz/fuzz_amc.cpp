@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "core/formats/amc.h"
+#include "tests/support/acclaim_writers.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mocurate;

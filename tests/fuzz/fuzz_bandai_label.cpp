@@ -6,6 +6,5 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   (void)mocurate::ParseBandaiLabel(bytes, "fuzz");
-  (void)mocurate::ParseBandaiLabelList(bytes, "fuzz");
   return 0;
 }

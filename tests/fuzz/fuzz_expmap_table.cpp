@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "core/formats/expmap_table.h"
+#include "tests/support/expmap_writer.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mocurate;

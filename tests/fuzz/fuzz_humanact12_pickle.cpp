@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "core/formats/humanact12_pickle.h"
+#include "tests/support/humanact12_clips.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto clips = mocurate::ParseHumanAct12Pickle({reinterpret_cast<const char*>(data), size}, "fuzz");

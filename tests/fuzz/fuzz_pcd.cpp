@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "core/formats/pcd.h"
+#include "tests/support/cloud_writers.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "core/formats/smpl_model.h"
+#include "tests/support/smpl_model_writer.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto model = mocurate::ParseSmplModel({reinterpret_cast<const char*>(data), size}, "fuzz");

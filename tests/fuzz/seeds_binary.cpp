@@ -14,6 +14,8 @@
 #include "core/formats/zip_archive.h"
 #include "tests/formats/pickle_samples.h"
 #include "tests/fuzz/seeds.h"
+#include "tests/support/cloud_writers.h"
+#include "tests/support/smpl_model_writer.h"
 
 namespace mocurate {
 namespace {
@@ -139,9 +141,8 @@ void AddNetworks(FuzzSeeds& seeds) {
 void AddClouds(FuzzSeeds& seeds) {
   Ply ply;
   PlyElement vertices{"vertex", 3, {}};
-  for (const char* axis : {"x", "y", "z"})
-    vertices.properties.push_back({axis, NumberType::kFloat32, {}, {1, 2, 3}, {}});
-  PlyElement faces{"face", 1, {{"vertex_indices", NumberType::kInt32, NumberType::kUint8, {0, 1, 2}, {0, 3}}}};
+  for (const char* axis : {"x", "y", "z"}) vertices.properties.push_back({axis, kFloat32, {}, {1, 2, 3}, {}});
+  PlyElement faces{"face", 1, {{"vertex_indices", kInt32, kUint8, {0, 1, 2}, {0, 3}}}};
   ply.comments = {"made"};
   ply.elements = {vertices, faces};
   using PlyEncoding = Ply::Encoding;
@@ -152,10 +153,8 @@ void AddClouds(FuzzSeeds& seeds) {
   Pcd pcd;
   pcd.width = 2;
   pcd.missing = {0, 1};
-  pcd.fields = {{"x", NumberType::kFloat32, 1, {1, 0}},
-                {"y", NumberType::kFloat32, 1, {2, 0}},
-                {"z", NumberType::kFloat32, 1, {3, 0}},
-                {"rgb", NumberType::kFloat32, 1, {7, 8}}};
+  pcd.fields = {
+      {"x", kFloat32, 1, {1, 0}}, {"y", kFloat32, 1, {2, 0}}, {"z", kFloat32, 1, {3, 0}}, {"rgb", kFloat32, 1, {7, 8}}};
   using PcdEncoding = Pcd::Encoding;
   for (const auto encoding : {PcdEncoding::kAscii, PcdEncoding::kBinary, PcdEncoding::kBinaryCompressed}) {
     pcd.encoding = encoding;

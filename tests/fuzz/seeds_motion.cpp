@@ -5,6 +5,8 @@
 #include "core/formats/ntu_skeleton.h"
 #include "core/formats/phspd_text.h"
 #include "tests/fuzz/seeds.h"
+#include "tests/support/acclaim_writers.h"
+#include "tests/support/expmap_writer.h"
 
 namespace mocurate {
 namespace {

@@ -25,6 +25,7 @@
 #include "core/formats/vibe_pickle.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
+#include "tests/support/expmap_writer.h"
 
 /// Small sets of many formats, some frames of which are without a person. Each builder writes its files into a folder
 /// and returns the configuration of a job that reads them. The people are the studio's.

@@ -15,6 +15,7 @@
 #include "core/motion/kinematics.h"
 #include "core/store/body_file.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/smpl_model_writer.h"
 #include "train/layers/dropout.h"
 #include "train/layers/rotations.h"
 

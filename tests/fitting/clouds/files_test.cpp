@@ -20,6 +20,7 @@
 #include "ingest/stages.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/fit_score.h"
+#include "tests/support/cloud_writers.h"
 #include "tests/support/scratch_folder.h"
 
 namespace mocurate {
@@ -70,7 +71,7 @@ class CloudWriter {
 
  private:
   static void AddColumn(const std::string& name, PlyElement& vertex) {
-    vertex.properties.push_back({name, NumberType::kFloat32, {}, {}, {}});
+    vertex.properties.push_back({name, kFloat32, {}, {}, {}});
   }
 
   std::string name_;

@@ -9,6 +9,7 @@
 #include "core/formats/opensim_table.h"
 #include "tests/formats/corruption.h"
 #include "tests/ingest/changed_files.h"
+#include "tests/support/acclaim_writers.h"
 
 namespace mocurate {
 namespace {

@@ -11,6 +11,7 @@
 #include "core/motion/kinematics.h"
 #include "tests/formats/expect_error.h"
 #include "tests/ingest/sources.h"
+#include "tests/support/expmap_writer.h"
 
 namespace mocurate {
 namespace {

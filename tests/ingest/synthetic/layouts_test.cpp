@@ -15,6 +15,7 @@
 #include "ingest/inspect/inspect.h"
 #include "ingest/synthetic/body_points.h"
 #include "tests/ingest/studio_folders.h"
+#include "tests/support/humanact12_clips.h"
 
 namespace mocurate {
 namespace {
