@@ -4,15 +4,14 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/error.h"
+
 namespace mocurate {
 
-/// Whether the words of a line, between blanks or semicolons, are digits with one comma among them, or whole numbers,
-/// one of them with a comma at least; an exponent may follow.
-bool HasDecimalCommas(std::string_view line);
-
-/// The table with points for commas and blanks for semicolons, where its first rows have several words each, of digits
-/// with at most one comma each, and have at least two such words in total; empty otherwise. Rows of whole numbers alone
-/// are not evidence. Line ends stay where they are.
-std::optional<std::string> WithDecimalPoints(std::string_view bytes);
+/// A table whose numbers have decimal commas, and ';' or tabs between them, with points for commas and blanks for
+/// semicolons; empty where commas separate, or there are none. The first line that begins with a number and has a comma
+/// decides. Error kMalformed "name:line" where blanks alone separate numbers with one comma each: both are possible.
+/// Line ends stay where they are.
+Expected<std::optional<std::string>> WithDecimalPoints(std::string_view bytes, const std::string& name);
 
 }  // namespace mocurate

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/formats/decimal_comma.h"
 #include "core/formats/largest_number.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
@@ -157,8 +156,8 @@ class JointTableParser {
     const bool other_length = table_.columns > 0 && row.numbers != table_.columns;
     const bool words = none > 0 && (2 * none >= row.numbers || other_length);  // they may hold a number or two
     const std::string_view text = line_begin_.substr(0, line_begin_.find_first_of("\r\n"));
-    const bool numbers = HasDecimalCommas(text) || OtherSeparator(text) != 0;
-    if (rows_ == 0 && words && !numbers && !row.damage.empty() && layout_.damaged_rows == DamagedRows::kReport &&
+    const char other = OtherSeparator(text);
+    if (rows_ == 0 && words && other == 0 && !row.damage.empty() && layout_.damaged_rows == DamagedRows::kReport &&
         ++header_lines_ <= kFewRows) {
       table_.values.resize(begin);
       AddFinding("not_a_number", 0, static_cast<double>(none),
@@ -183,16 +182,12 @@ class JointTableParser {
     if (what.empty()) {
       if (Status kept = KeepNumbers(row, begin, line, frame); !kept) return kept;
     } else {
-      const bool commas = HasDecimalCommas(line_begin_.substr(0, line_begin_.find_first_of("\r\n")));
-      const char other = commas ? 0 : OtherSeparator(line_begin_.substr(0, line_begin_.find_first_of("\r\n")));
-      if (commas) what += ": its numbers have a decimal comma";
       if (other != 0) {
         what += std::string(": its numbers are separated by '") + other + "'";
         hint = "write them with blanks or commas between them";
         return Bad(what, line, hint);
       }
-      if (commas) hint = "write them with a decimal point (1.5, not 1,5) and blanks between them";
-      if (commas || layout_.damaged_rows == DamagedRows::kRefuse) return Bad(what, line, hint);
+      if (layout_.damaged_rows == DamagedRows::kRefuse) return Bad(what, line, hint);
       if (first_damage_.empty()) first_damage_ = what, first_damaged_line_ = line;
       if (++damaged_rows_ > kFewRows && damaged_rows_ > rows_ / 2 + 1) {
         return Bad(first_damage_, first_damaged_line_,

@@ -140,7 +140,8 @@ FileKind NumbersKind(std::string_view bytes) {
     const std::size_t end = head.rfind('\n');
     head = head.substr(0, end != std::string_view::npos ? end : head.find_last_of(" \t\r,"));
   }
-  if (WithDecimalPoints(head)) return FileKind::kNumbers;
+  const auto points = WithDecimalPoints(head, "");
+  if (!points || *points) return FileKind::kNumbers;
   int numbers = 0;
   for (const std::string_view line : SplitText(head, '\n')) {
     for (const std::string_view part : SplitText(line, ',')) {

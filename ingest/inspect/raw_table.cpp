@@ -110,8 +110,10 @@ void ReportGuessedConfidence(RawClip& clip) {
 
 Expected<RawFile> ReadRawTable(const FileBytes& file) {
   const auto& [bytes, name, path] = file;
-  if (const std::optional<std::string> points = WithDecimalPoints(bytes)) {
-    Expected<RawFile> observed = ReadRawTable({*points, name, path});
+  const Expected<std::optional<std::string>> points = WithDecimalPoints(bytes, name);
+  if (!points) return Forward(points);
+  if (*points) {
+    Expected<RawFile> observed = ReadRawTable({**points, name, path});
     if (observed) observed->clips.front().remarks.push_back(DecimalCommas());
     return observed;
   }

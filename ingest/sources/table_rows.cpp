@@ -48,8 +48,10 @@ Finding DecimalCommas() {
 }
 
 Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view bytes, const std::string& name) {
-  if (const std::optional<std::string> points = WithDecimalPoints(bytes)) {
-    Expected<JointRows> rows = ReadTableRows(source, *points, name);
+  const Expected<std::optional<std::string>> points = WithDecimalPoints(bytes, name);
+  if (!points) return Forward(points);
+  if (*points) {
+    Expected<JointRows> rows = ReadTableRows(source, **points, name);
     if (rows) rows->findings.push_back(DecimalCommas());
     return rows;
   }

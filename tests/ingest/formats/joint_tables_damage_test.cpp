@@ -189,6 +189,9 @@ TEST_F(ChangedKard, ReadsDecimalCommasAsPoints) {
   EXPECT_EQ(Value(inspection.at("clips")[0], "skeleton"), "openni15");
   EXPECT_EQ(FindingsOf(inspection, "decimal_comma").size(), 1u);
   EXPECT_EQ(Run().summary.at("frames"), rows.size() / 15);
+  std::replace(commas.begin(), commas.end(), ';', ' ');
+  Written(kName, commas);
+  EXPECT_THAT(Codes(Inspect(), "error"), Contains("malformed"));
 }
 
 TEST_F(ChangedKard, SkipsFrameAndJointCountersInRows) {
