@@ -203,9 +203,7 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
     audit["nearest_neighbour"] = {
         {"split", chosen->name}, {"accuracy", result.accuracy()}, {"correct", result.correct}, {"count", result.count}};
   }
-  StretchLimits limits;
-  limits.distance = options->repeated_distance_m;
-  std::vector<AuditFinding> findings = FindRepeatedClips(*dataset, limits);
+  std::vector<AuditFinding> findings = FindRepeatedClips(*dataset, options->repeated_distance_m);
   for (AuditFinding& found : FindClipErrors(*dataset)) findings.push_back(std::move(found));
   std::map<std::string, NearestClass> nearest;
   auto labels = LabelFindings(*dataset, options->labels, FindInput(request, "probabilities"), audit["labels"], nearest);

@@ -257,7 +257,7 @@ struct AuditOptions {
   LabelNoiseOptions labels;
   OutlierOptions outliers;
   double repeated_distance_m =
-      0.004;  ///< of two clips (StretchLimits::distance), below which they have the same motion
+      0.004;  ///< of two clips (FindDuplicates), below which they have the same motion
 
   void Declare(OptionVisitor& v);
 };

@@ -1,12 +1,12 @@
 #include "canon/audit/clip_errors.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
 #include "canon/splits/leaks.h"
 #include "core/base/text.h"
+#include "core/quality/duplicates.h"
 #include "core/quality/handedness.h"
 #include "core/quality/repeats.h"
 #include "core/quality/swaps.h"
@@ -15,9 +15,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kWhole = 0.9;         ///< share of both clips from which on they count as equal as a whole
-constexpr double kShortClips = 1.5;    ///< in shortest stretches: a shorter clip is compared as a whole
-constexpr int kFewJoints = 6;          ///< of a motion that is compared as a whole too
 constexpr double kIdentical_m = 1e-5;  ///< error of joint positions through storage
 
 /// A motion's joints as input of the detectors; it refers to the motion, which must outlive it.
@@ -61,14 +58,10 @@ std::vector<std::vector<int>> PartsOfSplits(const Dataset& dataset) {
   return parts;
 }
 
-/// Two clips with the same motion, in frames of each.
+/// Two clips with the same motion, or known by their source data to be the same.
 struct Repeat {
-  std::size_t first = 0, second = 0;
-  bool mirrored = false;
-  bool whole = false;
-  double distance = 0.0;  ///< metres
-  int begin = 0, end = 0, second_begin = 0, second_end = 0;
-  bool same_source = false;  ///< known by the source data, not by the motions
+  Duplicate pair;
+  bool same_source = false;
 };
 
 using Repeats = std::map<std::pair<std::size_t, std::size_t>, Repeat>;
@@ -92,12 +85,6 @@ bool HaveSameText(const Clip& a, const Clip& b) {
   return true;
 }
 
-std::array<int, 2> FramesOf(const Motion& motion, double begin_s, double end_s) {
-  const double hz = motion.rate.hz();
-  return {std::clamp(static_cast<int>(std::lround(begin_s * hz)), 0, motion.frame_count()),
-          std::clamp(static_cast<int>(std::lround(end_s * hz)) + 1, 0, motion.frame_count())};
-}
-
 /// Adds the pairs of equal content that are not there yet.
 void AddEqualContents(const Dataset& dataset, const std::vector<std::vector<int>>& parts, Repeats& repeats) {
   const std::vector<std::string> contents = ContentsOf(dataset.clips);
@@ -112,11 +99,11 @@ void AddEqualContents(const Dataset& dataset, const std::vector<std::vector<int>
     if (a == b) return;
     const auto [first, second] = std::minmax(a, b);
     Repeat repeat;
-    repeat.first = first;
-    repeat.second = second;
-    repeat.whole = true;
-    repeat.end = frames(first);
-    repeat.second_end = frames(second);
+    repeat.pair.first = first;
+    repeat.pair.second = second;
+    repeat.pair.whole = true;
+    repeat.pair.frame_end = frames(first);
+    repeat.pair.second_end = frames(second);
     repeat.same_source = !SourceContentOf(dataset.clips[first]).empty();
     repeats.emplace(std::make_pair(first, second), repeat);
   };
@@ -133,44 +120,6 @@ void AddEqualContents(const Dataset& dataset, const std::vector<std::vector<int>
       }
     }
   }
-}
-
-/// Shared stretches; pairs of short or nearly still clips with equal poses; pairs of equal content.
-std::vector<Repeat> RepeatsOf(const Dataset& dataset, const std::vector<std::vector<int>>& parts,
-                              const StretchLimits& limits) {
-  const auto motion_at = [&](std::size_t i) { return dataset.clips[i].motion ? &*dataset.clips[i].motion : nullptr; };
-  Repeats repeats;
-  for (const SharedStretch& stretch : FindSharedStretches(dataset.clips.size(), motion_at, limits)) {
-    const Motion &a = *motion_at(stretch.first), &b = *motion_at(stretch.second);
-    const auto frames = FramesOf(a, stretch.begin_s, stretch.end_s);
-    const auto others = FramesOf(b, stretch.second_begin_s, stretch.second_end_s);
-    const bool whole =
-        frames[1] - frames[0] >= kWhole * a.frame_count() && others[1] - others[0] >= kWhole * b.frame_count();
-    repeats[{stretch.first, stretch.second}] = {stretch.first,    stretch.second, stretch.mirrored, whole,
-                                                stretch.distance, frames[0],      frames[1],        others[0],
-                                                others[1],        false};
-  }
-  std::vector<MotionSignature> signatures;
-  for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
-    const Motion* motion = motion_at(i);
-    signatures.push_back(motion != nullptr ? SignatureOfMotion(*motion) : MotionSignature());
-    if (motion == nullptr || motion->duration() <= kShortClips * limits.least_s || motion->joint_count() < kFewJoints)
-      continue;
-    signatures.back().shape = {};  // longer clips are compared by their stretches
-    signatures.back().mirrored = {};
-  }
-  DuplicateLimits by_poses;
-  by_poses.distance = limits.distance;
-  for (const Duplicate& pair : FindDuplicates(signatures, by_poses)) {
-    const bool overlap = pair.kind == Duplicate::Kind::kOverlap;
-    repeats.emplace(std::make_pair(pair.first, pair.second),
-                    Repeat{pair.first, pair.second, pair.kind == Duplicate::Kind::kMirrored, !overlap, pair.distance,
-                           pair.frame_begin, pair.frame_end, pair.second_begin, pair.second_end, false});
-  }
-  AddEqualContents(dataset, parts, repeats);
-  std::vector<Repeat> sorted;
-  for (const auto& [indices, repeat] : repeats) sorted.push_back(repeat);
-  return sorted;
 }
 
 }  // namespace
@@ -193,17 +142,21 @@ std::vector<AuditFinding> FindClipErrors(const Dataset& dataset) {
   return findings;
 }
 
-MotionSignature SignatureOfMotion(const Motion& motion) { return SignatureOf(PointsOfMotion(motion).points); }
-
-std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const StretchLimits& limits) {
+std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, double distance) {
   const std::vector<std::vector<int>> parts = PartsOfSplits(dataset);
+  const auto motion_at = [&](std::size_t i) { return dataset.clips[i].motion ? &*dataset.clips[i].motion : nullptr; };
+  Repeats repeats;
+  for (const Duplicate& pair : FindDuplicates(dataset.clips.size(), motion_at, distance))
+    repeats[{pair.first, pair.second}].pair = pair;
+  AddEqualContents(dataset, parts, repeats);
   std::vector<AuditFinding> findings;
-  for (const Repeat& repeat : RepeatsOf(dataset, parts, limits)) {
-    const Clip &first = dataset.clips[repeat.first], &second = dataset.clips[repeat.second];
+  for (const auto& [rows, repeat] : repeats) {
+    const Duplicate& pair = repeat.pair;
+    const Clip &first = dataset.clips[pair.first], &second = dataset.clips[pair.second];
     AuditFinding found;
     std::string where;
     for (std::size_t s = 0; s < parts.size(); ++s) {
-      const int a = parts[s][repeat.first], b = parts[s][repeat.second];
+      const int a = parts[s][pair.first], b = parts[s][pair.second];
       if (a < 0 || b < 0 || a == b) continue;
       found.parts.push_back({dataset.splits[s].name, NameOfPart(a), NameOfPart(b)});
       where += (where.empty() ? "; " : ", ") + std::string("split '") + dataset.splits[s].name + "' has this clip in " +
@@ -212,21 +165,20 @@ std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const Stretc
     const bool leaks = !found.parts.empty();
     const std::string what =
         std::string(repeat.same_source ? "is of the same source data as "
-                    : repeat.whole     ? "has the same motion as "
+                    : pair.whole       ? "has the same motion as "
                                        : "shares a part with ") +
-        (repeat.mirrored ? "the mirror image of " : "") + second.id() +
-        (repeat.whole ? ""
-                      : ", frames " + std::to_string(repeat.second_begin) + " to " + std::to_string(repeat.second_end));
+        (pair.mirrored ? "the mirror image of " : "") + second.id() +
+        (pair.whole ? "" : ", frames " + std::to_string(pair.second_begin) + " to " + std::to_string(pair.second_end));
     found.finding =
-        FrameFinding(leaks ? "leak" : "duplicate", repeat.begin, repeat.end, "", repeat.distance, what + where);
+        FrameFinding(leaks ? "leak" : "duplicate", pair.frame_begin, pair.frame_end, "", pair.distance, what + where);
     if (leaks) found.finding.severity = Severity::kError;
     found.finding.clip = first.id();
     found.suggested = second.id();
     const bool one_part = std::all_of(parts.begin(), parts.end(), [&](const std::vector<int>& part) {
-      return part[repeat.first] == part[repeat.second];
+      return part[pair.first] == part[pair.second];
     });
     const bool compared = first.motion && second.motion;
-    const bool alike = compared && one_part && repeat.whole && !repeat.mirrored && HaveSameText(first, second);
+    const bool alike = compared && one_part && pair.whole && !pair.mirrored && HaveSameText(first, second);
     if (alike) found.safe_to_drop = second.id();
     findings.push_back(std::move(found));
   }

@@ -4,8 +4,6 @@
 #include <vector>
 
 #include "core/base/finding.h"
-#include "core/quality/duplicates.h"
-#include "core/quality/shared_stretches.h"
 #include "core/store/store.h"
 
 namespace mocurate {
@@ -29,13 +27,10 @@ struct AuditFinding {
 /// (FindSwaps), "frozen_frames" (FindRepeats), the last two with their frames.
 std::vector<AuditFinding> FindClipErrors(const Dataset& dataset);
 
-/// The part of a motion that FindRepeatedClips compares.
-MotionSignature SignatureOfMotion(const Motion& motion);
-
-/// Pairs of clips with the same motion (FindSharedStretches, FindDuplicates), also mirrored or in part, or of the same
+/// Pairs of clips with the same motion (FindDuplicates), also mirrored or in part, or of the same
 /// source data (ContentsOf): "leak" (error) where a split has them in two parts, else "duplicate". `suggested` is the
 /// other clip. Of more than two clips with the same source data, each is a pair with the first one and with the first
 /// one in each other part.
-std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, const StretchLimits& limits = {});
+std::vector<AuditFinding> FindRepeatedClips(const Dataset& dataset, double distance = 0.004);
 
 }  // namespace mocurate

@@ -1,12 +1,14 @@
 #include "core/quality/duplicates.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <tuple>
 
 #include "core/base/median.h"
+#include "core/quality/shared_stretches.h"
 #include "core/quality/swaps.h"
 
 namespace mocurate {
@@ -141,6 +143,21 @@ Duplicate& PairOf(DuplicatePairs& pairs, std::size_t a, std::size_t b) {
   return pair;
 }
 
+std::vector<Duplicate> ListOf(const DuplicatePairs& pairs) {
+  std::vector<Duplicate> duplicates;
+  for (const auto& [indices, pair] : pairs) duplicates.push_back(pair);
+  return duplicates;
+}
+
+MotionSignature SignatureOf(const Motion& motion) {
+  const std::vector<double> all_seen;
+  std::vector<double> time_s;
+  std::vector<std::string> names;
+  for (int f = 0; f < motion.frame_count(); ++f) time_s.push_back(motion.rate.FrameTime(f));
+  for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
+  return mocurate::SignatureOf({motion.joints, all_seen, time_s, names});
+}
+
 /// The norm of a signature and that of its mirror image are equal, so that one order serves both.
 void CompareShapes(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, DuplicatePairs& pairs) {
   std::vector<std::pair<double, std::size_t>> order;
@@ -161,7 +178,8 @@ void CompareShapes(const std::vector<MotionSignature>& clips, const DuplicateLim
       const double mirrored = sides ? Distance(a.mirrored, b.shape, limits.distance, points) : 2.0 * limits.distance;
       if (std::min(same, mirrored) > limits.distance) continue;
       Duplicate& pair = PairOf(pairs, order[i].second, order[k].second);
-      pair.kind = same <= mirrored ? Duplicate::Kind::kSame : Duplicate::Kind::kMirrored;
+      pair.whole = true;
+      pair.mirrored = mirrored < same;
       pair.distance = std::min(same, mirrored);
       pair.frame_end = static_cast<int>(clips[pair.first].poses.size());
       pair.second_end = static_cast<int>(clips[pair.second].poses.size());
@@ -214,7 +232,6 @@ void ComparePoses(const std::vector<MotionSignature>& clips, const DuplicateLimi
     Duplicate& pair = PairOf(pairs, indices.first, indices.second);
     pair.shared = frames.count;
     if (known) continue;
-    pair.kind = Duplicate::Kind::kOverlap;
     pair.frame_begin = frames.begin;
     pair.frame_end = frames.end;
     pair.second_begin = frames.second_begin;
@@ -280,9 +297,29 @@ std::vector<Duplicate> FindDuplicates(const std::vector<MotionSignature>& clips,
   DuplicatePairs pairs;
   CompareShapes(clips, limits, pairs);
   ComparePoses(clips, limits, pairs);
-  std::vector<Duplicate> duplicates;
-  for (const auto& [indices, pair] : pairs) duplicates.push_back(pair);
-  return duplicates;
+  return ListOf(pairs);
+}
+
+std::vector<Duplicate> FindDuplicates(std::size_t count, const MotionAt& motion_at, double distance) {
+  constexpr double kShortest_s = 1.5 * kLeastStretch_s;  // shorter clips are compared as a whole
+  constexpr int kFewJoints = 6;                          // of a motion that is compared as a whole too
+  DuplicatePairs pairs;
+  for (const Duplicate& stretch : FindSharedStretches(count, motion_at, distance))
+    pairs.emplace(std::make_pair(stretch.first, stretch.second), stretch);
+  std::vector<MotionSignature> signatures(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Motion* motion = motion_at(i);
+    if (motion == nullptr) continue;
+    signatures[i] = SignatureOf(*motion);
+    if (motion->duration() <= kShortest_s || motion->joint_count() < kFewJoints) continue;
+    signatures[i].shape = {};
+    signatures[i].mirrored = {};
+  }
+  DuplicateLimits limits;
+  limits.distance = distance;
+  for (const Duplicate& pair : FindDuplicates(signatures, limits))
+    pairs.emplace(std::make_pair(pair.first, pair.second), pair);
+  return ListOf(pairs);
 }
 
 }  // namespace mocurate

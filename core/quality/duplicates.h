@@ -1,8 +1,9 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <string>
+#include <functional>
+#include <vector>
 
 #include "core/quality/tracked_points.h"
 
@@ -29,12 +30,12 @@ struct DuplicateLimits {
   int shared_frames = 4;    ///< equal poses, each different from the others, that two recordings do not share by chance
 };
 
-/// Two clips that show the same. `frames` are of the first.
+/// Two clips that show the same. `frame_begin` and `frame_end` are of the first.
 struct Duplicate {
-  enum class Kind { kSame, kMirrored, kOverlap };
   std::size_t first = 0, second = 0;  ///< indices, first < second
-  Kind kind = Kind::kSame;
-  double distance = 0.0;  ///< metres; kOverlap: 0
+  bool whole = false;                 ///< else a part of one or of both
+  bool mirrored = false;
+  double distance = 0.0;  ///< metres; 0 where equal poses show it
   int shared = 0;         ///< equal poses
   int frame_begin = 0, frame_end = 0;
   int second_begin = 0, second_end = 0;
@@ -45,5 +46,14 @@ struct Duplicate {
 /// Clips with different numbers of points are not compared; clips that hardly move (spread below four times
 /// `distance`) are compared by their poses alone. Sorted by (first, second).
 std::vector<Duplicate> FindDuplicates(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits = {});
+
+/// Motion of an index, or null; valid until the next call.
+using MotionAt = std::function<const Motion*(std::size_t)>;
+
+/// The same of `count` motions of one skeleton, and of parts of them: copies, crops, other rates and small noise, also
+/// mirrored. The longest shared stretch of every two that have one (FindSharedStretches, below `distance` metres);
+/// pairs of equal poses; of clips that are too short or have too few joints for a stretch, those of equal signatures.
+/// Each motion is requested three times and takes about 2 kB per second. Sorted by (first, second).
+std::vector<Duplicate> FindDuplicates(std::size_t count, const MotionAt& motion, double distance = 0.004);
 
 }  // namespace mocurate

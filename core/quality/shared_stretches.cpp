@@ -33,6 +33,9 @@ constexpr double kOverlap = 0.8;        ///< share of the overlap in time that m
 constexpr double kIndexedSpread = 0.3;  ///< of all joints together, where one joint alone moves
 constexpr double kMisplaced = 5.0;      ///< limits that two windows may be apart before their shift is found
 constexpr double kFar = 3.0;            ///< limits beyond which a single moment ends a stretch
+constexpr double kFull_s = 1.0;         ///< shorter stretches may differ by less, as the square root of their length
+constexpr double kSpread = 0.007;       ///< metres about the mean, of the joint that moves most: still motions match
+constexpr double kWhole = 0.9;          ///< share of both clips from which on they count as equal as a whole
 
 using MatrixRow = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -108,8 +111,8 @@ int MarginOf(int steps, int window) { return steps - 2 * kEndSteps > window ? kE
 /// What one set of motions is compared by.
 class StretchSearch {
  public:
-  StretchSearch(std::size_t count, const MotionAt& motion_at, const StretchLimits& limits)
-      : count_(count), motion_at_(motion_at), limits_(limits) {
+  StretchSearch(std::size_t count, const MotionAt& motion_at, double distance)
+      : count_(count), motion_at_(motion_at), distance_(distance) {
     for (std::size_t i = 0; i < count && !skeleton_; ++i) {
       const Motion* motion = motion_at(i);
       if (motion != nullptr && motion->frame_count() > 1) skeleton_ = motion->skeleton;
@@ -123,29 +126,57 @@ class StretchSearch {
     }
     const float most = of_joint_.colwise().sum().maxCoeff();  // as many for each that has any
     of_joint_ /= std::max(1.0F, most);
-    window_ = std::max(kSamples - 1, static_cast<int>(std::lround(limits.least_s / kStep_s)));
+    window_ = std::max(kSamples - 1, static_cast<int>(std::lround(kLeastStretch_s / kStep_s)));
     LearnFrames();
     for (std::size_t i = 0; i < count; ++i) {
       const Motion* motion = motion_at(i);
       const int steps = Comparable(motion) ? StepsOf(*motion) : 0;
       margins_.push_back(MarginOf(steps, window_));
       tracks_.push_back(TrackOf(motion, steps, margins_.back()));
+      hz_.push_back(steps > 0 ? motion->rate.hz() : 0.0);
+      frames_.push_back(steps > 0 ? motion->frame_count() : 0);
     }
   }
 
-  std::vector<SharedStretch> Search() {
+  std::vector<Duplicate> Search() {
     if (!skeleton_ || !LearnWindows()) return {};
     FillTree();
-    std::map<std::pair<std::size_t, std::size_t>, SharedStretch> found;
+    Stretches found;
     for (std::size_t i = 0; i < tracks_.size(); ++i) {
       for (const bool mirrored : {false, true}) LookUp(i, mirrored, found);
     }
-    std::vector<SharedStretch> stretches;
-    for (const auto& [indices, stretch] : found) stretches.push_back(stretch);
-    return stretches;
+    std::vector<Duplicate> pairs;
+    for (const auto& [indices, stretch] : found) pairs.push_back(InFrames(indices.first, indices.second, stretch));
+    return pairs;
   }
 
  private:
+  struct Stretch {
+    bool mirrored = false;
+    double distance = 0.0;              ///< metres
+    double begin_s = 0.0, end_s = 0.0;  ///< of the first motion
+    double second_begin_s = 0.0, second_end_s = 0.0;
+  };
+  using Stretches = std::map<std::pair<std::size_t, std::size_t>, Stretch>;
+
+  Duplicate InFrames(std::size_t first, std::size_t second, const Stretch& stretch) const {
+    const auto frame = [&](std::size_t i, double time_s, int more) {
+      return std::clamp(static_cast<int>(std::lround(time_s * hz_[i])) + more, 0, frames_[i]);
+    };
+    Duplicate pair;
+    pair.first = first;
+    pair.second = second;
+    pair.mirrored = stretch.mirrored;
+    pair.distance = stretch.distance;
+    pair.frame_begin = frame(first, stretch.begin_s, 0);
+    pair.frame_end = frame(first, stretch.end_s, 1);
+    pair.second_begin = frame(second, stretch.second_begin_s, 0);
+    pair.second_end = frame(second, stretch.second_end_s, 1);
+    pair.whole = pair.frame_end - pair.frame_begin >= kWhole * frames_[first] &&
+                 pair.second_end - pair.second_begin >= kWhole * frames_[second];
+    return pair;
+  }
+
   struct Place {
     std::uint32_t motion;
     std::uint32_t step;
@@ -272,12 +303,12 @@ class StretchSearch {
     return (difference * frame_.basis.transpose()).cwiseAbs2() * of_joint_;
   }
 
-  /// Whether a joint moves about its mean by limits_.spread.
+  /// Whether a joint moves about its mean by kSpread.
   bool Moves(const Track& track, int first, int last) const {
     const Eigen::RowVectorXf mean = track.middleRows(first, last - first + 1).colwise().mean();
     Eigen::RowVectorXf sum = Eigen::RowVectorXf::Zero(of_joint_.cols());
     for (int s = first; s <= last; ++s) sum += JointSquares(track.row(s) - mean);
-    return sum.maxCoeff() >= limits_.spread * limits_.spread * (last - first + 1);
+    return sum.maxCoeff() >= kSpread * kSpread * (last - first + 1);
   }
 
   int WindowsOf(const Track& track) const { return std::max(0, static_cast<int>(track.rows()) - window_); }
@@ -293,7 +324,7 @@ class StretchSearch {
         if (at % every != 0) continue;
         double spread = 0.0;
         const Eigen::RowVectorXf window = Window(track, s, &spread);
-        if (spread >= kIndexedSpread * limits_.spread) rows.push_back(window);
+        if (spread >= kIndexedSpread * kSpread) rows.push_back(window);
       }
     }
     if (rows.empty()) return false;
@@ -315,7 +346,7 @@ class StretchSearch {
       for (int s = 0; s < WindowsOf(tracks_[i]); s += kIndexed) {
         double spread = 0.0;
         const Eigen::RowVectorXf window = Window(tracks_[i], s, &spread);
-        if (spread < kIndexedSpread * limits_.spread) continue;
+        if (spread < kIndexedSpread * kSpread) continue;
         const auto key = KeyOf(window);
         keys_.values.insert(keys_.values.end(), key.begin(), key.end());
         places_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(s)});
@@ -325,10 +356,10 @@ class StretchSearch {
     tree_->buildIndex();
   }
 
-  void LookUp(std::size_t i, bool mirrored, std::map<std::pair<std::size_t, std::size_t>, SharedStretch>& found) const {
+  void LookUp(std::size_t i, bool mirrored, Stretches& found) const {
     if (places_.empty() || tracks_[i].rows() == 0) return;
     const Track own = mirrored ? Mirrored(tracks_[i]) : tracks_[i];
-    const double reach = kSearchReach * limits_.distance * PerLimit() * std::sqrt(static_cast<double>(kSamples));
+    const double reach = kSearchReach * distance_ * PerLimit() * std::sqrt(static_cast<double>(kSamples));
     std::set<std::pair<std::size_t, int>> compared;  // motion, shift in indexed steps
     std::vector<std::pair<std::uint32_t, float>> near;
     const int step = std::clamp(WindowsOf(own) / kLeastAsked, kIndexed, kMostApart);
@@ -338,7 +369,7 @@ class StretchSearch {
         if (begin + window_ > static_cast<double>(own.rows() - 1)) continue;
         double spread = 0.0;
         const Eigen::RowVectorXf window = Window(own, begin, &spread);
-        if (spread < kIndexedSpread * limits_.spread) continue;
+        if (spread < kIndexedSpread * kSpread) continue;
         const auto key = KeyOf(window);
         near.clear();
         tree_->radiusSearch(key.data(), static_cast<float>(reach * reach), near,
@@ -357,7 +388,7 @@ class StretchSearch {
   /// Whether two windows may be one at another shift: a look at their ends and middle, for most that share a key do
   /// not.
   bool Near(const Track& a, const Track& b, double begin, std::uint32_t step) const {
-    const double most = kMisplaced * limits_.distance * PerLimit();
+    const double most = kMisplaced * distance_ * PerLimit();
     for (const int k : {window_ / 2, 0, window_}) {
       if ((At(a, begin + k) - b.row(step + k)).squaredNorm() > most * most) return false;
     }
@@ -375,7 +406,7 @@ class StretchSearch {
   }
 
   void Compare(std::size_t i, std::size_t other, bool mirrored, const Track& a, double begin, double by,
-               std::map<std::pair<std::size_t, std::size_t>, SharedStretch>& found) const {
+               Stretches& found) const {
     const Track& b = tracks_[other];
     double best = WindowDistance(a, b, begin, by), shift = by;
     for (double step = 0.5; step > 0.02; step *= 0.5) {  // steps of the track: from 25 ms to 1 ms
@@ -387,7 +418,7 @@ class StretchSearch {
         }
       }
     }
-    const double limit = limits_.distance * limits_.distance;
+    const double limit = distance_ * distance_;
     if (best > limit * PerLimit() * PerLimit()) return;  // no joint is nearer than all together
     // The stretch: from the window outwards, as long as single moments are near and all of it is near in the mean.
     const auto from = static_cast<int>(std::ceil(std::max(0.0, -shift)));
@@ -415,16 +446,11 @@ class StretchSearch {
     }
     const int count = last - first + 1;
     if (count < kOverlap * (to - from + 1)) return;
-    const double allowed = limit * std::min(1.0, count * kStep_s / limits_.full_s);
+    const double allowed = limit * std::min(1.0, count * kStep_s / kFull_s);
     if (count < window_ || sum.maxCoeff() > allowed * count || !Moves(a, first, last)) return;
-    SharedStretch stretch{std::min(i, other),
-                          std::max(i, other),
-                          mirrored,
-                          std::sqrt(std::max(0.0F, sum.maxCoeff()) / static_cast<float>(count)),
-                          0,
-                          0,
-                          0,
-                          0};
+    Stretch stretch;
+    stretch.mirrored = mirrored;
+    stretch.distance = std::sqrt(std::max(0.0F, sum.maxCoeff()) / static_cast<float>(count));
     // Steps skipped at an end of either are assumed to continue the neighbouring ones.
     const int before = first == from ? std::min(margins_[i], margins_[other]) : 0;
     const int after = last == to ? std::min(margins_[i], margins_[other]) : 0;
@@ -436,8 +462,8 @@ class StretchSearch {
       std::swap(stretch.begin_s, stretch.second_begin_s);
       std::swap(stretch.end_s, stretch.second_end_s);
     }
-    const auto [known, added] = found.emplace(std::make_pair(stretch.first, stretch.second), stretch);
-    const auto length = [](const SharedStretch& s) { return s.end_s - s.begin_s; };
+    const auto [known, added] = found.emplace(std::minmax(i, other), stretch);
+    const auto length = [](const Stretch& s) { return s.end_s - s.begin_s; };
     const double longer = length(stretch) - length(known->second);
     const bool better =
         longer > 0.5 * kStep_s || (longer > -0.5 * kStep_s && stretch.distance < known->second.distance);
@@ -446,7 +472,7 @@ class StretchSearch {
 
   std::size_t count_;
   const MotionAt& motion_at_;
-  StretchLimits limits_;
+  double distance_;  ///< metres
   SkeletonPtr skeleton_;
   JointPairs pairs_;
   Eigen::MatrixXf of_joint_;  ///< (P,J) mean over the distances of each joint
@@ -455,6 +481,8 @@ class StretchSearch {
   Eigen::MatrixXf mirror_;
   Eigen::RowVectorXf mirror_offset_;
   std::vector<int> margins_;  ///< steps, of each track
+  std::vector<double> hz_;    ///< of each motion
+  std::vector<int> frames_;
   std::vector<Track> tracks_;
   Keys keys_;
   std::vector<Place> places_;
@@ -463,8 +491,8 @@ class StretchSearch {
 
 }  // namespace
 
-std::vector<SharedStretch> FindSharedStretches(std::size_t count, const MotionAt& motion, const StretchLimits& limits) {
-  return StretchSearch(count, motion, limits).Search();
+std::vector<Duplicate> FindSharedStretches(std::size_t count, const MotionAt& motion, double distance) {
+  return StretchSearch(count, motion, distance).Search();
 }
 
 }  // namespace mocurate

@@ -16,17 +16,17 @@ DuplicateLimits DuplicateLimitsOf(const CheckOptions& options) {
 Finding DuplicateFinding(const Duplicate& pair, const std::string& first_name, const MotionSignature& first,
                          const MotionSignature& second) {
   const int frames = static_cast<int>(second.poses.size());
-  const bool whole = pair.shared > 0 && pair.shared == frames && first.poses.size() == second.poses.size();
+  const bool equal = pair.shared > 0 && pair.shared == frames && first.poses.size() == second.poses.size();
   Finding finding;
-  if (pair.kind == Duplicate::Kind::kOverlap) {
+  if (!pair.whole) {
     finding = FrameFinding("shared_frames", pair.second_begin, pair.second_end, "", pair.shared,
                            std::to_string(pair.shared) + " of " + std::to_string(frames) + " frames are those of '" +
                                first_name + "' (" + SpanText(pair.second_begin, pair.second_end) + " here, " +
                                SpanText(pair.frame_begin, pair.frame_end) + " there)");
-  } else if (pair.kind == Duplicate::Kind::kMirrored) {
+  } else if (pair.mirrored) {
     finding = FrameFinding("mirrored_duplicate", 0, 0, "", pair.distance,
                            "the mirror image of '" + first_name + "' (" + Digits(pair.distance) + " m apart)");
-  } else if (whole) {
+  } else if (equal) {
     finding =
         FrameFinding("duplicate", 0, 0, "", 0.0, "the same, frame for frame, as '" + first_name + "' (0 m apart)");
   } else {

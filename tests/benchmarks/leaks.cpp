@@ -23,6 +23,7 @@
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
+#include "core/quality/duplicates.h"
 
 namespace {
 
@@ -92,19 +93,10 @@ void TimeScale(const Dataset& dataset, std::size_t clips) {
     return &motion;
   };
   const auto begin = std::chrono::steady_clock::now();
-  const std::size_t stretches = FindSharedStretches(clips, motion_at).size();
-  std::printf("%zu clips: %zu shared stretches, %.1f s\n", clips, stretches, SecondsSince(begin));
-  const auto search = std::chrono::steady_clock::now();
-  std::vector<MotionSignature> signatures;
-  for (std::size_t i = 0; i < clips; ++i) {
-    signatures.push_back(SignatureOfMotion(*motion_at(i)));
-    signatures.back().shape = {};
-    signatures.back().mirrored = {};
-  }
-  const std::size_t pairs = FindDuplicates(signatures).size();
+  const std::size_t pairs = FindDuplicates(clips, motion_at).size();
   struct rusage use {};
   getrusage(RUSAGE_SELF, &use);
-  std::printf("equal poses: %zu pairs, %.1f s; %.2f GB at most\n", pairs, SecondsSince(search),
+  std::printf("%zu clips: %zu pairs, %.1f s; %.2f GB at most\n", clips, pairs, SecondsSince(begin),
               static_cast<double>(use.ru_maxrss) * 1024.0 / 1e9);
 }
 
