@@ -93,6 +93,12 @@ std::string RoundedText(double value, int digits) {
   return FormatDouble(rounded.value_or(value));
 }
 
+std::string ZeroPadded(int number, int width) {
+  const std::string digits = std::to_string(number);
+  const auto wanted = static_cast<std::size_t>(width);
+  return std::string(wanted > digits.size() ? wanted - digits.size() : 0, '0') + digits;
+}
+
 std::string Counted(long long count, std::string_view noun) {
   return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
 }

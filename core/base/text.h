@@ -19,6 +19,9 @@ std::string FormatDouble(double value);
 /// A number to be read by people, rounded to `digits` significant digits: 0.30000000000000004 -> "0.3".
 std::string RoundedText(double value, int digits = 4);
 
+/// "007" for 7 and width 3; longer numbers keep their digits.
+std::string ZeroPadded(int number, int width);
+
 /// A count with its noun in English: "1 clip", "2 clips", "0 clips".
 std::string Counted(long long count, std::string_view noun);
 

@@ -268,10 +268,7 @@ void AppendWord(std::string& text, double value) {
   text += ' ';
 }
 
-std::string ThreeDigits(char letter, int number) {
-  const std::string digits = std::to_string(number);
-  return letter + std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
-}
+std::string ThreeDigits(char letter, int number) { return letter + ZeroPadded(number, 3); }
 
 }  // namespace
 

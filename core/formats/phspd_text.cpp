@@ -137,9 +137,7 @@ std::string WritePhspdShape(const PhspdShape& shape) {
 }
 
 std::string PhspdRecording::Name() const {
-  const std::string person = std::to_string(subject);
-  return "subject" + std::string(person.size() < 2 ? 1 : 0, '0') + person + "_group" + std::to_string(group) + "_time" +
-         std::to_string(time);
+  return "subject" + ZeroPadded(subject, 2) + "_group" + std::to_string(group) + "_time" + std::to_string(time);
 }
 
 std::optional<PhspdRecording> ParsePhspdRecording(std::string_view folder) {

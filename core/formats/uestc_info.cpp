@@ -46,10 +46,8 @@ Status EachLine(LineReader& lines, const std::string& what, const std::function<
 bool operator==(const UestcVideo& a, const UestcVideo& b) { return TiedVideo(a) == TiedVideo(b); }
 
 std::string UestcVideo::Name() const {
-  const std::string person = std::to_string(subject);
-  return "a" + std::to_string(action) + "_d" + std::to_string(view) + "_p" +
-         std::string(person.size() < 3 ? 3 - person.size() : 0, '0') + person + "_c" + std::to_string(side) +
-         "_color.avi";
+  return "a" + std::to_string(action) + "_d" + std::to_string(view) + "_p" + ZeroPadded(subject, 3) + "_c" +
+         std::to_string(side) + "_color.avi";
 }
 
 Expected<UestcVideo> ParseUestcName(std::string_view text, const std::string& where) {
