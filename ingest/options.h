@@ -12,7 +12,7 @@
 #include "core/pipeline/stage.h"
 #include "core/quality/padding_action.h"
 #include "ingest/checks/check_options.h"
-#include "ingest/synthetic/tracker_options.h"
+#include "ingest/synthetic/studio_options.h"
 
 namespace mocurate {
 

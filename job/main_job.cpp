@@ -14,7 +14,7 @@
 #include "fitting/rig_file.h"
 #include "ingest/checks/set_contradictions.h"
 #include "ingest/discover.h"
-#include "ingest/synthetic/capture_files.h"
+#include "ingest/synthetic/studio.h"
 #include "job/canon_items.h"
 #include "job/curation_log.h"
 #include "job/job_checks.h"

@@ -5,7 +5,6 @@
 
 #include "core/base/text.h"
 #include "ingest/synthetic/action_parts.h"
-#include "ingest/synthetic/action_tables.h"
 
 namespace mocurate {
 namespace {

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "ingest/synthetic/action_parts.h"
-#include "ingest/synthetic/action_tables.h"
 
 namespace mocurate {
 namespace {

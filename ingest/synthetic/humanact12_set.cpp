@@ -7,7 +7,10 @@
 #include <tuple>
 
 #include "core/base/random.h"
+#include "core/base/text.h"
 #include "ingest/synthetic/action_parts.h"
+#include "ingest/synthetic/layout.h"
+#include "ingest/synthetic/take_plan.h"
 
 namespace mocurate {
 namespace {
@@ -16,6 +19,64 @@ constexpr double kHumanAct12RateHz = 15.0;
 constexpr double kHurried = 0.6;       // of its natural time: a shorter clip shows a part of the action
 constexpr double kStepsPerTurn = 1.0;  // radians along the circle per cycle of walking
 constexpr std::array<double, 7> kShares = {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0};
+
+/// A coarse class: its label, the group of PHSPD's recordings that it was cut from, the share of clips on a chair.
+struct CoarseClass {
+  const char* label;
+  int group;
+  double seated;
+};
+
+/// 01 to 12.
+constexpr CoarseClass kClasses[] = {{"warm_up", 1, 0.0}, {"walk", 1, 0.0},   {"run", 1, 0.0},
+                                    {"jump", 1, 0.0},    {"drink", 1, 0.0},  {"lift_dumbbell", 1, 0.0},
+                                    {"sit", 2, 0.0},     {"eat", 2, 0.7},    {"turn_steering_wheel", 2, 1.0},
+                                    {"phone", 2, 0.4},   {"boxing", 3, 0.0}, {"throw", 3, 0.0}};
+
+struct VariantRow {
+  const char* code;
+  const char* action;
+  std::array<int, 7> frames;
+  std::array<int, kHumanAct12Subjects> clips;
+};
+
+constexpr VariantRow kVariants[] = {
+    // code, action, quantiles of frames, clips of subjects 1 to 12
+    {"0101", "warm_up_wrist_ankle", {45, 53, 64, 85, 113, 128, 168}, {4, 1, 2, 4, 4, 1, 3, 1, 0, 3, 2, 0}},
+    {"0102", "warm_up_pectoral", {26, 32, 43, 64, 83, 98, 159}, {4, 4, 5, 4, 3, 4, 4, 4, 4, 4, 5, 4}},
+    {"0103", "warm_up_elbow_back", {9, 26, 50, 72, 87, 109, 145}, {4, 4, 2, 4, 4, 1, 4, 4, 3, 4, 5, 4}},
+    {"0104", "warm_up_body_lean_right_arm", {18, 19, 29, 36, 51, 57, 72}, {1, 2, 4, 0, 1, 4, 4, 3, 1, 1, 4, 1}},
+    {"0105", "warm_up_body_lean_left_arm", {12, 21, 31, 37, 44, 49, 67}, {1, 1, 4, 0, 1, 4, 4, 3, 1, 1, 4, 0}},
+    {"0106", "warm_up_bow_right", {20, 27, 36, 39, 50, 64, 78}, {1, 4, 3, 0, 1, 0, 3, 3, 3, 1, 3, 2}},
+    {"0107", "warm_up_bow_left", {14, 20, 30, 38, 51, 81, 112}, {1, 3, 3, 0, 1, 0, 3, 3, 3, 1, 3, 3}},
+    {"0201", "walk", {45, 83, 120, 159, 208, 262, 354}, {4, 4, 3, 4, 4, 4, 4, 4, 4, 4, 4, 4}},
+    {"0301", "run", {33, 76, 99, 121, 172, 199, 357}, {4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 6}},
+    {"0401", "jump_hands_up", {21, 56, 71, 93, 121, 166, 208}, {4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 10, 4}},
+    {"0402", "jump_vertical", {22, 32, 51, 69, 84, 112, 165}, {2, 4, 3, 4, 1, 4, 4, 4, 1, 3, 5, 5}},
+    {"0501", "drink_bottle_right", {23, 35, 51, 74, 97, 104, 154}, {4, 3, 0, 3, 0, 2, 4, 2, 4, 0, 3, 2}},
+    {"0502", "drink_bottle_left", {32, 41, 50, 69, 96, 129, 153}, {4, 4, 4, 3, 4, 3, 4, 4, 4, 0, 5, 4}},
+    {"0503", "drink_cup_right", {22, 25, 28, 55, 82, 103, 120}, {0, 1, 0, 1, 4, 1, 0, 1, 0, 0, 2, 1}},
+    {"0504", "drink_cup_left", {15, 15, 15, 64, 120, 120, 120}, {0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0}},
+    {"0505", "drink_both_hands", {143, 143, 155, 159, 159, 200, 200}, {0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0}},
+    {"0601", "lift_dumbbell_right", {9, 21, 44, 58, 67, 85, 134}, {4, 4, 3, 4, 3, 3, 4, 4, 4, 4, 4, 4}},
+    {"0602", "lift_dumbbell_left", {9, 22, 34, 50, 67, 84, 111}, {4, 4, 4, 4, 3, 3, 4, 4, 4, 4, 3, 4}},
+    {"0603", "lift_dumbbell_both", {12, 34, 53, 60, 78, 112, 177}, {4, 3, 4, 4, 4, 3, 4, 4, 4, 4, 5, 4}},
+    {"0604", "lift_dumbbell_overhead", {28, 46, 64, 85, 103, 123, 194}, {5, 3, 4, 4, 3, 3, 4, 4, 1, 4, 4, 4}},
+    {"0605", "lift_dumbbell_both_bend_legs", {17, 32, 67, 81, 94, 119, 187}, {2, 3, 4, 4, 3, 1, 4, 4, 2, 4, 3, 4}},
+    {"0701", "sit", {8, 26, 34, 42, 54, 66, 108}, {4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 7, 7}},
+    {"0801", "eat_right", {17, 34, 50, 67, 101, 121, 195}, {5, 0, 4, 1, 1, 2, 1, 1, 3, 4, 5, 6}},
+    {"0802", "eat_left", {23, 31, 46, 61, 99, 117, 138}, {2, 4, 2, 3, 2, 2, 2, 3, 0, 0, 3, 2}},
+    {"0803", "eat_both_hands", {22, 23, 29, 44, 68, 79, 115}, {0, 4, 3, 2, 1, 0, 2, 1, 0, 0, 5, 1}},
+    {"0901", "steering_wheel", {15, 38, 51, 100, 150, 207, 264}, {4, 3, 4, 4, 4, 4, 4, 4, 3, 4, 8, 10}},
+    {"1001", "phone_call", {57, 66, 77, 127, 198, 244, 284}, {4, 0, 1, 4, 1, 1, 0, 2, 0, 0, 6, 9}},
+    {"1002", "phone_left", {24, 118, 175, 248, 313, 379, 471}, {0, 4, 4, 0, 4, 3, 4, 2, 4, 4, 4, 0}},
+    {"1101", "boxing_left_right", {17, 24, 33, 51, 65, 71, 115}, {7, 4, 2, 0, 0, 2, 0, 0, 3, 3, 0, 5}},
+    {"1102", "boxing_left_upwards", {11, 19, 24, 30, 34, 38, 57}, {3, 4, 3, 3, 4, 4, 4, 4, 3, 1, 1, 5}},
+    {"1103", "boxing_right_upwards", {12, 20, 25, 30, 37, 43, 69}, {2, 4, 4, 4, 4, 4, 4, 2, 4, 4, 1, 4}},
+    {"1104", "boxing_right_left", {21, 30, 33, 55, 69, 83, 93}, {0, 0, 0, 4, 1, 2, 4, 3, 2, 3, 5, 10}},
+    {"1201", "throw", {15, 22, 30, 35, 45, 59, 75}, {3, 1, 4, 4, 3, 4, 4, 4, 4, 4, 12, 6}},
+    {"1202", "throw_both_hands", {12, 16, 22, 30, 42, 59, 99}, {0, 3, 4, 4, 3, 3, 1, 4, 0, 4, 7, 5}},
+};
 
 struct PlannedClip {
   const HumanAct12Variant* variant = nullptr;
@@ -86,175 +147,14 @@ void AddClip(const PlannedClip& clip, std::uint64_t seed, PlannedRecording& reco
 }  // namespace
 
 const std::vector<HumanAct12Variant>& HumanAct12Variants() {
-  static const std::vector<HumanAct12Variant> variants = {
-      // code, label, action, group, seated, quantiles of frames, clips of subjects 1 to 12
-      {"0101",
-       "warm_up",
-       "warm_up_wrist_ankle",
-       1,
-       0.0,
-       {45, 53, 64, 85, 113, 128, 168},
-       {4, 1, 2, 4, 4, 1, 3, 1, 0, 3, 2, 0}},
-      {"0102",
-       "warm_up",
-       "warm_up_pectoral",
-       1,
-       0.0,
-       {26, 32, 43, 64, 83, 98, 159},
-       {4, 4, 5, 4, 3, 4, 4, 4, 4, 4, 5, 4}},
-      {"0103",
-       "warm_up",
-       "warm_up_elbow_back",
-       1,
-       0.0,
-       {9, 26, 50, 72, 87, 109, 145},
-       {4, 4, 2, 4, 4, 1, 4, 4, 3, 4, 5, 4}},
-      {"0104",
-       "warm_up",
-       "warm_up_body_lean_right_arm",
-       1,
-       0.0,
-       {18, 19, 29, 36, 51, 57, 72},
-       {1, 2, 4, 0, 1, 4, 4, 3, 1, 1, 4, 1}},
-      {"0105",
-       "warm_up",
-       "warm_up_body_lean_left_arm",
-       1,
-       0.0,
-       {12, 21, 31, 37, 44, 49, 67},
-       {1, 1, 4, 0, 1, 4, 4, 3, 1, 1, 4, 0}},
-      {"0106",
-       "warm_up",
-       "warm_up_bow_right",
-       1,
-       0.0,
-       {20, 27, 36, 39, 50, 64, 78},
-       {1, 4, 3, 0, 1, 0, 3, 3, 3, 1, 3, 2}},
-      {"0107",
-       "warm_up",
-       "warm_up_bow_left",
-       1,
-       0.0,
-       {14, 20, 30, 38, 51, 81, 112},
-       {1, 3, 3, 0, 1, 0, 3, 3, 3, 1, 3, 3}},
-      {"0201", "walk", "walk", 1, 0.0, {45, 83, 120, 159, 208, 262, 354}, {4, 4, 3, 4, 4, 4, 4, 4, 4, 4, 4, 4}},
-      {"0301", "run", "run", 1, 0.0, {33, 76, 99, 121, 172, 199, 357}, {4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 6}},
-      {"0401", "jump", "jump_hands_up", 1, 0.0, {21, 56, 71, 93, 121, 166, 208}, {4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 10, 4}},
-      {"0402", "jump", "jump_vertical", 1, 0.0, {22, 32, 51, 69, 84, 112, 165}, {2, 4, 3, 4, 1, 4, 4, 4, 1, 3, 5, 5}},
-      {"0501",
-       "drink",
-       "drink_bottle_right",
-       1,
-       0.0,
-       {23, 35, 51, 74, 97, 104, 154},
-       {4, 3, 0, 3, 0, 2, 4, 2, 4, 0, 3, 2}},
-      {"0502",
-       "drink",
-       "drink_bottle_left",
-       1,
-       0.0,
-       {32, 41, 50, 69, 96, 129, 153},
-       {4, 4, 4, 3, 4, 3, 4, 4, 4, 0, 5, 4}},
-      {"0503",
-       "drink",
-       "drink_cup_right",
-       1,
-       0.0,
-       {22, 25, 28, 55, 82, 103, 120},
-       {0, 1, 0, 1, 4, 1, 0, 1, 0, 0, 2, 1}},
-      {"0504",
-       "drink",
-       "drink_cup_left",
-       1,
-       0.0,
-       {15, 15, 15, 64, 120, 120, 120},
-       {0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0}},
-      {"0505",
-       "drink",
-       "drink_both_hands",
-       1,
-       0.0,
-       {143, 143, 155, 159, 159, 200, 200},
-       {0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0}},
-      {"0601",
-       "lift_dumbbell",
-       "lift_dumbbell_right",
-       1,
-       0.0,
-       {9, 21, 44, 58, 67, 85, 134},
-       {4, 4, 3, 4, 3, 3, 4, 4, 4, 4, 4, 4}},
-      {"0602",
-       "lift_dumbbell",
-       "lift_dumbbell_left",
-       1,
-       0.0,
-       {9, 22, 34, 50, 67, 84, 111},
-       {4, 4, 4, 4, 3, 3, 4, 4, 4, 4, 3, 4}},
-      {"0603",
-       "lift_dumbbell",
-       "lift_dumbbell_both",
-       1,
-       0.0,
-       {12, 34, 53, 60, 78, 112, 177},
-       {4, 3, 4, 4, 4, 3, 4, 4, 4, 4, 5, 4}},
-      {"0604",
-       "lift_dumbbell",
-       "lift_dumbbell_overhead",
-       1,
-       0.0,
-       {28, 46, 64, 85, 103, 123, 194},
-       {5, 3, 4, 4, 3, 3, 4, 4, 1, 4, 4, 4}},
-      {"0605",
-       "lift_dumbbell",
-       "lift_dumbbell_both_bend_legs",
-       1,
-       0.0,
-       {17, 32, 67, 81, 94, 119, 187},
-       {2, 3, 4, 4, 3, 1, 4, 4, 2, 4, 3, 4}},
-      {"0701", "sit", "sit", 2, 0.0, {8, 26, 34, 42, 54, 66, 108}, {4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 7, 7}},
-      {"0801", "eat", "eat_right", 2, 0.7, {17, 34, 50, 67, 101, 121, 195}, {5, 0, 4, 1, 1, 2, 1, 1, 3, 4, 5, 6}},
-      {"0802", "eat", "eat_left", 2, 0.7, {23, 31, 46, 61, 99, 117, 138}, {2, 4, 2, 3, 2, 2, 2, 3, 0, 0, 3, 2}},
-      {"0803", "eat", "eat_both_hands", 2, 0.7, {22, 23, 29, 44, 68, 79, 115}, {0, 4, 3, 2, 1, 0, 2, 1, 0, 0, 5, 1}},
-      {"0901",
-       "turn_steering_wheel",
-       "steering_wheel",
-       2,
-       1.0,
-       {15, 38, 51, 100, 150, 207, 264},
-       {4, 3, 4, 4, 4, 4, 4, 4, 3, 4, 8, 10}},
-      {"1001", "phone", "phone_call", 2, 0.4, {57, 66, 77, 127, 198, 244, 284}, {4, 0, 1, 4, 1, 1, 0, 2, 0, 0, 6, 9}},
-      {"1002", "phone", "phone_left", 2, 0.4, {24, 118, 175, 248, 313, 379, 471}, {0, 4, 4, 0, 4, 3, 4, 2, 4, 4, 4, 0}},
-      {"1101",
-       "boxing",
-       "boxing_left_right",
-       3,
-       0.0,
-       {17, 24, 33, 51, 65, 71, 115},
-       {7, 4, 2, 0, 0, 2, 0, 0, 3, 3, 0, 5}},
-      {"1102",
-       "boxing",
-       "boxing_left_upwards",
-       3,
-       0.0,
-       {11, 19, 24, 30, 34, 38, 57},
-       {3, 4, 3, 3, 4, 4, 4, 4, 3, 1, 1, 5}},
-      {"1103",
-       "boxing",
-       "boxing_right_upwards",
-       3,
-       0.0,
-       {12, 20, 25, 30, 37, 43, 69},
-       {2, 4, 4, 4, 4, 4, 4, 2, 4, 4, 1, 4}},
-      {"1104",
-       "boxing",
-       "boxing_right_left",
-       3,
-       0.0,
-       {21, 30, 33, 55, 69, 83, 93},
-       {0, 0, 0, 4, 1, 2, 4, 3, 2, 3, 5, 10}},
-      {"1201", "throw", "throw", 3, 0.0, {15, 22, 30, 35, 45, 59, 75}, {3, 1, 4, 4, 3, 4, 4, 4, 4, 4, 12, 6}},
-      {"1202", "throw", "throw_both_hands", 3, 0.0, {12, 16, 22, 30, 42, 59, 99}, {0, 3, 4, 4, 3, 3, 1, 4, 0, 4, 7, 5}},
-  };
+  static const std::vector<HumanAct12Variant> variants = [] {
+    std::vector<HumanAct12Variant> all;
+    for (const VariantRow& row : kVariants) {
+      const CoarseClass& coarse = kClasses[std::stoi(std::string(row.code, 2)) - 1];
+      all.push_back({row.code, coarse.label, row.action, coarse.group, coarse.seated, row.frames, row.clips});
+    }
+    return all;
+  }();
   return variants;
 }
 
@@ -292,6 +192,52 @@ std::vector<PlannedRecording> PlanHumanAct12(const HumanAct12Plan& plan) {
     planned.push_back(std::move(recording));
   }
   return planned;
+}
+
+std::string PlannedSequence::Person() const { return "p" + ZeroPadded(subject, 2); }
+
+PlannedSequence PlanSequence(const StudioOptions& options, int subject, int number, int least, int most,
+                             double rate_hz) {
+  PlannedSequence sequence{subject, number, {}, {}};
+  Random random(static_cast<std::uint64_t>(options.seed), "studio.sequence", sequence.Key());
+  std::vector<const HumanAct12Variant*> choice;
+  for (const HumanAct12Variant& variant : HumanAct12Variants()) {
+    const auto& only = options.actions;
+    const bool wanted = only.empty() || std::any_of(only.begin(), only.end(), [&](const std::string& name) {
+                          return name == variant.label || name == variant.action || name == variant.code;
+                        });
+    if (wanted) choice.push_back(&variant);
+  }
+  int frame = static_cast<int>(random.Uniform(0.3, 1.5) * rate_hz);
+  const int actions = least + static_cast<int>(random.Below(static_cast<std::uint64_t>(most - least + 1)));
+  for (int k = 0; k < actions; ++k) {
+    const HumanAct12Variant* variant = choice[random.Below(choice.size())];
+    const Manner manner = NaturalManner(variant->action, variant->seated, random);
+    const int end = frame + std::max(2, static_cast<int>(std::lround(manner.active_s * rate_hz)));
+    sequence.script.actions.push_back({variant->action, frame, end, manner});
+    sequence.kinds.push_back(variant);
+    frame = end + static_cast<int>(random.Uniform(0.6, 2.2) * rate_hz);
+  }
+  sequence.script.frames = frame;
+  sequence.script.sway_phase = random.Uniform(0.0, 2.0 * kPi);
+  sequence.script.heading = random.Uniform(-kPi, kPi);
+  return sequence;
+}
+
+PlannedSequence PlanDepthSequence(const StudioOptions& options, int subject) {
+  constexpr int kActions = 4;
+  const int actions = options.clips > 0 ? static_cast<int>(options.clips) : kActions;
+  PlannedSequence sequence = PlanSequence(options, subject, 1, actions, actions, kDepthSequenceHz);
+  sequence.script.heading = 0.1 * sequence.script.heading;
+  return sequence;
+}
+
+Status CheckVariants(const std::vector<std::string>& wanted) {
+  std::vector<std::string> known;
+  for (const HumanAct12Variant& variant : HumanAct12Variants()) {
+    known.insert(known.end(), {variant.label, variant.action, variant.code});
+  }
+  return CheckWanted(wanted, known);
 }
 
 }  // namespace mocurate

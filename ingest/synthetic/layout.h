@@ -12,6 +12,8 @@
 
 namespace mocurate {
 
+struct VibeTrack;
+
 /// A person with a body: on SMPL's 24 joints, with a skin where there is a template.
 struct Actor {
   Subject subject;
@@ -39,10 +41,20 @@ RigidTransform HalfRotationAboutX();
 /// sensor_from_world, canonical axes, of a sensor at the origin that looks along -z and `tilt` radians down.
 RigidTransform LooksDown(double tilt);
 
+/// Rounded to significant digits, as sensors write their numbers.
+double RoundedToDigits(double value, int digits);
+
 /// (J*3) rotation vectors of a frame, root first.
 std::vector<double> RotationVectors(const Motion& motion, int frame);
 
-std::string Digits(int number, int width);
+/// VIBE's output for a person in an image with focal length 500: rotations, 49 points around the pelvis, and
+/// weak-perspective cameras of 540 x 540 pixels, for which z = 500 / (270 sx). `motion` is in the camera's axes (x
+/// right, y down, z forward), boxes are around `image_centre` (pixels). Points have the errors of the options; a
+/// missing point is extrapolated from its last position, and exchanged limbs affect the points only. Noise, bias and
+/// wander, taken as displacements of the end of a 0.25 m limb, give the rotation errors; the root's position has the
+/// same error, four times along the line of sight.
+VibeTrack VibeTrackOf(const Motion& motion, const TrackerOptions& options, std::int64_t seed, const std::string& item,
+                      const Vector2d& image_centre = {270.0, 270.0});
 
 // One function per layout: it writes the files below the folder and the truth of its clips.
 Status WriteHumanAct12Layout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);

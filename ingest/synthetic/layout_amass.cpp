@@ -1,16 +1,109 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
+#include "core/base/pi.h"
 #include "core/base/random.h"
+#include "core/base/text.h"
 #include "core/formats/amass.h"
 #include "core/formats/babel.h"
 #include "ingest/synthetic/action_parts.h"
-#include "ingest/synthetic/babel_plan.h"
+#include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/layout.h"
-#include "ingest/synthetic/sequence_plan.h"
+#include "ingest/synthetic/take_plan.h"
 
 namespace mocurate {
 namespace {
+
+/// BABEL's annotation of an action: processed label and categories.
+struct BabelWords {
+  std::string proc_label;
+  std::vector<std::string> categories;
+};
+
+/// A long sequence with the labels of each of its actions.
+struct AnnotatedSequence {
+  PlannedSequence sequence;
+  std::vector<BabelWords> words;  ///< of sequence.script.actions
+};
+
+/// An action of the studio with BABEL's labels, and how often it is repeated.
+struct BabelAction {
+  const char* action;
+  const char* proc_label;
+  std::vector<std::string> categories;
+  double least_cycles, most_cycles;
+};
+
+const std::vector<BabelAction>& BabelActions() {
+  static const std::vector<BabelAction> actions = {{"walk", "walk", {"walk"}, 1.0, 2.5},
+                                                   {"run", "run", {"run"}, 1.5, 3.5},
+                                                   {"run_on_the_spot", "jog", {"jog"}, 1.5, 3.5},
+                                                   {"turn", "turn around", {"turn"}, 1.0, 2.0},
+                                                   {"jump", "jump", {"jump"}, 1.0, 1.0},
+                                                   {"kick", "kick", {"kick", "foot movements"}, 1.0, 1.0},
+                                                   {"sit", "sit down", {"sit"}, 1.0, 1.0},
+                                                   {"stand_up", "stand up", {"stand up"}, 1.0, 1.0},
+                                                   {"squat", "squat", {"squat"}, 1.0, 1.0},
+                                                   {"throw", "throw", {"throw", "arm movements"}, 1.0, 1.0},
+                                                   {"pick_up", "pick up", {"take/pick something up"}, 1.0, 1.0},
+                                                   {"warm_up_bow_right", "bend over", {"bend"}, 1.0, 1.0},
+                                                   {"wave", "wave", {"wave", "gesture"}, 1.5, 3.5},
+                                                   {"punch", "punch", {"punch", "martial art"}, 1.0, 2.5},
+                                                   {"clap", "clap", {"clap"}, 1.5, 3.5},
+                                                   {"salute", "salute", {"gesture", "greet"}, 1.0, 1.0}};
+  return actions;
+}
+
+constexpr int kLeastActions = 5, kMostActions = 9;
+constexpr double kTransition_s = 0.7;
+
+/// Several short everyday actions one after the other, half of them without a pause between, with BABEL's labels
+/// (twelve of MultiAct's 53 labels, and others). An action takes one to three seconds, as most of BABEL's do.
+/// options.actions are those labels or the studio's names.
+AnnotatedSequence PlanBabelSequence(const StudioOptions& options, int subject, int number, double rate_hz) {
+  AnnotatedSequence annotated{{subject, number, {}, {}}, {}};
+  PlannedSequence& sequence = annotated.sequence;
+  Random random(static_cast<std::uint64_t>(options.seed), "studio.babel_sequence", sequence.Key());
+  std::vector<const BabelAction*> choice;
+  for (const BabelAction& action : BabelActions()) {
+    const auto& only = options.actions;
+    const bool wanted = only.empty() || std::any_of(only.begin(), only.end(), [&](const std::string& name) {
+                          return name == action.proc_label || name == action.action;
+                        });
+    if (wanted) choice.push_back(&action);
+  }
+  Script& script = sequence.script;
+  script.transition_s = kTransition_s;
+  const auto frames = [&](double seconds) { return static_cast<int>(std::lround(seconds * rate_hz)); };
+  int frame = frames(random.Uniform(0.6, 2.0));
+  const int count = kLeastActions + static_cast<int>(random.Below(kMostActions - kLeastActions + 1));
+  for (int k = 0; k < count; ++k) {
+    const BabelAction& action = *choice[random.Below(choice.size())];
+    Manner manner = NaturalManner(action.action, 0.0, random);
+    const bool repeats = NaturalPeriod(action.action) > 0.0;
+    manner.cycles = random.Uniform(action.least_cycles, action.most_cycles);
+    manner.active_s = NaturalDuration(action.action, repeats ? manner.cycles : 0.0) / random.Uniform(0.9, 1.25);
+    const int end = frame + std::max(2, frames(manner.active_s));
+    script.actions.push_back({action.action, frame, end, manner});
+    annotated.words.push_back({action.proc_label, action.categories});
+    // Half of the actions follow each other directly: the transition fills the time between them.
+    const bool rests = random.Uniform() < 0.5;
+    frame = end + frames(rests ? random.Uniform(1.8, 3.5) : kTransition_s);
+  }
+  script.frames = frame;
+  script.sway_phase = random.Uniform(0.0, 2.0 * kPi);
+  script.heading = random.Uniform(-kPi, kPi);
+  return annotated;
+}
+
+/// Error kConfig for an unknown name in options.actions, with the nearest.
+Status CheckBabelWords(const std::vector<std::string>& wanted) {
+  std::vector<std::string> known;
+  for (const BabelAction& action : BabelActions()) known.insert(known.end(), {action.proc_label, action.action});
+  return CheckWanted(wanted, known);
+}
 
 constexpr const char* kDataset = "STUDIO";
 constexpr std::int64_t kAmassRateHz = 120;
@@ -52,7 +145,7 @@ Amass AmassOf(const Motion& motion) {
 }
 
 std::string TakeOf(const PlannedSequence& sequence) {
-  return Digits(sequence.subject, 2) + "_" + Digits(sequence.number, 2);
+  return ZeroPadded(sequence.subject, 2) + "_" + ZeroPadded(sequence.number, 2);
 }
 
 double RoundedToMillisecond(double seconds) { return std::round(1000.0 * seconds) / 1000.0; }
@@ -105,7 +198,7 @@ BabelSequence AnnotationOf(const StudioOptions& options, const AnnotatedSequence
   BabelSequence babel;
   babel.babel_sid = sid;
   babel.key = std::to_string(sid);
-  babel.url = Digits(static_cast<int>(sid), 6) + ".mp4";
+  babel.url = ZeroPadded(static_cast<int>(sid), 6) + ".mp4";
   babel.feat_p =
       std::string(kDataset) + "/" + kDataset + "/" + sequence.Person() + "/" + TakeOf(sequence) + "_poses.npz";
   babel.dur = std::round(100.0 * script.frames / static_cast<double>(kAmassRateHz)) / 100.0;
@@ -151,12 +244,8 @@ Status WriteAmassLayout(const StudioOptions& options, const std::vector<Actor>& 
     const Expected<std::string> bytes = EncodeAmass(AmassOf(motion), name);
     if (!bytes) return Forward(bytes);
     if (Status written = folder.Write("amass/" + name, *bytes); !written) return written;
-    ClipIdentity identity;
-    identity.source = "amass";
-    identity.person = std::string(kDataset) + "." + sequence.Person();
-    identity.recording = std::string(kDataset) + "." + sequence.Person() + "." + TakeOf(sequence) + "_poses";
-    identity.end_frame = motion.frame_count();
-    folder.AddTruth(sequence.Person(), identity.id(), motion);
+    const std::string person = std::string(kDataset) + "." + sequence.Person();
+    folder.AddTruth(sequence.Person(), "amass/" + person + "/" + person + "." + TakeOf(sequence) + "_poses", motion);
     return {};
   });
   if (!done) return done;

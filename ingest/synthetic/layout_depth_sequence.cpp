@@ -1,12 +1,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
-#include "core/formats/png.h"
-#include "ingest/synthetic/body_view.h"
-#include "ingest/synthetic/depth_sensor.h"
+#include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
-#include "ingest/synthetic/sequence_plan.h"
+#include "ingest/synthetic/sensors.h"
 
 namespace mocurate {
 namespace {
@@ -64,12 +62,10 @@ Status WriteViews(const StudioOptions& options, const Actor& actor, const Motion
   const BodyView body(actor);
   for (int f = 0; f < motion.frame_count(); ++f) {
     const std::string item = person + "/" + camera.name + "/" + std::to_string(f);
-    const DepthImage image =
-        SimulateMaskedDepth(body.Depth(motion, f, camera, rays), camera, rays, options.depth, options.seed, item);
-    const Expected<std::string> png = EncodePng(image);
-    if (!png) return Forward(png);
-    const std::string name = "rendered_seq/" + person + "/depth/" + camera.name + "_" + Digits(f, 4) + ".png";
-    if (Status written = folder.Write(name, *png); !written) return written;
+    Status written = folder.WriteImage(
+        "rendered_seq/" + person + "/depth/" + camera.name + "_" + ZeroPadded(f, 4) + ".png",
+        SimulateDepth(body.Depth(motion, f, camera, rays), {}, camera, rays, options.depth, options.seed, item));
+    if (!written) return written;
   }
   return {};
 }
@@ -104,12 +100,8 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
                                {"labels", LabelsJson(sequence)},
                                {"frames_data", TruthJson(actor, seen)}};
     for (const Camera& camera : rig) document["views"][camera.name] = ViewJson(camera);
-    ClipIdentity identity;
-    identity.source = "rendered_seq";
-    identity.person = person;
-    identity.recording = person + ".seq_" + person;
-    identity.end_frame = motion.frame_count();
-    folder.AddTruth(person, identity.id(), SelectFrames(seen, HalfRotationAboutX()));
+    folder.AddTruth(person, "rendered_seq/" + person + "/" + person + ".seq_" + person,
+                    SelectFrames(seen, HalfRotationAboutX()));
     return folder.Write("rendered_seq/" + person + "/seq_" + person + ".json", document.dump(1) + "\n");
   });
 }

@@ -2,16 +2,15 @@
 #include <cmath>
 
 #include "core/base/random.h"
+#include "core/base/text.h"
 #include "core/body/capsule_body.h"
 #include "core/formats/ntu_skeleton.h"
-#include "core/formats/png.h"
 #include "core/motion/kinematics.h"
 #include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/body_points.h"
-#include "ingest/synthetic/body_view.h"
-#include "ingest/synthetic/depth_sensor.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
+#include "ingest/synthetic/sensors.h"
 #include "ingest/synthetic/take_plan.h"
 #include "ingest/synthetic/tracker.h"
 
@@ -21,6 +20,7 @@ namespace {
 constexpr std::int64_t kNtuRateHz = 30;
 constexpr std::uint64_t kFirstBody = 72057594037927936u;  // first id of the sensor
 constexpr double kColourFocal = 1050.0;
+constexpr double kOwnSurface = 0.16;    // metres in front of a joint that count as its own surface
 constexpr double kColourShift = 0.052;  // metres from the depth to the colour camera
 /// Random stream of the false tracks. Another name would give other recordings for every seed.
 constexpr const char* kFalseTrackStream = "studio.ghost";
@@ -35,27 +35,8 @@ Camera SensorOf(std::int64_t seed, int camera) {
   // Camera 1 looks from 45 degrees, 2 and 3 from the front and the side of a person facing them.
   const std::array<std::size_t, 3> place = {0, 7, 1};
   Camera sensor = RingRig(ring, SensorKind::kDepth)[place[static_cast<std::size_t>(camera - 1)]];
-  sensor.name = "C" + Digits(camera, 3);
+  sensor.name = "C" + ZeroPadded(camera, 3);
   return sensor;
-}
-
-/// Points that the body itself occludes from a camera, by capsules other than their own.
-std::vector<std::uint8_t> HiddenPlaces(const BodyView& view, const Motion& motion, const JointPositions& places,
-                                       const Camera& camera) {
-  constexpr double kOwnSurface = 0.16;  // metres in front of a joint that count as its own surface
-  std::vector<std::uint8_t> hidden;
-  for (int f = 0; f < places.frames; ++f) {
-    std::vector<PosedCapsule> capsules = view.Capsules(motion, f);
-    for (PosedCapsule& capsule : capsules) {
-      capsule.begin = camera.camera_from_world * capsule.begin;
-      capsule.end = camera.camera_from_world * capsule.end;
-    }
-    for (int k = 0; k < places.joints; ++k) {
-      const Vector3d at = camera.camera_from_world * places.at(f, k);
-      hidden.push_back(FirstRayHit(capsules, at) < 1.0 - kOwnSurface / at.norm() ? 1 : 0);
-    }
-  }
-  return hidden;
 }
 
 /// A point of the camera's frame in the sensor's: x to its left, y up, z away. Its images are mirrored likewise.
@@ -77,8 +58,8 @@ struct View {
   NtuName name;
 };
 
-NtuBody BodyAt(const View& view, const Motion& motion, const TrackedTake& tracked,
-               const std::vector<std::uint8_t>& hidden, const Camera& camera, int frame) {
+NtuBody BodyAt(const View& view, const Motion& motion, const TrackedTake& tracked, const std::vector<bool>& hidden,
+               const Camera& camera, int frame) {
   NtuBody body;
   body.id = kFirstBody + static_cast<std::uint64_t>(view.take->subject) * 64 + 1;
   body.tracking = 2;
@@ -94,7 +75,7 @@ NtuBody BodyAt(const View& view, const Motion& motion, const TrackedTake& tracke
     const Vector3d at = InSensor(camera.camera_from_world * tracked.positions.at(frame, k));
     joint.x_m = at.x(), joint.y_m = at.y(), joint.z_m = at.z();
     PutPixels(camera, joint);
-    joint.tracking = tracked.seen[sample] == 0 || hidden[sample] != 0 ? 1 : 2;
+    joint.tracking = tracked.seen[sample] == 0 || hidden[static_cast<std::size_t>(k)] ? 1 : 2;
     if (IsLeaf(k)) continue;
     const int own = motion.skeleton->FindJoint(Kinect25Places()[static_cast<std::size_t>(k)].joint).value_or(0);
     const Quaterniond rotation = (sensor_from_camera * camera.camera_from_world.rotation * global[own]).normalized();
@@ -104,17 +85,11 @@ NtuBody BodyAt(const View& view, const Motion& motion, const TrackedTake& tracke
 }
 
 /// Float32 in seven digits, as the sensor writes its numbers.
-double SevenDigits(double value) {
-  if (value == 0.0) return 0.0;
-  const double step = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 6.0);
-  return std::round(value / step) * step;
-}
-
 void RoundAll(NtuBody& body) {
   for (NtuJoint& joint : body.joints) {
     for (double* value : {&joint.x_m, &joint.y_m, &joint.z_m, &joint.depth_u, &joint.depth_v, &joint.colour_u,
                           &joint.colour_v, &joint.qw, &joint.qx, &joint.qy, &joint.qz}) {
-      *value = SevenDigits(*value);
+      *value = RoundedToDigits(*value, 7);
     }
   }
 }
@@ -156,11 +131,9 @@ Status WriteMaskedDepth(const StudioOptions& options, const BodyView& body, cons
   for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
     const std::vector<float> depth = body.Depth(motion, f, camera, rays);
     const DepthImage image = Mirrored(
-        SimulateMaskedDepth(depth, camera, rays, options.depth, options.seed, recording + "/" + std::to_string(f)));
-    const Expected<std::string> png = EncodePng(image);
-    if (!png) return Forward(png);
-    const std::string name = "nturgb+d_depth_masked/" + recording + "/MDepth-" + Digits(f + 1, 8) + ".png";
-    if (Status written = folder.Write(name, *png); !written) return written;
+        SimulateDepth(depth, {}, camera, rays, options.depth, options.seed, recording + "/" + std::to_string(f)));
+    const std::string name = "nturgb+d_depth_masked/" + recording + "/MDepth-" + ZeroPadded(f + 1, 8) + ".png";
+    if (Status written = folder.WriteImage(name, image); !written) return written;
   }
   return {};
 }
@@ -195,9 +168,9 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
     const JointPositions places = PlacesOf(motion, Kinect25Places());
     TrackedTake tracked = Track(places, NamesOf(Kinect25Places()), options.tracker, options.seed, recording);
     ExtrapolateMissing(options.tracker, options.seed, recording, tracked);
-    const std::vector<std::uint8_t> hidden = HiddenPlaces(body, motion, places, camera);
     NtuSkeleton skeleton;
     for (int f = 0; f < motion.frame_count(); ++f) {
+      const std::vector<bool> hidden = HiddenPoints(camera, body.Capsules(motion, f), places, f, kOwnSurface);
       NtuBody at = BodyAt(view, motion, tracked, hidden, camera, f);
       RoundAll(at);
       skeleton.frames.push_back({at});
@@ -205,12 +178,8 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
     AddFalseTrack(options, recording, camera, skeleton);
     Status written = folder.Write("nturgb+d_skeletons/" + recording + ".skeleton", WriteNtuSkeleton(skeleton));
     if (!written) return written;
-    ClipIdentity identity;
-    identity.source = "ntu";
-    identity.person = "P" + Digits(view.take->subject, 3);
-    identity.recording = recording;
-    identity.end_frame = motion.frame_count();
-    folder.AddTruth(identity.person, identity.id(),
+    const std::string person = "P" + ZeroPadded(view.take->subject, 3);
+    folder.AddTruth(person, "ntu/" + person + "/" + recording,
                     SelectFrames(motion, HalfRotationAboutX() * camera.camera_from_world));
     if (!options.depth.enabled) return {};
     return WriteMaskedDepth(options, body, motion, camera, recording, folder);

@@ -1,15 +1,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/random.h"
-#include "core/formats/png.h"
+#include "core/base/text.h"
 #include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/body_points.h"
-#include "ingest/synthetic/body_view.h"
-#include "ingest/synthetic/depth_sensor.h"
 #include "ingest/synthetic/humanact12_set.h"
-#include "ingest/synthetic/keypoint_detector.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
+#include "ingest/synthetic/sensors.h"
 #include "ingest/synthetic/take_plan.h"
 
 namespace mocurate {
@@ -64,7 +62,7 @@ Status WriteKeypoints(const StudioOptions& options, const Actor& actor, const Mo
           Detected(PointsIn(camera, {}, other_places, 0), options.keypoints, options.seed, item + "/bystander"));
     }
     const std::string name =
-        folder_name + "/" + take + "/" + camera.name + "_json/" + camera.name + "." + Digits(f, 4) + ".json";
+        folder_name + "/" + take + "/" + camera.name + "_json/" + camera.name + "." + ZeroPadded(f, 4) + ".json";
     if (Status written = folder.Write(name, WriteOpenPose(frame)); !written) return written;
   }
   return {};
@@ -77,11 +75,10 @@ Status WriteTakeDepth(const StudioOptions& options, const Actor& actor, const Mo
   const BodyView body(actor);
   for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
     const std::string item = take + "/" + camera.name + "/" + std::to_string(f);
-    const Expected<std::string> png = EncodePng(
-        SimulateMaskedDepth(body.Depth(motion, f, camera, rays), camera, rays, options.depth, options.seed, item));
-    if (!png) return Forward(png);
-    const std::string name = folder_name + "/" + take + "/depth/" + camera.name + "_" + Digits(f, 4) + ".png";
-    if (Status written = folder.Write(name, *png); !written) return written;
+    Status written = folder.WriteImage(
+        folder_name + "/" + take + "/depth/" + camera.name + "_" + ZeroPadded(f, 4) + ".png",
+        SimulateDepth(body.Depth(motion, f, camera, rays), {}, camera, rays, options.depth, options.seed, item));
+    if (!written) return written;
   }
   return {};
 }
@@ -101,17 +98,10 @@ Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors
     const PlannedTake& take = (*takes)[i / rig.size()];
     const std::size_t view = i % rig.size();
     const Actor& actor = actors[static_cast<std::size_t>(take.subject - 1)];
-    const std::string person = "p" + Digits(take.subject, 2);
-    const std::string name = std::string(take.kind->label) + "_" + person + "_r" + Digits(take.repetition, 2);
+    const std::string person = "p" + ZeroPadded(take.subject, 2);
+    const std::string name = std::string(take.kind->label) + "_" + person + "_r" + ZeroPadded(take.repetition, 2);
     const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kVariantRateHz, 1});
-    if (view == 0) {
-      ClipIdentity identity;
-      identity.source = source;
-      identity.person = person;
-      identity.recording = name;
-      identity.end_frame = motion.frame_count();
-      folder.AddTruth(person, identity.id(), motion);
-    }
+    if (view == 0) folder.AddTruth(person, source + "/" + person + "/" + name, motion);
     const Motion seen = DelayBy(motion, faults.clock_s[view]);
     return view < colour ? WriteKeypoints(options, actor, seen, faults.real[view], source, name, folder)
                          : WriteTakeDepth(options, actor, seen, faults.real[view], source, name, folder);

@@ -98,6 +98,12 @@ RigidTransform LooksDown(double tilt) {
 
 RigidTransform HalfRotationAboutX() { return {Quaterniond(0.0, 1.0, 0.0, 0.0), Vector3d::Zero()}; }
 
+double RoundedToDigits(double value, int digits) {
+  if (value == 0.0) return 0.0;
+  const double step = std::pow(10.0, std::floor(std::log10(std::abs(value))) - (digits - 1));
+  return std::round(value / step) * step;
+}
+
 std::vector<double> RotationVectors(const Motion& motion, int frame) {
   std::vector<double> vectors;
   for (int j = 0; j < motion.joint_count(); ++j) {
@@ -105,11 +111,6 @@ std::vector<double> RotationVectors(const Motion& motion, int frame) {
     vectors.insert(vectors.end(), vector.data(), vector.data() + 3);
   }
   return vectors;
-}
-
-std::string Digits(int number, int width) {
-  std::string text = std::to_string(number);
-  return std::string(static_cast<std::size_t>(std::max(0, width - static_cast<int>(text.size()))), '0') + text;
 }
 
 }  // namespace mocurate

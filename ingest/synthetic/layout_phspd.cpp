@@ -1,14 +1,86 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "core/base/random.h"
+#include "core/base/text.h"
+#include "core/formats/humanact12_pickle.h"
+#include "core/formats/npy.h"
 #include "core/formats/phspd_text.h"
-#include "core/formats/png.h"
-#include "ingest/synthetic/body_view.h"
-#include "ingest/synthetic/depth_sensor.h"
+#include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/layout.h"
-#include "ingest/synthetic/phspd_annotation.h"
 #include "ingest/synthetic/rigs.h"
+#include "ingest/synthetic/sensors.h"
 
 namespace mocurate {
 namespace {
+
+constexpr std::int64_t kPhspdRateHz = 15;
+constexpr double kGapFrames = 4.0;  // mean length of a run without annotation
+
+/// The motion of a recording, in the studio's world, at 15 Hz.
+Motion PerformRecording(const PlannedRecording& recording, const std::vector<Actor>& actors) {
+  const Actor& actor = actors[static_cast<std::size_t>(recording.subject - 1)];
+  return PerformScript(recording.script, actor.subject, actor.skeleton, FrameRate{kPhspdRateHz, 1});
+}
+
+/// Frames of a recording that PHSPD annotated: all but some runs of frames. Sorted.
+std::vector<int> AnnotatedFrames(const StudioOptions& options, const PlannedRecording& recording) {
+  const std::string name = PhspdRecording{recording.subject, recording.group, recording.time}.Name();
+  Random random(static_cast<std::uint64_t>(options.seed), "studio.annotated", name);
+  const double leaves = 1.0 / kGapFrames;
+  const double enters = leaves * options.missing_share / (1.0 - options.missing_share);
+  std::vector<int> frames;
+  bool is_missing = false;
+  for (int f = 0; f < recording.script.frames; ++f) {
+    if (!is_missing) frames.push_back(f);
+    is_missing = is_missing ? random.Uniform() >= leaves : random.Uniform() < enters;
+  }
+  return frames;
+}
+
+std::string HumanAct12Name(const PlannedRecording& recording, const CutClip& cut) {
+  return "P" + ZeroPadded(recording.subject, 2) + "G" + ZeroPadded(recording.group, 2) + "R" +
+         ZeroPadded(recording.time, 2) + "F" + ZeroPadded(cut.first, 4) + "T" + ZeroPadded(cut.last, 4) + "A" +
+         cut.variant->code;
+}
+
+HumanAct12Clip HumanAct12ClipOf(const Motion& motion, const CutClip& cut) {
+  HumanAct12Clip clip;
+  clip.frames = static_cast<std::size_t>(motion.frame_count());
+  clip.joints = motion.joints.xyz;
+  clip.label = std::stoi(std::string(cut.variant->code).substr(0, 2)) - 1;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    const std::vector<double> pose = RotationVectors(motion, f);
+    clip.poses.insert(clip.poses.end(), pose.begin(), pose.end());
+  }
+  return clip;
+}
+
+/// HumanAct12's clips of a recording as .npy below `folder_name`, and their truth; appends name and content.
+Status WriteHumanAct12Clips(const StudioOptions& options, const PlannedRecording& recording, const Motion& motion,
+                            const std::string& folder_name, StudioFolder& folder,
+                            std::vector<std::pair<std::string, HumanAct12Clip>>& published) {
+  const Camera colour = PhspdRig(recording.subject)[5];
+  const std::vector<int> annotated = AnnotatedFrames(options, recording);
+  const std::string person = "P" + ZeroPadded(recording.subject, 2);
+  for (const CutClip& cut : recording.clips) {
+    std::vector<int> frames;
+    for (const int f : annotated) {
+      if (f >= cut.first && f <= cut.last) frames.push_back(f);
+    }
+    if (frames.empty()) continue;
+    const std::string name = HumanAct12Name(recording, cut);
+    const Motion seen = SelectFrames(motion, frames, colour.camera_from_world);
+    HumanAct12Clip clip = HumanAct12ClipOf(seen, cut);
+    const std::string npy = WriteNpy({{clip.frames, kPhspdJoints, 3}, "<f8", clip.joints, {}});
+    if (Status written = folder.Write(folder_name + "/" + name + ".npy", npy); !written) return written;
+    folder.AddTruth(person, "humanact12/" + person + "/" + name, SelectFrames(seen, HalfRotationAboutX()));
+    published.emplace_back(name, std::move(clip));
+  }
+  return {};
+}
 
 constexpr double kWall = 1.6;  // metres behind the subject
 
@@ -47,11 +119,8 @@ Status WriteViewDepth(const StudioOptions& options, const Actor& actor, const Mo
     const std::string item = recording + "/" + camera.name + "/" + std::to_string(f);
     const DepthImage image = Mirrored(
         SimulateDepth(body.Depth(motion, f, camera, rays), room, camera, rays, options.depth, options.seed, item));
-    const Expected<std::string> png = EncodePng(image);
-    if (!png) return Forward(png);
-    Status written =
-        folder.Write("phspd/depth/" + view + "/" + recording + "/depth_" + std::to_string(f) + ".png", *png);
-    if (!written) return written;
+    const std::string name = "phspd/depth/" + view + "/" + recording + "/depth_" + std::to_string(f) + ".png";
+    if (Status written = folder.WriteImage(name, image); !written) return written;
   }
   return {};
 }
@@ -70,17 +139,32 @@ Status WriteRecording(const StudioOptions& options, const PlannedRecording& plan
   const Motion seen = SelectFrames(motion, rig[0].camera_from_world);
   Status annotated = WriteAnnotation(seen, AnnotatedFrames(options, planned), recording, folder);
   if (!annotated) return annotated;
-  ClipIdentity identity;
-  identity.source = "phspd";
-  identity.person = "subject" + Digits(planned.subject, 2);
-  identity.recording = recording;
-  identity.end_frame = motion.frame_count();
-  folder.AddTruth(identity.person, identity.id(), SelectFrames(seen, HalfRotationAboutX()));
+  const std::string person = "subject" + ZeroPadded(planned.subject, 2);
+  folder.AddTruth(person, "phspd/" + person + "/" + recording, SelectFrames(seen, HalfRotationAboutX()));
   std::vector<std::pair<std::string, HumanAct12Clip>> published;
   return WriteHumanAct12Clips(options, planned, motion, "phspd/HumanAct12", folder, published);
 }
 
 }  // namespace
+
+Status WriteHumanAct12Layout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
+  const std::vector<PlannedRecording> recordings =
+      PlanHumanAct12({options.seed, options.subjects, options.clips, options.actions});
+  std::vector<std::vector<std::pair<std::string, HumanAct12Clip>>> published(recordings.size());
+  Status done = folder.ForEach(recordings.size(), [&](std::size_t i) {
+    const Motion motion = PerformRecording(recordings[i], actors);
+    return WriteHumanAct12Clips(options, recordings[i], motion, "HumanAct12", folder, published[i]);
+  });
+  if (!done) return done;
+  std::vector<std::pair<std::string, HumanAct12Clip>> all;
+  for (auto& part : published) std::move(part.begin(), part.end(), std::back_inserter(all));
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<HumanAct12Clip> clips;
+  for (auto& [name, clip] : all) clips.push_back(std::move(clip));
+  const Expected<std::string> pickle = EncodeHumanAct12Pickle(clips, "humanact12poses.pkl");
+  if (!pickle) return Forward(pickle);
+  return folder.Write("humanact12poses.pkl", *pickle);
+}
 
 Status WritePhspdLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
   const std::vector<PlannedRecording> recordings =

@@ -6,13 +6,12 @@
 #include <set>
 
 #include "core/base/random.h"
+#include "core/base/text.h"
 #include "ingest/synthetic/action_parts.h"
-#include "ingest/synthetic/standing.h"
+#include "ingest/synthetic/pose.h"
 
 namespace mocurate {
 namespace {
-
-std::string TwoDigits(int number) { return (number < 10 ? "0" : "") + std::to_string(number); }
 
 /// Groups of body lengths that vary together.
 enum BodyPart { kLegs, kArms, kTrunk, kWidth, kHead, kPartCount };
@@ -72,7 +71,7 @@ Pose PoseAt(const Take& take, const Subject& subject, const Staging& staging, do
 }  // namespace
 
 std::string Take::file() const {
-  return action + "_p" + TwoDigits(subject + 1) + "_r" + TwoDigits(repetition + 1) + ".txt";
+  return action + "_p" + ZeroPadded(subject + 1, 2) + "_r" + ZeroPadded(repetition + 1, 2) + ".txt";
 }
 
 std::vector<Take> Takes(const SyntheticOptions& options) {
@@ -111,7 +110,7 @@ std::vector<Subject> Cast(std::int64_t options_seed, std::int64_t subjects, cons
   std::vector<Subject> cast;
   for (std::size_t i = 0; i < count; ++i) {
     Subject subject;
-    subject.name = "p" + TwoDigits(static_cast<int>(i) + 1);
+    subject.name = "p" + ZeroPadded(static_cast<int>(i) + 1, 2);
     Random random(seed, "studio.subject", subject.name);
     const double stature = 0.90 + 0.20 * (static_cast<double>(step[i]) + random.Uniform()) / static_cast<double>(count);
     double part[kPartCount];

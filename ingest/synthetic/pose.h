@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/motion/motion.h"
 #include "core/motion/skeleton.h"
 
 namespace mocurate {
@@ -43,5 +44,11 @@ struct Pose {
 /// Rotations (J) of skeleton "kinect20" or "smpl24", parent_from_joint; for the root world_from_root with the person
 /// facing +z.
 std::vector<Quaterniond> RotationsOf(const Pose& pose, const Skeleton& skeleton);
+
+/// A body in these poses, one per frame, moved so that the foot that carries the weight stays in place. Skeletons
+/// kinect20 and smpl24 (by their ankles and feet). `start` is the starting point in frame 0: x, z of the pelvis, y of
+/// the floor. The body never falls faster than gravity allows. Canonical axes, metres.
+Motion MoveBody(const SkeletonPtr& skeleton, const std::vector<double>& bone_length, FrameRate rate,
+                const std::vector<Pose>& poses, const Vector3d& start);
 
 }  // namespace mocurate

@@ -13,15 +13,13 @@ namespace mocurate {
 // Cameras around a subject who stands at the origin of the studio's world: metres, y up, the floor at y = 0, the
 // subject facing +z. Cameras are named as their sets name them.
 
-/// One calibration of PHSPD as published (JimmyZou/PolarHumanPoseShape, CamParams0906 and CamParams0909), millimetres.
+/// One calibration of PHSPD, its poses as published (JimmyZou/PolarHumanPoseShape, CamParams0906 and CamParams0909),
+/// millimetres.
 struct PhspdCalibration {
   using Pose = std::array<double, 7>;  ///< qw qx qy qz tx ty tz; not quite normalised, as published
   const char* name = "";
   std::array<Pose, 3> depth_from_polar;   ///< "d1p" to "d3p"
   std::array<Pose, 3> colour_from_depth;  ///< "cd1" to "cd3"
-  std::array<double, 7> polar;            ///< fx fy cx cy k1 k2 k3; the set's own code ignores k1 to k3
-  std::array<std::array<double, 7>, 3> depth_lens;
-  std::array<std::array<double, 7>, 3> colour_lens;
 };
 
 /// That of the subject, 1 to 12.

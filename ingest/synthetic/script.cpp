@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "ingest/synthetic/action_parts.h"
-#include "ingest/synthetic/standing.h"
+#include "ingest/synthetic/pose.h"
 
 namespace mocurate {
 namespace {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/formats/png.h"
 
 namespace mocurate {
 
@@ -26,11 +27,17 @@ Status StudioFolder::Write(const std::string& name, std::string_view bytes) {
   return {};
 }
 
-void StudioFolder::AddTruth(const std::string& subject, const std::string& clip_id, Motion motion) {
+Status StudioFolder::WriteImage(const std::string& name, const DepthImage& image) {
+  const Expected<std::string> png = EncodePng(image);
+  if (!png) return Forward(png);
+  return Write(name, *png);
+}
+
+void StudioFolder::AddTruth(const std::string& subject, const std::string& item, Motion motion) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++counts_.clips;
   counts_.frames += static_cast<std::size_t>(motion.frame_count());
-  truth_[subject].motion.insert_or_assign(clip_id, std::move(motion));
+  truth_[subject].motion.insert_or_assign(item + "#0-" + std::to_string(motion.frame_count()), std::move(motion));
 }
 
 Status StudioFolder::Finish(std::string_view studio_json) {

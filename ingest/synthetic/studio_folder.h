@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/geometry/depth_image.h"
 #include "core/store/store.h"
 
 namespace mocurate {
@@ -35,8 +36,11 @@ class StudioFolder {
   /// Writes a file below the folder and creates its parent folders. Error kCannotWrite. Not flushed per file: a folder
   /// may contain a hundred thousand images.
   Status Write(const std::string& name, std::string_view bytes);
-  /// Adds a clip's true motion to its subject's truth file; all have one skeleton.
-  void AddTruth(const std::string& subject, const std::string& clip_id, Motion motion);
+  /// Writes a .png likewise. Errors of EncodePng too.
+  Status WriteImage(const std::string& name, const DepthImage& image);
+  /// Adds the true motion of the clip of `item` ("source/person/recording") to its subject's truth file; all have one
+  /// skeleton.
+  void AddTruth(const std::string& subject, const std::string& item, Motion motion);
   /// Writes the truth, then studio.json.
   Status Finish(std::string_view studio_json);
 

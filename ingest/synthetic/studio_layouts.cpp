@@ -1,5 +1,6 @@
 #include "ingest/synthetic/studio_layouts.h"
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -8,13 +9,11 @@
 #include "core/base/version.h"
 #include "core/formats/png.h"
 #include "core/store/body_file.h"
-#include "ingest/synthetic/body_view.h"
-#include "ingest/synthetic/depth_sensor.h"
 #include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
 #include "ingest/synthetic/script.h"
-#include "ingest/synthetic/sequence_plan.h"
+#include "ingest/synthetic/sensors.h"
 #include "ingest/synthetic/take_plan.h"
 
 namespace mocurate {
@@ -24,27 +23,32 @@ struct LayoutRow {
   StudioLayout layout;
   std::int64_t subjects;  ///< of the real set
   Status (*write)(const StudioOptions&, const std::vector<Actor>&, StudioFolder&);
+  std::vector<WrittenSource> sources;
 };
 
-constexpr LayoutRow kLayouts[] = {{StudioLayout::kHumanAct12, kHumanAct12Subjects, WriteHumanAct12Layout},
-                                  {StudioLayout::kPhspd, kHumanAct12Subjects, WritePhspdLayout},
-                                  {StudioLayout::kNtu, 40, WriteNtuLayout},
-                                  {StudioLayout::kKard, 10, WriteKardLayout},
-                                  {StudioLayout::kUestc, 118, WriteUestcLayout},
-                                  {StudioLayout::kUestcVibe, 118, WriteUestcVibeLayout},
-                                  {StudioLayout::kNtuVibe, 40, WriteNtuVibeLayout},
-                                  {StudioLayout::kTracks, 2, WriteTracksLayout},
-                                  {StudioLayout::kOpenPose, 2, WriteOpenPoseLayout},
-                                  {StudioLayout::kOpenPoseDepth, 2, WriteOpenPoseDepthLayout},
-                                  {StudioLayout::kAmass, 4, WriteAmassLayout},
-                                  {StudioLayout::kDepthSequence, 2, WriteDepthSequenceLayout},
-                                  {StudioLayout::kCmu8, 8, WriteCmu8Layout}};
-
 const LayoutRow& RowOf(StudioLayout layout) {
-  for (const LayoutRow& row : kLayouts) {
+  using L = StudioLayout;
+  static const std::vector<LayoutRow> rows = {
+      {L::kHumanAct12,
+       kHumanAct12Subjects,
+       WriteHumanAct12Layout,
+       {{"humanact12_npy", "HumanAct12"}, {"humanact12_poses", "."}}},
+      {L::kPhspd, kHumanAct12Subjects, WritePhspdLayout, {{"phspd", "phspd"}}},
+      {L::kNtu, 40, WriteNtuLayout, {{"ntu", "nturgb+d_skeletons"}}},
+      {L::kKard, 10, WriteKardLayout, {{"kard", "kard"}}},
+      {L::kUestc, 118, WriteUestcLayout, {{"uestc", "uestc"}}},
+      {L::kUestcVibe, 118, WriteUestcVibeLayout, {{"uestc_vibe", "uestc_vibe"}}},
+      {L::kNtuVibe, 40, WriteNtuVibeLayout, {{"ntu13_vibe", "ntu13"}}},
+      {L::kTracks, 2, WriteTracksLayout, {{"studio_tracks", "tracks"}}},
+      {L::kOpenPose, 2, WriteOpenPoseLayout, {{"studio_keypoints", "openpose"}}},
+      {L::kOpenPoseDepth, 2, WriteOpenPoseDepthLayout, {{"studio_keypoints_depth", "openpose_depth"}}},
+      {L::kAmass, 4, WriteAmassLayout, {{"amass", "amass"}}},
+      {L::kDepthSequence, 2, WriteDepthSequenceLayout, {{"rendered_seq", "rendered_seq"}}},
+      {L::kCmu8, 8, WriteCmu8Layout, {{"cmu8", "cmu8"}}}};
+  for (const LayoutRow& row : rows) {
     if (row.layout == layout) return row;
   }
-  return kLayouts[0];
+  return rows.front();
 }
 
 Status CheckFolder(const std::filesystem::path& folder) {
@@ -97,12 +101,9 @@ std::size_t DepthImagesOf(const StudioOptions& options, std::int64_t people) {
          PlanHumanAct12({options.seed, options.subjects, options.clips, options.actions})) {
       add(recording.script.frames, options.depth.every);
     }
-  } else if (options.layout == StudioLayout::kOpenPoseDepth && options.depth.enabled) {
-    const auto takes = PlanVariantTakes(options);
-    if (!takes) return 0;  // writing reports the error
-    for (const PlannedTake& take : *takes) add(take.script.frames, options.depth.every);
-  } else if (options.layout == StudioLayout::kNtu && options.depth.enabled) {
-    const auto takes = PlanNtuTakes(options);
+  } else if (options.depth.enabled &&
+             (options.layout == StudioLayout::kOpenPoseDepth || options.layout == StudioLayout::kNtu)) {
+    const auto takes = options.layout == StudioLayout::kNtu ? PlanNtuTakes(options) : PlanVariantTakes(options);
     if (!takes) return 0;  // writing reports the error
     for (const PlannedTake& take : *takes) add(take.script.frames, options.depth.every);
   }
@@ -119,9 +120,8 @@ Expected<std::size_t> SampleImage(const StudioOptions& options, const Actor& act
   const std::vector<Vector2d> rays = PixelRays(camera);
   const std::vector<float> body = BodyView(actor).Depth(motion, 0, camera, rays);
   const bool room = options.layout == StudioLayout::kPhspd && options.depth.room;
-  const DepthImage image =
-      room ? SimulateDepth(body, RoomDepth(camera, rays, 1.6), camera, rays, options.depth, options.seed, "estimate")
-           : SimulateMaskedDepth(body, camera, rays, options.depth, options.seed, "estimate");
+  const std::vector<float> background = room ? RoomDepth(camera, rays, 1.6) : std::vector<float>();
+  const DepthImage image = SimulateDepth(body, background, camera, rays, options.depth, options.seed, "estimate");
   const Expected<std::string> png = EncodePng(image);
   if (!png) return Forward(png);
   return png->size();
@@ -145,36 +145,9 @@ Expected<StudioEstimate> EstimateStudioLayout(const StudioOptions& options, int 
 }
 
 std::vector<WrittenSource> SourcesOf(StudioLayout layout, bool with_depth) {
-  switch (layout) {
-    case StudioLayout::kHumanAct12:
-      return {{"humanact12_npy", "HumanAct12"}, {"humanact12_poses", "."}};
-    case StudioLayout::kPhspd:
-      return {{"phspd", "phspd"}};
-    case StudioLayout::kNtu:
-      if (with_depth) return {{"ntu", "nturgb+d_skeletons"}, {"ntu_views", "."}};
-      return {{"ntu", "nturgb+d_skeletons"}};
-    case StudioLayout::kKard:
-      return {{"kard", "kard"}};
-    case StudioLayout::kUestc:
-      return {{"uestc", "uestc"}};
-    case StudioLayout::kUestcVibe:
-      return {{"uestc_vibe", "uestc_vibe"}};
-    case StudioLayout::kNtuVibe:
-      return {{"ntu13_vibe", "ntu13"}};
-    case StudioLayout::kTracks:
-      return {{"studio_tracks", "tracks"}};
-    case StudioLayout::kOpenPose:
-      return {{"studio_keypoints", "openpose"}};
-    case StudioLayout::kOpenPoseDepth:
-      return {{"studio_keypoints_depth", "openpose_depth"}};
-    case StudioLayout::kAmass:
-      return {{"amass", "amass"}};
-    case StudioLayout::kDepthSequence:
-      return {{"rendered_seq", "rendered_seq"}};
-    case StudioLayout::kCmu8:
-      return {{"cmu8", "cmu8"}};
-  }
-  return {};
+  std::vector<WrittenSource> sources = RowOf(layout).sources;
+  if (layout == StudioLayout::kNtu && with_depth) sources.push_back({"ntu_views", "."});
+  return sources;
 }
 
 Expected<StudioFolder::Counts> WriteStudioLayout(const StudioOptions& options, const std::filesystem::path& folder,

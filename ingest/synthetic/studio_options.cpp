@@ -21,6 +21,37 @@ const std::vector<std::pair<std::string, StudioLayout>>& Layouts() {
   return layouts;
 }
 
+using LayoutList = std::vector<StudioLayout>;
+
+/// Layouts that use an option, or all of a group; options that are not listed define people and actions.
+struct Use {
+  std::string option;
+  LayoutList layouts;
+};
+
+const std::vector<Use>& Uses() {
+  using L = StudioLayout;
+  static const LayoutList rigs = {L::kOpenPose, L::kOpenPoseDepth, L::kDepthSequence};
+  static const LayoutList clocks = {L::kPhspd, L::kNtu, L::kOpenPose, L::kOpenPoseDepth, L::kDepthSequence};
+  static const LayoutList thinned = {L::kPhspd, L::kNtu, L::kOpenPoseDepth};
+  // An option before its group.
+  static const std::vector<Use> uses = {
+      {"missing", {L::kHumanAct12, L::kPhspd}},
+      {"vocabulary", {L::kAmass}},
+      {"tilt", {L::kKard, L::kTracks}},
+      {"false_track", {L::kNtu, L::kUestcVibe}},
+      {"tracker", {L::kNtu, L::kKard, L::kUestc, L::kUestcVibe, L::kNtuVibe, L::kTracks}},
+      {"rig.clock_offset", clocks},
+      {"rig.moved", clocks},
+      {"rig", rigs},
+      {"depth.room", {L::kPhspd}},
+      {"depth.enabled", thinned},
+      {"depth.every", thinned},
+      {"depth", {L::kPhspd, L::kNtu, L::kOpenPoseDepth, L::kDepthSequence}},
+      {"keypoints", {L::kOpenPose, L::kOpenPoseDepth}}};
+  return uses;
+}
+
 }  // namespace
 
 std::vector<std::string> StudioLayoutNames() {
@@ -103,6 +134,47 @@ void StudioOptions::Declare(OptionVisitor& v) {
   v.Group("rig", rig, "cameras");
   v.Group("depth", depth, "phspd, ntu, rendered_seq, openpose_depth: errors of the depth images");
   v.Group("keypoints", keypoints, "openpose, openpose_depth: errors of the keypoints");
+}
+
+void TrackerOptions::Declare(OptionVisitor& v) {
+  v.Number("noise", noise, Unit::kMetre, {0.0, 1.0}, "root mean square error of a tracked joint");
+  v.Number("bias", bias, Unit::kMetre, {0.0, 1.0}, "root mean square of a joint's constant offset");
+  v.Number("dropout", dropout_share, Unit::kNone, {0.0, 0.9}, "share of joints that are not seen");
+  v.Number("dropout_frames", dropout_frames, Unit::kNone, {1.0, 1e4}, "mean frames until a lost joint is found again");
+  v.Number("outlier", outlier_share, Unit::kNone, {0.0, 0.9}, "share of outliers among the joints");
+  v.Number("outlier_nearest", outlier_nearest, Unit::kMetre, {0.0, 10.0}, "smallest error of an outlier");
+  v.Number("outlier_farthest", outlier_farthest, Unit::kMetre, {0.0, 10.0}, "largest error of an outlier");
+  v.Number("swap", swap_share, Unit::kNone, {0.0, 1.0},
+           "share of takes in which left and right arms or legs are exchanged once");
+  v.Integer("swap_frames", swap_frames, {1.0, 1e4}, "frames for which limbs are exchanged");
+  v.Number("swapped", swapped_share, Unit::kNone, {0.0, 0.9},
+           "share of frames in which left and right arms, legs or both are exchanged, repeatedly, each time for "
+           "swap_frames on average");
+  v.Number("frozen", frozen_share, Unit::kNone, {0.0, 0.9}, "share of joints that repeat an earlier value exactly");
+  v.Number("frozen_frames", frozen_frames, Unit::kNone, {1.0, 1e4}, "mean frames for which a joint is frozen");
+  v.Number("wander", wander, Unit::kMetre, {0.0, 1.0}, "root mean square of a slowly changing error");
+  v.Number("wander_frames", wander_frames, Unit::kNone, {1.0, 1e4}, "correlation time of the slow error in frames");
+}
+
+TrackerOptions KinectTracker() {
+  TrackerOptions options;
+  options.noise = 0.004;
+  options.wander = 0.025;
+  options.wander_frames = 8.0;
+  options.dropout_share = 0.02;
+  options.outlier_share = 0.002;
+  options.swap_share = 0.01;
+  return options;
+}
+
+std::vector<std::string> LayoutsUsing(const std::string& option) {
+  for (const Use& use : Uses()) {
+    if (option != use.option && option.rfind(use.option + ".", 0) != 0) continue;
+    std::vector<std::string> names;
+    for (const StudioLayout layout : use.layouts) names.push_back(StudioLayoutName(layout));
+    return names;
+  }
+  return {};
 }
 
 }  // namespace mocurate

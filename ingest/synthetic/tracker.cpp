@@ -9,11 +9,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kMillimetres = 1000.0;
-
-/// Rounded to a tenth of a millimetre, never -0.
-double Written(double metres) { return std::round(metres * kMillimetres * 10.0) / 10.0 + 0.0; }
-
 Vector3d RandomDirection(Random& random) {
   Vector3d direction;
   do {
@@ -224,22 +219,19 @@ void ExtrapolateMissing(const TrackerOptions& options, std::int64_t seed, const 
   }
 }
 
-std::string TrackText(const Motion& truth, const SyntheticOptions& options, const std::string& item) {
-  const std::vector<std::string>& names = TrackedJoints();
-  const TrackedTake tracked = Track(PointsOf(truth, names), names, options.tracker, options.seed, item);
+std::string TrackText(const TrackedTake& tracked, const Vector3d& units_per_metre, double steps) {
   JointTable table;
-  table.frames = truth.frame_count();
-  table.rows_per_frame = static_cast<int>(names.size());
+  table.frames = tracked.positions.frames;
+  table.rows_per_frame = tracked.positions.joints;
   table.columns = 4;
   for (int f = 0; f < table.frames; ++f) {
     for (int k = 0; k < table.rows_per_frame; ++k) {
-      if (tracked.seen[static_cast<std::size_t>(f) * names.size() + k] == 0) {
-        table.values.insert(table.values.end(), 4, 0.0);
-        continue;
+      const bool seen = tracked.seen[static_cast<std::size_t>(f) * table.rows_per_frame + k] != 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double value = seen ? tracked.positions.at(f, k)[axis] * units_per_metre[axis] : 0.0;
+        table.values.push_back(std::round(value * steps) / steps + 0.0);  // never -0
       }
-      const Vector3d position = tracked.positions.at(f, k);
-      table.values.insert(table.values.end(),
-                          {Written(position.x()), Written(position.y()), Written(-position.z()), 1.0});
+      table.values.push_back(seen ? 1.0 : 0.0);
     }
   }
   return WriteJointTable(table);

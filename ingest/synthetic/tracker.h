@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/motion/motion.h"
-#include "ingest/options.h"
+#include "ingest/synthetic/studio_options.h"
 
 namespace mocurate {
 
@@ -33,8 +33,8 @@ JointPositions PointsOf(const Motion& motion, const std::vector<std::string>& na
 /// The tracker's joints in its order, each a name or synonym of skeleton kinect20.
 const std::vector<std::string>& TrackedJoints();
 
-/// The file that the studio's tracker writes for a take: per frame one row "x y z confidence" per joint, millimetres,
-/// sensor axes (x to the right of the image, y up, z away from the sensor: left-handed), "0 0 0 0" for a missing joint.
-std::string TrackText(const Motion& truth, const SyntheticOptions& options, const std::string& item);
+/// A table with one row "x y z confidence" per joint and frame, "0 0 0 0" for a missing joint; values are rounded to
+/// 1 / `steps` of the unit.
+std::string TrackText(const TrackedTake& tracked, const Vector3d& units_per_metre, double steps);
 
 }  // namespace mocurate

@@ -6,10 +6,9 @@
 
 #include "core/formats/png.h"
 #include "core/store/body_file.h"
-#include "ingest/synthetic/body_view.h"
-#include "ingest/synthetic/depth_sensor.h"
 #include "ingest/synthetic/rigs.h"
 #include "ingest/synthetic/script.h"
+#include "ingest/synthetic/sensors.h"
 #include "tests/benchmarks/json_line.h"
 
 namespace mocurate {

@@ -5,8 +5,8 @@
 
 #include "core/base/pi.h"
 #include "core/base/random.h"
+#include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/layout.h"
-#include "ingest/synthetic/sequence_plan.h"
 #include "ingest/synthetic/take_plan.h"
 
 namespace mocurate {

@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "ingest/synthetic/body_view.h"
-#include "ingest/synthetic/depth_sensor.h"
 #include "ingest/synthetic/rigs.h"
+#include "ingest/synthetic/sensors.h"
 #include "tests/fitting/studio_clips.h"
 #include "tests/support/depth_files.h"
 

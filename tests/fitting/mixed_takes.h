@@ -1,7 +1,7 @@
 #pragma once
 
 #include "ingest/synthetic/body_points.h"
-#include "ingest/synthetic/keypoint_detector.h"
+#include "ingest/synthetic/sensors.h"
 #include "tests/fitting/cloud_takes.h"
 
 namespace mocurate {

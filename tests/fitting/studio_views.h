@@ -6,9 +6,9 @@
 
 #include "core/motion/clip.h"
 #include "ingest/synthetic/humanact12_set.h"
-#include "ingest/synthetic/keypoint_detector.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
+#include "ingest/synthetic/sensors.h"
 #include "ingest/synthetic/take_plan.h"
 
 namespace mocurate {

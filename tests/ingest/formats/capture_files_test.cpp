@@ -1,6 +1,6 @@
 // A capture is unpacked into a folder; other files of the folder stay unchanged.
 
-#include "ingest/synthetic/capture_files.h"
+#include "ingest/synthetic/studio.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

@@ -7,7 +7,6 @@
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/performance.h"
 #include "ingest/synthetic/script.h"
-#include "ingest/synthetic/vibe_track.h"
 #include "tests/formats/expect_error.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/studio_folders.h"

@@ -9,11 +9,9 @@
 #include "core/body/mesh_depth.h"
 #include "core/formats/png.h"
 #include "core/store/body_file.h"
-#include "ingest/synthetic/body_view.h"
-#include "ingest/synthetic/depth_sensor.h"
-#include "ingest/synthetic/keypoint_detector.h"
 #include "ingest/synthetic/rigs.h"
 #include "ingest/synthetic/script.h"
+#include "ingest/synthetic/sensors.h"
 #include "ingest/synthetic/tracker.h"
 #include "tests/ingest/sources.h"
 
@@ -113,7 +111,7 @@ TEST(DepthSensor, NoiseGrowsWithTheSquareOfTheDistance) {
   options.flying_share = options.hole_share = options.grazing = 0.0;
   const auto depth_sigma = [&](float distance) {
     const std::vector<float> wall(rays.size(), distance);
-    const DepthImage image = SimulateMaskedDepth(wall, camera, rays, options, 1, "wall");
+    const DepthImage image = SimulateDepth(wall, {}, camera, rays, options, 1, "wall");
     double squares = 0.0;
     for (const std::uint16_t value : image.values) squares += std::pow(0.001 * value - distance, 2.0);
     return std::sqrt(squares / static_cast<double>(image.values.size()));
@@ -135,7 +133,7 @@ TEST(DepthSensor, StepsGrowWithTheDistanceOnRequest) {
   options.quantisation_growth = 2.0;
   std::vector<float> ramp;
   for (std::size_t i = 0; i < rays.size(); ++i) ramp.push_back(3.0F + 0.0001F * static_cast<float>(i % 100));
-  const DepthImage image = SimulateMaskedDepth(ramp, camera, rays, options, 1, "ramp");
+  const DepthImage image = SimulateDepth(ramp, {}, camera, rays, options, 1, "ramp");
   std::set<std::uint16_t> values(image.values.begin(), image.values.end());
   EXPECT_LE(values.size(), 2u) << "10 mm of depth at 3 m fall into steps of 27 mm";
 }
@@ -178,8 +176,7 @@ TEST(DepthSensor, HolesHaveTheRequestedShare) {
   DepthSensorOptions options;
   options.hole_share = 0.05;
   options.grazing = options.flying_share = 0.0;
-  const DepthImage image =
-      SimulateMaskedDepth(std::vector<float>(rays.size(), 2.0F), camera, rays, options, 1, "holes");
+  const DepthImage image = SimulateDepth(std::vector<float>(rays.size(), 2.0F), {}, camera, rays, options, 1, "holes");
   const auto holes = std::count(image.values.begin(), image.values.end(), 0);
   EXPECT_NEAR(static_cast<double>(holes) / static_cast<double>(image.values.size()), 0.05, 0.003);
 }

@@ -13,8 +13,8 @@
 #include "core/formats/png.h"
 #include "ingest/inspect/inspect.h"
 #include "ingest/synthetic/body_points.h"
-#include "ingest/synthetic/body_view.h"
 #include "ingest/synthetic/rigs.h"
+#include "ingest/synthetic/sensors.h"
 #include "tests/ingest/studio_folders.h"
 
 namespace mocurate {

@@ -1,9 +1,11 @@
-#include "ingest/synthetic/depth_sensor.h"
+#include "ingest/synthetic/sensors.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/random.h"
+#include "core/body/mesh_depth.h"
+#include "core/motion/kinematics.h"
 
 namespace mocurate {
 namespace {
@@ -69,6 +71,10 @@ std::uint16_t Quantised(double metres, const DepthSensorOptions& options) {
       std::clamp(std::lround(Stepped(metres, options) * kDepthStepsPerMetre), 0L, 65535L));
 }
 
+constexpr double kSurfaceBeforeJoint = 0.14;  ///< m in front of a point that count as its own surface
+
+double RoundedToStep(double value, double steps) { return std::round(value * steps) / steps; }
+
 }  // namespace
 
 std::vector<float> RoomDepth(const Camera& camera, const std::vector<Vector2d>& rays, double wall) {
@@ -121,11 +127,6 @@ DepthImage SimulateDepth(const std::vector<float>& body, const std::vector<float
   return image;
 }
 
-DepthImage SimulateMaskedDepth(const std::vector<float>& body, const Camera& camera, const std::vector<Vector2d>& rays,
-                               const DepthSensorOptions& options, std::int64_t seed, const std::string& item) {
-  return SimulateDepth(body, {}, camera, rays, options, seed, item);
-}
-
 DepthImage Mirrored(const DepthImage& image) {
   DepthImage mirrored = image;
   for (int y = 0; y < image.height; ++y) {
@@ -133,6 +134,88 @@ DepthImage Mirrored(const DepthImage& image) {
     std::reverse(row, row + image.width);
   }
   return mirrored;
+}
+
+BodyView::BodyView(const Actor& actor)
+    : actor_(actor),
+      capsules_(CapsuleBody::Make(actor.skeleton, BodyScale(*actor.skeleton, actor.subject.bone_length), 1.0)) {}
+
+std::vector<PosedCapsule> BodyView::Capsules(const Motion& motion, int frame) const {
+  std::vector<Vector3d> joints(static_cast<std::size_t>(motion.joint_count()));
+  std::vector<Quaterniond> global(joints.size());
+  ForwardKinematics(*motion.skeleton, motion.root_translation[frame], &motion.rotation_at(frame, 0), motion.bone_length,
+                    joints.data(), global.data());
+  return PosedCapsules(capsules_, joints.data(), global.data());
+}
+
+std::vector<float> BodyView::Depth(const Motion& motion, int frame, const Camera& camera,
+                                   const std::vector<Vector2d>& rays) const {
+  if (actor_.body == nullptr) return RenderCapsules(Capsules(motion, frame), camera, rays).depth;
+  std::vector<Quaterniond> rotations;
+  for (int j = 0; j < motion.joint_count(); ++j) rotations.push_back(motion.rotation_at(frame, j));
+  const Vector3d translation = motion.root_translation[frame] - actor_.rest.joints[0];
+  const RestBody posed = Posed(*actor_.body, actor_.rest, rotations, translation);
+  return RenderMesh(posed.vertices, actor_.body->faces, camera, rays);
+}
+
+OpenPosePerson Detected(const std::vector<ImagePoint>& points, const KeypointOptions& options, std::int64_t seed,
+                        const std::string& item) {
+  Random random(static_cast<std::uint64_t>(seed), "studio.keypoints", item);
+  OpenPosePerson person;
+  for (const ImagePoint& point : points) {
+    // The same random draws for every outcome of the point: one option does not change the errors of another.
+    const double missed = random.Uniform();
+    const double wrong = random.Uniform();
+    const double sure = random.Uniform();
+    const Vector2d error(random.Normal(), random.Normal());
+    const double distance = random.Uniform(0.3, 1.0) * options.wrong_px;
+    const double way = random.Uniform(0.0, 6.283185307179586);
+    const double miss_share = point.hidden ? 1.0 - options.hidden_share : options.miss_share;
+    if (!point.pixel || missed < miss_share) {
+      person.pose.push_back({});
+      continue;
+    }
+    double confidence = point.hidden ? 0.25 + 0.35 * sure : 0.6 + 0.35 * sure;
+    const bool exact = options.noise == 0.0;
+    Vector2d pixel = *point.pixel + options.noise / std::max(0.2, confidence) * 0.8 * error;
+    if (wrong < options.wrong_share) {
+      pixel += distance * Vector2d(std::cos(way), std::sin(way));
+      confidence *= 0.8;
+    }
+    person.pose.push_back({RoundedToStep(pixel.x(), exact ? 1e6 : 1e3), RoundedToStep(pixel.y(), exact ? 1e6 : 1e3),
+                           RoundedToStep(confidence, 1e6)});
+  }
+  return person;
+}
+
+std::vector<bool> HiddenPoints(const Camera& camera, std::vector<PosedCapsule> capsules, const JointPositions& places,
+                               int frame, double own_surface) {
+  for (PosedCapsule& capsule : capsules) {
+    capsule.begin = camera.camera_from_world * capsule.begin;
+    capsule.end = camera.camera_from_world * capsule.end;
+  }
+  std::vector<bool> hidden;
+  for (int k = 0; k < places.joints; ++k) {
+    const Vector3d at = camera.camera_from_world * places.at(frame, k);
+    hidden.push_back(FirstRayHit(capsules, at) < 1.0 - own_surface / at.norm());
+  }
+  return hidden;
+}
+
+std::vector<ImagePoint> PointsIn(const Camera& camera, const std::vector<PosedCapsule>& capsules,
+                                 const JointPositions& places, int frame) {
+  const std::vector<bool> hidden = HiddenPoints(camera, capsules, places, frame, kSurfaceBeforeJoint);
+  const auto inside = [](double value, int size) { return value >= 0.0 && value <= size - 1.0; };
+  std::vector<ImagePoint> points;
+  for (int k = 0; k < places.joints; ++k) {
+    ImagePoint point{camera.Project(camera.camera_from_world * places.at(frame, k)),
+                     hidden[static_cast<std::size_t>(k)]};
+    if (point.pixel && !(inside(point.pixel->x(), camera.width) && inside(point.pixel->y(), camera.height))) {
+      point.pixel.reset();
+    }
+    points.push_back(point);
+  }
+  return points;
 }
 
 }  // namespace mocurate
