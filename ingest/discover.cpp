@@ -5,10 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "ingest/capture_views.h"
-#include "ingest/depth_files.h"
 #include "ingest/discover_container.h"
-#include "ingest/files_check.h"
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"

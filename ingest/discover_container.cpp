@@ -1,7 +1,6 @@
 #include "ingest/discover_container.h"
 
 #include "core/base/file.h"
-#include "ingest/files_check.h"
 #include "ingest/formats/driver.h"
 #include "ingest/skipped_files.h"
 #include "ingest/sources/source_file.h"

@@ -1,12 +1,17 @@
 #include "ingest/grouped_files.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "core/base/text.h"
 #include "core/formats/openpose.h"
+#include "ingest/chosen_clips.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sources/view_numbers.h"
+#include "ingest/sources/frame_files.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -207,6 +212,84 @@ Status GroupedFiles::AddInputs(const std::string& first, const NameFields& field
     for (const FolderFile* file : found) {
       if (!file->problem.empty()) return Fail(ErrorCode::kUnreadable, file->problem, file->name);
       item.inputs.push_back({"calibration", file->name, file->path, ""});
+    }
+  }
+  return {};
+}
+
+Status GroupViews(const SourceOptions& source, std::vector<ItemSpec>& items) {
+  std::map<std::string, std::map<std::string, ItemSpec>> captures;  // by item, then by view
+  std::set<std::string> cameras;
+  for (ItemSpec& item : items) {
+    const Expected<NamedFile> named = ReadName(source, item.inputs[0].name);
+    if (!named) return Forward(named);
+    cameras.insert(named->identity.view);
+    std::map<std::string, ItemSpec>& views = captures[item.item];
+    const auto [at, added] = views.emplace(named->identity.view, item);
+    if (added) continue;
+    return Fail(ErrorCode::kConfig,
+                "'" + at->second.inputs[0].name + "' and '" + item.inputs[0].name + "' are both '" + item.item +
+                    "' seen by '" + named->identity.view + "'",
+                "ingest.source.recording", "use more fields of the name in `recording` or `view`");
+  }
+  if (Status known = CheckFirstFrames(source, cameras); !known) return known;
+  items.clear();
+  for (auto& [name, views] : captures) {
+    ItemSpec together = views.begin()->second;
+    std::vector<StageInput> depth(together.inputs.begin() + 1, together.inputs.end());
+    together.inputs.resize(1);
+    for (auto view = std::next(views.begin()); view != views.end(); ++view) {
+      const std::vector<StageInput>& inputs = view->second.inputs;
+      together.inputs.push_back(inputs.front());
+      depth.insert(depth.end(), inputs.begin() + 1, inputs.end());
+      if (together.options.contains("known_issue") || !view->second.options.contains("known_issue")) continue;
+      together.options.Set("known_issue", view->second.options.at("known_issue"));
+    }
+    together.inputs.insert(together.inputs.end(), depth.begin(), depth.end());
+    items.push_back(std::move(together));
+  }
+  return {};
+}
+
+DepthFiles::DepthFiles(const std::vector<FolderFile>& files, const NamePattern& pattern, const NamePattern& source) {
+  const std::vector<std::string> own = source.FieldNames();
+  for (const std::string& field : pattern.FieldNames()) {
+    if (std::find(own.begin(), own.end(), field) != own.end()) common_.push_back(field);
+  }
+  for (const FolderFile& file : files) {
+    if (const std::optional<NameFields> fields = pattern.Match(file.name)) of_[Key(*fields)].push_back(&file);
+  }
+}
+
+void DepthFiles::AddTo(const NameFields& fields, ItemSpec& item) const {
+  const auto found = of_.find(Key(fields));
+  if (found == of_.end()) return;
+  for (const FolderFile* file : found->second) item.inputs.push_back({"depth", file->name, file->path, ""});
+}
+
+std::vector<std::string> DepthFiles::Key(const NameFields& fields) const {
+  std::vector<std::string> key;
+  for (const std::string& field : common_) key.push_back(fields.count(field) > 0 ? fields.at(field) : "");
+  return key;
+}
+
+Status CheckOwnImages(const SourceOptions& source, const std::vector<ItemSpec>& items) {
+  const Expected<NamePattern> pattern = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");
+  if (!pattern || source.depth_files.empty()) return {};
+  std::map<std::string, const ItemSpec*> taken;
+  for (const ItemSpec& item : items) {
+    for (const StageInput& input : item.inputs) {
+      if (input.role != "depth" || !pattern->Match(input.name)) continue;
+      const ItemSpec& first = *taken.emplace(input.name, &item).first->second;
+      if (first.inputs[0].name == item.inputs[0].name) continue;
+      if (HasDepthBeside(source) && RecordingOf(first) == RecordingOf(item)) continue;
+      return Fail(
+          ErrorCode::kConfig,
+          "the depth image '" + input.name + "' would be one of '" + first.inputs[0].name + "' and of '" +
+              item.inputs[0].name + "'",
+          "ingest.source.depth_files",
+          "images are of the clip whose name has the same fields: write those fields of ingest.source.files ('" +
+              source.files + "') that tell clips apart into '" + source.depth_files + "'");
     }
   }
   return {};

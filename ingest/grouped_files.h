@@ -49,4 +49,29 @@ class GroupedFiles {
 /// Of a declaration of such files: which fields tell them apart, and what else is needed. Error kConfig.
 Status CheckGrouped(const SourceOptions& source);
 
+/// Items of several cameras' files of one performance become one each, with all of their files: the source files by
+/// view, then the depth images. Error kConfig: a camera twice.
+Status GroupViews(const SourceOptions& source, std::vector<ItemSpec>& items);
+
+/// Depth images by those fields of their names that the names of the source's files have too.
+class DepthFiles {
+ public:
+  /// `files` must outlive it.
+  DepthFiles(const std::vector<FolderFile>& files, const NamePattern& pattern, const NamePattern& source);
+  DepthFiles(std::vector<FolderFile>&&, const NamePattern&, const NamePattern&) = delete;
+
+  /// Adds the images of the file that has these fields.
+  void AddTo(const NameFields& fields, ItemSpec& item) const;
+
+ private:
+  std::vector<std::string> Key(const NameFields& fields) const;
+
+  std::vector<std::string> common_;
+  std::map<std::vector<std::string>, std::vector<const FolderFile*>> of_;
+};
+
+/// Error kConfig, with two clips of different files that have one depth image in common. People of one recording whose
+/// keypoints lie apart may have: a camera beside the detector sees them all.
+Status CheckOwnImages(const SourceOptions& source, const std::vector<ItemSpec>& items);
+
 }  // namespace mocurate

@@ -9,7 +9,7 @@
 #include "core/base/log.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
-#include "ingest/files_check.h"
+#include "ingest/skipped_files.h"
 
 namespace mocurate {
 namespace {

@@ -8,7 +8,6 @@
 #include "ingest/grouped_files.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/frame_files.h"
-#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/formats/json_place.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
-#include "ingest/sources/depth_header.h"
+#include "ingest/sources/depth_images.h"
 
 namespace mocurate {
 namespace {

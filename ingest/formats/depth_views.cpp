@@ -1,8 +1,8 @@
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
-#include "ingest/sources/depth_header.h"
+#include "ingest/sources/depth_images.h"
+#include "ingest/sources/frame_files.h"
 #include "ingest/sources/rig_calibration.h"
-#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {

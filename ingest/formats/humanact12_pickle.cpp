@@ -10,7 +10,7 @@
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/body_check.h"
-#include "ingest/sources/kept_open.h"
+#include "ingest/sources/mapped_file.h"
 #include "ingest/sources/smpl_motion.h"
 
 namespace mocurate {

@@ -1,7 +1,7 @@
 #include "core/base/file.h"
 #include "core/store/dataset_clips.h"
 #include "ingest/formats/driver.h"
-#include "ingest/sources/kept_open.h"
+#include "ingest/sources/mapped_file.h"
 
 namespace mocurate {
 namespace {

@@ -8,8 +8,8 @@
 #include "core/formats/pose_memory.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
+#include "ingest/sources/frame_files.h"
 #include "ingest/sources/ntu_people.h"
-#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {

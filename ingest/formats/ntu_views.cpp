@@ -7,8 +7,8 @@
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/people/merge_views.h"
+#include "ingest/sources/frame_files.h"
 #include "ingest/sources/ntu_people.h"
-#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {

@@ -7,9 +7,8 @@
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
 #include "ingest/inspect/keypoint_layout_estimate.h"
-#include "ingest/sources/depth_beside.h"
+#include "ingest/sources/depth_images.h"
 #include "ingest/sources/frame_files.h"
-#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {

@@ -5,7 +5,6 @@
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
 #include "ingest/sources/frame_files.h"
-#include "ingest/sources/view_numbers.h"
 
 namespace mocurate {
 namespace {

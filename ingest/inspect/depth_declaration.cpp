@@ -8,9 +8,9 @@
 #include "core/formats/png.h"
 #include "ingest/folder_listing.h"
 #include "ingest/inspect/declaration_writer.h"
+#include "ingest/inspect/file_kind.h"
 #include "ingest/inspect/file_names.h"
 #include "ingest/inspect/gathered_names.h"
-#include "ingest/inspect/inspect_files.h"
 
 namespace mocurate {
 namespace {

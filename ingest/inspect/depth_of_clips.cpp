@@ -8,8 +8,8 @@
 
 #include "core/base/file.h"
 #include "core/formats/depth_sequence.h"
-#include "ingest/depth_files.h"
 #include "ingest/folder_listing.h"
+#include "ingest/grouped_files.h"
 #include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/file_names.h"
 #include "ingest/sources/pattern.h"

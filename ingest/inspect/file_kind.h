@@ -1,7 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
+#include <string>
 #include <string_view>
+#include <vector>
+
+#include "core/base/error.h"
+#include "ingest/folder_listing.h"
 
 namespace mocurate {
 
@@ -39,5 +45,14 @@ enum class JsonKind { kOther, kDepthSequence, kDepthStill, kOpenPose, kPanopticB
 
 /// Reads no further than it must: at most 64 keys of the top object. kOther for what is no JSON.
 JsonKind JsonKindOf(std::string_view bytes);
+
+/// The file, or the files of a folder down to six folders below it, sorted by name. Error kUnreadable.
+Expected<std::vector<FolderFile>> FilesToInspect(const std::filesystem::path& path);
+
+/// The first bytes, enough to tell the format. Error kUnreadable.
+Expected<std::string> ReadHead(const std::filesystem::path& path);
+
+/// Whether the end of an image's data stands in the last bytes, behind which cameras may put a few of their own.
+bool EndsAsJpeg(const std::filesystem::path& path);
 
 }  // namespace mocurate

@@ -6,7 +6,7 @@
 #include "ingest/inspect/file_names.h"
 #include "ingest/inspect/keypoint_layout_estimate.h"
 #include "ingest/inspect/read_raw.h"
-#include "ingest/sources/view_numbers.h"
+#include "ingest/sources/frame_files.h"
 
 namespace mocurate {
 namespace {}  // namespace

@@ -17,7 +17,7 @@
 #include "ingest/inspect/inspection.h"
 #include "ingest/inspect/keypoint_layout_estimate.h"
 #include "ingest/inspect/raw_clip.h"
-#include "ingest/sources/exported_motion.h"
+#include "ingest/sources/array_clips.h"
 
 namespace mocurate {
 

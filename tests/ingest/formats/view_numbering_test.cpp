@@ -7,7 +7,7 @@
 
 #include "ingest/checks/fault_codes.h"
 #include "ingest/inspect/inspect.h"
-#include "ingest/sources/view_numbers.h"
+#include "ingest/sources/frame_files.h"
 #include "tests/formats/expect_error.h"
 #include "tests/ingest/inspections.h"
 #include "tests/ingest/studio_folders.h"

@@ -1,8 +1,9 @@
-#include "ingest/sources/depth_beside.h"
+#include "ingest/sources/depth_images.h"
 
 #include <algorithm>
 
-#include "ingest/sources/depth_header.h"
+#include "core/base/file.h"
+#include "core/formats/png.h"
 
 namespace mocurate {
 namespace {
@@ -10,6 +11,24 @@ namespace {
 constexpr const char* kMissing = "depth_images_missing";
 
 }  // namespace
+
+Status SetImageSize(const StageInput& input, Camera& camera) {
+  std::string head;
+  const Status read = ReadFileInParts(input.path, [&](std::string_view part) {
+    head.append(part.substr(0, kPngHeaderBytes - std::min(kPngHeaderBytes, head.size())));
+  });
+  if (!read) return read;
+  const Expected<PngHeader> header = ReadPngHeader(head, input.name);
+  if (!header) return Forward(header);
+  if (header->bits != 16 || header->channels != 1) {
+    return Fail(ErrorCode::kMalformed,
+                std::to_string(header->channels) + " channels of " + std::to_string(header->bits) + " bits", input.name,
+                "depth images are 16-bit grey PNG");
+  }
+  camera.width = header->width;
+  camera.height = header->height;
+  return {};
+}
 
 Status AddDepthBeside(const SourceFile& file, const Rig& rig, const std::map<std::string, FilesOfCamera>& depth,
                       const std::map<std::string, FilesOfCamera>& keypoints, const FrameSpan& span,
