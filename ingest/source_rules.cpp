@@ -4,6 +4,7 @@
 
 #include "core/base/problem_list.h"
 #include "core/base/text.h"
+#include "core/base/units.h"
 #include "ingest/formats/driver.h"
 #include "ingest/options.h"
 #include "ingest/sources/pattern.h"
@@ -13,12 +14,6 @@ namespace mocurate {
 namespace {
 
 constexpr long long kMostBodies = 6;  // what a Kinect follows
-
-const std::vector<std::pair<std::string, double>>& Units() {
-  static const std::vector<std::pair<std::string, double>> units = {
-      {"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}};
-  return units;
-}
 
 std::string OptionPlace(const char* option) { return std::string("ingest.source.") + option; }
 
@@ -125,13 +120,13 @@ bool HasDepthBeside(const SourceOptions& source) {
 
 Expected<double> MetresPerUnit(const std::string& units) {
   const std::vector<std::string_view> words = SplitBlanks(units);
+  const std::optional<double> factor = words.size() == 2 ? ParseDouble(words[0]) : 1.0;
+  const bool is_length = (words.size() == 1 || words.size() == 2) && factor && std::isfinite(*factor) && *factor > 0.0;
   std::vector<std::string> names;
-  for (const auto& [name, metres] : Units()) {
-    names.push_back(name);
-    if (words.size() == 1 && words[0] == name) return metres;
-    if (words.size() != 2 || words[1] != name) continue;
-    const std::optional<double> factor = ParseDouble(words[0]);
-    if (factor && std::isfinite(*factor) && *factor > 0.0) return *factor * metres;
+  for (const UnitSpelling& known : UnitSpellings()) {
+    if (known.unit != Unit::kMetre) continue;
+    names.emplace_back(known.spelling);
+    if (is_length && words.back() == known.spelling) return *factor * (known.numerator / known.denominator);
   }
   const std::optional<std::string> near = Nearest(units, names);
   return Fail(ErrorCode::kConfig, "'" + units + "' is no unit of length", OptionPlace("units"),

@@ -18,6 +18,7 @@ std::vector<UnitSpelling> MakeSpellings() {
       {"um", Unit::kMetre, 1, 1000000},
       {"km", Unit::kMetre, 1000, 1},
       {"in", Unit::kMetre, 254, 10000},
+      {"inch", Unit::kMetre, 254, 10000},
       {"ft", Unit::kMetre, 3048, 10000},
       {"s", Unit::kSecond, 1, 1},
       {"ms", Unit::kSecond, 1, 1000},

@@ -59,43 +59,37 @@ Status BodyTemplate::Check() const {
   return {};
 }
 
+void AddShape(double coefficient, const RestBody& direction, RestBody& body) {
+  for (std::size_t v = 0; v < body.vertices.size(); ++v) body.vertices[v] += coefficient * direction.vertices[v];
+  for (std::size_t j = 0; j < body.joints.size(); ++j) body.joints[j] += coefficient * direction.joints[j];
+}
+
 RestBody Shaped(const BodyTemplate& body, const std::vector<double>& coefficients) {
   RestBody shaped = body.rest;
   for (std::size_t s = 0; s < std::min(coefficients.size(), body.shape_directions.size()); ++s) {
-    const RestBody& direction = body.shape_directions[s];
-    for (std::size_t v = 0; v < shaped.vertices.size(); ++v)
-      shaped.vertices[v] += coefficients[s] * direction.vertices[v];
-    for (std::size_t j = 0; j < shaped.joints.size(); ++j) shaped.joints[j] += coefficients[s] * direction.joints[j];
+    AddShape(coefficients[s], body.shape_directions[s], shaped);
   }
   return shaped;
 }
 
 RestBody Posed(const BodyTemplate& body, const RestBody& rest, const std::vector<Quaterniond>& rotations,
                const Vector3d& translation) {
-  RestBody posed;
-  std::vector<Matrix3d> turned;
-  for (std::size_t j = 0; j < body.parents.size(); ++j) {
-    const Matrix3d own = rotations[j].toRotationMatrix();
-    if (body.parents[j] < 0) {
-      turned.push_back(own);
-      posed.joints.push_back(rest.joints[j] + translation);
-      continue;
-    }
-    const auto parent = static_cast<std::size_t>(body.parents[j]);
-    turned.push_back(turned[parent] * own);
-    posed.joints.push_back(posed.joints[parent] + turned[parent] * (rest.joints[j] - rest.joints[parent]));
-  }
-  posed.vertices.reserve(rest.vertices.size());
+  const PosedJoints posed = PoseJoints(
+      rest.joints, [&](std::size_t j) { return body.parents[j]; }, rotations.data(),
+      Vector3d(rest.joints[0] + translation));
+  std::vector<Vector3d> vertices;
+  vertices.reserve(rest.vertices.size());
   for (std::size_t v = 0; v < rest.vertices.size(); ++v) {
     Vector3d vertex = Vector3d::Zero();
     for (std::size_t k = 0; k < 4; ++k) {
       const auto joint = static_cast<std::size_t>(body.weight_joints[v][k]);
       if (body.weights[v][k] == 0.0) continue;
-      vertex += body.weights[v][k] * (turned[joint] * (rest.vertices[v] - rest.joints[joint]) + posed.joints[joint]);
+      vertex += body.weights[v][k] *
+                (posed.rotation[joint] * (rest.vertices[v] - rest.joints[joint]) + posed.position[joint]);
     }
-    posed.vertices.push_back(vertex);
+    vertices.push_back(vertex);
   }
-  return posed;
+  return {std::move(vertices), posed.position};
 }
 
 }  // namespace mocurate

@@ -16,6 +16,31 @@ struct RestBody {
   std::vector<Vector3d> joints;    ///< (J)
 };
 
+/// Adds `coefficient` times a shape direction.
+void AddShape(double coefficient, const RestBody& direction, RestBody& body);
+
+/// Joints of a posed body in the world: rotations and positions (J).
+struct PosedJoints {
+  std::vector<Matrix3d> rotation;
+  std::vector<Vector3d> position;
+};
+
+/// G_j = G_parent [R_j | J_j - J_parent] of joints `rest` (J), joint 0 at `root`. `parent_of(j)`: -1 for joint 0,
+/// parents precede children; `rotation` (J) local.
+template <class ParentOf>
+PosedJoints PoseJoints(const std::vector<Vector3d>& rest, const ParentOf& parent_of, const Quaterniond* rotation,
+                       const Vector3d& root) {
+  PosedJoints posed;
+  for (std::size_t j = 0; j < rest.size(); ++j) {
+    const Matrix3d own = rotation[j].toRotationMatrix();
+    const int parent = parent_of(j);
+    const auto p = static_cast<std::size_t>(parent < 0 ? 0 : parent);
+    posed.rotation.push_back(parent < 0 ? own : Matrix3d(posed.rotation[p] * own));
+    posed.position.push_back(parent < 0 ? root : Vector3d(posed.position[p] + posed.rotation[p] * (rest[j] - rest[p])));
+  }
+  return posed;
+}
+
 /// A rigged body mesh with shape directions: v = v_template + sum of b_k * direction_k, joints likewise.
 struct BodyTemplate {
   std::vector<std::string> joint_names;           ///< (J)

@@ -12,6 +12,16 @@ const std::vector<double>& SurfaceTimes(const Evidence& evidence) {
   return evidence.clouds ? evidence.clouds->time_s : none;
 }
 
+const std::vector<double>& EvidenceTimes(const Evidence& evidence) {
+  if (evidence.tracks) return evidence.tracks->time_s;
+  const std::vector<double>& surface = SurfaceTimes(evidence);
+  return surface.empty() && !evidence.keypoint_views.empty() ? evidence.keypoint_views.front().time_s : surface;
+}
+
+int FrameCount(const Clip& clip) {
+  return clip.motion ? clip.motion->frame_count() : static_cast<int>(EvidenceTimes(clip.evidence).size());
+}
+
 void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence) {
   const auto resolve = [&files](std::vector<std::filesystem::path>& paths) {
     for (std::filesystem::path& file : paths) {

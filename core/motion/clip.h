@@ -110,6 +110,10 @@ Status CheckKeypoints(const Evidence& evidence);
 /// Times of the first view's depth images or of the clouds; empty without both.
 const std::vector<double>& SurfaceTimes(const Evidence& evidence);
 
+/// Times of the tracks, else those of SurfaceTimes, else of the first view's keypoints; they define the frames of a
+/// clip without motion.
+const std::vector<double>& EvidenceTimes(const Evidence& evidence);
+
 /// Depth images, masks and clouds are referred to by their names in the source's folder; `files` gives their current
 /// paths.
 void ResolveDepthFiles(const std::map<std::string, std::filesystem::path>& files, Evidence& evidence);
@@ -131,6 +135,9 @@ struct Clip {
 
   std::string id() const { return identity.id(); }
 };
+
+/// Frames of its motion, else those of EvidenceTimes.
+int FrameCount(const Clip& clip);
 
 /// Rate of the recording, in which the identity's frames are counted: that of the clip, unless it was resampled.
 FrameRate RecordedRate(const Clip& clip);

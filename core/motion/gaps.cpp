@@ -77,15 +77,10 @@ std::vector<JointState> GapStates(const std::vector<bool>& observed, const std::
 }
 
 std::vector<double> FrameTimes(const Clip& clip) {
-  if (clip.motion) {
-    std::vector<double> times;
-    for (int f = 0; f < clip.motion->frame_count(); ++f) times.push_back(clip.motion->rate.FrameTime(f));
-    return times;
-  }
-  if (clip.evidence.tracks) return clip.evidence.tracks->time_s;
-  const std::vector<double>& surface_s = SurfaceTimes(clip.evidence);
-  if (!surface_s.empty()) return surface_s;
-  return clip.evidence.keypoint_views.empty() ? std::vector<double>() : clip.evidence.keypoint_views.front().time_s;
+  if (!clip.motion) return EvidenceTimes(clip.evidence);
+  std::vector<double> times;
+  for (int f = 0; f < clip.motion->frame_count(); ++f) times.push_back(clip.motion->rate.FrameTime(f));
+  return times;
 }
 
 std::vector<bool> ObservedFrames(const Clip& clip) {

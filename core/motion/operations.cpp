@@ -123,18 +123,6 @@ void CutIdentity(const Span& span, Clip& clip) {
   identity.end_frame = recorded > 0 ? std::min(end, identity.end_frame) : end;
 }
 
-/// Times of the evidence that defines the frames of a clip without motion.
-const std::vector<double>& EvidenceTimes(const Evidence& evidence) {
-  if (evidence.tracks) return evidence.tracks->time_s;
-  const std::vector<double>& surface = SurfaceTimes(evidence);
-  return surface.empty() && !evidence.keypoint_views.empty() ? evidence.keypoint_views.front().time_s : surface;
-}
-
-int FrameCount(const Clip& clip) {
-  if (clip.motion) return clip.motion->frame_count();
-  return static_cast<int>(EvidenceTimes(clip.evidence).size());
-}
-
 /// Time of frame `frame` (may be one past the last) from the first frame, of the motion or of that evidence.
 double TimeOf(const Clip& clip, int frame) {
   if (clip.motion) return clip.motion->rate.FrameTime(frame);

@@ -15,15 +15,9 @@ namespace mocurate {
 namespace {
 
 /// A body by its own joints.
-struct Body {
-  std::string name;
+struct Body : Skin {
   std::vector<std::string> joint_names;
   std::vector<int> parents;
-  std::vector<Vector3d> vertices, joints;
-  std::vector<double> weights;        // (V,joints)
-  std::vector<double> pose_blending;  // (3V, 9(joints - 1))
-  std::vector<std::array<int, 3>> faces;
-  std::vector<ShapeDirection> shapes;
 };
 
 constexpr std::size_t kMostShapes = 10;  // as SMPL is used; its files hold up to 300
@@ -46,7 +40,11 @@ constexpr const char* kSmplJoints[] = {"pelvis",     "left_hip",      "right_hip
 Expected<Body> BodyOfTemplate(const std::filesystem::path& file) {
   const Expected<BodyTemplate> read = ReadBodyTemplate(file);
   if (!read) return Forward(read);
-  Body body{"body_cc0", read->joint_names, read->parents, read->rest.vertices, read->rest.joints, {}, {}, {}, {}};
+  Body body;
+  static_cast<RestBody&>(body) = read->rest;
+  body.name = "body_cc0";
+  body.joint_names = read->joint_names;
+  body.parents = read->parents;
   const auto J = static_cast<std::size_t>(read->joint_count());
   body.weights.assign(body.vertices.size() * J, 0.0);
   for (std::size_t v = 0; v < body.vertices.size(); ++v) {
@@ -58,7 +56,7 @@ Expected<Body> BodyOfTemplate(const std::filesystem::path& file) {
   for (std::size_t k = 0; k < std::min(kMostShapes, read->shape_names.size()); ++k) {
     const auto [low, high] = RangeOf(read->shape_names[k], k == 0);
     const RestBody& direction = read->shape_directions[k];
-    body.shapes.push_back({read->shape_names[k], direction.vertices, direction.joints, low, high});
+    body.shapes.push_back({direction, read->shape_names[k], low, high});
   }
   return body;
 }
@@ -72,17 +70,11 @@ Expected<Body> BodyOfSmpl(const std::filesystem::path& file) {
     return Fail(ErrorCode::kInconsistent, "the body has " + std::to_string(model->joints) + " joints",
                 DisplayPath(file), "SMPL has 24, SMPL-H 52, SMPL-X 55");
   }
-  Body body{model->joints == 24   ? "SMPL"
-            : model->joints == 52 ? "SMPL-H"
-                                  : "SMPL-X",
-            {},
-            model->parents,
-            {},
-            {},
-            std::move(model->weights),
-            std::move(model->posedirs),
-            {},
-            {}};
+  Body body;
+  body.name = model->joints == 24 ? "SMPL" : model->joints == 52 ? "SMPL-H" : "SMPL-X";
+  body.parents = model->parents;
+  body.weights = std::move(model->weights);
+  body.pose_blending = std::move(model->posedirs);
   for (std::size_t j = 0; j < model->joints; ++j) {
     body.joint_names.emplace_back(j < std::size(kSmplJoints)       ? kSmplJoints[j]
                                   : model->joints == 24 && j == 22 ? "left_hand"
@@ -108,7 +100,7 @@ Expected<Body> BodyOfSmpl(const std::filesystem::path& file) {
   }
   constexpr double kTwoDeviations = 2.0;  // coefficients are in standard deviations
   for (std::size_t k = 0; k < std::min(kMostShapes, model->shapes); ++k) {
-    ShapeDirection direction{"shape " + std::to_string(k), {}, {}, -kTwoDeviations, kTwoDeviations};
+    ShapeDirection direction{{}, "shape " + std::to_string(k), -kTwoDeviations, kTwoDeviations};
     for (std::size_t v = 0; v < model->vertices; ++v) {
       const double* of_vertex = model->shapedirs.data() + 3 * v * model->shapes + k;
       direction.vertices.emplace_back(of_vertex[0], of_vertex[model->shapes], of_vertex[2 * model->shapes]);
@@ -241,11 +233,7 @@ std::vector<double> DrawShape(const Skin& skin, std::uint64_t seed, int index) {
 Skin Shaped(const Skin& skin, const std::vector<double>& coefficients) {
   Skin shaped = skin;
   for (std::size_t k = 0; k < std::min(coefficients.size(), skin.shapes.size()); ++k) {
-    const ShapeDirection& direction = skin.shapes[k];
-    for (std::size_t v = 0; v < shaped.vertices.size(); ++v) {
-      shaped.vertices[v] += coefficients[k] * direction.vertices[v];
-    }
-    for (std::size_t j = 0; j < shaped.joints.size(); ++j) shaped.joints[j] += coefficients[k] * direction.joints[j];
+    AddShape(coefficients[k], skin.shapes[k], shaped);
   }
   return shaped;
 }
@@ -253,17 +241,13 @@ Skin Shaped(const Skin& skin, const std::vector<double>& coefficients) {
 std::vector<Vector3d> PosedVertices(const Skin& skin, const Skeleton& skeleton, const Quaterniond* rotation,
                                     const Vector3d& root) {
   const std::size_t J = skin.joints.size(), V = skin.vertices.size();
-  std::vector<Matrix3d> turned(J);
+  const PosedJoints posed = PoseJoints(
+      skin.joints, [&](std::size_t j) { return skeleton.joints[j].parent; }, rotation, root);
   std::vector<Vector3d> moved(J);  // of a vertex at the origin
-  std::vector<Vector3d> place(J);
   Eigen::VectorXd blend(static_cast<Eigen::Index>(9 * (J - 1)));
   for (std::size_t j = 0; j < J; ++j) {
     const Matrix3d own = rotation[j].toRotationMatrix();
-    const int parent = skeleton.joints[j].parent;
-    const auto p = static_cast<std::size_t>(std::max(parent, 0));
-    turned[j] = parent < 0 ? own : Matrix3d(turned[p] * own);
-    place[j] = parent < 0 ? root : Vector3d(place[p] + turned[p] * (skin.joints[j] - skin.joints[p]));
-    moved[j] = place[j] - turned[j] * skin.joints[j];
+    moved[j] = posed.position[j] - posed.rotation[j] * skin.joints[j];
     for (int k = 0; k < 9 && j > 0; ++k) {
       blend[static_cast<Eigen::Index>(9 * (j - 1)) + k] = own(k / 3, k % 3) - (k % 4 == 0 ? 1.0 : 0.0);
     }
@@ -280,7 +264,7 @@ std::vector<Vector3d> PosedVertices(const Skin& skin, const Skeleton& skeleton, 
     if (offset.size() > 0) rest += offset.segment<3>(static_cast<Eigen::Index>(3 * v));
     for (std::size_t j = 0; j < J; ++j) {
       const double weight = skin.weights[v * J + j];
-      if (weight != 0.0) vertices[v] += weight * (turned[j] * rest + moved[j]);
+      if (weight != 0.0) vertices[v] += weight * (posed.rotation[j] * rest + moved[j]);
     }
   }
   return vertices;

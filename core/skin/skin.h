@@ -6,22 +6,20 @@
 #include <string>
 #include <vector>
 
+#include "core/body/skinned_body.h"
 #include "core/motion/skeleton.h"
 
 namespace mocurate {
 
 /// One way in which bodies differ: metres per unit of its coefficient.
-struct ShapeDirection {
-  std::string name;                        ///< of the file, or "shape 3"
-  std::vector<Vector3d> vertices, joints;  ///< (V), (J)
-  double low = 0.0, high = 0.0;            ///< between which people's coefficients are drawn
+struct ShapeDirection : RestBody {
+  std::string name;              ///< of the file, or "shape 3"
+  double low = 0.0, high = 0.0;  ///< between which people's coefficients are drawn
 };
 
-/// A skinned body laid over a skeleton's joints, at rest: mean shape, T-pose, metres.
-struct Skin {
+/// A skinned body laid over a skeleton's joints (J), at rest: mean shape, T-pose, metres.
+struct Skin : RestBody {
   std::string name;                       ///< "body_cc0" or "SMPL", for checkpoints and tables
-  std::vector<Vector3d> vertices;         ///< (V)
-  std::vector<Vector3d> joints;           ///< (J) of the skeleton
   std::vector<double> weights;            ///< (V,J) rows sum to 1
   std::vector<double> pose_blending;      ///< (3V, 9(J-1)) vertex offsets by R - I of each joint but the root; or empty
   std::vector<std::array<int, 3>> faces;  ///< counter-clockwise seen from outside

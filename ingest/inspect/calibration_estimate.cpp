@@ -11,6 +11,7 @@
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/camera.h"
+#include "ingest/options.h"
 
 namespace mocurate {
 namespace {
@@ -104,9 +105,7 @@ class Judge {
     const std::size_t chosen = IndexOf(sense.reading.value);
     sense.unit = Unit(scores_[chosen], sense);
     std::vector<Camera> cameras;
-    const std::map<std::string, double> metres_of = {{"m", 1.0}, {"cm", 0.01}, {"inch", 0.0254}};
-    const auto known = metres_of.find(sense.unit.value);
-    const double metres = known == metres_of.end() ? 0.001 : known->second;
+    const double metres = MetresPerUnit(sense.unit.value).value_or(0.001);
     for (const CalibratedView& view : calibration_.views)
       cameras.push_back(CameraOf(view, kPoseConventions[chosen], metres));
     sense.up = Up(cameras);

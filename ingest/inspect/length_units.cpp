@@ -4,17 +4,13 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "ingest/options.h"
 
 namespace mocurate {
 namespace {
 
-struct UnitOfLength {
-  const char* name;
-  double metres;
-};
 /// The last one is the CMU database's, `length 0.45` of its .asf files, in the words of configs/sources.
-constexpr UnitOfLength kUnits[] = {
-    {"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"inch", 0.0254}, {"2.2222222222222 inch", 2.2222222222222 * 0.0254}};
+constexpr const char* kUnits[] = {"m", "cm", "mm", "inch", "2.2222222222222 inch"};
 constexpr int kLeastPower = -6, kMostPower = 3;
 constexpr double kConfidenceInTens = 0.5;  // against a usual unit
 
@@ -66,7 +62,7 @@ Measured UnitsFromLength(double length, const LengthOfPeople& people, const std:
                          bool scaled) {
   Measured units;
   BestUnit best(length, people);
-  for (const UnitOfLength& unit : kUnits) best.Try(unit.name, unit.metres, trust);
+  for (const char* unit : kUnits) best.Try(unit, *MetresPerUnit(unit), trust);
   const bool usual = best.found();
   for (int power = kLeastPower; !usual && scaled && power <= kMostPower; ++power) {
     const double metres = std::pow(10.0, power);

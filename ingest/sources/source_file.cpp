@@ -65,14 +65,6 @@ Expected<std::string> LabelOf(const SourceOptions& source, const std::string& te
               name, near ? "did you mean '" + *near + "'?" : "add it, or repair the file name");
 }
 
-int FrameCount(const Clip& clip) {
-  if (clip.evidence.tracks) return clip.evidence.tracks->positions.frames;
-  if (clip.motion) return clip.motion->frame_count();
-  const std::vector<double>& surface_s = SurfaceTimes(clip.evidence);
-  if (!surface_s.empty()) return static_cast<int>(surface_s.size());
-  return clip.evidence.keypoint_views.empty() ? 0 : clip.evidence.keypoint_views[0].frames();
-}
-
 std::string BytesOf(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }

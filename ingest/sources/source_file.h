@@ -61,9 +61,6 @@ struct IngestedClip {
       {};  ///< by the code of a contradiction; properties that the clip does not show are missing
 };
 
-/// Number of frames of its tracks, motion, depth views, clouds or keypoints.
-int FrameCount(const Clip& clip);
-
 /// The bytes of numbers in memory order.
 std::string BytesOf(const std::vector<double>& values);
 
