@@ -180,10 +180,6 @@ void PeopleOptions::Declare(OptionVisitor& v) {
          "join tracks of one person under several ids: lost and found again with the same bones, or interleaved");
   v.Bool("false_tracks", false_tracks, "exclude false tracks: short, frozen, furniture, a second body in one place");
   v.Number("max_lost", max_lost_s, Unit::kSecond, {0.0, 600.0}, "longest time over which ids are joined");
-  v.Number("max_speed", max_speed, Unit::kMetrePerSecond, {0.0, 100.0},
-           "largest speed of a person between two joined tracks");
-  v.Number("max_signature", max_signature, Unit::kNone, {0.0, 10.0},
-           "largest mean difference of log bone lengths within one person");
 }
 
 void ViewOptions::Declare(OptionVisitor& v) {

@@ -59,8 +59,6 @@ struct PeopleOptions {
   bool stitch = true;
   bool false_tracks = true;
   double max_lost_s = 2.0;
-  double max_speed = 3.0;
-  double max_signature = 0.12;
 
   void Declare(OptionVisitor& v);
 };

@@ -213,8 +213,7 @@ Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
     sensors.push_back({&view, std::move(*skeleton), {}});
   }
   NoteMissing(source, sensors, ingested.findings);
-  const PlaceOptions options{source.views.max_offset_s, source.views.max_disagreement};
-  const Expected<PlacedViews> placed = PlaceViews(cameras, options, rate_hz, file.name);
+  const Expected<PlacedViews> placed = PlaceViews(cameras, source.views, rate_hz, file.name);
   if (!placed) return Forward(placed);
   ingested.findings.insert(ingested.findings.end(), placed->findings.begin(), placed->findings.end());
   if (Status sorted = SortImages(file, sensors); !sorted) return Forward(sorted);

@@ -103,8 +103,7 @@ Expected<UestcPerson> ChooseByPlaces(const std::vector<VibeTrack>& tracks, const
   for (int f = 0; f < frames; ++f) time_s.push_back(f / rate_hz);
   std::vector<Finding> findings;
   people = JoinIds(std::move(people), options, parents, time_s, findings);
-  People chosen = ChoosePeople(std::move(people), 1, options.rule, options.false_tracks, FalseTrackLimits(), parents,
-                               lengths, frames);
+  People chosen = ChoosePeople(std::move(people), 1, options.rule, options.false_tracks, parents, lengths, frames);
   if (chosen.chosen.empty()) {
     return Fail(ErrorCode::kInconsistent, "none of its " + std::to_string(tracks.size()) + " tracks is a person", name,
                 "leave the file out");
@@ -115,7 +114,7 @@ Expected<UestcPerson> ChooseByPlaces(const std::vector<VibeTrack>& tracks, const
       if (static_cast<std::uint64_t>(track.id) == id) pieces.push_back(&track);
     }
   }
-  UestcPerson person = JoinVibeTracks(pieces, UestcRule::kCorrected);
+  UestcPerson person = JoinVibeTracks(pieces);
   findings.insert(findings.end(), chosen.findings.begin(), chosen.findings.end());
   findings.insert(findings.end(), person.findings.begin(), person.findings.end());
   person.findings = std::move(findings);
@@ -128,7 +127,7 @@ Expected<UestcPerson> NamedVibePerson(const VibeTrack& track, const std::string&
   if (track.frame_ids.empty()) return UestcPerson{track, {}, {}, {}};
   const Expected<FrameRange> range = FramesOf({track}, name);
   if (!range) return Forward(range);
-  UestcPerson person = JoinVibeTracks({&track}, UestcRule::kCorrected);
+  UestcPerson person = JoinVibeTracks({&track});
   person.chosen.clear();  // its name is the source's
   return person;
 }
@@ -147,8 +146,8 @@ Expected<UestcPerson> ChooseVibePerson(const std::vector<VibeTrack>& tracks, con
   if (!ByBoxes(options.rule)) {
     return ChooseByPlaces(tracks, options, *range, rate_hz, name);
   }
-  const UestcRule rule = options.rule == TrackRule::kUestcReleased ? UestcRule::kPublished : UestcRule::kCorrected;
-  Expected<UestcPerson> person = SelectUestcTrack(tracks, Vector2d(options.start_px[0], options.start_px[1]), rule);
+  const Vector2d start(options.start_px[0], options.start_px[1]);
+  Expected<UestcPerson> person = SelectUestcTrack(tracks, start, options.rule);
   if (person) return person;
   Error error = person.error();
   error.where = name + ": " + error.where;

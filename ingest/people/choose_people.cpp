@@ -15,6 +15,15 @@ constexpr double kPresent = 0.5;     // share of the frames of whoever is there 
 constexpr double kMostlyFlat = 0.7;  // share of frames
 constexpr double kMostlyTogether = 0.6;
 
+// Why a track shows no person.
+constexpr int kFewestFrames = 8;  // "short": fewer frames, or less than kLeastShare of the file's
+constexpr double kLeastShare = 0.05;
+constexpr double kStill = 0.004;      // "frozen": metres that the joints move about their mean (median of the joints)
+constexpr double kFlat = 0.5;         // "furniture": height over width of the box around the body in most frames, or
+constexpr double kProportion = 0.35;  // bones whose log lengths are so far from a person's, or
+constexpr double kSpread = 0.3;       // change their length by so much
+constexpr double kTogether = 0.25;    // "double": metres between its middle and another's in most frames they share
+
 /// Middle of the box around the seen joints of a row, and its sides.
 struct Box {
   Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
@@ -63,20 +72,20 @@ double SpreadOf(const PersonTrack& track, const std::vector<int>& parents, const
   return Median(spreads);
 }
 
-double FlatShare(const PersonTrack& track, double flat) {
+double FlatShare(const PersonTrack& track) {
   int seen = 0, lies = 0;
   for (std::size_t row = 0; row < track.frames.size(); ++row) {
     const Box box = BoxOf(track, row);
     if (!box.seen) continue;
     const Vector3d sides = box.high - box.low;
     ++seen;
-    lies += sides.y() < flat * std::hypot(sides.x(), sides.z()) ? 1 : 0;
+    lies += sides.y() < kFlat * std::hypot(sides.x(), sides.z()) ? 1 : 0;
   }
   return seen == 0 ? 1.0 : static_cast<double>(lies) / seen;
 }
 
 /// Share of a's frames in which both are there and in one place.
-double TogetherShare(const PersonTrack& a, const PersonTrack& b, double distance) {
+double TogetherShare(const PersonTrack& a, const PersonTrack& b) {
   std::size_t j = 0;
   int together = 0;
   for (std::size_t i = 0; i < a.frames.size(); ++i) {
@@ -84,37 +93,37 @@ double TogetherShare(const PersonTrack& a, const PersonTrack& b, double distance
     if (j == b.frames.size()) break;
     if (b.frames[j] != a.frames[i]) continue;
     const Box box = BoxOf(a, i), other = BoxOf(b, j);
-    together += box.seen && other.seen && (box.middle() - other.middle()).norm() < distance ? 1 : 0;
+    together += box.seen && other.seen && (box.middle() - other.middle()).norm() < kTogether ? 1 : 0;
   }
   return static_cast<double>(together) / static_cast<double>(a.frames.size());
 }
 
 /// Why a track is false, or empty.
-std::string FalseTrackReason(const std::vector<PersonTrack>& tracks, std::size_t i, const FalseTrackLimits& limits,
-                             const std::vector<int>& parents, const std::vector<double>& rest_lengths, int frames) {
+std::string FalseTrackReason(const std::vector<PersonTrack>& tracks, std::size_t i, const std::vector<int>& parents,
+                             const std::vector<double>& rest_lengths, int frames) {
   const PersonTrack& track = tracks[i];
   const int count = static_cast<int>(track.frames.size());
   const auto metres = [](double value) { return Digits(1e3 * value) + " mm"; };
-  if (count < limits.fewest_frames || count < limits.least_share * frames) {
+  if (count < kFewestFrames || count < kLeastShare * frames) {
     return "short: in " + std::to_string(count) + " of " + std::to_string(frames) + " frames";
   }
-  if (const double wander = WanderOf(track); wander < limits.still) {
+  if (const double wander = WanderOf(track); wander < kStill) {
     return "frozen: its joints move by " + metres(wander);
   }
   for (std::size_t k = 0; k < tracks.size(); ++k) {
     const bool better =
         tracks[k].frames.size() > track.frames.size() || (tracks[k].frames.size() == track.frames.size() && k < i);
-    if (k == i || !better || TogetherShare(track, tracks[k], limits.together) < kMostlyTogether) continue;
+    if (k == i || !better || TogetherShare(track, tracks[k]) < kMostlyTogether) continue;
     return "double: in the place of " + tracks[k].Name();
   }
   const std::vector<double> signature = BoneSignature(track, parents);
-  if (const double off = ProportionOf(signature, rest_lengths); off > limits.proportion) {
+  if (const double off = ProportionOf(signature, rest_lengths); off > kProportion) {
     return "furniture: proportions are off by " + Digits(100.0 * (std::exp(off) - 1.0)) + " %";
   }
-  if (const double spread = SpreadOf(track, parents, signature); spread > limits.spread) {
+  if (const double spread = SpreadOf(track, parents, signature); spread > kSpread) {
     return "furniture: bones change their length by " + Digits(100.0 * spread) + " %";
   }
-  if (const double flat = FlatShare(track, limits.flat); flat > kMostlyFlat && tracks.size() > 1) {
+  if (const double flat = FlatShare(track); flat > kMostlyFlat && tracks.size() > 1) {
     return "furniture: wider than high in " + Digits(100.0 * flat) + " % of its frames";
   }
   return {};
@@ -177,26 +186,22 @@ void NoteSecondPerson(const People& people, std::size_t wanted, int frames, std:
 
 }  // namespace
 
-bool StitchesIds(const PeopleOptions& options) { return options.stitch && options.rule != TrackRule::kOfficial; }
-
 std::vector<PersonTrack> JoinIds(std::vector<PersonTrack> tracks, const PeopleOptions& options,
                                  const std::vector<int>& parents, const std::vector<double>& time_s,
                                  std::vector<Finding>& findings) {
-  if (!StitchesIds(options)) return tracks;
-  const StitchOptions limits{options.max_lost_s, options.max_speed, StitchOptions().slack, options.max_signature};
-  return StitchTracks(std::move(tracks), parents, time_s, limits, findings);
+  if (!options.stitch || options.rule == TrackRule::kOfficial) return tracks;
+  return StitchTracks(std::move(tracks), parents, time_s, options.max_lost_s, findings);
 }
 
 People ChoosePeople(std::vector<PersonTrack> tracks, std::size_t wanted, TrackRule rule, bool look_for_false_tracks,
-                    const FalseTrackLimits& limits, const std::vector<int>& parents,
-                    const std::vector<double>& rest_lengths, int frames) {
+                    const std::vector<int>& parents, const std::vector<double>& rest_lengths, int frames) {
   People people;
   std::vector<PersonTrack> sound;
   std::vector<std::string> reasons;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     reasons.push_back(rule == TrackRule::kOfficial || !look_for_false_tracks
                           ? std::string()
-                          : FalseTrackReason(tracks, i, limits, parents, rest_lengths, frames));
+                          : FalseTrackReason(tracks, i, parents, rest_lengths, frames));
   }
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     (reasons[i].empty() ? sound : people.false_tracks).push_back(tracks[i]);

@@ -78,13 +78,13 @@ Pair AlignPair(const CameraPeople& a, const CameraPeople& b, std::size_t slots, 
   return best;
 }
 
-bool Agrees(const Pair& pair, const PlaceOptions& options) {
+bool Agrees(const Pair& pair, const ViewOptions& options) {
   return pair.alignment && !pair.alignment->Mirrored() && pair.alignment->median <= options.max_disagreement;
 }
 
 std::string DigitsOfMillimetres(double metres) { return Digits(1e3 * metres) + " mm"; }
 
-std::string WhyNot(const Pair& pair, const PlaceOptions& options) {
+std::string WhyNot(const Pair& pair, const ViewOptions& options) {
   if (!pair.alignment) return "they see too little in common";
   const ViewAlignment& view = *pair.alignment;
   if (view.Mirrored()) {
@@ -97,7 +97,7 @@ std::string WhyNot(const Pair& pair, const PlaceOptions& options) {
 
 /// A camera that recorded another time than the others, as an error; nothing where it did not. `pair`: how b fits a.
 std::optional<Error> FindApartClocks(const CameraPeople& a, const CameraPeople& b, const Pair& pair, std::size_t slots,
-                                     double rate_hz, const PlaceOptions& options, const std::string& where) {
+                                     double rate_hz, const ViewOptions& options, const std::string& where) {
   if (a.declared || b.declared) return std::nullopt;
   const Pair far = AlignPair(a, b, slots, rate_hz, std::max(a.frames, b.frames) / rate_hz);
   const bool beyond = Agrees(far, options) && far.alignment->offset_known &&
@@ -147,7 +147,7 @@ void NoteCapture(std::vector<Finding>& findings, const char* code, Severity seve
   findings.push_back(std::move(finding));
 }
 
-Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const PlaceOptions& options, double rate_hz,
+Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const ViewOptions& options, double rate_hz,
                                  const std::string& where) {
   PlacedViews placed;
   placed.views.resize(cameras.size());

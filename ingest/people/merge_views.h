@@ -5,6 +5,7 @@
 
 #include "core/motion/clip.h"
 #include "core/quality/view_alignment.h"
+#include "ingest/options.h"
 #include "ingest/people/person_tracks.h"
 
 namespace mocurate {
@@ -32,11 +33,6 @@ struct PlacedViews {
   std::vector<Finding> findings;  ///< "no_person_in_view", "view_excluded", "clock_offset"
 };
 
-struct PlaceOptions {
-  double max_offset_s = 1.0;
-  double max_disagreement = 0.1;  ///< metres
-};
-
 /// Appends a finding about a whole capture.
 void NoteCapture(std::vector<Finding>& findings, const char* code, Severity severity, double value, std::string message,
                  FindingAction action);
@@ -46,7 +42,7 @@ void NoteCapture(std::vector<Finding>& findings, const char* code, Severity seve
 /// out. Error kInconsistent: no person is observed at all, or cameras contradict each other and no two agree;
 /// Reason::kViewNumbering: a camera agrees with another only beyond `max_offset_s`, or they share less than half of the
 /// shorter recording, and neither is declared.
-Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const PlaceOptions& options, double rate_hz,
+Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const ViewOptions& options, double rate_hz,
                                  const std::string& where);
 
 /// One person in the world and at the times of the reference, frames [begin, end) of it. Places are the middle of what

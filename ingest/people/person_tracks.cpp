@@ -13,6 +13,9 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kFewestTrackedBones = 4;
+constexpr double kFastest = 3.0;             // m/s, of a person in a gap, at most
+constexpr double kSlack = 0.4;               // metres on top of it
+constexpr double kFarthestSignature = 0.12;  // of SignatureDistance: bones of one person
 
 /// Middle of the joints that are seen in a row of the track.
 Vector3d CentreOf(const PersonTrack& track, std::size_t row) {
@@ -53,8 +56,7 @@ PersonTrack JoinedTrack(const PersonTrack& a, const PersonTrack& b) {
 }
 
 /// Whether ids are on in each other's gaps, never together, and always where the other just was.
-bool Interleaved(const PersonTrack& a, const PersonTrack& b, const std::vector<double>& time_s,
-                 const StitchOptions& options) {
+bool Interleaved(const PersonTrack& a, const PersonTrack& b, const std::vector<double>& time_s) {
   if (a.frames.back() < b.frames.front() || b.frames.back() < a.frames.front()) return false;
   std::size_t i = 0, j = 0;
   int switches = 0;
@@ -69,7 +71,7 @@ bool Interleaved(const PersonTrack& a, const PersonTrack& b, const std::vector<d
     const Vector3d here = CentreOf(track, row);
     const double at = time_s[static_cast<std::size_t>(track.frames[row])];
     if (last >= 0 && now != last) {
-      if ((here - place).norm() > options.slack + options.max_speed * (at - time)) return false;
+      if ((here - place).norm() > kSlack + kFastest * (at - time)) return false;
       ++switches;
     }
     last = now;
@@ -95,11 +97,11 @@ void SortByBegin(std::vector<PersonTrack>& tracks) {
                    [](const PersonTrack& a, const PersonTrack& b) { return a.frames.front() < b.frames.front(); });
 }
 
-void JoinInterleaved(std::vector<PersonTrack>& tracks, const std::vector<double>& time_s, const StitchOptions& options,
+void JoinInterleaved(std::vector<PersonTrack>& tracks, const std::vector<double>& time_s,
                      std::vector<Finding>& findings) {
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     for (std::size_t k = i + 1; k < tracks.size();) {
-      if (!Interleaved(tracks[i], tracks[k], time_s, options)) {
+      if (!Interleaved(tracks[i], tracks[k], time_s)) {
         ++k;
         continue;
       }
@@ -170,11 +172,11 @@ double SignatureDistance(const std::vector<double>& a, const std::vector<double>
 }
 
 std::vector<PersonTrack> StitchTracks(std::vector<PersonTrack> tracks, const std::vector<int>& parents,
-                                      const std::vector<double>& time_s, const StitchOptions& options,
+                                      const std::vector<double>& time_s, double max_lost_s,
                                       std::vector<Finding>& findings) {
   constexpr double kNever = 1e9;
   SortByBegin(tracks);
-  JoinInterleaved(tracks, time_s, options, findings);
+  JoinInterleaved(tracks, time_s, findings);
   const int count = static_cast<int>(tracks.size());
   std::vector<std::vector<double>> signatures;
   for (const PersonTrack& track : tracks) signatures.push_back(BoneSignature(track, parents));
@@ -186,13 +188,13 @@ std::vector<PersonTrack> StitchTracks(std::vector<PersonTrack> tracks, const std
       if (i == k || from.frames.back() >= to.frames.front()) continue;
       const double gap =
           time_s[static_cast<std::size_t>(to.frames.front())] - time_s[static_cast<std::size_t>(from.frames.back())];
-      const double reach = options.slack + options.max_speed * gap;
+      const double reach = kSlack + kFastest * gap;
       const double distance = (CentreOf(to, 0) - CentreOf(from, from.frames.size() - 1)).norm();
       const double signature =
           SignatureDistance(signatures[static_cast<std::size_t>(i)], signatures[static_cast<std::size_t>(k)]);
-      if (gap > options.max_lost_s || distance > reach || signature > options.max_signature) continue;
+      if (gap > max_lost_s || distance > reach || signature > kFarthestSignature) continue;
       costs[static_cast<std::size_t>(i) * static_cast<std::size_t>(count) + static_cast<std::size_t>(k)] =
-          distance / reach + signature / options.max_signature;
+          distance / reach + signature / kFarthestSignature;
     }
   }
   const std::vector<int> next = LeastCostAssignment(costs, count, count, 3.0);

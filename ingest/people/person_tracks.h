@@ -37,20 +37,13 @@ std::vector<double> BoneSignature(const PersonTrack& track, const std::vector<in
 /// Mean distance of log lengths over the bones that both have; 1 when these are fewer than four.
 double SignatureDistance(const std::vector<double>& a, const std::vector<double>& b);
 
-struct StitchOptions {
-  double max_lost_s = 2.0;      ///< longest time that a person may be lost
-  double max_speed = 3.0;       ///< m/s, of a person in the gap, at most
-  double slack = 0.4;           ///< metres on top of it
-  double max_signature = 0.12;  ///< of SignatureDistance: bones of one person
-};
-
 /// Ids that are one person: interleaved ones (never seen together, on in each other's gaps, at one place), and ids that
 /// end before another begins, within reach and with the same bones. Over gaps, ends are joined to beginnings by the
 /// assignment of the least summed cost (distance over reach, plus signature over its limit), so that two people who are
-/// lost at once come back as themselves. Each joint is a finding "ids_stitched" (info; value: frames lost). Tracks come
-/// in order of their first frames.
+/// lost at once come back as themselves. `max_lost_s`: longest time that a person may be lost. Each joint is a finding
+/// "ids_stitched" (info; value: frames lost). Tracks come in order of their first frames.
 std::vector<PersonTrack> StitchTracks(std::vector<PersonTrack> tracks, const std::vector<int>& parents,
-                                      const std::vector<double>& time_s, const StitchOptions& options,
+                                      const std::vector<double>& time_s, double max_lost_s,
                                       std::vector<Finding>& findings);
 
 /// Partner of each row in the assignment of the least summed cost, -1 for none: costs (rows x columns, row-major), each

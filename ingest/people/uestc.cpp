@@ -71,11 +71,11 @@ Status Check(const std::vector<VibeTrack>& tracks) {
 
 /// Which of `rivals` (indices) is the person.
 std::size_t Choose(const std::vector<VibeTrack>& tracks, const std::vector<std::size_t>& rivals, const Vector2d& last,
-                   UestcRule rule) {
+                   TrackRule rule) {
   const auto distance = [&](std::size_t i) { return (BoxCentre(tracks[i], 0) - last).norm(); };
   const auto nearest = *std::min_element(rivals.begin(), rivals.end(),
                                          [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
-  if (rule == UestcRule::kPublished || distance(nearest) > 0.5 * BoxSize(tracks[nearest], 0)) return nearest;
+  if (rule == TrackRule::kUestcReleased || distance(nearest) > 0.5 * BoxSize(tracks[nearest], 0)) return nearest;
   std::size_t best = nearest;
   for (const std::size_t i : rivals) {
     const bool near = distance(i) <= 0.5 * BoxSize(tracks[i], 0);
@@ -99,9 +99,9 @@ Vector3d AxisAngleOf(const Quaternion& q) {
   return vector / factor;
 }
 
-Vector3d Between(const double* from, const double* to, double share, bool root, UestcRule rule) {
+Vector3d Between(const double* from, const double* to, double share, bool root, TrackRule rule) {
   const Quaternion q0 = QuaternionOf(from, 1.0), q1 = QuaternionOf(to, 1.0);
-  if (rule == UestcRule::kCorrected) {
+  if (rule == TrackRule::kUestcCorrected) {
     const Quaterniond a(q0[0], q0[1], q0[2], q0[3]), b(q1[0], q1[1], q1[2], q1[3]);
     return LogQuaternion(Slerp(a, b, share));
   }
@@ -112,7 +112,7 @@ Vector3d Between(const double* from, const double* to, double share, bool root, 
 }
 
 /// Row of every field `share` of the way from the last of `track` to row `row` of `piece`, at the end of `track`.
-void AppendBetween(const VibeTrack& piece, std::size_t row, std::size_t last_row, double share, UestcRule rule,
+void AppendBetween(const VibeTrack& piece, std::size_t row, std::size_t last_row, double share, TrackRule rule,
                    VibeTrack& track) {
   for (const TrackField& field : TrackFields(piece)) {
     const std::vector<double>& to = piece.*(field.values);
@@ -134,7 +134,7 @@ void AppendBetween(const VibeTrack& piece, std::size_t row, std::size_t last_row
 }
 
 /// A row of a track behind those of the person, and the frames between them.
-void AppendRow(const VibeTrack& piece, std::size_t row, UestcRule rule, UestcPerson& person) {
+void AppendRow(const VibeTrack& piece, std::size_t row, TrackRule rule, UestcPerson& person) {
   VibeTrack& track = person.track;
   if (track.frames > 0) {
     const std::int64_t last = End(track), next = piece.frame_ids[row];
@@ -159,7 +159,7 @@ void AppendRow(const VibeTrack& piece, std::size_t row, UestcRule rule, UestcPer
   ++track.frames;
 }
 
-void NoteFilled(UestcRule rule, UestcPerson& person) {
+void NoteFilled(TrackRule rule, UestcPerson& person) {
   const std::vector<char>& filled = person.interpolated;
   for (std::size_t f = 0; f < filled.size(); ++f) {
     if (filled[f] == 0) continue;
@@ -168,7 +168,7 @@ void NoteFilled(UestcRule rule, UestcPerson& person) {
     Finding finding =
         FrameFinding("frames_filled", static_cast<int>(begin), static_cast<int>(f), "", static_cast<double>(f - begin),
                      std::to_string(f - begin) + " frames without the person are interpolated" +
-                         (rule == UestcRule::kPublished ? ", as released, however long the gap" : ""));
+                         (rule == TrackRule::kUestcReleased ? ", as released, however long the gap" : ""));
     finding.severity = Severity::kInfo;
     finding.action = FindingAction::kInterpolated;
     person.findings.push_back(std::move(finding));
@@ -203,19 +203,7 @@ std::optional<Finding> CheckFrameCount(int declared, std::size_t frames, int ent
       FindingAction::kKept);
 }
 
-Vector2d UestcStart(const std::vector<Vector3d>& kinect_joints) {
-  Vector2d low = Vector2d::Zero(), high = Vector2d::Zero();
-  for (std::size_t j = 0; j < kinect_joints.size(); ++j) {
-    const Vector3d& p = kinect_joints[j];
-    Vector2d pixel(540.0 * p.x() + 480.0 * p.z(), -540.0 * p.y() + 270.0 * p.z());
-    if (p.z() != 0.0) pixel /= p.z();
-    low = j == 0 ? pixel : Vector2d(low.cwiseMin(pixel));
-    high = j == 0 ? pixel : Vector2d(high.cwiseMax(pixel));
-  }
-  return 0.5 * (low + high);
-}
-
-Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, const Vector2d& start, UestcRule rule) {
+Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, const Vector2d& start, TrackRule rule) {
   if (Status ok = Check(tracks); !ok) return Forward(ok);
   UestcPerson person;
   person.track.joints = tracks.front().joints;
@@ -234,7 +222,7 @@ Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, con
     const std::size_t taken = rivals.size() == 1 ? first : Choose(tracks, rivals, last, rule);
     const VibeTrack& track = tracks[taken];
     const double distance = (BoxCentre(track, 0) - last).norm();
-    if (rule == UestcRule::kCorrected && !person.chosen.empty()) {
+    if (rule == TrackRule::kUestcCorrected && !person.chosen.empty()) {
       const double lost = static_cast<double>(Begin(track) - End(person.track));
       const double size = BoxSize(person.track, person.track.frames - 1);
       if (distance > size + kDriftPerFrame * lost) {
@@ -259,7 +247,8 @@ Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, con
   return person;
 }
 
-UestcPerson JoinVibeTracks(const std::vector<const VibeTrack*>& tracks, UestcRule rule) {
+UestcPerson JoinVibeTracks(const std::vector<const VibeTrack*>& tracks) {
+  constexpr TrackRule rule = TrackRule::kUestcCorrected;
   struct Row {
     const VibeTrack* track;
     std::size_t row;

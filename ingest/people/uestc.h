@@ -10,6 +10,7 @@
 #include "core/formats/uestc_info.h"
 #include "core/formats/vibe_pickle.h"
 #include "core/geometry/rotation.h"
+#include "ingest/options.h"
 
 namespace mocurate {
 
@@ -27,21 +28,6 @@ Expected<UestcFolder> ReadUestcFolder(const std::filesystem::path& folder);
 /// correct: the set counts the frames that all its recordings of a video share.
 std::optional<Finding> CheckFrameCount(int declared, std::size_t frames, int entry);
 
-/// How ACTOR picks the performer of a UESTC video among VIBE's tracks (Petrovich et al. 2021, released preprocessing).
-enum class UestcRule {
-  /// As released. While tracks remain: the one that begins first, against all that begin before it ends; the nearest by
-  /// its first box to where the person was last is taken, and all that begin before it ends are gone. In gaps all
-  /// numbers are weighted linearly, quaternions without aligning their signs, and the root goes towards the *inverse*
-  /// of the next rotation where that quaternion is nearer.
-  kPublished,
-  /// The same with three faults corrected: of the rivals near enough to be the person the one that begins first is
-  /// taken,
-  /// so that no frames are lost to a later detection; a track that is farther than a body's size is another person,
-  /// also
-  /// when it has no rival; gaps are filled along the shortest arc.
-  kCorrected,
-};
-
 /// The performer of a video, one frame after the other.
 struct UestcPerson {
   VibeTrack track;                   ///< frame_ids without gaps
@@ -50,18 +36,24 @@ struct UestcPerson {
   std::vector<Finding> findings;     ///< "frames_filled" (info), "other_person" (corrected: tracks passed over)
 };
 
-/// Where the performer is in the colour image (960 x 540): the centre of the box around the 25 joints of the sensor's
-/// first frame (metres, y up, z away), projected with focal length 540 and the centre at (480, 270) after y is negated;
-/// joints with z = 0 stay unprojected, as released.
-Vector2d UestcStart(const std::vector<Vector3d>& kinect_joints);
+/// The performer of a UESTC video among VIBE's tracks, who stood at `start` (pixels) first.
+///
+/// TrackRule::kUestcReleased, as in ACTOR's preprocessing (Petrovich et al. 2021): while tracks remain, the one that
+/// begins first, against all that begin before it ends; the nearest by its first box to where the person was last is
+/// taken, and all that begin before it ends are gone. In gaps all numbers are weighted linearly, quaternions without
+/// aligning their signs, and the root goes towards the *inverse* of the next rotation where that quaternion is nearer.
+///
+/// kUestcCorrected, the same with three faults corrected: of the rivals near enough to be the person the one that
+/// begins first is taken, so that no frames are lost to a later detection; a track that is farther than a body's size
+/// is another person, also when it has no rival; gaps are filled along the shortest arc.
+///
+/// `tracks` need frame_ids, boxes and pose. One track is taken as it is, only filled. Error kInconsistent: no track, or
+/// a field of another length.
+Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, const Vector2d& start, TrackRule rule);
 
-/// `tracks` need frame_ids, boxes and pose; `start`: UestcStart. One track is taken as it is, only filled. Error
-/// kInconsistent: no track, or a field of another length.
-Expected<UestcPerson> SelectUestcTrack(const std::vector<VibeTrack>& tracks, const Vector2d& start, UestcRule rule);
-
-/// Tracks of one person as one, row by row in order of their frames (which they must not share), gaps filled by
-/// `rule`; findings "frames_filled". At least one track.
-UestcPerson JoinVibeTracks(const std::vector<const VibeTrack*>& tracks, UestcRule rule);
+/// Tracks of one person as one, row by row in order of their frames (which they must not share), gaps filled along
+/// the shortest arc; findings "frames_filled". At least one track.
+UestcPerson JoinVibeTracks(const std::vector<const VibeTrack*>& tracks);
 
 /// Where a weak-perspective camera (F x 4: sx, sy, tx, ty) sees the person: (tx, ty, z) with z = 500 / (270 sx), as
 /// below. Error kInconsistent: a scale that is not positive.

@@ -114,8 +114,8 @@ Expected<People> NtuPeople(const NtuSkeleton& skeleton, const SourceOptions& sou
   std::vector<Finding> stitched;
   std::vector<PersonTrack> tracks = TracksOfIds(skeleton, axes->canonical_from_source, source.inferred_confidence);
   tracks = JoinIds(std::move(tracks), options, bones.parents, time_s, stitched);
-  People people = ChoosePeople(std::move(tracks), wanted, options.rule, options.false_tracks, FalseTrackLimits(),
-                               bones.parents, bones.rest_lengths, static_cast<int>(skeleton.frames.size()));
+  People people = ChoosePeople(std::move(tracks), wanted, options.rule, options.false_tracks, bones.parents,
+                               bones.rest_lengths, static_cast<int>(skeleton.frames.size()));
   people.findings.insert(people.findings.begin(), stitched.begin(), stitched.end());
   return people;
 }

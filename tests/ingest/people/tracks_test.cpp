@@ -46,14 +46,14 @@ PersonTrack Piece(const test::Take& take, std::uint64_t id, int begin, int end,
 std::vector<PersonTrack> Stitched(std::vector<PersonTrack> tracks, const test::Take& like,
                                   std::vector<Finding>* found = nullptr) {
   std::vector<Finding> findings;
-  auto people = StitchTracks(std::move(tracks), like.parents, like.time_s, {}, findings);
+  auto people = StitchTracks(std::move(tracks), like.parents, like.time_s, PeopleOptions().max_lost_s, findings);
   if (found != nullptr) *found = findings;
   return people;
 }
 
 People Chosen(std::vector<PersonTrack> tracks, std::size_t count, const test::Take& like,
               TrackRule rule = TrackRule::kMotion) {
-  return ChoosePeople(std::move(tracks), count, rule, true, FalseTrackLimits(), like.parents, like.rest_lengths, 90);
+  return ChoosePeople(std::move(tracks), count, rule, true, like.parents, like.rest_lengths, 90);
 }
 
 /// Frames of each false track.

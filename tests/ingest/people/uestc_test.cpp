@@ -32,7 +32,7 @@ VibeTrack TrackOfFrames(std::int64_t id, int begin, int end, double x, double dr
   return track;
 }
 
-UestcPerson Selected(const std::vector<VibeTrack>& tracks, double x, UestcRule rule) {
+UestcPerson Selected(const std::vector<VibeTrack>& tracks, double x, TrackRule rule) {
   auto person = SelectUestcTrack(tracks, {x, 270.0}, rule);
   if (!person) {
     ADD_FAILURE() << person.error().Message();
@@ -50,7 +50,7 @@ TEST(UestcTracks, SelectsASingleTrackAnywhereAndFillsItsGaps) {
     (track.*field).insert((track.*field).end(), (later.*field).begin(), (later.*field).end());
   }
   track.frame_ids.insert(track.frame_ids.end(), later.frame_ids.begin(), later.frame_ids.end());
-  for (const UestcRule rule : {UestcRule::kPublished, UestcRule::kCorrected}) {
+  for (const TrackRule rule : {TrackRule::kUestcReleased, TrackRule::kUestcCorrected}) {
     const UestcPerson person = Selected({track}, 100, rule);
     EXPECT_THAT(person.chosen, ElementsAre(3));
     ASSERT_EQ(person.track.frames, 20u);
@@ -60,7 +60,7 @@ TEST(UestcTracks, SelectsASingleTrackAnywhereAndFillsItsGaps) {
     EXPECT_NEAR(person.track.joints3d[11 * 147 + 5], 0.05 + 0.011, 1e-9) << "linear in time";
     ASSERT_EQ(person.findings.size(), 1u);
     EXPECT_EQ(person.findings[0].value, 4.0);
-    if (rule == UestcRule::kPublished) continue;
+    if (rule == TrackRule::kUestcReleased) continue;
     EXPECT_NEAR(person.track.pose[11 * 72 + 1], 1.1, 1e-9);
   }
 }
@@ -68,7 +68,7 @@ TEST(UestcTracks, SelectsASingleTrackAnywhereAndFillsItsGaps) {
 TEST(UestcTracks, SelectsTheTrackNearestToTheSensorPersonThenToTheLastPosition) {
   const std::vector<VibeTrack> tracks = {TrackOfFrames(1, 0, 100, 800), TrackOfFrames(2, 2, 50, 480, 2.0),
                                          TrackOfFrames(4, 55, 100, 580), TrackOfFrames(5, 53, 60, 120)};
-  for (const UestcRule rule : {UestcRule::kPublished, UestcRule::kCorrected}) {
+  for (const TrackRule rule : {TrackRule::kUestcReleased, TrackRule::kUestcCorrected}) {
     EXPECT_THAT(Selected(tracks, 480, rule).chosen, ElementsAre(2, 4)) << "the person at 800 is in the background";
   }
 }
@@ -76,8 +76,8 @@ TEST(UestcTracks, SelectsTheTrackNearestToTheSensorPersonThenToTheLastPosition) 
 TEST(UestcTracks, KeepsTheBeginningUnderTheCorrectedRuleOnly) {
   // The person is detected twice; the second detection is one pixel nearer.
   const std::vector<VibeTrack> tracks = {TrackOfFrames(1, 0, 60, 482), TrackOfFrames(2, 50, 100, 480)};
-  EXPECT_THAT(Selected(tracks, 480, UestcRule::kPublished).chosen, ElementsAre(2));
-  const UestcPerson corrected = Selected(tracks, 480, UestcRule::kCorrected);
+  EXPECT_THAT(Selected(tracks, 480, TrackRule::kUestcReleased).chosen, ElementsAre(2));
+  const UestcPerson corrected = Selected(tracks, 480, TrackRule::kUestcCorrected);
   EXPECT_THAT(corrected.chosen, ElementsAre(1)) << "overlapping later tracks are dropped, as published";
   EXPECT_EQ(corrected.track.frame_ids.front(), 0);
 }
@@ -85,8 +85,8 @@ TEST(UestcTracks, KeepsTheBeginningUnderTheCorrectedRuleOnly) {
 TEST(UestcTracks, SelectsADistantPersonUnderThePublishedRuleOnly) {
   const std::vector<VibeTrack> tracks = {TrackOfFrames(1, 0, 50, 480), TrackOfFrames(2, 52, 60, 900),
                                          TrackOfFrames(3, 65, 90, 490)};
-  EXPECT_THAT(Selected(tracks, 480, UestcRule::kPublished).chosen, ElementsAre(1, 2, 3));
-  const UestcPerson corrected = Selected(tracks, 480, UestcRule::kCorrected);
+  EXPECT_THAT(Selected(tracks, 480, TrackRule::kUestcReleased).chosen, ElementsAre(1, 2, 3));
+  const UestcPerson corrected = Selected(tracks, 480, TrackRule::kUestcCorrected);
   EXPECT_THAT(corrected.chosen, ElementsAre(1, 3));
   EXPECT_EQ(corrected.track.frames, 90u);
   EXPECT_EQ(corrected.findings.at(0).code, "other_person");
@@ -97,30 +97,24 @@ TEST(UestcTracks, ReproducesTheReversedRootRotationOfTheReleasedGapFilling) {
   VibeTrack before = TrackOfFrames(1, 0, 2, 480), after = TrackOfFrames(2, 4, 6, 480);
   for (std::size_t f = 0; f < 2; ++f) before.pose[f * 72 + 1] = 3.0;
   for (std::size_t f = 0; f < 2; ++f) after.pose[f * 72 + 1] = 3.3 - 2.0 * 3.14159265358979;
-  const UestcPerson corrected = Selected({before, after}, 480, UestcRule::kCorrected);
+  const UestcPerson corrected = Selected({before, after}, 480, TrackRule::kUestcCorrected);
   const Quaterniond truth = ExpQuaternion({0, 3.1, 0});
   const auto root = [](const UestcPerson& person, std::size_t f) {
     return ExpQuaternion({person.track.pose[f * 72], person.track.pose[f * 72 + 1], person.track.pose[f * 72 + 2]});
   };
   EXPECT_NEAR(AngleBetween(root(corrected, 2), truth), 0.0, 1e-9);
-  const UestcPerson published = Selected({before, after}, 480, UestcRule::kPublished);
+  const UestcPerson published = Selected({before, after}, 480, TrackRule::kUestcReleased);
   EXPECT_GT(AngleBetween(root(published, 3), ExpQuaternion({0, 3.2, 0})), 0.1)
       << "interpolated towards the inverse rotation";
 }
 
 TEST(UestcTracks, RejectsInconsistentTracks) {
-  EXPECT_FALSE(SelectUestcTrack({}, {0, 0}, UestcRule::kPublished));
+  EXPECT_FALSE(SelectUestcTrack({}, {0, 0}, TrackRule::kUestcReleased));
   VibeTrack track = TrackOfFrames(1, 0, 5, 480);
   track.boxes.pop_back();
-  const auto refused = SelectUestcTrack({track}, {0, 0}, UestcRule::kPublished);
+  const auto refused = SelectUestcTrack({track}, {0, 0}, TrackRule::kUestcReleased);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().where, "bboxes");
-}
-
-TEST(UestcTracks, StartsAtTheCentreOfTheProjectedBox) {
-  const Vector2d start = UestcStart({{0.5, 1.0, 2.0}, {-0.5, -1.0, 2.0}, {0.0, 0.0, 4.0}});
-  EXPECT_NEAR(start.x(), 480.0, 1e-9);
-  EXPECT_NEAR(start.y(), 270.0, 1e-9);
 }
 
 TEST(UestcCamera, ComputesDepthFromTheScaleLikeTheReleasedHeightRatio) {
