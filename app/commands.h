@@ -1,31 +1,43 @@
 #pragma once
 
-#include <CLI/App.hpp>
+#include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
 
-/// Each function adds a subcommand with its options and help; parsing it sets `verb`.
-void AddRun(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddPlan(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddJobs(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddFit(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddRig(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddExport(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddGenerate(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddDraw(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddReproduce(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddEval(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddAudit(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddReview(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddSurvey(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddDataset(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddInspect(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddSynthesize(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddConfig(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddDoctor(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
-void AddCache(CLI::App& app, CommonArguments& common, std::function<Status()>& verb);
+/// The command line of the program, to which verbs are added.
+struct CommandLine {
+  CLI::App& app;
+  CommonArguments& common;
+  std::function<Status()>& verb;  ///< what the parsed words ask for
+
+  /// `call` with the arguments becomes the verb when `command` is parsed.
+  template <class Call, class Arguments>
+  void Calls(CLI::App* command, Call call, std::shared_ptr<Arguments> arguments) const {
+    command->callback([&common = common, &verb = verb, call, arguments] {
+      verb = [&common, call, arguments] { return call(common, *arguments); };
+    });
+  }
+};
+
+/// --set KEY=VALUE, which may be repeated.
+inline CLI::Option* AddAssignments(CLI::App* command, std::vector<std::string>& assignments, const std::string& help) {
+  return command->add_option("--set", assignments, help)->type_name("KEY=VALUE")->allow_extra_args(false);
+}
+
+inline void AddJobCount(CLI::App* command, int& jobs, const char* help = "worker processes (default: one per core)") {
+  command->add_option("-j,--jobs", jobs, help)->check(CLI::Range(0, 1024));
+}
+
+/// Each function adds subcommands with their options and help.
+void AddRunVerbs(const CommandLine& line);
+void AddMotionVerbs(const CommandLine& line);
+void AddDatasetVerbs(const CommandLine& line);
+void AddSourceVerbs(const CommandLine& line);
 
 }  // namespace mocurate

@@ -105,25 +105,7 @@ int Run(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough();
   app.footer(kFooter);
-  AddRun(app, common, verb);
-  AddPlan(app, common, verb);
-  AddJobs(app, common, verb);
-  AddFit(app, common, verb);
-  AddRig(app, common, verb);
-  AddExport(app, common, verb);
-  AddGenerate(app, common, verb);
-  AddDraw(app, common, verb);
-  AddReproduce(app, common, verb);
-  AddEval(app, common, verb);
-  AddAudit(app, common, verb);
-  AddReview(app, common, verb);
-  AddSurvey(app, common, verb);
-  AddDataset(app, common, verb);
-  AddInspect(app, common, verb);
-  AddSynthesize(app, common, verb);
-  AddConfig(app, common, verb);
-  AddDoctor(app, common, verb);
-  AddCache(app, common, verb);
+  for (const auto add : {AddRunVerbs, AddMotionVerbs, AddDatasetVerbs, AddSourceVerbs}) add({app, common, verb});
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
