@@ -3,11 +3,12 @@
 #include <algorithm>
 
 #include "core/base/file.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {
 
-const char* Decision(const ClipRecord& clip) {
+const char* DecisionOf(const ClipRecord& clip) {
   if (clip.kept()) return "kept";
   if (clip.failed()) return "dropped";
   return clip.excluded() ? "excluded" : "undecided";  // the run ended before
@@ -25,7 +26,7 @@ const Finding* RuleOf(const ClipRecord& clip, const ItemResult& stage) {
 }
 
 nlohmann::json LineOf(const ClipRecord& clip) {
-  nlohmann::json line = {{"clip", clip.item}, {"decision", Decision(clip)}};
+  nlohmann::json line = {{"clip", clip.item}, {"decision", DecisionOf(clip)}};
   if (clip.has_error_finding()) line["suspect"] = true;
   if (clip.replaces_rotations()) line["replaces_rotations"] = true;
   const nlohmann::json evidence = clip.evidence.summary;
@@ -56,6 +57,20 @@ nlohmann::json LineOf(const ClipRecord& clip) {
 }
 
 }  // namespace
+
+std::string ClipsText(const ClipCounts& counts) {
+  std::string text = Counted(counts.clips, "clip") + ", " + std::to_string(counts.kept) +
+                     " kept, excluded by rule: " + std::to_string(counts.excluded) + ", " +
+                     std::to_string(counts.failed) + " failed";
+  if (counts.suspect > 0) text += ", " + std::to_string(counts.suspect) + " suspect";
+  if (counts.undecided > 0) text += ", " + std::to_string(counts.undecided) + " undecided (the run ended before)";
+  if (counts.folders > 0) text += "; " + Counted(counts.folders, "folder") + " skipped";
+  if (counts.replaces_rotations > 0) {
+    text += "; recorded rotations of " + Counted(counts.replaces_rotations, "clip") +
+            " replaced by fitted ones (fitting.method: none keeps them)";
+  }
+  return text;
+}
 
 Status WriteCurationLog(const std::vector<ClipRecord>& clips, const std::filesystem::path& path) {
   std::vector<const ClipRecord*> sorted;

@@ -22,7 +22,7 @@
 #include "job/network_rows.h"
 #include "job/network_scores.h"
 #include "job/report_run.h"
-#include "job/run_outputs.h"
+#include "job/run_folder.h"
 #include "job/stage_runs.h"
 #include "job/training_run.h"
 

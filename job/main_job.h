@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/pipeline/runner.h"
-#include "job/clip_counts.h"
+#include "job/curation_log.h"
 #include "job/job_items.h"
 #include "job/job_options.h"
 #include "job/job_stage.h"

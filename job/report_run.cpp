@@ -11,7 +11,7 @@
 #include "core/motion/request.h"
 #include "core/store/dataset_clips.h"
 #include "ingest/formats/driver.h"
-#include "job/run_outputs.h"
+#include "job/run_folder.h"
 #include "job/temporary_folder.h"
 #include "train/options.h"
 

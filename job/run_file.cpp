@@ -12,7 +12,7 @@
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/pipeline/journal.h"
-#include "job/machine_facts.h"
+#include "job/machine.h"
 
 namespace mocurate {
 namespace {

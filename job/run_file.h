@@ -8,7 +8,7 @@
 
 #include "job/config_loading.h"
 #include "job/job_stage.h"
-#include "job/run_outputs.h"
+#include "job/run_folder.h"
 
 namespace mocurate {
 

@@ -18,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSilence_s = 120.0;  ///< Slurm's own timeouts are shorter
-constexpr int kTries = 5;
-constexpr std::chrono::seconds kPause{60};
+constexpr int kMostTries = 5;
+constexpr std::chrono::seconds kBetweenTries{60};
 
 Expected<fs::path> ProgramNamed(const std::string& name) {
   const char* folders = std::getenv("PATH");
@@ -161,8 +161,8 @@ Expected<std::string> SubmitToSlurm(const fs::path& script, const std::string& a
     const Expected<ProgramAnswer> answer = Ask("sbatch", arguments);
     if (!answer) return Forward(answer);
     Expected<std::string> id = ParseSubmission(answer->exit_status, answer->text);
-    if (id || !NoController(answer->text) || !in_job || tries == kTries) return id;
-    std::this_thread::sleep_for(kPause);
+    if (id || !NoController(answer->text) || !in_job || tries == kMostTries) return id;
+    std::this_thread::sleep_for(kBetweenTries);
   }
 }
 

@@ -8,7 +8,7 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "job/main_job.h"
-#include "job/run_outputs.h"
+#include "job/run_folder.h"
 #include "job/temporary_folder.h"
 
 namespace mocurate {

@@ -16,7 +16,7 @@
 #include "core/base/text.h"
 #include "core/motion/fingerprint.h"
 #include "core/store/dataset_clips.h"
-#include "job/run_outputs.h"
+#include "job/run_folder.h"
 #include "job/verbs/dataset_stages.h"
 #include "job/verbs/output_checks.h"
 #include "job/verbs/verbs.h"

@@ -1,26 +1,107 @@
 #include <dlfcn.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
-
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/pipeline/runner.h"
-#include "job/blas_kernels.h"
+#include "ingest/expected_files.h"
+#include "job/job_options.h"
+#include "job/machine.h"
+#include "job/named_configs.h"
+#include "job/run_and_capture.h"
 #include "job/verbs/verbs.h"
-#include "job/verbs/worker_check.h"
 
 namespace mocurate {
 namespace {
+
+/// A shared library that a program needs and this machine lacks.
+struct MissingLibrary {
+  std::string name;     ///< "libtorch_cpu.so.1.13"
+  std::string package;  ///< Debian 12 package that contains it; empty when unknown
+};
+
+/// Whether a worker program starts, and the reason if not.
+struct WorkerCheck {
+  bool starts = false;
+  std::string version;                  ///< its answer to --version
+  std::vector<MissingLibrary> missing;  ///< reported by its dynamic linker
+  std::string last_output_line;         ///< last line it printed when it did not start
+};
+
+struct LibraryPackage {
+  std::string_view library;  ///< beginning of the file's name
+  std::string_view package;
+};
+
+constexpr LibraryPackage kPackages[] = {{"libtorch", "libtorch1.13"},
+                                        {"libc10", "libtorch1.13"},
+                                        {"libOpen3D", "libopen3d0.16"},
+                                        {"libceres", "libceres3"},
+                                        {"libglog", "libgoogle-glog0v6"},
+                                        {"libgflags", "libgflags2.2"},
+                                        {"libcholmod", "libcholmod3"},
+                                        {"libcxsparse", "libcxsparse3"},
+                                        {"libopenblas", "libopenblas0-pthread"},
+                                        {"libblas", "libopenblas0-pthread"},
+                                        {"liblapack", "libopenblas0-pthread"},
+                                        {"libgomp", "libgomp1"},
+                                        {"libyaml-cpp", "libyaml-cpp0.7"},
+                                        {"libpugixml", "libpugixml1v5"},
+                                        {"libtomlplusplus", "libtomlplusplus3"},
+                                        {"libopencv_core", "libopencv-core406"},
+                                        {"libopencv_imgproc", "libopencv-imgproc406"},
+                                        {"libopencv_imgcodecs", "libopencv-imgcodecs406"},
+                                        {"libopencv_videoio", "libopencv-videoio406"},
+                                        {"libhdf5_serial", "libhdf5-103-1"},
+                                        {"libcrypto", "libssl3"},
+                                        {"libstdc++", "libstdc++6"},
+                                        {"libgcc_s", "libgcc-s1"}};
+
+std::string LastLine(const std::string& text) {
+  std::string last;
+  for (const std::string_view line : SplitText(text, '\n')) {
+    if (!Trim(line).empty()) last = std::string(Trim(line));
+  }
+  return last;
+}
+
+/// Debian 12 package of a shared library that mocurate links; empty for other libraries.
+std::string PackageOfLibrary(const std::string& library) {
+  for (const LibraryPackage& known : kPackages) {
+    if (library.compare(0, known.library.size(), known.library) == 0) return std::string(known.package);
+  }
+  return {};
+}
+
+/// Asks the dynamic linker for missing libraries of `program`, then starts it with --version. No shell is involved.
+WorkerCheck CheckWorkerProgram(const std::filesystem::path& program) {
+  WorkerCheck check;
+  // With this variable the dynamic linker lists the libraries it would load ("libx.so.1 => not found") and starts
+  // nothing.
+  const std::string listed = RunAndCapture(program, {"--version"}, "LD_TRACE_LOADED_OBJECTS=1").text;
+  for (const std::string_view line : SplitText(listed, '\n')) {
+    const std::size_t arrow = line.find(" => not found");
+    if (arrow == std::string_view::npos) continue;
+    const std::string name(Trim(line.substr(0, arrow)));
+    check.missing.push_back({name, PackageOfLibrary(name)});
+  }
+  const ProgramAnswer answer = RunAndCapture(program, {"--version"}, "LC_ALL=C");
+  check.starts = answer.exit_status == 0 && check.missing.empty();
+  (check.starts ? check.version : check.last_output_line) = LastLine(answer.text);
+  return check;
+}
 
 constexpr double kSlowBlas = 10.0;  // GF/s of one thread; reference BLAS reaches 6 to 7, OpenBLAS more than 100,
                                     // and 15 beside other programs that use all cores
@@ -141,6 +222,45 @@ Check CheckCache() {
   return check;
 }
 
+/// The ingest group of a source declaration. A folder whose environment variable is not set is no error here: the verb
+/// reports it.
+Expected<IngestOptions> LoadIngest(const std::string& name, const std::filesystem::path& path, const ConfigRules& rules,
+                                   bool& placed) {
+  const Expected<ConfigSource> source = SourceOf(name);
+  if (!source) return Forward(source);
+  std::vector<std::string> assignments;
+  if (!path.empty()) assignments.push_back("ingest.path=" + path.string());
+  Expected<ConfigNode> node = LoadConfig(*source, assignments, rules);
+  placed = node.has_value();
+  if (!node) node = LoadConfig(*source, {"ingest.path=."}, rules);
+  if (!node) return Forward(node);
+  const auto job = OptionsFromConfig<JobOptions>(*node);
+  if (!job) return Forward(job);
+  placed = placed && !job->ingest.path.empty();
+  return job->ingest;
+}
+
+nlohmann::json Entry(const ExpectedFile& file) {
+  nlohmann::json entry = {{"pattern", file.pattern}, {"what", file.what}, {"found", file.found}};
+  if (file.found == 0 && file.found_elsewhere > 0)
+    entry["elsewhere"] = {{"path", DisplayPath(file.elsewhere)}, {"found", file.found_elsewhere}};
+  if (file.others > 0) entry["other_names"] = {{"files", file.others}, {"first", file.other}};
+  return entry;
+}
+
+/// Folders with the searched files, and files with similar names.
+std::string RemarkOfFile(const ExpectedFile& file) {
+  std::string remark;
+  if (file.found == 0 && file.found_elsewhere > 0) {
+    remark = "; " + Counted(static_cast<long long>(file.found_elsewhere), "such file") + " below " +
+             DisplayPath(file.elsewhere);
+  } else if (file.others > 0) {
+    remark = "; " + Counted(static_cast<long long>(file.others), "file") + " with this ending and another name, e.g. " +
+             file.other;
+  }
+  return remark;
+}
+
 }  // namespace
 
 Status DoctorVerb(CommonArguments& common) {
@@ -170,6 +290,54 @@ Status DoctorVerb(CommonArguments& common) {
   if (missing == 0) return {};
   return Fail(ErrorCode::kMissingOnHost, Counted(missing, "check") + " failed", "doctor",
               "each line lists what to install or set");
+}
+
+Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& arguments) {
+  bool placed = false;
+  const Expected<IngestOptions> ingest = LoadIngest(arguments.source, arguments.path, {common.allow_include}, placed);
+  if (!ingest) return Forward(ingest);
+  if (Status sound = CheckSource(ingest->source); !sound) return sound;
+  std::error_code unknown;
+  const bool there = placed && std::filesystem::is_directory(ingest->path, unknown);
+  const bool made = ingest->synthetic.enabled && !placed;
+  const Expected<std::vector<ExpectedFile>> wanted = made ? std::vector<ExpectedFile>() : ExpectedFiles(*ingest, there);
+  if (!wanted) return Forward(wanted);
+  const std::string folder = placed ? DisplayPath(ingest->path) : "";
+  nlohmann::json document = {{"source", ingest->source.name}, {"licence", ingest->source.licence},
+                             {"obtain", ingest->obtain},      {"path", folder},
+                             {"path_exists", there},          {"files", nlohmann::json::array()}};
+  std::size_t missing = 0;
+  std::filesystem::path elsewhere;
+  for (const ExpectedFile& file : *wanted) {
+    missing += file.found == 0 ? 1 : 0;
+    if (file.found == 0 && elsewhere.empty()) elsewhere = file.elsewhere;
+    document["files"].push_back(Entry(file));
+  }
+  document["ok"] = missing == 0;
+  if (common.json) {
+    PrintJson(document);
+  } else {
+    Print("source   %s\nlicence  %s\n", ingest->source.name.c_str(),
+          ingest->source.licence.empty() ? "not stated" : ingest->source.licence.c_str());
+    if (!ingest->obtain.empty()) Print("obtain   %s\n", ingest->obtain.c_str());
+    Print("folder   %s\n", made      ? "none: the program generates the files"
+                           : !placed ? "unknown: set ingest.path, or use --path here"
+                                     : (folder + (there ? "" : " (does not exist)")).c_str());
+    for (const ExpectedFile& file : *wanted) {
+      Print("%-8s %s: %s", file.found > 0 ? "ok" : "MISSING", file.pattern.c_str(), file.what.c_str());
+      if (file.found > 0) Print(" (%zu files)", file.found);
+      Print("%s\n", RemarkOfFile(file).c_str());
+    }
+  }
+  common.answered = common.json;
+  if (missing == 0) return {};
+  return Fail(ErrorCode::kMissingOnHost,
+              std::to_string(missing) + " of " + std::to_string(wanted->size()) + " kinds of files are missing",
+              arguments.source,
+              !elsewhere.empty()
+                  ? "files with these names are below " + DisplayPath(elsewhere) + ": name that folder (--path)"
+              : placed ? "put them below " + folder + " under these names"
+                       : "put them into a folder and give it as --path DIR");
 }
 
 }  // namespace mocurate

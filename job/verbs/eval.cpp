@@ -12,13 +12,12 @@
 #include "core/base/text.h"
 #include "eval/published/published.h"
 #include "eval/tables/result_table.h"
-#include "job/blas_kernels.h"
 #include "job/evaluation.h"
+#include "job/machine.h"
 #include "job/motion_files.h"
 #include "job/protocols.h"
 #include "job/run_file.h"
 #include "job/run_folder.h"
-#include "job/run_outputs.h"
 #include "job/temporary_folder.h"
 #include "job/verbs/dose_response.h"
 #include "job/verbs/verbs.h"
@@ -127,7 +126,7 @@ Expected<fs::path> FirstRecogniser(const fs::path& run, const std::vector<StaleO
 }
 
 /// Sets and extractor of an evaluation, from the command line.
-struct Plan {
+struct EvalPlan {
   ProtocolOptions protocol;
   ExtractorOptions extractor;
   fs::path weights;
@@ -135,9 +134,9 @@ struct Plan {
   PaddingAction padding = PaddingAction::kCut;
 };
 
-Expected<Plan> PlanOf(const EvalArguments& arguments, const ConfigRules& rules) {
+Expected<EvalPlan> PlanOf(const EvalArguments& arguments, const ConfigRules& rules) {
   if (Status sound = CheckArguments(arguments); !sound) return Forward(sound);
-  Plan plan;
+  EvalPlan plan;
   if (arguments.padding == "keep") plan.padding = PaddingAction::kKeep;
   const std::string prefix = "extractor.";
   std::vector<std::string> of_protocol, of_extractor;
@@ -185,7 +184,7 @@ struct MotionsRead {
   std::vector<nlohmann::json> warnings;  ///< unreadable motions and padding of a set
 };
 
-Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFiles>>& sets, const Plan& plan,
+Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFiles>>& sets, const EvalPlan& plan,
                                StageRuns& runs) {
   MotionsRead read;
   std::vector<ItemSpec> items;

@@ -1,19 +1,112 @@
+#include <unistd.h>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/terminal.h"
+#include "core/base/text.h"
 #include "ingest/inspect/inspect.h"
 #include "job/config_loading.h"
 #include "job/named_configs.h"
+#include "job/run_and_capture.h"
 #include "job/verbs/inspect_artifact.h"
 #include "job/verbs/verbs.h"
-#include "job/verbs/video_probe.h"
 
 namespace mocurate {
 namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kAtOnce = 100;  // files per process
+constexpr double kLongest_s = 60.0;   // per file
+constexpr const char* kProgram = "mocurate-video";
+
+fs::path Program() {
+  std::error_code ignored;
+  const fs::path self = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const fs::path& folder : {self, self.parent_path() / "libexec" / "mocurate"}) {
+    if (access((folder / kProgram).c_str(), X_OK) == 0) return folder / kProgram;
+  }
+  return {};
+}
+
+/// Throws what GuardJson takes.
+Expected<VideoFacts> VideoFactsOf(const nlohmann::json& line, const fs::path& file) {
+  if (line.contains("error")) {
+    return Fail(ErrorCode::kMalformed, line.at("error").get<std::string>(), DisplayPath(file),
+                line.value("hint", std::string()));
+  }
+  VideoFacts facts;
+  facts.frames = line.value("frames", 0);
+  facts.rate_hz = line.value("rate_hz", 0.0);
+  facts.width = line.value("width", 0);
+  facts.height = line.value("height", 0);
+  facts.codec = line.value("codec", std::string());
+  return facts;
+}
+
+using Answer = std::optional<Expected<VideoFacts>>;
+
+/// Skips lines without the index of a requested file: a decoder's library may print as well.
+void TakeAnswers(const std::string& text, const std::vector<std::size_t>& asked, const std::vector<fs::path>& files,
+                 std::vector<Answer>& answers) {
+  for (const std::string_view written : SplitText(text, '\n')) {
+    const auto line = ParseJson(written, "");
+    if (!line || !line->is_object() || !line->contains("index") || !line->at("index").is_number_unsigned()) continue;
+    const auto index = line->at("index").get<std::size_t>();
+    if (index >= asked.size() || answers[asked[index]]) continue;
+    const fs::path& file = files[asked[index]];
+    answers[asked[index]] = GuardJson(DisplayPath(file), [&] { return VideoFactsOf(*line, file); });
+  }
+}
+
+std::vector<Expected<VideoFacts>> Ask(const std::vector<fs::path>& files) {
+  std::vector<Answer> answers(files.size());
+  const auto unanswered = [&](std::size_t most) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < files.size() && found.size() < most; ++i) {
+      if (!answers[i]) found.push_back(i);
+    }
+    return found;
+  };
+  const fs::path program = Program();
+  while (!program.empty()) {
+    const std::vector<std::size_t> asked = unanswered(kAtOnce);
+    if (asked.empty()) break;
+    std::vector<std::string> arguments;
+    for (const std::size_t i : asked) arguments.push_back(fs::absolute(files[i]).native());
+    const ProgramAnswer answer = RunAndCapture(program, arguments, "LC_ALL=C", CaptureOptions{false, kLongest_s});
+    TakeAnswers(answer.text, asked, files, answers);
+    const auto silent = std::find_if(asked.begin(), asked.end(), [&](std::size_t i) { return !answers[i]; });
+    if (silent == asked.end()) continue;
+    if (answer.exit_status > 0) break;  // it does not start
+    const std::string what = answer.timed_out
+                                 ? "the decoder did not open the file within " + FormatDouble(kLongest_s) + " s"
+                                 : std::string("the decoder crashed on the file");
+    answers[*silent] =
+        Fail(ErrorCode::kMalformed, what, DisplayPath(files[*silent]), "check that the file is complete and plays");
+  }
+  std::vector<Expected<VideoFacts>> facts;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (answers[i]) {
+      facts.push_back(std::move(*answers[i]));
+    } else {
+      facts.push_back(Fail(ErrorCode::kMissingOnHost, std::string(kProgram) + " is missing or does not start",
+                           DisplayPath(files[i]), "run `mocurate doctor` to list what is missing"));
+    }
+  }
+  return facts;
+}
+
+/// Runs the program mocurate-video beside this one. Error kMissingOnHost if it is missing or does not start. A file
+/// that crashes it, or has no answer within 60 s, is kMalformed; the others are requested again.
+VideoProbe AskVideoProgram() { return Ask; }
 
 /// Logs the progress of a large folder on stderr.
 InspectProgress PrintProgress() {

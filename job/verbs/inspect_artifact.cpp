@@ -11,7 +11,7 @@
 #include "core/pipeline/lock.h"
 #include "core/store/store.h"
 #include "ingest/discover.h"
-#include "job/clip_counts.h"
+#include "job/curation_log.h"
 #include "job/run_file.h"
 #include "train/checkpoint/describe.h"
 

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "job/config_loading.h"
+#include "job/job_options.h"
+#include "job/verbs/verbs.h"
 
 namespace mocurate {
 
@@ -25,5 +27,13 @@ Status TakeData(const std::vector<std::string>& given, JobOptions& options);
 /// Requirements of an item, for lists: {"id", "kind", "shows", "at_hand": [names], "missing": [{"name", "how"}],
 /// "profiles": {"smoke": hours, ...}}, hours null where they were not measured.
 nlohmann::json DescribePaperItem(const std::string& id, const JobOptions& options);
+
+/// A file below the folder MOCURATE_WEIGHTS; empty without the variable or the file.
+std::filesystem::path PublishedFile(const std::filesystem::path& name);
+
+/// Rows of motions published by the authors, for a set of a job: as of ScoreRow, with "profile": "released". Rows with
+/// missing files are skipped, and one that cannot be scored with a warning. Error kInterrupted.
+Expected<nlohmann::json> ReleasedRows(const ReproduceOptions& item, const std::string& set,
+                                      const std::filesystem::path& folder, const CommonArguments& common);
 
 }  // namespace mocurate

@@ -9,7 +9,7 @@
 #include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
-#include "job/run_outputs.h"
+#include "job/run_folder.h"
 #include "job/verbs/dataset_stages.h"
 #include "report/options.h"
 #include "train/items.h"

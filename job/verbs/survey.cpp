@@ -10,7 +10,7 @@
 #include "core/base/text.h"
 #include "job/motion_files.h"
 #include "job/protocols.h"
-#include "job/run_outputs.h"
+#include "job/run_folder.h"
 #include "job/verbs/dataset_stages.h"
 #include "job/verbs/output_checks.h"
 #include "job/verbs/verbs.h"

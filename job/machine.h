@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "core/base/error.h"
@@ -21,5 +22,9 @@ std::string Instructions();
 /// Makes this process and its workers compute as on the machine of a plan: the same kernels of OpenBLAS and of torch.
 /// Error kMissingOnHost where this CPU cannot.
 Status PinKernels(const std::string& blas_kernels, const std::string& instructions);
+
+/// Facts that the bytes of a result may depend on besides input and options, and its time: system, CPU model,
+/// instruction sets, the BLAS that workers load and its kernels, and variables that override either.
+nlohmann::json MachineFacts();
 
 }  // namespace mocurate
