@@ -12,7 +12,7 @@
 #include "core/store/dataset_clips.h"
 #include "ingest/formats/driver.h"
 #include "job/run_folder.h"
-#include "job/temporary_folder.h"
+#include "job/stage_runs.h"
 #include "train/options.h"
 
 namespace mocurate {

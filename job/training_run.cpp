@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "job/main_job.h"
 #include "job/run_folder.h"
-#include "job/temporary_folder.h"
+#include "job/stage_runs.h"
 
 namespace mocurate {
 namespace {

@@ -11,8 +11,7 @@
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "job/run_folder.h"
-#include "job/verbs/dataset_stages.h"
-#include "job/verbs/output_checks.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 #include "report/options.h"
 
@@ -130,7 +129,7 @@ Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments) {
   if (Status free = CheckOutputs({arguments.output}, {arguments.path, arguments.spans}, arguments.force); !free) {
     return free;
   }
-  auto stages = DatasetStages::Make(common);
+  auto stages = VerbStages::Make(common);
   if (!stages) return Forward(stages);
   ItemSpec item{"annotate", OptionsToJson(options), {{"dataset", DisplayPath(arguments.path), arguments.path, ""}}};
   if (!arguments.spans.empty()) {
@@ -146,14 +145,9 @@ Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments) {
   const auto page = (*stages)->One(AnnotateDeclaration(), std::move(item));
   if (!page) return Forward(page);
   if (Status copied = CopyWhole(page->artifact, arguments.output); !copied) return copied;
-  if (common.json) {
-    common.answered = true;
-    nlohmann::json answer = page->summary;
-    answer["page"] = DisplayPath(arguments.output);
-    PrintJson(answer);
-  } else if (!common.quiet) {
-    PrintPage(arguments, page->summary);
-  }
+  nlohmann::json answer = page->summary;
+  answer["page"] = DisplayPath(arguments.output);
+  if (AnswersInText(common, answer)) PrintPage(arguments, page->summary);
   return {};
 }
 

@@ -17,8 +17,7 @@
 #include "core/motion/fingerprint.h"
 #include "core/store/dataset_clips.h"
 #include "job/run_folder.h"
-#include "job/verbs/dataset_stages.h"
-#include "job/verbs/output_checks.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 #include "report/options.h"
 
@@ -71,7 +70,7 @@ long long Counting(const nlohmann::json& findings, const std::string& severity) 
 }
 
 /// The audit, as the file audit.json. `decisions` and `probabilities` may be empty.
-Expected<fs::path> AuditOf(DatasetStages& stages, const fs::path& dataset, const std::vector<std::string>& assignments,
+Expected<fs::path> AuditOf(VerbStages& stages, const fs::path& dataset, const std::vector<std::string>& assignments,
                            const fs::path& decisions, const fs::path& probabilities) {
   const Expected<ConfigNode> node = LoadConfig(ConfigSource{"", "audit", {}}, assignments);
   if (!node) return Forward(node);
@@ -88,7 +87,7 @@ Expected<fs::path> AuditOf(DatasetStages& stages, const fs::path& dataset, const
 }
 
 /// The page of an audit's findings.
-Expected<fs::path> ReviewPage(DatasetStages& stages, const fs::path& dataset, const fs::path& audit,
+Expected<fs::path> ReviewPage(VerbStages& stages, const fs::path& dataset, const fs::path& audit,
                               const ReviewOptions& options, const std::vector<Decision>& decisions) {
   nlohmann::json list = nlohmann::json::array();
   for (const Decision& decision : decisions) {
@@ -139,7 +138,7 @@ Status WriteWithFindings(const fs::path& from, const nlohmann::json& audit, cons
   }
   const auto dropped = WriteFromFiles(dataset, WholeClips(*files), *files, to);
   if (!dropped) return Forward(dropped);
-  for (const Finding& finding : *dropped) LogWarning(finding.message);
+  WarnOf(*dropped);
   return {};
 }
 
@@ -212,7 +211,7 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
   for (const fs::path& file : {json_file, page_file, csv_file}) {
     if (Status plain = CheckNotLink(file); !plain) return plain;
   }
-  auto stages = DatasetStages::Make(common);
+  auto stages = VerbStages::Make(common);
   if (!stages) return Forward(stages);
   const auto made = AuditOf(**stages, arguments.path, arguments.assignments, arguments.review, arguments.probabilities);
   if (!made) return Forward(made);
@@ -228,10 +227,7 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
     if (Status copied = CopyWhole(*page, page_file); !copied) return copied;
     if (Status written = WriteClipMeasures(*audit, csv_file); !written) return written;
   }
-  if (common.json) {
-    common.answered = true;
-    PrintJson(*audit);
-  } else if (!common.quiet) {
+  if (AnswersInText(common, *audit)) {
     PrintAudit(*audit, keeps ? DisplayPath(json_file) : "");
   }
   if (keeps) PrintWritten(common, "the worst findings are shown in", page_file);
@@ -265,7 +261,7 @@ Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments) {
     if (!read) return Forward(read);
     earlier = std::move(*read);
   }
-  auto stages = DatasetStages::Make(common);
+  auto stages = VerbStages::Make(common);
   if (!stages) return Forward(stages);
   Expected<fs::path> audit = arguments.audit;
   if (arguments.audit.empty()) {
@@ -277,10 +273,7 @@ Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments) {
   const auto page = ReviewPage(**stages, arguments.path, *audit, options, earlier.decisions);
   if (!page) return Forward(page);
   if (Status copied = CopyWhole(*page, arguments.output); !copied) return copied;
-  if (common.json) {
-    common.answered = true;
-    PrintJson({{"page", DisplayPath(arguments.output)}});
-  } else if (!common.quiet) {
+  if (AnswersInText(common, {{"page", DisplayPath(arguments.output)}})) {
     Print("%s: open it in a browser, decide, save decisions.yaml\n", DisplayPath(arguments.output).c_str());
   }
   return {};

@@ -6,22 +6,10 @@
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/pipeline/runner.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
-namespace {
-
-void PrintAnswer(CommonArguments& common, const nlohmann::json& document, const std::string& text) {
-  common.answered = common.json;
-  if (common.json) {
-    PrintJson(document);
-  } else {
-    PrintLine(text);
-  }
-}
-
-}  // namespace
-
 Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
   Cache cache(DefaultCacheFolder());
   if (Status plain = CheckNotLink(cache.folder() / "objects"); !plain) return plain;
@@ -32,7 +20,7 @@ Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
     const std::string count = Counted(static_cast<long long>(damaged.size()), "cache object");
     std::string text = folder + ": damaged: " + count;
     for (const std::string& key : damaged) text += "\n  " + key;
-    PrintAnswer(common, {{"folder", folder}, {"damaged", damaged}}, text);
+    if (AnswersInText(common, {{"folder", folder}, {"damaged", damaged}})) PrintLine(text);
     if (damaged.empty()) return {};
     return Fail(ErrorCode::kInconsistent, "damaged: " + count + " with another hash than recorded", folder,
                 "delete them (mocurate cache prune --days 0 removes all objects); they are computed again when needed");
@@ -40,14 +28,14 @@ Status CacheVerb(CommonArguments& common, const CacheArguments& arguments) {
   const bool prune = arguments.action == "prune";
   const Cache::Statistics statistics = prune ? cache.Prune(arguments.days, arguments.dry_run) : cache.Stat();
   const char* removed = !prune ? "" : arguments.dry_run ? "would remove " : "removed ";
-  PrintAnswer(common,
-              {{"folder", folder},
-               {"objects", statistics.objects},
-               {"bytes", statistics.bytes},
-               {"action", arguments.action},
-               {"dry_run", arguments.dry_run}},
-              folder + ": " + removed + Counted(static_cast<long long>(statistics.objects), "object") + ", " +
-                  std::to_string(statistics.bytes / 1000000) + " MB");
+  if (AnswersInText(common, {{"folder", folder},
+                             {"objects", statistics.objects},
+                             {"bytes", statistics.bytes},
+                             {"action", arguments.action},
+                             {"dry_run", arguments.dry_run}})) {
+    PrintLine(folder + ": " + removed + Counted(static_cast<long long>(statistics.objects), "object") + ", " +
+              std::to_string(statistics.bytes / 1000000) + " MB");
+  }
   return {};
 }
 

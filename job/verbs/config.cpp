@@ -7,7 +7,7 @@
 #include "ingest/inspect/source_declaration.h"
 #include "ingest/synthetic/studio_options.h"
 #include "job/config_loading.h"
-#include "job/verbs/output_checks.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -61,12 +61,9 @@ Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments)
   if (!job) return Forward(job);
   WarnOfUnset(job->node);
   const nlohmann::json options = OptionsToJson(job->options);
-  if (common.json && arguments.origins)
-    PrintJson({{"options", options}, {"origins", OriginsOf(options, &job->node)}});
-  else if (common.json)
-    PrintJson(options);
-  else
-    Print("%s", ShowOptions(job->options, job->node, arguments.origins).c_str());
+  nlohmann::json answer = options;
+  if (arguments.origins) answer = {{"options", options}, {"origins", OriginsOf(options, &job->node)}};
+  if (AnswersInText(common, answer)) Print("%s", ShowOptions(job->options, job->node, arguments.origins).c_str());
   return {};
 }
 
@@ -78,10 +75,7 @@ Status ConfigSchemaVerb(CommonArguments&) {
 Status ConfigReferenceVerb(CommonArguments& common) {
   const std::string reference = OptionsReference<JobOptions>("Options of a job") + "\n" +
                                 OptionsReference<StudioOptions>("Options of `mocurate synthesize`");
-  if (common.json)
-    PrintJson({{"markdown", reference}});
-  else
-    Print("%s", reference.c_str());
+  if (AnswersInText(common, {{"markdown", reference}})) Print("%s", reference.c_str());
   return {};
 }
 
@@ -100,12 +94,9 @@ Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& argume
   }
   std::string unknowns;
   for (const std::string& option : written->unknown) unknowns += (unknowns.empty() ? "" : ", ") + option;
-  if (common.json) {
-    PrintJson(
-        {{"declaration", written->yaml}, {"unknown", written->unknown}, {"output", DisplayPath(arguments.output)}});
-  } else if (arguments.output.empty()) {
-    Print("%s", written->yaml.c_str());
-  }
+  const nlohmann::json answer = {
+      {"declaration", written->yaml}, {"unknown", written->unknown}, {"output", DisplayPath(arguments.output)}};
+  if (AnswersInText(common, answer) && arguments.output.empty()) Print("%s", written->yaml.c_str());
   if (!unknowns.empty()) LogWarning("fill in before a run: " + unknowns);
   return {};
 }

@@ -19,7 +19,7 @@
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/store/store.h"
-#include "job/verbs/output_checks.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -30,12 +30,7 @@ namespace {
 void AnswerWithDataset(CommonArguments& common, const Dataset& dataset, const std::vector<Finding>& findings,
                        const std::string& text, const nlohmann::json& more) {
   for (const Finding& finding : findings) {
-    if (finding.severity == Severity::kInfo) continue;
-    LogWarning((finding.clip.empty() ? "" : finding.clip + ": ") + finding.message);
-  }
-  if (!common.json) {
-    if (!common.quiet) Print("%s\n", text.c_str());
-    return;
+    if (finding.severity != Severity::kInfo) WarnOf({finding});
   }
   std::int64_t frames = 0;
   for (const Clip& clip : dataset.clips) frames += clip.motion->frame_count();
@@ -52,8 +47,7 @@ void AnswerWithDataset(CommonArguments& common, const Dataset& dataset, const st
                                 {"leak_check", split.leak_check}});
   }
   answer.update(more);
-  common.answered = true;
-  PrintJson(answer);
+  if (AnswersInText(common, answer)) PrintLine(text);
 }
 
 /// A difference as a line: "name: 12".
@@ -136,22 +130,14 @@ Status DatasetCardVerb(CommonArguments& common, const DatasetArguments& argument
     if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
     if (Status written = WriteFile(arguments.output, text); !written) return written;
   }
-  if (common.json) {
-    common.answered = true;
-    PrintJson(*card);
-  } else if (arguments.output.empty()) {
-    Print("%s", text.c_str());
-  }
+  if (AnswersInText(common, *card) && arguments.output.empty()) Print("%s", text.c_str());
   return {};
 }
 
 Status DatasetDiffVerb(CommonArguments& common, const DatasetArguments& arguments) {
   const auto diff = DiffDatasets(arguments.path, arguments.other);
   if (!diff) return Forward(diff);
-  if (common.json) {
-    common.answered = true;
-    PrintJson(*diff);
-  } else {
+  if (AnswersInText(common, *diff)) {
     PrintDiff(*diff);
   }
   return {};
@@ -189,22 +175,19 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
   const auto dropped = WriteFromFiles(*dataset, origins, *files, arguments.output);
   if (!dropped) return Forward(dropped);
   of_set.insert(of_set.end(), dropped->begin(), dropped->end());
-  for (const Finding& finding : of_set) LogWarning(finding.message);
+  WarnOf(of_set);
   std::map<std::string, int> counts = {
       {"review_drop", 0}, {"review_relabel", 0}, {"review_cut", 0}, {"review_stale", 0}};
   for (const Finding& finding : applied->findings) {
     ++counts[finding.code];
     if (finding.code == "review_stale") LogWarning(finding.clip + ": " + finding.message);
   }
-  if (common.json) {
-    common.answered = true;
-    PrintJson({{"clips", dataset->clips.size()},
-               {"dropped", counts["review_drop"]},
-               {"relabelled", counts["review_relabel"]},
-               {"cut", counts["review_cut"]},
-               {"stale", counts["review_stale"]},
-               {"findings", of_set}});
-  } else if (!common.quiet) {
+  if (AnswersInText(common, {{"clips", dataset->clips.size()},
+                             {"dropped", counts["review_drop"]},
+                             {"relabelled", counts["review_relabel"]},
+                             {"cut", counts["review_cut"]},
+                             {"stale", counts["review_stale"]},
+                             {"findings", of_set}})) {
     Print("%s: %s; %d dropped, %d relabelled, %d cut, %d that match no clip\n", DisplayPath(arguments.output).c_str(),
           Counted(static_cast<long long>(dataset->clips.size()), "clip").c_str(), counts["review_drop"],
           counts["review_relabel"], counts["review_cut"], counts["review_stale"]);

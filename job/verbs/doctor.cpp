@@ -21,6 +21,7 @@
 #include "job/machine.h"
 #include "job/named_configs.h"
 #include "job/run_and_capture.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -285,8 +286,7 @@ Status DoctorVerb(CommonArguments& common) {
     if (!check.advice.empty()) Print("     %-20s %s\n", "", check.advice.c_str());
   }
   document["ok"] = missing == 0;
-  if (common.json) PrintJson(document);
-  common.answered = common.json;
+  AnswersInText(common, document);
   if (missing == 0) return {};
   return Fail(ErrorCode::kMissingOnHost, Counted(missing, "check") + " failed", "doctor",
               "each line lists what to install or set");
@@ -314,9 +314,7 @@ Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& argument
     document["files"].push_back(Entry(file));
   }
   document["ok"] = missing == 0;
-  if (common.json) {
-    PrintJson(document);
-  } else {
+  if (AnswersInText(common, document)) {
     Print("source   %s\nlicence  %s\n", ingest->source.name.c_str(),
           ingest->source.licence.empty() ? "not stated" : ingest->source.licence.c_str());
     if (!ingest->obtain.empty()) Print("obtain   %s\n", ingest->obtain.c_str());
@@ -329,7 +327,6 @@ Status DoctorSourceVerb(CommonArguments& common, const DoctorArguments& argument
       Print("%s\n", RemarkOfFile(file).c_str());
     }
   }
-  common.answered = common.json;
   if (missing == 0) return {};
   return Fail(ErrorCode::kMissingOnHost,
               std::to_string(missing) + " of " + std::to_string(wanted->size()) + " kinds of files are missing",

@@ -8,8 +8,7 @@
 #include "job/config_loading.h"
 #include "job/motion_files.h"
 #include "job/run_folder.h"
-#include "job/verbs/dataset_stages.h"
-#include "job/verbs/output_checks.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 #include "report/options.h"
 
@@ -17,42 +16,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// "NAME=PATH", or a path, whose file name is the name.
-std::pair<std::string, fs::path> NamedPath(const std::string& text) {
-  std::error_code unknown;
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0 || fs::exists(text, unknown)) {
-    return {fs::path(text).stem().string(), text};
-  }
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
-/// A set of motions as a dataset or MotionSet: one of mocurate unchanged, other files through the stage `motions`.
-Expected<StageInput> MotionsOf(const std::string& text, const std::string& source, const ConfigRules& rules,
-                               DatasetStages& stages) {
-  const auto [name, path] = NamedPath(text);
-  std::error_code unknown;
-  if (!fs::exists(path, unknown)) {
-    return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(path), "give FILE or NAME=FILE");
-  }
-  if (IsMotionStore(path)) return StageInput{"motions", name, path, ""};
-  if (source.empty() && AreBareArrays(path)) {
-    return Fail(ErrorCode::kUsage, "bare arrays have neither joint names nor axes nor a unit", DisplayPath(path),
-                "declare them with --source FILE (docs/adding_a_source.md)");
-  }
-  MotionFiles files{path, source, {}, {}};
-  files.rules = rules;
-  auto item = MakeMotionsItem(name, files, ExtractorOptions());
-  if (!item) return Forward(item);
-  const auto read = stages.One(MotionsDeclaration(), std::move(item->item));
-  if (!read) return Forward(read);
-  for (const RefusedClip& refused : item->unreadable) LogWarning(refused.error.Message());
-  for (const Finding& finding : read->outcome.findings) {
-    if (finding.severity != Severity::kInfo) LogWarning(name + ": " + finding.message);
-  }
-  return StageInput{"motions", name, read->artifact, read->sha256};
-}
 
 Expected<MotionPictureOptions> PictureOf(const DrawArguments& arguments) {
   nlohmann::json json = OptionsToJson(MotionPictureOptions());
@@ -79,13 +42,21 @@ Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
   const auto options = PictureOf(arguments);
   if (!options) return Forward(options);
   std::vector<fs::path> inputs;
-  for (const std::string& text : arguments.motions) inputs.push_back(NamedPath(text).second);
+  for (const std::string& text : arguments.motions) inputs.push_back(NamedPathOf(text).path);
   if (Status free = CheckOutputs({arguments.output}, inputs, arguments.force); !free) return free;
-  auto stages = DatasetStages::Make(common);
+  auto stages = VerbStages::Make(common);
   if (!stages) return Forward(stages);
   ItemSpec item{"motions", OptionsToJson(*options), {}};
   for (const std::string& text : arguments.motions) {
-    auto motions = MotionsOf(text, arguments.source, {common.allow_include}, **stages);
+    const NamedPath named = NamedPathOf(text);
+    if (std::error_code unknown; !fs::exists(named.path, unknown)) {
+      return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(named.path),
+                  "give FILE or NAME=FILE");
+    }
+    MotionFiles files{named.path, arguments.source, {}, {}};
+    files.rules = {common.allow_include};
+    auto motions =
+        MotionsInput(named.name, files, {}, "declare them with --source FILE (docs/adding_a_source.md)", **stages);
     if (!motions) return Forward(motions);
     item.inputs.push_back(std::move(*motions));
   }
@@ -108,10 +79,7 @@ Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
     LogWarning(without.get<std::string>() + " has no motion with the selected labels or clips");
   }
   const long long rows = drawn->summary.value("rows", 0LL);
-  if (common.json) {
-    common.answered = true;
-    PrintJson({{"path", DisplayPath(arguments.output)}, {"rows", rows}});
-  } else if (!common.quiet) {
+  if (AnswersInText(common, {{"path", DisplayPath(arguments.output)}, {"rows", rows}})) {
     Print("%s in %s\n", Counted(rows, "motion").c_str(), DisplayPath(arguments.output).c_str());
   }
   return {};

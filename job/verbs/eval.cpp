@@ -18,8 +18,9 @@
 #include "job/protocols.h"
 #include "job/run_file.h"
 #include "job/run_folder.h"
-#include "job/temporary_folder.h"
+#include "job/stage_runs.h"
 #include "job/verbs/dose_response.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 #include "train/items.h"
 
@@ -28,24 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A row as given on the command line.
-struct NamedFiles {
-  std::string name;
-  fs::path path;
-};
-
-/// "NAME=PATH", or a path, whose row has the file's name.
-NamedFiles NamedFilesOf(const std::string& text, std::set<std::string>& taken) {
-  std::error_code unknown;
-  const std::size_t equals = text.find('=');
-  NamedFiles named{"", text};
-  if (equals != std::string::npos && equals > 0 && !fs::exists(text, unknown)) {
-    named = {text.substr(0, equals), text.substr(equals + 1)};
-  }
-  if (named.name.empty()) {
-    const fs::path whole = fs::absolute(named.path, unknown).lexically_normal();
-    named.name = DisplayPath((whole.filename().empty() ? whole.parent_path() : whole).stem());
-  }
+/// A row as given on the command line, with a name that no other row has.
+NamedPath NamedRow(const std::string& text, std::set<std::string>& taken) {
+  NamedPath named = NamedPathOf(text);
   const std::string base = named.name;
   for (int copy = 2; !taken.insert(named.name).second; ++copy) named.name = base + "~" + std::to_string(copy);
   return named;
@@ -184,7 +170,7 @@ struct MotionsRead {
   std::vector<nlohmann::json> warnings;  ///< unreadable motions and padding of a set
 };
 
-Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedFiles, MotionFiles>>& sets, const EvalPlan& plan,
+Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedPath, MotionFiles>>& sets, const EvalPlan& plan,
                                StageRuns& runs) {
   MotionsRead read;
   std::vector<ItemSpec> items;
@@ -248,12 +234,7 @@ Status WriteResults(const nlohmann::json& result, const EvaluationResult& evalua
 }
 
 /// `instead`: text instead of the table of rows, or empty.
-void PrintEvaluation(const CommonArguments& common, const nlohmann::json& result, const std::string& instead) {
-  if (common.json) {
-    PrintJson(result);
-    return;
-  }
-  if (common.quiet) return;
+void PrintEvaluation(const nlohmann::json& result, const std::string& instead) {
   const Table table = ResultTable(result, result.at("protocol").get<std::string>() + ", variant " +
                                               result.at("variant").get<std::string>() + ", extractor " +
                                               result.at("extractor").get<std::string>());
@@ -271,21 +252,15 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   const ConfigRules rules{common.allow_include};
   auto plan = PlanOf(arguments, rules);
   if (!plan) return Forward(plan);
-  const TemporaryFolder scratch;
-  RunnerOptions settings;
-  settings.run_folder = arguments.output.empty() ? scratch.path() : arguments.output;
-  settings.jobs = arguments.jobs;
-  settings.quiet = common.quiet;
-  settings.log_failures = false;
-  if (settings.run_folder.empty()) return scratch.Missing();
-  if (Status plain = CheckRunFiles(settings.run_folder); !plain) return plain;
-  if (Status made = MakeFolder(settings.run_folder); !made) return made;
-  auto runner = Runner::Make(settings);
-  if (!runner) return Forward(runner);
-  std::vector<StageCounts> counts;
-  StageRuns runs(**runner, counts);
+  if (!arguments.output.empty()) {
+    if (Status plain = CheckRunFiles(arguments.output); !plain) return plain;
+    if (Status made = MakeFolder(arguments.output); !made) return made;
+  }
+  auto stages = VerbStages::Make(common, arguments.jobs, arguments.output);
+  if (!stages) return Forward(stages);
+  StageRuns& runs = (*stages)->runs();
 
-  std::vector<std::pair<NamedFiles, MotionFiles>> sets;
+  std::vector<std::pair<NamedPath, MotionFiles>> sets;
   std::set<std::string> taken = {"Real", "Real-test", "reference", "reference_test"};
   std::vector<double> bone_lengths;
   if (!arguments.bone_lengths.empty()) {
@@ -294,7 +269,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
     bone_lengths = std::move(*lengths);
   }
   for (const std::string& text : arguments.generated) {
-    const NamedFiles named = NamedFilesOf(text, taken);
+    const NamedPath named = NamedRow(text, taken);
     const auto own = [&](const std::vector<fs::path>& files) {
       return files.empty() ? fs::path() : files[files.size() > 1 ? sets.size() : 0];
     };
@@ -335,7 +310,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   std::vector<DoseSeries> doses;
   if (arguments.dose_response) {
     if (!evaluation.real) return NoMotionsToDamage(read->failed.at("Real"));
-    auto series = AddDoseRows(arguments, settings.run_folder / "doses", evaluation, read->warnings);
+    auto series = AddDoseRows(arguments, (*stages)->folder() / "doses", evaluation, read->warnings);
     if (!series) return Forward(series);
     doses = std::move(*series);
   }
@@ -376,8 +351,9 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
     Status written = arguments.dose_response ? WriteDoseResponse(doses, result, arguments.output) : Status();
     if (!written) return written;
   }
-  common.answered = common.json;
-  PrintEvaluation(common, result, arguments.dose_response ? DoseResponseText(doses, result) : "");
+  if (AnswersInText(common, result)) {
+    PrintEvaluation(result, arguments.dose_response ? DoseResponseText(doses, result) : "");
+  }
   if (evaluated->failed.empty()) return {};
   const auto& [name, error] = *evaluated->failed.begin();
   return Fail(ErrorCode::kTooManyFailures,
@@ -392,10 +368,7 @@ Status DoctorProtocolVerb(CommonArguments& common, const DoctorArguments& argume
   nlohmann::json answer = {{"protocol", protocol->name}, {"extractor", protocol->extractor}};
   if (protocol->extractor.empty()) {
     answer["weights"] = nullptr;
-    common.answered = common.json;
-    if (common.json) {
-      PrintJson(answer);
-    } else {
+    if (AnswersInText(common, answer)) {
       PrintLine("protocol 'own' scores with a recogniser of yours: --run RUN or --extractor FILE");
     }
     return {};
@@ -409,10 +382,7 @@ Status DoctorProtocolVerb(CommonArguments& common, const DoctorArguments& argume
   answer["found"] = weights ? nlohmann::json(DisplayPath(*weights)) : nlohmann::json();
   answer["obtain"] = extractor->obtain;
   answer["recipe"] = protocol->recipe;
-  common.answered = common.json;
-  if (common.json) {
-    PrintJson(answer);
-  } else {
+  if (AnswersInText(common, answer)) {
     Print(
         "protocol   %s (%s on %s)\nextractor  %s\nweights    %s\nfolder     %s\nfound      %s\nobtain     %s\nreal     "
         "  "

@@ -11,7 +11,7 @@
 #include "core/base/text.h"
 #include "core/motion/gaps.h"
 #include "job/verbs/export_clips.h"
-#include "job/verbs/output_checks.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 #include "train/checkpoint/checkpoint.h"
 
@@ -26,12 +26,9 @@ Status ExportNetwork(CommonArguments& common, const ExportArguments& arguments) 
   const Expected<Checkpoint> checkpoint = ReadCheckpoint(arguments.path);
   if (!checkpoint) return Forward(checkpoint);
   if (Status written = ExportSafetensors(*checkpoint, arguments.output); !written) return written;
-  common.answered = common.json;
-  if (common.json) {
-    PrintJson({{"path", DisplayPath(arguments.output)},
-               {"network", checkpoint->kind},
-               {"tensors", checkpoint->parameters.size()}});
-  } else {
+  if (AnswersInText(common, {{"path", DisplayPath(arguments.output)},
+                             {"network", checkpoint->kind},
+                             {"tensors", checkpoint->parameters.size()}})) {
     Print("%s of %s in %s\n", Counted(static_cast<long long>(checkpoint->parameters.size()), "tensor").c_str(),
           checkpoint->kind.c_str(), DisplayPath(arguments.output).c_str());
   }
@@ -196,17 +193,14 @@ std::size_t OtherFilesIn(const fs::path& folder, const std::set<fs::path>& writt
   return others;
 }
 
-void PrintExported(const CommonArguments& common, const ExportArguments& arguments, const std::string& representation,
+void PrintExported(CommonArguments& common, const ExportArguments& arguments, const std::string& representation,
                    const Exported& exported) {
-  if (common.json) {
-    nlohmann::json refused = nlohmann::json::object();
-    for (const RefusedClip& clip : exported.refused) refused[clip.item] = clip.error.Message();
-    nlohmann::json answer = {
-        {"layout", arguments.layout}, {"files", exported.files}, {"refused", refused}, {"notes", exported.notes}};
-    if (!representation.empty()) answer["representation"] = representation;
-    PrintJson(answer);
-    return;
-  }
+  nlohmann::json refused = nlohmann::json::object();
+  for (const RefusedClip& clip : exported.refused) refused[clip.item] = clip.error.Message();
+  nlohmann::json answer = {
+      {"layout", arguments.layout}, {"files", exported.files}, {"refused", refused}, {"notes", exported.notes}};
+  if (!representation.empty()) answer["representation"] = representation;
+  if (!AnswersInText(common, answer)) return;
   Print("%s as %s in %s\n", Counted(static_cast<long long>(exported.files.size()), "clip").c_str(),
         representation.empty() ? arguments.layout.c_str() : representation.c_str(),
         DisplayPath(arguments.output).c_str());
@@ -254,7 +248,6 @@ Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
     exported.notes.push_back(Counted(static_cast<long long>(others), "other file") +
                              " remain in the folder; source.yaml also reads those named like clips");
   }
-  common.answered = common.json;
   PrintExported(common, arguments, representation, exported);
   if (exported.refused.empty()) return {};
   const auto& [name, error] = exported.refused.front();

@@ -26,8 +26,8 @@
 #include "job/main_job.h"
 #include "job/motion_files.h"
 #include "job/named_configs.h"
-#include "job/temporary_folder.h"
-#include "job/verbs/output_checks.h"
+#include "job/stage_runs.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -378,13 +378,6 @@ Error FirstFailure(const JobResult& result) {
   return failures[0];
 }
 
-/// Those from the `first` on.
-void LogFindings(const std::vector<Finding>& findings, std::size_t first) {
-  for (std::size_t i = first; i < findings.size(); ++i) {
-    LogWarning((findings[i].clip.empty() ? "" : findings[i].clip + ": ") + findings[i].message);
-  }
-}
-
 /// Text about fitted clips that are suspect.
 std::string SuspectClipsText(int clips) {
   const bool one = clips == 1;
@@ -403,20 +396,11 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
   std::vector<Finding> findings;
   const Expected<JobOptions> options = FitOptionsOf(arguments, {common.allow_include}, findings);
-  LogFindings(findings, 0);
+  WarnOf(findings);
   if (!options) return Forward(options);
-  const TemporaryFolder scratch;
-  RunnerOptions settings;
-  settings.run_folder = scratch.path();
-  settings.jobs = arguments.jobs;
-  settings.quiet = common.quiet;
-  settings.log_failures = false;
-  if (settings.run_folder.empty()) {
-    return TemporaryFolder::Missing();
-  }
-  auto runner = Runner::Make(settings);
-  if (!runner) return Forward(runner);
-  const Expected<JobResult> result = RunMainJob(*options, JobStage::kFitting, **runner, arguments.clips);
+  auto stages = VerbStages::Make(common, arguments.jobs);
+  if (!stages) return Forward(stages);
+  const Expected<JobResult> result = RunMainJob(*options, JobStage::kFitting, (*stages)->runner(), arguments.clips);
   if (!result) return Forward(result);
   if (std::none_of(result->clips.begin(), result->clips.end(), IsFitted)) {
     return tl::unexpected<Error>(FirstFailure(*result));
@@ -432,11 +416,8 @@ Status FitVerb(CommonArguments& common, const FitArguments& arguments) {
   } else if (Status written = WriteDataset(*whole, arguments.output); !written) {
     return written;
   }
-  LogFindings(findings, logged);
-  if (common.json) {
-    common.answered = true;
-    PrintJson(AnswerOf(*result, arguments.output, findings));
-  } else {
+  WarnOf({findings.begin() + static_cast<std::ptrdiff_t>(logged), findings.end()});
+  if (AnswersInText(common, AnswerOf(*result, arguments.output, findings))) {
     for (const ClipRecord& clip : result->clips) {
       if (IsFitted(clip)) PrintFit(clip);
     }

@@ -17,7 +17,7 @@
 #include "job/machine.h"
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
-#include "job/temporary_folder.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/mesh_files.h"
 #include "job/verbs/motion_scripts.h"
 #include "job/verbs/verbs.h"
@@ -336,7 +336,7 @@ Status WriteDenoised(const fs::path& made, const fs::path& from, const fs::path&
   if (!files) return Forward(files);
   const auto dropped = WriteFromFiles(*set, WholeClips(*files), *files, to);
   if (!dropped) return Forward(dropped);
-  for (const Finding& finding : *dropped) LogWarning(finding.message);
+  WarnOf(*dropped);
   return {};
 }
 
@@ -384,8 +384,8 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
     return Fail(ErrorCode::kUsage, "the option needs --mesh", arguments.body.empty() ? "--shapes" : "--body",
                 "add --mesh FOLDER");
   }
-  const TemporaryFolder scratch;
-  if (scratch.path().empty()) return scratch.Missing();
+  auto stages = VerbStages::Make(common);
+  if (!stages) return Forward(stages);
   ItemSpec item{"motions", nlohmann::json::object(), {{"generator", "network", arguments.checkpoint, ""}}};
   std::size_t asked = 0;
   if (arguments.denoise.empty()) {
@@ -393,7 +393,7 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
                                                     : ScriptRequests(arguments, *checkpoint, *options, item);
     if (!requests) return Forward(requests);
     asked = requests->size();
-    const fs::path file = scratch.path() / "requests.json";
+    const fs::path file = (*stages)->folder() / "requests.json";
     if (Status written = WriteRequests(*requests, file); !written) return written;
     item.inputs.push_back({"requests", "requests", file, ""});
   } else {
@@ -408,14 +408,7 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
     item.options = OptionsToJson(remake);
     item.inputs.push_back({"motions", DisplayPath(arguments.denoise), arguments.denoise, ""});
   }
-  RunnerOptions settings;
-  settings.run_folder = scratch.path();
-  settings.quiet = common.quiet;
-  settings.log_failures = false;
-  auto runner = Runner::Make(settings);
-  if (!runner) return Forward(runner);
-  std::vector<StageCounts> counts;
-  const auto generated = StageRuns(**runner, counts).One(GenerateDeclaration(), std::move(item));
+  const auto generated = (*stages)->One(GenerateDeclaration(), std::move(item));
   if (!generated) return Forward(generated);
   asked = generated->summary.value("motions", asked);
   if (arguments.denoise.empty()) {
@@ -431,13 +424,10 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
     if (!written) return Forward(written);
     meshes = *written;
   }
-  if (common.json) {
-    common.answered = true;
-    PrintJson({{"path", DisplayPath(arguments.output)},
-               {"network", checkpoint->kind},
-               {"motions", asked},
-               {"meshes", meshes}});
-  } else if (!common.quiet) {
+  if (AnswersInText(common, {{"path", DisplayPath(arguments.output)},
+                             {"network", checkpoint->kind},
+                             {"motions", asked},
+                             {"meshes", meshes}})) {
     Print("%s by %s in %s\n", Counted(static_cast<long long>(asked), "motion").c_str(), options->name.c_str(),
           DisplayPath(arguments.output).c_str());
     if (meshes > 0) {

@@ -15,6 +15,7 @@
 #include "job/config_loading.h"
 #include "job/named_configs.h"
 #include "job/run_and_capture.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/inspect_artifact.h"
 #include "job/verbs/verbs.h"
 
@@ -130,18 +131,15 @@ Status FirstError(const Inspection& inspection) {
 
 /// Reports an unreadable path in the form of every answer.
 Status Unreadable(CommonArguments& common, const std::filesystem::path& path, const Error& error) {
-  if (common.json) {
-    PrintJson({{"path", DisplayPath(path)},
-               {"format", "unknown"},
-               {"clips", nlohmann::json::array()},
-               {"findings",
-                {{{"code", Name(error.code)},
-                  {"severity", "error"},
-                  {"where", error.where.empty() ? DisplayPath(path) : error.where},
-                  {"value", nullptr},
-                  {"message", error.what}}}}});
-    common.answered = true;
-  }
+  AnswersInText(common, {{"path", DisplayPath(path)},
+                         {"format", "unknown"},
+                         {"clips", nlohmann::json::array()},
+                         {"findings",
+                          {{{"code", Name(error.code)},
+                            {"severity", "error"},
+                            {"where", error.where.empty() ? DisplayPath(path) : error.where},
+                            {"value", nullptr},
+                            {"message", error.what}}}}});
   return tl::unexpected<Error>(error);
 }
 
@@ -174,11 +172,7 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
   if (IsMade(arguments.path)) {
     const auto description = DescribeMade(arguments.path);
     if (!description) return Unreadable(common, arguments.path, description.error());
-    common.answered = common.json;
-    if (common.json)
-      PrintJson(*description);
-    else
-      Print("%s", MadeText(arguments.path, *description).c_str());
+    if (AnswersInText(common, *description)) Print("%s", MadeText(arguments.path, *description).c_str());
     return {};
   }
   std::optional<SourceOptions> source;

@@ -10,7 +10,7 @@
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "job/run_folder.h"
-#include "job/verbs/dataset_stages.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "report/options.h"
 #include "train/items.h"
 
@@ -212,7 +212,7 @@ class PictureMaker {
       if (!plot["curves"].empty()) plots.push_back(std::move(plot));
     }
     if (plots.empty()) return {};
-    auto stages = DatasetStages::Make(own_);
+    auto stages = VerbStages::Make(own_);
     if (!stages) return Forward(stages);
     const fs::path numbers = run_.folder / "pictures/curves.json", picture = run_.folder / "pictures/curves.svg";
     if (Status made = MakeFolder(numbers.parent_path()); !made) return made;

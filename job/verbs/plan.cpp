@@ -15,6 +15,7 @@
 #include "job/slurm.h"
 #include "job/stage_plan.h"
 #include "job/task_claim.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -74,16 +75,14 @@ Status PlanVerb(CommonArguments& common, const PlanArguments& arguments) {
                       "ingest.path"
                     : "see which stages it has: mocurate run --dry-run");
   }
-  if (common.json) {
-    common.answered = true;
-    PrintJson({{"plan", DisplayPath(made->file)},
-               {"stage", made->stage},
-               {"items", made->items},
-               {"tasks", made->tasks},
-               {"seconds", made->seconds}});
-  } else if (made->items == 0) {
+  const bool in_text = AnswersInText(common, {{"plan", DisplayPath(made->file)},
+                                              {"stage", made->stage},
+                                              {"items", made->items},
+                                              {"tasks", made->tasks},
+                                              {"seconds", made->seconds}});
+  if (in_text && made->items == 0) {
     Print("%s: nothing is missing, no task\n", made->stage.c_str());
-  } else if (!common.quiet) {
+  } else if (in_text) {
     const std::string each = made->seconds > 0.0
                                  ? ", about " + Duration(made->seconds / static_cast<double>(made->tasks)) + " each"
                                  : std::string();
@@ -166,20 +165,17 @@ Status TaskVerb(CommonArguments& common, const RunArguments& arguments) {
   if (!runner) return ended(Forward(runner));
   const auto report = (*runner)->Run(declaration, *std::move(items));
   if (!report) return ended(Forward(report));
-  if (common.json) {
-    common.answered = true;
-    PrintJson({{"stage", head.stage},
-               {"task", *arguments.task},
-               {"tasks", head.tasks},
-               {"items", report->items.size()},
-               {"done", report->done},
-               {"suspect", report->suspect},
-               {"excluded", report->excluded},
-               {"refused", report->refused},
-               {"crashed", report->crashed},
-               {"from_cache", report->from_cache},
-               {"seconds", report->seconds}});
-  }
+  AnswersInText(common, {{"stage", head.stage},
+                         {"task", *arguments.task},
+                         {"tasks", head.tasks},
+                         {"items", report->items.size()},
+                         {"done", report->done},
+                         {"suspect", report->suspect},
+                         {"excluded", report->excluded},
+                         {"refused", report->refused},
+                         {"crashed", report->crashed},
+                         {"from_cache", report->from_cache},
+                         {"seconds", report->seconds}});
   if (report->crashed + report->unrecorded == 0) return ended({});
   return ended(Fail(ErrorCode::kTooManyFailures,
                     std::to_string(report->crashed) + " of " +

@@ -18,6 +18,7 @@
 #include "job/network_scores.h"
 #include "job/run_file.h"
 #include "job/run_folder.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/paper_items.h"
 #include "job/verbs/paper_pictures.h"
 #include "job/verbs/time_budget.h"
@@ -59,11 +60,7 @@ Status ListItems(CommonArguments& common, const ReproduceArguments& arguments) {
         ErrorCode::kUsage, "no item has a set '" + name + "'", "--data",
         near ? "did you mean '" + *near + "=PATH'?" : "write NAME=PATH with a set that the list names as missing");
   }
-  if (common.json) {
-    common.answered = true;
-    PrintJson(items);
-    return {};
-  }
+  if (!AnswersInText(common, items)) return {};
   Print("%-20s %-8s %-6s %-6s %-6s %s\n", "item", "kind", "smoke", "small", "paper", "content; missing parts");
   const auto hours = [](const nlohmann::json& item, const char* profile) {
     const nlohmann::json value = item.at("profiles").value(profile, nlohmann::json());
@@ -436,12 +433,7 @@ class Reproduction {
   }
 
   void Answer() {
-    if (common_.json) {
-      common_.answered = true;
-      PrintJson(json_);
-      return;
-    }
-    if (common_.quiet || arguments_.dry_run) return;
+    if (!AnswersInText(common_, json_) || arguments_.dry_run) return;
     if (!text_.empty()) Print("\n%s", text_.c_str());
     if (json_["table"].is_string()) Print("table     %s\n", json_["table"].get<std::string>().c_str());
     for (const nlohmann::json& file : json_["pictures"]) Print("picture   %s\n", file.get<std::string>().c_str());

@@ -15,8 +15,7 @@
 #include "job/main_job.h"
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
-#include "job/temporary_folder.h"
-#include "job/verbs/output_checks.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -142,38 +141,23 @@ Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments)
   if (Status free = CheckOutputs({arguments.output}, {arguments.config}, arguments.force); !free) return free;
   const Expected<JobOptions> options = RigJobOf(arguments, {common.allow_include});
   if (!options) return Forward(options);
-  const TemporaryFolder scratch;
-  if (scratch.path().empty()) return TemporaryFolder::Missing();
-  RunnerOptions settings;
-  settings.run_folder = scratch.path();
-  settings.jobs = arguments.jobs;
-  settings.quiet = common.quiet;
-  settings.log_failures = false;
-  auto runner = Runner::Make(settings);
-  if (!runner) return Forward(runner);
-  const Expected<JobResult> result = RunMainJob(*options, JobStage::kIngest, **runner, arguments.clips);
+  auto stages = VerbStages::Make(common, arguments.jobs);
+  if (!stages) return Forward(stages);
+  const Expected<JobResult> result = RunMainJob(*options, JobStage::kIngest, (*stages)->runner(), arguments.clips);
   if (!result) return Forward(result);
   const RigStageOptions of_rig{arguments.config.filename().string(), options->fitting.skeleton,
                                options->fitting.keypoints};
   ItemSpec item{"rig", OptionsToJson(of_rig), EvidenceOf(*result)};
   if (item.inputs.empty()) return tl::unexpected<Error>(WhyNoEvidence(*result, *options));
   item.inputs.push_back(SkeletonInput(options->fitting.skeleton));
-  std::vector<StageCounts> counts;
-  const Expected<ItemResult> rig = StageRuns(**runner, counts).One(RigDeclaration(), std::move(item));
+  const Expected<ItemResult> rig = (*stages)->One(RigDeclaration(), std::move(item));
   if (!rig) return Forward(rig);
   if (Status copied = CopyWhole(rig->artifact, arguments.output); !copied) return copied;
-  for (const Finding& finding : rig->outcome.findings) {
-    LogWarning((finding.clip.empty() ? "" : finding.clip + ": ") + finding.message);
-  }
-  if (common.json) {
-    common.answered = true;
-    nlohmann::json answer = rig->summary;
-    answer["rig"] = DisplayPath(arguments.output);
-    answer["findings"] = rig->outcome.findings;
-    PrintJson(answer);
-  } else if (!common.quiet) {
-    PrintRig(rig->summary, arguments.output);
-  }
+  WarnOf(rig->outcome.findings);
+  nlohmann::json answer = rig->summary;
+  answer["rig"] = DisplayPath(arguments.output);
+  answer["findings"] = rig->outcome.findings;
+  if (AnswersInText(common, answer)) PrintRig(rig->summary, arguments.output);
   if (result->counts.failed == 0) return {};
   Error error = WhyNoEvidence(*result, *options);
   error.what = Counted(result->counts.failed, "take") + " could not be read; the first: " + error.what;

@@ -16,6 +16,7 @@
 #include "job/run_file.h"
 #include "job/run_folder.h"
 #include "job/slurm_run.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/paper_items.h"
 #include "job/verbs/verbs.h"
 
@@ -251,13 +252,8 @@ Status Perform(CommonArguments& common, const JobOptions& options, JobStage last
   const auto result = RunMainJob(options, last, runner);
   if (!result) return Forward(result);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  if (common.json) {
-    common.answered = true;
-    PrintJson(ResultJson(*result, runner.options(), seconds));
-  } else if (runner.options().dry_run) {
-    PrintPlan(*result, last);
-  } else {
-    PrintResult(*result, seconds);
+  if (AnswersInText(common, ResultJson(*result, runner.options(), seconds))) {
+    runner.options().dry_run ? PrintPlan(*result, last) : PrintResult(*result, seconds);
   }
   if (Status evaluation = CheckEvaluation(*result); !evaluation) return evaluation;
   if (Status networks = CheckNetworks(*result); !networks) return networks;
@@ -291,18 +287,16 @@ Status RunSetsVerb(CommonArguments& common, const RunArguments& arguments, const
       for (const auto& [name, error] : run->failed) sets_of_run->failed[name] = error.Message();
     }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-    if (common.json) {
-      common.answered = true;
-      nlohmann::json sets = nlohmann::json::object();
-      for (const SetResult& set : run->sets) {
-        RunnerOptions own = settings;
-        own.run_folder = settings.run_folder / "data" / set.set.name;
-        sets[set.set.name] = ResultJson(set.result, own, seconds);
-      }
-      PrintJson({{"run", DisplayPath(settings.run_folder)}, {"sets", sets}, {"table", run->table}});
-    }
+    nlohmann::json sets = nlohmann::json::object();
     for (const SetResult& set : run->sets) {
-      if (!common.json && !common.quiet && !arguments.dry_run) {
+      RunnerOptions own = settings;
+      own.run_folder = settings.run_folder / "data" / set.set.name;
+      sets[set.set.name] = ResultJson(set.result, own, seconds);
+    }
+    const bool in_text =
+        AnswersInText(common, {{"run", DisplayPath(settings.run_folder)}, {"sets", sets}, {"table", run->table}});
+    for (const SetResult& set : run->sets) {
+      if (in_text && !arguments.dry_run) {
         Print("\n%s%s\n", set.set.name.c_str(), set.substitute ? " (substitute: synthetic motions)" : "");
         PrintResult(set.result, seconds);
       }

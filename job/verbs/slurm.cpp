@@ -17,6 +17,7 @@
 #include "job/run_folder.h"
 #include "job/slurm_run.h"
 #include "job/stage_plan.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -279,14 +280,10 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
       Print("%-14s %10s\n", TitleOf(job).c_str(), job.id.c_str());
     }
   }
-  if (common.json) {
-    common.answered = true;
-    nlohmann::json value = {{"run", DisplayPath(run.folder())}, {"jobs", shown}, {"queued", nullptr}};
-    if (lines) value["queued"] = active;
-    if (outcome) value["outcome"] = {{"exit_code", outcome->exit_code}, {"message", outcome->message}};
-    PrintJson(value);
-    return {};
-  }
+  nlohmann::json value = {{"run", DisplayPath(run.folder())}, {"jobs", shown}, {"queued", nullptr}};
+  if (lines) value["queued"] = active;
+  if (outcome) value["outcome"] = {{"exit_code", outcome->exit_code}, {"message", outcome->message}};
+  if (!AnswersInText(common, value)) return {};
   Use most;
   std::optional<double> memory_bytes, time_s;  // as the last array asked
   for (const SubmittedJob& job : jobs) {
@@ -410,13 +407,11 @@ Status SlurmRunVerb(CommonArguments& common, const RunArguments& arguments, cons
   const std::optional<SlurmOutcome> outcome = run->Outcome();
   const std::vector<SubmittedJob> jobs = run->Jobs();
   const std::string log = jobs.empty() ? std::string() : DisplayPath(run->Log(jobs.back()));
-  if (common.json) {
-    common.answered = true;
-    PrintJson({{"run", DisplayPath(run->folder())},
-               {"exit_code", outcome->exit_code},
-               {"message", outcome->message},
-               {"log", log}});
-  } else if (!common.quiet && outcome->exit_code == 0) {
+  const nlohmann::json answer = {{"run", DisplayPath(run->folder())},
+                                 {"exit_code", outcome->exit_code},
+                                 {"message", outcome->message},
+                                 {"log", log}};
+  if (AnswersInText(common, answer) && outcome->exit_code == 0) {
     for (const std::string& line : LastLines(log)) Print("%s\n", line.c_str());
   }
   if (outcome->exit_code == 0) return {};

@@ -11,8 +11,7 @@
 #include "job/motion_files.h"
 #include "job/protocols.h"
 #include "job/run_folder.h"
-#include "job/verbs/dataset_stages.h"
-#include "job/verbs/output_checks.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 #include "report/options.h"
 #include "report/survey_tally.h"
@@ -66,25 +65,6 @@ Expected<std::vector<SurveyFiles>> FilesOfSources(const SurveyMakeArguments& arg
     sources.push_back(std::move(source));
   }
   return sources;
-}
-
-/// The motions of a source as one dataset or MotionSet. Warns of unreadable motions.
-Expected<StageInput> SourceInput(const SurveyFiles& source, const ExtractorOptions& extractor, DatasetStages& stages) {
-  const MotionFiles& files = source.files;
-  if (IsMotionStore(files.path) && files.labels.empty()) return StageInput{"motions", source.name, files.path, ""};
-  if (files.source.empty() && AreBareArrays(files.path) && extractor.name.empty()) {
-    return Fail(ErrorCode::kUsage, "bare arrays have neither joint names nor axes nor a unit", DisplayPath(files.path),
-                "declare them with --extractor NAME (the recogniser's joints, axes and unit) or --source DECLARATION");
-  }
-  auto motions = MakeMotionsItem(source.name, files, extractor);
-  if (!motions) return Forward(motions);
-  for (const RefusedClip& file : motions->unreadable) LogWarning(source.name + ": " + file.error.Message());
-  const auto read = stages.One(MotionsDeclaration(), std::move(motions->item));
-  if (!read) return Forward(read);
-  for (const Finding& finding : read->outcome.findings) {
-    LogWarning(source.name + ": " + finding.clip + ": " + finding.message);
-  }
-  return StageInput{"motions", source.name, read->artifact, read->sha256};
 }
 
 void PrintSurvey(const SurveyMakeArguments& arguments, const nlohmann::json& summary) {
@@ -162,11 +142,14 @@ Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& argume
     if (!loaded) return Forward(loaded);
     extractor = std::move(*loaded);
   }
-  auto stages = DatasetStages::Make(common);
+  auto stages = VerbStages::Make(common);
   if (!stages) return Forward(stages);
   ItemSpec item{"survey", OptionsToJson(options), {}};
   for (const SurveyFiles& source : *sources) {
-    auto input = SourceInput(source, extractor, **stages);
+    auto input = MotionsInput(source.name, source.files, extractor,
+                              "declare them with --extractor NAME (the recogniser's joints, axes and unit) or --source "
+                              "DECLARATION",
+                              **stages);
     if (!input) return Forward(input);
     item.inputs.push_back(std::move(*input));
   }
@@ -177,17 +160,14 @@ Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& argume
   const nlohmann::json summary = made->summary;
   if (Status written = WriteFile(key, SurveyJsonText(summary.at("key"))); !written) return written;
   for (const nlohmann::json& note : summary.at("notes")) LogWarning(note.get<std::string>());
-  if (common.json) {
-    common.answered = true;
-    PrintJson({{"page", DisplayPath(page)},
-               {"key", DisplayPath(key)},
-               {"survey", summary.at("key").at("survey")},
-               {"questions", summary.at("key").at("questions").size()},
-               {"labels", summary.at("key").at("labels")},
-               {"motions", summary.at("motions")},
-               {"bytes", summary.at("bytes")},
-               {"notes", summary.at("notes")}});
-  } else if (!common.quiet) {
+  if (AnswersInText(common, {{"page", DisplayPath(page)},
+                             {"key", DisplayPath(key)},
+                             {"survey", summary.at("key").at("survey")},
+                             {"questions", summary.at("key").at("questions").size()},
+                             {"labels", summary.at("key").at("labels")},
+                             {"motions", summary.at("motions")},
+                             {"bytes", summary.at("bytes")},
+                             {"notes", summary.at("notes")}})) {
     PrintSurvey(arguments, summary);
   }
   return {};
@@ -224,10 +204,7 @@ Status SurveyTallyVerb(CommonArguments& common, const SurveyTallyArguments& argu
         std::pair("tally.md", TallyToMarkdown(tally)), std::pair("figure.svg", TallyToSvg(tally))}) {
     if (Status written = WriteFile(output(name), text); !written) return written;
   }
-  if (common.json) {
-    common.answered = true;
-    PrintJson(json);
-  } else if (!common.quiet) {
+  if (AnswersInText(common, json)) {
     PrintTally(arguments, tally);
   }
   return {};

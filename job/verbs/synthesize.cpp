@@ -11,6 +11,7 @@
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "ingest/synthetic/studio_layouts.h"
+#include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -167,10 +168,7 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
   if (!options) return Forward(options);
   if (Status used = CheckUsed(*options, *node); !used) return used;
   if (arguments.show) {
-    if (common.json)
-      PrintJson(OptionsToJson(*options));
-    else
-      Print("%s", ShowOptions(*options, *node, false).c_str());
+    if (AnswersInText(common, OptionsToJson(*options))) Print("%s", ShowOptions(*options, *node, false).c_str());
     return {};
   }
   if (arguments.output.empty()) {
@@ -188,16 +186,13 @@ Status SynthesizeVerb(CommonArguments& common, const SynthesizeArguments& argume
   if (!counts) return Forward(counts);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const std::string folder = DisplayPath(arguments.output);
-  if (common.json) {
-    const nlohmann::json document = {{"folder", folder},
-                                     {"files", counts->files},
-                                     {"bytes", counts->bytes},
-                                     {"clips", counts->clips},
-                                     {"frames", counts->frames},
-                                     {"seconds", seconds},
-                                     {"options", OptionsToJson(*options)}};
-    PrintJson(document);
-  } else {
+  if (AnswersInText(common, {{"folder", folder},
+                             {"files", counts->files},
+                             {"bytes", counts->bytes},
+                             {"clips", counts->clips},
+                             {"frames", counts->frames},
+                             {"seconds", seconds},
+                             {"options", OptionsToJson(*options)}})) {
     std::string read;
     for (const WrittenSource& source : SourcesOf(options->layout, options->depth.enabled))
       read += ReadAsText(source, arguments.output);

@@ -14,7 +14,7 @@
 #include "core/base/text.h"
 #include "core/base/units.h"
 #include "job/data_sets.h"
-#include "job/temporary_folder.h"
+#include "job/stage_runs.h"
 
 namespace mocurate {
 namespace {
