@@ -4,16 +4,11 @@
 
 #include "core/base/text.h"
 #include "core/base/version.h"
-#include "report/annotate_files_script.h"
-#include "report/annotate_script.h"
-#include "report/annotate_style.h"
+#include "report/annotate_scripts.h"
 #include "report/html.h"
-#include "report/page_style.h"
-#include "report/page_tools_script.h"
+#include "report/page_scripts.h"
 #include "report/pictures.h"
-#include "report/player_script.h"
 #include "report/review_script.h"
-#include "report/timeline_script.h"
 
 namespace mocurate {
 namespace {

@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "core/base/error.h"
+#include "core/base/finding.h"
 #include "core/motion/clip.h"
+#include "core/pipeline/stage.h"
 
 namespace mocurate {
 
@@ -57,5 +60,9 @@ nlohmann::json PlayerData(const DrawnClip& clip, int most_numbers);
 
 /// -1 right, 1 left, 0 midline: from mirror partners and rest offsets.
 std::vector<int> SidesOf(const Skeleton& skeleton);
+
+/// A clip and its fit, read from the inputs "evidence", "fit" and "depth" of a stage that draws one clip; `findings`
+/// receives those stored with the fit. Errors of ReadEvidence and ReadDataset, kInconsistent for a fit without a clip.
+Expected<DrawnClip> ReadDrawnClip(const StageRequest& request, std::vector<Finding>* findings = nullptr);
 
 }  // namespace mocurate

@@ -1,8 +1,7 @@
 #include "report/page.h"
 
 #include "report/html.h"
-#include "report/page_style.h"
-#include "report/player_script.h"
+#include "report/page_scripts.h"
 #include "report/run_facts.h"
 
 namespace mocurate {

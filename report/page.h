@@ -1,10 +1,46 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "report/sections.h"
+#include "core/store/store.h"
+#include "report/filmstrip.h"
+#include "report/options.h"
 
 namespace mocurate {
+
+/// Input of the report page.
+struct ReportInput {
+  nlohmann::json run;  ///< the summary of the run; parts that it did not reach are absent
+  std::optional<Dataset> dataset;
+  std::vector<DrawnClip> drawn;
+  std::vector<std::pair<std::string, Dataset>> generated;  ///< by network: a motion of each class
+  std::vector<std::string> not_drawn;                      ///< why a clip or a view could not be drawn
+  ReportOptions options;
+};
+
+/// Each returns the inside of one <section>; parts that the run did not reach are reported there.
+std::string HeadHtml(const ReportInput& input);        ///< name, verdict, figures
+std::string FunnelHtml(const ReportInput& input);      ///< clips by stage, reasons of excluded ones
+std::string DatasetHtml(const ReportInput& input);     ///< labels, splits
+std::string QualityHtml(const ReportInput& input);     ///< before and after
+std::string TruthHtml(const ReportInput& input);       ///< error against truth
+std::string FilmstripsHtml(const ReportInput& input);  ///< strips, players, overlays
+std::string ClipsHtml(const ReportInput& input);       ///< all clips, with links to their pages
+std::string PersonsHtml(const ReportInput& input);     ///< bone lengths
+std::string FindingsHtml(const ReportInput& input);
+std::string TableHtml(const ReportInput& input);        ///< metrics of the evaluation
+std::string GeneratedHtml(const ReportInput& input);    ///< a motion of each class and network beside a real one
+std::string RecognisersHtml(const ReportInput& input);  ///< accuracies and confusion
+std::string CurvesHtml(const ReportInput& input);       ///< loss curves
+std::string StopsHtml(const ReportInput& input);        ///< where training was stopped
+std::string ReadingHtml(const ReportInput& input);      ///< how to read the page
+
+/// The players' data, in the order of the players of FilmstripsHtml.
+nlohmann::json PlayersJson(const ReportInput& input);
 
 /// The whole page, self-contained. Same input, same bytes.
 std::string MakePage(const ReportInput& input);

@@ -1,6 +1,6 @@
 #include "core/base/file.h"
 #include "report/clip_page.h"
-#include "report/drawn_clip.h"
+#include "report/filmstrip.h"
 #include "report/options.h"
 #include "report/pictures.h"
 #include "report/stages.h"

@@ -11,9 +11,7 @@
 #include "core/store/dataset_clips.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
-#include "report/page_style.h"
-#include "report/page_tools_script.h"
-#include "report/player_script.h"
+#include "report/page_scripts.h"
 #include "report/review_script.h"
 #include "report/run_facts.h"
 

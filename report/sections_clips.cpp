@@ -2,8 +2,8 @@
 #include <map>
 
 #include "report/html.h"
+#include "report/page.h"
 #include "report/run_facts.h"
-#include "report/sections.h"
 #include "report/svg.h"
 
 namespace mocurate {

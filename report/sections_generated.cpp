@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "report/html.h"
+#include "report/page.h"
 #include "report/run_facts.h"
-#include "report/sections.h"
 
 namespace mocurate {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "core/base/text.h"
 #include "report/html.h"
+#include "report/page.h"
 #include "report/run_facts.h"
-#include "report/sections.h"
 #include "report/svg.h"
 
 namespace mocurate {

@@ -6,9 +6,7 @@
 #include "core/base/version.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
-#include "report/page_style.h"
-#include "report/page_tools_script.h"
-#include "report/player_script.h"
+#include "report/page_scripts.h"
 #include "report/review_script.h"
 #include "report/survey_script.h"
 

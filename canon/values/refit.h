@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "canon/values/rows.h"
+#include "canon/values/subset.h"
 
 namespace mocurate {
 

@@ -4,15 +4,15 @@
 #include <optional>
 #include <set>
 
-#include "canon/values/rows.h"
+#include "canon/values/subset.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMostNearest = 10;   // names without a match that get a suggestion
-constexpr std::size_t kMostTests = 10000;  // of all rules
+constexpr std::size_t kMostNearest = 10;       // names without a match that get a suggestion
+constexpr std::size_t kMostRuleTests = 10000;  // of all rules
 
 using Names = std::set<std::string>;
 
@@ -98,8 +98,8 @@ Expected<std::vector<std::optional<std::string>>> NewLabels(const RelabelMap& ma
     const auto holds = condition ? condition->Holds(dataset) : tl::unexpected<Error>(condition.error());
     if (!holds) return Fail(ErrorCode::kConfig, holds.error().what, holds.error().where, holds.error().hint);
     tests += condition->tests();
-    if (tests > kMostTests) {
-      return Fail(ErrorCode::kConfig, "the rules compare more than " + std::to_string(kMostTests) + " times",
+    if (tests > kMostRuleTests) {
+      return Fail(ErrorCode::kConfig, "the rules compare more than " + std::to_string(kMostRuleTests) + " times",
                   rule.place, "compare with lists (id in [a, b]), or list the clips in a table under clips");
     }
     for (std::size_t row = 0; row < labels.size(); ++row) {

@@ -1,13 +1,30 @@
 #include "canon/values/subset.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
 
-#include "canon/values/rows.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 
 namespace mocurate {
 namespace {
+
+/// Frames of an id "source/person/recording#begin-end"; no begin where the id has none.
+std::optional<int> SpanBegin(const std::string& id) {
+  const std::size_t hash = id.rfind('#');
+  if (hash == std::string::npos) return std::nullopt;
+  const auto begin = ParseInteger(std::string_view(id).substr(hash + 1, id.find('-', hash) - hash - 1));
+  return begin ? std::optional<int>(static_cast<int>(*begin)) : std::nullopt;
+}
+
+int SpanEnd(const std::string& id) {
+  const std::size_t dash = id.find('-', id.rfind('#') == std::string::npos ? 0 : id.rfind('#'));
+  return dash == std::string::npos ? 0
+                                   : static_cast<int>(ParseInteger(std::string_view(id).substr(dash + 1)).value_or(0));
+}
 
 /// "label == wave: 12, frames >= 60: 0 of 180 clips"
 std::string TestCountsText(const std::vector<std::pair<std::string, std::size_t>>& counts, std::size_t clips) {
@@ -17,6 +34,106 @@ std::string TestCountsText(const std::vector<std::pair<std::string, std::size_t>
 }
 
 }  // namespace
+
+std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
+
+bool IsAbout(const Finding& finding, const Clip& clip) {
+  if (finding.clip == clip.id()) return true;
+  if (RecordingOf(finding.clip) != RecordingOf(clip.id())) return false;
+  const auto begin = SpanBegin(finding.clip);
+  if (!begin) return true;
+  const ClipIdentity& identity = clip.identity;
+  const bool whole = *begin <= identity.begin_frame && SpanEnd(finding.clip) >= identity.end_frame;
+  if (!whole || finding.frame_end <= finding.frame_begin) return whole;
+  const int from = *begin + finding.frame_begin, to = *begin + finding.frame_end;
+  return from < identity.end_frame && to > identity.begin_frame;
+}
+
+std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& dataset) {
+  std::vector<std::size_t> rows;
+  std::vector<int> new_row(keep.size(), -1);
+  std::vector<Clip> kept;
+  std::set<std::string> gone;
+  for (std::size_t row = 0; row < keep.size(); ++row) {
+    if (!keep[row]) {
+      gone.insert(dataset.clips[row].id());
+      continue;
+    }
+    new_row[row] = static_cast<int>(rows.size());
+    rows.push_back(row);
+    kept.push_back(std::move(dataset.clips[row]));
+  }
+  dataset.clips = std::move(kept);
+  for (Split& split : dataset.splits) {
+    for (std::vector<int>* part : {&split.train, &split.validation, &split.test}) {
+      std::vector<int> of_part;
+      for (const int row : *part) {
+        if (new_row[static_cast<std::size_t>(row)] >= 0) of_part.push_back(new_row[static_cast<std::size_t>(row)]);
+      }
+      *part = std::move(of_part);
+    }
+  }
+  // Findings about whole recordings stay while one of their clips does.
+  std::set<std::string> recordings;
+  for (const Clip& clip : dataset.clips) recordings.insert(RecordingOf(clip.id()));
+  std::vector<Finding> findings;
+  for (Finding& finding : dataset.findings) {
+    const bool stays = finding.clip.empty() || recordings.count(RecordingOf(finding.clip)) != 0;
+    if (stays && gone.count(finding.clip) == 0) findings.push_back(std::move(finding));
+  }
+  dataset.findings = std::move(findings);
+  return rows;
+}
+
+void AddFindings(const std::vector<Finding>& more, std::vector<Finding>& all) {
+  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> known;  // clip, code -> places in all
+  const std::size_t before = all.size();
+  for (std::size_t i = 0; i < before; ++i) known[{all[i].clip, all[i].code}].push_back(i);
+  for (const Finding& finding : more) {
+    const std::vector<std::size_t>& alike = known[{finding.clip, finding.code}];
+    const bool there = std::any_of(alike.begin(), alike.end(), [&](std::size_t at) { return all[at] == finding; });
+    if (!there) all.push_back(finding);
+  }
+}
+
+std::vector<Finding> FindEmptyParts(const std::vector<Split>& before, const std::vector<Split>& after) {
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const std::pair<const char*, std::vector<int> Split::*> parts[] = {
+        {"train", &Split::train}, {"validation", &Split::validation}, {"test", &Split::test}};
+    for (const auto& [name, part] : parts) {
+      const std::size_t old = (before[i].*part).size();
+      if (!(after[i].*part).empty() || old == 0) continue;
+      findings.push_back(MakeFinding("empty_part", Severity::kWarning, static_cast<double>(old),
+                                     "split '" + after[i].name + "': none of the " +
+                                         Counted(static_cast<long long>(old), "clip") + " of its part " + name +
+                                         " is left"));
+    }
+  }
+  return findings;
+}
+
+void DropEmptyLabels(Dataset& dataset) {
+  std::set<std::string> used, used_fine;
+  for (const Clip& clip : dataset.clips) {
+    used.insert(clip.label);
+    used_fine.insert(clip.fine_label);
+  }
+  std::vector<std::string> labels;
+  std::vector<int> new_class(dataset.labels.size(), -1);
+  for (std::size_t i = 0; i < dataset.labels.size(); ++i) {
+    if (used.count(dataset.labels[i]) == 0) continue;
+    new_class[i] = static_cast<int>(labels.size());
+    labels.push_back(dataset.labels[i]);
+  }
+  std::vector<FineLabel> fine_labels;
+  for (const FineLabel& fine : dataset.fine_labels) {
+    const int parent = new_class[static_cast<std::size_t>(fine.parent)];
+    if (parent >= 0 && used_fine.count(fine.name) > 0) fine_labels.push_back({fine.name, parent});
+  }
+  dataset.labels = std::move(labels);
+  dataset.fine_labels = std::move(fine_labels);
+}
 
 Expected<DatasetSubset> SubsetOf(Dataset dataset, const Condition& condition, const SubsetOptions& options) {
   const auto holds = condition.Holds(dataset);

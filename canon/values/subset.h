@@ -8,6 +8,26 @@
 
 namespace mocurate {
 
+/// A clip id without its frames: source/person/recording.
+std::string RecordingOf(const std::string& id);
+
+/// Whether a finding concerns a clip: it names the clip, or the recording that the clip was cut from, in frames that
+/// the clip has or without frames.
+bool IsAbout(const Finding& finding, const Clip& clip);
+
+/// Keeps some clips of a dataset: rows of splits follow, findings about removed clips are removed. Labels stay, also
+/// those without a clip. Returns the old indices of the rows that stay.
+std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& dataset);
+
+/// Appends the findings that are not in `all` yet.
+void AddFindings(const std::vector<Finding>& more, std::vector<Finding>& all);
+
+/// "empty_part" for each part that lost its last clip; the same splits before and after.
+std::vector<Finding> FindEmptyParts(const std::vector<Split>& before, const std::vector<Split>& after);
+
+/// Removes labels and fine labels without a clip; the others are renumbered.
+void DropEmptyLabels(Dataset& dataset);
+
 struct SubsetOptions {
   std::string name;                ///< of the original dataset, for the recipe
   bool drop_empty_labels = false;  ///< classes without a clip are removed, and the others renumbered

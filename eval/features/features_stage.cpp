@@ -20,7 +20,6 @@
 #include "eval/features/feature_extractor.h"
 #include "eval/options.h"
 #include "eval/protocols/draws.h"
-#include "eval/protocols/scripts.h"
 #include "eval/stages.h"
 
 namespace mocurate {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "eval/metrics/fid.h"
+#include "eval/metrics/feature_distances.h"
 
 namespace mocurate {
 

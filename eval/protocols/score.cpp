@@ -8,10 +8,9 @@
 
 #include "core/base/text.h"
 #include "eval/metrics/accuracy.h"
-#include "eval/metrics/kernel_distance.h"
+#include "eval/metrics/feature_distances.h"
+#include "eval/metrics/interval.h"
 #include "eval/metrics/neighbours.h"
-#include "eval/metrics/permutation_test.h"
-#include "eval/metrics/spread.h"
 #include "eval/protocols/draws.h"
 
 namespace mocurate {

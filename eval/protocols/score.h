@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/store/feature_file.h"
-#include "eval/metrics/fid.h"
+#include "eval/metrics/feature_distances.h"
 #include "eval/options.h"
 
 namespace mocurate {

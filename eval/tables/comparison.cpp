@@ -7,7 +7,7 @@
 
 #include "core/base/table_text.h"
 #include "core/base/text.h"
-#include "eval/tables/metric_columns.h"
+#include "eval/tables/result_table.h"
 
 namespace mocurate {
 namespace {

@@ -10,6 +10,23 @@
 
 namespace mocurate {
 
+/// Direction in which a metric is better; kNearReal: near that of real motions.
+enum class Better { kLess, kMore, kNearReal, kNone };
+
+/// A metric as a column of tables.
+struct MetricColumn {
+  const char* key;
+  const char* title;  ///< with an arrow towards better values
+  int digits;
+  Better better;
+};
+
+/// All metrics, in the order of columns.
+const std::vector<MetricColumn>& MetricColumns();
+
+/// {"value", "interval", "interval_kind", "repetitions"} as a cell; empty where there is no number.
+Table::Cell CellOf(const nlohmann::json& metric);
+
 /// The table of an evaluation, {"rows": [as of ScoreRow], "published": [as of PublishedOf], "notes": [texts],
 /// "original_data": bool}: our rows in their order, then the published ones by method. Columns are the metrics that a
 /// row has. On the papers' original data our value is marked where it lies outside the published interval of the

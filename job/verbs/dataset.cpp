@@ -10,7 +10,6 @@
 #include "canon/review/review.h"
 #include "canon/values/merge.h"
 #include "canon/values/relabel.h"
-#include "canon/values/rows.h"
 #include "canon/values/set_files.h"
 #include "canon/values/subset.h"
 #include "core/base/file.h"

@@ -3,11 +3,10 @@
 
 #include "core/base/text.h"
 #include "report/drawing_image.h"
-#include "report/drawn_clip.h"
+#include "report/filmstrip.h"
 #include "report/motion_picture_stage.h"
 #include "report/stages.h"
 #include "report/video/clip_video.h"
-#include "report/video/video_file.h"
 
 namespace mocurate {
 

@@ -16,7 +16,7 @@
 
 #include "core/store/feature_file.h"
 #include "core/store/store.h"
-#include "eval/metrics/fid.h"
+#include "eval/metrics/feature_distances.h"
 #include "eval/options.h"
 #include "eval/protocols/score.h"
 #include "eval/stages.h"

@@ -8,7 +8,6 @@
 #include <filesystem>
 
 #include "canon/values/relabel.h"
-#include "canon/values/rows.h"
 #include "canon/values/set_files.h"
 #include "canon/values/subset.h"
 #include "canon/values/where.h"

@@ -14,9 +14,8 @@
 #include "core/base/text.h"
 #include "core/formats/npy.h"
 #include "eval/metrics/accuracy.h"
-#include "eval/metrics/fid.h"
+#include "eval/metrics/feature_distances.h"
 #include "eval/metrics/interval.h"
-#include "eval/metrics/spread.h"
 #include "tests/support/golden.h"
 #include "train/recognisers/recogniser.h"
 

@@ -1,6 +1,6 @@
 // Requests for networks that generate scripts, and the scored part of a generated motion.
 
-#include "eval/protocols/scripts.h"
+#include "eval/protocols/draws.h"
 
 #include <gtest/gtest.h>
 

@@ -5,12 +5,9 @@
 #include <cmath>
 
 #include "eval/metrics/accuracy.h"
-#include "eval/metrics/fid.h"
+#include "eval/metrics/feature_distances.h"
 #include "eval/metrics/interval.h"
-#include "eval/metrics/kernel_distance.h"
 #include "eval/metrics/neighbours.h"
-#include "eval/metrics/permutation_test.h"
-#include "eval/metrics/spread.h"
 
 namespace mocurate {
 namespace {

@@ -1,0 +1,129 @@
+#include "eval/metrics/feature_distances.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace mocurate {
+namespace {
+
+Status CheckFeatures(Eigen::Index count, bool finite) {
+  if (count < 2) {
+    return Fail(ErrorCode::kInconsistent, std::to_string(count) + " motions; a covariance needs at least 2",
+                "features");
+  }
+  if (finite) return {};
+  return Fail(ErrorCode::kInconsistent, "a feature is not a finite number", "features",
+              "check the motions for NaN or infinite positions, and whether the recogniser's training diverged");
+}
+
+/// `size` different rows, drawn by the first steps of a Fisher-Yates shuffle.
+Features DrawRows(const Features& features, Eigen::Index size, Random& random) {
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(features.rows()));
+  std::iota(rows.begin(), rows.end(), Eigen::Index{0});
+  Features drawn(size, features.cols());
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const auto left = static_cast<std::uint64_t>(features.rows() - i);
+    std::swap(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(i) + random.Below(left)]);
+    drawn.row(i) = features.row(rows[static_cast<std::size_t>(i)]);
+  }
+  return drawn;
+}
+
+/// (x.y / D + 1)^3 of all pairs.
+Eigen::ArrayXXd Kernel(const Features& a, const Features& b) {
+  return ((a * b.transpose()).array() / static_cast<double>(a.cols()) + 1.0).cube();
+}
+
+}  // namespace
+
+Expected<FeatureStatistics> StatisticsOf(const Features& features) {
+  constexpr Eigen::Index kBlock = 4096;
+  const Eigen::Index count = features.rows(), size = features.cols();
+  if (Status sound = CheckFeatures(count, features.allFinite()); !sound) return Forward(sound);
+  FeatureStatistics statistics;
+  statistics.mean = features.colwise().mean();
+  statistics.covariance = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index begin = 0; begin < count; begin += kBlock) {
+    const Eigen::MatrixXd centred =
+        features.middleRows(begin, std::min(kBlock, count - begin)).rowwise() - statistics.mean.transpose();
+    statistics.covariance.selfadjointView<Eigen::Lower>().rankUpdate(centred.transpose());
+  }
+  statistics.covariance = statistics.covariance.selfadjointView<Eigen::Lower>();
+  statistics.covariance /= static_cast<double>(count - 1);
+  return statistics;
+}
+
+Expected<double> FrechetDistance(const FeatureStatistics& a, const FeatureStatistics& b) {
+  if (a.mean.size() != b.mean.size()) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(a.mean.size()) + " and " + std::to_string(b.mean.size()) + " features per motion",
+                "features", "compute both sets with the same recogniser");
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> first(a.covariance);
+  const Eigen::VectorXd roots = first.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::MatrixXd root = first.eigenvectors() * roots.asDiagonal() * first.eigenvectors().transpose();
+  const Eigen::MatrixXd product = root * b.covariance * root;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> second(0.5 * (product + product.transpose()),
+                                                              Eigen::EigenvaluesOnly);
+  const double trace_root = second.eigenvalues().cwiseMax(0.0).cwiseSqrt().sum();
+  return (a.mean - b.mean).squaredNorm() + a.covariance.trace() + b.covariance.trace() - 2.0 * trace_root;
+}
+
+Expected<double> KernelDistance(const Features& a, const Features& b, int subsets, int size, Random& random) {
+  const Eigen::Index n = std::min({static_cast<Eigen::Index>(size), a.rows(), b.rows()});
+  if (n < 2 || a.cols() != b.cols()) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(a.rows()) + " and " + std::to_string(b.rows()) + " motions of " +
+                    std::to_string(a.cols()) + " and " + std::to_string(b.cols()) + " features",
+                "KID", "use two motions or more in each set, of one extractor");
+  }
+  const bool whole = n == a.rows() && n == b.rows();
+  const int count = whole ? 1 : subsets;
+  double sum = 0.0;
+  for (int s = 0; s < count; ++s) {
+    const Features x = whole ? a : DrawRows(a, n, random), y = whole ? b : DrawRows(b, n, random);
+    const Eigen::ArrayXXd xx = Kernel(x, x), yy = Kernel(y, y);
+    const double own = xx.sum() - xx.matrix().trace() + yy.sum() - yy.matrix().trace();
+    sum += own / static_cast<double>(n * (n - 1)) - 2.0 * Kernel(x, y).mean();
+  }
+  return sum / count;
+}
+
+IndexPairs DrawDiversityPairs(int motions, int pairs, Random& random) {
+  IndexPairs drawn;
+  drawn.reserve(pairs);
+  for (int i = 0; i < pairs; ++i) {
+    const int first = static_cast<int>(random.Below(motions));
+    const int second = static_cast<int>(random.Below(motions));
+    drawn.emplace_back(first, second);
+  }
+  return drawn;
+}
+
+IndexPairs DrawMultimodalityPairs(const std::vector<int>& labels, int classes, int quota, Random& random) {
+  std::vector<std::vector<int>> members(static_cast<std::size_t>(classes));
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] >= 0 && labels[i] < classes)
+      members[static_cast<std::size_t>(labels[i])].push_back(static_cast<int>(i));
+  }
+  IndexPairs drawn;
+  for (const std::vector<int>& of_class : members) {
+    for (int i = 0; !of_class.empty() && i < quota; ++i) {
+      const int first = of_class[random.Below(of_class.size())];
+      const int second = of_class[random.Below(of_class.size())];
+      drawn.emplace_back(first, second);
+    }
+  }
+  return drawn;
+}
+
+double MeanDistance(const Features& features, const IndexPairs& pairs) {
+  if (pairs.empty()) return 0.0;
+  double sum = 0.0;
+  for (const auto& [first, second] : pairs) sum += (features.row(first) - features.row(second)).norm();
+  return sum / static_cast<double>(pairs.size());
+}
+
+}  // namespace mocurate

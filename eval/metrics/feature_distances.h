@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+
+namespace mocurate {
+
+/// Features of N motions, (N, D), row per motion.
+using Features = Eigen::MatrixXd;
+
+/// Mean and covariance (divisor N - 1) of features. [a2m_actor.md D.3]
+struct FeatureStatistics {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+
+/// In blocks of rows: beside the features it needs (D, D) doubles. Error kInconsistent for fewer than two motions or a
+/// number that is not finite.
+Expected<FeatureStatistics> StatisticsOf(const Features& features);
+
+/// Frechet distance |m1 - m2|^2 + tr S1 + tr S2 - 2 tr sqrt(S1^(1/2) S2 S1^(1/2)): the self-adjoint form, real whatever
+/// the rank; negative rounding in eigenvalues counts as zero. Error kInconsistent if sizes differ.
+Expected<double> FrechetDistance(const FeatureStatistics& a, const FeatureStatistics& b);
+
+/// Kernel distance (KID): the unbiased estimate of the squared maximum mean discrepancy with the kernel (x.y / D +
+/// 1)^3, the mean over `subsets` random subsets of at most `size` motions of each set. Unlike FID it is unbiased for
+/// few motions. [Binkowski et al. 2018, section 4]. Error kInconsistent for fewer than two motions in a set.
+Expected<double> KernelDistance(const Features& a, const Features& b, int subsets, int size, Random& random);
+
+/// Pairs of motions for a metric's distances; drawn separately from the metric, so that a reference's draws can be
+/// replayed.
+using IndexPairs = std::vector<std::pair<int, int>>;
+
+/// Diversity's pairs: both ends uniform with replacement, i = j possible. [a2m_actor.md D.5]
+IndexPairs DrawDiversityPairs(int motions, int pairs, Random& random);
+
+/// Multimodality's pairs: `quota` for each class that has motions, both ends uniform within the class, with
+/// replacement. A class without motions has no pairs. Motions without a class (-1) are ignored.
+IndexPairs DrawMultimodalityPairs(const std::vector<int>& labels, int classes, int quota, Random& random);
+
+/// Mean Euclidean distance over the pairs; 0 without pairs.
+double MeanDistance(const Features& features, const IndexPairs& pairs);
+
+}  // namespace mocurate
