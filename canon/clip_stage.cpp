@@ -99,35 +99,30 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
 
 /// Two samples over the same frames: clip ids contain the frames, so that only one can stay.
 Finding SameFrames(const Clip& clip, const ActionTriple& triple) {
-  Finding finding;
+  Finding finding = MakeFinding(
+      "same_frames", Severity::kWarning, 0.0,
+      "'" + triple.previous + "' to '" + triple.current + "' has the same frames as another sample, which was kept",
+      FindingAction::kDropped);
   finding.clip = clip.id();
-  finding.code = "same_frames";
   finding.frame_begin = triple.first_frame;
   finding.frame_end = triple.end_frame();
-  finding.message =
-      "'" + triple.previous + "' to '" + triple.current + "' has the same frames as another sample, which was kept";
-  finding.action = FindingAction::kDropped;
   return finding;
 }
 
 Finding NoAnchor(const Clip& clip, const Error& error) {
-  Finding finding;
+  Finding finding = MakeFinding("no_anchor_frame", Severity::kWarning, clip.motion->frame_count(),
+                                error.what + "; " + error.hint, FindingAction::kDropped);
   finding.clip = clip.id();
-  finding.code = "no_anchor_frame";
   finding.frame_end = clip.motion->frame_count();
-  finding.value = clip.motion->frame_count();
-  finding.message = error.what + "; " + error.hint;
-  finding.action = FindingAction::kDropped;
   return finding;
 }
 
 Finding NothingLikeIt(const Clip& clip) {
-  Finding finding;
+  Finding finding = MakeFinding("no_example_found", Severity::kWarning, 0.0,
+                                "no span is similar enough to the marked ones; lower trim.by_example.min_confidence",
+                                FindingAction::kDropped);
   finding.clip = clip.id();
-  finding.code = "no_example_found";
   finding.frame_end = clip.motion->frame_count();
-  finding.message = "no span is similar enough to the marked ones; lower trim.by_example.min_confidence";
-  finding.action = FindingAction::kDropped;
   return finding;
 }
 
@@ -161,13 +156,11 @@ std::optional<Finding> Unobserved(const Clip& clip, TrimRule rule) {
   const std::vector<bool> inferred = InferredFrames(*clip.motion);
   const auto count = static_cast<int>(std::count(inferred.begin(), inferred.end(), true));
   if (count == 0 || (rule != TrimRule::kTriples && count < clip.motion->frame_count())) return std::nullopt;
-  Finding finding;
+  Finding finding = MakeFinding("frames_inferred", Severity::kWarning, count,
+                                Counted(count, "frame") + " of the clip lie in gaps longer than ingest.source.max_gap",
+                                FindingAction::kDropped);
   finding.clip = clip.id();
-  finding.code = "frames_inferred";
   finding.frame_end = clip.motion->frame_count();
-  finding.value = count;
-  finding.message = Counted(count, "frame") + " of the clip lie in gaps longer than ingest.source.max_gap";
-  finding.action = FindingAction::kDropped;
   return finding;
 }
 

@@ -10,13 +10,10 @@ namespace mocurate {
 namespace {
 
 Finding UnknownFloor(const std::string& group) {
-  Finding finding;
-  finding.code = "floor_unknown";
-  finding.message =
+  return MakeFinding(
+      "floor_unknown", Severity::kWarning, 0.0,
       "the floor under the clips of " + group +
-      " is unknown: no foot is ever at rest on it, or the skeleton has no legs; the clips were not levelled";
-  finding.action = FindingAction::kFlagged;
-  return finding;
+          " is unknown: no foot is ever at rest on it, or the skeleton has no legs; the clips were not levelled");
 }
 
 Finding SensorTilt(const std::string& group, const FloorPlane& floor) {

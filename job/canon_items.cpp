@@ -69,15 +69,11 @@ Expected<std::vector<Finding>> UnmatchedSpans(const CanonOptions& options, const
   }
   if (first == nullptr) return findings;
   const auto near = Nearest(first->clip, names);
-  Finding finding;
-  finding.code = "span_without_clip";
-  finding.value = static_cast<double>(unmatched);
-  finding.message =
+  findings.push_back(MakeFinding(
+      "span_without_clip", Severity::kWarning, static_cast<double>(unmatched),
       first->place + ": no clip has the name '" + first->clip + "'" +
-      (unmatched > 1 ? ", and " + Counted(unmatched - 1, "other span") + " of the table match no clip" : "") +
-      (near ? "; did you mean '" + *near + "'?" : "; clips are called source/person/recording");
-  finding.action = FindingAction::kFlagged;
-  findings.push_back(finding);
+          (unmatched > 1 ? ", and " + Counted(unmatched - 1, "other span") + " of the table match no clip" : "") +
+          (near ? "; did you mean '" + *near + "'?" : "; clips are called source/person/recording")));
   return findings;
 }
 

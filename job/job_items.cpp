@@ -123,11 +123,9 @@ Error FirstReason(const std::vector<ClipRecord>& clips, ItemResult ClipRecord::*
 }
 
 Finding ComparisonDropped(const std::string& why) {
-  Finding finding;
-  finding.code = "comparison_dropped";
-  finding.message = "the comparison with the raw tracks (trained_on: unfitted) was dropped: " + why;
-  finding.action = FindingAction::kDropped;
-  return finding;
+  return MakeFinding("comparison_dropped", Severity::kWarning, 0.0,
+                     "the comparison with the raw tracks (trained_on: unfitted) was dropped: " + why,
+                     FindingAction::kDropped);
 }
 
 void LogExcluded(const std::vector<ItemResult>& files) {

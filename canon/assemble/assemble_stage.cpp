@@ -150,12 +150,8 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
     if (!split) return Forward(split);
     outcome.summary["splits"].push_back(SplitSummary(*split));
     if (split->leak_check.rfind("ok", 0) != 0) {
-      Finding finding;
-      finding.code = "split_leak";
-      finding.severity = Severity::kError;
-      finding.message = "split '" + split->name + "': " + split->leak_check;
-      finding.action = FindingAction::kFlagged;
-      outcome.findings.push_back(finding);
+      outcome.findings.push_back(
+          MakeFinding("split_leak", Severity::kError, 0.0, "split '" + split->name + "': " + split->leak_check));
     }
     dataset.splits.push_back(std::move(*split));
   }

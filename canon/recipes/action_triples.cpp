@@ -52,14 +52,11 @@ int TakenFrames(int frames, double share, double most, int step) {
 
 Finding RejectedTriple(const char* code, const LabelledSpan& a, const LabelledSpan& b, int frames,
                        const std::string& rule) {
-  Finding finding;
-  finding.code = code;
-  finding.severity = Severity::kInfo;
+  Finding finding = MakeFinding(code, Severity::kInfo, frames,
+                                "'" + a.label + "' to '" + b.label + "': " + Counted(frames, "frame") + ", " + rule,
+                                FindingAction::kDropped);
   finding.frame_begin = a.begin;
   finding.frame_end = b.end;
-  finding.value = frames;
-  finding.message = "'" + a.label + "' to '" + b.label + "': " + Counted(frames, "frame") + ", " + rule;
-  finding.action = FindingAction::kDropped;
   return finding;
 }
 

@@ -23,14 +23,12 @@ Finding NotListed(const Clip& clip, const std::vector<ClassOptions>& classes) {
   std::vector<std::string> names;
   for (const ClassOptions& listed : classes) names.push_back(listed.name);
   const auto near = Nearest(clip.label, names);
-  Finding finding;
+  Finding finding = MakeFinding(kLabelNotListed, Severity::kInfo, 0.0,
+                                "label '" + clip.label + "' maps to none of the " + std::to_string(classes.size()) +
+                                    (classes.size() == 1 ? " class" : " classes") + " of the recipe" +
+                                    (near ? "; the nearest is '" + *near + "'" : ""),
+                                FindingAction::kExcluded);
   finding.clip = clip.id();
-  finding.code = kLabelNotListed;
-  finding.severity = Severity::kInfo;
-  finding.message = "label '" + clip.label + "' maps to none of the " + std::to_string(classes.size()) +
-                    (classes.size() == 1 ? " class" : " classes") + " of the recipe" +
-                    (near ? "; the nearest is '" + *near + "'" : "");
-  finding.action = FindingAction::kExcluded;
   return finding;
 }
 
@@ -51,11 +49,10 @@ void CollectFineLabels(Dataset& dataset, std::vector<Finding>& findings) {
     const std::string& parent =
         dataset.labels[static_cast<std::size_t>(dataset.fine_labels[static_cast<std::size_t>(fine)].parent)];
     if (parent == clip.label) continue;
-    Finding finding;
+    Finding finding = MakeFinding("fine_label_of_two_classes", Severity::kWarning, 0.0,
+                                  "fine label '" + clip.fine_label + "' is of class '" + parent +
+                                      "', the clip is of '" + clip.label + "'; give it another name");
     finding.clip = clip.id();
-    finding.code = "fine_label_of_two_classes";
-    finding.message = "fine label '" + clip.fine_label + "' is of class '" + parent + "', the clip is of '" +
-                      clip.label + "'; give it another name";
     finding.message += "; fine label removed";
     finding.action = FindingAction::kKept;
     findings.push_back(finding);
@@ -66,12 +63,9 @@ void CollectFineLabels(Dataset& dataset, std::vector<Finding>& findings) {
 void Compare(const std::string& what, const std::optional<double>& expected, std::size_t found,
              std::vector<Finding>& findings) {
   if (!expected || *expected == static_cast<double>(found)) return;
-  Finding finding;
-  finding.code = "count_not_expected";
-  finding.value = static_cast<double>(found);
-  finding.message = what + ": " + std::to_string(found) + ", the recipe expects " + RoundedText(*expected, 9);
-  finding.action = FindingAction::kFlagged;
-  findings.push_back(std::move(finding));
+  findings.push_back(
+      MakeFinding("count_not_expected", Severity::kWarning, static_cast<double>(found),
+                  what + ": " + std::to_string(found) + ", the recipe expects " + RoundedText(*expected, 9)));
 }
 
 }  // namespace
@@ -147,13 +141,10 @@ std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Data
     names += (empty++ > 0 ? ", " : "") + listed.name;
   }
   if (empty == 0) return {};
-  Finding finding;
-  finding.code = "class_without_clips";
-  finding.value = static_cast<double>(empty);
-  finding.message = std::to_string(empty) + " of the " + std::to_string(options.classes.size()) +
-                    " classes of assemble.classes have no clip: " + names +
-                    "; they keep their indices, for networks and recognisers of the recipe";
-  finding.action = FindingAction::kFlagged;
+  Finding finding = MakeFinding("class_without_clips", Severity::kWarning, static_cast<double>(empty),
+                                std::to_string(empty) + " of the " + std::to_string(options.classes.size()) +
+                                    " classes of assemble.classes have no clip: " + names +
+                                    "; they keep their indices, for networks and recognisers of the recipe");
   return {finding};
 }
 

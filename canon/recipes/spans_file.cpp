@@ -21,17 +21,14 @@ double FirstFrame(const Clip& clip) {
 }
 
 Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Severity severity, FindingAction action) {
-  Finding finding;
+  Finding finding = MakeFinding(
+      "span_outside", severity, seconds,
+      span.place + ": '" + span.label + "' from " + RoundedText(span.begin, 6) + " to " + RoundedText(span.end, 6) +
+          (span.in_frames ? " frames" : " s") + " exceeds the clip, " +
+          RoundedText(FirstFrame(clip) / RecordedRate(clip).hz(), 6) + " to " +
+          RoundedText(FirstFrame(clip) / RecordedRate(clip).hz() + clip.motion->duration(), 6) + " s of its recording",
+      action);
   finding.clip = clip.id();
-  finding.code = "span_outside";
-  finding.severity = severity;
-  finding.value = seconds;
-  finding.message = span.place + ": '" + span.label + "' from " + RoundedText(span.begin, 6) + " to " +
-                    RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " exceeds the clip, " +
-                    RoundedText(FirstFrame(clip) / RecordedRate(clip).hz(), 6) + " to " +
-                    RoundedText(FirstFrame(clip) / RecordedRate(clip).hz() + clip.motion->duration(), 6) +
-                    " s of its recording";
-  finding.action = action;
   return finding;
 }
 

@@ -120,11 +120,9 @@ Finding About(const Clip& clip, const char* code, FindingAction action, const st
 }
 
 Finding Stale(const Decision& decision, const std::string& why) {
-  Finding finding;
+  Finding finding = MakeFinding("review_stale", Severity::kWarning, 0.0,
+                                decision.place + ": " + VerdictName(decision.verdict) + " was not applied: " + why);
   finding.clip = decision.clip;
-  finding.code = "review_stale";
-  finding.message = decision.place + ": " + VerdictName(decision.verdict) + " was not applied: " + why;
-  finding.action = FindingAction::kFlagged;
   return finding;
 }
 

@@ -15,11 +15,7 @@ bool Contains(const std::vector<std::string>& list, const std::string& value) {
 }
 
 Finding SplitFinding(const SplitOptions& options, const char* code, std::string message, FindingAction action) {
-  Finding finding;
-  finding.code = code;
-  finding.message = "split '" + options.name + "': " + std::move(message);
-  finding.action = action;
-  return finding;
+  return MakeFinding(code, Severity::kWarning, 0.0, "split '" + options.name + "': " + std::move(message), action);
 }
 
 using Names = std::vector<std::string>;

@@ -16,15 +16,10 @@ namespace {
 constexpr int kMostAtOnce = 100;  // segments; people mark less than ten
 
 Finding Dropped(const Clip& clip, const char* code, int begin, int end, double value, std::string message) {
-  Finding finding;
+  Finding finding = MakeFinding(code, Severity::kWarning, value, std::move(message), FindingAction::kDropped);
   finding.clip = clip.id();
-  finding.code = code;
-  finding.severity = Severity::kWarning;
   finding.frame_begin = begin;
   finding.frame_end = end;
-  finding.value = value;
-  finding.message = std::move(message);
-  finding.action = FindingAction::kDropped;
   return finding;
 }
 

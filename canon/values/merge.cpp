@@ -48,13 +48,7 @@ std::vector<std::string> SharedGroups(GroupKind kind, const std::vector<int>& pa
 
 Finding AboutSplit(const char* code, Severity severity, double value, const std::string& message,
                    FindingAction action) {
-  Finding finding;
-  finding.code = code;
-  finding.severity = severity;
-  finding.value = value;
-  finding.message = message;
-  finding.action = action;
-  return finding;
+  return MakeFinding(code, severity, value, message, action);
 }
 
 /// A part, and its own split.
@@ -243,13 +237,9 @@ tl::unexpected<Error> FailBy(const Conflict& conflict) {
 }
 
 Finding RepeatedClip(const std::string& id, std::size_t count, const std::string& first, const std::string& others) {
-  Finding finding;
+  Finding finding = MakeFinding("repeated_clip", Severity::kInfo, static_cast<double>(count),
+                                "the same in " + first + " and " + others, FindingAction::kDropped);
   finding.clip = id;
-  finding.code = "repeated_clip";
-  finding.severity = Severity::kInfo;
-  finding.value = static_cast<double>(count);
-  finding.message = "the same in " + first + " and " + others;
-  finding.action = FindingAction::kDropped;
   return finding;
 }
 

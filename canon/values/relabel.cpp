@@ -20,13 +20,7 @@ bool IsNamed(const Names& names, const std::string& name) { return names.count(n
 
 Finding AboutLabel(const char* code, Severity severity, std::size_t value, const std::string& message,
                    FindingAction action) {
-  Finding finding;
-  finding.code = code;
-  finding.severity = severity;
-  finding.value = static_cast<double>(value);
-  finding.message = message;
-  finding.action = action;
-  return finding;
+  return MakeFinding(code, severity, static_cast<double>(value), message, action);
 }
 
 std::string MeantText(const std::optional<std::string>& nearest) {

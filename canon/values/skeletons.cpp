@@ -27,13 +27,8 @@ bool SameButRest(const Skeleton& a, const Skeleton& b) {
 
 /// A clip that is incompatible with the others of a dataset.
 Finding OtherSkeleton(const Clip& clip, double apart, const std::string& message) {
-  Finding finding;
+  Finding finding = MakeFinding("other_skeleton", Severity::kError, apart, message, FindingAction::kExcluded);
   finding.clip = clip.id();
-  finding.code = "other_skeleton";
-  finding.severity = Severity::kError;
-  finding.value = apart;
-  finding.message = message;
-  finding.action = FindingAction::kExcluded;
   return finding;
 }
 
@@ -96,10 +91,8 @@ void FindMixedRates(const Dataset& dataset, std::vector<Finding>& findings) {
   std::map<double, int> rates;
   for (const Clip& clip : dataset.clips) ++rates[clip.rate.hz()];
   if (rates.size() < 2) return;
-  Finding finding;
-  finding.code = "mixed_rates";
-  finding.value = static_cast<double>(rates.size());
-  finding.message = "the set mixes clips of";
+  Finding finding =
+      MakeFinding("mixed_rates", Severity::kWarning, static_cast<double>(rates.size()), "the set mixes clips of");
   for (const auto& [rate, count] : rates) {
     finding.message += " " + RoundedText(rate, 6) + " Hz (" + std::to_string(count) + ")";
   }

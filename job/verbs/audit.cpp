@@ -122,19 +122,9 @@ Status WriteWithFindings(const fs::path& from, const nlohmann::json& audit, cons
                            [](const Finding& found) { return found.action == FindingAction::kAudited; }),
             all.end());
   for (const nlohmann::json& json : audit.at("findings")) {
-    Finding finding;
-    finding.clip = json.at("clip").get<std::string>();
-    finding.code = json.at("code").get<std::string>();
-    const std::string severity = json.at("severity").get<std::string>();
-    finding.severity = severity == "error"  ? Severity::kError
-                       : severity == "info" ? Severity::kInfo
-                                            : Severity::kWarning;
-    finding.frame_begin = json.at("frame_begin").get<int>();
-    finding.frame_end = json.at("frame_end").get<int>();
-    finding.value = json.at("value").get<double>();
-    finding.message = json.at("message").get<std::string>();
-    finding.action = FindingAction::kAudited;
-    all.push_back(std::move(finding));
+    nlohmann::json whole = json;
+    whole.update({{"joint", ""}, {"action", Name(FindingAction::kAudited)}});
+    all.push_back(whole.get<Finding>());
   }
   const auto dropped = WriteFromFiles(dataset, WholeClips(*files), *files, to);
   if (!dropped) return Forward(dropped);
