@@ -4,6 +4,7 @@
 
 #include "app/commands.h"
 #include "canon/exports/layout.h"
+#include "core/base/text.h"
 #include "eval/dose/damages.h"
 #include "job/protocols.h"
 
@@ -200,10 +201,9 @@ void AddReproduce(const CommandLine& line) {
 
 void AddEval(const CommandLine& line) {
   auto arguments = std::make_shared<EvalArguments>();
-  std::string protocols;
-  for (const std::string& name : ProtocolNames()) protocols += (protocols.empty() ? "" : ", ") + name;
   CLI::App* eval = line.app.add_subcommand("eval", "Score generated motions of any program with the papers' metrics");
-  eval->add_option("--protocol", arguments->protocol, "scoring protocol: " + protocols + ", or a YAML file")
+  eval->add_option("--protocol", arguments->protocol,
+                   "scoring protocol: " + JoinTexts(ProtocolNames()) + ", or a YAML file")
       ->required();
   eval->add_option(
           "--generated", arguments->generated,

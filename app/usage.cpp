@@ -20,16 +20,10 @@ std::vector<std::string> VerbsOf(const CLI::App& app) {
   return verbs;
 }
 
-std::string ListedNames(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
-}
-
 Error UnknownVerbOf(const std::string& called, const std::string& word, const std::vector<std::string>& verbs) {
   const auto near = Nearest(word, verbs);
   return {ErrorCode::kUsage, "there is no '" + called + " " + word + "'", "command line",
-          near ? "did you mean '" + called + " " + *near + "'?" : "there are: " + ListedNames(verbs)};
+          near ? "did you mean '" + called + " " + *near + "'?" : "there are: " + JoinTexts(verbs)};
 }
 
 /// A path instead of a verb: suggests a verb for it.
@@ -40,7 +34,7 @@ Error UnknownFirstVerb(const std::filesystem::path& word, const std::vector<std:
   if (config) meant = "run " + DisplayPath(word);
   if (!config && std::filesystem::exists(word, ignored)) meant = "inspect " + DisplayPath(word);
   return {ErrorCode::kUsage, "there is no verb '" + DisplayPath(word) + "'", "command line",
-          meant.empty() ? "the verbs are: " + ListedNames(verbs) : "did you mean 'mocurate " + meant + "'?"};
+          meant.empty() ? "the verbs are: " + JoinTexts(verbs) : "did you mean 'mocurate " + meant + "'?"};
 }
 
 /// The verb that the words select, and its full name: "mocurate cache".
@@ -72,9 +66,8 @@ Error Unexpected(const CLI::App& verb, const std::string& called, const std::vec
             "command line", help};
   }
   const std::string name = option->substr(0, option->find('='));
-  const auto near = Nearest(name, OptionsOf(verb));
   return {ErrorCode::kUsage, "there is no option '" + DisplayPath(name) + "' of '" + called + "'", "command line",
-          near ? "did you mean '" + *near + "'?" : help};
+          DidYouMean(name, OptionsOf(verb), help)};
 }
 
 }  // namespace
@@ -105,8 +98,7 @@ Error UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, ch
   if (!words.empty()) return Unexpected(verb, called, words);
   const std::vector<std::string> verbs = VerbsOf(verb);
   if (!verbs.empty()) {
-    return {ErrorCode::kUsage, "'" + called + "' alone does nothing", "command line",
-            "there are: " + ListedNames(verbs)};
+    return {ErrorCode::kUsage, "'" + called + "' alone does nothing", "command line", "there are: " + JoinTexts(verbs)};
   }
   return {ErrorCode::kUsage, error.what(), "command line", "'" + called + " --help' has more information"};
 }

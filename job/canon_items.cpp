@@ -192,11 +192,10 @@ Expected<std::vector<StageInput>> ExampleInputs(const CanonOptions& options, con
   }
   if (!wanted.empty() || inputs.size() == 1) {
     const std::string missing = wanted.empty() ? std::string() : wanted.begin()->first;
-    const auto near = Nearest(missing, names);
     return Fail(ErrorCode::kConfig,
                 missing.empty() ? "no clip with marked spans has a motion" : "no clip has the name '" + missing + "'",
                 wanted.empty() ? DisplayPath(table) : wanted.begin()->second->place,
-                near ? "did you mean '" + *near + "'?" : "clips are called source/person/recording");
+                DidYouMean(missing, names, "clips are called source/person/recording"));
   }
   return inputs;
 }

@@ -15,17 +15,10 @@
 namespace mocurate {
 namespace {
 
-std::string Listed(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list.empty() ? "none" : list;
-}
-
 Error Unknown(const std::string& what, const std::string& name, const std::string& option,
               const std::vector<std::string>& known, const std::string& known_is) {
-  const auto near = Nearest(name, known);
   return {ErrorCode::kConfig, "there is no " + what + " '" + name + "'", option,
-          near ? "did you mean '" + *near + "'?" : known_is + Listed(known)};
+          DidYouMean(name, known, known_is + (known.empty() ? "none" : JoinTexts(known)))};
 }
 
 Status CheckSkeletons(const JobOptions& options) {
@@ -350,7 +343,7 @@ std::string JointsWithoutTrack(const JobOptions& options) {
   for (int joint = 0; joint < (*skeleton)->joint_count(); ++joint) {
     if (given.count(joint) == 0) missing.push_back((*skeleton)->joints[static_cast<std::size_t>(joint)].name);
   }
-  return missing.empty() ? "" : Listed(missing);
+  return JoinTexts(missing);
 }
 
 }  // namespace mocurate

@@ -29,15 +29,12 @@ const char* Name(JobStage stage) {
 
 Expected<JobStage> JobStageFromName(const std::string& name) {
   std::vector<std::string> known;
-  std::string list;
   for (const StageName& stage : kStages) {
     if (name == stage.name) return stage.stage;
     known.emplace_back(stage.name);
-    list += (list.empty() ? "" : ", ") + known.back();
   }
-  const auto near = Nearest(name, known);
   return Fail(ErrorCode::kUsage, "there is no stage '" + name + "'", "--to",
-              (near ? "did you mean '" + *near + "'? " : "") + "the stages are: " + list);
+              NearestOfAll(name, known, "the stages are: "));
 }
 
 }  // namespace mocurate

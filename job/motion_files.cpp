@@ -132,9 +132,7 @@ Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, path, "motions");
   if (!written) return Forward(written);
   if (!written->unknown.empty()) {
-    std::string names;
-    for (const std::string& option : written->unknown) names += (names.empty() ? "" : ", ") + option;
-    return Fail(ErrorCode::kUsage, "the files do not declare " + names, DisplayPath(path),
+    return Fail(ErrorCode::kUsage, "the files do not declare " + JoinTexts(written->unknown), DisplayPath(path),
                 "give --source with a source declaration; `mocurate config init " + DisplayPath(path) +
                     " -o source.yaml` writes its known part");
   }

@@ -19,34 +19,13 @@ constexpr const char* kSourceFolder = "sources/";
 constexpr const char* kEnding = ".yaml";
 constexpr const char* kEmbedded = "resource:";
 
-/// Names of the embedded files of a folder below configs/, without extension: "reannotate/kard".
-std::vector<std::string> NamesBelow(const std::string& folder) {
-  std::vector<std::string> names;
-  for (const std::string& path : ResourcePaths()) {
-    if (path.substr(0, path.rfind('/') + 1) == folder) names.push_back(path.substr(0, path.rfind('.')));
-  }
-  return names;
-}
-
 std::vector<std::string> JobNames() {
   std::vector<std::string> names;
   for (const char* folder : kJobFolders) {
-    for (std::string& name : NamesBelow(folder)) names.push_back(std::move(name));
+    for (const std::string& name : NamesIn(folder)) names.push_back(folder + name);
   }
   for (const std::string& id : PaperIds()) names.push_back(kPapers + id);
   return names;
-}
-
-std::vector<std::string> SourceNames() {
-  std::vector<std::string> names = NamesBelow(kSourceFolder);
-  for (std::string& name : names) name.erase(0, std::string(kSourceFolder).size());
-  return names;
-}
-
-std::string JoinedNames(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
 }
 
 /// Source with its path among the embedded files, so that it can include others relative to it.
@@ -70,13 +49,33 @@ std::optional<std::string> NearestJob(const std::string& name, const std::vector
 
 }  // namespace
 
+std::vector<std::string> NamesIn(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const std::string& path : ResourcePaths()) {
+    if (path.substr(0, path.rfind('/') + 1) == folder)
+      names.push_back(path.substr(folder.size(), path.rfind('.') - folder.size()));
+  }
+  return names;
+}
+
+Expected<ConfigNode> LoadNamed(const std::string& folder, const std::string& what, const std::string& name,
+                               const std::vector<std::string>& assignments, const ConfigRules& rules) {
+  if (FindResource(folder + name + kEnding)) return LoadConfig(Embedded(folder + name), assignments);
+  std::error_code unknown;
+  if (std::filesystem::is_regular_file(name, unknown)) {
+    return LoadConfig(std::filesystem::path(name), assignments, rules);
+  }
+  return Fail(ErrorCode::kUsage, "there is no " + what + " with that name", name,
+              NearestOfAll(name, NamesIn(folder), "known: ") + "; or a YAML file");
+}
+
 std::vector<std::string> PaperIds() {
   std::vector<std::string> ids;
   for (const char* folder : kPaperFolders) {
-    for (const std::string& name : NamesBelow(folder)) {
-      const std::string_view text = FindResource(name + kEnding).value_or("");
+    for (const std::string& name : NamesIn(folder)) {
+      const std::string_view text = FindResource(folder + name + kEnding).value_or("");
       if (text.find(kReproduces) != std::string_view::npos)
-        ids.push_back(name.substr(std::string_view(kPapers).size()));
+        ids.push_back((folder + name).substr(std::string_view(kPapers).size()));
     }
   }
   return ids;
@@ -96,17 +95,17 @@ std::string JobNameOf(const ConfigSource& source) {
 Error NoJob(const std::string& name) {
   const std::vector<std::string> jobs = JobNames();
   const std::optional<std::string> near = NearestJob(name, jobs);
-  const bool source = IsOneOf(name, SourceNames());
+  const bool source = IsOneOf(name, NamesIn(kSourceFolder));
   return {ErrorCode::kConfig,
           source ? "a source declaration is not a job: it declares files, not how to process them"
                  : "there is no job with that name",
           name,
-          (near ? "did you mean '" + *near + "'? " : std::string()) + "the jobs are: " + JoinedNames(jobs) +
+          (near ? "did you mean '" + *near + "'? " : std::string()) + "the jobs are: " + JoinTexts(jobs) +
               (source ? "; inspect, fit and doctor accept --source " + name : "; or a config file")};
 }
 
 std::optional<ConfigSource> NamedSource(const std::string& name) {
-  if (!IsOneOf(name, SourceNames())) return std::nullopt;
+  if (!IsOneOf(name, NamesIn(kSourceFolder))) return std::nullopt;
   return Embedded(kSourceFolder + name);
 }
 
@@ -122,11 +121,8 @@ Expected<ConfigSource> SourceOf(const std::string& name) {
     return Fail(ErrorCode::kUsage, "is a folder, not a config file", name,
                 "`mocurate config init " + name + "` writes one for the files in it");
   }
-  const std::vector<std::string> sources = SourceNames();
-  const std::optional<std::string> near = Nearest(name, sources);
   return Fail(ErrorCode::kUsage, "there is no source declaration with that name", name,
-              (near ? "did you mean '" + *near + "'? " : std::string()) + "known: " + JoinedNames(sources) +
-                  "; or a config file");
+              NearestOfAll(name, NamesIn(kSourceFolder), "known: ") + "; or a config file");
 }
 
 }  // namespace mocurate

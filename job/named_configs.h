@@ -8,6 +8,13 @@
 
 namespace mocurate {
 
+/// Names of the embedded files of a folder below configs/ ("protocols/"), without it and without extension.
+std::vector<std::string> NamesIn(const std::string& folder);
+
+/// The embedded configuration FOLDER/NAME.yaml, or a file. Error kUsage lists them; `what` they are: "recipe".
+Expected<ConfigNode> LoadNamed(const std::string& folder, const std::string& what, const std::string& name,
+                               const std::vector<std::string>& assignments, const ConfigRules& rules);
+
 /// The items of papers that can be reproduced, by their configs below configs/papers: "actor/table3".
 std::vector<std::string> PaperIds();
 

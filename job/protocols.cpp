@@ -8,37 +8,13 @@
 #include "core/base/resources.h"
 #include "core/base/text.h"
 #include "eval/published/published.h"
+#include "job/named_configs.h"
 #include "train/checkpoint/describe.h"
 
 namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Names of the embedded files of a folder below configs/, without folder and extension.
-std::vector<std::string> NamesIn(const std::string& folder) {
-  std::vector<std::string> names;
-  for (const std::string& path : ResourcePaths()) {
-    if (path.rfind(folder, 0) == 0) names.push_back(path.substr(folder.size(), path.rfind('.') - folder.size()));
-  }
-  return names;
-}
-
-/// The embedded file FOLDER/NAME.yaml, or a file.
-Expected<ConfigNode> LoadNamed(const std::string& folder, const std::string& what, const std::string& name,
-                               const std::vector<std::string>& assignments, const ConfigRules& rules) {
-  if (const auto text = FindResource(folder + name + ".yaml")) {
-    return LoadConfig(ConfigSource{std::string(*text), "resource:" + folder + name + ".yaml", {}}, assignments);
-  }
-  std::error_code unknown;
-  if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name), assignments, rules);
-  const std::vector<std::string> names = NamesIn(folder);
-  std::string list;
-  for (const std::string& known : names) list += (list.empty() ? "" : ", ") + known;
-  const auto near = Nearest(name, names);
-  return Fail(ErrorCode::kUsage, "there is no " + what + " with that name", name,
-              (near ? "did you mean '" + *near + "'? " : std::string()) + "known: " + list + "; or a YAML file");
-}
 
 }  // namespace
 

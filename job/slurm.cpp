@@ -167,9 +167,7 @@ Expected<std::string> SubmitToSlurm(const fs::path& script, const std::string& a
 }
 
 Expected<std::string> AskQueue(const std::vector<std::string>& ids) {
-  std::string list;
-  for (const std::string& id : ids) list += (list.empty() ? "" : ",") + id;
-  const Expected<ProgramAnswer> answer = Ask("squeue", {"-h", "-r", "-j", list, "-o", "%i|%T|%M|%N|%r"});
+  const Expected<ProgramAnswer> answer = Ask("squeue", {"-h", "-r", "-j", JoinTexts(ids, ","), "-o", "%i|%T|%M|%N|%r"});
   if (!answer) return Forward(answer);
   // A job that has ended is forgotten after some minutes.
   if (answer->exit_status != 0 && Contains(answer->text, "Invalid job id")) return std::string();

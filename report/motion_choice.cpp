@@ -48,14 +48,11 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
   for (const std::string& label : labels) {
     if (known.count(label) > 0) continue;
     std::vector<std::string> names(known.begin(), known.end());
-    const auto near = Nearest(label, names);
-    std::string list;
-    if (list.empty() && known == std::set<std::string>{""}) {
+    if (known == std::set<std::string>{""}) {
       return Fail(ErrorCode::kNotFound, "the motions have no labels", label, "choose clips by their ids with --clip");
     }
-    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
     return Fail(ErrorCode::kNotFound, "no motion has this label", label,
-                (near ? "did you mean '" + *near + "'? " : std::string()) + "the labels are: " + WithoutControls(list));
+                WithoutControls(NearestOfAll(label, names, "the labels are: ")));
   }
   if (labels.empty() && options.clips.empty() && !some_long) {
     for (const NamedMotions& set : sets) {

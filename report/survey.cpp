@@ -37,12 +37,6 @@ std::vector<std::size_t> Counting(std::size_t count) {
   return values;
 }
 
-std::string Listed(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
-}
-
 Status CheckSources(const SurveyOptions& options, const std::vector<SurveySource>& sources) {
   std::vector<std::string> names;
   for (const SurveySource& source : sources) {
@@ -59,7 +53,7 @@ Status CheckSources(const SurveyOptions& options, const std::vector<SurveySource
   }
   if (options.kind == SurveyKind::kRealOrFake && std::find(names.begin(), names.end(), options.real) == names.end()) {
     return Fail(ErrorCode::kUsage, "no source has the name '" + options.real + "' of the recordings", "--real",
-                "the sources are: " + Listed(names) + "; set --real to that of the recordings");
+                "the sources are: " + JoinTexts(names) + "; set --real to that of the recordings");
   }
   return {};
 }
@@ -90,9 +84,8 @@ Expected<std::vector<std::string>> LabelsToAsk(const SurveyOptions& options, con
   std::vector<std::string> chosen;
   for (const std::string& label : options.labels) {
     if (std::find(common.begin(), common.end(), label) == common.end()) {
-      const auto near = Nearest(label, common);
       return Fail(ErrorCode::kUsage, "not every source has motions of the label '" + label + "'", "--label",
-                  (near ? "did you mean '" + *near + "'? " : "") + "all have: " + Listed(common));
+                  NearestOfAll(label, common, "all have: "));
     }
     if (std::find(chosen.begin(), chosen.end(), label) == chosen.end()) chosen.push_back(label);
   }

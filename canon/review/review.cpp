@@ -145,9 +145,8 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
     row.dropped = true;
   } else if (decision.verdict == Verdict::kRelabel) {
     if (dataset.LabelIndex(decision.label) < 0) {
-      const auto near = Nearest(decision.label, dataset.labels);
       return Fail(ErrorCode::kConfig, "the dataset has no class '" + decision.label + "'", decision.place,
-                  near ? "did you mean '" + *near + "'?" : "add it to assemble.classes");
+                  DidYouMean(decision.label, dataset.labels, "add it to assemble.classes"));
     }
     if (decision.label == clip.label) return {};
     applied.findings.push_back(About(clip, "review_relabel", FindingAction::kRepaired,

@@ -121,11 +121,10 @@ Expected<std::vector<std::string>> NewClasses(const RelabelMap& map, const Names
     }
     if (lacking.empty()) return classes;
     const auto& [label, clips] = *lacking.begin();
-    const auto near = Nearest(label, classes);
     return Fail(ErrorCode::kConfig,
                 "classes does not list '" + label + "', which " + Counted(static_cast<long long>(clips), "clip") +
                     (clips == 1 ? " has" : " have"),
-                map.name, near ? "did you mean '" + *near + "'?" : "list it, rename it under labels, or drop it");
+                map.name, DidYouMean(label, classes, "list it, rename it under labels, or drop it"));
   }
   const auto add = [&](const std::string& label) {
     if (!label.empty() && listed.insert(label).second) classes.push_back(label);

@@ -174,11 +174,9 @@ class ConditionParser {
       if (token_.Is(field.name)) node.field = &field;
     }
     if (node.field == nullptr) {
-      const auto near = token_.kind == Token::Kind::kWord ? Nearest(token_.text, names) : std::nullopt;
-      std::string all;
-      for (const std::string& name : names) all += (all.empty() ? "" : " ") + name;
+      const std::string all = "fields: " + JoinTexts(names, " ");
       return Wrong(token_.begin, token_.Shown() + " is not a field of a clip",
-                   near ? "did you mean '" + *near + "'?" : "fields: " + all);
+                   token_.kind == Token::Kind::kWord ? DidYouMean(token_.text, names, all) : all);
     }
     if (Status read = Advance(); !read) return read;
     if (node.field->argument == nullptr) return {};
@@ -212,9 +210,8 @@ class ConditionParser {
       const std::vector<std::string> parts = {"train", "validation", "test", ""};
       if (std::string_view(node.field->name) == "part" &&
           std::find(parts.begin(), parts.end(), value.text) == parts.end()) {
-        const auto near = Nearest(value.text, parts);
         return Wrong(value.begin, "'" + value.text + "' is not a part of a split",
-                     near ? "did you mean '" + *near + "'?" : "train, validation, test, or '' for none");
+                     DidYouMean(value.text, parts, "train, validation, test, or '' for none"));
       }
       node.texts.push_back(value.text);
     }

@@ -150,4 +150,20 @@ std::optional<std::string> Nearest(std::string_view word, const std::vector<std:
   return nearest;
 }
 
+std::string JoinTexts(const std::vector<std::string>& texts, std::string_view separator) {
+  std::string all;
+  for (std::size_t i = 0; i < texts.size(); ++i) all.append(i > 0 ? separator : "").append(texts[i]);
+  return all;
+}
+
+std::string DidYouMean(std::string_view word, const std::vector<std::string>& known, const std::string& otherwise) {
+  const auto near = Nearest(word, known);
+  return near ? "did you mean '" + *near + "'?" : otherwise;
+}
+
+std::string NearestOfAll(std::string_view word, const std::vector<std::string>& known, const std::string& are) {
+  const auto near = Nearest(word, known);
+  return (near ? "did you mean '" + *near + "'? " : "") + are + JoinTexts(known);
+}
+
 }  // namespace mocurate

@@ -35,4 +35,12 @@ std::vector<std::string_view> SplitBlanks(std::string_view text);
 /// ("P1", "p01"), else by edit distance, at most a third of the word's length.
 std::optional<std::string> Nearest(std::string_view word, const std::vector<std::string>& known);
 
+/// "a, b, c".
+std::string JoinTexts(const std::vector<std::string>& texts, std::string_view separator = ", ");
+
+/// Hint for an unknown word: "did you mean 'x'?" where an entry of `known` is near, else `otherwise`.
+std::string DidYouMean(std::string_view word, const std::vector<std::string>& known, const std::string& otherwise);
+/// The same, followed by all that is known: "did you mean 'x'? the stages are: x, y".
+std::string NearestOfAll(std::string_view word, const std::vector<std::string>& known, const std::string& are);
+
 }  // namespace mocurate

@@ -49,11 +49,8 @@ Expected<std::vector<int>> ClassesOf(const Dataset& dataset, const std::vector<s
     if (!found && !clip.fine_label.empty()) found = ClassOf(classes, clip.fine_label);
     result.push_back(found.value_or(-1));
     if (clip.label.empty() || found) continue;
-    const auto near = Nearest(clip.label, classes);
-    std::string list;
-    for (const std::string& name : classes) list += (list.empty() ? "" : ", ") + name;
     return Fail(ErrorCode::kInconsistent, "label '" + clip.label + "' is not a class of the extractor", clip.id(),
-                (near ? "did you mean '" + *near + "'? " : "") + "use its classes as labels; they are: " + list);
+                NearestOfAll(clip.label, classes, "use its classes as labels; they are: "));
   }
   return result;
 }

@@ -7,9 +7,9 @@
 #include "canon/recipes/spans_file.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
-#include "core/base/resources.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
+#include "job/named_configs.h"
 #include "job/run_folder.h"
 #include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
@@ -19,9 +19,6 @@ namespace mocurate {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kRecipeFolder = "recipes/";
-constexpr const char* kRecipeEnding = ".yaml";
 
 /// The labels of "walk,run". Error kUsage for an empty or repeated one.
 Expected<std::vector<std::string>> ListedLabels(const std::string& list) {
@@ -40,34 +37,9 @@ Expected<std::vector<std::string>> ListedLabels(const std::string& list) {
   return labels;
 }
 
-std::vector<std::string> RecipeNames() {
-  std::vector<std::string> names;
-  const std::string folder = kRecipeFolder;
-  for (const std::string& path : ResourcePaths()) {
-    if (path.rfind(folder, 0) == 0) names.push_back(path.substr(folder.size(), path.rfind('.') - folder.size()));
-  }
-  return names;
-}
-
-/// A recipe of configs/recipes by its name, or a config file. Error kUsage for neither.
-Expected<ConfigNode> LoadRecipe(const std::string& name, const ConfigRules& rules) {
-  const std::vector<std::string> names = RecipeNames();
-  if (std::find(names.begin(), names.end(), name) != names.end()) {
-    const std::string file = kRecipeFolder + name + kRecipeEnding;
-    return LoadConfig(ConfigSource{std::string(FindResource(file).value_or("")), "resource:" + file, {}});
-  }
-  std::error_code unknown;
-  if (fs::is_regular_file(name, unknown)) return LoadConfig(fs::path(name), {}, rules);
-  std::string known;
-  for (const std::string& one : names) known += (known.empty() ? "" : ", ") + one;
-  const auto near = Nearest(name, names);
-  return Fail(ErrorCode::kUsage, "there is no recipe with that name, and no such file", name,
-              (near ? "did you mean '" + *near + "'? " : std::string()) + "known: " + known + "; or a config file");
-}
-
-/// The names of `assemble.classes`. Errors of LoadRecipe and CheckClasses; kConfig without classes.
+/// The names of `assemble.classes`. Errors of LoadNamed and CheckClasses; kConfig without classes.
 Expected<std::vector<std::string>> LabelsOfRecipe(const std::string& name, const ConfigRules& rules) {
-  const auto recipe = LoadRecipe(name, rules);
+  const auto recipe = LoadNamed("recipes/", "recipe", name, {}, rules);
   if (!recipe) return Forward(recipe);
   AssembleOptions options;
   if (const ConfigNode* assemble = recipe->Find("assemble")) {

@@ -92,12 +92,10 @@ Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& argume
   if (!arguments.output.empty()) {
     if (Status saved = WriteFile(arguments.output, written->yaml); !saved) return saved;
   }
-  std::string unknowns;
-  for (const std::string& option : written->unknown) unknowns += (unknowns.empty() ? "" : ", ") + option;
   const nlohmann::json answer = {
       {"declaration", written->yaml}, {"unknown", written->unknown}, {"output", DisplayPath(arguments.output)}};
   if (AnswersInText(common, answer) && arguments.output.empty()) Print("%s", written->yaml.c_str());
-  if (!unknowns.empty()) LogWarning("fill in before a run: " + unknowns);
+  if (!written->unknown.empty()) LogWarning("fill in before a run: " + JoinTexts(written->unknown));
   return {};
 }
 

@@ -44,11 +44,8 @@ Expected<std::vector<int>> LabelsOf(const std::vector<std::string>& wanted, cons
     const auto index = ParseInteger(name);
     const bool by_index = found == labels.end() && index && *index >= 0 && *index < std::int64_t(labels.size());
     if (found == labels.end() && !by_index) {
-      std::string known;
-      for (const std::string& label : labels) known += (known.empty() ? "" : ", ") + label;
-      const auto near = Nearest(name, labels);
       return Fail(ErrorCode::kUsage, "the network has no class '" + name + "'", "--label",
-                  (near ? "did you mean '" + *near + "'? " : "") + "it has: " + known);
+                  NearestOfAll(name, labels, "it has: "));
     }
     if (!count || *count < 1 || *count > 1000000) {
       return Fail(ErrorCode::kUsage, "'" + text.substr(colon + 1) + "' is not a number of motions", "--label",
@@ -279,9 +276,8 @@ Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arg
     for (std::size_t row = 0; row < set->size(); ++row) clips.push_back(set->Id(row));
     const bool known = std::find(clips.begin(), clips.end(), arguments.previous_clip) != clips.end();
     if (clips.empty() || (!arguments.previous_clip.empty() && !known)) {
-      const auto near = Nearest(arguments.previous_clip, clips);
       return Fail(ErrorCode::kUsage, "the set has no clip '" + arguments.previous_clip + "'", "--previous-clip",
-                  near ? "did you mean '" + *near + "'?" : "`mocurate inspect SET.h5` lists its clips");
+                  DidYouMean(arguments.previous_clip, clips, "`mocurate inspect SET.h5` lists its clips"));
     }
     if (known) clips = {arguments.previous_clip};
   } else if (!arguments.previous_clip.empty()) {

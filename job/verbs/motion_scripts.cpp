@@ -76,11 +76,8 @@ Expected<std::vector<ScriptStep>> StepsOf(const ScriptOptions& script, const Che
     const bool by_index =
         found == network.labels.end() && index && *index >= 0 && *index < static_cast<long long>(network.labels.size());
     if (found == network.labels.end() && !by_index) {
-      std::string known;
-      for (const std::string& label : network.labels) known += (known.empty() ? "" : ", ") + label;
-      const auto near = Nearest(action.action, network.labels);
       return Fail(ErrorCode::kUsage, "the network has no class '" + action.action + "'", where,
-                  (near ? "did you mean '" + *near + "'? " : "") + "it has: " + known);
+                  NearestOfAll(action.action, network.labels, "it has: "));
     }
     ScriptStep step;
     step.label = by_index ? static_cast<int>(*index) : static_cast<int>(found - network.labels.begin());

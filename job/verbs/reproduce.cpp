@@ -105,8 +105,7 @@ Expected<nlohmann::json> CountedRows(const fs::path& dataset) {
 /// Clips by class that a recipe expects.
 Expected<nlohmann::json> ExpectedRows(const std::string& recipe) {
   nlohmann::json rows = nlohmann::json::array();
-  const std::string file = "recipes/" + recipe + ".yaml";
-  const auto node = LoadConfig(ConfigSource{std::string(FindResource(file).value_or("")), "resource:" + file, {}});
+  const auto node = LoadNamed("recipes/", "recipe", recipe, {}, {});
   if (!node) return Forward(node);
   const ConfigNode* assemble = node->Find("assemble");
   if (assemble == nullptr) return Fail(ErrorCode::kConfig, "the recipe has no classes", recipe, "use another recipe");
