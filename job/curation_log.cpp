@@ -47,12 +47,7 @@ nlohmann::json LineOf(const ClipRecord& clip) {
       if (stage->summary.contains("threshold")) line["threshold"] = stage->summary.at("threshold");
     }
   }
-  nlohmann::json findings = nlohmann::json::array();
-  for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical, &clip.assembled}) {
-    if (item == &clip.motion && clip.motion.sha256 == clip.evidence.sha256) continue;
-    for (const Finding& finding : item->outcome.findings) findings.push_back(finding);
-  }
-  line["findings"] = std::move(findings);
+  line["findings"] = clip.findings();
   return line;
 }
 

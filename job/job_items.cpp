@@ -48,14 +48,19 @@ bool ClipRecord::folder() const {
   return evidence.artifact.empty() && !findings.empty() && findings.back().code == kFolderNotRead;
 }
 
-bool ClipRecord::has_error_finding() const {
-  if (ended() != nullptr) return false;
+std::vector<Finding> ClipRecord::findings() const {
+  std::vector<Finding> all;
   for (const ItemResult* stage : {&evidence, &motion, &canonical, &assembled}) {
-    for (const Finding& finding : stage->outcome.findings) {
-      if (finding.severity == Severity::kError) return true;
-    }
+    if (stage == &motion && motion.sha256 == evidence.sha256) continue;
+    all.insert(all.end(), stage->outcome.findings.begin(), stage->outcome.findings.end());
   }
-  return false;
+  return all;
+}
+
+bool ClipRecord::has_error_finding() const {
+  const std::vector<Finding> all = findings();
+  return ended() == nullptr && std::any_of(all.begin(), all.end(),
+                                           [](const Finding& finding) { return finding.severity == Severity::kError; });
 }
 
 bool ClipRecord::suspect() const {
@@ -82,10 +87,8 @@ std::string ClipRecord::reason() const {
 
 std::set<std::string> FindingCodes(const ClipRecord& clip) {
   std::set<std::string> codes;
-  for (const ItemResult* stage : {&clip.evidence, &clip.motion, &clip.canonical, &clip.assembled}) {
-    for (const Finding& finding : stage->outcome.findings) {
-      if (finding.severity != Severity::kInfo) codes.insert(finding.code);
-    }
+  for (const Finding& finding : clip.findings()) {
+    if (finding.severity != Severity::kInfo) codes.insert(finding.code);
   }
   return codes;
 }

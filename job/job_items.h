@@ -47,6 +47,8 @@ struct ClipRecord {
   bool failed() const { return ended() != nullptr && IsFailure(ended()->outcome.kind); }
   /// Whether it is not a clip but a folder whose files are outside the pattern.
   bool folder() const;
+  /// Of its stages, each once: a motion that is passed through has those of the evidence.
+  std::vector<Finding> findings() const;
   /// Whether it was processed with a finding of severity error.
   bool has_error_finding() const;
   /// Whether it was processed with such a finding, or its fit is suspect: large residual, mostly unobserved

@@ -33,20 +33,6 @@ const char* KernelsOfInstructionSets() {
   return nullptr;
 }
 
-/// Whether OpenBLAS chooses its oldest kernels here. Asked in a child process: it chooses once, while it loads.
-bool OpenBlasChoosesItsOldest() {
-  const pid_t child = fork();
-  if (child == 0) {
-    setenv("OPENBLAS_NUM_THREADS", "1", 1);
-    void* library = dlopen("libblas.so.3", RTLD_LAZY | RTLD_LOCAL);
-    const auto name =
-        library != nullptr ? reinterpret_cast<const char* (*)()>(dlsym(library, "openblas_get_corename")) : nullptr;
-    _exit(name != nullptr && std::strcmp(name(), "Prescott") == 0 ? 1 : 0);
-  }
-  int status = 0;
-  return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 1;
-}
-
 constexpr std::array<const char*, 3> kInstructionLevels = {"baseline", "avx2", "avx512"};
 
 std::size_t RankOf(const std::string& instructions) {
@@ -116,6 +102,7 @@ std::string BlasKernels() {
   if (pipe(ends) != 0) return {};
   const pid_t child = fork();
   if (child == 0) {
+    setenv("OPENBLAS_NUM_THREADS", "1", 1);
     void* library = dlopen("libblas.so.3", RTLD_LAZY | RTLD_LOCAL);
     const auto name =
         library != nullptr ? reinterpret_cast<const char* (*)()>(dlsym(library, "openblas_get_corename")) : nullptr;
@@ -157,7 +144,7 @@ Status PinKernels(const std::string& blas_kernels, const std::string& instructio
 
 void ChooseBlasKernels() {
   const char* kernels = KernelsOfInstructionSets();
-  if (kernels == nullptr || std::getenv(kVariable) != nullptr || !OpenBlasChoosesItsOldest()) return;
+  if (kernels == nullptr || std::getenv(kVariable) != nullptr || BlasKernels() != "Prescott") return;
   setenv(kVariable, kernels, 0);
 }
 

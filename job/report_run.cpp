@@ -99,12 +99,6 @@ std::vector<ItemSpec> ClipVideoItems(const std::vector<const ClipRecord*>& clips
   return items;
 }
 
-nlohmann::json StageSummary(const StageCounts& stage) {
-  return {{"stage", stage.stage},     {"branch", stage.branch},   {"items", stage.total},
-          {"done", stage.done},       {"suspect", stage.suspect}, {"excluded", stage.excluded},
-          {"refused", stage.refused}, {"crashed", stage.crashed}};
-}
-
 nlohmann::json ClipSummary(const ClipRecord& clip) {
   nlohmann::json summary = {{"item", clip.item},
                             {"kept", clip.kept()},
@@ -112,12 +106,8 @@ nlohmann::json ClipSummary(const ClipRecord& clip) {
                             {"ingest", clip.evidence.summary},
                             {"fitting", clip.motion.summary},
                             {"canon", clip.canonical.summary},
-                            {"findings", nlohmann::json::array()}};
+                            {"findings", clip.findings()}};
   if (clip.joint_error_mm) summary["joint_error_mm"] = *clip.joint_error_mm;
-  for (const ItemResult* item : {&clip.evidence, &clip.motion, &clip.canonical, &clip.assembled}) {
-    if (item == &clip.motion && clip.motion.sha256 == clip.evidence.sha256) continue;
-    for (const Finding& finding : item->outcome.findings) summary["findings"].push_back(finding);
-  }
   if (const ItemResult* stage = clip.ended()) {
     summary[clip.failed() ? "failure" : "excluded"] = {
         {"stage", clip.ended_at()}, {"code", clip.reason()}, {"message", stage->outcome.error.Message()}};
@@ -297,6 +287,12 @@ Status WritePictures(const std::vector<ClipRecord>& clips, StageRuns& runs, cons
 }
 
 }  // namespace
+
+nlohmann::json StageSummary(const StageCounts& stage) {
+  return {{"stage", stage.stage},     {"branch", stage.branch},   {"items", stage.total},
+          {"done", stage.done},       {"suspect", stage.suspect}, {"excluded", stage.excluded},
+          {"refused", stage.refused}, {"crashed", stage.crashed}};
+}
 
 Status WriteReport(const ReportedRun& run, StageRuns& runs, const std::filesystem::path& folder, JobResult& result) {
   if (run.fits) {

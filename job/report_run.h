@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct ReportedRun {
   const std::vector<TrainedNetwork>& networks;
   bool fits = false;  ///< clips have pages, videos and pictures of their fits
 };
+
+/// Counts of a stage: {"stage", "branch", "items", "done", "suspect", "excluded", "refused", "crashed"}.
+nlohmann::json StageSummary(const StageCounts& stage);
 
 /// Stages clip_video, clip_page, report and picture: writes report/ into the existing run `folder`, and adds the paths
 /// of its page and of the clips' pages to `result`.

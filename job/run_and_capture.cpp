@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "core/base/text.h"
+
 namespace mocurate {
 namespace {
 
@@ -72,6 +74,14 @@ ProgramAnswer RunAndCapture(const std::filesystem::path& program, const std::vec
   int status = 0;
   if (failed == 0 && waitpid(pid, &status, 0) == pid && WIFEXITED(status)) answer.exit_status = WEXITSTATUS(status);
   return answer;
+}
+
+std::string LastLine(std::string_view text) {
+  std::string_view last;
+  for (const std::string_view line : SplitText(text, '\n')) {
+    if (!Trim(line).empty()) last = Trim(line);
+  }
+  return std::string(last);
 }
 
 }  // namespace mocurate

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mocurate {
@@ -23,5 +24,8 @@ struct CaptureOptions {
 /// shell, and reads its output.
 ProgramAnswer RunAndCapture(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                             const std::string& setting, const CaptureOptions& listening = {});
+
+/// The last line of an output that is not blank, trimmed; empty without one.
+std::string LastLine(std::string_view text);
 
 }  // namespace mocurate

@@ -42,12 +42,9 @@ Expected<ProgramAnswer> Ask(const std::string& name, const std::vector<std::stri
 
 bool Contains(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
 
-/// The last line with words, as the reason of a refusal.
-std::string LastLine(std::string_view text) {
-  std::string last;
-  for (const std::string_view line : SplitText(text, '\n')) {
-    if (!Trim(line).empty()) last = std::string(Trim(line));
-  }
+/// The reason of a refusal.
+std::string ReasonIn(std::string_view text) {
+  const std::string last = LastLine(text);
   return last.empty() ? "no answer" : last;
 }
 
@@ -57,7 +54,7 @@ bool NoController(std::string_view text) {
 }
 
 tl::unexpected<Error> NotAnswered(const std::string& asked, std::string_view text) {
-  return Fail(ErrorCode::kMissingOnHost, asked + ": " + LastLine(text), "executor: slurm",
+  return Fail(ErrorCode::kMissingOnHost, asked + ": " + ReasonIn(text), "executor: slurm",
               "see whether the cluster answers: scontrol ping");
 }
 
@@ -137,10 +134,10 @@ Expected<std::string> ParseSubmission(int exit_status, std::string_view text) {
   };
   for (const Refusal& refusal : refusals) {
     if (!Contains(text, refusal.says)) continue;
-    return Fail(ErrorCode::kConfig, "Slurm refuses the job: " + LastLine(text), refusal.option, refusal.hint);
+    return Fail(ErrorCode::kConfig, "Slurm refuses the job: " + ReasonIn(text), refusal.option, refusal.hint);
   }
   if (NoController(text)) return NotAnswered("sbatch", text);
-  return Fail(ErrorCode::kMissingOnHost, "Slurm refuses the job: " + LastLine(text), "executor: slurm",
+  return Fail(ErrorCode::kMissingOnHost, "Slurm refuses the job: " + ReasonIn(text), "executor: slurm",
               "the script in the run folder's slurm/ can be submitted by hand with sbatch");
 }
 

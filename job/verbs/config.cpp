@@ -3,6 +3,7 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/terminal.h"
+#include "core/base/text.h"
 #include "ingest/inspect/inspect.h"
 #include "ingest/inspect/source_declaration.h"
 #include "ingest/synthetic/studio_options.h"

@@ -70,14 +70,6 @@ constexpr LibraryPackage kPackages[] = {{"libtorch", "libtorch1.13"},
                                         {"libstdc++", "libstdc++6"},
                                         {"libgcc_s", "libgcc-s1"}};
 
-std::string LastLine(const std::string& text) {
-  std::string last;
-  for (const std::string_view line : SplitText(text, '\n')) {
-    if (!Trim(line).empty()) last = std::string(Trim(line));
-  }
-  return last;
-}
-
 /// Debian 12 package of a shared library that mocurate links; empty for other libraries.
 std::string PackageOfLibrary(const std::string& library) {
   for (const LibraryPackage& known : kPackages) {

@@ -13,6 +13,7 @@
 #include "job/job_checks.h"
 #include "job/machine.h"
 #include "job/main_job.h"
+#include "job/report_run.h"
 #include "job/run_file.h"
 #include "job/run_folder.h"
 #include "job/slurm_run.h"
@@ -112,16 +113,8 @@ void PrintPlan(const JobResult& result, JobStage last) {
 nlohmann::json StagesJson(const JobResult& result) {
   nlohmann::json stages = nlohmann::json::array();
   for (const StageCounts& stage : result.stages) {
-    stages.push_back({{"stage", stage.stage},
-                      {"branch", stage.branch},
-                      {"items", stage.total},
-                      {"done", stage.done},
-                      {"suspect", stage.suspect},
-                      {"excluded", stage.excluded},
-                      {"refused", stage.refused},
-                      {"crashed", stage.crashed},
-                      {"from_cache", stage.from_cache},
-                      {"seconds", stage.seconds}});
+    stages.push_back(StageSummary(stage));
+    stages.back().update({{"from_cache", stage.from_cache}, {"seconds", stage.seconds}});
   }
   return stages;
 }
