@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <regex>
 #include <set>
 
 #include "canon/exports/clip_names.h"
@@ -25,6 +24,12 @@ constexpr int kMostFrames = 9999;  // the last frame number has four digits
 std::string Padded(int number, std::size_t width) {
   const std::string digits = std::to_string(number);
   return std::string(digits.size() < width ? width - digits.size() : 0, '0') + digits;
+}
+
+/// Whether a text is this one, in which # stands for any digit.
+bool HasForm(std::string_view text, std::string_view form) {
+  return std::equal(text.begin(), text.end(), form.begin(), form.end(),
+                    [](char c, char f) { return f == '#' ? c >= '0' && c <= '9' : c == f; });
 }
 
 /// Codes of labels: two digits for the class, "01" for the first, "00" for no label; two for the fine label, "01" for
@@ -101,12 +106,10 @@ class HumanAct12Writer : public LayoutWriter {
       : set_(set), names_(set.ids, RecordingNames::kOfPerson), codes_(set.labels, set.fine_labels) {
     for (std::size_t i = 0; i < set.ids.size(); ++i) persons_.emplace(names_.Person(i), 0);
     // "P07" keeps its number; the others get unused numbers, in their order.
-    static const std::regex kPerson("P(0[1-9]|[1-9]\\d)");
     std::set<int> numbers;
     int next = 0;
     for (auto& [person, own] : persons_) {
-      std::smatch number;
-      if (std::regex_match(person, number, kPerson)) numbers.insert(own = std::stoi(number[1]));
+      if (HasForm(person, "P##") && person != "P00") numbers.insert(own = std::stoi(person.substr(1)));
     }
     for (auto& [person, own] : persons_) {
       if (own > 0) continue;
@@ -167,12 +170,11 @@ class HumanAct12Writer : public LayoutWriter {
  private:
   /// The recording's own name where it is one of HumanAct12's and correct for this clip, else a new one.
   Expected<std::string> NameOf(std::size_t position, const Clip& clip) {
-    static const std::regex kName("P\\d\\dG\\d\\dR\\d\\dF\\d{4}T\\d{4}A(\\d{4})");
     const std::string& recording = names_.Recording(position);
     const int person = persons_.at(names_.Person(position)), frames = clip.motion->frame_count();
-    std::smatch code;
-    if (std::regex_match(recording, code, kName) && recording.substr(0, 3) == "P" + Padded(person, 2) &&
-        taken_.count(recording) == 0 && codes_.Keep(code[1], clip.label, clip.fine_label)) {
+    if (HasForm(recording, "P##G##R##F####T####A####") && recording.substr(0, 3) == "P" + Padded(person, 2) &&
+        taken_.count(recording) == 0 &&
+        codes_.Keep(recording.substr(recording.size() - 4), clip.label, clip.fine_label)) {
       taken_.insert(recording);
       return recording;
     }

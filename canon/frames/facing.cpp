@@ -174,9 +174,4 @@ Status FaceAgain(Clip& clip) {
   return faced ? Status() : Forward(faced);
 }
 
-void UndoCanonical(Clip& clip) {
-  Transform(Inverse(clip.canonical_from_source), clip);
-  clip.provenance[kHeightOrigin] = kOriginSource;
-}
-
 }  // namespace mocurate

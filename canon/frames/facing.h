@@ -32,7 +32,4 @@ inline constexpr const char* kFacingNoted = "facing";
 /// away, the first frame is the anchor. Nothing for a clip without such options. Errors of FaceFront.
 Status FaceAgain(Clip& clip);
 
-/// The clip in the world of its source.
-void UndoCanonical(Clip& clip);
-
 }  // namespace mocurate
