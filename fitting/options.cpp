@@ -102,8 +102,6 @@ void RepairOptions::Declare(OptionVisitor& v) {
   v.Bool("position_jumps", position_jumps, "mark a person or joint missing after an impossible jump");
   v.Bool("bone_violations", bone_violations,
          "mark a joint missing that violates bone lengths, or that jumps away and back");
-  v.Bool("coincident_limbs", coincident_limbs,
-         "mark knees, elbows and their descendants missing where they coincide with the other side's");
   v.Number("longest_jump", longest_jump_s, Unit::kSecond, {0.0, 1e4}, "longer jumps are left as they are");
   v.Bool("repeated_values", repeated_values, "mark joints or frames missing that repeat a value to the last digit");
   v.Integer("repeated_frames", repeated_frames, {2, 10000},

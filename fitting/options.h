@@ -85,7 +85,6 @@ struct RepairOptions {
   bool position_jumps = true;        ///< mark a person or joint missing after an impossible jump
   double longest_jump_s = 1.0;       ///< longer ones stay: the new position may be true
   bool bone_violations = true;       ///< mark joints missing that violate bone lengths or jump away and back
-  bool coincident_limbs = false;     ///< mark limbs missing that coincide with the other side's
   bool repeated_values = true;       ///< mark joints missing that repeat a value to the last digit
   std::int64_t repeated_frames = 3;  ///< including the first of them
   double longest_repeat_s = 5.0;     ///< longer ones stay

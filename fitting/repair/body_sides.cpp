@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "core/quality/handedness.h"
 #include "core/quality/tracked_points.h"
-#include "fitting/repair/limb_steps.h"
+#include "fitting/repair/exchanges.h"
 
 namespace mocurate {
 namespace {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "fitting/repair/limb_steps.h"
 
 namespace mocurate {
 namespace {

@@ -6,6 +6,11 @@
 
 namespace mocurate {
 
+// Steps of limbs between two observations, for exchanged limbs and bodies.
+inline constexpr double kLimbSpeed = 1.5;       ///< m/s per axis, of a limb relative to the body's centre
+inline constexpr double kMostSampleCost = 8.0;  ///< cost (negative log likelihood) at most of one sample: an outlier
+inline constexpr double kStepGap_s = 0.25;      ///< longest time between two observations that form a step
+
 /// A limb whose sides the tracker exchanged in frames [frame_begin, frame_end). `pairs`: left joints from the trunk
 /// outwards.
 struct LimbExchange {

@@ -12,7 +12,6 @@
 #include "core/quality/repeats.h"
 #include "fitting/repair/body_sides.h"
 #include "fitting/repair/bone_violations.h"
-#include "fitting/repair/coincident_limbs.h"
 #include "fitting/repair/exchanges.h"
 #include "fitting/solver/bone_lengths.h"
 
@@ -114,32 +113,6 @@ class Repairs {
         (violation.jumped ? ": it jumps there or back by " + RoundedText(violation.distance, 3) + " m"
                           : ": its bones would be too long by " + RoundedText(violation.distance, 3) + " m");
     result_.repairs.push_back(std::move(repair));
-  }
-
-  /// Excludes samples for any duration. More than half of a joint's samples stay and are only reported.
-  void Exclude(const CoincidentLimbs& merged) {
-    TrackRepair repair;
-    repair.code = "coincident_limbs";
-    repair.severity = Severity::kWarning;
-    repair.frame_begin = merged.frame_begin;
-    repair.frame_end = merged.frame_end;
-    repair.value = merged.distance;
-    const int first = merged.joints.front(), other = result_.tracks.skeleton->joints[first].mirror;
-    const bool both = std::find(merged.joints.begin(), merged.joints.end(), other) != merged.joints.end();
-    repair.message = names_[first] + " and the joints below it lie at the same positions as " + names_[other] +
-                     " and the joints below that, within " + RoundedText(merged.distance, 2) + " m, in " +
-                     Counted(merged.frame_end - merged.frame_begin, "frame") +
-                     (both ? ": which of the two limbs is right is ambiguous" : ": they jumped to that side");
-    for (const int joint : merged.joints) {
-      if (Exclude(joint, merged.frame_begin, merged.frame_end)) repair.joints.push_back(joint);
-    }
-    if (!repair.joints.empty()) {
-      result_.repairs.push_back(std::move(repair));
-      return;
-    }
-    repair.joints = merged.joints;
-    result_.findings.push_back(FindingsOf({repair}, *result_.tracks.skeleton).front());
-    result_.findings.back().action = FindingAction::kFlagged;
   }
 
   void Exchange(const LimbExchange& limb) {
@@ -325,9 +298,6 @@ RepairedTracks RepairTracks(const SkeletonTracks& given, const std::vector<doubl
     const auto least = static_cast<int>(options.repeated_frames);
     repairs.Exclude(Repeated(FindRepeats(repairs.points(), {least, least})), options.longest_repeat_s);
   }
-  if (options.coincident_limbs) {  // before sides are compared: coincident sides cannot be compared
-    for (const CoincidentLimbs& merged : FindMergedLimbs(repairs.tracks(), noise_sigma)) repairs.Exclude(merged);
-  }
   if (options.swaps) {
     if (options.rules.on(FittingRule::kBodySides)) CorrectBodies(noise_sigma, options.swap_margin, repairs);
     CorrectLimbs(bone_length, noise_sigma, options.swap_margin, options.rules.on(FittingRule::kReversedBody), repairs);
@@ -352,7 +322,7 @@ std::vector<Finding> FindingsOf(const std::vector<TrackRepair>& repairs, const S
   for (const TrackRepair& repair : repairs) {
     Finding finding;
     finding.code = repair.code;
-    finding.severity = repair.severity;
+    finding.severity = Severity::kInfo;
     finding.frame_begin = repair.frame_begin;
     finding.frame_end = repair.frame_end;
     const bool whole = repair.action == TrackRepair::Action::kExchanged

@@ -14,10 +14,8 @@ namespace mocurate {
 struct TrackRepair {
   enum class Action { kExchanged, kExcluded };
 
-  std::string
-      code;  ///< "swapped_sides", "position_jump", "joint_far", "repeated_value", "frozen_frames", "zero_length_bone",
-             ///< "bone_length_violation", "zero_frames", "collapsed_frames", "coincident_limbs"
-  Severity severity = Severity::kInfo;
+  std::string code;  ///< "swapped_sides", "position_jump", "joint_far", "repeated_value", "frozen_frames",
+                     ///< "zero_length_bone", "bone_length_violation", "zero_frames", "collapsed_frames"
   Action action = Action::kExcluded;
   int frame_begin = 0;
   int frame_end = 0;
@@ -35,7 +33,7 @@ struct RepairedTracks {
 };
 
 /// Corrects tracks before the fit. First it marks samples as missing that no body can produce: bones of zero length,
-/// position jumps, repeated values, coincident limbs (of the wrong side, or of both). Then it exchanges left and right
+/// position jumps, repeated values. Then it exchanges left and right
 /// where the tracker did: of the whole body by anatomy (FindBodyExchanges), of limbs by steps (FindExchanges). Last it
 /// marks joints as missing that bones do not reach (DetectBoneViolations). When anatomy shows the sides exchanged in
 /// all observed frames, joint names are wrong or axes are mirrored. This is ambiguous: nothing is changed, and the

@@ -123,7 +123,6 @@ RULES = {
     "repair.collapsed": (["tracks"] + RECORDED, ["zero_length_bone", "zero_frames", "collapsed_frames"]),
     "repair.position_jumps": (["tracks"] + RECORDED, ["position_jump", "unrecovered_jump"]),
     "repair.bone_violations": (["tracks"] + RECORDED, ["bone_length_violation"]),
-    "repair.coincident_limbs": (["tracks"] + RECORDED, ["coincident_limbs"]),
     "repair.repeated_values": (["tracks", "tracks_frozen"] + RECORDED, ["repeated_value"]),
     "joint_tracks.contact_process_noise": (STUDIO + RECORDED, []),
     "joint_tracks.recorded_rotations": (["hdm05"], ["rotations_disagree", "rotations_too_few"]),

@@ -6,7 +6,6 @@
 
 #include "fitting/fit_outcome.h"
 #include "fitting/repair/bone_violations.h"
-#include "fitting/repair/coincident_limbs.h"
 #include "fitting/repair/exchanges.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
@@ -40,12 +39,6 @@ FitResult FitRepaired(const PlayedTake& take, const RepairOptions& repair = {}) 
   auto fit = RepairAndFit(take.tracks, take.truth.rate, take.truth.bone_length, repair, {});
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return std::move(*fit);
-}
-
-RepairOptions WithCoincidentLimbs() {
-  RepairOptions repair;
-  repair.coincident_limbs = true;
-  return repair;
 }
 
 std::vector<Finding> OfCode(const FitResult& fit, const std::string& code) {
@@ -182,75 +175,6 @@ TEST(Repair, KeepsUnclearExchanges) {
   RepairOptions off;
   off.swaps = off.bone_violations = false;
   EXPECT_TRUE(FitRepaired(take, off).track_repairs.empty());
-}
-
-/// Tracks the right arm at the left one's positions in frames [begin, end), with independent noise per joint.
-void MergeArms(PlayedTake& take, int begin, int end) {
-  Random random(9, "merged");
-  for (int f = begin; f < end; ++f) {
-    for (const int joint : {7, 8}) {
-      take.tracks.positions.at(f, joint) =
-          take.truth.joints.at(f, joint - 3) + kNoise * Vector3d(random.Normal(), random.Normal(), random.Normal());
-    }
-  }
-}
-
-TEST(Repair, MarksALimbThatMovedToTheOtherAsMissing) {
-  PlayedTake take = TurningTake(90);
-  MergeArms(take, 30, 60);
-  const FitResult fit = FitRepaired(take, WithCoincidentLimbs());
-  const std::vector<Finding> findings = OfCode(fit, "coincident_limbs");
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].severity, Severity::kWarning);
-  EXPECT_EQ(findings[0].frame_begin, 30);
-  EXPECT_EQ(findings[0].frame_end, 60);
-  EXPECT_EQ(findings[0].joint, "right_elbow");
-  EXPECT_LT(findings[0].value, 5.0 * kNoise);
-  EXPECT_EQ(findings[0].action, FindingAction::kMissing);
-  for (int f = 30; f < 60; ++f) {
-    for (const int left : {4, 5}) EXPECT_EQ(StateAt(fit, f, left), JointState::kObserved) << f;
-    for (const int right : {7, 8}) EXPECT_NE(StateAt(fit, f, right), JointState::kObserved) << f;
-  }
-}
-
-TEST(Repair, MarksBothCoincidentLimbsAsMissingWhereTheMovedOneIsUnknown) {
-  PlayedTake take = TurningTake(90);
-  MergeArms(take, 30, 60);
-  for (int f = 15; f < 30; ++f) Hide(take.tracks, f, 8);
-  for (int f = 60; f < 75; ++f) Hide(take.tracks, f, 8);
-  const FitResult fit = FitRepaired(take, WithCoincidentLimbs());
-  ASSERT_EQ(OfCode(fit, "coincident_limbs").size(), 1u);
-  for (const int joint : {4, 5, 7}) EXPECT_NE(StateAt(fit, 45, joint), JointState::kObserved) << joint;
-}
-
-TEST(Repair, OnlyReportsLimbsThatCoincideMostOfTheTime) {
-  PlayedTake take = TurningTake(90);
-  MergeArms(take, 0, 90);
-  const FitResult fit = FitRepaired(take, WithCoincidentLimbs());
-  ASSERT_EQ(OfCode(fit, "coincident_limbs").size(), 1u);
-  EXPECT_EQ(OfCode(fit, "coincident_limbs")[0].action, FindingAction::kFlagged);
-  EXPECT_EQ(StateAt(fit, 45, 8), JointState::kObserved);
-}
-
-/// Legs side by side are near the threshold of coincidence: only a tenth of a second at each end may be added.
-TEST(Repair, LimbsNearEachOtherAreNotCoincident) {
-  PlayedTake take = TurningTake(150);
-  MergeArms(take, 60, 80);
-  for (int f = 10; f < 140; ++f) {
-    if (f >= 60 && f < 80) continue;
-    for (const int joint : {7, 8})
-      take.tracks.positions.at(f, joint) = take.truth.joints.at(f, joint - 3) + Vector3d(0.055, 0.0, 0.0);
-  }
-  const std::vector<CoincidentLimbs> merged = FindMergedLimbs(take.tracks, 0.002);
-  ASSERT_EQ(merged.size(), 1u);
-  EXPECT_GE(merged[0].frame_begin, 57);
-  EXPECT_LE(merged[0].frame_end, 83);
-}
-
-TEST(Repair, LimbsThatPassEachOtherAreNotCoincident) {
-  PlayedTake take = TurningTake(90);
-  MergeArms(take, 40, 44);
-  EXPECT_TRUE(OfCode(FitRepaired(take, WithCoincidentLimbs()), "coincident_limbs").empty());
 }
 
 TEST(Repair, MarksRepeatedValuesAsMissing) {
