@@ -6,10 +6,10 @@
 
 #include "core/base/random.h"
 #include "tests/train/chains.h"
+#include "tests/train/trace.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/layers/lie_kinematics.h"
 #include "train/recognisers/gru_pass.h"
-#include "train/trainer/trace.h"
 
 namespace mocurate::benchmarks {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "train/trainer/trace.h"
+#include "tests/train/trace.h"
 
 namespace mocurate {
 

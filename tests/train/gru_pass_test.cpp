@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "train/trainer/trace.h"
+#include "tests/train/trace.h"
 
 namespace mocurate {
 namespace {

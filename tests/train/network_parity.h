@@ -9,7 +9,7 @@
 
 #include "tests/support/golden.h"
 #include "tests/train/chains.h"
-#include "train/trainer/trace.h"
+#include "tests/train/trace.h"
 
 namespace mocurate {
 

@@ -69,11 +69,4 @@ Tensor ConvolveTaps(const Tensor& x, const Tensor& weight, const Tensor& bias) {
   return TapConvolution::apply(x, weight, bias);
 }
 
-Tensor PlainConvolveTaps(const Tensor& x, const Tensor& weight, const Tensor& bias) {
-  const std::int64_t taps = weight.size(1) / x.size(2), T = x.size(0) - taps + 1;
-  std::vector<Tensor> of_tap;
-  for (std::int64_t k = 0; k < taps; ++k) of_tap.push_back(x.slice(0, k, k + T));
-  return torch::linear(torch::cat(of_tap, 2), weight, bias);
-}
-
 }  // namespace mocurate

@@ -15,7 +15,4 @@ torch::Tensor PartOf(const torch::Tensor& parts, std::int64_t frames);
 /// libtorch 1.13's convolutions give wrong gradients of some narrow weights; this one is a linear layer.
 torch::Tensor ConvolveTaps(const torch::Tensor& x, const torch::Tensor& weight, const torch::Tensor& bias);
 
-/// The same as one product of copied frames: the reference of ConvolveTaps.
-torch::Tensor PlainConvolveTaps(const torch::Tensor& x, const torch::Tensor& weight, const torch::Tensor& bias);
-
 }  // namespace mocurate

@@ -1,4 +1,4 @@
-#include "train/trainer/trace.h"
+#include "tests/train/trace.h"
 
 #include "train/networks/network.h"
 #include "train/trainer/optimisers.h"
