@@ -172,7 +172,7 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
                                  const std::vector<double>& bone_length, const RepairOptions& repair,
                                  const JointTrackOptions& options) {
   const RepairedTracks repaired = RepairTracks(given, bone_length, EstimateNoise(given, bone_length).sigma, repair);
-  Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bone_length, Bones::kFixed, options);
+  Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bone_length, options);
   if (!fit) return fit;
   if (options.rules.on(FittingRule::kUnexplainedJoints)) {
     for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))

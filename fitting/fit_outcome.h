@@ -14,7 +14,7 @@ namespace mocurate {
 /// track_repairs.
 void ReportRepairs(const RepairedTracks& repaired, FitResult& fit);
 
-/// Repairs the tracks (RepairTracks) and fits them (FitJointTracks, bones fixed). Exchanged samples get state repaired;
+/// Repairs the tracks (RepairTracks) and fits them (FitJointTracks). Exchanged samples get state repaired;
 /// findings and the result's track_repairs list the repairs.
 Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& rate,
                                  const std::vector<double>& bone_length, const RepairOptions& repair,

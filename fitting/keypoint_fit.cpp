@@ -164,7 +164,7 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
   const std::vector<double> bones =
       bone_length.empty() ? EstimateBoneLengths({found->tracks}, *body, true).length : bone_length;
   const RepairedTracks repaired = CorrectLimbsOfBody(*found, bones, options);
-  Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bones, Bones::kFixed, options.joint_tracks);
+  Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bones, options.joint_tracks);
   if (!fit) return fit;
   if (options.rules.on(FittingRule::kUnexplainedJoints)) {
     for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))

@@ -66,8 +66,6 @@ std::vector<TrackStep> StepsWithRefits(int refits, const TrackStep& last) {
 void JointTrackOptions::Declare(OptionVisitor& v) {
   v.Choice("solver", solver, {{"ceres", TrackSolver::kCeres}, {"banded", TrackSolver::kBanded}},
            "ceres, or a block-tridiagonal solver of the same costs, several times faster");
-  v.Choice("noise", noise, {{"pooled", NoiseScale::kPooled}, {"per_joint", NoiseScale::kPerJoint}},
-           "one noise scale for all joints, or one per joint; both are estimated from the tracks");
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0},
            "residuals beyond this many sigmas count linearly (Huber loss)");
   v.Number("rotation_process_noise", rotation_process_noise, Unit::kNone, {1e-3, 1e3},
@@ -85,8 +83,6 @@ void JointTrackOptions::Declare(OptionVisitor& v) {
            "standard deviation of an angle beyond a joint limit");
   v.Number("hinge_sigma", hinge_sigma, Unit::kNone, {1e-3, 1e2},
            "standard deviation of a shin or forearm out of its hinge plane, as the sine of the angle");
-  v.Number("bone_sigma", bone_sigma, Unit::kMetre, {1e-4, 1.0},
-           "standard deviation of a free bone from its prior length");
   v.List("steps", steps, "solver steps, in order, from a closed-form pose; none: that pose is the fit");
   v.Integer("window_frames", window_frames, {10, 100000}, "longer clips are fitted in windows of this length");
   v.Integer("window_overlap", window_overlap, {1, 10000},
@@ -107,13 +103,6 @@ void RepairOptions::Declare(OptionVisitor& v) {
   v.Integer("repeated_frames", repeated_frames, {2, 10000},
             "consecutive equal frames that count as a repeat, the first one included");
   v.Number("longest_repeat", longest_repeat_s, Unit::kSecond, {0.0, 1e4}, "longer repeats are left as they are");
-}
-
-void CloudOutlierOptions::Declare(OptionVisitor& v) {
-  v.Bool("enabled", enabled, "drop points far from their neighbours");
-  v.Integer("neighbours", neighbours, {2, 1000}, "neighbours whose mean distance is compared");
-  v.Number("spread_ratio", spread_ratio, Unit::kNone, {0.1, 100.0},
-           "points beyond the mean distance plus this many standard deviations are dropped");
 }
 
 void CloudStartOptions::Declare(OptionVisitor& v) {
@@ -139,11 +128,8 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
   v.Number("tallest", tallest, Unit::kMetre, {0.3, 2.6},
            "height of the tallest person: a still in which legs are high may measure as a giant, and is then measured "
            "again from the sizes of adults, or refused");
-  v.Group("outliers", outliers, "statistical outlier removal");
   v.Group("start", start, "prior of the first pose");
   v.Group("audit", audit, "audit of the depth cameras before fusion");
-  v.Number("capsule_radius_scale", capsule_radius_scale, Unit::kNone, {0.1, 10.0},
-           "factor on the skeleton's capsule radii");
   v.Integer("iterations", iterations, {1, 1000}, "iterations of matching points to capsules per frame, at most");
   v.Number("rotation_process_noise", rotation_process_noise, Unit::kNone, {1e-3, 1e3},
            "process noise of a joint's rotation, radians per square root second");
@@ -233,9 +219,6 @@ void ProportionsSettings::Declare(OptionVisitor& v) {
   v.Bool("own_directions", own_directions,
          "measure the directions of bones that start at one joint (hips and spine, shoulders and neck); no: keep the "
          "skeleton's");
-  v.Integer("refine_clips", refine_clips, {0, kMaxProportionClips},
-            "clips on which bones are fitted together with the pose; 0: median lengths only");
-  v.Integer("refine_frames", refine_frames, {2, 10000}, "frames of each of these clips, from its middle");
   v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
 }
 

@@ -16,9 +16,6 @@ namespace mocurate {
 /// Which evidence a clip is fitted to. kNone passes a given motion through.
 enum class FitMethod { kJointTracks, kPointClouds, kJointsAndClouds, kKeypoints, kKeypointsAndClouds, kNone };
 
-/// Whether all joints share one noise scale or each has its own.
-enum class NoiseScale { kPooled, kPerJoint };
-
 /// What is done with a clip without depth where tracks and depth are to be fitted together.
 enum class WithoutDepth { kRefuse, kTracks };
 
@@ -55,7 +52,6 @@ std::vector<TrackStep> StepsWithRefits(int refits, const TrackStep& last = {});
 /// per square root second: a random walk with standard deviation q * sqrt(dt) after dt.
 struct JointTrackOptions {
   TrackSolver solver = TrackSolver::kCeres;
-  NoiseScale noise = NoiseScale::kPooled;
   double huber_sigmas = 2.5;             ///< residuals beyond this many sigmas count linearly
   double rotation_process_noise = 0.55;  ///< rad per sqrt(s), each joint
   double velocity_process_noise = 0.33;  ///< m per sqrt(s), each joint
@@ -65,7 +61,6 @@ struct JointTrackOptions {
   double rest_sigma = 3.3;         ///< rad from the rest pose; determines what no evidence does
   double limit_sigma = 0.5;        ///< rad beyond a joint limit
   double hinge_sigma = 0.25;       ///< sine of the angle by which a shin or forearm leaves the plane of its hinge
-  double bone_sigma = 0.02;        ///< m from the prior bone length, where bones are free
   double max_gap_s = kMaxGap_s;    ///< of the clip: longest gap whose frames count as interpolated
   Rules rules;                     ///< not an option of the group: FittingOptions::UseRules
   std::vector<TrackStep> steps = StepsWithRefits(2);  ///< none: the closed form is the fit
@@ -89,15 +84,6 @@ struct RepairOptions {
   std::int64_t repeated_frames = 3;  ///< including the first of them
   double longest_repeat_s = 5.0;     ///< longer ones stay
   Rules rules;                       ///< not an option of the group: FittingOptions::UseRules
-
-  void Declare(OptionVisitor& v);
-};
-
-/// Outliers of a fused point cloud.
-struct CloudOutlierOptions {
-  bool enabled = false;          ///< beside the outlier removal on the images; takes most of the time of a fit
-  std::int64_t neighbours = 20;  ///< neighbours whose mean distance is compared
-  double spread_ratio = 2.0;     ///< points further than mean + ratio * standard deviation are dropped
 
   void Declare(OptionVisitor& v);
 };
@@ -147,10 +133,8 @@ struct PointCloudOptions {
   std::optional<double> height;  ///< m, of the standing person from crown to soles; none: measured from the clouds
   double shortest = 0.7;         ///< m; a measured person outside is measured again from other sizes, or refused
   double tallest = 2.2;          ///< m
-  CloudOutlierOptions outliers;
   CloudStartOptions start;
   RigAuditOptions audit;
-  double capsule_radius_scale = 1.0;
   std::int64_t iterations = 40;          ///< of matching points to capsules, at most, per frame
   double rotation_process_noise = 0.55;  ///< rad per sqrt(s), each joint
   double velocity_process_noise = 0.33;  ///< m per sqrt(s), root
@@ -223,10 +207,8 @@ struct RigStageOptions {
 struct ProportionsSettings {
   std::string skeleton;
   BodyOf body_of = BodyOf::kPerson;
-  bool symmetric = true;            ///< left and right limbs have equal lengths
-  bool own_directions = true;       ///< measure the directions of bones that start at one joint
-  std::int64_t refine_clips = 0;    ///< clips on which bones are fitted together with the pose; 0: medians only
-  std::int64_t refine_frames = 60;  ///< frames of each of these clips, from its middle
+  bool symmetric = true;       ///< left and right limbs have equal lengths
+  bool own_directions = true;  ///< measure the directions of bones that start at one joint
   JointTrackOptions joint_tracks;
 
   void Declare(OptionVisitor& v);

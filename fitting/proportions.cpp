@@ -10,49 +10,12 @@
 #include "core/motion/limbs.h"
 #include "fitting/association/rig_diagnosis.h"
 #include "fitting/solver/bone_lengths.h"
-#include "fitting/solver/joint_track_fit.h"
 #include "fitting/solver/rest_directions.h"
 
 namespace mocurate {
 namespace {
 
 constexpr double kLengthRounding = 1e-4;  ///< m; bone lengths are stored as multiples of it (numerical)
-
-/// The middle of a clip, at most `frames` long.
-SkeletonTracks MiddleOfClip(const SkeletonTracks& clip, int frames) {
-  if (clip.frames() <= frames) return clip;
-  const int begin = (clip.frames() - frames) / 2;
-  return CutTracks(clip, begin, begin + frames);
-}
-
-bool AnythingObserved(const SkeletonTracks& clip) {
-  const std::vector<bool> seen = clip.JointObservations();
-  return std::find(seen.begin(), seen.end(), true) != seen.end();
-}
-
-/// Medians over fits of evenly chosen clips with free bones. Bones that no clip observes keep their length.
-Status RefineLengths(const std::vector<SkeletonTracks>& clips, const ProportionsOptions& options, Proportions& person) {
-  const std::size_t wanted = std::min<std::size_t>(static_cast<std::size_t>(options.refine_clips), clips.size());
-  const int joints = person.skeleton->joint_count();
-  std::vector<std::vector<double>> fitted(joints);
-  for (std::size_t i = 0; i < wanted; ++i) {
-    const SkeletonTracks part = OnBody(
-        MiddleOfClip(clips[i * clips.size() / wanted], static_cast<int>(options.refine_frames)), person.skeleton);
-    if (!AnythingObserved(part)) continue;
-    const Expected<FitResult> fit =
-        FitJointTracks(part, FrameRate{}, person.bone_length, Bones::kFree, options.joint_tracks);
-    if (!fit) return tl::unexpected<Error>(fit.error());
-    for (int j = 1; j < joints; ++j) fitted[j].push_back(fit->motion.bone_length[j]);
-  }
-  for (int j = 1; j < joints; ++j) {
-    if (!fitted[j].empty() && person.samples[j] > 0) person.bone_length[j] = MeanMedian(fitted[j]);
-  }
-  if (options.symmetric) {
-    MakeSymmetric(*person.skeleton, std::vector<double>(person.samples.begin(), person.samples.end()),
-                  person.bone_length);
-  }
-  return {};
-}
 
 /// Size of the person over the rest skeleton's; 1 where the artifact does not have it.
 double ScaleFromJson(const nlohmann::json& json) {
@@ -64,20 +27,16 @@ double ScaleFromJson(const nlohmann::json& json) {
 
 }  // namespace
 
-Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
-                                          const ProportionsOptions& options) {
+Proportions EstimateProportions(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
+                                const ProportionsOptions& options) {
   const BoneEstimate medians = EstimateBoneLengths(clips, *skeleton, options.symmetric);
   Proportions person;
   person.skeleton = options.own_directions ? WithOwnDirections(clips, skeleton, medians, options.symmetric) : skeleton;
-  person.bone_length = medians.length;
+  person.bone_length = RoundedLengths(medians.length);
   person.samples = medians.samples;
   person.bone_sigma = medians.sigma;
   person.scale = medians.scale;
   for (const SkeletonTracks& clip : clips) person.frames += clip.frames();
-  if (!clips.empty()) {
-    if (Status refined = RefineLengths(clips, options, person); !refined) return tl::unexpected<Error>(refined.error());
-  }
-  person.bone_length = RoundedLengths(std::move(person.bone_length));
   return person;
 }
 

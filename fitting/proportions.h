@@ -28,11 +28,9 @@ struct Proportions {
   double scale = 1.0;  ///< of the person against the rest skeleton
 };
 
-/// Median lengths and own directions over all clips. Then up to refine_clips of them are fitted with free bones around
-/// the medians, and the lengths become the median of those fits. Without clips: rest lengths. Rounded to 0.1 mm. Error
-/// kInternal if a fit fails.
-Expected<Proportions> EstimateProportions(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
-                                          const ProportionsOptions& options);
+/// Median lengths and own directions over all clips. Without clips: rest lengths. Rounded to 0.1 mm.
+Proportions EstimateProportions(const std::vector<SkeletonTracks>& clips, const SkeletonPtr& skeleton,
+                                const ProportionsOptions& options);
 
 /// Lengths in whole 0.1 mm.
 std::vector<double> RoundedLengths(std::vector<double> lengths);

@@ -213,25 +213,24 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       if (!clip.evidence.depth_views.empty()) cloud_clips.push_back(std::move(clip));
     }
   }
-  Expected<Proportions> person = EstimateProportions(clips.tracks, cloud_clips.empty() ? body : *skeleton, *options);
-  if (!person) return Forward(person);
+  Proportions person = EstimateProportions(clips.tracks, cloud_clips.empty() ? body : *skeleton, *options);
   if (!cloud_clips.empty()) {
-    const Status sized = MeasureSizeOfClouds(cloud_clips, *skeleton, options->point_clouds, *person, outcome.findings);
+    const Status sized = MeasureSizeOfClouds(cloud_clips, *skeleton, options->point_clouds, person, outcome.findings);
     if (!sized) return Forward(sized);
   }
   if (HasTemplateShape(**skeleton) && !clips.tracks.empty()) {
     const std::vector<Clip>& with_depth =
         options->method == FitMethod::kKeypointsAndClouds ? keypoint_clips : tracked_clips;
-    const Status both = MeasureBodyOfBoth(with_depth, clips, *skeleton, *options, *person, outcome.findings);
+    const Status both = MeasureBodyOfBoth(with_depth, clips, *skeleton, *options, person, outcome.findings);
     if (!both) return Forward(both);
   }
-  person->person = request.item;
-  person->clips = std::move(ids);
-  nlohmann::json json = ProportionsJson(*person, *body);
+  person.person = request.item;
+  person.clips = std::move(ids);
+  nlohmann::json json = ProportionsJson(person, *body);
   if (Status written = WriteFile(request.output, json.dump(2) + "\n"); !written) return Forward(written);
   outcome.summary = std::move(json);
   outcome.summary.erase("clips");
-  outcome.summary["clips"] = person->clips.size();
+  outcome.summary["clips"] = person.clips.size();
   return outcome;
 }
 

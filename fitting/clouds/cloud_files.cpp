@@ -14,7 +14,7 @@ constexpr double kVoxelsBetween = 2.5;  ///< voxels between neighbours of a thin
 
 }  // namespace
 
-Expected<FusedCloud> ReadPersonCloud(const CloudFiles& clouds, int frame, const FusionOptions& options) {
+Expected<FusedCloud> ReadPersonCloud(const CloudFiles& clouds, int frame, double voxel_size) {
   const std::filesystem::path& file = clouds.files[frame];
   if (file.empty()) return FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
   const Expected<std::string> bytes = ReadFile(file);
@@ -26,10 +26,10 @@ Expected<FusedCloud> ReadPersonCloud(const CloudFiles& clouds, int frame, const 
   for (Vector3d& point : cloud->points) point = clouds.world_from_file * Vector3d(clouds.metres_per_unit * point);
   for (Vector3d& normal : cloud->normals) normal = side * (clouds.world_from_file.rotation * normal);
   const bool has_normals = !cloud->normals.empty();
-  const Expected<FusedCloud> fused = FusePoints(std::move(cloud->points), std::move(cloud->normals), options);
+  const Expected<FusedCloud> fused = FusePoints(std::move(cloud->points), std::move(cloud->normals), voxel_size);
   if (!fused) return Forward(fused);
-  FusedCloud person = PersonPoints(*fused, options.voxel_size);
-  if (!has_normals) FaceOutwards(kVoxelsBetween * options.voxel_size, person);
+  FusedCloud person = PersonPoints(*fused, voxel_size);
+  if (!has_normals) FaceOutwards(kVoxelsBetween * voxel_size, person);
   return person;
 }
 

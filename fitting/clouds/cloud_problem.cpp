@@ -44,7 +44,7 @@ CloudProblem::CloudProblem(const CapsuleBody& body, PoseState& state, const Fram
     problem_.AddResidualBlock(cost, &point_loss_, cost->Blocks(state_));
   }
   for (const JointObservation& seen : terms.joints) {
-    auto* cost = new JointPositionCost(state_, frame_, seen.joint, seen.position, seen.whitening, false);
+    auto* cost = new JointPositionCost(state_, frame_, seen.joint, seen.position, seen.whitening);
     problem_.AddResidualBlock(cost, &joint_loss_, cost->Blocks(state_));
   }
   AddPriors(terms.pose, options);
@@ -81,7 +81,7 @@ void CloudProblem::AddStep(const FixedNeighbourFrame& neighbour, const PointClou
     problem_.SetParameterBlockConstant(state_.rotation(other, j));
   }
   const double move_weight = 1.0 / (options.velocity_process_noise * root_of_time);
-  auto* cost = new JointVelocityCost(state_, first, 0, move_weight, false);
+  auto* cost = new JointVelocityCost(state_, first, 0, move_weight);
   problem_.AddResidualBlock(cost, nullptr, cost->Blocks(state_));
   problem_.SetParameterBlockConstant(state_.translation(other));
 }

@@ -37,9 +37,9 @@ struct Figure {
   CapsuleBody body;
   PoseState state;
 
-  Figure(const SkeletonPtr& rest, double scale, const BodyShape& shape, double radius_scale, int frames)
+  Figure(const SkeletonPtr& rest, double scale, const BodyShape& shape, int frames)
       : skeleton(WithShape(rest, shape)),
-        body(CapsuleBody::Make(skeleton, scale, radius_scale)),
+        body(CapsuleBody::Make(skeleton, scale, 1.0)),
         state(*skeleton, frames, Lengths(scale), body.MovingJoints()) {}
 
   std::vector<double> Lengths(double scale) const {
@@ -126,7 +126,7 @@ class ShapeFit {
   Figure At(const ShapeUnknowns& change, int frames) const {
     BodyShape shape = person_.shape;
     for (int k = 0; k < kShapeComponents; ++k) shape[k] += change[1 + k];
-    return {skeleton_, person_.scale * std::exp(change[0]), shape, options_.capsule_radius_scale, frames};
+    return {skeleton_, person_.scale * std::exp(change[0]), shape, frames};
   }
 
   /// Adds a frame to the Gauss-Newton system, with its pose eliminated.

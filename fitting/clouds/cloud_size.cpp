@@ -175,7 +175,7 @@ class SizeSearch {
   std::vector<double> HeightRatios(const PosedSize& size) const;
 
  private:
-  CapsuleBody BodyOf(double scale) const { return CapsuleBody::Make(skeleton_, scale, options_.capsule_radius_scale); }
+  CapsuleBody BodyOf(double scale) const { return CapsuleBody::Make(skeleton_, scale, 1.0); }
 
   PoseState PosesOf(const CapsuleBody& body, int frames, double scale) const {
     std::vector<double> lengths = skeleton_->RestBoneLengths();

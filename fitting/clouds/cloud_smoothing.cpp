@@ -138,7 +138,7 @@ class ChainPart {
   }
 
   Status Factor() {
-    equations_.Resize(static_cast<int>(count_), size_, 0);
+    equations_.Resize(static_cast<int>(count_), size_);
     equations_.SetZero();
     for (std::size_t i = 0; i < count_; ++i) {
       const int block = static_cast<int>(i);

@@ -294,14 +294,13 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
   const Evidence& evidence = clip.evidence;
   const auto available = static_cast<int>(SurfaceTimes(evidence).size());
   const int count = std::min(frames, available);
-  const FusionOptions fusion{options.voxel_size, options.outliers};
   std::vector<FusedCloud> clouds;
   for (int i = 0; i < count; ++i) {
     if (Status on = StopIfInterrupted("fusion of depth views"); !on) return Forward(on);
     const int f = FrameOfFew(i, count, available);
     const bool is_cloud = evidence.depth_views.empty();
-    Expected<FusedCloud> cloud =
-        is_cloud ? ReadPersonCloud(*evidence.clouds, f, fusion) : FuseViews(evidence.depth_views, f, fusion);
+    Expected<FusedCloud> cloud = is_cloud ? ReadPersonCloud(*evidence.clouds, f, options.voxel_size)
+                                          : FuseViews(evidence.depth_views, f, options.voxel_size);
     if (!cloud) return Forward(cloud);
     const bool is_person = is_cloud || !options.rules.on(FittingRule::kPersonPoints);
     clouds.push_back(is_person ? std::move(*cloud) : PersonPoints(*cloud, options.voxel_size));
@@ -319,7 +318,7 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
     return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestPoints) + " points", "depth views",
                 "check depth_unit and the cameras");
   }
-  CapsuleBody body = CapsuleBody::Make(skeleton, BodyScale(*skeleton, bone_length), options.capsule_radius_scale);
+  CapsuleBody body = CapsuleBody::Make(skeleton, BodyScale(*skeleton, bone_length), 1.0);
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());
   CloudTrack track{std::move(clouds), std::move(body), std::move(state), std::vector<CapsuleFitOutcome>(frames), {}};
   const auto start =

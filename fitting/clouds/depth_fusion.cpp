@@ -77,23 +77,19 @@ Eigen::Matrix3Xd AsMatrix(const std::vector<Vector3d>& points) {
   return Eigen::Map<const Eigen::Matrix3Xd>(points.data()->data(), 3, static_cast<Eigen::Index>(points.size()));
 }
 
-FusedCloud ThinAndClean(const open3d::geometry::PointCloud& cloud, const FusionOptions& options) {
-  auto thin = cloud.VoxelDownSample(options.voxel_size);
-  const auto neighbours = static_cast<std::size_t>(options.outliers.neighbours);
-  if (options.outliers.enabled && thin->points_.size() > neighbours) {
-    thin = std::get<0>(thin->RemoveStatisticalOutliers(neighbours, options.outliers.spread_ratio));
-  }
+FusedCloud Thin(const open3d::geometry::PointCloud& cloud, double voxel_size) {
+  auto thin = cloud.VoxelDownSample(voxel_size);
   thin->NormalizeNormals();
   FusedCloud sorted = Sorted(*thin);
-  if (!thin->HasNormals()) EstimateNormals(AsMatrix(cloud.points_), options.voxel_size, sorted);
+  if (!thin->HasNormals()) EstimateNormals(AsMatrix(cloud.points_), voxel_size, sorted);
   return sorted;
 }
 
-Expected<FusedCloud> Fuse(const open3d::geometry::PointCloud& cloud, const FusionOptions& options, const char* what) {
+Expected<FusedCloud> Fuse(const open3d::geometry::PointCloud& cloud, double voxel_size, const char* what) {
   open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);
   if (cloud.points_.empty()) return FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
   try {
-    return ThinAndClean(cloud, options);
+    return Thin(cloud, voxel_size);
   } catch (const std::exception& error) {
     return Fail(ErrorCode::kInconsistent, std::string("the point cloud cannot be thinned: ") + error.what(), what,
                 "try a larger voxel_size");
@@ -244,24 +240,23 @@ Expected<std::vector<DepthImage>> ReadFrame(const std::vector<DepthView>& views,
 }
 
 Expected<FusedCloud> FuseImages(const std::vector<DepthView>& views, const std::vector<DepthImage>& images,
-                                const FusionOptions& options) {
+                                double voxel_size) {
   open3d::geometry::PointCloud cloud;
-  for (std::size_t v = 0; v < views.size(); ++v) AddSurface(views[v], images[v], options.voxel_size, cloud);
-  return Fuse(cloud, options, "depth views");
+  for (std::size_t v = 0; v < views.size(); ++v) AddSurface(views[v], images[v], voxel_size, cloud);
+  return Fuse(cloud, voxel_size, "depth views");
 }
 
-Expected<FusedCloud> FusePoints(std::vector<Vector3d> points, std::vector<Vector3d> normals,
-                                const FusionOptions& options) {
+Expected<FusedCloud> FusePoints(std::vector<Vector3d> points, std::vector<Vector3d> normals, double voxel_size) {
   open3d::geometry::PointCloud cloud;
   cloud.points_ = std::move(points);
   cloud.normals_ = std::move(normals);
-  return Fuse(cloud, options, "point clouds");
+  return Fuse(cloud, voxel_size, "point clouds");
 }
 
-Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, const FusionOptions& options) {
+Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, double voxel_size) {
   const Expected<std::vector<DepthImage>> images = ReadFrame(views, frame);
   if (!images) return Forward(images);
-  return FuseImages(views, *images, options);
+  return FuseImages(views, *images, voxel_size);
 }
 
 }  // namespace mocurate

@@ -28,12 +28,6 @@ Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash
 /// Every n-th point, about `count` in total.
 FusedCloud CoarseCloud(const FusedCloud& cloud, int count);
 
-/// Thinning and cleaning of a fused cloud.
-struct FusionOptions {
-  double voxel_size = 0.03;  ///< m
-  CloudOutlierOptions outliers;
-};
-
 /// The images of a frame, one per view: decoded, without pixels outside the masks; empty for a view whose file has no
 /// name. Errors of ReadDepthImage; kInconsistent for an image with another size than its camera, or changed since
 /// ingestion (where a hash is given).
@@ -52,18 +46,17 @@ struct PixelPlane {
 /// and measured.
 std::optional<PixelPlane> PlaneAtPixel(const DepthView& view, const DepthImage& image, int x, int y);
 
-/// Back-projects images of all views (from ReadFrame), keeps one point per voxel and drops statistical outliers. A
+/// Back-projects images of all views (from ReadFrame), keeps one point per voxel. A
 /// pixel with few near neighbours (flying pixels) is dropped. Normals are of the planes through the neighbours.
 /// Deterministic, in a fixed order. May be empty. Error kInconsistent for voxels too small to be indexed.
 Expected<FusedCloud> FuseImages(const std::vector<DepthView>& views, const std::vector<DepthImage>& images,
-                                const FusionOptions& options);
+                                double voxel_size);
 
-/// Points in the world, metres, thinned and cleaned like FuseImages. Without `normals` they are estimated from planes
+/// Points in the world, metres, thinned like FuseImages. Without `normals` they are estimated from planes
 /// through neighbouring points, up rather than down (FaceOutwards orients them). Error of FuseImages.
-Expected<FusedCloud> FusePoints(std::vector<Vector3d> points, std::vector<Vector3d> normals,
-                                const FusionOptions& options);
+Expected<FusedCloud> FusePoints(std::vector<Vector3d> points, std::vector<Vector3d> normals, double voxel_size);
 
 /// Reads a frame and fuses it with FuseImages.
-Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, const FusionOptions& options);
+Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, double voxel_size);
 
 }  // namespace mocurate

@@ -124,7 +124,7 @@ Expected<ViewSurface> SurfaceOf(const DepthView& view, DepthImage image, double 
   ViewSurface surface;
   std::vector<DepthImage> images;
   images.push_back(std::move(image));
-  const Expected<FusedCloud> cloud = FuseImages({view}, images, {voxel_size, {}});
+  const Expected<FusedCloud> cloud = FuseImages({view}, images, voxel_size);
   if (!cloud) return Forward(cloud);
   surface.image = std::make_shared<const DepthImage>(std::move(images[0]));
   const FusedCloud person = PersonPoints(*cloud, voxel_size);

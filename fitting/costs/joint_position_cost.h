@@ -11,27 +11,22 @@ namespace mocurate {
 /// Distance of a joint from its tracked position.
 /// Residual: r = W (joint_in_world - observed_in_world), 3 rows; W (3 x 3) with W'W the sample's information in 1 /
 /// m^2, so that r is unitless and white; the caller sets the robust loss.
-/// Blocks: root_translation[3]; rotation vector[3] of each active joint strictly above, root first; with free bones
-/// bone_length[1] of each bone from the root down to the joint.
-/// Jacobian: W; -W Hat(p_j - p_a) A_a; W G_parent(k) u_k (see PoseState).
+/// Blocks: root_translation[3]; rotation vector[3] of each active joint strictly above, root first.
+/// Jacobian: W; -W Hat(p_j - p_a) A_a (see PoseState).
 /// Degenerate: twist about a straight chain moves no joint: zero columns, determined by RestPriorCost.
 /// Source: chain rule along the path to the root, as in inverse kinematics.
 class JointPositionCost final : public ceres::CostFunction {
  public:
   JointPositionCost(const PoseState& state, int frame, int joint, const Vector3d& seen_in_world,
-                    const Matrix3d& whitening, bool free_bones)
+                    const Matrix3d& whitening)
       : state_(state), frame_(frame), joint_(joint), seen_in_world_(seen_in_world), whitening_(whitening) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->assign(1 + state.path(joint).size(), 3);
-    if (free_bones)
-      mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), state.bones(joint).size(), 1);
   }
 
   std::vector<double*> Blocks(PoseState& state) const {
     std::vector<double*> blocks{state.translation(frame_)};
     for (const int a : state.path(joint_)) blocks.push_back(state.rotation(frame_, a));
-    if (blocks.size() == parameter_block_sizes().size()) return blocks;
-    for (const int k : state.bones(joint_)) blocks.push_back(state.bone(k));
     return blocks;
   }
 
@@ -46,11 +41,6 @@ class JointPositionCost final : public ceres::CostFunction {
       if (jacobians[++block] == nullptr) continue;
       Block(jacobians[block]).noalias() =
           whitening_ * (Hat(state_.position(frame_, a) - position) * state_.lever(frame_, a));
-    }
-    if (block + 1 == parameter_block_sizes().size()) return true;
-    for (const int k : state_.bones(joint_)) {
-      if (jacobians[++block] == nullptr) continue;
-      Eigen::Map<Vector3d>(jacobians[block]).noalias() = whitening_ * state_.BoneDirection(frame_, k);
     }
     return true;
   }

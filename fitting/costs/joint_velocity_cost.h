@@ -11,18 +11,15 @@ namespace mocurate {
 /// Process noise of a joint's position between a frame and the next.
 /// Residual: r = weight * (joint_in_world(next) - joint_in_world(frame)), 3 rows; weight = 1 / (q * sqrt(dt)) with the
 /// process noise q in m per sqrt(s): unitless, the same for any frame rate. Blocks: those of JointPositionCost of both
-/// frames (root_translation, rotations above), first frame first; with free bones bone_length[1] from the root down to
-/// the joint. For the root: the two translations alone. Jacobian: that of the position, negative for the first frame;
-/// bones: difference of the two directions. Degenerate: none beyond those of the position. Source: random-walk prior;
-/// weak, it fills gaps rather than smooths.
+/// frames (root_translation, rotations above), first frame first. For the root: the two translations alone. Jacobian:
+/// that of the position, negative for the first frame. Degenerate: none beyond those of the position. Source:
+/// random-walk prior; weak, it fills gaps rather than smooths.
 class JointVelocityCost final : public ceres::CostFunction {
  public:
-  JointVelocityCost(const PoseState& state, int frame, int joint, double weight, bool free_bones)
+  JointVelocityCost(const PoseState& state, int frame, int joint, double weight)
       : state_(state), frame_(frame), joint_(joint), weight_(weight) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->assign(2 * (1 + state.path(joint).size()), 3);
-    if (free_bones)
-      mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), state.bones(joint).size(), 1);
   }
 
   std::vector<double*> Blocks(PoseState& state) const {
@@ -31,8 +28,6 @@ class JointVelocityCost final : public ceres::CostFunction {
       blocks.push_back(state.translation(f));
       for (const int a : state.path(joint_)) blocks.push_back(state.rotation(f, a));
     }
-    if (blocks.size() == parameter_block_sizes().size()) return blocks;
-    for (const int k : state.bones(joint_)) blocks.push_back(state.bone(k));
     return blocks;
   }
 
@@ -43,13 +38,6 @@ class JointVelocityCost final : public ceres::CostFunction {
     std::size_t block = 0;
     Fill(frame_, -weight_, jacobians, block);
     Fill(frame_ + 1, weight_, jacobians, block);
-    if (block == parameter_block_sizes().size()) return true;
-    for (const int k : state_.bones(joint_)) {
-      double* jacobian = jacobians[block++];
-      if (jacobian == nullptr) continue;
-      Eigen::Map<Vector3d>(jacobian).noalias() =
-          weight_ * (state_.BoneDirection(frame_ + 1, k) - state_.BoneDirection(frame_, k));
-    }
     return true;
   }
 

@@ -54,8 +54,6 @@ class PoseState {
   const Matrix3d& right_jacobian(int frame, int joint) const { return derived_[Index(frame, joint)].right_jacobian; }
   /// A_a of the class comment.
   const Matrix3d& lever(int frame, int joint) const { return derived_[Index(frame, joint)].lever; }
-  /// dp_j/db_k = G_parent(k) u_k for any j at or below k.
-  Vector3d BoneDirection(int frame, int bone) const { return global(frame, parents_[bone]) * directions_[bone]; }
 
  private:
   struct Derived {

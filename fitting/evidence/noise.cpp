@@ -104,25 +104,15 @@ Matrix3d UnitCovariance(const SkeletonTracks& tracks, int frame, int joint) {
 }
 
 NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<double>& bone_length) {
-  const int joints = tracks.joints();
   std::vector<double> all, of_bones;
-  std::vector<double> white(joints, 0.0);
-  std::vector<double> bone(joints, 0.0);
-  std::vector<bool> enough(joints, false);
-  for (int j = 0; j < joints; ++j) {
-    std::vector<double> departures;
-    AppendDepartures(tracks, j, departures);
-    AppendBoneDepartures(tracks, j, of_bones);
-    all.insert(all.end(), departures.begin(), departures.end());
-    enough[j] = departures.size() >= 3 * kEnoughSamples;
-    white[j] = SigmaOf(std::move(departures));
-    bone[j] = BoneSigma(tracks, j, bone_length);
-  }
   double bone_square = 0.0;
   int bones = 0;
-  for (int j = 0; j < joints; ++j) {
-    if (bone[j] == 0.0) continue;
-    bone_square += bone[j] * bone[j];
+  for (int j = 0; j < tracks.joints(); ++j) {
+    AppendDepartures(tracks, j, all);
+    AppendBoneDepartures(tracks, j, of_bones);
+    const double bone = BoneSigma(tracks, j, bone_length);
+    if (bone == 0.0) continue;
+    bone_square += bone * bone;
     ++bones;
   }
   NoiseEstimate noise;
@@ -133,26 +123,11 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
   const double most = bones_suffice ? SigmaOf(std::move(of_bones)) : noise.white;
   const double fast = most < kNoMotion * noise.white ? most / noise.white : 1.0;
   noise.white *= fast;
-  for (double& of_joint : white) of_joint *= fast;
   if (!noise.measured) {
     noise.sigma = kUnmeasuredSigma;
-    noise.joint_sigma.assign(joints, noise.sigma);
     return noise;
   }
   noise.sigma = std::max({noise.white, bones > 0 ? std::sqrt(bone_square / bones) : 0.0, kSmallestTrackSigma});
-  noise.joint_sigma.assign(joints, noise.sigma);
-  for (int j = 0; j < joints; ++j) {
-    double square = 0.0;  // mean over the bones that meet at the joint
-    int meeting = 0;
-    for (int k = 0; k < joints; ++k) {
-      if (bone[k] == 0.0 || (k != j && tracks.skeleton->joints[k].parent != j)) continue;
-      square += bone[k] * bone[k];
-      ++meeting;
-    }
-    if (enough[j] || meeting > 0) {
-      noise.joint_sigma[j] = std::max({white[j], meeting > 0 ? std::sqrt(square / meeting) : 0.0, kSmallestTrackSigma});
-    }
-  }
   return noise;
 }
 

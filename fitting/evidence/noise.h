@@ -6,15 +6,14 @@
 
 namespace mocurate {
 
-/// Standard deviation of tracks per axis, metres.
+/// Standard deviation of tracks per axis, of all joints together, metres.
 struct NoiseEstimate {
-  double sigma = 0.0;               ///< of all joints together
-  double white = 0.0;               ///< part that is independent from frame to frame
-  std::vector<double> joint_sigma;  ///< (J); sigma for joints with too few samples
-  bool measured = true;             ///< false: too few samples of all joints together, sigma is assumed
+  double sigma = 0.0;
+  double white = 0.0;    ///< part that is independent from frame to frame
+  bool measured = true;  ///< false: too few samples, sigma is assumed
 };
 
-/// Noise estimated from the tracks by medians (1.4826 MAD, gross errors excluded). Per joint the larger of two
+/// Noise estimated from the tracks by medians (1.4826 MAD, gross errors excluded): the larger of two
 /// estimates: departure of a frame from the line between its two neighbours in time (white noise, bounded by the
 /// departures of bone lengths, which motion does not change); departure of observed bones from `bone_length` (J, or
 /// empty: their own median), which includes wobble that a tracker has smoothed. Never below 1 mm, also without any

@@ -62,10 +62,10 @@ Vector3d RunningMedian(const SkeletonTracks& tracks, int frame, int joint) {
 
 double OutlierLimit(double sigma) { return std::max(kOutlierSigmas * sigma, kSmallestOutlier); }
 
-std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<double>& joint_sigma) {
+std::vector<bool> RejectOutliers(SkeletonTracks& tracks, double sigma) {
   std::vector<bool> rejected(tracks.confidence.size(), false);
+  const double allowed = OutlierLimit(sigma);
   for (int j = 0; j < tracks.joints(); ++j) {
-    const double allowed = OutlierLimit(joint_sigma[j]);
     for (int f = 0; f < tracks.frames(); ++f) {
       if (!tracks.seen(f, j)) continue;
       const std::vector<int> nearby = ObservedNearby(tracks, f, j);

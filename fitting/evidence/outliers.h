@@ -17,6 +17,6 @@ double OutlierLimit(double sigma);
 /// Rejects samples that jump away and back: distance from the running median (of at least three samples) above
 /// OutlierLimit and above one and a half of the neighbouring steps, weighted by precisions if known. Sets their
 /// confidence to 0; returns the rejected samples. (F*J)
-std::vector<bool> RejectOutliers(SkeletonTracks& tracks, const std::vector<double>& joint_sigma);
+std::vector<bool> RejectOutliers(SkeletonTracks& tracks, double sigma);
 
 }  // namespace mocurate

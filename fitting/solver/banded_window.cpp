@@ -13,7 +13,7 @@ Expected<WindowSolution> SolveBanded(const TrackWindow& window) {
   TrackEquations track(window);
   BlockTridiagonal own;
   BlockTridiagonal& equations = window.memory != nullptr ? *window.memory : own;
-  equations.Resize(window.end - window.begin, track.size(), track.border());
+  equations.Resize(window.end - window.begin, track.size());
   TrustRegion region;
   Eigen::VectorXd parameters = track.Parameters();
   track.SetParameters(parameters);

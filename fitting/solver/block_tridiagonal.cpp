@@ -46,13 +46,9 @@ void SolveTransposedInPlace(const double* u, int n, double* b, int columns) {
   dtrsm_("L", "U", "T", "N", &n, &columns, &kOne, u, &n, b, &n);
 }
 
-/// C -= A'B with A of k x m and B of k x n; C has `ldc` rows in memory.
-void SubtractProduct(const double* a, int m, const double* b, int n, int k, double* c, int ldc) {
-  if (m > 0 && n == 1) {  // no packing of A
-    dgemv_("T", &k, &m, &kMinusOne, a, &k, b, &kStep, &kOne, c, &kStep);
-  } else if (m > 0 && n > 0) {
-    dgemm_("T", "N", &m, &n, &k, &kMinusOne, a, &k, b, &k, &kOne, c, &ldc);
-  }
+/// c -= A'b with A of n x n.
+void SubtractProduct(const double* a, const double* b, int n, double* c) {
+  dgemv_("T", &n, &n, &kMinusOne, a, &n, b, &kStep, &kOne, c, &kStep);
 }
 
 /// Upper triangle of C -= A'A with A of k x n.
@@ -62,16 +58,13 @@ void SubtractSquare(const double* a, int n, int k, double* c) {
 
 }  // namespace
 
-void BlockTridiagonal::Resize(int blocks, int size, int border) {
+void BlockTridiagonal::Resize(int blocks, int size) {
   blocks_ = blocks;
   size_ = size;
-  border_ = border;
   diagonal_.resize(Square(blocks));
   panel_.resize(Panel(blocks));
-  corner_.resize(border, border + 1);
   factor_.resize(Square(blocks));
   reduced_.resize(Panel(blocks));
-  reduced_corner_.resize(border, border + 1);
 }
 
 void BlockTridiagonal::SetZero(int f) {
@@ -81,31 +74,27 @@ void BlockTridiagonal::SetZero(int f) {
 
 void BlockTridiagonal::SetZero() {
   for (int f = 0; f < blocks_; ++f) SetZero(f);
-  corner_.setZero();
 }
 
 Eigen::VectorXd BlockTridiagonal::DiagonalEntries() const {
-  Eigen::VectorXd entries(blocks_ * size_ + border_);
+  Eigen::VectorXd entries(blocks_ * size_);
   for (int f = 0; f < blocks_; ++f) {
     entries.segment(static_cast<Eigen::Index>(f) * size_, size_) =
         Eigen::Map<const Eigen::MatrixXd>(diagonal_.data() + Square(f), size_, size_).diagonal();
   }
-  entries.tail(border_) = corner_.leftCols(border_).diagonal();
   return entries;
 }
 
 Eigen::VectorXd BlockTridiagonal::GradientEntries() const {
-  Eigen::VectorXd entries(blocks_ * size_ + border_);
+  Eigen::VectorXd entries(blocks_ * size_);
   for (int f = 0; f < blocks_; ++f) {
     entries.segment(static_cast<Eigen::Index>(f) * size_, size_) =
-        Eigen::Map<const Eigen::VectorXd>(panel_.data() + Panel(f) + Square(1) + Edge(1), size_);
+        Eigen::Map<const Eigen::VectorXd>(panel_.data() + Panel(f) + Square(1), size_);
   }
-  entries.tail(border_) = corner_.col(border_);
   return entries;
 }
 
 bool BlockTridiagonal::Factor(const Eigen::VectorXd& damping) {
-  reduced_corner_ = corner_;
   for (int f = 0; f < blocks_; ++f) {
     double* diagonal = factor_.data() + Square(f);
     double* panel = reduced_.data() + Panel(f);
@@ -113,34 +102,23 @@ bool BlockTridiagonal::Factor(const Eigen::VectorXd& damping) {
     std::copy_n(panel_.data() + Panel(f), Panel(1), panel);
     Block(diagonal, size_, size_).diagonal() += damping.segment(static_cast<Eigen::Index>(f) * size_, size_);
     if (f > 0) {
-      const double* above = reduced_.data() + Panel(f - 1);  // U^-T [O E g] of the block before
+      const double* above = reduced_.data() + Panel(f - 1);  // U^-T [O g] of the block before
       SubtractSquare(above, size_, size_, diagonal);
-      SubtractProduct(above, size_, above + Square(1), border_ + 1, size_, panel + Square(1), size_);
+      SubtractProduct(above, above + Square(1), size_, panel + Square(1));
     }
     if (!CholeskyInPlace(diagonal, size_)) return false;
     const bool last = f + 1 == blocks_;
     double* first = last ? panel + Square(1) : panel;
-    SolveTransposedInPlace(diagonal, size_, first, last ? border_ + 1 : panel_columns());
-    const double* border = panel + Square(1);
-    SubtractProduct(border, border_, border, border_ + 1, size_, reduced_corner_.data(), border_);
+    SolveTransposedInPlace(diagonal, size_, first, last ? 1 : size_ + 1);
   }
-  if (border_ == 0) return true;
-  reduced_corner_.leftCols(border_).diagonal() += damping.tail(border_);
-  if (!CholeskyInPlace(reduced_corner_.data(), border_)) return false;
-  dtrsv_("U", "T", "N", &border_, reduced_corner_.data(), &border_,
-         reduced_corner_.data() + static_cast<std::ptrdiff_t>(border_) * border_, &kStep);
   return true;
 }
 
 Eigen::VectorXd BlockTridiagonal::Solve() const {
-  Eigen::VectorXd x(blocks_ * size_ + border_);
-  Eigen::VectorXd edge = -reduced_corner_.col(border_);
-  if (border_ > 0) dtrsv_("U", "N", "N", &border_, reduced_corner_.data(), &border_, edge.data(), &kStep);
-  x.tail(border_) = edge;
+  Eigen::VectorXd x(blocks_ * size_);
   for (int f = blocks_ - 1; f >= 0; --f) {
     const double* panel = reduced_.data() + Panel(f);
-    Eigen::VectorXd right = -Eigen::Map<const Eigen::VectorXd>(panel + Square(1) + Edge(1), size_);
-    if (border_ > 0) right.noalias() -= Eigen::Map<const Eigen::MatrixXd>(panel + Square(1), size_, border_) * edge;
+    Eigen::VectorXd right = -Eigen::Map<const Eigen::VectorXd>(panel + Square(1), size_);
     if (f + 1 < blocks_) {
       right.noalias() -= Eigen::Map<const Eigen::MatrixXd>(panel, size_, size_) *
                          x.segment(static_cast<Eigen::Index>(f + 1) * size_, size_);

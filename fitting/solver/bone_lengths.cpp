@@ -252,8 +252,7 @@ void SolveSiblings(const std::vector<SkeletonTracks>& clips, const std::vector<d
   }
 }
 
-}  // namespace
-
+/// Averages the two sides' lengths, weighted by `weight` (J).
 void MakeSymmetric(const Skeleton& skeleton, const std::vector<double>& weight, std::vector<double>& length) {
   for (int j = 1; j < skeleton.joint_count(); ++j) {
     const int partner = skeleton.joints[j].mirror;
@@ -263,6 +262,8 @@ void MakeSymmetric(const Skeleton& skeleton, const std::vector<double>& weight, 
     length[j] = length[partner] = share * length[j] + (1.0 - share) * length[partner];
   }
 }
+
+}  // namespace
 
 BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const Skeleton& skeleton, bool symmetric) {
   const int joints = skeleton.joint_count();

@@ -42,7 +42,4 @@ BoneDistance DistanceOver(const std::vector<SkeletonTracks>& clips, const std::v
 /// equal lengths.
 BoneEstimate EstimateBoneLengths(const std::vector<SkeletonTracks>& clips, const Skeleton& skeleton, bool symmetric);
 
-/// Averages the two sides' lengths, weighted by `weight` (J).
-void MakeSymmetric(const Skeleton& skeleton, const std::vector<double>& weight, std::vector<double>& length);
-
 }  // namespace mocurate

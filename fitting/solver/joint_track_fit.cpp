@@ -39,16 +39,14 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
   const int length = static_cast<int>(options.window_frames);
   const int step = std::max(1, length - static_cast<int>(options.window_overlap));
   const auto solve = options.solver == TrackSolver::kBanded ? SolveBanded : SolveWithCeres;
-  Bones bones = whole.bones;
   result.converged = true;
   result.termination = "converged";
   const bool several = frames > length;
   if (several) result.initial_cost = CostOf(whole);
   for (int begin = 0; begin < frames; begin += step) {
     const int end = frames - begin <= length ? frames : begin + length;
-    const auto solution =
-        solve({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, bones, options, begin, end, begin > 0,
-               whole.noise_scale, whole.rotations, whole.step, whole.memory, whole.rest_sigmas});
+    const auto solution = solve({whole.tracks, whole.state, whole.sigma, options, begin, end, begin > 0,
+                                 whole.noise_scale, whole.rotations, whole.step, whole.memory, whole.rest_sigmas});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
     if (!several) result.initial_cost = solution->initial_cost;
@@ -58,7 +56,6 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
       result.termination = solution->exhausted ? "no step reduces the cost" : "iteration limit";
     }
     if (end == frames) break;
-    if (bones == Bones::kFree) bones = Bones::kFixed;  // the first window decides
   }
   if (several) result.final_cost = CostOf(whole);
   return {};
@@ -75,8 +72,8 @@ Status SolveStep(const TrackWindow& whole, const std::vector<bool>& active, cons
   if (step.free == FreeParts::kRoot) std::fill(free.begin() + 1, free.end(), false);
   whole.state.SetActive(free);
   const RotationTargets* rotations = step.evidence == StepEvidence::kAll ? whole.rotations : nullptr;
-  Status solved = SolveWindows({whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, whole.bones, options, 0,
-                                whole.end, false, whole.noise_scale, rotations, step, whole.memory, whole.rest_sigmas},
+  Status solved = SolveWindows({whole.tracks, whole.state, whole.sigma, options, 0, whole.end, false, whole.noise_scale,
+                                rotations, step, whole.memory, whole.rest_sigmas},
                                result);
   whole.state.SetActive(active);
   return solved;
@@ -105,16 +102,15 @@ std::vector<JointState> StatesOf(const SkeletonTracks& tracks, double frame_s, d
 /// Residuals of the fit. Where samples have precisions, distances are weighted by them, since rays that hardly cross
 /// leave metres open along them. Such samples that are as far off as those of RejectOutliers are rejected too, unless
 /// most are: then the fit is wrong.
-void MeasureResiduals(const SkeletonTracks& tracks, const std::vector<double>& joint_sigma,
-                      const std::vector<bool>& rejected, FitResult& result) {
+void MeasureResiduals(const SkeletonTracks& tracks, double sigma, const std::vector<bool>& rejected,
+                      FitResult& result) {
   std::vector<double> residuals, used;
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       if (!tracks.seen(f, j)) continue;
       const Vector3d off = result.motion.joints.at(f, j) - tracks.positions.at(f, j);
       residuals.push_back(tracks.precision.empty() ? off.norm() : std::sqrt(off.dot(tracks.precision_at(f, j) * off)));
-      if (tracks.precision.empty() || residuals.back() <= OutlierLimit(joint_sigma[static_cast<std::size_t>(j)]))
-        used.push_back(residuals.back());
+      if (tracks.precision.empty() || residuals.back() <= OutlierLimit(sigma)) used.push_back(residuals.back());
     }
   }
   if (residuals.empty()) return;
@@ -166,24 +162,20 @@ void ReportAssumedNoise(int frames, double sigma, FitResult& result) {
 }  // namespace
 
 Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate& rate,
-                                   const std::vector<double>& bone_length, Bones bones,
-                                   const JointTrackOptions& options) {
+                                   const std::vector<double>& bone_length, const JointTrackOptions& options) {
   FitResult result;
   NoiseEstimate noise = EstimateNoise(given, bone_length);
   if (noise.measured && !options.rules.on(FittingRule::kBoneNoise)) noise.sigma = std::max(noise.white, kNearlyExact);
   result.noise_sigma = noise.sigma;
   // Priors do not use an assumed noise; only the uncertainty does.
-  const double pooled = noise.measured ? noise.sigma : kNearlyExact;
-  const std::vector<double> joint_sigma = options.noise == NoiseScale::kPerJoint && noise.measured
-                                              ? noise.joint_sigma
-                                              : std::vector<double>(noise.joint_sigma.size(), pooled);
+  const double sigma = noise.measured ? noise.sigma : kNearlyExact;
   SkeletonTracks tracks = given;
   if (!options.recorded_rotations) {
     tracks.rotation.clear();
     tracks.rotation_confidence.clear();
   }
   std::vector<bool> rejected(tracks.confidence.size(), false);
-  if (options.rules.on(FittingRule::kOutlierRejection)) rejected = RejectOutliers(tracks, joint_sigma);
+  if (options.rules.on(FittingRule::kOutlierRejection)) rejected = RejectOutliers(tracks, sigma);
   JointTrackOptions widened = options;
   const double widening = options.rules.on(FittingRule::kProcessNoiseWidening) ? ProcessNoiseWidening(noise) : 1.0;
   widened.rotation_process_noise *= widening;
@@ -195,7 +187,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   result.termination = "closed form";
   std::optional<ProcessNoiseScale> factors;
   std::optional<RotationTargets> rotations;
-  TrackWindow whole{tracks, state, joint_sigma, bone_length, Bones::kFixed, widened, 0, tracks.frames()};
+  TrackWindow whole{tracks, state, sigma, widened, 0, tracks.frames()};
   BlockTridiagonal memory;
   whole.memory = &memory;
   const std::vector<double> rest_sigmas = RestPoseSigmas(tracks, options.rest_sigma);
@@ -210,10 +202,8 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
       rotations = AlignRotations(tracks, state, &disagreements);
       whole.rotations = &*rotations;
     }
-    whole.bones = last ? bones : Bones::kFixed;
     if (Status solved = SolveStep(whole, active, step, last, result); !solved)
       return tl::unexpected<Error>(solved.error());
-    whole.bones = Bones::kFixed;
     if (last) break;
     if (step.refit_process_noise) {
       auto refitted = RefitProcessNoise(whole);
@@ -236,7 +226,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   whole.rotations = nullptr;
   const bool solved = !options.steps.empty() && options.steps.back().free == FreeParts::kPose;
   if (options.uncertainty && solved) {
-    const double assumed = noise.sigma / pooled;
+    const double assumed = noise.sigma / sigma;
     const bool unmeasured = !noise.measured && options.rules.on(FittingRule::kUnmeasuredNoise);
     auto uncertainty = UncertaintyOfTracks(whole, unmeasured ? assumed * assumed : 0.0);
     if (!uncertainty) return Forward(uncertainty);
@@ -246,7 +236,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     result.variance_factor = uncertainty->variance_factor;
     result.poses = std::move(uncertainty->poses);
   }
-  MeasureResiduals(tracks, joint_sigma, rejected, result);
+  MeasureResiduals(tracks, sigma, rejected, result);
   std::vector<bool> unseen = tracks.ObservedFrames();
   unseen.flip();
   ReportFramesWithout(unseen, "no joint is observed", FindingAction::kInterpolated, result.findings);

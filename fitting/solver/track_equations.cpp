@@ -12,22 +12,16 @@ TrackEquations::TrackEquations(const TrackWindow& window)
     : window_(window),
       size_(3),
       hinges_(HingesOf(*window.tracks.skeleton)),
-      border_(window.bones == Bones::kFree ? window.state.joints() - 1 : 0),
-      below_(window.state.joints()),
       velocity_weight_(window.tracks.confidence.size(), 0.0),
       rotation_weight_(window.tracks.confidence.size(), 0.0),
       subtree_(window.state.joints()),
-      step_before_(window.state.joints()),
       step_after_(window.state.joints()),
       twist_(window.state.joints()),
       twist_next_(window.state.joints()) {
   const PoseState& state = window.state;
   for (int j = 0; j < state.joints(); ++j) {
     column_.push_back(state.active(j) ? size_ : -1);
-    if (!state.active(j)) continue;
-    size_ += 3;
-    below_[j].push_back(j);
-    for (int a = state.parent(j); a >= 0; a = state.parent(a)) below_[a].push_back(j);
+    if (state.active(j)) size_ += 3;
   }
   for (int f = window.first(); f + 1 < window.end; ++f) {
     if (!window.Joined(f)) continue;
@@ -70,9 +64,6 @@ double TrackEquations::Cost() const {
       twice += rotation_weight_[window_.Index(f, j)] *
                LogMatrix(state.local(f, j).transpose() * state.local(f + 1, j)).squaredNorm();
     }
-  }
-  for (int k = 1; k <= border_; ++k) {
-    twice += Square((*state.bone(k) - window_.bone_prior[k]) / options.bone_sigma);
   }
   return 0.5 * twice;
 }
@@ -234,52 +225,8 @@ void TrackEquations::AddRotationStep(int frame, BlockTridiagonal& equations) con
   }
 }
 
-/// A bone moves its joint and all below along its direction: a twist without rotation.
-void TrackEquations::AddBones(int frame, BlockTridiagonal& equations) const {
-  const PoseState& state = window_.state;
-  const bool before = frame > window_.begin && joined(frame - 1);
-  const bool after = frame + 1 < window_.end && joined(frame);
-  auto border = equations.Border(frame - window_.begin);
-  auto corner = equations.Corner();
-  auto corner_gradient = equations.CornerGradient();
-  for (int k = 1; k < state.joints(); ++k) {
-    const Vector3d here = state.BoneDirection(frame, k);
-    const Vector3d there = after ? state.BoneDirection(frame + 1, k) : Vector3d(Vector3d::Zero());
-    const Vector3d earlier = before ? state.BoneDirection(frame - 1, k) : Vector3d(Vector3d::Zero());
-    const auto pulls = [&](const Matrix6d& own, const Matrix6d& step_after, const Matrix6d& step_before) {
-      Vector6d sum = own.leftCols<3>() * here;
-      if (after) sum += step_after.leftCols<3>() * there;
-      if (before) sum += step_before.topRows<3>().transpose() * earlier;
-      return sum;
-    };
-    const Vector6d at = pulls(subtree_[k].at.information, step_after_[k].at, step_before_[k].at);
-    border.block<3, 1>(0, k - 1) += at.head<3>();
-    for (const int a : state.path(k)) border.block<3, 1>(column(a), k - 1).noalias() += twist_[a].transpose() * at;
-    for (const int a : below_[k]) {
-      border.block<3, 1>(column(a), k - 1).noalias() +=
-          twist_[a].transpose() * pulls(subtree_[a].below.information, step_after_[a].below, step_before_[a].below);
-    }
-    for (const int l : state.bones(k)) {
-      const double square = at.head<3>().dot(state.BoneDirection(frame, l));
-      corner(l - 1, k - 1) += square;
-      if (l != k) corner(k - 1, l - 1) += square;
-    }
-    corner_gradient[k - 1] += here.dot(subtree_[k].at.gradient.head<3>());
-  }
-}
-
-void TrackEquations::AddBonePriors(BlockTridiagonal& equations) const {
-  const double weight = 1.0 / Square(window_.options.bone_sigma);
-  for (int k = 1; k <= border_; ++k) {
-    equations.Corner()(k - 1, k - 1) += weight;
-    equations.CornerGradient()[k - 1] += weight * (*window_.state.bone(k) - window_.bone_prior[k]);
-  }
-}
-
 void TrackEquations::Linearise(BlockTridiagonal& equations) {
   equations.SetZero(0);
-  equations.Corner().setZero();
-  equations.CornerGradient().setZero();
   if (window_.first() < window_.begin && joined(window_.first())) AddRotationStep(window_.first(), equations);
   UpdateTwists(window_.begin, twist_);
   for (int f = window_.begin; f < window_.end; ++f) {
@@ -294,16 +241,13 @@ void TrackEquations::Linearise(BlockTridiagonal& equations) {
       AddStep(f, equations);
       AddRotationStep(f, equations);
     }
-    if (border_ > 0) AddBones(f, equations);
     std::swap(twist_, twist_next_);
-    std::swap(step_before_, step_after_);
   }
-  if (border_ > 0) AddBonePriors(equations);
 }
 
 Eigen::VectorXd TrackEquations::Parameters() const {
   const PoseState& state = window_.state;
-  Eigen::VectorXd parameters((window_.end - window_.begin) * size_ + border_);
+  Eigen::VectorXd parameters((window_.end - window_.begin) * size_);
   for (int f = window_.begin; f < window_.end; ++f) {
     auto frame = parameters.segment((f - window_.begin) * size_, size_);
     frame.head<3>() = Eigen::Map<const Vector3d>(state.translation(f));
@@ -311,7 +255,6 @@ Eigen::VectorXd TrackEquations::Parameters() const {
       if (column(j) >= 0) frame.segment<3>(column(j)) = Eigen::Map<const Vector3d>(state.rotation(f, j));
     }
   }
-  for (int k = 1; k <= border_; ++k) parameters[parameters.size() - border_ + k - 1] = *state.bone(k);
   return parameters;
 }
 
@@ -324,7 +267,6 @@ void TrackEquations::SetParameters(const Eigen::VectorXd& parameters) {
       if (column(j) >= 0) Eigen::Map<Vector3d>(state.rotation(f, j)) = frame.segment<3>(column(j));
     }
   }
-  for (int k = 1; k <= border_; ++k) *state.bone(k) = parameters[parameters.size() - border_ + k - 1];
   state.Update(window_.first(), window_.end, true);
 }
 

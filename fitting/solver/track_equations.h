@@ -11,14 +11,13 @@
 namespace mocurate {
 
 /// Cost and normal equations of a window at the present parameters of its state. Unknowns of a frame: translation (3),
-/// then the rotation vector of each active joint (3), root first; of the border: with free bones the length of every
-/// bone, joint 1 first. The costs are those of fitting/costs/, summed here without forming their Jacobians.
+/// then the rotation vector of each active joint (3), root first. The costs are those of fitting/costs/, summed here
+/// without forming their Jacobians.
 class TrackEquations {
  public:
   explicit TrackEquations(const TrackWindow& window);
 
   int size() const { return size_; }
-  int border() const { return border_; }
 
   /// 1/2 sum of rho(|r|^2). The state's kinematics must be up to date.
   double Cost() const;
@@ -30,7 +29,7 @@ class TrackEquations {
   /// Information of an observed joint's sample (1 / m^2), robust loss included, at the present parameters.
   Matrix3d DataInformation(int frame, int joint) const;
 
-  /// Unknowns of the window, frames then border ((end - begin) * size + border).
+  /// Unknowns of the window ((end - begin) * size).
   Eigen::VectorXd Parameters() const;
   /// Writes them and updates the kinematics with derivatives.
   void SetParameters(const Eigen::VectorXd& parameters);
@@ -66,19 +65,14 @@ class TrackEquations {
   void AddStep(int frame, BlockTridiagonal& equations) const;
   void AddPriors(int frame, BlockTridiagonal& equations) const;
   void AddRotationStep(int frame, BlockTridiagonal& equations) const;
-  void AddBones(int frame, BlockTridiagonal& equations) const;
-  void AddBonePriors(BlockTridiagonal& equations) const;
 
   const TrackWindow window_;
   int size_;
   std::vector<std::optional<Hinge>> hinges_;  ///< (J)
-  int border_;
-  std::vector<int> column_;              ///< first unknown of a joint's rotation in its frame; -1: not active
-  std::vector<std::vector<int>> below_;  ///< active joints at or below a joint
-  std::vector<double> velocity_weight_;  ///< squared, of a frame's step to the next; 0 where not joined. (F*J)
-  std::vector<double> rotation_weight_;  ///< squared, likewise
-  std::vector<Subtree> subtree_;         ///< of the frame that is being added
-  std::vector<CrossSubtree> step_before_;
+  std::vector<int> column_;                   ///< first unknown of a joint's rotation in its frame; -1: not active
+  std::vector<double> velocity_weight_;       ///< squared, of a frame's step to the next; 0 where not joined. (F*J)
+  std::vector<double> rotation_weight_;       ///< squared, likewise
+  std::vector<Subtree> subtree_;              ///< of the frame that is being added
   std::vector<CrossSubtree> step_after_;
   std::vector<Twist> twist_;  ///< dp = X(p) twist dw for a joint's rotation vector, of this frame
   std::vector<Twist> twist_next_;

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "core/pipeline/worker.h"
-#include "fitting/costs/bone_prior_cost.h"
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_position_cost.h"
 #include "fitting/costs/joint_rotation_cost.h"
@@ -29,7 +28,6 @@ Matrix3d Whitening(const Matrix3d& information) { return Eigen::LLT<Matrix3d>(in
 TrackProblem::TrackProblem(const TrackWindow& window)
     : window_(window),
       state_(window.state),
-      free_bones_(window.bones == Bones::kFree),
       hinges_(HingesOf(*window.tracks.skeleton)),
       update_(window.state, window.first(), window.end),
       loss_(window.options.huber_sigmas),
@@ -38,7 +36,6 @@ TrackProblem::TrackProblem(const TrackWindow& window)
   for (int f = window.first(); f + 1 < window.end; ++f) {
     if (window.Joined(f)) AddStep(f);
   }
-  if (free_bones_) AddBonePriors();
   if (!window.after_fixed) return;
   std::vector<double*> fixed{state_.translation(window.begin - 1)};
   for (int j = 0; j < state_.joints(); ++j) fixed.push_back(state_.rotation(window.begin - 1, j));
@@ -51,8 +48,7 @@ void TrackProblem::AddFrame(int frame) {
   for (int j = 0; j < state_.joints(); ++j) {
     if (window_.tracks.seen(frame, j)) {
       const Matrix3d whitening = Whitening(window_.Information(frame, j));
-      auto* cost =
-          new JointPositionCost(state_, frame, j, window_.tracks.positions.at(frame, j), whitening, free_bones_);
+      auto* cost = new JointPositionCost(state_, frame, j, window_.tracks.positions.at(frame, j), whitening);
       problem_.AddResidualBlock(cost, &loss_, cost->Blocks(state_));
     }
     const std::size_t at = window_.Index(frame, j);
@@ -83,16 +79,8 @@ void TrackProblem::AddStep(int frame) {
       problem_.AddResidualBlock(new RotationSmoothnessCost(state_, frame, j, rotation_weight), nullptr,
                                 state_.rotation(frame, j), state_.rotation(frame + 1, j));
     }
-    auto* cost = new JointVelocityCost(state_, frame, j, velocity_weight, free_bones_);
+    auto* cost = new JointVelocityCost(state_, frame, j, velocity_weight);
     problem_.AddResidualBlock(cost, nullptr, cost->Blocks(state_));
-  }
-}
-
-void TrackProblem::AddBonePriors() {
-  for (int j = 1; j < state_.joints(); ++j) {
-    if (!problem_.HasParameterBlock(state_.bone(j))) continue;
-    problem_.AddResidualBlock(new BonePriorCost(window_.bone_prior[j], window_.options.bone_sigma), nullptr,
-                              state_.bone(j));
   }
 }
 

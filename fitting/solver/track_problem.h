@@ -22,11 +22,9 @@ class TrackProblem {
  private:
   void AddFrame(int frame);
   void AddStep(int frame);
-  void AddBonePriors();
 
   const TrackWindow window_;
   PoseState& state_;
-  bool free_bones_;
   std::vector<std::optional<Hinge>> hinges_;  ///< (J)
   PoseUpdate update_;
   ceres::HuberLoss loss_;

@@ -29,13 +29,11 @@ class BlockTridiagonal;
 struct TrackWindow {
   const SkeletonTracks& tracks;
   PoseState& state;
-  const std::vector<double>& joint_sigma;  ///< (J) metres per axis
-  const std::vector<double>& bone_prior;   ///< (J) metres
-  Bones bones = Bones::kFixed;
+  double sigma;  ///< of the tracks, metres per axis
   const JointTrackOptions& options;
   int begin = 0;
   int end = 0;
-  bool after_fixed = false;  ///< frame begin - 1 is fixed and coupled by process noise; then bones must be fixed
+  bool after_fixed = false;                        ///< frame begin - 1 is fixed and coupled by process noise
   const ProcessNoiseScale* noise_scale = nullptr;  ///< of all frames of the tracks; none: 1 everywhere
   const RotationTargets* rotations = nullptr;      ///< recorded, of all frames of the tracks
   TrackStep step = {};                             ///< solver settings
@@ -55,8 +53,8 @@ struct TrackWindow {
   }
   /// Information of the rest prior of a joint in a frame, 1/rad^2 per axis.
   double RestInformation(int frame, int joint) const {
-    const double sigma = RestSigma(joint);
-    return rest_information != nullptr ? (*rest_information)[Index(frame, joint)] : 1.0 / (sigma * sigma);
+    const double rest = RestSigma(joint);
+    return rest_information != nullptr ? (*rest_information)[Index(frame, joint)] : 1.0 / (rest * rest);
   }
   /// Variances per axis of a joint's rotation (rad^2) and position (m^2) from a frame to the next.
   double RotationVariance(int frame, int joint) const {
@@ -70,9 +68,7 @@ struct TrackWindow {
     return noise * noise * Step(frame);
   }
   /// Of an observed joint's sample (1 / m^2), before the robust loss.
-  Matrix3d Information(int frame, int joint) const {
-    return tracks.precision_at(frame, joint) / (joint_sigma[joint] * joint_sigma[joint]);
-  }
+  Matrix3d Information(int frame, int joint) const { return tracks.precision_at(frame, joint) / (sigma * sigma); }
   std::size_t Index(int frame, int joint) const {
     return static_cast<std::size_t>(frame) * static_cast<std::size_t>(tracks.joints()) +
            static_cast<std::size_t>(joint);

@@ -77,9 +77,9 @@ class BodyEquations {
     const PoseState& state = whole_.state;
     const Eigen::MatrixXd moves = Moves(frame);
     Eigen::MatrixXd information = Priors();
+    const double sigma = whole_.sigma;
     for (int j = 0; j < state.joints(); ++j) {
       if (!shown_[static_cast<std::size_t>(j)]) continue;
-      const double sigma = whole_.joint_sigma[static_cast<std::size_t>(j)];
       Eigen::MatrixXd of_joint = moves.middleRows<3>(3 * j);
       if (const int place = place_[static_cast<std::size_t>(j)]; place >= 0)
         of_joint.middleCols<3>(place).setIdentity();

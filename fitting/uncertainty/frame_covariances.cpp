@@ -16,7 +16,7 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
   BlockTridiagonal own_memory;
   for (int begin = 0; begin < whole.end; begin += length) {
     const int end = std::min(begin + length, whole.end);
-    TrackWindow window{whole.tracks, whole.state, whole.joint_sigma, whole.bone_prior, Bones::kFixed, whole.options};
+    TrackWindow window{whole.tracks, whole.state, whole.sigma, whole.options};
     window.begin = std::max(begin - context, 0);
     window.end = std::min(end + context, whole.end);
     window.noise_scale = whole.noise_scale;
@@ -25,7 +25,7 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
     window.rest_information = whole.rest_information;
     TrackEquations track(window);
     BlockTridiagonal& equations = whole.memory != nullptr ? *whole.memory : own_memory;
-    equations.Resize(window.end - window.begin, track.size(), 0);
+    equations.Resize(window.end - window.begin, track.size());
     track.Linearise(equations);
     if (!equations.Factor(Eigen::VectorXd::Zero(equations.blocks() * equations.size()))) {
       return Fail(ErrorCode::kInconsistent,

@@ -45,9 +45,7 @@ Expected<std::vector<Vector3d>> PriorVariance(const TrackWindow& whole) {
   }
   const TrackWindow blind{faint,
                           whole.state,
-                          whole.joint_sigma,
-                          whole.bone_prior,
-                          whole.bones,
+                          whole.sigma,
                           whole.options,
                           0,
                           whole.end,

@@ -47,7 +47,6 @@ void Set(const std::string& name, double value, PointCloudOptions& options, Clou
   if (name == "velocity_process_noise") options.velocity_process_noise = value;
   if (name == "rest_sigma") options.rest_sigma = value;
   if (name == "huber_sigmas") options.huber_sigmas = value;
-  if (name == "outliers") options.outliers.enabled = value != 0.0;
   if (name == "room") takes.room = value != 0.0;
   if (name == "stills") takes.stills = value != 0.0;
   if (name == "subjects") takes.subjects = static_cast<int>(value);
@@ -62,7 +61,7 @@ Expected<std::vector<FusedCloud>> Fuse(const std::vector<DepthView>& views, cons
     if (!images) return Forward(images);
     spent.decode += CpuSeconds() - begin;
     begin = CpuSeconds();
-    const auto cloud = FuseImages(views, *images, {options.voxel_size, options.outliers});
+    const auto cloud = FuseImages(views, *images, options.voxel_size);
     if (!cloud) return Forward(cloud);
     spent.fuse += CpuSeconds() - begin;
     begin = CpuSeconds();
@@ -214,8 +213,7 @@ int main(int argc, char** argv) {
     Proportions person;
     if (given["mix"] != 0.0) {
       const auto estimated = EstimateProportions(tracks, skeleton, ProportionsOptions{});
-      if (!estimated) return std::fprintf(stderr, "%s\n", estimated.error().Message().c_str()), 1;
-      person = *estimated;
+      person = estimated;
       if (Status both = TakeBodyOfBoth(of_person, skeleton, options, person); !both)
         return std::fprintf(stderr, "%s\n", both.error().Message().c_str()), 1;
     }

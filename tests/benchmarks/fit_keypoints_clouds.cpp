@@ -134,19 +134,18 @@ int main(int argc, char** argv) {
     const auto cloud_bones = MeasureBodyInClouds(clips, skeleton, options.point_clouds);
     if (!cloud_bones) return std::fprintf(stderr, "%s\n", cloud_bones.error().Message().c_str()), 1;
     const auto proportions = EstimateProportions(tracks, body, ProportionsOptions{});
-    if (!proportions) return std::fprintf(stderr, "%s\n", proportions.error().Message().c_str()), 1;
     double off_keypoints = 0.0, off_clouds = 0.0, joints = 0.0;
     for (const CloudTake& take : takes) {
       if (take.clip.subject != person) continue;
       if (joints == 0.0) {
         for (std::size_t j = 1; j < cloud_bones->bone_length.size(); ++j, joints += 1.0) {
-          off_keypoints += std::abs(proportions->bone_length[j] - take.clip.truth.bone_length[j]);
+          off_keypoints += std::abs(proportions.bone_length[j] - take.clip.truth.bone_length[j]);
           off_clouds += std::abs(cloud_bones->bone_length[j] - take.clip.truth.bone_length[j]);
         }
         std::fprintf(stderr, "person %d: bones off %.1f mm by keypoints, %.1f mm by clouds\n", person,
                      1e3 * off_keypoints / joints, 1e3 * off_clouds / joints);
       }
-      const Status fitted = Fit(take, skeleton, body, proportions->bone_length, *cloud_bones, options, lines, scores);
+      const Status fitted = Fit(take, skeleton, body, proportions.bone_length, *cloud_bones, options, lines, scores);
       if (!fitted) std::fprintf(stderr, "%s: %s\n", take.clip.name.c_str(), fitted.error().Message().c_str());
     }
   }

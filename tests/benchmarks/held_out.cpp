@@ -254,11 +254,10 @@ int main(int argc, char** argv) {
     std::vector<SkeletonTracks> all;
     for (std::size_t i = 0; i < clips.size() && i < 30; ++i) all.push_back(clips[i].tracks);
     const auto bones = EstimateProportions(all, clips.front().tracks.skeleton, ProportionsOptions{});
-    if (!bones) continue;
-    for (RealClip& clip : clips) clip.tracks = OnBody(std::move(clip.tracks), bones->skeleton);
+    for (RealClip& clip : clips) clip.tracks = OnBody(std::move(clip.tracks), bones.skeleton);
     for (const RealClip& clip : clips) {
       Score own;
-      Add(clip, bones->bone_length, options, given.repair, own);
+      Add(clip, bones.bone_length, options, given.repair, own);
       if (own.body.empty()) continue;
       lines.Add(clip.id, person, argv[1],
                 {{"median_mm", 1e3 * Middle(own.body)},

@@ -280,7 +280,7 @@ int main(int argc, char** argv) {
   std::map<std::string, PersonBody> bodies;
   for (const auto& [person, clips] : of_person) {
     const auto estimate = EstimateProportions(clips, full, medians);
-    bodies[person] = {estimate->skeleton, estimate->bone_length};
+    bodies[person] = {estimate.skeleton, estimate.bone_length};
   }
   Errors errors;
   benchmarks::ClipLines lines(argc, argv);

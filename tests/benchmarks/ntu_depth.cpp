@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
       continue;
     }
     const auto person_bones = EstimateProportions({*given_tracks}, skeleton, ProportionsOptions{});
-    const auto tracks = FitTracksOfClip(clip, person_bones->skeleton, person_bones->bone_length, options);
+    const auto tracks = FitTracksOfClip(clip, person_bones.skeleton, person_bones.bone_length, options);
     if (!tracks) {
       std::fprintf(stderr, "    %s\n", tracks.error().Message().c_str());
       continue;

@@ -154,10 +154,9 @@ int main(int argc, char** argv) {
     std::vector<SkeletonTracks> all;
     for (std::size_t i = 0; i < clips.size() && i < 30; ++i) all.push_back(clips[i].tracks);
     const auto bones = EstimateProportions(all, clips.front().tracks.skeleton, ProportionsOptions{});
-    if (!bones) continue;
-    for (RealClip& clip : clips) clip.tracks = OnBody(std::move(clip.tracks), bones->skeleton);
+    for (RealClip& clip : clips) clip.tracks = OnBody(std::move(clip.tracks), bones.skeleton);
     for (const RealClip& clip : clips) {
-      const auto fit = RepairAndFit(clip.tracks, clip.rate, bones->bone_length, RepairOptions{}, options);
+      const auto fit = RepairAndFit(clip.tracks, clip.rate, bones.bone_length, RepairOptions{}, options);
       if (fit) Add(clip, person, *fit, row);
     }
   }

@@ -31,7 +31,7 @@ JointTrackOptions Banded() {
   return options;
 }
 
-Expected<Proportions> BonesOf(const std::vector<RealClip>& clips) {
+Proportions BonesOf(const std::vector<RealClip>& clips) {
   std::vector<SkeletonTracks> all;
   for (std::size_t i = 0; i < clips.size() && i < 30; ++i) all.push_back(clips[i].tracks);
   return EstimateProportions(all, clips.front().tracks.skeleton, ProportionsOptions{});
@@ -64,11 +64,10 @@ int Recovered(const std::string& source, const SkeletonPtr& skeleton, double noi
   AxisErrors axes;
   for (const auto& [person, clips] : ReadPeople(source, skeleton, count, 1e-3 * noise_mm)) {
     const auto bones = BonesOf(clips);
-    if (!bones) continue;
     for (const RealClip& clip : clips) {
       if (!clip.given) continue;
       auto fit =
-          RepairAndFit(OnBody(clip.tracks, bones->skeleton), clip.rate, bones->bone_length, RepairOptions{}, Banded());
+          RepairAndFit(OnBody(clip.tracks, bones.skeleton), clip.rate, bones.bone_length, RepairOptions{}, Banded());
       if (!fit) continue;
       Clip fitted;
       fitted.motion = std::move(fit->motion);
@@ -127,10 +126,9 @@ int Cad60(const SkeletonPtr& skeleton) {
   const Matrix3d axes = Vector3d(-1.0, 1.0, -1.0).asDiagonal();
   for (const auto& [person, clips] : ReadPeople("cad60", skeleton, 100)) {
     const auto bones = BonesOf(clips);
-    if (!bones) return 1;
     for (const RealClip& clip : clips) {
       const auto fit =
-          RepairAndFit(OnBody(clip.tracks, bones->skeleton), clip.rate, bones->bone_length, RepairOptions{}, Banded());
+          RepairAndFit(OnBody(clip.tracks, bones.skeleton), clip.rate, bones.bone_length, RepairOptions{}, Banded());
       const std::string recording = clip.id.substr(clip.id.rfind('/') + 1, 10);
       const auto bytes = ReadFile(std::filesystem::path(TestData()) / "kinect" / "cad60" / (recording + ".txt"));
       if (!fit || !bytes) return std::fprintf(stderr, "%s: no fit or no file\n", clip.id.c_str()), 1;

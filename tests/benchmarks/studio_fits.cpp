@@ -183,12 +183,11 @@ int main(int argc, char** argv) {
     }
     if (tracks.empty()) continue;
     const auto bones = EstimateProportions(tracks, tracks[0].skeleton, ProportionsOptions{});
-    if (!bones) return std::fprintf(stderr, "%s\n", bones.error().Message().c_str()), 1;
     for (const StudioClip& clip : clips) {
       if (clip.subject != person) continue;
       const auto start = std::chrono::steady_clock::now();
-      auto fit = RepairAndFit(OnBody(clip.tracks, bones->skeleton), clip.truth.rate,
-                              true_bones ? clip.truth.bone_length : bones->bone_length, repair, options);
+      auto fit = RepairAndFit(OnBody(clip.tracks, bones.skeleton), clip.truth.rate,
+                              true_bones ? clip.truth.bone_length : bones.bone_length, repair, options);
       const double own_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       seconds += own_seconds;
       if (!fit) return std::fprintf(stderr, "%s\n", fit.error().Message().c_str()), 1;

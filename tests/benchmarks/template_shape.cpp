@@ -156,7 +156,7 @@ int main(int argc, char** argv) {
     truth[take.clip.subject] = &take.clip.truth;
     const auto frames = static_cast<int>(take.evidence.depth_views[0].files.size());
     for (int f = 0; f < frames; f += kEvery) {
-      const auto cloud = FuseViews(take.evidence.depth_views, f, {options.voxel_size, options.outliers});
+      const auto cloud = FuseViews(take.evidence.depth_views, f, options.voxel_size);
       if (!cloud) return std::fprintf(stderr, "%s\n", cloud.error().Message().c_str()), 1;
       posed.clouds.push_back(PersonPoints(*cloud, options.voxel_size));
       posed.poses.push_back(state.FrameParameters(f));

@@ -37,8 +37,7 @@ FitResult FitWith(const Rules& rules) {
   JointTrackOptions options;
   options.solver = TrackSolver::kBanded;
   options.rules = rules;
-  auto fit =
-      FitJointTracks(tracks, FrameRate::FromHz(30.0), tracks.skeleton->RestBoneLengths(), Bones::kFixed, options);
+  auto fit = FitJointTracks(tracks, FrameRate::FromHz(30.0), tracks.skeleton->RestBoneLengths(), options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return fit ? std::move(*fit) : FitResult{};
 }

@@ -24,9 +24,8 @@ PlayedTake LargerPerson(int frames) {
 TEST(Proportions, AreExactWithoutNoise) {
   const PlayedTake take = LargerPerson(50);
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
-  EXPECT_NEAR(person->scale, 1.08, 1e-5);
-  for (int j = 1; j < take.tracks.joints(); ++j) EXPECT_NEAR(person->bone_length[j], take.truth.bone_length[j], 2e-4);
+  EXPECT_NEAR(person.scale, 1.08, 1e-5);
+  for (int j = 1; j < take.tracks.joints(); ++j) EXPECT_NEAR(person.bone_length[j], take.truth.bone_length[j], 2e-4);
 }
 
 TEST(Proportions, StatureIsThatOfAPersonWhereTheRestPoseDoesNotStand) {
@@ -87,10 +86,9 @@ TEST(Proportions, SpanATrunkWhoseMiddleIsUnobserved) {
   take.tracks.positions = take.truth.joints;
   for (int f = 0; f < 200; ++f) Hide(take.tracks, f, chest);
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
-  EXPECT_NEAR(person->bone_length[chest] + person->bone_length[head], bones[chest] + bones[head], 0.045)
+  EXPECT_NEAR(person.bone_length[chest] + person.bone_length[head], bones[chest] + bones[head], 0.045)
       << "the rest pose is 0.12 m longer";
-  EXPECT_NEAR(person->bone_length[5], bones[5], 2e-4) << "observed bones keep their length";
+  EXPECT_NEAR(person.bone_length[5], bones[5], 2e-4) << "observed bones keep their length";
 }
 
 /// Arms that always hang are as rigid as a trunk but not part of it. Unobserved shoulders lie where the person's size
@@ -115,11 +113,10 @@ TEST(Proportions, DoNotInferUnobservedShouldersFromHangingArms) {
     for (int f = 0; f < 60; ++f) Hide(take.tracks, f, *smpl24->FindJoint(joint));
   }
   const auto person = EstimateProportions({take.tracks}, smpl24, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value()) << person.error().Message();
   for (const char* joint : {"left_collar", "right_shoulder", "left_elbow", "right_elbow"}) {
     const int j = *smpl24->FindJoint(joint);
-    EXPECT_NEAR(person->bone_length[j], take.truth.bone_length[j], 0.003) << joint;
-    EXPECT_EQ(person->skeleton->joints[j].rest_offset, smpl24->joints[j].rest_offset) << joint;
+    EXPECT_NEAR(person.bone_length[j], take.truth.bone_length[j], 0.003) << joint;
+    EXPECT_EQ(person.skeleton->joints[j].rest_offset, smpl24->joints[j].rest_offset) << joint;
   }
 }
 
@@ -130,11 +127,10 @@ TEST(Proportions, ScaleUnobservedBonesWithTheRest) {
     Hide(take.tracks, f, 13);  // a leaf: rest length times scale
   }
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
-  EXPECT_NEAR(person->bone_length[1], take.truth.bone_length[1], 0.02);
-  EXPECT_NEAR(person->bone_length[9], take.truth.bone_length[9], 0.01);
-  EXPECT_NEAR(person->bone_length[13], 0.12 * 1.08, 2e-4);
-  EXPECT_EQ(person->samples[13], 0);
+  EXPECT_NEAR(person.bone_length[1], take.truth.bone_length[1], 0.02);
+  EXPECT_NEAR(person.bone_length[9], take.truth.bone_length[9], 0.01);
+  EXPECT_NEAR(person.bone_length[13], 0.12 * 1.08, 2e-4);
+  EXPECT_EQ(person.samples[13], 0);
 }
 
 TEST(Proportions, AreSymmetricByDefault) {
@@ -142,20 +138,10 @@ TEST(Proportions, AreSymmetricByDefault) {
   AddNoise(take.tracks, 0.01, 8);
   ProportionsOptions options;
   const auto both = EstimateProportions({take.tracks}, take.tracks.skeleton, options);
-  EXPECT_EQ(both->bone_length[5], both->bone_length[8]);
+  EXPECT_EQ(both.bone_length[5], both.bone_length[8]);
   options.symmetric = false;
   const auto each = EstimateProportions({take.tracks}, take.tracks.skeleton, options);
-  EXPECT_NE(each->bone_length[5], each->bone_length[8]);
-}
-
-TEST(Proportions, CanBeRefinedByFitsWithFreeBones) {
-  PlayedTake take = LargerPerson(120);
-  AddNoise(take.tracks, 0.02, 13);
-  ProportionsOptions options;
-  options.refine_clips = 2;
-  const auto person = EstimateProportions({take.tracks, take.tracks}, take.tracks.skeleton, options);
-  ASSERT_TRUE(person.has_value());
-  for (int j = 1; j < take.tracks.joints(); ++j) EXPECT_NEAR(person->bone_length[j], take.truth.bone_length[j], 0.012);
+  EXPECT_NE(each.bone_length[5], each.bone_length[8]);
 }
 
 /// Hips that hang from the pelvis, before or behind it, instead of pointing sideways; and a leaning spine.
@@ -200,23 +186,22 @@ TEST_P(PersonsBones, HaveTheirTrueDirections) {
   for (const double noise : {0.0, 0.015}) {
     AddNoise(take.tracks, noise, 7);
     const auto person = EstimateProportions({take.tracks}, nominal, ProportionsOptions{});
-    ASSERT_TRUE(person.has_value());
     ProportionsOptions given;
     given.own_directions = false;
     const auto kept = EstimateProportions({take.tracks}, nominal, given);
-    EXPECT_EQ(kept->skeleton, nominal);
+    EXPECT_EQ(kept.skeleton, nominal);
     if (noise == 0.0) {
-      EXPECT_GT(Volume(*person->skeleton, star) * Volume(*body, star), 0.0);
+      EXPECT_GT(Volume(*person.skeleton, star) * Volume(*body, star), 0.0);
     }
     for (std::size_t i = 0; i < star.size(); ++i) {
       for (std::size_t k = i + 1; k < star.size(); ++k) {
         const double truth = AngleBetweenJoints(*body, star[i], star[k]);
-        EXPECT_NEAR(AngleBetweenJoints(*person->skeleton, star[i], star[k]), truth, noise == 0.0 ? 1.0 : 4.0)
+        EXPECT_NEAR(AngleBetweenJoints(*person.skeleton, star[i], star[k]), truth, noise == 0.0 ? 1.0 : 4.0)
             << noise << ": the rest-pose prior biases by up to 0.8 degrees";
         EXPECT_GT(std::abs(AngleBetweenJoints(*nominal, star[i], star[k]) - truth), 10.0)
             << "the truth must differ from the nominal skeleton";
       }
-      EXPECT_NEAR(person->skeleton->joints[star[i]].rest_offset.norm(), nominal->joints[star[i]].rest_offset.norm(),
+      EXPECT_NEAR(person.skeleton->joints[star[i]].rest_offset.norm(), nominal->joints[star[i]].rest_offset.norm(),
                   1e-9);
     }
   }
@@ -236,8 +221,7 @@ TEST_P(PersonsBones, AreNotMirroredAtLowConfidence) {
     if (nominal->joints[j].parent == 0) star.push_back(j);
   }
   const auto person = EstimateProportions({take.tracks}, nominal, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
-  EXPECT_GT(Volume(*person->skeleton, star) * Volume(*body, star), 0.0);
+  EXPECT_GT(Volume(*person.skeleton, star) * Volume(*body, star), 0.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Proportions, PersonsBones, ::testing::Values(-0.5, 0.5));
@@ -246,9 +230,8 @@ TEST(Proportions, KeepTheSkeletonsDirectionsWhereTheyAreTrue) {
   PlayedTake take = LargerPerson(400);
   AddNoise(take.tracks, 0.015, 3);
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
   for (int j = 1; j < take.tracks.joints(); ++j) {
-    const Vector3d& own = person->skeleton->joints[j].rest_offset;
+    const Vector3d& own = person.skeleton->joints[j].rest_offset;
     const Vector3d& rest = take.tracks.skeleton->joints[j].rest_offset;
     EXPECT_LT(std::atan2(own.cross(rest).norm(), own.dot(rest)) * 57.3, 4.0) << take.tracks.skeleton->joints[j].name;
   }
@@ -264,9 +247,8 @@ TEST(Proportions, KeepTheSkeletonsDirectionsWithoutSamples) {
   AddNoise(unobserved.tracks, 0.005, 6);
   for (const SkeletonTracks& tracks : {one.tracks, unobserved.tracks}) {
     const auto person = EstimateProportions({tracks}, tracks.skeleton, ProportionsOptions{});
-    ASSERT_TRUE(person.has_value());
     for (int j = 1; j < tracks.joints(); ++j) {
-      const Vector3d& own = person->skeleton->joints[j].rest_offset;
+      const Vector3d& own = person.skeleton->joints[j].rest_offset;
       const Vector3d& rest = tracks.skeleton->joints[j].rest_offset;
       const double angle = std::atan2(own.cross(rest).norm(), own.dot(rest)) * 57.3;
       EXPECT_LT(angle, tracks.frames() == 1 ? 16.0 : 4.0) << tracks.skeleton->joints[j].name;
@@ -291,10 +273,9 @@ TEST(Proportions, FindHipsByTheBackBeyondAnUnobservedJoint) {
   for (int f = 0; f < 400; ++f) Hide(take.tracks, f, unobserved);
   AddNoise(take.tracks, 0.005, 5);
   const auto person = EstimateProportions({take.tracks}, nominal, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
-  EXPECT_GT(person->skeleton->joints[left].rest_offset.y(), 0.02);
-  EXPECT_GT(person->skeleton->joints[right].rest_offset.y(), 0.02);
-  EXPECT_NEAR(AngleBetweenJoints(*person->skeleton, left, right), AngleBetweenJoints(*body, left, right), 4.0);
+  EXPECT_GT(person.skeleton->joints[left].rest_offset.y(), 0.02);
+  EXPECT_GT(person.skeleton->joints[right].rest_offset.y(), 0.02);
+  EXPECT_NEAR(AngleBetweenJoints(*person.skeleton, left, right), AngleBetweenJoints(*body, left, right), 4.0);
 }
 
 /// Collars and neck at the chest's position are not observed. Their lengths reach from there to head and shoulders,
@@ -311,12 +292,11 @@ TEST(Proportions, SpanJointsThatRepeatTheirParentsPosition) {
   PlayedTake take = SmoothTake(300, Quaterniond::Identity(), 30.0, 0.4, body);
   take.tracks.skeleton = nominal;
   const auto person = EstimateProportions({take.tracks}, nominal, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
   ASSERT_TRUE(ShownJoints({take.tracks})[chest]);
   EXPECT_FALSE(ShownJoints({take.tracks})[collar]);
-  const Skeleton& own = *person->skeleton;
-  const Vector3d reached = person->bone_length[collar] * own.joints[collar].rest_offset.normalized() +
-                           person->bone_length[shoulder] * own.joints[shoulder].rest_offset.normalized();
+  const Skeleton& own = *person.skeleton;
+  const Vector3d reached = person.bone_length[collar] * own.joints[collar].rest_offset.normalized() +
+                           person.bone_length[shoulder] * own.joints[shoulder].rest_offset.normalized();
   EXPECT_NEAR(reached.norm(), 0.194, 0.02);
 }
 
@@ -330,25 +310,23 @@ TEST(Proportions, UseOnlyFramesInWhichJointsAreObserved) {
       take.tracks.positions.at(f, *skeleton.FindJoint(hip)) = Vector3d(take.tracks.positions.at(f, 0));
   }
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
   const int left = *skeleton.FindJoint("left_hip");
-  EXPECT_LT((person->skeleton->joints[left].rest_offset - skeleton.joints[left].rest_offset).norm(), 0.01);
+  EXPECT_LT((person.skeleton->joints[left].rest_offset - skeleton.joints[left].rest_offset).norm(), 0.01);
 }
 
 TEST(Proportions, RoundTripThroughTheirArtifact) {
   const PlayedTake take = LargerPerson(20);
   auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
-  person->person = "p1";
-  const nlohmann::json json = ProportionsJson(*person, *take.tracks.skeleton);
+  person.person = "p1";
+  const nlohmann::json json = ProportionsJson(person, *take.tracks.skeleton);
   EXPECT_EQ(json["person"], "p1");
   const auto read = BodyFromJson(json, take.tracks.skeleton, "p1");
   ASSERT_TRUE(read.has_value()) << read.error().Message();
   for (int j = 1; j < take.tracks.joints(); ++j) {
     const double length = read->bone_length[j];
-    EXPECT_NEAR(length, person->bone_length[j], 1e-12);
+    EXPECT_NEAR(length, person.bone_length[j], 1e-12);
     EXPECT_NEAR(std::round(length * 1e4), length * 1e4, 1e-9);  // whole tenths of a millimetre
-    EXPECT_LT((read->skeleton->joints[j].rest_offset - person->skeleton->joints[j].rest_offset).norm(), 1e-12);
+    EXPECT_LT((read->skeleton->joints[j].rest_offset - person.skeleton->joints[j].rest_offset).norm(), 1e-12);
   }
 }
 
@@ -357,7 +335,7 @@ TEST(Proportions, RefuseAnotherSkeleton) {
   const auto person = EstimateProportions({take.tracks}, take.tracks.skeleton, ProportionsOptions{});
   Skeleton other = *take.tracks.skeleton;
   other.name = "other";
-  const auto read = BodyFromJson(ProportionsJson(*person, *take.tracks.skeleton), std::make_shared<Skeleton>(other),
+  const auto read = BodyFromJson(ProportionsJson(person, *take.tracks.skeleton), std::make_shared<Skeleton>(other),
                                  "proportions of p1");
   ASSERT_FALSE(read.has_value());
   EXPECT_EQ(read.error().code, ErrorCode::kInconsistent);

@@ -42,9 +42,9 @@ std::vector<float> OfTakeWithout(const std::vector<int>& hidden) {
     }
   }
   state.Update(0, 10, true);
-  const std::vector<double> sigma(static_cast<std::size_t>(joints), 0.005);
+  const double sigma = 0.005;
   const JointTrackOptions options;
-  return CovarianceOfBody({take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 10});
+  return CovarianceOfBody({take.tracks, state, sigma, options, 0, 10});
 }
 
 TEST(BodySigma, IsEmptyWhereAllJointsAreObserved) { EXPECT_TRUE(OfTakeWithout({}).empty()); }
@@ -92,7 +92,7 @@ TEST(BodySigma, CoversUnobservedJointsOfOtherBodies) {
     AddNoise(take.tracks, 0.003, 100 + static_cast<std::uint64_t>(person));
     for (int f = 0; f < 20; ++f) Hide(take.tracks, f, kChest);
     take.tracks = OnBody(take.tracks, TestSkeleton());
-    const auto fit = FitJointTracks(take.tracks, take.truth.rate, TestSkeleton()->RestBoneLengths(), Bones::kFixed, {});
+    const auto fit = FitJointTracks(take.tracks, take.truth.rate, TestSkeleton()->RestBoneLengths(), {});
     ASSERT_TRUE(fit.has_value()) << fit.error().Message();
     for (const int frame : {0, 10, 19}) {
       const Eigen::LLT<Matrix3d> root(CovarianceOfJoint(fit->motion.position_cov, frame, kChest, 14));

@@ -87,7 +87,7 @@ TEST_F(MaskedDepth, MaskThresholdIsHalfOfTheRange) {
 
 TEST_F(MaskedDepth, EmptyMaskGivesAnEmptyCloud) {
   Mask(20, 10, std::vector<std::uint8_t>(200, 0));
-  const auto cloud = FuseViews({view_}, 0, FusionOptions());
+  const auto cloud = FuseViews({view_}, 0, PointCloudOptions().voxel_size);
   ASSERT_TRUE(cloud) << cloud.error().Message();
   EXPECT_EQ(cloud->size(), 0);
 }

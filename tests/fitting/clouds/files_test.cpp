@@ -98,9 +98,7 @@ CloudFiles ScannedClouds(const std::vector<DepthView>& views, const std::string&
                          const RigidTransform& world_from_file = CloudWriter::Turned()) {
   CloudWriter writer(name, -0.01, world_from_file);
   for (std::size_t f = 0; f < views[0].files.size(); ++f) {
-    FusionOptions fine;
-    fine.voxel_size = 0.01;
-    const FusedCloud cloud = FuseViews(views, static_cast<int>(f), fine).value();
+    const FusedCloud cloud = FuseViews(views, static_cast<int>(f), 0.01).value();
     writer.Add(cloud.points, cloud.normals, views[0].time_s[f]);
   }
   return writer.files();
@@ -110,12 +108,10 @@ TEST(CloudFiles, ThinningKeepsEmptyAndSmallClouds) {
   FusedCloud nothing{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
   EstimateNormals(Eigen::Matrix3Xd::Zero(3, 2), 0.02, nothing);
   EXPECT_EQ(nothing.size(), 0);
-  FusionOptions options;
-  options.voxel_size = 0.02;
   for (const int count : {0, 1, 3}) {
     std::vector<Vector3d> points;
     for (int i = 0; i < count; ++i) points.emplace_back(0.5 * i, 1.0, 2.0 * i * i);
-    const auto fused = FusePoints(points, {}, options);
+    const auto fused = FusePoints(points, {}, 0.02);
     ASSERT_TRUE(fused) << fused.error().Message();
     EXPECT_LE(fused->size(), count);
     EXPECT_TRUE(fused->normals.allFinite());
@@ -205,7 +201,8 @@ TEST_F(CloudFilesOfStudio, FitAsWellAsTheDepthImages) {
 
 TEST_F(CloudFilesOfStudio, AnyUnitAndHandednessGivesTheSamePoints) {
   const std::vector<DepthView>& views = takes_[0].evidence.depth_views;
-  const FusedCloud images = PersonPoints(FuseViews(views, 0, {}).value(), FusionOptions().voxel_size);
+  const FusedCloud images =
+      PersonPoints(FuseViews(views, 0, PointCloudOptions().voxel_size).value(), PointCloudOptions().voxel_size);
   const FusedCloud one = ReadPersonCloud(RawClouds(views, "metres_", 1.0), 0, {}).value();
   const FusedCloud other = ReadPersonCloud(RawClouds(views, "mirrored_", -0.001), 0, {}).value();
   EXPECT_NEAR(one.size(), images.size(), 0.35 * images.size())
@@ -218,7 +215,8 @@ TEST_F(CloudFilesOfStudio, AnyUnitAndHandednessGivesTheSamePoints) {
 TEST_F(CloudFilesOfStudio, PersonInARoomIsFoundByNormals) {
   const std::vector<CloudTake> takes = Takes(1, 1, true);
   const std::vector<DepthView>& views = takes[0].evidence.depth_views;
-  const FusedCloud images = PersonPoints(FuseViews(views, 0, {}).value(), FusionOptions().voxel_size);
+  const FusedCloud images =
+      PersonPoints(FuseViews(views, 0, PointCloudOptions().voxel_size).value(), PointCloudOptions().voxel_size);
   const FusedCloud scan = ReadPersonCloud(ScannedClouds(views, "room_"), 0, {}).value();
   EXPECT_NEAR(scan.size(), images.size(), 0.15 * images.size());
   EXPECT_GT(scan.excluded, 10 * scan.size());

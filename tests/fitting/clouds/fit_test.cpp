@@ -277,7 +277,7 @@ class Fusion : public ::testing::Test {
 };
 
 TEST_F(Fusion, PlacesPointsOnTheSurfaceWithOutwardNormals) {
-  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  const auto cloud = FuseViews(views_, 0, PointCloudOptions().voxel_size);
   ASSERT_TRUE(cloud) << cloud.error().Message();
   ASSERT_GT(cloud->size(), 1000);
   const BoneCapsules body = BoneCapsules::Make(truth_.skeleton);
@@ -296,8 +296,8 @@ TEST_F(Fusion, PlacesPointsOnTheSurfaceWithOutwardNormals) {
 }
 
 TEST_F(Fusion, ReturnsTheSamePointsInTheSameOrderEveryTime) {
-  const auto once = FuseViews(views_, 0, FusionOptions());
-  const auto again = FuseViews(views_, 0, FusionOptions());
+  const auto once = FuseViews(views_, 0, PointCloudOptions().voxel_size);
+  const auto again = FuseViews(views_, 0, PointCloudOptions().voxel_size);
   ASSERT_TRUE(once && again);
   EXPECT_EQ(once->points, again->points);
   EXPECT_EQ(once->normals, again->normals);
@@ -306,7 +306,7 @@ TEST_F(Fusion, ReturnsTheSamePointsInTheSameOrderEveryTime) {
 
 TEST_F(Fusion, NamesAMissingImage) {
   views_[1].files[0] = CloudsFolder("fusion") / "c1_99.png";
-  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  const auto cloud = FuseViews(views_, 0, PointCloudOptions().voxel_size);
   ASSERT_FALSE(cloud);
   EXPECT_EQ(cloud.error().code, ErrorCode::kNotFound);
   EXPECT_THAT(cloud.error().Message(), HasSubstr("c1_99.png"));
@@ -314,7 +314,7 @@ TEST_F(Fusion, NamesAMissingImage) {
 
 TEST_F(Fusion, NamesAnImageOfAnotherSizeWithBothSizes) {
   views_[2].camera.width = 640;
-  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  const auto cloud = FuseViews(views_, 0, PointCloudOptions().voxel_size);
   ASSERT_FALSE(cloud);
   EXPECT_EQ(cloud.error().code, ErrorCode::kInconsistent);
   EXPECT_THAT(cloud.error().Message(), HasSubstr("c2_0.png"));
@@ -325,7 +325,7 @@ TEST_F(Fusion, NamesADamagedImageAndPrintsNothing) {
   views_[0].files[0] = CloudsFolder("fusion") / "damaged.png";
   std::ofstream(views_[0].files[0]) << "not an image";
   ::testing::internal::CaptureStdout();
-  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  const auto cloud = FuseViews(views_, 0, PointCloudOptions().voxel_size);
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
   ASSERT_FALSE(cloud);
   EXPECT_EQ(cloud.error().code, ErrorCode::kMalformed);
@@ -334,7 +334,7 @@ TEST_F(Fusion, NamesADamagedImageAndPrintsNothing) {
 
 TEST_F(Fusion, RefusesAnImageThatChangedSinceIngest) {
   views_[0].sha256 = {std::string(64, '0')};
-  const auto cloud = FuseViews(views_, 0, FusionOptions());
+  const auto cloud = FuseViews(views_, 0, PointCloudOptions().voxel_size);
   ASSERT_FALSE(cloud);
   EXPECT_THAT(cloud.error().Message(), HasSubstr("has changed since it was ingested"));
 }

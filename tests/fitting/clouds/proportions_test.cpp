@@ -160,7 +160,7 @@ TEST_F(DepthProportions, ReportLegsThatNoViewShows) {
 TEST_F(DepthProportions, ImplausibleSizeMakesTheClipSuspect) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   for (const double scale : {kTaller, 2.0 * kTaller}) {
-    Proportions body = *EstimateProportions({}, skeleton, {});
+    Proportions body = EstimateProportions({}, skeleton, {});
     for (double& length : body.bone_length) length *= scale;
     ASSERT_TRUE(WriteFile(folder_ / "proportions.json", ProportionsJson(body, *skeleton).dump()));
     StageRequest request = Request("fitting", clips_[0].id(), {clips_[0]});

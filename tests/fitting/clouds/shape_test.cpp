@@ -226,7 +226,7 @@ TEST_F(BodyOfBoth, UsesTheTracksWhereDepthShowsNoPerson) {
 
 TEST(BodyShape, RoundTripsThroughTheArtifactAndRefusesMalformedValues) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-  Proportions person = *EstimateProportions({}, skeleton, {});
+  Proportions person = EstimateProportions({}, skeleton, {});
   nlohmann::json json = ProportionsJson(person, *skeleton);
   EXPECT_TRUE(json["body_shape"].empty());
   EXPECT_EQ(BodyFromJson(json, skeleton, "p1")->skeleton, skeleton);

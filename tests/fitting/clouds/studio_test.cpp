@@ -63,11 +63,11 @@ class StudioClouds : public ::testing::Test {
     const auto person = EstimateProportions(tracks, skeleton_, ProportionsOptions{});
     std::vector<Motion> motions;
     for (const CloudTake& of_person : *takes_) {
-      motions.push_back(RepairAndFit(OnBody(of_person.clip.tracks, person->skeleton), of_person.clip.truth.rate,
-                                     person->bone_length, RepairOptions{}, options)
+      motions.push_back(RepairAndFit(OnBody(of_person.clip.tracks, person.skeleton), of_person.clip.truth.rate,
+                                     person.bone_length, RepairOptions{}, options)
                             ->motion);
     }
-    return MeasurePosedBody(clips_, motions, person->scale, skeleton_, options_);
+    return MeasurePosedBody(clips_, motions, person.scale, skeleton_, options_);
   }
 
   Expected<FitResult> FitTracks(const CloudTake& take) {

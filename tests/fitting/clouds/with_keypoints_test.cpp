@@ -50,7 +50,7 @@ class MixedTakes : public ::testing::Test {
       body_ = WithDetectorPoints(skeleton_, DetectorNames(clips.back().evidence.keypoint_names));
       tracks.push_back(TracksOnBody(clips.back().evidence, *skeleton_, body_, options_.keypoints)->tracks);
     }
-    bones_ = EstimateProportions(tracks, body_, ProportionsOptions{})->bone_length;
+    bones_ = EstimateProportions(tracks, body_, ProportionsOptions{}).bone_length;
     const BodyFromClouds in_clouds = *MeasureBodyInClouds(clips, skeleton_, options_.point_clouds);
     cloud_bones_ = in_clouds.bone_length;
     in_clouds_ = in_clouds.skeleton;

@@ -13,6 +13,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kSigma = 0.02;
+
 /// A noisy take with everything that a cost depends on: hidden joints, confidences, outliers, a gap in time, a joint
 /// with limits. The state differs from the truth.
 class BandedWindow : public testing::TestWithParam<bool> {
@@ -31,11 +33,9 @@ class BandedWindow : public testing::TestWithParam<bool> {
       }
     }
     take_.tracks.positions.at(2, 5) += Vector3d(0.8, 0, 0);  // in the linear part of the loss
-    sigma_.assign(take_.tracks.joints(), 0.02);
-    prior_ = take_.truth.bone_length;
     std::vector<bool> active(take_.tracks.joints(), true);
     active[2] = active[5] = false;
-    state_ = std::make_unique<PoseState>(*limited, take_.tracks.frames(), prior_, active);
+    state_ = std::make_unique<PoseState>(*limited, take_.tracks.frames(), take_.truth.bone_length, active);
     for (int f = 0; f < take_.tracks.frames(); ++f) {
       Eigen::Map<Vector3d>(state_->translation(f)) = take_.truth.joints.at(f, 0);
       for (int j = 0; j < take_.tracks.joints(); ++j) {
@@ -44,12 +44,9 @@ class BandedWindow : public testing::TestWithParam<bool> {
             LogQuaternion(take_.truth.rotation_at(f, j)) + Vector3d::Constant(0.05 * random.Normal());
       }
     }
-    for (int j = 1; j < take_.tracks.joints(); ++j) *state_->bone(j) += 0.01 * random.Normal();
   }
 
-  TrackWindow Of(int begin, int end, Bones bones) {
-    return {take_.tracks, *state_, sigma_, prior_, bones, options_, begin, end, begin > 0};
-  }
+  TrackWindow Of(int begin, int end) { return {take_.tracks, *state_, kSigma, options_, begin, end, begin > 0}; }
 
   /// Cost, gradient and J'J of the Ceres problem, unknowns in the order of TrackEquations.
   void ExpectSameAsCeres(const TrackWindow& window) {
@@ -60,9 +57,6 @@ class BandedWindow : public testing::TestWithParam<bool> {
       for (int j = 0; j < state_->joints(); ++j) {
         if (state_->active(j)) evaluate.parameter_blocks.push_back(state_->rotation(f, j));
       }
-    }
-    for (int k = 1; window.bones == Bones::kFree && k < state_->joints(); ++k) {
-      evaluate.parameter_blocks.push_back(state_->bone(k));
     }
     double cost = 0.0;
     std::vector<double> gradient;
@@ -77,8 +71,7 @@ class BandedWindow : public testing::TestWithParam<bool> {
     TrackEquations track(window);
     const int frames = window.end - window.begin;
     const int n = track.size();
-    const int b = track.border();
-    BlockTridiagonal equations(frames, n, b);
+    BlockTridiagonal equations(frames, n);
     track.SetParameters(track.Parameters());
     EXPECT_NEAR(track.Cost(), cost, 1e-9 * cost);
     track.Linearise(equations);
@@ -90,30 +83,23 @@ class BandedWindow : public testing::TestWithParam<bool> {
       const Eigen::MatrixXd diagonal = equations.Diagonal(f).triangularView<Eigen::Upper>();
       const Eigen::MatrixXd own = square.block(f * n, f * n, n, n).triangularView<Eigen::Upper>();
       EXPECT_LT((diagonal - own).norm(), scale) << "frame " << f;
-      EXPECT_LT((equations.Border(f) - square.block(f * n, frames * n, n, b)).norm(), scale) << "bones, frame " << f;
       if (f + 1 < frames) {
         EXPECT_LT((equations.Next(f) - square.block(f * n, (f + 1) * n, n, n)).norm(), scale) << "step " << f;
       }
     }
-    EXPECT_LT((equations.Corner() - square.bottomRightCorner(b, b)).norm(), scale);
   }
 
   PlayedTake take_;
-  std::vector<double> sigma_;
-  std::vector<double> prior_;
   JointTrackOptions options_;
   std::unique_ptr<PoseState> state_;
 };
 
-TEST_F(BandedWindow, MatchesCeresInCostGradientAndInformation) { ExpectSameAsCeres(Of(0, 6, Bones::kFixed)); }
-
-TEST_F(BandedWindow, MatchesCeresWithFreeBones) { ExpectSameAsCeres(Of(0, 6, Bones::kFree)); }
+TEST_F(BandedWindow, MatchesCeresInCostGradientAndInformation) { ExpectSameAsCeres(Of(0, 6)); }
 
 TEST_F(BandedWindow, MatchesCeresWithPrecisionPerSample) {
   AddUnevenNoise(take_.tracks, 0.02, 6);
-  ExpectSameAsCeres(Of(0, 6, Bones::kFixed));
-  ExpectSameAsCeres(Of(2, 5, Bones::kFixed));
-  ExpectSameAsCeres(Of(0, 6, Bones::kFree));
+  ExpectSameAsCeres(Of(0, 6));
+  ExpectSameAsCeres(Of(2, 5));
 }
 
 TEST_F(BandedWindow, MatchesCeresWithHingesProcessNoiseAndRestSigmas) {
@@ -131,16 +117,14 @@ TEST_F(BandedWindow, MatchesCeresWithHingesProcessNoiseAndRestSigmas) {
   for (double& value : scale.position) value = random.Uniform(0.3, 3.0);
   std::vector<double> rest;
   for (int j = 0; j < take_.tracks.joints(); ++j) rest.push_back(random.Uniform(0.2, 2.0));
-  for (const Bones bones : {Bones::kFixed, Bones::kFree}) {
-    TrackWindow window = Of(0, 6, bones);
-    window.noise_scale = &scale;
-    window.rest_sigmas = &rest;
-    ExpectSameAsCeres(window);
-  }
+  TrackWindow window = Of(0, 6);
+  window.noise_scale = &scale;
+  window.rest_sigmas = &rest;
+  ExpectSameAsCeres(window);
 }
 
 TEST_F(BandedWindow, WithoutAToleranceEndsWhereNoStepReducesTheCost) {
-  TrackWindow window = Of(0, 6, Bones::kFixed);
+  TrackWindow window = Of(0, 6);
   window.step.relative_tolerance = 0.0;
   window.step.max_iterations = 10000;
   const auto solution = SolveBanded(window);
@@ -149,7 +133,7 @@ TEST_F(BandedWindow, WithoutAToleranceEndsWhereNoStepReducesTheCost) {
   EXPECT_TRUE(solution->converged || solution->exhausted);
 }
 
-TEST_F(BandedWindow, MatchesCeresBesideAFixedFrame) { ExpectSameAsCeres(Of(2, 5, Bones::kFixed)); }
+TEST_F(BandedWindow, MatchesCeresBesideAFixedFrame) { ExpectSameAsCeres(Of(2, 5)); }
 
 TEST_F(BandedWindow, MatchesCeresWithRecordedRotations) {
   Random random(9, "recorded");
@@ -164,18 +148,12 @@ TEST_F(BandedWindow, MatchesCeresWithRecordedRotations) {
       targets.weight.push_back(recorded ? random.Uniform(0.3, 1.0) / 0.1 : 0.0);
     }
   }
-  for (const Bones bones : {Bones::kFixed, Bones::kFree}) {
-    TrackWindow window = Of(0, 6, bones);
-    window.rotations = &targets;
-    ExpectSameAsCeres(window);
-  }
+  TrackWindow window = Of(0, 6);
+  window.rotations = &targets;
+  ExpectSameAsCeres(window);
 }
 
-TEST_F(BandedWindow, MatchesCeresForOneFrame) {
-  for (int j = 0; j < take_.tracks.joints(); ++j)
-    take_.tracks.confidence[j] = 0.5;  // otherwise bones have no block in Ceres
-  ExpectSameAsCeres(Of(0, 1, Bones::kFree));
-}
+TEST_F(BandedWindow, MatchesCeresForOneFrame) { ExpectSameAsCeres(Of(0, 1)); }
 
 JointTrackOptions With(TrackSolver solver) {
   JointTrackOptions options;
@@ -195,26 +173,23 @@ TEST(BandedSolver, ConvergesToTheOptimumOfCeres) {
     for (int f = 20; damaged && f < 35; ++f) {
       for (const int j : {4, 5, 12}) Hide(take.tracks, f, j);
     }
-    const auto fit = [&](TrackSolver solver, Bones bones) {
-      const auto result = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, bones, With(solver));
+    const auto fit = [&](TrackSolver solver) {
+      const auto result = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, With(solver));
       EXPECT_TRUE(result.has_value());
       EXPECT_TRUE(result->converged);
       return *result;
     };
-    for (const Bones bones : {Bones::kFixed, Bones::kFree}) {
-      const FitResult ceres = fit(TrackSolver::kCeres, bones);
-      const FitResult banded = fit(TrackSolver::kBanded, bones);
-      EXPECT_NEAR(banded.final_cost, ceres.final_cost, 1e-6 * ceres.final_cost);
-      EXPECT_LT(LargestError(banded.motion.joints, ceres.motion.joints), 2e-4);
-    }
+    const FitResult ceres = fit(TrackSolver::kCeres);
+    const FitResult banded = fit(TrackSolver::kBanded);
+    EXPECT_NEAR(banded.final_cost, ceres.final_cost, 1e-6 * ceres.final_cost);
+    EXPECT_LT(LargestError(banded.motion.joints, ceres.motion.joints), 2e-4);
   }
 }
 
 TEST(BandedSolver, SolvesClipsOfOneAndTwoFrames) {
   for (const int frames : {1, 2}) {
     PlayedTake take = SmoothTake(frames);
-    const auto fit =
-        FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, With(TrackSolver::kBanded));
+    const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, With(TrackSolver::kBanded));
     ASSERT_TRUE(fit.has_value());
     EXPECT_LT(LargestError(fit->motion.joints, take.truth.joints), 1e-3);
   }
@@ -226,8 +201,8 @@ TEST(BandedSolver, FitsLongClipsInContinuousWindows) {
   JointTrackOptions whole = With(TrackSolver::kBanded);
   JointTrackOptions windows = whole;
   windows.window_frames = 100;
-  const auto one = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, whole);
-  const auto many = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, windows);
+  const auto one = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, whole);
+  const auto many = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, windows);
   ASSERT_TRUE(one.has_value() && many.has_value());
   EXPECT_LT(LargestError(one->motion.joints, many->motion.joints), 1e-3);
 }

@@ -14,32 +14,27 @@ Eigen::MatrixXd Draw(Random& random, Eigen::Index rows, Eigen::Index columns) {
   return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.Normal(); });
 }
 
-/// Random equations of F blocks of n with a border of b, and the same as one dense matrix.
+/// Random equations of F blocks of n, and the same as one dense matrix.
 struct Equations {
-  Equations(int blocks, int size, int border) : banded(blocks, size, border) {
+  Equations(int blocks, int size) : banded(blocks, size) {
     Random random(11, "equations");
-    const Eigen::Index unknowns = blocks * size + border;
+    const Eigen::Index unknowns = blocks * size;
     dense.setZero(unknowns, unknowns);
     gradient.setZero(unknowns);
-    // Sum of squares of rows over two neighbouring blocks and the border: positive definite, with the sparsity
-    // required.
+    // Sum of squares of rows over two neighbouring blocks: positive definite, with the sparsity required.
     for (int f = 0; f < blocks; ++f) {
-      Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * size + border, unknowns);
+      Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * size, unknowns);
       const int width = f + 1 < blocks ? 2 * size : size;
       rows.middleCols(f * size, width) = Draw(random, rows.rows(), width);
-      rows.rightCols(border) = Draw(random, rows.rows(), border);
       dense += rows.transpose() * rows;
       gradient += rows.transpose() * Draw(random, rows.rows(), 1);
     }
     banded.SetZero();
     for (int f = 0; f < blocks; ++f) {
       banded.Diagonal(f) = dense.block(f * size, f * size, size, size);
-      banded.Border(f) = dense.block(f * size, blocks * size, size, border);
       banded.Gradient(f) = gradient.segment(f * size, size);
       if (f + 1 < blocks) banded.Next(f) = dense.block(f * size, (f + 1) * size, size, size);
     }
-    banded.Corner() = dense.bottomRightCorner(border, border);
-    banded.CornerGradient() = gradient.tail(border);
   }
 
   BlockTridiagonal banded;
@@ -47,16 +42,15 @@ struct Equations {
   Eigen::VectorXd gradient;
 };
 
-class Sizes : public testing::TestWithParam<std::array<int, 3>> {};
+class Sizes : public testing::TestWithParam<std::array<int, 2>> {};
 
 INSTANTIATE_TEST_SUITE_P(BlockTridiagonal, Sizes,
-                         testing::Values(std::array<int, 3>{1, 3, 0}, std::array<int, 3>{1, 5, 2},
-                                         std::array<int, 3>{2, 4, 0}, std::array<int, 3>{7, 6, 3},
-                                         std::array<int, 3>{12, 33, 9}));
+                         testing::Values(std::array<int, 2>{1, 3}, std::array<int, 2>{2, 4}, std::array<int, 2>{7, 6},
+                                         std::array<int, 2>{12, 33}));
 
 TEST_P(Sizes, SolvesLikeADenseFactorisation) {
-  const auto [blocks, size, border] = GetParam();
-  Equations equations(blocks, size, border);
+  const auto [blocks, size] = GetParam();
+  Equations equations(blocks, size);
   const Eigen::VectorXd damping = Eigen::VectorXd::LinSpaced(equations.gradient.size(), 0.1, 0.4);
   ASSERT_TRUE(equations.banded.Factor(damping));
   Eigen::MatrixXd damped = equations.dense;
@@ -70,7 +64,7 @@ TEST_P(Sizes, SolvesLikeADenseFactorisation) {
 TEST_P(Sizes, ReturnsTheBlocksOfTheInverse) {
   const int blocks = GetParam()[0];
   const int size = GetParam()[1];
-  Equations equations(blocks, size, 0);
+  Equations equations(blocks, size);
   ASSERT_TRUE(equations.banded.Factor(Eigen::VectorXd::Zero(equations.gradient.size())));
   const Eigen::MatrixXd inverse = equations.dense.inverse();
   int visited = 0;
@@ -87,9 +81,9 @@ TEST_P(Sizes, ReturnsTheBlocksOfTheInverse) {
 }
 
 TEST(BlockTridiagonal, RefusesAMatrixThatIsNotPositiveDefinite) {
-  Equations equations(4, 5, 2);
+  Equations equations(4, 5);
   equations.banded.Diagonal(2)(3, 3) = -1.0;
-  EXPECT_FALSE(equations.banded.Factor(Eigen::VectorXd::Zero(22)));
+  EXPECT_FALSE(equations.banded.Factor(Eigen::VectorXd::Zero(20)));
 }
 
 TEST(BlockTridiagonal, InvertsOneBlockFromItsUpperTriangle) {

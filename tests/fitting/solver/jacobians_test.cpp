@@ -3,7 +3,6 @@
 #include <ceres/rotation.h>
 
 #include "core/base/random.h"
-#include "fitting/costs/bone_prior_cost.h"
 #include "fitting/costs/hinge_cost.h"
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_position_cost.h"
@@ -80,16 +79,15 @@ class CostJacobian : public testing::TestWithParam<Regime> {
 INSTANTIATE_TEST_SUITE_P(Regimes, CostJacobian,
                          testing::Values(Regime::kRandom, Regime::kIdentity, Regime::kTiny, Regime::kNearPi));
 
-/// Independent implementation of a joint's position for ceres::Jet: translation, active rotations above, bones.
+/// Independent implementation of a joint's position for ceres::Jet: translation, active rotations above.
 template <class T>
-void ChainPosition(const Skeleton& skeleton, int joint, T const* translation, T const* const* rotations,
-                   T const* const* bones, T* position) {
+void ChainPosition(const Skeleton& skeleton, int joint, T const* translation, T const* const* rotations, T* position) {
   std::copy(translation, translation + 3, position);
   const std::vector<bool> moves{true, true, false, true, false};
   for (int k = 1; k <= joint; ++k) {
     const Vector3d rest = skeleton.joints[k].rest_offset;
     T offset[3];
-    for (int i = 0; i < 3; ++i) offset[i] = bones == nullptr ? T(rest[i]) : bones[k - 1][0] * (rest[i] / rest.norm());
+    for (int i = 0; i < 3; ++i) offset[i] = T(rest[i]);
     int active = 0;
     for (int j = 0; j < k; ++j) active += moves[j] ? 1 : 0;
     for (int j = k - 1; j >= 0; --j) {
@@ -105,13 +103,11 @@ void ChainPosition(const Skeleton& skeleton, int joint, T const* translation, T 
 struct PositionResidual {
   const Skeleton& skeleton;
   int joint;
-  int above;
   Vector3d observed;
-  bool free_bones;
   template <class T>
   bool operator()(T const* const* blocks, T* residuals) const {
     T position[3];
-    ChainPosition(skeleton, joint, blocks[0], blocks + 1, free_bones ? blocks + 1 + above : nullptr, position);
+    ChainPosition(skeleton, joint, blocks[0], blocks + 1, position);
     for (int i = 0; i < 3; ++i) {
       residuals[i] = T(0.0);
       for (int k = 0; k < 3; ++k) residuals[i] += kWhitening(i, k) * (position[k] - observed[k]);
@@ -124,14 +120,12 @@ struct VelocityResidual {
   const Skeleton& skeleton;
   int joint;
   int above;
-  bool free_bones;
   template <class T>
   bool operator()(T const* const* blocks, T* residuals) const {
     T first[3];
     T next[3];
-    T const* const* bones = free_bones ? blocks + 2 * (1 + above) : nullptr;
-    ChainPosition(skeleton, joint, blocks[0], blocks + 1, bones, first);
-    ChainPosition(skeleton, joint, blocks[1 + above], blocks + 2 + above, bones, next);
+    ChainPosition(skeleton, joint, blocks[0], blocks + 1, first);
+    ChainPosition(skeleton, joint, blocks[1 + above], blocks + 2 + above, next);
     for (int i = 0; i < 3; ++i) residuals[i] = kWeight * (next[i] - first[i]);
     return true;
   }
@@ -146,27 +140,22 @@ ceres::DynamicAutoDiffCostFunction<Functor> Automatic(Functor functor, const cer
 }
 
 TEST_P(CostJacobian, OfJointPosition) {
-  for (const bool free_bones : {false, true}) {
-    for (int joint = 0; joint < kJointsOfBent; ++joint) {
-      for (const bool zero_residual : {false, true}) {
-        const Vector3d observed = zero_residual ? state_.position(0, joint) : Vector3d(0.3, -0.2, 0.5);
-        const JointPositionCost cost(state_, 0, joint, observed, kWhitening, free_bones);
-        const int above = static_cast<int>(state_.path(joint).size());
-        const auto automatic = Automatic(PositionResidual{skeleton_, joint, above, observed, free_bones}, cost);
-        EXPECT_JACOBIAN(At(cost, cost.Blocks(state_)), automatic, 1e-9);
-      }
+  for (int joint = 0; joint < kJointsOfBent; ++joint) {
+    for (const bool zero_residual : {false, true}) {
+      const Vector3d observed = zero_residual ? state_.position(0, joint) : Vector3d(0.3, -0.2, 0.5);
+      const JointPositionCost cost(state_, 0, joint, observed, kWhitening);
+      const auto automatic = Automatic(PositionResidual{skeleton_, joint, observed}, cost);
+      EXPECT_JACOBIAN(At(cost, cost.Blocks(state_)), automatic, 1e-9);
     }
   }
 }
 
 TEST_P(CostJacobian, OfJointVelocity) {
-  for (const bool free_bones : {false, true}) {
-    for (int joint = 0; joint < kJointsOfBent; ++joint) {
-      const JointVelocityCost cost(state_, 0, joint, kWeight, free_bones);
-      const int above = static_cast<int>(state_.path(joint).size());
-      const auto automatic = Automatic(VelocityResidual{skeleton_, joint, above, free_bones}, cost);
-      EXPECT_JACOBIAN(At(cost, cost.Blocks(state_)), automatic, 1e-9);
-    }
+  for (int joint = 0; joint < kJointsOfBent; ++joint) {
+    const JointVelocityCost cost(state_, 0, joint, kWeight);
+    const int above = static_cast<int>(state_.path(joint).size());
+    const auto automatic = Automatic(VelocityResidual{skeleton_, joint, above}, cost);
+    EXPECT_JACOBIAN(At(cost, cost.Blocks(state_)), automatic, 1e-9);
   }
 }
 
@@ -321,14 +310,6 @@ TEST(Hinges, AllowOneBendingDirectionAndTwist) {
     EXPECT_NEAR(std::abs(off("left_elbow", {0.0, 0.0, 0.6}, twist)[0]), std::sin(0.6), 1e-9) << "to the side";
     EXPECT_LT(off("right_knee", {-0.8, 0.0, 0.0}, twist)[1], -0.4);
   }
-}
-
-TEST(BonePrior, IsTheWhitenedDifference) {
-  const BonePriorCost cost(0.4, 0.02);
-  double bone = 0.45;
-  Jacobians jacobians;
-  EXPECT_NEAR(ResidualsOf({&cost, {&bone}}, &jacobians)[0], 2.5, 1e-12);
-  EXPECT_TRUE(SameJacobians(jacobians, NumericJacobians({&cost, {&bone}}, 1e-4), 1e-9, "numeric"));
 }
 
 TEST(JointLimits, HaveZeroCostInside) {

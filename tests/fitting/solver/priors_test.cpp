@@ -34,7 +34,7 @@ PlayedTake Shuffling(double sway, double knee = 0.8, double arms = 0.0) {
 }
 
 Motion FittedMotion(const PlayedTake& take, const JointTrackOptions& options = {}) {
-  const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
+  const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return fit->motion;
 }

@@ -35,7 +35,7 @@ struct UncertainBone {
   }
 
   void AddSecondOrder() {
-    const std::vector<double> sigma(static_cast<std::size_t>(take.tracks.joints()), 0.01);
+    const double sigma = 0.01;
     const JointTrackOptions options;
     PoseState state(*take.tracks.skeleton, 1, take.truth.bone_length,
                     std::vector<bool>(static_cast<std::size_t>(take.tracks.joints()), true));
@@ -43,8 +43,7 @@ struct UncertainBone {
     for (int j = 0; j < take.tracks.joints(); ++j)
       Eigen::Map<Vector3d>(state.rotation(0, j)) = LogQuaternion(take.truth.rotation_at(0, j));
     state.Update(0, 1, true);
-    AddSecondOrderCovariance({take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 1},
-                             covariance);
+    AddSecondOrderCovariance({take.tracks, state, sigma, options, 0, 1}, covariance);
   }
 };
 

@@ -16,7 +16,7 @@ namespace mocurate {
 namespace {
 
 FitResult FitTake(const PlayedTake& take, const JointTrackOptions& options = {}) {
-  const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
+  const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return *fit;
 }
@@ -229,7 +229,7 @@ TEST(JointTrackFit, KeepsASampleThatIsOffInAnUncertainDirection) {
   take.tracks.positions.at(20, 5).z() += 0.4;
   const auto rejected = [&] {
     SkeletonTracks tracks = take.tracks;
-    return RejectOutliers(tracks, std::vector<double>(static_cast<std::size_t>(tracks.joints()), 0.01));
+    return RejectOutliers(tracks, 0.01);
   };
   const std::size_t at = std::size_t{20} * take.tracks.joints() + 5;
   EXPECT_TRUE(rejected()[at]);

@@ -37,12 +37,11 @@ class Kard : public testing::Test {
 
 TEST_F(Kard, ClipsShareThePersonsBonesAndStayNearTheirTracks) {
   const auto person = EstimateProportions(tracks_, skeleton_, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value()) << person.error().Message();
-  const double stature = Stature(*skeleton_, person->bone_length);
+  const double stature = Stature(*skeleton_, person.bone_length);
   EXPECT_GT(stature, 1.2);  // ankle to head centre
   EXPECT_LT(stature, 1.8);
   for (const Clip& clip : clips_) {
-    const auto fit = FitTracksOfClip(clip, person->skeleton, person->bone_length, FittingOptions{});
+    const auto fit = FitTracksOfClip(clip, person.skeleton, person.bone_length, FittingOptions{});
     ASSERT_TRUE(fit.has_value()) << fit.error().Message();
     const StageOutcome outcome = OutcomeOfFit(clip, *fit, FittingOptions{});
     const nlohmann::json& summary = outcome.summary;
@@ -59,8 +58,7 @@ TEST_F(Kard, ClipsShareThePersonsBonesAndStayNearTheirTracks) {
 
 TEST_F(Kard, PelvisLiesBetweenTheHips) {
   const auto person = EstimateProportions(tracks_, skeleton_, ProportionsOptions{});
-  ASSERT_TRUE(person.has_value());
-  const auto fit = FitTracksOfClip(clips_[0], person->skeleton, person->bone_length, FittingOptions{});
+  const auto fit = FitTracksOfClip(clips_[0], person.skeleton, person.bone_length, FittingOptions{});
   ASSERT_TRUE(fit.has_value());
   const int left = *skeleton_->FindJoint("left_hip");
   const int right = *skeleton_->FindJoint("right_hip");

@@ -62,7 +62,7 @@ TwistError TwistErrorOf(const Motion& fitted, const Motion& truth, int joint, co
 }
 
 FitResult FitRecorded(const PlayedTake& take, JointTrackOptions options = {}) {
-  auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
+  auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, options);
   EXPECT_TRUE(fit) << fit.error().Message();
   return *std::move(fit);
 }
@@ -141,8 +141,7 @@ TEST(RecordedRotationsOfTracks, AreReportedAsTooFewInShortClips) {
     PlayedTake take = Recorded(0.0);
     take.tracks = CutTracks(take.tracks, 0, frames);
     take.truth = {};
-    const auto fit =
-        FitJointTracks(take.tracks, FrameRate{30, 1}, take.tracks.skeleton->RestBoneLengths(), Bones::kFixed, {});
+    const auto fit = FitJointTracks(take.tracks, FrameRate{30, 1}, take.tracks.skeleton->RestBoneLengths(), {});
     ASSERT_TRUE(fit) << fit.error().Message();
     int reported = 0;
     for (const Finding& finding : fit->findings) reported += finding.code == "rotations_too_few" ? 1 : 0;
@@ -187,7 +186,7 @@ TEST(RecordedRotationsOfTracks, KeepTheTwistOfAGivenMotionOnAnotherSkeleton) {
   ASSERT_TRUE(tracks);
   const auto mapped = MapTracks(*tracks, other);
   ASSERT_TRUE(mapped);
-  const auto fit = FitJointTracks(*mapped, take.truth.rate, other->RestBoneLengths(), Bones::kFixed, {});
+  const auto fit = FitJointTracks(*mapped, take.truth.rate, other->RestBoneLengths(), {});
   ASSERT_TRUE(fit);
   double worst = 0.0;
   const Quaterniond first =

@@ -51,7 +51,7 @@ struct Coverage {
 };
 
 FitResult FitWithUncertainty(const PlayedTake& take, const JointTrackOptions& options = {}) {
-  auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, Bones::kFixed, options);
+  auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();
   return std::move(*fit);
 }
@@ -63,7 +63,7 @@ float ValueAt(const std::vector<float>& values, const Motion& motion, int frame,
 TEST(TrackUncertainty, MatchesTheDenseCovarianceOfCeres) {
   PlayedTake take = SmoothTake(5);
   AddUnevenNoise(take.tracks, 0.01, 8);
-  const std::vector<double> sigma(take.tracks.joints(), 0.01);
+  const double sigma = 0.01;
   const JointTrackOptions options;
   PoseState state(*take.tracks.skeleton, 5, take.truth.bone_length,
                   {true, true, true, true, true, false, true, true, false, true, false, true, false, false});
@@ -73,7 +73,7 @@ TEST(TrackUncertainty, MatchesTheDenseCovarianceOfCeres) {
       if (state.active(j)) Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(take.truth.rotation_at(f, j));
     }
   }
-  TrackWindow window{take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 5};
+  TrackWindow window{take.tracks, state, sigma, options, 0, 5};
   const auto uncertainty = UncertaintyOfTracks(window);
   ASSERT_TRUE(uncertainty.has_value()) << uncertainty.error().Message();
 
@@ -130,13 +130,13 @@ Eigen::MatrixXd PrecisionOfChain(const std::vector<double>& rest, double process
 
 TEST(TrackUncertainty, CountsTheRestPoseOnceForAnyClipLengthAndProcessNoise) {
   const PlayedTake take = SmoothTake(300);
-  const std::vector<double> sigma(take.tracks.joints(), 0.01);
+  const double sigma = 0.01;
   PoseState state(*take.tracks.skeleton, 300, take.truth.bone_length, std::vector<bool>(take.tracks.joints(), true));
   for (const double process_noise : {0.05, 0.5, 2.0}) {
     for (const int frames : {1, 2, 30, 300}) {
       JointTrackOptions options;
       options.rotation_process_noise = process_noise;
-      const TrackWindow window{take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, frames};
+      const TrackWindow window{take.tracks, state, sigma, options, 0, frames};
       const std::vector<double> of_all = RestInformationOfProcessNoise(window);
       std::vector<double> rest;
       for (int f = 0; f < frames; ++f) rest.push_back(of_all[window.Index(f, 4)]);
@@ -154,10 +154,10 @@ TEST(TrackUncertainty, CountsTheRestPoseOnceForAnyClipLengthAndProcessNoise) {
 
 TEST(TrackUncertainty, OfRotationsIncludesTheVariationOfBodies) {
   const PlayedTake take = SmoothTake(30);
-  const std::vector<double> sigma(take.tracks.joints(), 0.01);
+  const double sigma = 0.01;
   const JointTrackOptions options;
   PoseState state(*take.tracks.skeleton, 30, take.truth.bone_length, std::vector<bool>(take.tracks.joints(), true));
-  const TrackWindow window{take.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 30};
+  const TrackWindow window{take.tracks, state, sigma, options, 0, 30};
   const std::vector<Matrix3d> orientation_covariance = FrameOrientationCovariance(window);
   const Skeleton& skeleton = *take.tracks.skeleton;
   const std::vector<std::vector<int>> children = skeleton.Children();
@@ -181,14 +181,14 @@ TEST(TrackUncertainty, OfRotationsIncludesTheVariationOfBodies) {
   beside.tracks.place_sigma.assign(take.tracks.joints(), 0.0);
   const int elbow = *skeleton.FindJoint("left_elbow"), wrist = children[elbow].front();
   beside.tracks.place_sigma[wrist] = 0.02;
-  const TrackWindow of_points{beside.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 30};
+  const TrackWindow of_points{beside.tracks, state, sigma, options, 0, 30};
   const double turned =
       Eigen::SelfAdjointEigenSolver<Matrix3d>(FrameOrientationCovariance(of_points)[elbow]).eigenvalues()[2];
   EXPECT_NEAR(std::sqrt(turned), std::hypot(0.02, 0.0025) / take.truth.bone_length[wrist], 1e-9)
       << "a tracker's point that is not a joint";
   PlayedTake unobserved = take;
   for (int f = 0; f < 30; ++f) Hide(unobserved.tracks, f, children[3].front());
-  const TrackWindow without{unobserved.tracks, state, sigma, take.truth.bone_length, Bones::kFixed, options, 0, 30};
+  const TrackWindow without{unobserved.tracks, state, sigma, options, 0, 30};
   EXPECT_EQ(FrameOrientationCovariance(without)[3], Matrix3d::Zero()) << "only observed bones count";
 }
 
@@ -232,7 +232,7 @@ TEST(TrackUncertainty, AHingeWithoutEvidenceIsNotObserved) {
 TEST(TrackUncertainty, ALongerGapIsNotMoreCertain) {
   PlayedTake take = SmoothTake(90);
   AddNoise(take.tracks, 0.04, 3);  // four times as stated: the factor of the residuals is large
-  const std::vector<double> sigma(take.tracks.joints(), 0.01);
+  const double sigma = 0.01;
   const JointTrackOptions options;
   const int elbow = *take.truth.skeleton->FindJoint("left_elbow"),
             wrist = *take.truth.skeleton->FindJoint("left_wrist");
@@ -245,7 +245,7 @@ TEST(TrackUncertainty, ALongerGapIsNotMoreCertain) {
       for (int j = 0; j < gap.tracks.joints(); ++j)
         Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(gap.truth.rotation_at(f, j));
     }
-    const TrackWindow window{gap.tracks, state, sigma, gap.truth.bone_length, Bones::kFixed, options, 0, 90};
+    const TrackWindow window{gap.tracks, state, sigma, options, 0, 90};
     const auto uncertainty = UncertaintyOfTracks(window);
     EXPECT_GT(uncertainty->variance_factor, 4.0);
     Vector3d of_elbow;
@@ -337,7 +337,7 @@ TEST(StatedUncertainty, CoversTheErrorsOfTheReferenceProblems) {
   for (const char* name :
        {"platform_seed0", "platform_seed1", "platform_seed2", "platform_dropouts5_seed0", "platform_dropouts5_seed1"}) {
     const ReferenceProblem problem = ReadReferenceProblem(ReferenceFolder() / (std::string(name) + ".h5"));
-    const auto fit = FitJointTracks(problem.tracks, problem.rate, problem.bone_length, Bones::kFixed, {});
+    const auto fit = FitJointTracks(problem.tracks, problem.rate, problem.bone_length, {});
     ASSERT_TRUE(fit.has_value()) << name;
     coverage.Add(fit->motion, problem.truth);
   }
